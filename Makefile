@@ -1,0 +1,46 @@
+# geodesicd: what there is to do. The work is in scripts/ and CMakePresets.json.
+
+PORT ?= 8080
+HOST ?= 127.0.0.1
+SECONDS ?= 60
+JOBS ?= $(shell nproc)
+export PORT HOST JOBS
+
+.DEFAULT_GOAL := help
+.PHONY: help setup build run test bench fuzz format lint clean
+MAKEFLAGS += --no-print-directory
+
+help: ## list these targets
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1|\2/p' Makefile | column -t -s '|'
+	@echo "Variables: HOST=$(HOST) PORT=$(PORT) (run), SECONDS=$(SECONDS) (fuzz), JOBS=$(JOBS)"
+
+setup: ## install what building needs (Debian 12 or 13; root or sudo)
+	@scripts/setup
+
+build: setup ## build everything for release, in build/release
+	@cmake --preset release -Wno-dev --log-level=WARNING $(CMAKE_FLAGS)
+	@cmake --build --preset release --parallel $(JOBS)
+
+run: build ## start the server with sample meshes; Ctrl-C stops it
+	@scripts/run_server
+
+test: setup ## build and run all tests, then again under the sanitizers
+	@scripts/run_tests
+
+bench: build ## measure
+	@build/release/geodesic_bench
+
+fuzz: ## run each fuzzer for SECONDS
+	@scripts/setup fuzz
+	@scripts/run_fuzzers $(SECONDS)
+
+format: ## apply .clang-format to our sources
+	@scripts/setup lint
+	@scripts/list_sources | xargs clang-format -i
+
+lint: ## clang-format, clang-tidy and shellcheck, changing nothing
+	@scripts/setup lint
+	@scripts/lint
+
+clean: ## remove everything that was built
+	@rm -rf build

@@ -1,0 +1,41 @@
+# Every library from outside, found in one place. `make setup` installs them.
+# Where Debian 12 and 13 differ, the difference ends here.
+find_package(Threads REQUIRED)
+find_package(tl-expected REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(OpenSSL REQUIRED COMPONENTS Crypto)
+find_package(ZLIB REQUIRED)
+find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
+
+# geodesic_draco: the shared library where there is one, the static one otherwise.
+find_package(draco REQUIRED)
+add_library(geodesic_draco INTERFACE)
+if(TARGET draco::draco)
+  target_link_libraries(geodesic_draco INTERFACE draco::draco)
+else()
+  target_link_libraries(geodesic_draco INTERFACE draco::draco_static)
+endif()
+
+# geodesic_embree: Embree 3 (Debian 12) or 4 (Debian 13), which differ in the
+# header's folder and in a few calls; GEODESIC_EMBREE tells the code which it is.
+find_package(embree REQUIRED)
+add_library(geodesic_embree INTERFACE)
+target_link_libraries(geodesic_embree INTERFACE embree)
+target_compile_definitions(geodesic_embree INTERFACE GEODESIC_EMBREE=${EMBREE_VERSION_MAJOR})
+message(STATUS "Embree ${EMBREE_VERSION}")
+
+set(GEODESIC_HTTPLIB_DIR "" CACHE PATH "Folder of httplib.h, looked in first")
+include(HttplibFolder)
+if(NOT HTTPLIB_INCLUDE_DIR)
+  message(FATAL_ERROR "No httplib.h of at least 0.41; `make setup` fetches one")
+endif()
+message(STATUS "cpp-httplib ${HTTPLIB_VERSION}: ${HTTPLIB_INCLUDE_DIR}")
+
+if(GEODESIC_TESTS)
+  find_package(doctest REQUIRED)
+endif()
+if(GEODESIC_BENCH)
+  find_package(benchmark REQUIRED)
+endif()

@@ -1,0 +1,17 @@
+# geodesic_precompile(TARGET HEADER...)
+#
+# Parses headers that most files of TARGET include once instead of once a file,
+# for example
+#     geodesic_precompile(geodesic_proto <nlohmann/json.hpp>)
+# A file must still include what it uses: the debug preset, which `make lint`
+# reads, builds without precompiled headers.
+function(geodesic_precompile target)
+  target_precompile_headers(${target} PRIVATE ${ARGN})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # ccache reads preprocessed text, which must name the header that was used.
+    target_compile_options(${target} PRIVATE -fpch-preprocess)
+  elseif(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    # The same header must give the same bytes whenever it is compiled.
+    target_compile_options(${target} PRIVATE "SHELL:-Xclang -fno-pch-timestamp")
+  endif()
+endfunction()

@@ -1,0 +1,47 @@
+# How tests and fuzzers are declared, so that `make test` and `make fuzz` find
+# them, build no more than a pass needs, and count them.
+#
+# ctest labels: `doctest` (run again under ASan and UBSan) and `tsan` (concurrency;
+# run again under TSan). The targets doctest_executables and tsan_executables
+# build what has that label.
+add_custom_target(doctest_executables)
+add_custom_target(tsan_executables)
+
+# geodesic_add_doctest(TARGET [TSAN])
+#
+# Makes ctest run the executable TARGET, which has tests written with doctest, as a
+# whole. TSAN: it tests concurrency.
+function(geodesic_add_doctest target)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "TSAN" "" "")
+  target_link_libraries(${target} PRIVATE doctest_main)
+  geodesic_precompile(${target} <doctest/doctest.h>)
+  add_test(NAME ${target} COMMAND ${target})
+  add_dependencies(doctest_executables ${target})
+  set(labels doctest)
+  if(arg_TSAN)
+    add_dependencies(tsan_executables ${target})
+    list(APPEND labels tsan)
+  endif()
+  set_tests_properties(${target} PROPERTIES LABELS "${labels}" TIMEOUT 600)
+endfunction()
+
+# geodesic_add_script_test(NAME COMMAND...)
+#
+# A test in bash or Python: it passes with exit status 0, and was skipped with 77.
+function(geodesic_add_script_test name)
+  add_test(NAME ${name} COMMAND ${ARGN})
+  set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 600)
+endfunction()
+
+# geodesic_add_fuzzer(TARGET)
+#
+# The executable TARGET, whose name begins with `fuzz_`, has an
+# LLVMFuzzerTestOneInput. Only in the fuzz preset, where everything is compiled
+# with coverage already.
+function(geodesic_add_fuzzer target)
+  if(NOT target MATCHES "^fuzz_")
+    message(FATAL_ERROR "${target}: `make fuzz` runs what begins with fuzz_")
+  endif()
+  target_link_libraries(${target} PRIVATE geodesic_options)
+  target_link_options(${target} PRIVATE -fsanitize=fuzzer)
+endfunction()

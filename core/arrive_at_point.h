@@ -1,0 +1,70 @@
+// The distance of any surface point from a field over the vertices, and the way
+// by which it got there: the step that both point queries and the trace back use.
+// Tang et al. 2007, section 3.3, steps 1 and 3.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/adjacency.h"
+#include "core/field.h"
+#include "core/surface_point.h"
+
+namespace geodesic {
+
+// Where the shortest way to a point came from, one step back: a straight segment
+// inside `face`, whose other end has the weights `bary` there.
+struct StepBack {
+  enum class To : std::uint8_t {
+    nowhere,  // no way leads here
+    edge,     // a point on the edge `base` of the face
+    vertex,   // the vertex `vertex`
+    source,   // the source `source`
+  };
+  To to = To::nowhere;
+  double distance = kUnreached;  // of the point itself
+  std::uint32_t face = kNone;
+  std::array<double, 3> start{};  // the point's own weights in `face`
+  std::array<double, 3> bary{};
+  Halfedge base = kNone;
+  std::uint32_t vertex = kNone;
+  std::uint32_t source = kNone;
+};
+
+class PointArrivals {
+ public:
+  // Both must outlive this object.
+  PointArrivals(const Adjacency& adjacency, const Field& field);
+
+  // The shortest way to a point that lies in `place.face`, through that face
+  // only: over each side whose ends both have a distance, straight from each of
+  // the face's corners, and straight from sources in the same face.
+  [[nodiscard]] StepBack through_face(const SurfacePoint& place) const;
+
+  // The way to a vertex, by its parents.
+  [[nodiscard]] StepBack by_parents(std::uint32_t vertex) const;
+
+  // From a point of a face straight to one end of the side that starts at corner
+  // c: to the end by which it is closer to the sources.
+  [[nodiscard]] StepBack to_end_of_side(std::uint32_t face, std::uint32_t c,
+                                        const std::array<double, 3>& start) const;
+
+  // The distance of any point: the least over the faces it lies in.
+  [[nodiscard]] double distance_at(const SurfacePoint& point) const;
+
+ private:
+  struct SourcePlace {
+    std::uint32_t face;
+    std::uint32_t source;
+    std::array<double, 3> bary;
+  };
+  [[nodiscard]] StepBack straight_from_source(std::uint32_t vertex, std::uint32_t source) const;
+
+  const Adjacency& adjacency_;
+  const Field& field_;
+  std::vector<SourcePlace> source_places_;  // ascending by face
+};
+
+}  // namespace geodesic

@@ -1,0 +1,75 @@
+#include "core/surface_point.h"
+
+#include <algorithm>
+
+namespace geodesic {
+
+SurfacePoint point_at_vertex(const Adjacency& adjacency, std::uint32_t vertex) {
+  SurfacePoint point;
+  point.vertex = vertex;
+  const auto corners = adjacency.corners(vertex);
+  if (!corners.empty()) {
+    point.face = face_of(corners.front());
+    point.bary = {0, 0, 0};
+    point.bary[corner_of(corners.front())] = 1;
+  }
+  return point;
+}
+
+SurfacePoint point_on_face(const Adjacency& adjacency, std::uint32_t face,
+                           std::array<double, 3> bary) {
+  // Divided by the largest first, so that neither the sum nor a part overflows.
+  const double largest = std::max({bary[0], bary[1], bary[2]});
+  for (double& weight : bary) weight /= largest;
+  const double sum = bary[0] + bary[1] + bary[2];
+  for (double& weight : bary) weight /= sum;
+  SurfacePoint point{face, bary, kNone};
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    if (bary[next_corner(c)] == 0 && bary[previous_corner(c)] == 0) {
+      point.vertex = adjacency.face(face).vertex[c];
+      point.bary[c] = 1;
+    }
+  }
+  return point;
+}
+
+Vec3 position_of(const Mesh& mesh, const SurfacePoint& point) {
+  if (point.at_vertex()) return mesh.positions()[point.vertex];
+  const Triangle& t = mesh.faces()[point.face];
+  return point.bary[0] * mesh.positions()[t[0]] + point.bary[1] * mesh.positions()[t[1]] +
+         point.bary[2] * mesh.positions()[t[2]];
+}
+
+std::vector<SurfacePoint> in_all_faces(const Adjacency& adjacency, const SurfacePoint& point) {
+  std::vector<SurfacePoint> places;
+  if (point.at_vertex()) {
+    for (const std::uint32_t corner : adjacency.corners(point.vertex)) {
+      SurfacePoint& place = places.emplace_back();
+      place.face = face_of(corner);
+      place.bary = {0, 0, 0};
+      place.bary[corner_of(corner)] = 1;
+      place.vertex = point.vertex;
+    }
+    return places;
+  }
+  places.push_back(point);
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    if (point.bary[previous_corner(c)] != 0) continue;
+    const Halfedge start = halfedge(point.face, c);
+    const std::uint32_t tail = adjacency.face(point.face).vertex[c];
+    for (Halfedge h = adjacency.ring(start); h != start; h = adjacency.ring(h)) {
+      const FaceRecord& record = adjacency.face(face_of(h));
+      const std::uint32_t hc = corner_of(h);
+      const bool same_way = record.vertex[hc] == tail;
+      SurfacePoint& place = places.emplace_back();
+      place.face = face_of(h);
+      place.bary[hc] = point.bary[same_way ? c : next_corner(c)];
+      place.bary[next_corner(hc)] = point.bary[same_way ? next_corner(c) : c];
+      place.bary[previous_corner(hc)] = 0;
+    }
+    return places;
+  }
+  return places;
+}
+
+}  // namespace geodesic

@@ -1,0 +1,41 @@
+// One type for every location on a surface: sources, targets and path points.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/adjacency.h"
+#include "core/error.h"
+#include "core/mesh.h"
+#include "core/vec3.h"
+
+namespace geodesic {
+
+// A point given by the barycentric weights of a face's three corners. A point
+// at a vertex says so in `vertex`, and then `face` is any face there, or kNone
+// at an isolated vertex. A point on an edge has one weight that is exactly zero.
+struct SurfacePoint {
+  std::uint32_t face = kNone;
+  std::array<double, 3> bary{1, 0, 0};
+  std::uint32_t vertex = kNone;
+
+  [[nodiscard]] bool at_vertex() const { return vertex != kNone; }
+};
+
+[[nodiscard]] SurfacePoint point_at_vertex(const Adjacency& adjacency, std::uint32_t vertex);
+
+// A point of a face; weights that leave only one corner make it that vertex.
+// The weights must be finite, not negative, and not all zero; they are divided
+// by their sum.
+[[nodiscard]] SurfacePoint point_on_face(const Adjacency& adjacency, std::uint32_t face,
+                                         std::array<double, 3> bary);
+
+[[nodiscard]] Vec3 position_of(const Mesh& mesh, const SurfacePoint& point);
+
+// Every face that the point lies in, with its weights there: one for an inner
+// point, the faces round an edge, or those round a vertex (none at an isolated one).
+[[nodiscard]] std::vector<SurfacePoint> in_all_faces(const Adjacency& adjacency,
+                                                     const SurfacePoint& point);
+
+}  // namespace geodesic

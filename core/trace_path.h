@@ -1,0 +1,34 @@
+// The path of Tang et al. 2007, section 3.3: from a target back through the
+// parents of its distance to the source.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/adjacency.h"
+#include "core/field.h"
+#include "core/surface_point.h"
+#include "core/vec3.h"
+
+namespace geodesic {
+
+struct PathPoint {
+  SurfacePoint point;  // in the face of the segment that leaves it, towards the target
+  Vec3 position;
+};
+
+// A polyline on the surface, source first; every segment lies in one face.
+struct Path {
+  std::vector<PathPoint> points;
+  double length = 0;         // the sum of its segments, without the source's offset
+  std::uint32_t source = 0;  // which of the field's sources it starts at
+};
+
+// Nothing when the target has no distance in this field. The field must reach
+// all vertices that are closer than the target: a field of all vertices, or one
+// that stopped at the target.
+[[nodiscard]] std::optional<Path> trace_path(const Adjacency& adjacency, const Field& field,
+                                             const SurfacePoint& target);
+
+}  // namespace geodesic

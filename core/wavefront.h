@@ -1,0 +1,46 @@
+// The distance field of Tang, Wu, Zhang and Zhang 2007, section 3.1: a wavefront
+// that accepts vertices in the order of their distance and computes each from
+// the virtual source of a triangle whose other two vertices are accepted.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "core/adjacency.h"
+#include "core/cancel.h"
+#include "core/error.h"
+#include "core/field.h"
+#include "core/vertex_heap.h"
+
+namespace geodesic {
+
+struct WavefrontLimits {
+  // Distances above this are not computed: they read kUnreached.
+  double max = std::numeric_limits<double>::infinity();
+  // When not empty: stop once these vertices have their distance. Vertices farther
+  // than all of them read kUnreached.
+  std::span<const std::uint32_t> targets;
+};
+
+// Memory that a query works in, kept for the next query on the same thread.
+struct WavefrontScratch {
+  VertexHeap heap;
+  std::vector<std::uint8_t> is_target;
+  std::vector<double> distance;  // of one of several waves; kUnreached between waves
+  std::vector<Parents> parents;
+};
+
+// The distances from the nearest of the sources. The paper's wavefront has one
+// source; with several, each has a wave of its own, which stops where an earlier
+// one was nearer: circles of two sources mean nothing together.
+//
+// O(n log n) for n vertices and one source; with k sources about log k times that.
+// With no source everything is unreached. Errors: cancelled.
+[[nodiscard]] Result<Field> wavefront_field(const Adjacency& adjacency,
+                                            std::span<const Source> sources,
+                                            const WavefrontLimits& limits,
+                                            WavefrontScratch& scratch, const Cancel& cancel);
+
+}  // namespace geodesic

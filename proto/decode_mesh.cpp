@@ -1,0 +1,70 @@
+#include "proto/decode_mesh.h"
+
+#include <exception>
+#include <new>
+#include <stdexcept>
+#include <utility>
+
+#include "proto/decode_gltf.h"
+#include "proto/draco_codec.h"
+
+namespace geodesic::proto {
+namespace {
+
+Result<DecodedMesh> decode_drc(std::span<const std::byte> bytes, const DecodeLimits& limits) {
+  auto soup = decode_draco(bytes, {limits.max_vertices, limits.max_faces});
+  if (!soup) return fail(std::move(soup.error()));
+  if (soup->faces.empty()) {
+    return fail(ErrorCode::no_triangles, "The Draco data has no triangles.");
+  }
+  DecodedMesh mesh;
+  mesh.format = MeshFormat::drc;
+  MeshPart part;
+  part.vertex_count = soup->positions.size();
+  part.face_count = soup->faces.size();
+  mesh.parts.push_back(std::move(part));
+  mesh.soup = std::move(*soup);
+  return mesh;
+}
+
+}  // namespace
+
+std::string_view name_of(MeshFormat format) {
+  switch (format) {
+    case MeshFormat::glb:
+      return "glb";
+    case MeshFormat::gltf:
+      return "gltf";
+    case MeshFormat::drc:
+      return "drc";
+  }
+  return "";
+}
+
+Result<MeshFormat> sniff_format(std::span<const std::byte> bytes) {
+  std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  if (text.starts_with("glTF")) return MeshFormat::glb;
+  if (is_draco(bytes)) return MeshFormat::drc;
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first != std::string_view::npos && text[first] == '{') return MeshFormat::gltf;
+  return fail(ErrorCode::format_unknown,
+              "The bytes are neither GLB nor glTF nor a Draco bitstream.");
+}
+
+Result<DecodedMesh> decode_mesh(std::span<const std::byte> bytes, const DecodeLimits& limits) {
+  const auto format = sniff_format(bytes);
+  if (!format) return fail(format.error());
+  try {
+    return *format == MeshFormat::drc ? decode_drc(bytes, limits)
+                                      : decode_gltf(bytes, *format, limits);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::too_large, "Decoding the mesh needs more memory than there is.");
+  } catch (const std::length_error&) {
+    return fail(ErrorCode::too_large, "Decoding the mesh needs more memory than there is.");
+  } catch (const std::exception&) {
+    return fail(ErrorCode::internal, "The mesh could not be decoded.");
+  }
+}
+
+}  // namespace geodesic::proto

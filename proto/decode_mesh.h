@@ -1,0 +1,71 @@
+// Bytes of a mesh file to triangles. The format is found from the bytes alone:
+// GLB, glTF (JSON with embedded data) or a Draco bitstream.
+//
+// The bytes are hostile: nothing outside them is ever opened, every count is
+// checked against the bytes present and against `DecodeLimits` before memory is
+// taken, and every fault is an `Error` that names it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/error.h"
+#include "core/triangle_soup.h"
+
+namespace geodesic::proto {
+
+enum class MeshFormat : std::uint8_t { glb, gltf, drc };
+
+// "glb", "gltf" or "drc".
+[[nodiscard]] std::string_view name_of(MeshFormat format);
+
+struct DecodeLimits {
+  std::uint64_t max_vertices = 20'000'000;
+  std::uint64_t max_faces = 40'000'000;
+  std::uint64_t max_nodes = 1'000'000;  // nodes and primitives drawn, instances counted each time
+  // Nodes, accessors, primitives … that a glTF document lists: each costs up to a
+  // kilobyte when parsed.
+  std::uint64_t max_gltf_objects = 300'000;
+  std::uint64_t max_json_depth = 64;          // nesting of the glTF document
+  std::uint64_t max_json_values = 5'000'000;  // values in it: each may cost 100 bytes when parsed
+};
+
+// One drawn instance of one primitive: a run of source vertices and faces.
+struct MeshPart {
+  std::int64_t node = -1;       // glTF node; -1: none (Draco)
+  std::int64_t mesh = -1;       // glTF mesh
+  std::int64_t primitive = -1;  // index within the mesh
+  std::string name;             // the node's name, else the mesh's
+  std::uint64_t first_vertex = 0;
+  std::uint64_t vertex_count = 0;
+  std::uint64_t first_face = 0;
+  std::uint64_t face_count = 0;
+};
+
+struct DecodedMesh {
+  MeshFormat format = MeshFormat::glb;
+  TriangleSoup soup;  // in source-vertex order, node transforms applied
+  std::vector<MeshPart> parts;
+  std::vector<std::string> warnings;  // what was ignored, one sentence each
+};
+
+// Which format the bytes claim to be; `format_unknown` when none.
+[[nodiscard]] Result<MeshFormat> sniff_format(std::span<const std::byte> bytes);
+
+// Source-vertex order: the default scene depth first (scene 0 when none is
+// named, all roots when there is no scene), each mesh's primitives in order, the
+// vertices of each primitive's POSITION accessor. Those of points and lines count
+// too, but only triangles, strips and fans make faces and parts. Faces keep the
+// file's corners in order, under mirroring transforms as well. Draco's vertices
+// are in decoded order.
+//
+// Errors: format_unknown, mesh_invalid, no_triangles, index_out_of_range,
+// too_many_vertices, too_many_faces, external_uri, extension_required, too_large.
+[[nodiscard]] Result<DecodedMesh> decode_mesh(std::span<const std::byte> bytes,
+                                              const DecodeLimits& limits);
+
+}  // namespace geodesic::proto

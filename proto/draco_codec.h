@@ -1,0 +1,30 @@
+// Draco bitstreams to triangles and back, in memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/error.h"
+#include "core/triangle_soup.h"
+#include "proto/draco_header.h"
+
+namespace geodesic::proto {
+
+// Which attribute holds the positions, as KHR_draco_mesh_compression says it.
+struct DracoPosition {
+  std::uint32_t unique_id = 0;
+  bool normalized = false;  // integers stand for [0, 1] or [-1, 1]
+};
+
+// Vertices are Draco's points in decoded order. Without `position`, the
+// attribute is the first one of that type.
+// Errors: those of `check_draco_claims`, and mesh_invalid naming the point,
+// index_out_of_range, too_large when memory runs out.
+[[nodiscard]] Result<TriangleSoup> decode_draco(std::span<const std::byte> bytes,
+                                                const DracoLimits& limits,
+                                                std::optional<DracoPosition> position = {});
+
+}  // namespace geodesic::proto

@@ -1,0 +1,51 @@
+// The one bounds-checked reader of glTF accessors. `read_accessor` proves that
+// every element lies within bytes that are present; what is made from its result
+// needs no further check.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include "core/error.h"
+#include "proto/gltf_buffers.h"
+#include "proto/gltf_document.h"
+
+namespace geodesic::proto {
+
+// `count` elements of `components` components each, the first at `data`, the
+// next `stride` bytes on. Components may be unaligned.
+struct GltfElements {
+  const std::byte* data = nullptr;
+  std::uint64_t count = 0;
+  std::uint64_t stride = 0;
+  int component_type = 0;
+  int components = 1;
+  bool normalized = false;
+  std::shared_ptr<const std::vector<std::byte>> owned;  // of a sparse accessor, else null
+
+  template <class T>
+  [[nodiscard]] T component(std::uint64_t element, int which) const {
+    T value;
+    std::memcpy(&value, data + element * stride + static_cast<std::size_t>(which) * sizeof(T),
+                sizeof(T));
+    return value;
+  }
+};
+
+// What a caller is able to use.
+enum class GltfUse : std::uint8_t {
+  position,  // VEC3 of float32, or of 8 or 16 bits (KHR_mesh_quantization)
+  indices,   // SCALAR of unsigned 8, 16 or 32 bits
+};
+
+// Elements of an accessor, sparse ones resolved. `max_absent`: how many elements
+// may be zeros that no bytes stand for. The buffers must outlive the result.
+// Errors: those of `GltfBuffers::view`, and mesh_invalid naming the accessor.
+[[nodiscard]] Result<GltfElements> read_accessor(const GltfDocument& document, GltfBuffers& buffers,
+                                                 std::size_t index, GltfUse use,
+                                                 std::uint64_t max_absent);
+
+}  // namespace geodesic::proto

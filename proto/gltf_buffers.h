@@ -1,0 +1,41 @@
+// The bytes behind the buffers of a glTF file: the binary chunk as it lies in
+// the file, and base64 data URIs decoded when first needed. What nobody reads is
+// never decoded; what is elsewhere is never fetched.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "core/error.h"
+#include "proto/gltf_document.h"
+
+namespace geodesic::proto {
+
+// Not for several threads at once: reading may decode. `document` and `binary`
+// must outlive it.
+class GltfBuffers {
+ public:
+  // `has_binary`: the file is a GLB with a binary chunk, which may be empty.
+  GltfBuffers(const GltfDocument& document, std::span<const std::byte> binary, bool has_binary);
+
+  // The bytes of a buffer view, valid as long as this object.
+  // Errors: external_uri, extension_required (compressed by meshopt), and
+  // mesh_invalid when the view or its buffer reaches past the bytes present.
+  [[nodiscard]] Result<std::span<const std::byte>> view(std::size_t index);
+
+ private:
+  Result<std::span<const std::byte>> buffer(std::size_t index);
+
+  const GltfDocument& document_;
+  std::span<const std::byte> binary_;
+  bool has_binary_;
+  std::vector<std::optional<std::vector<std::byte>>> decoded_;  // of data URIs
+};
+
+// Base64 with or without padding; nothing when a character is not of its alphabet.
+[[nodiscard]] std::optional<std::vector<std::byte>> decode_base64(std::string_view text);
+
+}  // namespace geodesic::proto

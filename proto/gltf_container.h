@@ -1,0 +1,33 @@
+// The outer shape of a glTF file, looked at before any parser sees a byte: the
+// header and chunks of a GLB, and how deep and how large its JSON is.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+#include "core/error.h"
+#include "proto/decode_mesh.h"
+
+namespace geodesic::proto {
+
+// Views into the file's bytes: nothing is copied.
+struct GltfContainer {
+  std::string_view json;
+  std::span<const std::byte> binary;  // the BIN chunk; empty when there is none
+  bool has_binary = false;
+  std::size_t trailing_bytes = 0;  // after the length that the header gives
+};
+
+// Errors: mesh_invalid, naming the header field or chunk.
+[[nodiscard]] Result<GltfContainer> open_glb(std::span<const std::byte> bytes);
+
+// The whole file is the JSON; a byte order mark is stepped over.
+[[nodiscard]] GltfContainer open_gltf(std::span<const std::byte> bytes);
+
+// One linear pass over the JSON. A recursive parser or destructor can be driven
+// out of stack by nesting, and out of memory by a great many tiny values.
+// Errors: mesh_invalid (nesting), too_large (number of values).
+[[nodiscard]] Result<void> check_json_shape(std::string_view json, const DecodeLimits& limits);
+
+}  // namespace geodesic::proto

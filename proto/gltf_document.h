@@ -1,0 +1,108 @@
+// What the decoder keeps of a glTF file: nodes, meshes, accessors and buffer
+// views as plain values, without the JSON, and without what has no bearing on
+// geometry. Every reference between these arrays is proved to be in range when
+// a document is made (gltf_json.cpp); what is said about bytes is proved when
+// the bytes are read (gltf_accessor.cpp).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "proto/gltf_transform.h"
+
+namespace geodesic::proto {
+
+struct GltfBuffer {
+  std::uint64_t byte_length = 0;
+  std::optional<std::string> uri;  // none: the binary chunk of a GLB
+};
+
+struct GltfBufferView {
+  std::size_t buffer = 0;
+  std::uint64_t offset = 0;
+  std::uint64_t length = 0;
+  std::uint64_t stride = 0;   // bytes from one element to the next; 0: tightly packed
+  std::string compressed_by;  // a meshopt extension: the bytes are only a fallback
+};
+
+struct GltfSparse {
+  std::uint64_t count = 0;
+  std::size_t index_view = 0;
+  std::uint64_t index_offset = 0;
+  int index_type = 0;
+  std::size_t value_view = 0;
+  std::uint64_t value_offset = 0;
+};
+
+// glTF's numbers for the type of one component.
+enum GltfComponent : int {
+  gltf_int8 = 5120,
+  gltf_uint8 = 5121,
+  gltf_int16 = 5122,
+  gltf_uint16 = 5123,
+  gltf_uint32 = 5125,
+  gltf_float32 = 5126,
+};
+
+struct GltfAccessor {
+  std::optional<std::size_t> view;  // none: zeros, or what `sparse` says
+  std::uint64_t offset = 0;
+  std::uint64_t count = 0;
+  int component_type = 0;
+  int components = 1;  // 1 for SCALAR … 16 for MAT4
+  bool normalized = false;
+  std::optional<GltfSparse> sparse;
+};
+
+struct GltfDraco {
+  std::size_t view = 0;
+  std::uint32_t position_id = 0;  // unique id of the attribute in the Draco bitstream
+};
+
+// glTF's numbers for what a primitive draws.
+enum GltfMode : int {
+  gltf_points = 0,
+  gltf_lines = 1,
+  gltf_line_loop = 2,
+  gltf_line_strip = 3,
+  gltf_triangles = 4,
+  gltf_triangle_strip = 5,
+  gltf_triangle_fan = 6,
+};
+
+struct GltfPrimitive {
+  int mode = gltf_triangles;
+  std::optional<std::size_t> position;
+  std::optional<std::size_t> indices;
+  std::optional<GltfDraco> draco;
+  bool has_targets = false;
+};
+
+struct GltfMesh {
+  std::string name;
+  std::vector<GltfPrimitive> primitives;
+};
+
+struct GltfNode {
+  std::string name;
+  std::optional<std::size_t> mesh;
+  std::vector<std::size_t> children;
+  GltfTransform to_parent;
+  bool has_skin = false;
+  bool is_instanced = false;  // EXT_mesh_gpu_instancing
+};
+
+struct GltfDocument {
+  std::vector<GltfBuffer> buffers;
+  std::vector<GltfBufferView> views;
+  std::vector<GltfAccessor> accessors;
+  std::vector<GltfMesh> meshes;
+  std::vector<GltfNode> nodes;
+  std::vector<std::vector<std::size_t>> scenes;  // root nodes of each
+  std::optional<std::size_t> scene;              // the default one
+};
+
+}  // namespace geodesic::proto

@@ -1,0 +1,39 @@
+// From the JSON of a glTF file to the part of it that describes geometry,
+// checked: types, ranges and references of every property that is kept, and
+// the extensions that the file requires.
+//
+// tinygltf truncates integers, drops what does not parse without a word, copies
+// every buffer, and resolves URIs and images. So it is shown a document without
+// buffers, images, materials and extras, in which nothing is left to drop.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/error.h"
+#include "proto/decode_mesh.h"
+#include "proto/gltf_document.h"
+
+namespace geodesic::proto {
+
+struct ReducedGltf {
+  std::string json;                 // for tinygltf: structure only
+  std::vector<GltfBuffer> buffers;  // taken out of it
+  // An accessor without a buffer view refers to this one, one past the file's
+  // own: tinygltf refuses such accessors where Draco or sparse ones have them.
+  std::size_t absent_view = 0;
+  // What a parser must find in `json`; less means that it dropped something.
+  std::size_t accessors = 0;
+  std::size_t nodes = 0;
+  std::size_t scenes = 0;
+  std::size_t meshes = 0;
+  std::size_t primitives = 0;
+};
+
+// Errors: mesh_invalid, extension_required, too_large; the message names the
+// object, such as "accessor 3".
+[[nodiscard]] Result<ReducedGltf> reduce_gltf(std::string_view json, const DecodeLimits& limits);
+
+}  // namespace geodesic::proto

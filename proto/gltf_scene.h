@@ -1,0 +1,28 @@
+// The walk that defines source-vertex order: the nodes of a scene depth first,
+// children in the order of the file, transforms multiplied on the way.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/error.h"
+#include "proto/gltf_document.h"
+
+namespace geodesic::proto {
+
+// A mesh, drawn once.
+struct GltfInstance {
+  std::size_t node = 0;
+  std::size_t mesh = 0;
+  GltfTransform to_world;
+};
+
+// Of the default scene, else scene 0, else all nodes that are nobody's child.
+// A node with several parents is drawn for each of them.
+// Errors: mesh_invalid (a cycle, naming a node), too_large (more than `max_nodes`
+// visits).
+[[nodiscard]] Result<std::vector<GltfInstance>> find_instances(const GltfDocument& document,
+                                                               std::uint64_t max_nodes);
+
+}  // namespace geodesic::proto

@@ -1,0 +1,45 @@
+// Numbers from and to text, without locales.
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace geodesic::proto {
+
+// All of `text` as a finite number, or nothing.
+[[nodiscard]] inline std::optional<double> parse_finite(std::string_view text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || stop != end || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+// All of `text` as a whole number without a sign, or nothing.
+[[nodiscard]] inline std::optional<std::uint64_t> parse_whole(std::string_view text) {
+  std::uint64_t value = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || stop != end) return std::nullopt;
+  return value;
+}
+
+// Appends a number as JSON: `digits` significant ones, or as few as read back to
+// the same value when 0. What is not finite becomes null.
+inline void append_number(std::string& out, double value, int digits = 0) {
+  if (!std::isfinite(value)) {
+    out += "null";
+    return;
+  }
+  char text[32];
+  const auto result = digits > 0 ? std::to_chars(text, text + sizeof text, value,
+                                                 std::chars_format::general, digits)
+                                 : std::to_chars(text, text + sizeof text, value);
+  out.append(text, result.ptr);
+}
+
+}  // namespace geodesic::proto

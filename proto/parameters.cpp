@@ -1,0 +1,146 @@
+#include "proto/parameters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "proto/number.h"
+
+namespace geodesic::proto {
+namespace {
+
+using nlohmann::json;
+
+// No query nests deeper than a list of points with lists of numbers.
+constexpr int kMaxDepth = 8;
+
+}  // namespace
+
+struct Parameters::Values {
+  json by_name = json::object();  // every value an array of what came under that name
+  std::vector<std::string> asked;
+
+  // The values under a name, as an array; null when there are none.
+  const json* find(std::string_view name) {
+    asked.emplace_back(name);
+    const auto it = by_name.find(name);
+    return it == by_name.end() ? nullptr : &*it;
+  }
+  Result<const json*> find_one(std::string_view name) {
+    const json* values = find(name);
+    if (values == nullptr) return nullptr;
+    if (values->size() != 1) {
+      return fail(ErrorCode::bad_syntax, "this parameter takes one value", std::string(name));
+    }
+    return &values->front();
+  }
+};
+
+Parameters::Parameters(std::unique_ptr<Values> values) : values_(std::move(values)) {}
+Parameters::Parameters(Parameters&&) noexcept = default;
+Parameters& Parameters::operator=(Parameters&&) noexcept = default;
+Parameters::~Parameters() = default;
+
+Parameters Parameters::from_query(const std::vector<std::pair<std::string, std::string>>& query) {
+  auto values = std::make_unique<Values>();
+  for (const auto& [name, value] : query) values->by_name[name].push_back(value);
+  return Parameters(std::move(values));
+}
+
+Result<Parameters> Parameters::from_json(std::string_view body) {
+  auto values = std::make_unique<Values>();
+  bool too_deep = false;
+  json document;
+  try {
+    document = json::parse(body, [&](int depth, json::parse_event_t, json&) {
+      too_deep |= depth > kMaxDepth;
+      return !too_deep;
+    });
+  } catch (const json::exception& error) {
+    const auto* parse_error = dynamic_cast<const json::parse_error*>(&error);
+    return fail(ErrorCode::bad_syntax,
+                parse_error != nullptr
+                    ? "the body is not JSON from byte " + std::to_string(parse_error->byte)
+                    : "the body is not JSON that can be read",
+                "body");
+  }
+  if (too_deep) return fail(ErrorCode::bad_syntax, "the body is nested too deeply", "body");
+  if (!document.is_object()) {
+    return fail(ErrorCode::bad_syntax, "the body is not a JSON object", "body");
+  }
+  for (auto& [name, value] : document.items()) {
+    values->by_name[name] = value.is_array() ? std::move(value) : json::array({std::move(value)});
+  }
+  return Parameters(std::move(values));
+}
+
+Result<std::vector<PointRequest>> Parameters::points(std::string_view name) {
+  std::vector<PointRequest> points;
+  const json* values = values_->find(name);
+  if (values == nullptr) return points;
+  points.reserve(values->size());
+  for (std::size_t i = 0; i < values->size(); ++i) {
+    auto point = parse_json_point((*values)[i], std::string(name) + "[" + std::to_string(i) + "]");
+    if (!point) return fail(std::move(point.error()));
+    points.push_back(std::move(*point));
+  }
+  return points;
+}
+
+Result<PointRequest> Parameters::point(std::string_view name) {
+  auto all = points(name);
+  if (!all) return fail(std::move(all.error()));
+  if (all->size() != 1) {
+    return fail(ErrorCode::bad_syntax,
+                all->empty() ? "this parameter is missing" : "this parameter takes one point",
+                std::string(name));
+  }
+  all->front().parameter = std::string(name);
+  return std::move(all->front());
+}
+
+Result<std::optional<double>> Parameters::number(std::string_view name) {
+  const auto value = values_->find_one(name);
+  if (!value) return fail(value.error());
+  if (*value == nullptr) return std::optional<double>();
+  std::optional<double> number;
+  if ((*value)->is_string()) number = parse_finite((*value)->get_ref<const std::string&>());
+  if ((*value)->is_number()) number = (*value)->get<double>();
+  if (!number || !std::isfinite(*number)) {
+    return fail(ErrorCode::bad_syntax, "this is not a number", std::string(name));
+  }
+  return number;
+}
+
+Result<std::optional<std::uint64_t>> Parameters::whole(std::string_view name) {
+  const auto value = values_->find_one(name);
+  if (!value) return fail(value.error());
+  if (*value == nullptr) return std::optional<std::uint64_t>();
+  std::optional<std::uint64_t> number;
+  if ((*value)->is_string()) number = parse_whole((*value)->get_ref<const std::string&>());
+  if ((*value)->is_number_unsigned()) number = (*value)->get<std::uint64_t>();
+  if (!number) return fail(ErrorCode::bad_syntax, "this is not a whole number", std::string(name));
+  return number;
+}
+
+Result<std::optional<std::string>> Parameters::text(std::string_view name) {
+  const auto value = values_->find_one(name);
+  if (!value) return fail(value.error());
+  if (*value == nullptr) return std::optional<std::string>();
+  if (!(*value)->is_string()) {
+    return fail(ErrorCode::bad_syntax, "this is not a text", std::string(name));
+  }
+  return std::optional((*value)->get<std::string>());
+}
+
+Result<void> Parameters::check_all_known() const {
+  for (const auto& [name, value] : values_->by_name.items()) {
+    if (std::find(values_->asked.begin(), values_->asked.end(), name) == values_->asked.end()) {
+      return fail(ErrorCode::unknown_parameter, "this call has no such parameter",
+                  name.substr(0, 64));
+    }
+  }
+  return {};
+}
+
+}  // namespace geodesic::proto

@@ -1,0 +1,156 @@
+#include "proto/point_request.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "proto/number.h"
+
+namespace geodesic::proto {
+namespace {
+
+using nlohmann::json;
+
+// Weights may miss their sum by this much, as decimal fractions do.
+constexpr double kWeightSlack = 1e-6;
+
+tl::unexpected<Error> bad(std::string detail, std::string parameter) {
+  return fail(ErrorCode::bad_syntax, std::move(detail), std::move(parameter));
+}
+
+Result<PointRequest> on_face(std::uint64_t face, std::array<double, 3> bary, double offset,
+                             std::string parameter) {
+  for (double& weight : bary) {
+    if (weight < -kWeightSlack) {
+      return fail(ErrorCode::value_out_of_range, "a barycentric weight is negative",
+                  std::move(parameter));
+    }
+    weight = std::max(weight, 0.0);
+  }
+  if (std::abs(bary[0] + bary[1] + bary[2] - 1) > 3 * kWeightSlack) {
+    return fail(ErrorCode::value_out_of_range, "barycentric weights do not add up to 1",
+                std::move(parameter));
+  }
+  return PointRequest{FaceRequest{face, bary}, offset, std::move(parameter)};
+}
+
+// "1,2,3" -> three numbers.
+std::optional<std::vector<double>> numbers_between_commas(std::string_view text) {
+  std::vector<double> numbers;
+  for (;;) {
+    const std::size_t comma = text.find(',');
+    const auto number = parse_finite(text.substr(0, comma));
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
+    if (comma == std::string_view::npos) return numbers;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+std::optional<std::vector<double>> finite_numbers(const json& value, std::size_t count) {
+  if (!value.is_array() || value.size() != count) return std::nullopt;
+  std::vector<double> numbers;
+  for (const json& item : value) {
+    if (!item.is_number() || !std::isfinite(item.get<double>())) return std::nullopt;
+    numbers.push_back(item.get<double>());
+  }
+  return numbers;
+}
+
+// A member that must be a finite number, not negative, if it is there.
+Result<std::optional<double>> length_member(const json& point, const char* name,
+                                            const std::string& parameter) {
+  const auto it = point.find(name);
+  if (it == point.end()) return std::optional<double>();
+  if (!it->is_number()) {
+    return bad(std::string("\"") + name + "\" is not a number", parameter + "." + name);
+  }
+  const auto value = it->get<double>();
+  if (!(value >= 0) || !std::isfinite(value)) {
+    return fail(ErrorCode::value_out_of_range, std::string("\"") + name + "\" is negative",
+                parameter + "." + name);
+  }
+  return std::optional(value);
+}
+
+}  // namespace
+
+Result<PointRequest> parse_point(std::string_view text, std::string parameter) {
+  if (text.starts_with("v:")) {
+    if (const auto vertex = parse_whole(text.substr(2))) {
+      return PointRequest{VertexRequest{*vertex}, 0, std::move(parameter)};
+    }
+    return bad("a vertex is written v:NUMBER, such as v:12", std::move(parameter));
+  }
+  if (text.starts_with("f:")) {
+    const std::size_t comma = text.find(',');
+    const auto face = parse_whole(text.substr(2, comma == text.npos ? comma : comma - 2));
+    const auto weights =
+        comma == text.npos ? std::nullopt : numbers_between_commas(text.substr(comma + 1));
+    if (!face || !weights || weights->size() != 2) {
+      return bad("a point on a face is written f:FACE,W0,W1, such as f:40,0.2,0.3",
+                 std::move(parameter));
+    }
+    const double a = (*weights)[0];
+    const double b = (*weights)[1];
+    return on_face(*face, {a, b, 1 - a - b}, 0, std::move(parameter));
+  }
+  if (text.starts_with("p:")) {
+    const auto xyz = numbers_between_commas(text.substr(2));
+    if (!xyz || xyz->size() != 3) {
+      return bad("a point in space is written p:X,Y,Z, such as p:1,2,3", std::move(parameter));
+    }
+    return PointRequest{SpaceRequest{{(*xyz)[0], (*xyz)[1], (*xyz)[2]}, std::nullopt}, 0,
+                        std::move(parameter)};
+  }
+  return bad("a point is written v:VERTEX, f:FACE,W0,W1 or p:X,Y,Z", std::move(parameter));
+}
+
+Result<PointRequest> parse_json_point(const json& value, std::string parameter) {
+  if (value.is_string()) return parse_point(value.get_ref<const std::string&>(), parameter);
+  if (!value.is_object()) return bad("a point is an object or a text", std::move(parameter));
+  const auto offset = length_member(value, "offset", parameter);
+  if (!offset) return fail(offset.error());
+  const auto max_snap = length_member(value, "max_snap", parameter);
+  if (!max_snap) return fail(max_snap.error());
+
+  const auto only_has = [&](std::initializer_list<std::string_view> names) -> Result<void> {
+    for (const auto& member : value.items()) {
+      if (std::find(names.begin(), names.end(), member.key()) == names.end()) {
+        return fail(ErrorCode::unknown_parameter, "a point of this kind has no such member",
+                    parameter + "." + member.key());
+      }
+    }
+    return {};
+  };
+  if (const auto it = value.find("vertex"); it != value.end()) {
+    if (auto known = only_has({"vertex", "offset"}); !known) return fail(known.error());
+    if (!it->is_number_unsigned()) {
+      return bad("\"vertex\" is not a whole number", parameter + ".vertex");
+    }
+    return PointRequest{VertexRequest{it->get<std::uint64_t>()}, offset->value_or(0),
+                        std::move(parameter)};
+  }
+  if (const auto it = value.find("face"); it != value.end()) {
+    if (auto known = only_has({"face", "bary", "offset"}); !known) return fail(known.error());
+    if (!it->is_number_unsigned()) {
+      return bad("\"face\" is not a whole number", parameter + ".face");
+    }
+    const auto bary = finite_numbers(value.value("bary", json()), 3);
+    if (!bary) return bad("\"bary\" is not three numbers", parameter + ".bary");
+    return on_face(it->get<std::uint64_t>(), {(*bary)[0], (*bary)[1], (*bary)[2]},
+                   offset->value_or(0), std::move(parameter));
+  }
+  if (const auto it = value.find("xyz"); it != value.end()) {
+    if (auto known = only_has({"xyz", "max_snap", "offset"}); !known) return fail(known.error());
+    const auto xyz = finite_numbers(*it, 3);
+    if (!xyz) return bad("\"xyz\" is not three numbers", parameter + ".xyz");
+    return PointRequest{SpaceRequest{{(*xyz)[0], (*xyz)[1], (*xyz)[2]}, *max_snap},
+                        offset->value_or(0), std::move(parameter)};
+  }
+  return bad("a point has \"vertex\", \"face\" or \"xyz\"", std::move(parameter));
+}
+
+}  // namespace geodesic::proto

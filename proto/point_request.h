@@ -1,0 +1,48 @@
+// A point as a client names it, before it is found on a mesh. One grammar
+// everywhere (docs: "Points" in openapi.yaml):
+//   in a URL              in JSON                                 is
+//   v:12                  {"vertex":12}                           a source vertex
+//   f:40,0.2,0.3          {"face":40,"bary":[0.2,0.3,0.5]}        a point on a source face
+//   p:1,2,3               {"xyz":[1,2,3],"max_snap":0.1}          the closest point of the surface
+// JSON accepts the URL's text as well.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "core/error.h"
+#include "core/vec3.h"
+
+namespace geodesic::proto {
+
+struct VertexRequest {
+  std::uint64_t vertex;
+};
+
+struct FaceRequest {
+  std::uint64_t face;
+  std::array<double, 3> bary;  // not negative, sum 1 up to rounding
+};
+
+struct SpaceRequest {
+  Vec3 xyz;
+  std::optional<double> max_snap;  // mesh units; farther from the surface is an error
+};
+
+struct PointRequest {
+  std::variant<VertexRequest, FaceRequest, SpaceRequest> where;
+  double offset = 0;      // mesh units, not negative
+  std::string parameter;  // where the client wrote it, such as "from[2]", for errors
+};
+
+// `parameter` is what errors name. Errors: bad_syntax, value_out_of_range.
+[[nodiscard]] Result<PointRequest> parse_point(std::string_view text, std::string parameter);
+[[nodiscard]] Result<PointRequest> parse_json_point(const nlohmann::json& value,
+                                                    std::string parameter);
+
+}  // namespace geodesic::proto

@@ -1,0 +1,143 @@
+// Replies are written by hand where they are long runs of numbers: a field of a
+// million values as a JSON tree would take twenty times its memory.
+#include "proto/query_replies.h"
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "proto/number.h"
+
+namespace geodesic::proto {
+namespace {
+
+template <class Values>
+void append_numbers(std::string& out, const Values& values, int digits) {
+  out += '[';
+  bool first = true;
+  for (const double value : values) {
+    if (!first) out += ',';
+    first = false;
+    append_number(out, value, digits);
+  }
+  out += ']';
+}
+
+void append_xyz(std::string& out, Vec3 p, int digits) {
+  append_numbers(out, std::array{p.x, p.y, p.z}, digits);
+}
+
+void append_whole(std::string& out, const std::optional<std::uint64_t>& value) {
+  out += value ? std::to_string(*value) : "null";
+}
+
+void append_place(std::string& out, const std::optional<std::uint64_t>& face,
+                  const std::array<double, 3>& bary, int digits) {
+  out += "\"face\":";
+  append_whole(out, face);
+  out += ",\"bary\":";
+  if (face) {
+    append_numbers(out, bary, digits);
+  } else {
+    out += "null";
+  }
+}
+
+void append_point(std::string& out, const ResolvedPoint& point, int digits) {
+  out += '{';
+  if (point.vertex) out += "\"vertex\":" + std::to_string(*point.vertex) + ",";
+  append_place(out, point.face, point.bary, digits);
+  out += ",\"xyz\":";
+  append_xyz(out, point.xyz, digits);
+  out += ",\"snap_distance\":";
+  append_number(out, point.snap_distance, digits);
+  out += '}';
+}
+
+void append_points(std::string& out, const std::vector<ResolvedPoint>& points, int digits) {
+  out += '[';
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i > 0) out += ',';
+    append_point(out, points[i], digits);
+  }
+  out += ']';
+}
+
+// Mesh ids are hexadecimal and method names are ours: neither needs escaping.
+std::string opening(const std::string& mesh) { return "{\"mesh\":\"" + mesh + "\""; }
+
+void append_method(std::string& out, Method method) {
+  out += ",\"method\":\"";
+  out += name_of(method);
+  out += '"';
+}
+
+}  // namespace
+
+std::string to_json(const DistanceReply& reply, int digits) {
+  std::string out = opening(reply.mesh);
+  out.reserve(reply.distances.size() * 19 + 1024);
+  append_method(out, reply.method);
+  out += ",\"from\":";
+  append_points(out, reply.from, digits);
+  if (reply.at) {
+    out += ",\"at\":";
+    append_points(out, *reply.at, digits);
+  }
+  out += ",\"count\":" + std::to_string(reply.distances.size());
+  out += ",\"reached\":" + std::to_string(reply.reached);
+  out += ",\"max\":";
+  append_number(out, reply.max.value_or(std::numeric_limits<double>::infinity()), digits);
+  out += ",\"farthest\":";
+  append_whole(out, reply.farthest);
+  out += ",\"distances\":";
+  append_numbers(out, reply.distances, digits);
+  out += '}';
+  return out;
+}
+
+std::string to_json(const PathReply& reply, int digits) {
+  std::string out = opening(reply.mesh);
+  out.reserve(reply.points.size() * 160 + 1024);
+  append_method(out, reply.method);
+  out += ",\"refine\":\"none\",\"from\":";
+  append_point(out, reply.from, digits);
+  out += ",\"to\":";
+  append_point(out, reply.to, digits);
+  out += ",\"reachable\":";
+  out += reply.reachable ? "true" : "false";
+  out += ",\"length\":";
+  append_number(out, reply.reachable ? reply.length : std::numeric_limits<double>::infinity(),
+                digits);
+  out += ",\"points\":[";
+  for (std::size_t i = 0; i < reply.points.size(); ++i) {
+    out += i > 0 ? ",{\"xyz\":" : "{\"xyz\":";
+    append_xyz(out, reply.points[i].xyz, digits);
+    out += ',';
+    append_place(out, reply.points[i].face, reply.points[i].bary, digits);
+    out += '}';
+  }
+  out += "]}";
+  return out;
+}
+
+std::string to_json(const NearestReply& reply, int digits) {
+  std::string out = opening(reply.mesh);
+  out += ",\"points\":";
+  append_points(out, reply.points, digits);
+  out += '}';
+  return out;
+}
+
+std::string methods_json() {
+  nlohmann::ordered_json methods = nlohmann::ordered_json::array();
+  for (const MethodInfo& info : all_methods()) {
+    methods.push_back({{"name", info.name},
+                       {"paper", info.paper},
+                       {"exact", info.exact},
+                       {"cost", info.cost},
+                       {"parameters", info.parameters}});
+  }
+  return nlohmann::ordered_json{{"methods", std::move(methods)}}.dump();
+}
+
+}  // namespace geodesic::proto

@@ -1,0 +1,79 @@
+// The process's settings: a flag beats an environment variable (GEODESICD_…)
+// beats the JSON file (--config FILE) beats the default. One table holds every
+// option's name, default and help; flags, variables, file keys, `--help`,
+// `--print-config` and the README's table all come from it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+
+namespace geodesic::server {
+
+struct Address {
+  std::string host;  // IPv6 without brackets; empty: not set
+  int port = 0;      // 0: any free one
+};
+
+struct Config {
+  Address listen{"127.0.0.1", 8080};
+  Address admin_listen;  // host empty: admin routes stay on the API's listener
+  std::string store = "./geodesicd-store";
+  std::string samples;  // empty: none
+
+  std::uint64_t io_threads = 64;
+  std::uint64_t compute_threads = 0;  // 0: one a core
+  std::uint64_t queue = 256;
+
+  std::uint64_t max_body_bytes = std::uint64_t{256} << 20;
+  std::uint64_t max_json_bytes = std::uint64_t{8} << 20;
+  std::uint64_t max_vertices = 20'000'000;
+  std::uint64_t max_faces = 40'000'000;
+
+  std::uint64_t mesh_cache_bytes = std::uint64_t{1} << 30;
+  std::uint64_t adjacency_cache_bytes = std::uint64_t{2} << 30;
+  std::uint64_t field_cache_bytes = std::uint64_t{1} << 30;
+
+  std::uint64_t body_timeout_seconds = 60;
+  std::uint64_t keep_alive_seconds = 5;
+  std::uint64_t drain_seconds = 20;
+
+  std::string log_level = "info";
+};
+
+// What the command line asks for.
+struct CommandLine {
+  Config config;
+  // Set by --help, --version, --print-config and --print-config-table: write
+  // this to the standard output and exit with 0.
+  std::optional<std::string> print;
+};
+
+// Looks a variable up; empty optional: not set.
+using Environment = std::function<std::optional<std::string>(const std::string& name)>;
+[[nodiscard]] Environment process_environment();
+
+// Merges all sources. `arguments` without the program's name. Fails with
+// `bad_syntax` (`unknown_parameter` for a flag or key that does not exist) and a
+// sentence that names the source, such as
+// "GEODESICD_QUEUE: 'many' is not a whole number".
+[[nodiscard]] Result<CommandLine> read_config(const std::vector<std::string>& arguments,
+                                              const Environment& environment);
+
+// The options as a Markdown table, for the README.
+[[nodiscard]] std::string config_table();
+
+// "256MiB" -> bytes. Suffixes KiB, MiB, GiB; none: bytes.
+[[nodiscard]] Result<std::uint64_t> parse_bytes(std::string_view text);
+
+// "127.0.0.1:8080", "[::1]:0", "localhost:80", ":8080" (all interfaces).
+[[nodiscard]] Result<Address> parse_address(std::string_view text);
+
+}  // namespace geodesic::server

@@ -1,0 +1,61 @@
+// Reads a request's head (request line and headers) strictly: whatever two
+// parsers could read differently is refused, because that is how one request is
+// smuggled inside another. Pure functions of bytes; RFC 9110 and RFC 9112.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+
+namespace geodesic::server {
+
+struct HttpHead {
+  std::string method;
+  std::string target;  // raw
+  std::string path;    // percent-decoded
+  std::vector<std::pair<std::string, std::string>> query;
+  std::vector<std::pair<std::string, std::string>> headers;
+  bool http_1_0 = false;
+  bool keep_alive = true;        // what the client asks for
+  bool chunked = false;          // the body is chunked …
+  std::uint64_t body_bytes = 0;  // … or has that many bytes
+  bool expects_continue = false;
+
+  // The first header of that name, whatever its case; null if there is none.
+  [[nodiscard]] const std::string* header(std::string_view name) const;
+};
+
+struct HeadLimits {
+  std::size_t target_bytes;
+  std::size_t header_count;
+};
+
+// An error, and the HTTP status where that is not the one of its code.
+struct HeadError {
+  Error error;
+  int status = 0;  // 0: that of the code
+};
+
+// `bytes` runs from the request line to the empty line, both included. On
+// failure `head` holds what was understood so far (the log and the reply use
+// method, target and X-Request-Id).
+[[nodiscard]] std::optional<HeadError> parse_head(std::string_view bytes, const HeadLimits& limits,
+                                                  HttpHead& head);
+
+// Undoes percent-encoding. Fails with `bad_syntax` on an incomplete or
+// non-hexadecimal escape and on %00. In a query '+' is a space.
+[[nodiscard]] Result<std::string> percent_decode(std::string_view text, bool plus_is_space);
+
+// "a=1&b=%20&c" -> pairs in order; a name without '=' has an empty value.
+[[nodiscard]] Result<std::vector<std::pair<std::string, std::string>>> parse_query(
+    std::string_view text);
+
+[[nodiscard]] bool equals_ignoring_case(std::string_view a, std::string_view b);
+
+}  // namespace geodesic::server

@@ -1,0 +1,61 @@
+// A request as handlers see it and the reply they give: plain values, free of
+// sockets and of the library underneath.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+
+namespace geodesic::server {
+
+using NameValue = std::pair<std::string, std::string>;
+
+struct HttpRequest {
+  std::string method;              // as sent, such as "GET"; may be one that nobody knows
+  std::string path;                // percent-decoded, without the query; starts with '/', or is "*"
+  std::string target;              // raw, as sent
+  std::vector<NameValue> query;    // percent-decoded ('+' is a space), in order
+  std::vector<NameValue> headers;  // raw values, names as sent, in order
+  std::string body;                // raw
+  std::string remote;              // the peer's address, without the port
+  std::string id;  // X-Request-Id if it was sane ([A-Za-z0-9._-]{1,64}), else one of ours
+  // Whether the peer has hung up or closed its sending half (or the server stops without further
+  // grace). Costs a system call; never blocks; may be called from any thread, also after the reply
+  // (then it answers true once the connection is closed).
+  std::function<bool()> client_gone = [] { return false; };
+
+  // The first header of that name, whatever its case; null if there is none.
+  [[nodiscard]] const std::string* header(std::string_view name) const;
+  // The first query parameter of that name (case matters); null if there is none.
+  [[nodiscard]] const std::string* parameter(std::string_view name) const;
+};
+
+struct HttpResponse {
+  int status = 200;
+  std::string content_type;  // may be empty if there is no body
+  // Control characters in names or values are removed before sending.
+  // Content-Length, Connection and X-Request-Id are the edge's to set.
+  std::vector<NameValue> headers;
+  std::shared_ptr<const std::string> body;  // null: empty. Never copied: may be a cache's.
+  // If set, `body` is ignored and the reply is chunked: called for one chunk
+  // after the other until it returns false (that last chunk is not sent).
+  // May block, but not for longer than a client should wait for a sign of life.
+  std::function<bool(std::string& chunk)> stream;
+  // What the log line names instead of the raw target, such as
+  // "/v1/meshes/{id}/distance"; empty: the target.
+  std::string route;
+
+  void set_header(std::string name, std::string value);  // replaces one of that name
+  void set_body(std::string bytes, std::string type);
+
+  // The problem+json reply for an error (see problem.h). `status` 0: the code's own.
+  [[nodiscard]] static HttpResponse problem(const Error& error, const HttpRequest& request,
+                                            int status = 0);
+};
+
+}  // namespace geodesic::server

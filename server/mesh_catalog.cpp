@@ -1,0 +1,186 @@
+#include "server/mesh_catalog.h"
+
+#include <span>
+#include <utility>
+
+#include "proto/mesh_metadata.h"
+#include "server/sha256.h"
+
+namespace geodesic::server {
+namespace {
+
+std::span<const std::byte> as_bytes(const std::string& text) {
+  return {reinterpret_cast<const std::byte*>(text.data()), text.size()};
+}
+
+// The prefix of a mesh's keys in the cache of prepared things, and the two kinds.
+std::string adjacency_key(const std::string& id) { return id + "/adjacency"; }
+std::string closest_points_key(const std::string& id) { return id + "/closest_points"; }
+
+// An adjacency holds on to its mesh, which the mesh cache may have dropped.
+std::size_t bytes_of(const std::shared_ptr<const Adjacency>& adjacency) {
+  return adjacency->bytes() + adjacency->mesh().bytes();
+}
+std::size_t bytes_of(const std::shared_ptr<const ClosestPointIndex>& index) {
+  return index->bytes();
+}
+
+struct Built {
+  proto::DecodedMesh decoded;
+  std::shared_ptr<const Mesh> mesh;
+};
+
+Result<Built> build(const std::string& bytes, const proto::DecodeLimits& limits) {
+  auto decoded = proto::decode_mesh(as_bytes(bytes), limits);
+  if (!decoded) return fail(std::move(decoded.error()));
+  auto mesh = Mesh::build(decoded->soup);
+  if (!mesh) return fail(std::move(mesh.error()));
+  decoded->soup = {};  // the mesh has it all
+  return Built{std::move(*decoded), std::make_shared<const Mesh>(std::move(*mesh))};
+}
+
+tl::unexpected<Error> unknown_mesh() {
+  return fail(ErrorCode::mesh_unknown, "no mesh of this id is stored");
+}
+
+}  // namespace
+
+MeshCatalog::MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimits& limits)
+    : store_(store),
+      pool_(pool),
+      limits_(limits),
+      meshes_(limits.mesh_cache_bytes, [](const Mesh& mesh) { return mesh.bytes(); }),
+      prepared_(limits.adjacency_cache_bytes,
+                [](const Prepared& prepared) {
+                  return std::visit([](const auto& value) { return bytes_of(value); }, prepared);
+                }),
+      uploads_(0, [](const Upload&) { return std::size_t{1}; }) {}
+
+Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const ClientGone& client_gone) {
+  const std::string id = sha256_hex(bytes);
+  const auto known = [&]() -> Result<Upload> {
+    auto description = metadata(id, client_gone);
+    if (!description) return fail(std::move(description.error()));
+    return Upload{id, std::move(*description), false};
+  };
+  if (store_.contains(id)) return known();
+
+  const auto upload = uploads_.get_or_create(id, [&] {
+    return pool_.run(
+        [&](Worker&) -> Result<std::shared_ptr<const Upload>> {
+          auto built = build(bytes, limits_.decode);
+          if (!built) return fail(std::move(built.error()));
+          // The description tells of the topology, so the adjacency is made now, and kept.
+          const auto adjacency = std::make_shared<const Adjacency>(Adjacency::build(built->mesh));
+          const std::string description = proto::describe_mesh(id, bytes.size(), built->decoded,
+                                                               *built->mesh, adjacency->report());
+          auto complete = proto::with_state(description, true, true);
+          if (!complete) return fail(std::move(complete.error()));
+          if (auto stored = store_.put(id, bytes, description); !stored) {
+            return fail(std::move(stored.error()));
+          }
+          const auto mesh = meshes_.get_or_create(
+              id, [&]() -> Result<std::shared_ptr<const Mesh>> { return built->mesh; });
+          const auto prepared = prepared_.get_or_create(
+              adjacency_key(id), [&]() -> Result<std::shared_ptr<const Prepared>> {
+                return std::make_shared<const Prepared>(adjacency);
+              });
+          if (!mesh || !prepared) return fail(ErrorCode::internal, "a cache refused a mesh");
+          return std::make_shared<const Upload>(Upload{id, std::move(*complete), true});
+        },
+        client_gone);
+  });
+  if (!upload) return fail(upload.error());
+  return *upload->value;
+}
+
+Result<std::string> MeshCatalog::metadata(const std::string& id, const ClientGone& client_gone) {
+  auto stored = store_.get_metadata(id);
+  if (!stored) return fail(std::move(stored.error()));
+  if (!*stored) {
+    auto description = described_anew(id, client_gone);
+    if (!description) return fail(std::move(description.error()));
+    *stored = std::move(*description);
+  }
+  return proto::with_state(**stored, meshes_.peek(id), prepared_.peek(adjacency_key(id)));
+}
+
+// An upload that was cut off between the two files has left the bytes alone.
+Result<std::string> MeshCatalog::described_anew(const std::string& id,
+                                                const ClientGone& client_gone) {
+  return pool_.run(
+      [&](Worker&) -> Result<std::string> {
+        const auto bytes = store_.get_source(id);
+        if (!bytes) return fail(bytes.error());
+        const auto built = build(*bytes, limits_.decode);
+        if (!built) return fail(built.error());
+        const Adjacency adjacency = Adjacency::build(built->mesh);
+        std::string description = proto::describe_mesh(id, bytes->size(), built->decoded,
+                                                       *built->mesh, adjacency.report());
+        if (auto put = store_.put_metadata(id, description); !put) return fail(put.error());
+        return description;
+      },
+      client_gone);
+}
+
+Result<std::string> MeshCatalog::source(const std::string& id) { return store_.get_source(id); }
+
+Result<void> MeshCatalog::remove(const std::string& id) {
+  const auto existed = store_.remove(id);
+  meshes_.erase(id);
+  prepared_.erase_prefix(id);
+  if (!existed) return fail(existed.error());
+  if (!*existed) return unknown_mesh();
+  return {};
+}
+
+std::vector<std::string> MeshCatalog::list(std::string_view after, std::size_t limit) const {
+  return store_.list(after, limit);
+}
+
+// Runs on a compute worker.
+Result<std::shared_ptr<const Mesh>> MeshCatalog::load_mesh(const std::string& id) {
+  auto mesh = meshes_.get_or_create(id, [&]() -> Result<std::shared_ptr<const Mesh>> {
+    const auto bytes = store_.get_source(id);
+    if (!bytes) return fail(bytes.error());
+    auto built = build(*bytes, limits_.decode);
+    if (!built) return fail(std::move(built.error()));
+    return built->mesh;
+  });
+  if (!mesh) return fail(std::move(mesh.error()));
+  return mesh->value;
+}
+
+Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency(const std::string& id,
+                                                                const ClientGone& client_gone) {
+  if (!store_.contains(id)) return unknown_mesh();
+  const auto prepared = prepared_.get_or_create(adjacency_key(id), [&] {
+    return pool_.run(
+        [&](Worker&) -> Result<std::shared_ptr<const Prepared>> {
+          auto mesh = load_mesh(id);
+          if (!mesh) return fail(std::move(mesh.error()));
+          return std::make_shared<const Prepared>(
+              std::make_shared<const Adjacency>(Adjacency::build(std::move(*mesh))));
+        },
+        client_gone);
+  });
+  if (!prepared) return fail(prepared.error());
+  return std::get<std::shared_ptr<const Adjacency>>(*prepared->value);
+}
+
+Result<std::shared_ptr<const ClosestPointIndex>> MeshCatalog::closest_points(
+    const std::string& id, const ClientGone& client_gone) {
+  const auto mesh = adjacency(id, client_gone);
+  if (!mesh) return fail(mesh.error());
+  const auto prepared = prepared_.get_or_create(closest_points_key(id), [&] {
+    return pool_.run(
+        [&](Worker&) -> Result<std::shared_ptr<const Prepared>> {
+          return std::make_shared<const Prepared>(std::make_shared<const ClosestPointIndex>(*mesh));
+        },
+        client_gone);
+  });
+  if (!prepared) return fail(prepared.error());
+  return std::get<std::shared_ptr<const ClosestPointIndex>>(*prepared->value);
+}
+
+}  // namespace geodesic::server

@@ -1,0 +1,91 @@
+// The meshes of this process: uploaded, kept in the store, and made ready for
+// queries in caches of their own.
+//
+//   store            bytes and descriptions of every mesh, on disk
+//   mesh cache       decoded meshes
+//   adjacency cache  prepared adjacency and, once asked for, the index that finds
+//                    closest points
+//
+// What a cache has dropped comes back from the store. However many ask for it at
+// once, it is made once. All methods may be called from any thread but a compute
+// worker: making runs in a compute slot, and waits for one.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "core/adjacency.h"
+#include "core/closest_point.h"
+#include "core/error.h"
+#include "core/mesh.h"
+#include "proto/decode_mesh.h"
+#include "server/compute_pool.h"
+#include "server/lru_cache.h"
+#include "server/mesh_store.h"
+
+namespace geodesic::server {
+
+// Whether the client that waits for an answer has hung up.
+using ClientGone = std::function<bool()>;
+
+struct CatalogLimits {
+  proto::DecodeLimits decode;
+  std::uint64_t mesh_cache_bytes = std::uint64_t{1} << 30;
+  std::uint64_t adjacency_cache_bytes = std::uint64_t{2} << 30;
+};
+
+class MeshCatalog {
+ public:
+  struct Upload {
+    std::string id;
+    std::string metadata;  // JSON
+    bool created;          // false: it was known already
+  };
+
+  MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimits& limits);
+
+  // Decodes, checks and stores a file. On any error nothing of it remains.
+  [[nodiscard]] Result<Upload> add(std::string bytes, const ClientGone& client_gone);
+  // The metadata as JSON, with its present state. Errors: mesh_unknown.
+  [[nodiscard]] Result<std::string> metadata(const std::string& id, const ClientGone& client_gone);
+  // The uploaded bytes. Errors: mesh_unknown, store_failed, store_corrupt.
+  [[nodiscard]] Result<std::string> source(const std::string& id);
+  // Errors: mesh_unknown, store_failed.
+  [[nodiscard]] Result<void> remove(const std::string& id);
+  // Up to `limit` ids after `after`, ascending.
+  [[nodiscard]] std::vector<std::string> list(std::string_view after, std::size_t limit) const;
+  [[nodiscard]] std::size_t size() const { return store_.size(); }
+  [[nodiscard]] bool contains(std::string_view id) const { return store_.contains(id); }
+
+  // The prepared adjacency, built if it is not there. Errors: mesh_unknown,
+  // store_failed, store_corrupt, overloaded, draining, cancelled.
+  [[nodiscard]] Result<std::shared_ptr<const Adjacency>> adjacency(const std::string& id,
+                                                                   const ClientGone& client_gone);
+  [[nodiscard]] Result<std::shared_ptr<const ClosestPointIndex>> closest_points(
+      const std::string& id, const ClientGone& client_gone);
+
+  [[nodiscard]] CacheStats mesh_cache() const { return meshes_.stats(); }
+  [[nodiscard]] CacheStats adjacency_cache() const { return prepared_.stats(); }
+
+ private:
+  using Prepared =
+      std::variant<std::shared_ptr<const Adjacency>, std::shared_ptr<const ClosestPointIndex>>;
+
+  [[nodiscard]] Result<std::shared_ptr<const Mesh>> load_mesh(const std::string& id);
+  [[nodiscard]] Result<std::string> described_anew(const std::string& id,
+                                                   const ClientGone& client_gone);
+
+  MeshStore& store_;
+  ComputePool& pool_;
+  const CatalogLimits limits_;
+  LruCache<Mesh> meshes_;
+  LruCache<Prepared> prepared_;
+  LruCache<Upload> uploads_;  // keeps nothing: one upload at a time of the same bytes
+};
+
+}  // namespace geodesic::server

@@ -1,0 +1,116 @@
+#include "server/resolve_point.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace geodesic::server {
+namespace {
+
+std::optional<std::uint64_t> source_face(const Mesh& mesh, std::uint32_t face) {
+  if (face == kNone) return std::nullopt;
+  return mesh.source_of_face(face);
+}
+
+PlacedPoint placed(const Mesh& mesh, const SurfacePoint& point) {
+  PlacedPoint result{point, {}};
+  result.echo.face = source_face(mesh, point.face);
+  result.echo.bary = point.bary;
+  result.echo.xyz = position_of(mesh, point);
+  if (point.at_vertex()) result.echo.vertex = mesh.source_of_vertex(point.vertex);
+  return result;
+}
+
+Result<PlacedPoint> at_vertex(const Adjacency& adjacency, std::uint64_t vertex,
+                              const std::string& parameter) {
+  const Mesh& mesh = adjacency.mesh();
+  if (vertex >= mesh.source_vertex_count()) {
+    return fail_limit(ErrorCode::index_out_of_range, "the mesh has no such vertex",
+                      mesh.source_vertex_count() - 1, vertex, parameter);
+  }
+  PlacedPoint result = placed(mesh, point_at_vertex(adjacency, mesh.vertex_of_source()[vertex]));
+  result.echo.vertex = vertex;  // the one that was asked for, of those welded together
+  return result;
+}
+
+// A face that welding left with two equal corners has become an edge: its points
+// are those of the edge.
+Result<PlacedPoint> on_dropped_face(const Adjacency& adjacency, std::uint32_t face,
+                                    const std::array<double, 3>& bary,
+                                    const std::string& parameter) {
+  const Mesh& mesh = adjacency.mesh();
+  const Triangle t = mesh.dropped_face(face);
+  double at_first = 0;  // the weight of all corners that are t[0]
+  std::uint32_t other = t[0];
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (t[c] == t[0]) {
+      at_first += bary[c];
+    } else {
+      other = t[c];
+    }
+  }
+  if (other == t[0]) return placed(mesh, point_at_vertex(adjacency, t[0]));
+  const Halfedge h = adjacency.find_edge(t[0], other);
+  if (h == kNone) {
+    return fail(ErrorCode::mesh_invalid, "this face has no surface and touches no other face",
+                parameter);
+  }
+  const std::uint32_t c = corner_of(h);
+  const bool forward = adjacency.face(face_of(h)).vertex[c] == t[0];
+  std::array<double, 3> weights{0, 0, 0};
+  weights[forward ? c : next_corner(c)] = at_first;
+  weights[forward ? next_corner(c) : c] = 1 - at_first;
+  return placed(mesh, point_on_face(adjacency, face_of(h), weights));
+}
+
+Result<PlacedPoint> on_face(const Adjacency& adjacency, const proto::FaceRequest& request,
+                            const std::string& parameter) {
+  const Mesh& mesh = adjacency.mesh();
+  if (request.face >= mesh.source_face_count()) {
+    return fail_limit(ErrorCode::index_out_of_range, "the mesh has no such face",
+                      mesh.source_face_count() - 1, request.face, parameter);
+  }
+  const auto source = static_cast<std::uint32_t>(request.face);
+  const std::uint32_t face = mesh.face_of_source(source);
+  if (face == kNone) return on_dropped_face(adjacency, source, request.bary, parameter);
+  return placed(mesh, point_on_face(adjacency, face, request.bary));
+}
+
+Result<PlacedPoint> closest_to(const Adjacency& adjacency, const ClosestPoints& closest,
+                               const proto::SpaceRequest& request, const std::string& parameter) {
+  for (const double coordinate : {request.xyz.x, request.xyz.y, request.xyz.z}) {
+    if (std::abs(coordinate) > Mesh::kMaxCoordinate) {
+      return fail(ErrorCode::value_out_of_range, "a coordinate is too large", parameter);
+    }
+  }
+  const auto index = closest();
+  if (!index) return fail(index.error());
+  const ClosestPoint found = (*index)->closest(request.xyz);
+  if (request.max_snap && found.distance > *request.max_snap) {
+    return fail(ErrorCode::snap_too_far,
+                "the surface is " + std::to_string(found.distance) + " away", parameter);
+  }
+  PlacedPoint result = placed(adjacency.mesh(), found.point);
+  result.echo.snap_distance = found.distance;
+  return result;
+}
+
+}  // namespace
+
+Result<PlacedPoint> resolve_point(const Adjacency& adjacency, const ClosestPoints& closest,
+                                  const proto::PointRequest& request) {
+  if (const auto* vertex = std::get_if<proto::VertexRequest>(&request.where)) {
+    return at_vertex(adjacency, vertex->vertex, request.parameter);
+  }
+  if (const auto* face = std::get_if<proto::FaceRequest>(&request.where)) {
+    return on_face(adjacency, *face, request.parameter);
+  }
+  return closest_to(adjacency, closest, std::get<proto::SpaceRequest>(request.where),
+                    request.parameter);
+}
+
+proto::PathReplyPoint path_reply_point(const Mesh& mesh, const PathPoint& point) {
+  return {point.position, source_face(mesh, point.point.face), point.point.bary};
+}
+
+}  // namespace geodesic::server

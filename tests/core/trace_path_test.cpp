@@ -1,0 +1,112 @@
+#include "core/trace_path.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "core/arrive_at_point.h"
+#include "core/shapes.h"
+#include "tests/fixtures/path_checks.h"
+#include "tests/fixtures/surface.h"
+
+using namespace geodesic;
+using fixtures::check_is_a_path;
+using fixtures::Surface;
+
+TEST_CASE("PathOnAPlaneIsStraight") {
+  for (const auto diagonal : {shapes::Diagonal::rising, shapes::Diagonal::falling}) {
+    const TriangleSoup soup = shapes::plane(30, 30, diagonal);
+    const Surface surface(soup);
+    const Field field = surface.field_from(0);
+    for (const std::uint32_t target : {1U, 29U, 31U, 500U, 617U, 899U}) {
+      const auto path = surface.path(field, surface.at(target));
+      REQUIRE(path);
+      check_is_a_path(surface.adjacency(), *path, 30);
+      CHECK(path->length == doctest::Approx(norm(soup.positions[target])).epsilon(1e-9));
+      CHECK(path->points.front().position == soup.positions[0]);
+      CHECK(path->points.back().position == soup.positions[target]);
+    }
+  }
+}
+
+TEST_CASE("PathBetweenPointsInsideFaces") {
+  const Surface surface(shapes::plane(20, 20));
+  const SurfacePoint from = surface.on(10, {0.2, 0.3, 0.5});
+  const SurfacePoint to = surface.on(700, {0.6, 0.1, 0.3});
+  const auto path = surface.path(surface.field({Source{from, 0}}), to);
+  REQUIRE(path);
+  check_is_a_path(surface.adjacency(), *path, 20);
+  const double straight =
+      distance(position_of(surface.mesh(), from), position_of(surface.mesh(), to));
+  CHECK(path->length == doctest::Approx(straight).epsilon(1e-9));
+  CHECK(path->points.front().position == position_of(surface.mesh(), from));
+}
+
+TEST_CASE("PathWithinOneFaceIsOneSegment") {
+  const Surface surface(shapes::plane(5, 5));
+  const SurfacePoint from = surface.on(7, {0.2, 0.3, 0.5});
+  const SurfacePoint to = surface.on(7, {0.5, 0.4, 0.1});
+  const auto path = surface.path(surface.field({Source{from, 0}}), to);
+  REQUIRE(path);
+  CHECK(path->points.size() == 2);
+  CHECK(path->length == doctest::Approx(distance(position_of(surface.mesh(), from),
+                                                 position_of(surface.mesh(), to))));
+}
+
+TEST_CASE("PathToItselfIsOnePoint") {
+  const Surface surface(shapes::plane(5, 5));
+  const auto at_vertex = surface.path(surface.field_from(7), surface.at(7));
+  REQUIRE(at_vertex);
+  CHECK(at_vertex->points.size() == 1);
+  CHECK(at_vertex->length == 0);
+  const SurfacePoint inside = surface.on(3, {0.2, 0.3, 0.5});
+  const auto at_point = surface.path(surface.field({Source{inside, 0}}), inside);
+  REQUIRE(at_point);
+  CHECK(at_point->length == 0);
+}
+
+TEST_CASE("PathLeadsToTheNearestOfSeveralSources") {
+  const Surface surface(shapes::plane(21, 5));
+  const Field field = surface.field({Source{surface.at(0), 0}, Source{surface.at(20), 0}});
+  const auto path = surface.path(field, surface.at(15));
+  REQUIRE(path);
+  CHECK(path->source == 1);
+  CHECK(path->length == doctest::Approx(5));
+}
+
+TEST_CASE("PathsOnCurvedSurfacesArePaths") {
+  for (const TriangleSoup& soup :
+       {shapes::icosphere(4), shapes::torus_knot(200, 16, 0.4), shapes::terrain(60, 3, 4),
+        shapes::saddle(40, 12), shapes::shuffled(shapes::terrain(60, 3, 4), 2)}) {
+    const Surface surface(soup);
+    const Field field = surface.field_from(0);
+    const PointArrivals arrivals(surface.adjacency(), field);
+    double difference = 0;
+    std::size_t count = 0;
+    for (std::uint32_t f = 0; f < soup.faces.size(); f += 37) {
+      const SurfacePoint to = surface.on(f, {0.2, 0.5, 0.3});
+      const auto path = surface.path(field, to);
+      REQUIRE(path);
+      check_is_a_path(surface.adjacency(), *path, 100);
+      const double stated = arrivals.distance_at(to);
+      difference += std::abs(path->length - stated) / stated;
+      ++count;
+    }
+    CHECK(difference / static_cast<double>(count) < 0.02);
+  }
+}
+
+TEST_CASE("PathRoundASharpCornerBendsAtIt") {
+  // An L: the straight line between its ends leaves the surface.
+  const std::vector<shapes::Hole> notch{{10, 10, 20}};
+  const Surface surface(shapes::plane_with_holes(31, 31, notch));
+  const Field field = surface.field_from(30 * 31);        // top left
+  const auto path = surface.path(field, surface.at(30));  // bottom right
+  REQUIRE(path);
+  check_is_a_path(surface.adjacency(), *path, 31);
+  CHECK(path->length == doctest::Approx(2 * std::hypot(20, 10)).epsilon(0.003));
+  bool at_corner = false;
+  for (const PathPoint& p : path->points) at_corner |= distance(p.position, {10, 10, 0}) < 1e-9;
+  CHECK(at_corner);
+}

@@ -1,0 +1,127 @@
+// Many clients at once: what is expensive is made once, and every reply is the same.
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <barrier>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/server/service_fixture.h"
+
+using namespace geodesic;
+using namespace geodesic::server;
+using namespace geodesic::server::test;
+
+namespace {
+
+constexpr int kClients = 64;
+
+// Runs `work(i)` on kClients threads that start together.
+template <class Work>
+void all_at_once(Work work) {
+  std::barrier start(kClients);
+  std::vector<std::thread> clients;
+  for (int i = 0; i < kClients; ++i) {
+    clients.emplace_back([&, i] {
+      start.arrive_and_wait();
+      work(i);
+    });
+  }
+  for (std::thread& client : clients) client.join();
+}
+
+}  // namespace
+
+TEST_CASE("SixtyFourClientsOnAFreshMeshPrepareItOnce") {
+  const TemporaryFolder folder;
+  std::string id;
+  {
+    Service service(folder.path());
+    id = service.upload(glb_of(shapes::terrain(60, 5, 3)));
+  }
+  Service service(folder.path());  // knows the mesh, has nothing prepared
+  for (const std::string query :
+       {"/distance?from=v:7&format=f64", "/path?from=v:7&to=v:3000", "/nearest?point=p:9,9,9"}) {
+    std::vector<std::string> replies(kClients);
+    std::vector<int> statuses(kClients);
+    all_at_once([&](int i) {
+      const HttpResponse response = service.get("/v1/meshes/" + id + query);
+      statuses[static_cast<std::size_t>(i)] = response.status;
+      replies[static_cast<std::size_t>(i)] = *response.body;
+    });
+    for (const int status : statuses) CHECK(status == 200);
+    for (const std::string& reply : replies) CHECK(reply == replies.front());
+  }
+  CHECK(service.catalog.mesh_cache().makes == 1);
+  CHECK(service.catalog.adjacency_cache().makes == 2);  // the adjacency, the closest points
+  CHECK(service.queries.field_cache().makes == 1);
+}
+
+TEST_CASE("SixtyFourUploadsOfOneFileDecodeItOnce") {
+  const TemporaryFolder folder;
+  Service service(folder.path());
+  const std::string glb = glb_of(shapes::terrain(40, 5, 3));
+  std::vector<int> statuses(kClients);
+  all_at_once([&](int i) {
+    statuses[static_cast<std::size_t>(i)] = service.ask("POST", "/v1/meshes", glb).status;
+  });
+  for (const int status : statuses) CHECK((status == 201 || status == 200));
+  CHECK(service.catalog.mesh_cache().makes == 1);
+  CHECK(service.store->size() == 1);
+}
+
+TEST_CASE("BudgetsSmallerThanTwoMeshesStillAnswerEverything") {
+  const TemporaryFolder folder;
+  Config config;
+  config.mesh_cache_bytes = 200'000;
+  config.adjacency_cache_bytes = 500'000;
+  config.field_cache_bytes = 30'000;
+  Service service(folder.path(), config);
+  std::vector<std::string> ids;
+  std::vector<std::string> expected;
+  for (std::uint32_t seed = 0; seed < 4; ++seed) {
+    ids.push_back(service.upload(glb_of(shapes::terrain(40, 5, seed))));
+    expected.push_back(*service.get("/v1/meshes/" + ids.back() + "/path?from=v:0&to=v:1599").body);
+  }
+  const CacheStats prepared = service.catalog.adjacency_cache();
+  CHECK(prepared.entries < 2);
+  std::atomic<int> wrong{0};
+  all_at_once([&](int i) {
+    for (int round = 0; round < 3; ++round) {
+      const auto which = static_cast<std::size_t>((i + round) % 4);
+      const HttpResponse response =
+          service.get("/v1/meshes/" + ids[which] + "/path?from=v:0&to=v:1599");
+      if (response.status != 200 || *response.body != expected[which]) ++wrong;
+    }
+  });
+  CHECK(wrong == 0);
+  CHECK(service.catalog.adjacency_cache().evictions > 0);
+  CHECK(service.catalog.adjacency_cache().bytes <= config.adjacency_cache_bytes);
+  CHECK(service.queries.field_cache().bytes <= config.field_cache_bytes);
+}
+
+TEST_CASE("DeletingWhileOthersAskIsSafe") {
+  const TemporaryFolder folder;
+  Service service(folder.path());
+  const std::string glb = glb_of(shapes::terrain(30, 5, 9));
+  const std::string id = sha256_hex(glb);
+  std::atomic<int> unexpected{0};
+  all_at_once([&](int i) {
+    for (int round = 0; round < 4; ++round) {
+      int status = 0;
+      if (i % 8 == 0) {
+        status = service.ask("DELETE", "/v1/meshes/" + id).status;
+      } else if (i % 8 < 3) {
+        status = service.ask("POST", "/v1/meshes", glb).status;
+      } else {
+        status = service.get("/v1/meshes/" + id + "/distance?from=v:0&format=f32").status;
+      }
+      // A mesh may vanish between an upload and the description of what was known.
+      if (status != 200 && status != 201 && status != 204 && status != 404) ++unexpected;
+    }
+  });
+  CHECK(unexpected == 0);
+  CHECK(service.ask("POST", "/v1/meshes", glb).status < 300);
+  CHECK(service.get("/v1/meshes/" + id + "/distance?from=v:0").status == 200);
+}

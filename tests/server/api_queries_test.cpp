@@ -1,0 +1,167 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "tests/server/service_fixture.h"
+
+using namespace geodesic;
+using namespace geodesic::server;
+using namespace geodesic::server::test;
+
+namespace {
+
+struct PlaneService {
+  TemporaryFolder folder;
+  Service service{folder.path()};
+  std::string base = "/v1/meshes/" + service.upload(glb_of(shapes::plane(12, 10)));
+};
+
+}  // namespace
+
+TEST_CASE("DistanceFieldInSourceVertexOrder") {
+  PlaneService plane;
+  const HttpResponse response = plane.service.get(plane.base + "/distance?from=v:0");
+  CHECK(response.status == 200);
+  CHECK(header_of(response, "Geo-Cache") == "miss");
+  const json reply = body_of(response);
+  CHECK(reply["method"] == "wavefront");
+  CHECK(reply["count"] == 120);
+  CHECK(reply["reached"] == 120);
+  CHECK(reply["max"] == doctest::Approx(std::hypot(11, 9)));
+  CHECK(reply["farthest"] == 119);
+  CHECK(reply["from"][0]["vertex"] == 0);
+  for (int i = 0; i < 120; ++i) {
+    CHECK(reply["distances"][i] == doctest::Approx(std::hypot(i % 12, i / 12)));
+  }
+  CHECK(header_of(plane.service.get(plane.base + "/distance?from=v:0"), "Geo-Cache") == "hit");
+}
+
+TEST_CASE("BinaryFieldsAreTheBareArray") {
+  PlaneService plane;
+  const json reply = body_of(plane.service.get(plane.base + "/distance?from=v:5"));
+  const HttpResponse f64 = plane.service.get(plane.base + "/distance?from=v:5&format=f64");
+  CHECK(f64.content_type == "application/octet-stream");
+  CHECK(header_of(f64, "Geo-Dtype") == "<f8");
+  CHECK(header_of(f64, "Geo-Shape") == "120");
+  CHECK(reply["distances"].get<std::vector<double>>() == numbers_of<double>(f64));
+  CHECK(std::stod(header_of(f64, "Geo-Max")) == reply["max"].get<double>());
+  const HttpResponse f32 = plane.service.ask("GET", plane.base + "/distance?from=v:5", {},
+                                             {{"Accept", "application/octet-stream"}});
+  CHECK(header_of(f32, "Geo-Dtype") == "<f4");
+  const auto narrow = numbers_of<float>(f32);
+  REQUIRE(narrow.size() == 120);
+  for (int i = 0; i < 120; ++i) CHECK(narrow[i] == reply["distances"][i].get<float>());
+}
+
+TEST_CASE("GetAndPostSayTheSame") {
+  PlaneService plane;
+  const auto same = [&](const std::string& target, const std::string& body) {
+    const std::string path = target.substr(0, target.find('?'));
+    const HttpResponse get = plane.service.get(plane.base + target);
+    const HttpResponse post = plane.service.ask("POST", plane.base + path, body);
+    CHECK(get.status == 200);
+    CHECK(post.status == 200);
+    CHECK(*get.body == *post.body);
+  };
+  same("/distance?from=v:3&from=v:100&max=4", R"({"from":[{"vertex":3},{"vertex":100}],"max":4})");
+  same("/distance?from=f:40,0.25,0.25&at=v:1&at=p:2,3,1",
+       R"({"from":{"face":40,"bary":[0.25,0.25,0.5]},"at":["v:1",{"xyz":[2,3,1]}]})");
+  same("/path?from=v:0&to=v:119&precision=9", R"({"from":"v:0","to":"v:119","precision":9})");
+  same("/nearest?point=p:1,2,3", R"({"point":[{"xyz":[1,2,3]}]})");
+}
+
+TEST_CASE("PathIsAPolylineOfItsLength") {
+  PlaneService plane;
+  const json reply = body_of(plane.service.get(plane.base + "/path?from=v:0&to=p:7.25,5.5,4"));
+  CHECK(reply["reachable"] == true);
+  CHECK(reply["refine"] == "none");
+  CHECK(reply["length"] == doctest::Approx(std::hypot(7.25, 5.5)));
+  CHECK(reply["to"]["snap_distance"] == 4);
+  double length = 0;
+  const json& points = reply["points"];
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    double square = 0;
+    for (int k = 0; k < 3; ++k) {
+      square +=
+          std::pow(points[i]["xyz"][k].get<double>() - points[i - 1]["xyz"][k].get<double>(), 2);
+    }
+    length += std::sqrt(square);
+  }
+  CHECK(length == doctest::Approx(reply["length"].get<double>()).epsilon(1e-12));
+  const HttpResponse f64 =
+      plane.service.get(plane.base + "/path?from=v:0&to=p:7.25,5.5,4&format=f64");
+  CHECK(header_of(f64, "Geo-Shape") == std::to_string(points.size()) + ",3");
+  CHECK(numbers_of<double>(f64).size() == 3 * points.size());
+}
+
+TEST_CASE("TableOfPathAndFieldAgree") {
+  const TemporaryFolder folder;
+  Service service(folder.path());
+  const std::string base = "/v1/meshes/" + service.upload(glb_of(shapes::icosphere(4)));
+  for (const int to : {7, 300, 1999}) {
+    const std::string target = std::to_string(to);
+    const double whole =
+        body_of(service.get(base + "/distance?from=v:1"))["distances"][to].get<double>();
+    const double at =
+        body_of(service.get(base + "/distance?from=v:1&at=v:" + target))["distances"][0];
+    const double path = body_of(service.get(base + "/path?from=v:1&to=v:" + target))["length"];
+    CHECK(at == whole);
+    CHECK(path == doctest::Approx(whole).epsilon(0.01));
+  }
+}
+
+TEST_CASE("WhatIsUnreachableIsNullNeverZero") {
+  const TemporaryFolder folder;
+  Service service(folder.path());
+  TriangleSoup soup = shapes::plane(3, 3);
+  const TriangleSoup other = shapes::plane(2, 2);
+  for (const Vec3 p : other.positions) soup.positions.push_back(p + Vec3{0, 0, 5});
+  for (const auto& t : other.faces) soup.faces.push_back({t[0] + 9, t[1] + 9, t[2] + 9});
+  const std::string base = "/v1/meshes/" + service.upload(glb_of(soup));
+  const json field = body_of(service.get(base + "/distance?from=v:0"));
+  CHECK(field["reached"] == 9);
+  CHECK(field["distances"][9].is_null());
+  CHECK(std::isinf(numbers_of<float>(service.get(base + "/distance?from=v:0&format=f32"))[9]));
+  const HttpResponse path = service.get(base + "/path?from=v:0&to=v:10");
+  CHECK(path.status == 200);
+  CHECK(body_of(path)["reachable"] == false);
+  CHECK(body_of(path)["length"].is_null());
+  CHECK(body_of(path)["points"].empty());
+  const json at = body_of(service.get(base + "/distance?from=v:0&at=v:10"));
+  CHECK(at["distances"][0].is_null());
+  CHECK(at["max"].is_null());
+}
+
+TEST_CASE("MaxBoundsTheField") {
+  PlaneService plane;
+  const json reply = body_of(plane.service.get(plane.base + "/distance?from=v:0&max=3.5"));
+  CHECK(reply["max"] <= 3.5);
+  CHECK(reply["distances"][3] == doctest::Approx(3));
+  CHECK(reply["distances"][4].is_null());
+}
+
+TEST_CASE("SourcesMayHaveOffsets") {
+  PlaneService plane;
+  const json reply = body_of(
+      plane.service.ask("POST", plane.base + "/distance",
+                        R"({"from":[{"vertex":0,"offset":2},{"vertex":11}],"at":["v:1","v:10"]})"));
+  CHECK(reply["distances"][0] == doctest::Approx(3));
+  CHECK(reply["distances"][1] == doctest::Approx(1));
+}
+
+TEST_CASE("WeldedVerticesGetEqualValues") {
+  const TemporaryFolder folder;
+  Service service(folder.path());
+  const TriangleSoup soup{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}, {1, 1, 0}, {0, 1, 0}},
+                          {{0, 1, 2}, {3, 4, 5}, {0, 3, 1}}};
+  const std::string base = "/v1/meshes/" + service.upload(glb_of(soup));
+  const json reply = body_of(service.get(base + "/distance?from=v:3"));
+  CHECK(reply["count"] == 6);
+  CHECK(reply["from"][0]["vertex"] == 3);
+  CHECK(reply["distances"][0] == 0);
+  CHECK(reply["distances"][2] == reply["distances"][4]);
+  CHECK(reply["distances"][5] == 1);
+  // A face that welding has made an edge is still a place.
+  const json nearest = body_of(service.get(base + "/nearest?point=f:2,0.25,0.25"));
+  CHECK(nearest["points"][0]["xyz"] == json::parse("[0.5,0,0]"));
+}

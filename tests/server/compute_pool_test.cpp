@@ -1,0 +1,179 @@
+#include "server/compute_pool.h"
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <chrono>
+#include <future>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+using namespace geodesic;
+using namespace geodesic::server;
+using namespace std::chrono_literals;
+
+namespace {
+
+template <class Predicate>
+void wait_until(Predicate&& holds) {
+  while (!holds()) std::this_thread::sleep_for(1ms);
+}
+
+// Occupies slots until it is opened.
+struct Gate {
+  std::promise<void> promise;
+  std::shared_future<void> opened = promise.get_future().share();
+  void open() { promise.set_value(); }
+  auto job() {
+    return [this](Worker&) -> Result<int> {
+      opened.wait();
+      return 1;
+    };
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a job's result and error come back to the caller") {
+  ComputePool pool(2, 4);
+  CHECK(pool.slots() == 2);
+  CHECK(pool.run([](Worker&) -> Result<std::string> { return std::string("done"); }) == "done");
+  const auto failed =
+      pool.run([](Worker&) -> Result<int> { return fail(ErrorCode::no_hit, "misses"); });
+  REQUIRE_FALSE(failed);
+  CHECK(failed.error().code == ErrorCode::no_hit);
+  // Results that can only be moved, and none at all.
+  const auto moved =
+      pool.run([](Worker&) -> Result<std::unique_ptr<int>> { return std::make_unique<int>(7); });
+  CHECK(**moved == 7);
+  CHECK(pool.run([](Worker&) -> Result<void> { return {}; }));
+  CHECK(ComputePool(0, 1).slots() >= 1);
+}
+
+TEST_CASE("what a job throws becomes an error without details") {
+  ComputePool pool(1, 1);
+  const auto thrown =
+      pool.run([](Worker&) -> Result<int> { throw std::runtime_error("a secret"); });
+  REQUIRE_FALSE(thrown);
+  CHECK(thrown.error().code == ErrorCode::internal);
+  CHECK(thrown.error().detail.find("secret") == std::string::npos);
+  const auto number = pool.run([](Worker&) -> Result<int> { throw 42; });
+  CHECK(number.error().code == ErrorCode::internal);
+  const auto memory = pool.run([](Worker&) -> Result<int> { throw std::bad_alloc(); });
+  CHECK(memory.error().code == ErrorCode::overloaded);
+  CHECK(pool.run([](Worker&) -> Result<int> { return 1; }) == 1);
+}
+
+TEST_CASE("a full queue is refused at once") {
+  Gate gate;
+  ComputePool pool(1, 2);
+  std::vector<std::future<Result<int>>> callers;
+  for (int i = 0; i < 3; ++i) {  // one runs, two wait
+    callers.push_back(std::async(std::launch::async, [&] { return pool.run(gate.job()); }));
+  }
+  wait_until([&] { return pool.stats().running == 1 && pool.stats().queued == 2; });
+  const auto refused = pool.run(gate.job());
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::overloaded);
+  CHECK(refused.error().limit == 2);
+  gate.open();
+  for (auto& caller : callers) CHECK(caller.get() == 1);
+  CHECK(pool.stats().rejected == 1);
+  CHECK(pool.stats().finished == 3);
+  CHECK(pool.stats().running == 0);
+}
+
+TEST_CASE("without a queue, a free slot is taken and a busy one refused") {
+  Gate gate;
+  ComputePool pool(1, 0);
+  auto running = std::async(std::launch::async, [&] { return pool.run(gate.job()); });
+  wait_until([&] { return pool.stats().running == 1; });
+  CHECK(pool.run(gate.job()).error().code == ErrorCode::overloaded);
+  gate.open();
+  CHECK(running.get() == 1);
+}
+
+TEST_CASE("a caller whose client is gone takes its queued job back") {
+  Gate gate;
+  ComputePool pool(1, 4);
+  auto running = std::async(std::launch::async, [&] { return pool.run(gate.job()); });
+  wait_until([&] { return pool.stats().running == 1; });
+  std::atomic<bool> ran{false};
+  std::atomic<bool> gone{false};
+  auto queued = std::async(std::launch::async, [&] {
+    return pool.run(
+        [&](Worker&) -> Result<int> {
+          ran = true;
+          return 2;
+        },
+        [&] { return gone.load(); });
+  });
+  wait_until([&] { return pool.stats().queued == 1; });
+  CHECK(queued.wait_for(150ms) == std::future_status::timeout);  // it waits while the client does
+  gone = true;
+  REQUIRE(queued.wait_for(2s) == std::future_status::ready);
+  CHECK(queued.get().error().code == ErrorCode::cancelled);
+  CHECK(pool.stats().queued == 0);
+  CHECK(pool.stats().given_up == 1);
+  gate.open();
+  CHECK(running.get() == 1);
+  CHECK_FALSE(ran);
+}
+
+TEST_CASE("a running job is waited for even if the client is gone") {
+  Gate gate;
+  ComputePool pool(1, 4);
+  auto running =
+      std::async(std::launch::async, [&] { return pool.run(gate.job(), [] { return true; }); });
+  CHECK(running.wait_for(200ms) == std::future_status::timeout);
+  gate.open();
+  CHECK(running.get() == 1);
+}
+
+TEST_CASE("no two jobs at once share a slot") {
+  ComputePool pool(4, 64);
+  std::vector<std::atomic<int>> in_slot(4);
+  std::atomic<int> wrong{0};
+  std::vector<std::future<int>> callers;
+  for (int c = 0; c < 16; ++c) {
+    callers.push_back(std::async(std::launch::async, [&] {
+      int done = 0;
+      for (int i = 0; i < 100; ++i) {
+        const auto ran = pool.run([&](Worker& worker) -> Result<int> {
+          if (worker.slot >= 4 || ++in_slot[worker.slot] != 1) ++wrong;
+          std::this_thread::yield();
+          --in_slot[worker.slot];
+          return 1;
+        });
+        done += ran.value_or(0);
+      }
+      return done;
+    }));
+  }
+  for (auto& caller : callers) CHECK(caller.get() == 100);
+  CHECK(wrong == 0);
+  CHECK(pool.stats().finished == 1600);
+}
+
+TEST_CASE("draining finishes what is queued and refuses what comes") {
+  Gate gate;
+  ComputePool pool(1, 4);
+  std::vector<std::future<Result<int>>> callers;
+  for (int i = 0; i < 3; ++i) {
+    callers.push_back(std::async(std::launch::async, [&] { return pool.run(gate.job()); }));
+  }
+  wait_until([&] { return pool.stats().queued == 2; });
+  auto drained = std::async(std::launch::async, [&] { pool.drain(); });
+  wait_until([&] {
+    const auto tried = pool.run([](Worker&) -> Result<int> { return 1; }, [] { return true; });
+    return !tried && tried.error().code == ErrorCode::draining;
+  });
+  CHECK(drained.wait_for(50ms) == std::future_status::timeout);
+  gate.open();
+  drained.get();
+  for (auto& caller : callers) CHECK(caller.get() == 1);
+  pool.drain();
+}

@@ -1,0 +1,177 @@
+#include "server/config.h"
+
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+
+using namespace geodesic;
+using namespace geodesic::server;
+
+namespace {
+
+using Variables = std::map<std::string, std::string>;
+
+Environment in(Variables variables) {
+  return [variables = std::move(variables)](const std::string& name) -> std::optional<std::string> {
+    const auto found = variables.find(name);
+    if (found == variables.end()) return std::nullopt;
+    return found->second;
+  };
+}
+
+struct ConfigFile {
+  explicit ConfigFile(const std::string& text) {
+    std::string pattern = (std::filesystem::temp_directory_path() / "config_XXXXXX").string();
+    const int descriptor = ::mkstemp(pattern.data());
+    REQUIRE(descriptor >= 0);
+    ::close(descriptor);
+    path = pattern;
+    std::ofstream(path) << text;
+  }
+  ~ConfigFile() { std::filesystem::remove(path); }
+  std::string path;
+};
+
+Error error_of(const std::vector<std::string>& arguments, Variables variables = {}) {
+  const auto line = read_config(arguments, in(std::move(variables)));
+  REQUIRE_FALSE(line);
+  return line.error();
+}
+
+bool mentions(const Error& error, std::string_view text) {
+  return error.detail.find(text) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("without any source the defaults hold") {
+  const auto line = read_config({}, in({}));
+  REQUIRE(line);
+  CHECK_FALSE(line->print);
+  CHECK(line->config.listen.host == "127.0.0.1");
+  CHECK(line->config.listen.port == 8080);
+  CHECK(line->config.admin_listen.host.empty());
+  CHECK(line->config.max_body_bytes == 256u << 20);
+  CHECK(line->config.field_cache_bytes == 1u << 30);
+}
+
+TEST_CASE("a flag beats a variable beats the file beats the default") {
+  const ConfigFile file(
+      R"({"queue": 1, "io-threads": 2, "store": "from-file", "max-json-bytes": "3KiB"})");
+  const auto line = read_config({"--queue", "10", "--config", file.path, "--admin-listen=[::1]:0"},
+                                in({{"GEODESICD_QUEUE", "20"}, {"GEODESICD_IO_THREADS", "30"}}));
+  REQUIRE(line);
+  CHECK(line->config.queue == 10);
+  CHECK(line->config.io_threads == 30);
+  CHECK(line->config.store == "from-file");
+  CHECK(line->config.max_json_bytes == 3072);
+  CHECK(line->config.keep_alive_seconds == 5);
+  CHECK(line->config.admin_listen.host == "::1");
+
+  const auto printed =
+      read_config({"--queue=10", "--print-config"}, in({{"GEODESICD_QUEUE", "20"},
+                                                        {"GEODESICD_CONFIG", file.path},
+                                                        {"GEODESICD_LISTEN", "0.0.0.0:80"}}));
+  REQUIRE(printed);
+  REQUIRE(printed->print);
+  const std::string& text = *printed->print;
+  const auto line_of = [&](const std::string& name) {
+    const std::size_t at = text.find("\n" + name + " ");
+    return text.substr(at + 1, text.find('\n', at + 1) - at - 1);
+  };
+  CHECK(line_of("queue").find("\"10\"") != std::string::npos);
+  CHECK(line_of("queue").ends_with("--queue"));
+  CHECK(line_of("io-threads").ends_with(file.path));
+  CHECK(line_of("max-body-bytes").find("\"256MiB\"") != std::string::npos);
+  CHECK(line_of("max-body-bytes").ends_with("default"));
+  CHECK(text.find("GEODESICD_LISTEN") != std::string::npos);
+}
+
+TEST_CASE("a bad value names its source") {
+  CHECK(mentions(error_of({"--queue", "many"}), "--queue: 'many' is not a whole number"));
+  CHECK(mentions(error_of({}, {{"GEODESICD_QUEUE", "-1"}}), "GEODESICD_QUEUE: '-1'"));
+  CHECK(mentions(error_of({"--io-threads=0"}), "--io-threads: at least 1"));
+  CHECK(mentions(error_of({"--max-vertices=4294967295"}), "--max-vertices: at most"));
+  CHECK(mentions(error_of({}, {{"GEODESICD_LISTEN", ""}}),
+                 "GEODESICD_LISTEN: an address is required"));
+  CHECK(mentions(error_of({"--log-level=loud"}), "--log-level: 'loud' is none of trace"));
+  CHECK(error_of({"--max-body-bytes=1TB"}).parameter == "max-body-bytes");
+  const ConfigFile bad_value(R"({"queue": "x"})");
+  CHECK(mentions(error_of({"--config", bad_value.path}), bad_value.path + ": queue: 'x'"));
+  const ConfigFile negative(R"({"queue": -1})");
+  CHECK(mentions(error_of({"--config", negative.path}), "queue: must be a string or a whole"));
+}
+
+TEST_CASE("unknown options and unreadable files are refused") {
+  CHECK(error_of({"--quue=1"}).code == ErrorCode::unknown_parameter);
+  CHECK(mentions(error_of({"--quue=1"}), "--quue"));
+  CHECK(mentions(error_of({"stray"}), "stray"));
+  CHECK(error_of({"--queue"}).code == ErrorCode::bad_syntax);
+  const ConfigFile unknown(R"({"quue": 1})");
+  CHECK(error_of({"--config", unknown.path}).code == ErrorCode::unknown_parameter);
+  CHECK(mentions(error_of({"--config", unknown.path}), "quue: no such option"));
+  const ConfigFile array("[1]");
+  CHECK(mentions(error_of({"--config", array.path}), "is not a JSON object"));
+  const ConfigFile broken("{");
+  CHECK(mentions(error_of({"--config", broken.path}), "is not a JSON object"));
+  CHECK(mentions(error_of({"--config", broken.path + ".none"}), "cannot be read"));
+}
+
+TEST_CASE("help, version and the table list what there is") {
+  const auto help = read_config({"--help"}, in({}));
+  REQUIRE(help);
+  const auto version = read_config({"--version"}, in({}));
+  REQUIRE(version);
+  CHECK(version->print->starts_with("geodesicd "));
+  const auto table = read_config({"--print-config-table"}, in({}));
+  REQUIRE(table);
+  CHECK(*table->print == config_table());
+  for (const char* name :
+       {"listen", "admin-listen", "store", "samples", "io-threads", "compute-threads", "queue",
+        "max-body-bytes", "max-json-bytes", "max-vertices", "max-faces", "mesh-cache-bytes",
+        "adjacency-cache-bytes", "field-cache-bytes", "body-timeout-seconds", "keep-alive-seconds",
+        "drain-seconds", "log-level"}) {
+    CAPTURE(name);
+    CHECK(help->print->find("--" + std::string(name) + " ") != std::string::npos);
+    CHECK(config_table().find("| `--" + std::string(name) + " ") != std::string::npos);
+  }
+  CHECK(config_table().find("| `--queue N` | `GEODESICD_QUEUE` | `256` |") != std::string::npos);
+}
+
+TEST_CASE("byte sizes take binary suffixes and nothing else") {
+  CHECK(parse_bytes("0") == 0u);
+  CHECK(parse_bytes("123") == 123u);
+  CHECK(parse_bytes("2KiB") == 2048u);
+  CHECK(parse_bytes("256MiB") == 268435456u);
+  CHECK(parse_bytes("3GiB") == std::uint64_t{3} << 30);
+  CHECK(parse_bytes("17179869183GiB") == std::uint64_t{17179869183} << 30);
+  for (const char* bad : {"", "KiB", "1 KiB", "1.5GiB", "-1", "+1", "1kb", "0x10", "17179869184GiB",
+                          "18446744073709551616"}) {
+    CAPTURE(bad);
+    CHECK_FALSE(parse_bytes(bad));
+  }
+}
+
+TEST_CASE("addresses are HOST:PORT with IPv6 in brackets") {
+  const auto check = [](std::string_view text, std::string_view host, int port) {
+    CAPTURE(text);
+    const auto address = parse_address(text);
+    REQUIRE(address);
+    CHECK(address->host == host);
+    CHECK(address->port == port);
+  };
+  check("127.0.0.1:8080", "127.0.0.1", 8080);
+  check("localhost:0", "localhost", 0);
+  check(":80", "0.0.0.0", 80);
+  check("[::1]:65535", "::1", 65535);
+  for (const char* bad :
+       {"", "8080", "host", "host:", "host:x", "host:65536", "::1:80", "[]:80", "host:-1"}) {
+    CAPTURE(bad);
+    CHECK_FALSE(parse_address(bad));
+  }
+}

@@ -1,0 +1,293 @@
+#include "server/mesh_store.h"
+
+#include <doctest/doctest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <future>
+#include <iterator>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/sha256.h"
+
+using namespace geodesic;
+using namespace geodesic::server;
+namespace fs = std::filesystem;
+
+namespace {
+
+// A directory of its own that is gone after the test.
+struct Folder {
+  Folder() {
+    std::string pattern = (fs::temp_directory_path() / "mesh_store_XXXXXX").string();
+    REQUIRE(::mkdtemp(pattern.data()) != nullptr);
+    path = pattern;
+  }
+  ~Folder() { fs::remove_all(path); }
+  fs::path path;
+};
+
+std::unique_ptr<MeshStore> opened(const fs::path& path) {
+  auto store = MeshStore::open(path);
+  REQUIRE(store);
+  return std::move(*store);
+}
+
+fs::path object_of(const fs::path& root, const std::string& id) {
+  return root / "objects" / id.substr(0, 2) / id;
+}
+fs::path meta_of(const fs::path& root, const std::string& id) {
+  return root / "meta" / id.substr(0, 2) / (id + ".json");
+}
+
+void write(const fs::path& path, const std::string& bytes) {
+  fs::create_directories(path.parent_path());
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+std::string metadata_of(MeshStore& store, const std::string& id) {
+  const auto metadata = store.get_metadata(id);
+  REQUIRE(metadata);
+  return metadata->value_or("(none)");
+}
+
+std::size_t files_below(const fs::path& path) {
+  return static_cast<std::size_t>(
+      std::count_if(fs::recursive_directory_iterator(path), fs::recursive_directory_iterator(),
+                    [](const fs::directory_entry& entry) { return entry.is_regular_file(); }));
+}
+
+}  // namespace
+
+TEST_CASE("SHA-256 of known texts") {
+  CHECK(sha256_hex("") == "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  CHECK(sha256_hex("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST_CASE("what was put comes back, also after a restart") {
+  const Folder folder;
+  const std::string bytes("glTF\0\xff mesh", 11);
+  const std::string id = sha256_hex(bytes);
+  {
+    const auto store = opened(folder.path / "new" / "store");
+    CHECK_FALSE(store->contains(id));
+    REQUIRE(store->put(id, bytes, "{\"vertices\":3}"));
+    CHECK(store->contains(id));
+    CHECK(store->get_source(id) == bytes);
+  }
+  const auto store = opened(folder.path / "new" / "store");
+  CHECK(store->size() == 1);
+  CHECK(store->contains(id));
+  CHECK(store->get_source(id) == bytes);
+  CHECK(metadata_of(*store, id) == "{\"vertices\":3}");
+  REQUIRE(store->put_metadata(id, "{}"));
+  CHECK(metadata_of(*store, id) == "{}");
+  CHECK(files_below(folder.path / "new" / "store" / "tmp") == 0);
+}
+
+TEST_CASE("an id that is no digest reaches no file") {
+  const Folder folder;
+  const auto store = opened(folder.path);
+  const std::string id = sha256_hex("x");
+  std::string upper = id;
+  std::transform(upper.begin(), upper.end(), upper.begin(),
+                 [](unsigned char c) { return std::toupper(c); });
+  for (const std::string& bad :
+       {std::string(), std::string("../../etc/passwd"), id.substr(1), id + "0", upper,
+        "../" + id.substr(3), id.substr(0, 63) + "/", id.substr(0, 63) + std::string(1, '\0')}) {
+    CAPTURE(bad);
+    CHECK_FALSE(is_mesh_id(bad));
+    CHECK_FALSE(store->contains(bad));
+    CHECK(store->get_source(bad).error().code == ErrorCode::mesh_unknown);
+    CHECK(store->get_metadata(bad).error().code == ErrorCode::mesh_unknown);
+    CHECK(store->put(bad, "x", "").error().code == ErrorCode::mesh_unknown);
+    CHECK(store->put_metadata(bad, "x").error().code == ErrorCode::mesh_unknown);
+    CHECK(store->remove(bad) == false);
+  }
+  CHECK(store->get_source(id).error().code == ErrorCode::mesh_unknown);
+  CHECK(store->put(id, "y", "").error().code == ErrorCode::digest_mismatch);
+  CHECK(store->size() == 0);
+  CHECK(files_below(folder.path) == 1);  // the lock
+}
+
+TEST_CASE("removing is idempotent and leaves nothing") {
+  const Folder folder;
+  const auto store = opened(folder.path);
+  const std::string id = sha256_hex("x");
+  REQUIRE(store->put(id, "x", "{}"));
+  CHECK(store->remove(id) == true);
+  CHECK_FALSE(store->contains(id));
+  CHECK(store->remove(id) == false);
+  CHECK(files_below(folder.path) == 1);
+  REQUIRE(store->put(id, "x", "{}"));
+  CHECK(store->get_source(id) == "x");
+}
+
+TEST_CASE("listing pages through sorted ids") {
+  const Folder folder;
+  const auto store = opened(folder.path);
+  std::vector<std::string> ids;
+  for (int i = 0; i < 25; ++i) {
+    const std::string bytes = std::to_string(i);
+    ids.push_back(sha256_hex(bytes));
+    REQUIRE(store->put(ids.back(), bytes, "{}"));
+  }
+  std::sort(ids.begin(), ids.end());
+  std::vector<std::string> listed;
+  std::string after;
+  while (true) {
+    const std::vector<std::string> page = store->list(after, 10);
+    if (page.empty()) break;
+    CHECK(page.size() <= 10);
+    listed.insert(listed.end(), page.begin(), page.end());
+    after = page.back();
+  }
+  CHECK(listed == ids);
+}
+
+TEST_CASE("what a crash left behind is cleared away or completed") {
+  const Folder folder;
+  const std::string id = sha256_hex("x");
+  write(folder.path / "tmp" / "17", "half an upl");
+  write(object_of(folder.path, id), "x");  // the metadata never came
+  write(folder.path / "objects" / "zz" / "stray", "y");
+  write(folder.path / "objects" / "stray", "y");
+  write(folder.path / "objects" / "00" / id, "in the wrong shard");
+  const auto store = opened(folder.path);
+  CHECK(fs::is_empty(folder.path / "tmp"));
+  CHECK(store->list("", 10) == std::vector<std::string>{id});
+  CHECK(metadata_of(*store, id) == "(none)");
+  CHECK(store->get_source(id) == "x");
+  REQUIRE(store->put(id, "x", "{}"));
+  CHECK(metadata_of(*store, id) == "{}");
+}
+
+TEST_CASE("damaged bytes are noticed, quarantined and can be uploaded again") {
+  const Folder folder;
+  const auto store = opened(folder.path);
+  const std::string bytes = "a mesh of some length";
+  const std::string id = sha256_hex(bytes);
+  for (const std::string damage : {"truncated", "flipped", "emptied"}) {
+    CAPTURE(damage);
+    REQUIRE(store->put(id, bytes, "{}"));
+    write(object_of(folder.path, id), damage == "truncated" ? "a mesh"
+                                      : damage == "flipped" ? "a mesh of some lengtH"
+                                                            : "");
+    const auto got = store->get_source(id);
+    REQUIRE_FALSE(got);
+    CHECK(got.error().code == ErrorCode::store_corrupt);
+    CHECK(got.error().detail.find(folder.path.string()) == std::string::npos);
+    CHECK(fs::exists(folder.path / "quarantine" / id));
+    CHECK_FALSE(store->contains(id));
+    CHECK_FALSE(fs::exists(meta_of(folder.path, id)));
+  }
+  REQUIRE(store->put(id, bytes, "{}"));
+  fs::remove(object_of(folder.path, id));
+  CHECK(store->get_source(id).error().code == ErrorCode::store_corrupt);
+  REQUIRE(store->put(id, bytes, "{}"));
+  CHECK(store->get_source(id) == bytes);
+}
+
+TEST_CASE("when the disk fails nothing of the put remains and no path leaks") {
+  const Folder folder;
+  const auto store = opened(folder.path);
+  const std::string id = sha256_hex("x");
+  // A file where a directory should be fails for every user, root included.
+  for (const char* part : {"objects", "meta"}) {
+    CAPTURE(part);
+    write(folder.path / part / id.substr(0, 2), "in the way");
+    const auto stored = store->put(id, "x", "{}");
+    REQUIRE_FALSE(stored);
+    CHECK(stored.error().code == ErrorCode::store_failed);
+    CHECK(stored.error().detail.find("Not a directory") != std::string::npos);
+    CHECK(stored.error().detail.find(folder.path.string()) == std::string::npos);
+    CHECK_FALSE(store->contains(id));
+    CHECK(fs::is_empty(folder.path / "tmp"));
+    CHECK_FALSE(fs::is_regular_file(object_of(folder.path, id)));
+    fs::remove(folder.path / part / id.substr(0, 2));
+  }
+  fs::remove_all(folder.path / "tmp");
+  CHECK(store->put(id, "x", "{}").error().code == ErrorCode::store_failed);
+  fs::create_directory(folder.path / "tmp");
+  CHECK(store->put(id, "x", "{}"));
+}
+
+TEST_CASE("a store that cannot be opened says so and where") {
+  const Folder folder;
+  write(folder.path / "file", "");
+  const auto store = MeshStore::open(folder.path / "file");
+  REQUIRE_FALSE(store);
+  CHECK(store.error().code == ErrorCode::store_failed);
+  CHECK(store.error().detail.find((folder.path / "file").string()) != std::string::npos);
+  write(folder.path / "half" / "objects", "");
+  CHECK_FALSE(MeshStore::open(folder.path / "half"));
+}
+
+TEST_CASE("one process at a time uses a store") {
+  const Folder folder;
+  auto store = opened(folder.path);
+  const auto second = MeshStore::open(folder.path);
+  REQUIRE_FALSE(second);
+  CHECK(second.error().detail.find("another process uses it") != std::string::npos);
+  std::fflush(nullptr);  // or the child might print what is buffered once more
+  const pid_t child = ::fork();
+  REQUIRE(child >= 0);
+  if (child == 0) ::_exit(MeshStore::open(folder.path) ? 1 : 0);
+  int status = -1;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  CHECK(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 0);
+  store.reset();
+  CHECK(MeshStore::open(folder.path));
+}
+
+TEST_CASE("puts, reads and removals of the same meshes at once do no harm") {
+  const Folder folder;
+  const auto store = opened(folder.path);
+  std::vector<std::string> bytes;
+  std::vector<std::string> ids;
+  for (int i = 0; i < 4; ++i) {
+    bytes.push_back(std::string(10'000, static_cast<char>('a' + i)));
+    ids.push_back(sha256_hex(bytes.back()));
+  }
+  std::vector<std::future<int>> workers;
+  for (std::size_t t = 0; t < 6; ++t) {
+    workers.push_back(std::async(std::launch::async, [&, t] {
+      int wrong = 0;
+      for (std::size_t i = 0; i < 40; ++i) {
+        const std::size_t m = (i + t) % ids.size();
+        if (t < 3) wrong += !store->put(ids[m], bytes[m], "{}");
+        if (t == 3 && i % 4 == 0) wrong += !store->remove(ids[m]);
+        const auto got = store->get_source(ids[m]);
+        if (got ? *got != bytes[m] : got.error().code != ErrorCode::mesh_unknown) ++wrong;
+      }
+      return wrong;
+    }));
+  }
+  for (auto& worker : workers) CHECK(worker.get() == 0);
+  CHECK(files_below(folder.path / "quarantine") == 0);
+  CHECK(files_below(folder.path / "tmp") == 0);
+  CHECK(files_below(folder.path / "objects") == store->size());
+}
+
+TEST_CASE("ten thousand meshes are listed within a second of the start") {
+  const Folder folder;
+  for (int i = 0; i < 10'000; ++i) {
+    const std::string id = sha256_hex(std::to_string(i));
+    const fs::path path = object_of(folder.path, id);
+    fs::create_directories(path.parent_path());
+    std::ofstream(path, std::ios::binary) << "x";
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  const auto store = opened(folder.path);
+  CHECK(store->size() == 10'000);
+  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(1));
+}

@@ -1,0 +1,140 @@
+// The whole service but its sockets, in a store of its own that is gone afterwards.
+#pragma once
+
+#include <doctest/doctest.h>
+#include <stdlib.h>
+
+#include <cstring>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/shapes.h"
+#include "proto/encode_mesh.h"
+#include "server/compute_pool.h"
+#include "server/config.h"
+#include "server/field_queries.h"
+#include "server/http_head.h"
+#include "server/mesh_catalog.h"
+#include "server/mesh_store.h"
+#include "server/routes.h"
+#include "server/sha256.h"
+
+namespace geodesic::server::test {
+
+using nlohmann::json;
+
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "service_XXXXXX").string();
+    REQUIRE(::mkdtemp(pattern.data()) != nullptr);
+    path_ = pattern;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  // Every file below the folder, by name.
+  [[nodiscard]] std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(path_)) {
+      if (entry.is_regular_file()) names.push_back(entry.path().filename().string());
+    }
+    return names;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline std::unique_ptr<MeshStore> opened_store(const std::filesystem::path& folder) {
+  auto store = MeshStore::open(folder);
+  REQUIRE(store);
+  return std::move(*store);
+}
+
+inline CatalogLimits catalog_limits(const Config& config) {
+  CatalogLimits limits;
+  limits.decode.max_vertices = config.max_vertices;
+  limits.decode.max_faces = config.max_faces;
+  limits.mesh_cache_bytes = config.mesh_cache_bytes;
+  limits.adjacency_cache_bytes = config.adjacency_cache_bytes;
+  return limits;
+}
+
+class Service {
+ public:
+  explicit Service(const std::filesystem::path& folder, const Config& config = {})
+      : store(opened_store(folder)),
+        pool(2, 256),
+        catalog(*store, pool, catalog_limits(config)),
+        queries(catalog, pool, config.field_cache_bytes),
+        routes(config, catalog, queries, pool) {}
+
+  HttpResponse ask(std::string method, const std::string& target, std::string body = {},
+                   std::vector<NameValue> headers = {}) {
+    HttpRequest request;
+    request.method = std::move(method);
+    request.target = target;
+    const std::size_t mark = target.find('?');
+    request.path = target.substr(0, mark);
+    if (mark != std::string::npos) {
+      const auto query = parse_query(target.substr(mark + 1));
+      REQUIRE(query);
+      request.query = *query;
+    }
+    request.headers = std::move(headers);
+    request.body = std::move(body);
+    request.id = "test";
+    return routes.answer(request);
+  }
+  HttpResponse get(const std::string& target) { return ask("GET", target); }
+
+  // Uploads and returns the id.
+  std::string upload(const std::string& bytes) {
+    const HttpResponse response = ask("POST", "/v1/meshes", bytes);
+    REQUIRE((response.status == 201 || response.status == 200));
+    return json::parse(*response.body)["id"];
+  }
+
+  std::unique_ptr<MeshStore> store;
+  ComputePool pool;
+  MeshCatalog catalog;
+  FieldQueries queries;
+  Routes routes;
+};
+
+inline std::string glb_of(const TriangleSoup& soup) {
+  const std::vector<std::byte> bytes = proto::encode_glb(soup, "test");
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+inline json body_of(const HttpResponse& response) {
+  REQUIRE(response.body);
+  return json::parse(*response.body);
+}
+
+inline std::string header_of(const HttpResponse& response, std::string_view name) {
+  for (const auto& [key, value] : response.headers) {
+    if (key == name) return value;
+  }
+  return {};
+}
+
+template <class Number>
+std::vector<Number> numbers_of(const HttpResponse& response) {
+  REQUIRE(response.body);
+  std::vector<Number> numbers(response.body->size() / sizeof(Number));
+  std::memcpy(numbers.data(), response.body->data(), numbers.size() * sizeof(Number));
+  return numbers;
+}
+
+}  // namespace geodesic::server::test
