@@ -11,8 +11,8 @@
 #include "proto/parameters.h"
 #include "proto/query_replies.h"
 #include "proto/query_requests.h"
+#include "server/embedded_text.h"
 #include "server/encode_reply.h"
-#include "server/openapi_document.h"
 #include "server/sha256.h"
 
 namespace geodesic::server {
@@ -44,6 +44,12 @@ std::string_view media_type_of(std::string_view format) {
   if (format == "glb") return "model/gltf-binary";
   if (format == "gltf") return "model/gltf+json";
   return "application/octet-stream";
+}
+
+HttpResponse text_reply(std::string_view text, std::string type) {
+  HttpResponse response;
+  response.set_body(std::string(text), std::move(type));
+  return response;
 }
 
 }  // namespace
@@ -113,12 +119,11 @@ HttpResponse Routes::dispatch(Call& call) {
     call.route = route;
     return call.is("GET") ? reply() : call.not_allowed("GET, HEAD");
   };
+  if (call.request.path == "/") {
+    return reads("/", [] { return text_reply(start_page(), "text/html; charset=utf-8"); });
+  }
   if (call.request.path == "/openapi.yaml") {
-    return reads("/openapi.yaml", [] {
-      HttpResponse response;
-      response.set_body(std::string(openapi_document()), "application/yaml");
-      return response;
-    });
+    return reads("/openapi.yaml", [] { return text_reply(openapi_yaml(), "application/yaml"); });
   }
   if (call.request.path == "/v1/methods") {
     return reads("/v1/methods", [] { return json_reply(proto::methods_json()); });
