@@ -1,0 +1,49 @@
+# The server in a container: Debian's libraries, the binary and the sample meshes,
+# run by a user who owns nothing but the store.
+#
+#     docker build -t geodesicd .
+#     docker run -p 8080:8080 -v geodesicd:/var/lib/geodesicd geodesicd
+#
+# BASE may be any Debian 12 or 13.
+ARG BASE=debian:bookworm-slim
+
+FROM ${BASE} AS build
+RUN apt-get update -qq \
+ && apt-get install -qq --yes --no-install-recommends make ca-certificates >/dev/null
+WORKDIR /src
+# First what says which packages are needed, so that a change to the code does not
+# install them anew.
+COPY Makefile ./
+COPY scripts scripts
+COPY cmake cmake
+RUN make setup
+COPY . .
+RUN make build CMAKE_FLAGS="-DGEODESIC_TESTS=OFF -DGEODESIC_BENCH=OFF" \
+ && mkdir /out \
+ && strip -o /out/geodesicd build/release/geodesicd \
+ && build/release/make_samples /out/samples \
+ && scripts/runtime_packages build/release/geodesicd >/out/packages
+
+FROM ${BASE}
+COPY --from=build /out/packages /usr/local/share/geodesicd/packages
+RUN apt-get update -qq \
+ && xargs apt-get install -qq --yes --no-install-recommends curl \
+      </usr/local/share/geodesicd/packages >/dev/null \
+ && rm -rf /var/lib/apt/lists/* /var/cache/apt/*.bin \
+ && useradd --system --uid 10001 --no-create-home --home-dir /var/lib/geodesicd geodesicd \
+ && install -d -o geodesicd -g geodesicd /var/lib/geodesicd
+COPY --from=build /out/geodesicd /usr/local/bin/geodesicd
+COPY --from=build /out/samples /usr/local/share/geodesicd/samples
+
+# By number, so that an orchestrator can tell that this is not root.
+USER 10001
+# As variables, so that flags and a configuration of one's own can override them.
+ENV GEODESICD_LISTEN=0.0.0.0:8080 \
+    GEODESICD_STORE=/var/lib/geodesicd \
+    GEODESICD_SAMPLES=/usr/local/share/geodesicd/samples
+EXPOSE 8080
+VOLUME /var/lib/geodesicd
+HEALTHCHECK --interval=10s --timeout=3s --start-period=10s \
+  CMD curl --silent --fail --output /dev/null "http://127.0.0.1:${GEODESICD_LISTEN##*:}/livez"
+STOPSIGNAL SIGTERM
+ENTRYPOINT ["/usr/local/bin/geodesicd"]
