@@ -165,3 +165,27 @@ TEST_CASE("WeldedVerticesGetEqualValues") {
   const json nearest = body_of(service.get(base + "/nearest?point=f:2,0.25,0.25"));
   CHECK(nearest["points"][0]["xyz"] == json::parse("[0.5,0,0]"));
 }
+
+TEST_CASE("AMillionVerticesUploadPrepareAndAnswer") {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  constexpr std::uint32_t side = 200;  // instrumented, a million would take minutes
+#else
+  constexpr std::uint32_t side = 1000;
+#endif
+  const TemporaryFolder folder;
+  Service service(folder.path());
+  const std::string base = "/v1/meshes/" + service.upload(glb_of(shapes::terrain(side, 20, 1)));
+  const json mesh = body_of(service.get(base));
+  CHECK(mesh["vertices"] == side * side);
+  CHECK(mesh["components"] == 1);
+  CHECK(body_of(service.ask("POST", base + "/prepare"))["prepared"] == true);
+  const HttpResponse field = service.get(base + "/distance?from=v:0&format=f32");
+  const auto distances = numbers_of<float>(field);
+  REQUIRE(distances.size() == side * side);
+  for (const float d : distances) REQUIRE(std::isfinite(d));
+  const json path =
+      body_of(service.get(base + "/path?from=v:0&to=v:" + std::to_string(side * side - 1)));
+  CHECK(path["reachable"] == true);
+  CHECK(path["length"] == doctest::Approx(distances.back()).epsilon(0.01));
+  CHECK(path["length"] > side * std::sqrt(2) - 2);
+}
