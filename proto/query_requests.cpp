@@ -23,6 +23,13 @@ Result<void> check_no_offset(const std::vector<PointRequest>& points) {
   return {};
 }
 
+Result<void> check_count(const std::vector<PointRequest>& points, std::size_t most,
+                         const char* parameter) {
+  if (points.size() <= most) return {};
+  return fail_limit(ErrorCode::too_large, "too many points in one request", most, points.size(),
+                    parameter);
+}
+
 // Whether one entry of an Accept header admits a media type. Quality values are
 // read only as far as q=0, which forbids.
 bool admits(std::string_view accept, std::string_view type) {
@@ -85,9 +92,11 @@ Result<DistanceRequest> parse_distance_request(Parameters& parameters) {
   auto from = parameters.points("from");
   if (!from) return fail(std::move(from.error()));
   if (from->empty()) return fail(ErrorCode::bad_syntax, "this parameter is missing", "from");
+  if (auto few = check_count(*from, kMaxSources, "from"); !few) return fail(std::move(few.error()));
   request.from = std::move(*from);
   auto at = parameters.points("at");
   if (!at) return fail(std::move(at.error()));
+  if (auto few = check_count(*at, kMaxPoints, "at"); !few) return fail(std::move(few.error()));
   request.at = std::move(*at);
   if (auto plain = check_no_offset(request.at); !plain) return fail(std::move(plain.error()));
   const auto method = method_of(parameters);
@@ -124,6 +133,9 @@ Result<NearestRequest> parse_nearest_request(Parameters& parameters) {
   auto points = parameters.points("point");
   if (!points) return fail(std::move(points.error()));
   if (points->empty()) return fail(ErrorCode::bad_syntax, "this parameter is missing", "point");
+  if (auto few = check_count(*points, kMaxPoints, "point"); !few) {
+    return fail(std::move(few.error()));
+  }
   if (auto plain = check_no_offset(*points); !plain) return fail(std::move(plain.error()));
   if (auto known = parameters.check_all_known(); !known) return fail(std::move(known.error()));
   return NearestRequest{std::move(*points)};

@@ -2,6 +2,7 @@
 // held against a mesh.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -14,6 +15,10 @@
 #include "proto/point_request.h"
 
 namespace geodesic::proto {
+
+// Each source has a wave of its own; each point is looked up and answered.
+inline constexpr std::size_t kMaxSources = 1000;
+inline constexpr std::size_t kMaxPoints = 100'000;
 
 enum class Format : std::uint8_t { json, f32, f64 };
 
@@ -43,7 +48,8 @@ struct NearestRequest {
   std::vector<PointRequest> points;
 };
 
-// Errors: bad_syntax, unknown_parameter, value_out_of_range, method_unknown, unsupported.
+// Errors: bad_syntax, unknown_parameter, value_out_of_range, method_unknown, unsupported,
+// too_large (more points than the limits above).
 [[nodiscard]] Result<DistanceRequest> parse_distance_request(Parameters& parameters);
 [[nodiscard]] Result<PathRequest> parse_path_request(Parameters& parameters);
 [[nodiscard]] Result<NearestRequest> parse_nearest_request(Parameters& parameters);

@@ -312,6 +312,8 @@ HttpResponse Routes::status() const {
                               {"max_json_bytes", config_.max_json_bytes},
                               {"max_vertices", config_.max_vertices},
                               {"max_faces", config_.max_faces},
+                              {"max_sources", proto::kMaxSources},
+                              {"max_points", proto::kMaxPoints},
                               {"body_timeout_seconds", config_.body_timeout_seconds},
                               {"queue", config_.queue}}},
                             {"compute",

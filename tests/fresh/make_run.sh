@@ -20,7 +20,7 @@ while [ -z "$line" ]; do
     exit 1
   fi
 done
-sed -n '/^ *viewer/,$p' "$log"
+grep -B 3 -A 1 '^ *try ' "$log"
 
 status=0
 echo "+ $line"

@@ -148,7 +148,7 @@ TEST_CASE("ParametersThatDoNotParse") {
   problem("/path?from=v:0", "bad_syntax", "to");
   problem("/path?from=v:0&from=v:1&to=v:2", "bad_syntax", "from");
   for (const std::string point : {"0", "v:", "v:-1", "v:1.5", "v:1x", "x:1", "f:1", "f:1,0.5",
-                                   "p:1,2", "p:1,2,3,4", "p:nan,0,0", "p:1e999,0,0", "v:0x10"}) {
+                                  "p:1,2", "p:1,2,3,4", "p:nan,0,0", "p:1e999,0,0", "v:0x10"}) {
     problem("/distance?from=" + point, "bad_syntax", "from[0]");
   }
   problem("/distance?from=v:0&max=much", "bad_syntax", "max");
@@ -162,6 +162,20 @@ TEST_CASE("ParametersThatDoNotParse") {
   plane.check_problem(
       plane.service.ask("GET", plane.base + "/distance?from=v:0", {}, {{"Accept", "text/html"}}),
       406, "not_acceptable", "Accept");
+}
+
+TEST_CASE("MorePointsThanARequestMayHave") {
+  PlaneService plane;
+  json many = json::array();
+  for (int i = 0; i < 1001; ++i) many.push_back("v:1");
+  const HttpResponse response =
+      plane.service.ask("POST", plane.base + "/distance", json{{"from", many}}.dump());
+  plane.check_problem(response, 413, "too_large", "from");
+  CHECK(body_of(response)["limit"] == 1000);
+  CHECK(body_of(response)["actual"] == 1001);
+  many.erase(0);
+  CHECK(plane.service.ask("POST", plane.base + "/distance", json{{"from", many}}.dump()).status ==
+        200);
 }
 
 TEST_CASE("BodiesThatAreNotJson") {
