@@ -174,7 +174,7 @@ TEST_CASE("AMillionVerticesUploadPrepareAndAnswer") {
 #endif
   const TemporaryFolder folder;
   Service service(folder.path());
-  const std::string base = "/v1/meshes/" + service.upload(glb_of(shapes::terrain(side, 20, 1)));
+  const std::string base = "/v1/meshes/" + service.upload(glb_of(shapes::terrain(side, side / 50.0, 1)));
   const json mesh = body_of(service.get(base));
   CHECK(mesh["vertices"] == side * side);
   CHECK(mesh["components"] == 1);
