@@ -8,6 +8,7 @@
 ARG BASE=debian:bookworm-slim
 
 FROM ${BASE} AS build
+ARG DEBIAN_FRONTEND=noninteractive
 RUN apt-get update -qq \
  && apt-get install -qq --yes --no-install-recommends make ca-certificates >/dev/null
 WORKDIR /src
@@ -25,12 +26,14 @@ RUN make build CMAKE_FLAGS="-DGEODESIC_TESTS=OFF -DGEODESIC_BENCH=OFF" \
  && scripts/runtime_packages build/release/geodesicd >/out/packages
 
 FROM ${BASE}
+ARG DEBIAN_FRONTEND=noninteractive
 COPY --from=build /out/packages /usr/local/share/geodesicd/packages
 RUN apt-get update -qq \
  && xargs apt-get install -qq --yes --no-install-recommends curl \
       </usr/local/share/geodesicd/packages >/dev/null \
  && rm -rf /var/lib/apt/lists/* /var/cache/apt/*.bin \
- && useradd --system --uid 10001 --no-create-home --home-dir /var/lib/geodesicd geodesicd \
+ && useradd --uid 10001 --no-create-home --home-dir /var/lib/geodesicd \
+      --shell /usr/sbin/nologin geodesicd \
  && install -d -o geodesicd -g geodesicd /var/lib/geodesicd
 COPY --from=build /out/geodesicd /usr/local/bin/geodesicd
 COPY --from=build /out/samples /usr/local/share/geodesicd/samples

@@ -190,7 +190,8 @@ ask_container() {
   echo "${reply:0:300}"
   jq --exit-status '.reachable and .length > 0' <<<"$reply" >/dev/null || status=1
   curl --silent --fail --output /dev/null "$url/livez" || status=1
-  kill "$server" 2>/dev/null || true
+  # unshare holds SIGTERM back; with it, all it has started is killed.
+  kill -KILL "$server" 2>/dev/null || true
   wait "$server" 2>/dev/null || true
   [ $status -eq 0 ] || cat "$log"
   return $status
