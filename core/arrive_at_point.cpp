@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/novotni.h"
 #include "core/virtual_source.h"
 
 namespace geodesic {
@@ -87,6 +88,21 @@ PointArrivals::PointArrivals(const Adjacency& adjacency, const Field& field)
                    [](const SourcePlace& a, const SourcePlace& b) { return a.face < b.face; });
 }
 
+// The method's own rule for a third vertex.
+Arrival PointArrivals::over_base(std::uint32_t p, std::uint32_t q, const UnfoldedApex& apex) const {
+  const double dp = field_.distance[p];
+  const double dq = field_.distance[q];
+  if (!field_.same_source(p, q)) return arrive_along_sides(dp, dq, apex);
+  switch (field_.method) {
+    case Method::dijkstra:
+      return arrive_along_sides(dp, dq, apex);
+    case Method::novotni:
+      return arrive_without_cases(dp, dq, apex);
+    default:
+      return arrive(dp, dq, apex);
+  }
+}
+
 StepBack PointArrivals::through_face(const SurfacePoint& place) const {
   const FaceRecord& face = adjacency_.face(place.face);
   StepBack best;
@@ -113,9 +129,7 @@ StepBack PointArrivals::through_face(const SurfacePoint& place) const {
     const double d_next = field_.distance[face.vertex[next_corner(c)]];
     if (d_next == kUnreached || place.bary[previous_corner(c)] == 0) continue;
     const UnfoldedApex apex = apex_at(face, c, place.bary);
-    const Arrival arrival = field_.same_source(face.vertex[c], face.vertex[next_corner(c)])
-                                ? arrive(d, d_next, apex)
-                                : arrive_along_sides(d, d_next, apex);
+    const Arrival arrival = over_base(face.vertex[c], face.vertex[next_corner(c)], apex);
     if (arrival.distance < best.distance) {
       best = over_side(face, place.face, c, place.bary, arrival);
     }
@@ -142,11 +156,7 @@ StepBack PointArrivals::by_parents(std::uint32_t vertex) const {
     if (face.vertex[side] != parents.first && face.vertex[side] != parents.second) continue;
     const std::uint32_t other = face.vertex[next_corner(side)];
     if (other != parents.first && other != parents.second) continue;
-    const double d = field_.distance[face.vertex[side]];
-    const double d_other = field_.distance[other];
-    const Arrival arrival = field_.same_source(face.vertex[side], other)
-                                ? arrive(d, d_other, face.apex_over(side))
-                                : arrive_along_sides(d, d_other, face.apex_over(side));
+    const Arrival arrival = over_base(face.vertex[side], other, face.apex_over(side));
     return over_side(face, f, side, weights_at_corner(corner_of(corner)), arrival);
   }
   return {};

@@ -11,6 +11,7 @@
 #include "core/adjacency.h"
 #include "core/field.h"
 #include "core/surface_point.h"
+#include "core/virtual_source.h"
 
 namespace geodesic {
 
@@ -60,6 +61,7 @@ class PointArrivals {
     std::uint32_t source;
     std::array<double, 3> bary;
   };
+  [[nodiscard]] Arrival over_base(std::uint32_t p, std::uint32_t q, const UnfoldedApex& apex) const;
   [[nodiscard]] StepBack straight_from_source(std::uint32_t vertex, std::uint32_t source) const;
 
   const Adjacency& adjacency_;

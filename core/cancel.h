@@ -3,6 +3,7 @@
 // (a deadline, a client that hung up, a process that stops).
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <utility>
 
@@ -19,6 +20,25 @@ class Cancel {
 
  private:
   std::function<bool()> poll_;
+};
+
+// Asks a Cancel once in so many steps of a loop, however many functions share it.
+class Poll {
+ public:
+  explicit Poll(const Cancel& cancel, std::uint32_t steps_between = 4096)
+      : cancel_(cancel), steps_between_(steps_between), left_(steps_between) {}
+
+  // True once the computation should stop; false again at the next step.
+  [[nodiscard]] bool cancelled() {
+    if (--left_ != 0) return false;
+    left_ = steps_between_;
+    return cancel_.requested();
+  }
+
+ private:
+  const Cancel& cancel_;
+  std::uint32_t steps_between_;
+  std::uint32_t left_;
 };
 
 }  // namespace geodesic

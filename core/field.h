@@ -4,9 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "core/mesh.h"
+#include "core/method.h"
 #include "core/surface_point.h"
 
 namespace geodesic {
@@ -18,6 +21,21 @@ struct Source {
   SurfacePoint point;
   double offset = 0;  // mesh units, not negative
 };
+
+// How far a field goes, and what it keeps.
+struct FieldLimits {
+  // Distances above this are not computed: they read kUnreached.
+  double max = std::numeric_limits<double>::infinity();
+  // When not empty: stop once these vertices have their final distance. Vertices
+  // farther than all of them read kUnreached.
+  std::span<const std::uint32_t> targets;
+  // Keep what paths and points inside faces need besides the vertices' distances:
+  // the windows of an exact method, the points on edges of `steiner`.
+  bool keep_details = true;
+};
+
+class WindowTable;  // window_table.h
+struct EdgePoints;  // edge_points.h
 
 // The two vertices from which a vertex's distance was computed (Tang et al.
 // 2007, section 3.3). Three special forms:
@@ -35,26 +53,30 @@ struct Parents {
 // As in the paper, a vertex costs one number for its distance and two for its
 // parents: 16 bytes.
 struct Field {
+  Method method = Method::wavefront;
   std::vector<Source> sources;
   std::vector<double> distance;  // per vertex, mesh units; kUnreached where there is none
-  std::vector<Parents> parents;  // per vertex
+  // Per vertex, of the methods that compute one vertex from two others or from
+  // one; empty for the rest.
+  std::vector<Parents> parents;
   // Per vertex the number of the source that its distance is from, kNone where
   // there is none. Empty for a single source.
   std::vector<std::uint32_t> nearest_source;
-  std::uint64_t reached = 0;       // vertices with a distance
-  double max = 0;                  // the greatest distance
-  std::uint32_t farthest = kNone;  // the vertex that has it
+  std::shared_ptr<const WindowTable> windows;     // of `exact` and `chen_han`, when kept
+  std::shared_ptr<const EdgePoints> edge_points;  // of `steiner`, when kept
+  std::uint64_t reached = 0;                      // vertices with a distance
+  double max = 0;                                 // the greatest distance
+  std::uint32_t farthest = kNone;                 // the vertex that has it
 
   // Whether distances at two vertices that both have one are from the same source.
   [[nodiscard]] bool same_source(std::uint32_t a, std::uint32_t b) const {
     return nearest_source.empty() || nearest_source[a] == nearest_source[b];
   }
 
-  [[nodiscard]] std::size_t bytes() const {
-    return sizeof(Field) + nearest_source.capacity() * sizeof(std::uint32_t) +
-           sources.capacity() * sizeof(Source) + distance.capacity() * sizeof(double) +
-           parents.capacity() * sizeof(Parents);
-  }
+  // Fills `reached`, `max` and `farthest` from the distances.
+  void count_reached();
+
+  [[nodiscard]] std::size_t bytes() const;
 };
 
 }  // namespace geodesic

@@ -16,14 +16,6 @@
 
 namespace geodesic {
 
-struct WavefrontLimits {
-  // Distances above this are not computed: they read kUnreached.
-  double max = std::numeric_limits<double>::infinity();
-  // When not empty: stop once these vertices have their distance. Vertices farther
-  // than all of them read kUnreached.
-  std::span<const std::uint32_t> targets;
-};
-
 // Memory that a query works in, kept for the next query on the same thread.
 struct WavefrontScratch {
   VertexHeap heap;
@@ -40,7 +32,7 @@ struct WavefrontScratch {
 // With no source everything is unreached. Errors: cancelled.
 [[nodiscard]] Result<Field> wavefront_field(const Adjacency& adjacency,
                                             std::span<const Source> sources,
-                                            const WavefrontLimits& limits,
-                                            WavefrontScratch& scratch, const Cancel& cancel);
+                                            const FieldLimits& limits, WavefrontScratch& scratch,
+                                            const Cancel& cancel);
 
 }  // namespace geodesic

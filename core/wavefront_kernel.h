@@ -15,8 +15,9 @@
 namespace geodesic::detail {
 
 // Tang et al. 2007, section 3.1. The paper's three groups of vertices are the
-// queue's: fixed = accepted, computed = considered, unprocessed = far.
-template <class Queue>
+// queue's: fixed = accepted, computed = considered, unprocessed = far. `kArrive`
+// gives a triangle's third vertex its distance from the other two.
+template <class Queue, Arrival (*kArrive)(double, double, const UnfoldedApex&) = arrive>
 class Wavefront {
  public:
   // `distance` and `parents` have an entry per vertex; they are kUnreached and
@@ -79,7 +80,7 @@ class Wavefront {
   }
 
   void update(std::uint32_t w, std::uint32_t p, std::uint32_t q, const UnfoldedApex& apex) {
-    lower(w, arrive(distance_[p], distance_[q], apex).distance, {p, q});
+    lower(w, kArrive(distance_[p], distance_[q], apex).distance, {p, q});
   }
 
   void lower(std::uint32_t v, double d, Parents parents) {

@@ -110,7 +110,7 @@ FieldQueries::FieldQueries(MeshCatalog& catalog, ComputePool& pool, std::uint64_
       scratch_(pool.slots()) {}
 
 Result<Field> FieldQueries::solve(const Adjacency& adjacency, proto::Method method,
-                                  const std::vector<Source>& sources, const WavefrontLimits& limits,
+                                  const std::vector<Source>& sources, const FieldLimits& limits,
                                   const ClientGone& client_gone) {
   return pool_.run(
       [&](Worker& worker) -> Result<Field> {
@@ -129,7 +129,7 @@ Result<LruCache<Field>::Lookup> FieldQueries::whole_field(
     const std::vector<Source>& sources, double max, const ClientGone& client_gone) {
   return fields_.get_or_create(
       field_key(mesh, method, sources, max), [&]() -> Result<std::shared_ptr<const Field>> {
-        WavefrontLimits limits;
+        FieldLimits limits;
         limits.max = max;
         auto field = solve(adjacency, method, sources, limits, client_gone);
         if (!field) return fail(std::move(field.error()));

@@ -51,7 +51,7 @@ class FieldQueries {
  private:
   [[nodiscard]] Result<Field> solve(const Adjacency& adjacency, proto::Method method,
                                     const std::vector<Source>& sources,
-                                    const WavefrontLimits& limits, const ClientGone& client_gone);
+                                    const FieldLimits& limits, const ClientGone& client_gone);
   // A field of all vertices up to `max`, from the cache or computed.
   [[nodiscard]] Result<LruCache<Field>::Lookup> whole_field(
       const std::string& mesh, const Adjacency& adjacency, proto::Method method,

@@ -156,7 +156,7 @@ TEST_CASE("StoppingAtATargetChangesNoValueItHas") {
   const Surface surface(shapes::terrain(60, 8, 2));
   const Field whole = surface.field_from(0);
   const std::vector<std::uint32_t> targets{surface.vertex(61), surface.vertex(200)};
-  WavefrontLimits limits;
+  FieldLimits limits;
   limits.targets = targets;
   const Field part = surface.field({Source{surface.at(0), 0}}, limits);
   CHECK(part.reached < whole.reached / 2);
@@ -169,7 +169,7 @@ TEST_CASE("StoppingAtATargetChangesNoValueItHas") {
 TEST_CASE("NothingBeyondMaxIsReached") {
   const Surface surface(shapes::plane(40, 40));
   const Field whole = surface.field_from(820);
-  WavefrontLimits limits;
+  FieldLimits limits;
   limits.max = 7.5;
   const Field part = surface.field({Source{surface.at(820), 0}}, limits);
   CHECK(part.max <= 7.5);

@@ -1,0 +1,98 @@
+#include "core/edge_dijkstra.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/remaining_targets.h"
+
+namespace geodesic {
+namespace {
+
+class EdgeDijkstra {
+ public:
+  EdgeDijkstra(const Adjacency& adjacency, Field& field, VertexHeap& heap)
+      : adjacency_(adjacency), field_(field), heap_(heap) {}
+
+  void start(const Source& source, std::uint32_t number) {
+    const Vec3 at = position_of(adjacency_.mesh(), source.point);
+    if (source.point.at_vertex()) {
+      lower(source.point.vertex, source.offset, {kNone, number}, number);
+    }
+    for (const SurfacePoint& place : in_all_faces(adjacency_, source.point)) {
+      for (const std::uint32_t v : adjacency_.face(place.face).vertex) {
+        const double d = distance(at, adjacency_.mesh().positions()[v]);
+        lower(v, source.offset + d, {kNone, number}, number);
+      }
+    }
+  }
+
+  void spread_from(std::uint32_t v) {
+    const std::uint32_t source = field_.nearest_source.empty() ? 0 : field_.nearest_source[v];
+    for (const std::uint32_t corner : adjacency_.corners(v)) {
+      const FaceRecord& face = adjacency_.face(face_of(corner));
+      const std::uint32_t c = corner_of(corner);
+      const std::uint32_t behind = previous_corner(c);
+      for (const auto& [w, side] :
+           {std::pair{face.vertex[next_corner(c)], c}, std::pair{face.vertex[behind], behind}}) {
+        if (heap_.accepted(w)) continue;
+        const double length = std::sqrt(std::max(face.length2(side), 0.0));
+        lower(w, field_.distance[v] + length, {v, v}, source);
+      }
+    }
+  }
+
+  // What is still considered is not final.
+  void forget(std::uint32_t v) {
+    field_.distance[v] = kUnreached;
+    field_.parents[v] = {};
+    if (!field_.nearest_source.empty()) field_.nearest_source[v] = kNone;
+  }
+
+ private:
+  void lower(std::uint32_t v, double d, Parents parents, std::uint32_t source) {
+    if (!(d < field_.distance[v])) return;
+    field_.distance[v] = d;
+    field_.parents[v] = parents;
+    if (!field_.nearest_source.empty()) field_.nearest_source[v] = source;
+    heap_.push_or_lower(v, d);
+  }
+
+  const Adjacency& adjacency_;
+  Field& field_;
+  VertexHeap& heap_;
+};
+
+}  // namespace
+
+Result<Field> edge_dijkstra_field(const Adjacency& adjacency, std::span<const Source> sources,
+                                  const FieldLimits& limits, WavefrontScratch& scratch,
+                                  const Cancel& cancel) {
+  const std::size_t vertex_count = adjacency.mesh().vertex_count();
+  Field field;
+  field.method = Method::dijkstra;
+  field.sources.assign(sources.begin(), sources.end());
+  field.distance.assign(vertex_count, kUnreached);
+  field.parents.assign(vertex_count, {});
+  if (sources.size() > 1) field.nearest_source.assign(vertex_count, kNone);
+  VertexHeap& heap = scratch.heap;
+  heap.reset(vertex_count);
+  EdgeDijkstra front(adjacency, field, heap);
+  for (std::uint32_t s = 0; s < sources.size(); ++s) front.start(sources[s], s);
+  RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
+  Poll poll(cancel);
+  while (!heap.empty() && !targets.done()) {
+    if (poll.cancelled()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+    const VertexHeap::Entry next = heap.pop();
+    if (next.key > limits.max) {
+      front.forget(next.vertex);
+      break;
+    }
+    targets.accept(next.vertex);
+    front.spread_from(next.vertex);
+  }
+  for (const VertexHeap::Entry& entry : heap.entries()) front.forget(entry.vertex);
+  field.count_reached();
+  return field;
+}
+
+}  // namespace geodesic

@@ -1,0 +1,29 @@
+#include "core/field.h"
+
+#include "core/edge_points.h"
+#include "core/window_table.h"
+
+namespace geodesic {
+
+void Field::count_reached() {
+  reached = 0;
+  max = 0;
+  farthest = kNone;
+  for (std::uint32_t v = 0; v < distance.size(); ++v) {
+    if (distance[v] == kUnreached) continue;
+    ++reached;
+    if (farthest == kNone || distance[v] > max) {
+      max = distance[v];
+      farthest = v;
+    }
+  }
+}
+
+std::size_t Field::bytes() const {
+  return sizeof(Field) + nearest_source.capacity() * sizeof(std::uint32_t) +
+         sources.capacity() * sizeof(Source) + distance.capacity() * sizeof(double) +
+         parents.capacity() * sizeof(Parents) + (windows ? windows->bytes() : 0) +
+         (edge_points ? edge_points->bytes() : 0);
+}
+
+}  // namespace geodesic

@@ -1,0 +1,29 @@
+// The ways to a distance field that this library knows, and what can be asked of
+// them. One `switch` in solve_field.cpp tells them apart.
+#pragma once
+
+#include <cstdint>
+
+namespace geodesic {
+
+enum class Method : std::uint8_t {
+  wavefront,      // Tang, Wu, Zhang, Zhang 2007
+  novotni,        // Novotni, Klein 2002
+  fast_marching,  // Kimmel, Sethian 1998
+  dijkstra,       // along the edges
+  steiner,        // Kanai, Suzuki 2001
+  exact,          // Mitchell, Mount, Papadimitriou 1987; Surazhsky et al. 2005
+  chen_han,       // Chen, Han 1996; Xin, Wang 2009
+};
+
+struct MethodOptions {
+  // steiner: points added inside each edge, evenly spaced. At least 1.
+  std::uint32_t points_per_edge = 3;
+  // steiner: a path is refined until a round shortens it by less than this part of
+  // its length.
+  double tolerance = 1e-4;
+
+  [[nodiscard]] friend bool operator==(const MethodOptions&, const MethodOptions&) = default;
+};
+
+}  // namespace geodesic

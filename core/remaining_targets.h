@@ -1,0 +1,38 @@
+// Counts down the vertices that a field is to stop at.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace geodesic {
+
+class RemainingTargets {
+ public:
+  // `marks` is scratch memory; it must outlive this object.
+  RemainingTargets(std::span<const std::uint32_t> targets, std::size_t vertex_count,
+                   std::vector<std::uint8_t>& marks)
+      : marks_(marks), all_(targets.empty()) {
+    if (all_) return;
+    marks_.assign(vertex_count, 0);
+    for (const std::uint32_t v : targets) {
+      if (marks_[v] == 0) ++left_;
+      marks_[v] = 1;
+    }
+  }
+
+  // The vertex has its final distance. At most once a vertex.
+  void accept(std::uint32_t v) {
+    if (!all_ && marks_[v] != 0) --left_;
+  }
+  // Never without targets: then every vertex is wanted.
+  [[nodiscard]] bool done() const { return !all_ && left_ == 0; }
+
+ private:
+  std::vector<std::uint8_t>& marks_;
+  bool all_;
+  std::size_t left_ = 0;
+};
+
+}  // namespace geodesic

@@ -1,0 +1,28 @@
+// One door to all the methods: the distance field of any of them.
+#pragma once
+
+#include <span>
+
+#include "core/adjacency.h"
+#include "core/cancel.h"
+#include "core/error.h"
+#include "core/field.h"
+#include "core/method.h"
+#include "core/wavefront.h"
+
+namespace geodesic {
+
+// Memory that queries work in, kept for the next one on the same thread.
+struct SolveScratch {
+  WavefrontScratch wavefront;
+};
+
+// The distances from the nearest of the sources by `method`. With no source
+// everything is unreached. What each method promises is said in its own header.
+// Errors: cancelled.
+[[nodiscard]] Result<Field> solve_field(Method method, const MethodOptions& options,
+                                        const Adjacency& adjacency, std::span<const Source> sources,
+                                        const FieldLimits& limits, SolveScratch& scratch,
+                                        const Cancel& cancel);
+
+}  // namespace geodesic
