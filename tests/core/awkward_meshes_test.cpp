@@ -1,5 +1,7 @@
 // Surfaces that public codes crash on, or leave unreached without a word. Each is
 // small enough that the answer can be worked out by hand.
+#include "tests/fixtures/awkward_meshes.h"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -31,20 +33,7 @@ std::vector<double> checked_distances(const Surface& surface, std::uint32_t sour
 }  // namespace
 
 TEST_CASE("ABookOfThreePages") {
-  // Pages of 2 x 2 squares on the spine x = 0, z = 0.
-  TriangleSoup book;
-  const std::vector<Vec3> out{{1, 0, 0}, {-1, 0, 0}, {0, 0, 1}};
-  for (const Vec3 page : out) {
-    const auto first = static_cast<std::uint32_t>(book.positions.size());
-    for (int j = 0; j < 3; ++j) {
-      for (int i = 0; i < 3; ++i)
-        book.positions.push_back(double(i) * page + Vec3{0, double(j), 0});
-    }
-    for (auto t : shapes::plane(3, 3).faces) {
-      book.faces.push_back({t[0] + first, t[1] + first, t[2] + first});
-    }
-  }
-  const Surface surface(book);
+  const Surface surface(fixtures::book_of_three_pages());
   CHECK(surface.adjacency().report().edges_non_manifold == 2);
   const auto d = checked_distances(surface, 2);  // the corner (2, 0) of the first page
   CHECK(d[9 + 2] == doctest::Approx(4));         // straight over the spine
@@ -54,8 +43,7 @@ TEST_CASE("ABookOfThreePages") {
 }
 
 TEST_CASE("ABowtieVertexLetsDistancesThrough") {
-  const Surface surface(TriangleSoup{{{0, 0, 0}, {-1, 1, 0}, {-1, -1, 0}, {1, 1, 0}, {1, -1, 0}},
-                                     {{0, 1, 2}, {0, 3, 4}}});
+  const Surface surface(fixtures::bowtie());
   CHECK(surface.adjacency().report().components == 1);
   const auto d = checked_distances(surface, 1);
   CHECK(d[0] == doctest::Approx(std::sqrt(2)));
@@ -64,22 +52,13 @@ TEST_CASE("ABowtieVertexLetsDistancesThrough") {
 }
 
 TEST_CASE("DuplicateFacesChangeNoDistance") {
-  TriangleSoup soup = shapes::plane(8, 8);
-  const auto before = checked_distances(Surface(soup), 9);
-  for (std::size_t f = 0; f < 98; f += 3) soup.faces.push_back(soup.faces[f]);
-  for (std::size_t f = 0; f < 98; f += 7) {
-    soup.faces.push_back({soup.faces[f][1], soup.faces[f][0], soup.faces[f][2]});
-  }
-  const auto after = checked_distances(Surface(soup), 9);
+  const auto before = checked_distances(Surface(shapes::plane(8, 8)), 9);
+  const auto after = checked_distances(Surface(fixtures::plane_with_duplicate_faces()), 9);
   for (std::size_t i = 0; i < before.size(); ++i) CHECK(after[i] == doctest::Approx(before[i]));
 }
 
 TEST_CASE("FacesWithoutAreaJoinTheirNeighbours") {
-  // Two squares; along the seam the left one has one edge and the right one two,
-  // with a face without area between them.
-  const Surface surface(
-      TriangleSoup{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0.5, 0}, {2, 0, 0}, {2, 1, 0}},
-                   {{0, 1, 2}, {0, 2, 3}, {1, 4, 2}, {1, 5, 4}, {4, 5, 6}, {4, 6, 2}}});
+  const Surface surface(fixtures::seam_without_area());
   const auto d = checked_distances(surface, 0);
   CHECK(d[5] == doctest::Approx(2));
   CHECK(d[6] == doctest::Approx(std::hypot(2, 1)).epsilon(0.02));
@@ -87,17 +66,8 @@ TEST_CASE("FacesWithoutAreaJoinTheirNeighbours") {
 }
 
 TEST_CASE("EdgesWithoutLengthAreWelded") {
-  TriangleSoup soup = shapes::plane(6, 6);
-  const auto before = checked_distances(Surface(soup), 0);
-  // Vertex 14 twice, and a sliver of no size between the two.
-  soup.positions.push_back(soup.positions[14]);
-  for (std::size_t f = 0; f < soup.faces.size(); f += 2) {
-    for (std::uint32_t& v : soup.faces[f]) {
-      if (v == 14) v = 36;
-    }
-  }
-  soup.faces.push_back({14, 36, 15});
-  const Surface surface(soup);
+  const auto before = checked_distances(Surface(shapes::plane(6, 6)), 0);
+  const Surface surface(fixtures::plane_with_edge_without_length());
   CHECK(surface.mesh().dropped_face_count() == 1);
   const auto after = checked_distances(surface, 0);
   for (std::size_t i = 0; i < before.size(); ++i) CHECK(after[i] == doctest::Approx(before[i]));
@@ -105,16 +75,13 @@ TEST_CASE("EdgesWithoutLengthAreWelded") {
 }
 
 TEST_CASE("OneFlippedFaceChangesNoDistance") {
-  TriangleSoup soup = shapes::plane(8, 8);
-  const auto before = checked_distances(Surface(soup), 0);
-  for (std::size_t f = 0; f < soup.faces.size(); f += 5)
-    std::swap(soup.faces[f][1], soup.faces[f][2]);
-  const auto after = checked_distances(Surface(soup), 0);
+  const auto before = checked_distances(Surface(shapes::plane(8, 8)), 0);
+  const auto after = checked_distances(Surface(fixtures::plane_with_flipped_faces()), 0);
   for (std::size_t i = 0; i < before.size(); ++i) CHECK(after[i] == doctest::Approx(before[i]));
 }
 
 TEST_CASE("ASingleTriangle") {
-  const Surface surface(TriangleSoup{{{0, 0, 0}, {3, 0, 0}, {0, 4, 0}}, {{0, 1, 2}}});
+  const Surface surface(fixtures::single_triangle());
   const auto d = checked_distances(surface, 1);
   CHECK(d[0] == doctest::Approx(3));
   CHECK(d[2] == doctest::Approx(5));
@@ -122,21 +89,7 @@ TEST_CASE("ASingleTriangle") {
 
 TEST_CASE("AMoebiusStripIsWalkedAllTheWayRound") {
   const std::uint32_t n = 40;
-  TriangleSoup strip;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const double u = 2 * 3.141592653589793 * i / n;
-    for (const double w : {-0.3, 0.3}) {
-      const double r = 1 + w * std::cos(u / 2);
-      strip.positions.push_back({r * std::cos(u), r * std::sin(u), w * std::sin(u / 2)});
-    }
-  }
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const bool last = i + 1 == n;
-    const std::uint32_t c = last ? 1 : 2 * i + 2;
-    const std::uint32_t d = last ? 0 : 2 * i + 3;
-    strip.faces.push_back({2 * i, c, 2 * i + 1});
-    strip.faces.push_back({2 * i + 1, c, d});
-  }
+  const TriangleSoup strip = fixtures::moebius_strip(n);
   const auto d = checked_distances(Surface(strip), 0);
   // Halfway round: longer than the straight line through space, no longer than
   // along the edge of the strip.
@@ -153,9 +106,7 @@ TEST_CASE("AMoebiusStripIsWalkedAllTheWayRound") {
 
 TEST_CASE("NeedlesAndCapsStayFinite") {
   for (const double thin : {1e-3, 1e-6, 1e-12, 1e-30}) {
-    const Surface needle(
-        TriangleSoup{{{0, 0, 0}, {1, 0, 0}, {1, thin, 0}, {2, 0, 0}, {0.5, thin / 2, 0}},
-                     {{0, 1, 2}, {1, 3, 2}, {0, 2, 4}}});
+    const Surface needle(fixtures::needles(thin));
     const auto d = checked_distances(needle, 0);
     CHECK(d[3] == doctest::Approx(2));
   }

@@ -1,0 +1,27 @@
+// From the windows on a face's sides to a point of the face: the last step of
+// Mitchell, Mount and Papadimitriou 1987, and the first of a trace back.
+#pragma once
+
+#include <cstdint>
+
+#include "core/adjacency.h"
+#include "core/field.h"
+#include "core/surface_point.h"
+#include "core/window_table.h"
+
+namespace geodesic {
+
+// The shortest way to a point of a face by light that enters through a side.
+struct LitWay {
+  double distance = kUnreached;  // mesh units; kUnreached where no window lights the face
+  std::uint32_t corner = 0;      // the side starts at this corner of the face
+  double crossing = 0;           // where on it: 0 at that corner, 1 at the next
+};
+
+// `place` lies in `place.face`; sides that it lies on are passed over. Each
+// window's way is a real path even for a point outside its light: then it bends at
+// the window's end.
+[[nodiscard]] LitWay shortest_lit_way(const Adjacency& adjacency, const WindowTable& windows,
+                                      const SurfacePoint& place);
+
+}  // namespace geodesic
