@@ -1,0 +1,378 @@
+#include "proto/picture.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "core/field.h"
+#include "proto/canvas.h"
+#include "proto/small_digits.h"
+
+namespace geodesic::proto {
+namespace {
+
+constexpr Colour kPaper{255, 255, 255};
+constexpr Colour kGrey{190, 192, 196};
+constexpr Colour kInk{24, 24, 28};
+constexpr Colour kLine{214, 39, 40};
+// Above this many pixels a picture is drawn at its own size; below, at twice it and
+// averaged. It bounds what one request takes.
+constexpr std::uint64_t kSmoothPixels = 1'500'000;
+
+double normal_length(Vec3 v) { return std::sqrt(dot(v, v)); }
+
+Vec3 unit(Vec3 v) {
+  const double length = normal_length(v);
+  return length > 0 ? (1 / length) * v : Vec3{0, 0, 1};
+}
+
+// The frame of the eye: x to the right, y up, z towards the eye.
+struct Frame {
+  Vec3 right, up, towards;
+  [[nodiscard]] Vec3 seen(Vec3 p) const { return {dot(right, p), dot(up, p), dot(towards, p)}; }
+};
+
+Frame frame_of(const View& view) {
+  const double azimuth = view.azimuth * 3.141592653589793 / 180;
+  const double elevation = view.elevation * 3.141592653589793 / 180;
+  Frame frame;
+  frame.right = {std::cos(azimuth), 0, -std::sin(azimuth)};
+  frame.towards = {std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+                   std::cos(azimuth) * std::cos(elevation)};
+  frame.up = cross(frame.towards, frame.right);
+  return frame;
+}
+
+// Straight at a mesh that is flat along an axis, else from the corner.
+View view_for(const Mesh& mesh) {
+  const Vec3 size = mesh.box().max - mesh.box().min;
+  const double flat = 1e-3 * std::max({size.x, size.y, size.z});
+  if (size.z <= flat) return {0, 0};
+  if (size.y <= flat) return {0, 90};
+  if (size.x <= flat) return {90, 0};
+  return {30, 20};
+}
+
+Colour scaled(Colour colour, double light) {
+  for (auto& channel : colour) {
+    channel = static_cast<std::uint8_t>(std::clamp(channel * light, 0.0, 255.0));
+  }
+  return colour;
+}
+
+class Drawing {
+ public:
+  Drawing(const Mesh& mesh, const PictureContent& content, const PictureOptions& options)
+      : mesh_(mesh),
+        content_(content),
+        options_(options),
+        scale_(std::uint64_t{options.width} * options.height <= kSmoothPixels ? 2 : 1),
+        dot_(scale_ * (options.height >= 700 ? 2 : 1)),
+        canvas_(options.width * scale_, options.height * scale_),
+        frame_(frame_of(options.view.value_or(view_for(mesh)))) {
+    for (const double value : content.values) {
+      if (value != kUnreached) greatest_ = std::max(greatest_, value);
+    }
+    place();
+  }
+
+  Result<Image> draw(const Cancel& cancel) {
+    Poll poll(cancel);
+    shade_vertices();
+    for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
+      if (poll.cancelled()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+      draw_face(mesh_.faces()[f]);
+    }
+    const double thick = scale_ * std::max(1.5, 0.0022 * std::min(options_.width, options_.height));
+    for (const auto& line : content_.lines) {
+      for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+        draw_capsule(on_screen(line[i]), on_screen(line[i + 1]), thick + 0.8 * scale_, kPaper);
+      }
+      for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+        draw_capsule(on_screen(line[i]), on_screen(line[i + 1]), thick, kLine);
+      }
+    }
+    for (const Vec3 p : content_.sources) draw_mark(p, 3 * thick, kInk, kInk);
+    for (const Vec3 p : content_.targets) draw_mark(p, 3 * thick, kInk, kPaper);
+    if (has_scale()) draw_scale();
+    return canvas_.reduced(scale_);
+  }
+
+ private:
+  // There is something to read off, and room for it.
+  [[nodiscard]] bool has_scale() const {
+    return greatest_ > 0 && options_.width >= 3 * kScaleWidth;
+  }
+
+  // Fits the mesh into the canvas, beside the scale.
+  void place() {
+    Vec3 low{INFINITY, INFINITY, INFINITY};
+    Vec3 high{-INFINITY, -INFINITY, -INFINITY};
+    seen_.reserve(mesh_.vertex_count());
+    for (const Vec3 p : mesh_.positions()) {
+      const Vec3 s = frame_.seen(p);
+      seen_.push_back(s);
+      low = {std::min(low.x, s.x), std::min(low.y, s.y), std::min(low.z, s.z)};
+      high = {std::max(high.x, s.x), std::max(high.y, s.y), std::max(high.z, s.z)};
+    }
+    const double margin = 0.04 * std::min(canvas_.width(), canvas_.height());
+    const double beside = has_scale() ? scale_ * kScaleWidth : 0;
+    const double width = canvas_.width() - beside - 2 * margin;
+    const double height = canvas_.height() - 2 * margin;
+    const Vec3 size = high - low;
+    const double most = std::max({size.x, size.y, std::numeric_limits<double>::min()});
+    pixels_per_unit_ =
+        std::min(width / std::max(size.x, 1e-6 * most), height / std::max(size.y, 1e-6 * most));
+    const Vec3 middle = 0.5 * (low + high);
+    for (Vec3& s : seen_) s = to_pixels(s - middle, margin + width / 2, margin + height / 2);
+    middle_ = middle;
+    centre_x_ = margin + width / 2;
+    centre_y_ = margin + height / 2;
+    bias_ = 0.004 * pixels_per_unit_ * std::max({size.x, size.y, size.z});
+  }
+  [[nodiscard]] Vec3 to_pixels(Vec3 s, double x, double y) const {
+    return {x + pixels_per_unit_ * s.x, y - pixels_per_unit_ * s.y, pixels_per_unit_ * s.z};
+  }
+  [[nodiscard]] Vec3 on_screen(Vec3 p) const {
+    return to_pixels(frame_.seen(p) - middle_, centre_x_, centre_y_);
+  }
+
+  // A face's normal on the screen, turned to the eye whatever its winding; its
+  // length is twice the area in pixels.
+  [[nodiscard]] Vec3 facing_normal(const Triangle& t) const {
+    Vec3 n = cross(seen_[t[1]] - seen_[t[0]], seen_[t[2]] - seen_[t[0]]);
+    return n.z < 0 ? -1.0 * n : n;
+  }
+
+  void shade_vertices() {
+    normals_.assign(mesh_.vertex_count(), {0, 0, 0});
+    for (const Triangle& t : mesh_.faces()) {
+      const Vec3 n = facing_normal(t);
+      for (const std::uint32_t v : t) normals_[v] = normals_[v] + n;
+    }
+    for (Vec3& n : normals_) n = unit(n);
+  }
+
+  // Mostly from over the left shoulder, a little from everywhere.
+  [[nodiscard]] static double light_on(Vec3 normal) {
+    static const Vec3 lamp = unit({-0.4, -0.6, 1});
+    return 0.42 + 0.62 * std::max(dot(normal, lamp), 0.0);
+  }
+
+  void draw_face(const Triangle& t) {
+    const Vec3 a = seen_[t[0]];
+    const Vec3 b = seen_[t[1]];
+    const Vec3 c = seen_[t[2]];
+    const double area2 = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+    if (!(std::abs(area2) > 1e-12)) return;
+    const Vec3 flat = unit(facing_normal(t));
+    std::array<double, 3> light;
+    for (std::size_t i = 0; i < 3; ++i) {
+      // A crease: the mean of its sides' normals belongs to neither.
+      const Vec3 smooth = normals_[t[i]];
+      light[i] = light_on(dot(flat, smooth) > 0.8 ? smooth : flat);
+    }
+    std::array<double, 3> value{};
+    bool reached = !content_.values.empty();
+    for (std::size_t i = 0; reached && i < 3; ++i) {
+      value[i] = content_.values[t[i]];
+      reached = value[i] != kUnreached;
+    }
+    // How fast the value changes from pixel to pixel: the same all over the face.
+    double slope = 0;
+    if (reached) {
+      const double u = value[1] - value[0];
+      const double v = value[2] - value[0];
+      slope = std::hypot(u * (c.y - a.y) - v * (b.y - a.y), v * (b.x - a.x) - u * (c.x - a.x)) /
+              std::abs(area2);
+    }
+    const Span rows =
+        pixels_between(std::min({a.y, b.y, c.y}), std::max({a.y, b.y, c.y}), canvas_.height());
+    for (std::uint32_t y = rows.first; y < rows.end; ++y) {
+      const Span columns = columns_in(a, b, c, y + 0.5);
+      for (std::uint32_t x = columns.first; x < columns.end; ++x) {
+        const double px = x + 0.5;
+        const double py = y + 0.5;
+        const double w1 = ((px - a.x) * (c.y - a.y) - (c.x - a.x) * (py - a.y)) / area2;
+        const double w2 = ((b.x - a.x) * (py - a.y) - (px - a.x) * (b.y - a.y)) / area2;
+        const double w0 = 1 - w1 - w2;
+        const auto depth = static_cast<float>(w0 * a.z + w1 * b.z + w2 * c.z);
+        if (!(depth > canvas_.depth(x, y))) continue;
+        Colour colour = kGrey;
+        if (reached) colour = colour_of(w0 * value[0] + w1 * value[1] + w2 * value[2], slope);
+        canvas_.put(x, y, depth, scaled(colour, w0 * light[0] + w1 * light[1] + w2 * light[2]));
+      }
+    }
+  }
+
+  // The pixels of a row whose centres are in the triangle. Rounded outwards by a
+  // hair, so that neighbours leave no gap; depth settles what both cover.
+  [[nodiscard]] Span columns_in(Vec3 a, Vec3 b, Vec3 c, double y) const {
+    double low = INFINITY;
+    double high = -INFINITY;
+    const std::array<std::array<Vec3, 2>, 3> sides{{{a, b}, {b, c}, {c, a}}};
+    for (const auto& [p, q] : sides) {
+      if ((p.y < y) == (q.y < y)) continue;
+      const double x = p.x + (q.x - p.x) * ((y - p.y) / (q.y - p.y));
+      low = std::min(low, x);
+      high = std::max(high, x);
+    }
+    if (low > high) return {0, 0};
+    return pixels_between(low - 1e-6, high + 1e-6, canvas_.width());
+  }
+
+  [[nodiscard]] Colour colour_of(double value, double slope) const {
+    const Colour colour = colour_at(options_.colour_map, greatest_ > 0 ? value / greatest_ : 0);
+    if (options_.stripes == 0 || !(slope > 0) || !(greatest_ > 0)) return colour;
+    const double step = greatest_ / options_.stripes;
+    const double nearest = std::round(value / step);
+    if (nearest < 1) return colour;
+    const double pixels = std::abs(value - nearest * step) / slope;
+    const double half = 0.55 * scale_;
+    // Where stripes would run together, they fade instead.
+    const double crowded = std::clamp(step / slope / (6.0 * scale_), 0.0, 1.0);
+    const double ink = std::clamp(half + 0.5 - pixels, 0.0, 1.0) * crowded;
+    return mixed(colour, kInk, 0.75 * ink);
+  }
+
+  // All pixels within `radius` of a segment on the screen, where the surface does
+  // not hide it.
+  void draw_capsule(Vec3 a, Vec3 b, double radius, Colour colour) {
+    const Span rows =
+        pixels_between(std::min(a.y, b.y) - radius, std::max(a.y, b.y) + radius, canvas_.height());
+    const Span columns =
+        pixels_between(std::min(a.x, b.x) - radius, std::max(a.x, b.x) + radius, canvas_.width());
+    const double length2 = (b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y);
+    for (std::uint32_t y = rows.first; y < rows.end; ++y) {
+      for (std::uint32_t x = columns.first; x < columns.end; ++x) {
+        const double dx = x + 0.5 - a.x;
+        const double dy = y + 0.5 - a.y;
+        const double along =
+            length2 > 0 ? std::clamp((dx * (b.x - a.x) + dy * (b.y - a.y)) / length2, 0.0, 1.0) : 0;
+        const double off = std::hypot(dx - along * (b.x - a.x), dy - along * (b.y - a.y));
+        const double covers = std::clamp(radius + 0.5 - off, 0.0, 1.0);
+        if (covers == 0) continue;
+        const double depth = a.z + along * (b.z - a.z) + bias_ + radius;
+        if (depth < canvas_.depth(x, y)) continue;
+        canvas_.blend(x, y, colour, covers);
+      }
+    }
+  }
+
+  void draw_mark(Vec3 p, double radius, Colour rim, Colour inside) {
+    const Vec3 at = on_screen(p);
+    draw_capsule(at, at, radius + scale_, kPaper);
+    draw_capsule(at, at, radius, rim);
+    draw_capsule(at, at, 0.55 * radius, inside);
+  }
+
+  void draw_scale() {
+    const std::uint32_t margin = canvas_.height() / 10;
+    const std::uint32_t top = margin;
+    const std::uint32_t bottom = canvas_.height() - margin;
+    const std::uint32_t left = canvas_.width() - scale_ * (kScaleWidth - 14);
+    const std::uint32_t right = left + scale_ * 16;
+    if (bottom <= top + 8) return;
+    for (std::uint32_t y = top; y < bottom; ++y) {
+      const double value = greatest_ * (bottom - 1 - y) / double(bottom - 1 - top);
+      const Colour colour = colour_at(options_.colour_map, value / greatest_);
+      for (std::uint32_t x = left; x < right; ++x) canvas_.paint(x, y, colour);
+    }
+    const double step = nice_step(greatest_ / 5);
+    const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
+    for (int i = 0; i * step <= greatest_ * (1 + 1e-9); ++i) {
+      const auto y = static_cast<std::uint32_t>(
+          std::lround(bottom - 1 - (bottom - 1 - top) * std::min(i * step / greatest_, 1.0)));
+      for (std::uint32_t x = right; x < right + 4 * scale_ && x < canvas_.width(); ++x) {
+        for (std::uint32_t j = 0; j < scale_; ++j) {
+          if (y + j < canvas_.height()) canvas_.paint(x, y + j, kInk);
+        }
+      }
+      char text[40];
+      const bool plain = greatest_ < 1e5 && step > 1e-4;
+      std::snprintf(text, sizeof text, plain ? "%.*f" : "%.*e", plain ? decimals : 1, i * step);
+      write(text, right + 7 * scale_, static_cast<std::int64_t>(y) - kDigitHeight * dot_ / 2);
+    }
+  }
+
+  // 1, 2 or 5 times a power of ten, at least `least`.
+  static double nice_step(double least) {
+    const double power = std::pow(10, std::floor(std::log10(least)));
+    for (const double times : {1.0, 2.0, 5.0}) {
+      if (times * power >= least * (1 - 1e-12)) return times * power;
+    }
+    return 10 * power;
+  }
+
+  void write(const char* text, std::uint32_t left, std::int64_t top) {
+    for (; *text != '\0'; ++text, left += (kDigitWidth + 1) * dot_) {
+      const auto rows = digit_rows(*text);
+      for (std::uint32_t j = 0; j < kDigitHeight * dot_; ++j) {
+        for (std::uint32_t i = 0; i < kDigitWidth * dot_; ++i) {
+          const bool ink = ((rows[j / dot_] >> (kDigitWidth - 1 - i / dot_)) & 1U) != 0;
+          const std::int64_t y = top + j;
+          if (!ink || left + i >= canvas_.width() || y < 0 || y >= canvas_.height()) continue;
+          canvas_.paint(left + i, static_cast<std::uint32_t>(y), kInk);
+        }
+      }
+    }
+  }
+
+  static constexpr std::uint32_t kScaleWidth = 110;  // pixels of the picture
+
+  const Mesh& mesh_;
+  const PictureContent& content_;
+  const PictureOptions& options_;
+  std::uint32_t scale_;  // pixels of the canvas to one of the picture, along each side
+  std::uint32_t dot_;    // pixels of the canvas to a pixel of a digit, along each side
+  Canvas canvas_;
+  Frame frame_;
+  std::vector<Vec3> seen_;  // positions in pixels, y downwards; z in pixels towards the eye
+  std::vector<Vec3> normals_;
+  double greatest_ = 0;
+  double pixels_per_unit_ = 1;
+  Vec3 middle_;
+  double centre_x_ = 0;
+  double centre_y_ = 0;
+  double bias_ = 0;  // lines lie on the surface, not in it
+};
+
+bool parse_degrees(std::string_view text, double& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() && std::abs(value) <= 360;
+}
+
+}  // namespace
+
+Result<View> parse_view(std::string_view text) {
+  struct Named {
+    std::string_view name;
+    View view;
+  };
+  static constexpr Named kNamed[] = {{"corner", {30, 20}}, {"front", {0, 0}},  {"back", {180, 0}},
+                                     {"right", {90, 0}},   {"left", {-90, 0}}, {"top", {0, 90}},
+                                     {"bottom", {0, -90}}};
+  for (const Named& named : kNamed) {
+    if (named.name == text) return named.view;
+  }
+  View view;
+  const std::size_t comma = text.find(',');
+  if (comma != text.npos && parse_degrees(text.substr(0, comma), view.azimuth) &&
+      parse_degrees(text.substr(comma + 1), view.elevation)) {
+    return view;
+  }
+  return fail(ErrorCode::value_out_of_range,
+              "view is corner, front, back, left, right, top, bottom, or azimuth,elevation in "
+              "degrees",
+              "view");
+}
+
+Result<Image> draw_picture(const Mesh& mesh, const PictureContent& content,
+                           const PictureOptions& options, const Cancel& cancel) {
+  return Drawing(mesh, content, options).draw(cancel);
+}
+
+}  // namespace geodesic::proto

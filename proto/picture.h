@@ -1,0 +1,64 @@
+// Pictures of surfaces, fields and paths: a small software rasteriser. Orthographic,
+// with a depth buffer, soft light that knows no front or back (winding plays no
+// part), isolines as thin dark stripes, and a scale with numbers.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/cancel.h"
+#include "core/error.h"
+#include "core/mesh.h"
+#include "core/vec3.h"
+#include "proto/colour_map.h"
+
+namespace geodesic::proto {
+
+// Pixels row by row from the top, three bytes each (sRGB).
+struct Image {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+// Degrees: the eye's azimuth round the y axis (0: on +z, 90: on +x), and its
+// elevation over the xz plane. glTF's y is up.
+struct View {
+  double azimuth = 30;
+  double elevation = 20;
+};
+
+struct PictureOptions {
+  static constexpr std::uint32_t kMaxSide = 2048;
+
+  std::uint32_t width = 1200;
+  std::uint32_t height = 900;
+  std::optional<View> view;  // none: from the corner, or straight at a flat mesh
+  ColourMap colour_map = ColourMap::viridis;
+  std::uint32_t stripes = 20;  // isolines between zero and the greatest value; 0: none
+};
+
+struct PictureContent {
+  // One value per vertex, not negative; kUnreached is grey. Empty: all grey, no scale.
+  std::span<const double> values;
+  std::vector<std::vector<Vec3>> lines;  // polylines on the surface
+  std::vector<Vec3> sources;             // marked by discs
+  std::vector<Vec3> targets;             // marked by rings
+};
+
+// A name (front, back, left, right, top, bottom, corner) or "azimuth,elevation".
+// Errors: value_out_of_range with parameter "view".
+[[nodiscard]] Result<View> parse_view(std::string_view text);
+
+// Errors: cancelled. The options must be within their bounds.
+[[nodiscard]] Result<Image> draw_picture(const Mesh& mesh, const PictureContent& content,
+                                         const PictureOptions& options, const Cancel& cancel);
+
+// PNG, by libpng.
+[[nodiscard]] std::string encode_png(const Image& image);
+
+}  // namespace geodesic::proto
