@@ -1,0 +1,127 @@
+#include "proto/array_formats.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+namespace geodesic::proto {
+namespace {
+
+// Numbers are copied as they lie in memory.
+static_assert(std::endian::native == std::endian::little);
+
+constexpr std::size_t kFrameHeader = 24;
+constexpr std::uint32_t kFrameVersion = 1;
+
+template <class T>
+void append(std::string& bytes, T value) {
+  char raw[sizeof value];
+  std::memcpy(raw, &value, sizeof value);
+  bytes.append(raw, sizeof value);
+}
+
+template <class To, class From, class Convert>
+std::string converted(std::span<const From> values, Convert convert) {
+  std::string bytes(values.size() * sizeof(To), '\0');
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const To value = convert(values[i]);
+    std::memcpy(bytes.data() + i * sizeof(To), &value, sizeof(To));
+  }
+  return bytes;
+}
+
+std::size_t rounded_up(std::size_t size, std::size_t multiple) {
+  return (size + multiple - 1) / multiple * multiple;
+}
+
+}  // namespace
+
+std::string_view dtype_of(NumberType type) {
+  switch (type) {
+    case NumberType::f32:
+      return "<f4";
+    case NumberType::u16:
+      return "<u2";
+    case NumberType::u32:
+      return "<u4";
+    case NumberType::f64:
+      break;
+  }
+  return "<f8";
+}
+
+std::string f32_bytes(std::span<const double> values) {
+  return converted<float>(values, [](double value) { return static_cast<float>(value); });
+}
+
+std::string f64_bytes(std::span<const double> values) {
+  return converted<double>(values, [](double value) { return value; });
+}
+
+std::string u32_bytes(std::span<const std::uint32_t> values) {
+  return converted<std::uint32_t>(values, [](std::uint32_t value) { return value; });
+}
+
+std::string u16_bytes(std::span<const double> values, double max) {
+  const double scale = max > 0 ? 65534 / max : 0;
+  return converted<std::uint16_t>(values, [scale](double value) {
+    return static_cast<std::uint16_t>(std::isfinite(value) ? std::lround(value * scale) : 65535);
+  });
+}
+
+// https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
+std::string npy(const Array& array) {
+  std::string header = "{'descr': '";
+  header += dtype_of(array.type);
+  header += "', 'fortran_order': False, 'shape': (";
+  for (const std::uint64_t count : array.shape) header += std::to_string(count) + ",";
+  header += "), }";
+  constexpr std::size_t kPreamble = 10;  // magic, version and the header's length
+  header.resize(rounded_up(kPreamble + header.size() + 1, 64) - kPreamble - 1, ' ');
+  header += '\n';
+  std::string bytes("\x93NUMPY\x01\x00", 8);
+  append(bytes, static_cast<std::uint16_t>(header.size()));
+  return bytes + header + array.bytes;
+}
+
+std::string frame(const nlohmann::ordered_json& about, std::span<const Array> arrays) {
+  const auto json_at = [&](std::size_t begin, std::size_t& end) {
+    nlohmann::ordered_json json = about;
+    auto& list = json["arrays"] = nlohmann::ordered_json::array();
+    end = begin;
+    for (const Array& array : arrays) {
+      list.push_back({{"name", array.name},
+                      {"dtype", dtype_of(array.type)},
+                      {"shape", array.shape},
+                      {"offset", end},
+                      {"nbytes", array.bytes.size()}});
+      end = rounded_up(end + array.bytes.size(), 8);
+    }
+    return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  };
+  // The offsets are in the JSON whose length they depend on: more room until it fits.
+  std::size_t begin = kFrameHeader;
+  std::size_t end = 0;
+  std::string json = json_at(begin, end);
+  while (kFrameHeader + json.size() > begin) {
+    begin = rounded_up(kFrameHeader + json.size(), 8);
+    json = json_at(begin, end);
+  }
+  json.resize(begin - kFrameHeader, ' ');
+
+  std::string bytes = "GEOD";
+  bytes.reserve(end);
+  append(bytes, kFrameVersion);
+  append(bytes, static_cast<std::uint32_t>(json.size()));
+  append(bytes, std::uint32_t{0});
+  append(bytes, static_cast<std::uint64_t>(end));
+  bytes += json;
+  for (const Array& array : arrays) {
+    bytes += array.bytes;
+    bytes.resize(rounded_up(bytes.size(), 8), '\0');
+  }
+  return bytes;
+}
+
+}  // namespace geodesic::proto
