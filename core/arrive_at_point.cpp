@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/edge_points.h"
+#include "core/fast_marching.h"
 #include "core/novotni.h"
 #include "core/virtual_source.h"
+#include "core/window_light.h"
 
 namespace geodesic {
 namespace {
@@ -20,6 +23,22 @@ Weights weights_at_corner(std::uint32_t corner) {
 // A crossing closer to an end of its edge than this part of the edge is that end:
 // the face across would see nothing of the surface on the vertex's other side.
 constexpr double kAtEnd = 1e-9;
+
+// A point of an edge closer to one of `steiner`'s points than this part of their
+// spacing is that point.
+constexpr double kAtNode = 1e-6;
+
+// Whether corner c is the end of its side with the smaller vertex number.
+bool is_low_end(const FaceRecord& face, std::uint32_t c) {
+  return face.vertex[c] < face.vertex[next_corner(c)];
+}
+
+bool has_windows(Method method) { return method == Method::exact || method == Method::chen_han; }
+
+// Methods whose fields say nothing of where a vertex's distance came from.
+bool has_no_parents(Method method) {
+  return method == Method::fast_marching || method == Method::steiner || has_windows(method);
+}
 
 // Squared distance between two points of a face; differences of weights add up to
 // zero, so |sum u_i x_i|^2 = -sum over sides u_i u_j |x_i - x_j|^2.
@@ -92,6 +111,8 @@ PointArrivals::PointArrivals(const Adjacency& adjacency, const Field& field)
 Arrival PointArrivals::over_base(std::uint32_t p, std::uint32_t q, const UnfoldedApex& apex) const {
   const double dp = field_.distance[p];
   const double dq = field_.distance[q];
+  // One front of all sources, straight whichever they are.
+  if (field_.method == Method::fast_marching) return arrive_plane_wave(dp, dq, apex);
   if (!field_.same_source(p, q)) return arrive_along_sides(dp, dq, apex);
   switch (field_.method) {
     case Method::dijkstra:
@@ -103,7 +124,7 @@ Arrival PointArrivals::over_base(std::uint32_t p, std::uint32_t q, const Unfolde
   }
 }
 
-StepBack PointArrivals::through_face(const SurfacePoint& place) const {
+StepBack PointArrivals::from_sources_in_face(const SurfacePoint& place) const {
   const FaceRecord& face = adjacency_.face(place.face);
   StepBack best;
   const auto first =
@@ -121,23 +142,118 @@ StepBack PointArrivals::through_face(const SurfacePoint& place) const {
       best.source = it->source;
     }
   }
+  return best;
+}
+
+double PointArrivals::below(const SurfacePoint& place) const {
+  if (!has_no_parents(field_.method)) return kUnreached;
+  if (place.at_vertex()) return field_.distance[place.vertex];
+  if (!field_.edge_points) return kUnreached;
+  const EdgePoints& points = *field_.edge_points;
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    if (place.bary[previous_corner(c)] != 0) continue;
+    // Where it lies among the edge's points, in units of their spacing.
+    const double from_low =
+        place.bary[is_low_end(adjacency_.face(place.face), c) ? next_corner(c) : c];
+    const double at = from_low * (double(points.per_edge) + 1);
+    const double nearest = std::round(at);
+    if (std::abs(at - nearest) > kAtNode || nearest < 1 || nearest > points.per_edge) break;
+    return points.distance[std::size_t{points.edge_of[halfedge(place.face, c)]} * points.per_edge +
+                           static_cast<std::size_t>(nearest) - 1];
+  }
+  return kUnreached;
+}
+
+StepBack PointArrivals::through_graph(const SurfacePoint& place) const {
+  const FaceRecord& face = adjacency_.face(place.face);
+  StepBack best = from_sources_in_face(place);
+  const double limit = below(place);
   for (std::uint32_t c = 0; c < 3; ++c) {
     const double d = field_.distance[face.vertex[c]];
-    if (d == kUnreached) continue;
+    if (!(d < limit)) continue;
     const double along = d + std::sqrt(squared_distance(face, place.bary, weights_at_corner(c)));
     if (along < best.distance) best = to_vertex(face, place.face, c, place.bary, along);
-    const double d_next = field_.distance[face.vertex[next_corner(c)]];
-    if (d_next == kUnreached || place.bary[previous_corner(c)] == 0) continue;
-    const UnfoldedApex apex = apex_at(face, c, place.bary);
-    const Arrival arrival = over_base(face.vertex[c], face.vertex[next_corner(c)], apex);
-    if (arrival.distance < best.distance) {
-      best = over_side(face, place.face, c, place.bary, arrival);
+  }
+  if (!field_.edge_points) return best;
+  const EdgePoints& points = *field_.edge_points;
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    const std::uint32_t low = is_low_end(face, c) ? c : next_corner(c);
+    const std::uint32_t high = low == c ? next_corner(c) : c;
+    const std::size_t first =
+        std::size_t{points.edge_of[halfedge(place.face, c)]} * points.per_edge;
+    for (std::uint32_t i = 0; i < points.per_edge; ++i) {
+      const double d = points.distance[first + i];
+      if (!(d < limit) || !(d < best.distance)) continue;
+      Weights bary{0, 0, 0};
+      bary[high] = (double(i) + 1) / (double(points.per_edge) + 1);
+      bary[low] = 1 - bary[high];
+      const double through = d + std::sqrt(squared_distance(face, place.bary, bary));
+      if (!(through < best.distance)) continue;
+      best.to = StepBack::To::edge;
+      best.distance = through;
+      best.face = place.face;
+      best.start = place.bary;
+      best.bary = bary;
+      best.base = halfedge(place.face, c);
     }
   }
   return best;
 }
 
+StepBack PointArrivals::through_windows(const SurfacePoint& place) const {
+  const FaceRecord& face = adjacency_.face(place.face);
+  StepBack best = from_sources_in_face(place);
+  const double limit = below(place);
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    const double d = field_.distance[face.vertex[c]];
+    if (!(d < limit)) continue;
+    const double along = d + std::sqrt(squared_distance(face, place.bary, weights_at_corner(c)));
+    if (along < best.distance) best = to_vertex(face, place.face, c, place.bary, along);
+  }
+  if (!field_.windows) return best;
+  const LitWay way = shortest_lit_way(adjacency_, *field_.windows, place);
+  if (!(way.distance < best.distance)) return best;
+  return over_side(face, place.face, way.corner, place.bary, {way.distance, Fig4::a, way.crossing});
+}
+
+StepBack PointArrivals::through_face(const SurfacePoint& place) const {
+  if (field_.method == Method::steiner) return through_graph(place);
+  if (has_windows(field_.method)) return through_windows(place);
+  const FaceRecord& face = adjacency_.face(place.face);
+  StepBack best = from_sources_in_face(place);
+  const double limit = below(place);
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    const double d = field_.distance[face.vertex[c]];
+    if (d == kUnreached) continue;
+    const double along = d + std::sqrt(squared_distance(face, place.bary, weights_at_corner(c)));
+    if (along < best.distance && d < limit) {
+      best = to_vertex(face, place.face, c, place.bary, along);
+    }
+    const double d_next = field_.distance[face.vertex[next_corner(c)]];
+    if (d_next == kUnreached || place.bary[previous_corner(c)] == 0) continue;
+    const UnfoldedApex apex = apex_at(face, c, place.bary);
+    const Arrival arrival = over_base(face.vertex[c], face.vertex[next_corner(c)], apex);
+    if (!(arrival.distance < best.distance)) continue;
+    const StepBack step = over_side(face, place.face, c, place.bary, arrival);
+    if (step.to != StepBack::To::vertex || field_.distance[step.vertex] < limit) best = step;
+  }
+  return best;
+}
+
+StepBack PointArrivals::through_faces_at(std::uint32_t vertex) const {
+  StepBack best;
+  for (const SurfacePoint& place : in_all_faces(adjacency_, point_at_vertex(adjacency_, vertex))) {
+    const StepBack step = through_face(place);
+    if (step.distance < best.distance) best = step;
+  }
+  if (best.to != StepBack::To::nowhere || !adjacency_.corners(vertex).empty()) return best;
+  // An isolated vertex: nothing but a source there can have reached it.
+  return straight_from_source(vertex,
+                              field_.nearest_source.empty() ? 0 : field_.nearest_source[vertex]);
+}
+
 StepBack PointArrivals::by_parents(std::uint32_t vertex) const {
+  if (has_no_parents(field_.method)) return through_faces_at(vertex);
   const Parents parents = field_.parents[vertex];
   if (parents.from_source()) return straight_from_source(vertex, parents.second);
   if (parents.along_edge()) {
@@ -160,6 +276,43 @@ StepBack PointArrivals::by_parents(std::uint32_t vertex) const {
     return over_side(face, f, side, weights_at_corner(corner_of(corner)), arrival);
   }
   return {};
+}
+
+std::vector<StepBack> PointArrivals::to_lesser_vertex(std::uint32_t vertex) const {
+  StepBack best;
+  std::vector<StepBack> steps;
+  for (const std::uint32_t corner : adjacency_.corners(vertex)) {
+    const std::uint32_t f = face_of(corner);
+    const std::uint32_t c = corner_of(corner);
+    const FaceRecord& face = adjacency_.face(f);
+    for (const std::uint32_t end : {next_corner(c), previous_corner(c)}) {
+      const double d = field_.distance[face.vertex[end]];
+      if (!(d < field_.distance[vertex])) continue;
+      const double along =
+          d + std::sqrt(std::max(face.length2(end == next_corner(c) ? c : end), 0.0));
+      if (!(along < best.distance)) continue;
+      best = to_vertex(face, f, end, weights_at_corner(c), along);
+      steps = {best};
+    }
+    if (!(face.dot[c] < 0)) continue;
+    const ObtuseSplit split = split_obtuse(adjacency_, f, c);
+    if (split.far == kNone || !(field_.distance[split.far] < field_.distance[vertex])) continue;
+    const double along = field_.distance[split.far] + std::hypot(split.far_at[0], split.far_at[1]);
+    if (!(along < best.distance)) continue;
+    best.distance = along;
+    steps.clear();
+    for (const FaceSegment& segment : virtual_edge(adjacency_, f, c)) {
+      StepBack& step = steps.emplace_back();
+      step.to = StepBack::To::edge;
+      step.distance = along;
+      step.face = segment.face;
+      step.start = segment.from;
+      step.bary = segment.to;
+    }
+    steps.back().to = StepBack::To::vertex;
+    steps.back().vertex = split.far;
+  }
+  return steps;
 }
 
 StepBack PointArrivals::to_end_of_side(std::uint32_t f, std::uint32_t c,

@@ -47,6 +47,12 @@ class PointArrivals {
   // The way to a vertex, by its parents.
   [[nodiscard]] StepBack by_parents(std::uint32_t vertex) const;
 
+  // From a vertex of a `fast_marching` field to another one of a lesser distance: to
+  // the least by way of an edge, or of the virtual edge of an obtuse face, which is
+  // several steps. There always is one, except from a source: so a way that goes
+  // down by such steps ends.
+  [[nodiscard]] std::vector<StepBack> to_lesser_vertex(std::uint32_t vertex) const;
+
   // From a point of a face straight to one end of the side that starts at corner
   // c: to the end by which it is closer to the sources.
   [[nodiscard]] StepBack to_end_of_side(std::uint32_t face, std::uint32_t c,
@@ -63,6 +69,20 @@ class PointArrivals {
   };
   [[nodiscard]] Arrival over_base(std::uint32_t p, std::uint32_t q, const UnfoldedApex& apex) const;
   [[nodiscard]] StepBack straight_from_source(std::uint32_t vertex, std::uint32_t source) const;
+  [[nodiscard]] StepBack from_sources_in_face(const SurfacePoint& place) const;
+  // through_face for `steiner`: from the face's corners and the points on its sides.
+  [[nodiscard]] StepBack through_graph(const SurfacePoint& place) const;
+  // through_face for the exact methods: from the face's corners and the windows on
+  // its sides.
+  [[nodiscard]] StepBack through_windows(const SurfacePoint& place) const;
+  // The shortest way to a vertex through any face there, for the methods without
+  // parents: those of graphs and windows, and `fast_marching`, whose virtual
+  // triangles are no faces.
+  [[nodiscard]] StepBack through_faces_at(std::uint32_t vertex) const;
+  // A way back by distances alone goes on only to what is closer to the sources, or
+  // it might not end. The distance of the vertex or the point on an edge at this
+  // place, of the methods without parents; else kUnreached.
+  [[nodiscard]] double below(const SurfacePoint& place) const;
 
   const Adjacency& adjacency_;
   const Field& field_;

@@ -2,6 +2,7 @@
 
 #include "core/edge_dijkstra.h"
 #include "core/novotni.h"
+#include "core/steiner.h"
 
 namespace geodesic {
 
@@ -15,13 +16,16 @@ Result<Field> solve_field(Method method, const MethodOptions& options, const Adj
       return novotni_field(adjacency, sources, limits, scratch.wavefront, cancel);
     case Method::dijkstra:
       return edge_dijkstra_field(adjacency, sources, limits, scratch.wavefront, cancel);
-    case Method::fast_marching:
-    case Method::steiner:
     case Method::exact:
+      return exact_field(adjacency, sources, limits, scratch.exact, cancel);
     case Method::chen_han:
-      break;
+      return chen_han_field(adjacency, sources, limits, scratch.chen_han, cancel);
+    case Method::fast_marching:
+      return fast_marching_field(adjacency, sources, limits, scratch.fast_marching, cancel);
+    case Method::steiner:
+      return steiner_field(adjacency, sources, options.points_per_edge, limits, scratch.wavefront,
+                           cancel);
   }
-  (void)options;
   return fail(ErrorCode::internal, "a method without an implementation");
 }
 

@@ -5,7 +5,10 @@
 
 #include "core/adjacency.h"
 #include "core/cancel.h"
+#include "core/chen_han.h"
 #include "core/error.h"
+#include "core/exact_field.h"
+#include "core/fast_marching.h"
 #include "core/field.h"
 #include "core/method.h"
 #include "core/wavefront.h"
@@ -15,11 +18,14 @@ namespace geodesic {
 // Memory that queries work in, kept for the next one on the same thread.
 struct SolveScratch {
   WavefrontScratch wavefront;
+  FastMarchingScratch fast_marching;
+  ChenHanScratch chen_han;
+  ExactScratch exact;
 };
 
 // The distances from the nearest of the sources by `method`. With no source
 // everything is unreached. What each method promises is said in its own header.
-// Errors: cancelled.
+// Errors: cancelled; value_out_of_range for options that `steiner` cannot use.
 [[nodiscard]] Result<Field> solve_field(Method method, const MethodOptions& options,
                                         const Adjacency& adjacency, std::span<const Source> sources,
                                         const FieldLimits& limits, SolveScratch& scratch,

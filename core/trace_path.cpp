@@ -25,10 +25,7 @@ class Tracer {
   std::optional<Path> trace(const SurfacePoint& target) {
     StepBack step = first_step(target);
     while (step.to != StepBack::To::nowhere) {
-      if (step.face != kNone) {
-        entered_.insert(step.face);
-        legs_.push_back({step.face, step.start, step.bary});
-      }
+      walk(step);
       switch (step.to) {
         case StepBack::To::source:
           return assemble(step.source);
@@ -46,10 +43,16 @@ class Tracer {
   }
 
  private:
+  void walk(const StepBack& step) {
+    if (step.face == kNone) return;
+    entered_.insert(step.face);
+    legs_.push_back({step.face, step.start, step.bary});
+  }
+
   // Step 1 of the paper: a vertex by its parents, an inner point of a face by the
   // shortest of the ways over the face's sides.
   StepBack first_step(const SurfacePoint& target) {
-    if (target.at_vertex()) return arrivals_.by_parents(target.vertex);
+    if (target.at_vertex()) return from_vertex(target.vertex);
     StepBack best;
     for (const SurfacePoint& place : in_all_faces(adjacency_, target)) {
       const StepBack step = arrivals_.through_face(place);
@@ -58,10 +61,18 @@ class Tracer {
     return best;
   }
 
-  // Steps 2 to 4 from a vertex.
+  // Steps 2 to 4 from a vertex. A front of `fast_marching` may have come to it from
+  // beyond the base of an obtuse face, before its neighbours.
   StepBack from_vertex(std::uint32_t vertex) {
     const StepBack step = arrivals_.by_parents(vertex);
-    if (step.to == StepBack::To::edge && entered_.contains(step.face)) {
+    const bool blocked = step.to == StepBack::To::edge && !may_enter(step.face);
+    if (field_.method == Method::fast_marching && (blocked || step.to == StepBack::To::nowhere)) {
+      const std::vector<StepBack> steps = arrivals_.to_lesser_vertex(vertex);
+      if (steps.empty()) return {};
+      for (std::size_t i = 0; i + 1 < steps.size(); ++i) walk(steps[i]);
+      return steps.back();
+    }
+    if (blocked) {
       return arrivals_.to_end_of_side(step.face, corner_of(step.base), step.start);
     }
     return step;
@@ -79,12 +90,17 @@ class Tracer {
     StepBack best;
     const SurfacePoint here{face_of(arrived.base), arrived.bary, kNone};
     for (const SurfacePoint& place : in_all_faces(adjacency_, here)) {
-      if (place.face == arrived.face || entered_.contains(place.face)) continue;
+      if (!may_enter(place.face)) continue;
       const StepBack step = arrivals_.through_face(place);
       if (step.distance < best.distance) best = step;
     }
     if (best.to != StepBack::To::nowhere) return best;
     return arrivals_.to_end_of_side(arrived.face, corner_of(arrived.base), arrived.bary);
+  }
+
+  // In the graph of `steiner` every step leads to a lesser distance as it is.
+  [[nodiscard]] bool may_enter(std::uint32_t face) const {
+    return field_.method == Method::steiner || !entered_.contains(face);
   }
 
   Path assemble(std::uint32_t source) const {

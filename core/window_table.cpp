@@ -6,16 +6,17 @@ namespace geodesic {
 
 WindowTable::WindowTable(std::size_t face_count,
                          std::vector<std::pair<Halfedge, LitWindow>> windows) {
-  std::sort(windows.begin(), windows.end(), [](const auto& a, const auto& b) {
-    return a.first != b.first ? a.first < b.first : a.second.begin < b.second.begin;
-  });
   begin_.assign(4 * face_count + 1, 0);
-  windows_.reserve(windows.size());
-  for (const auto& [h, window] : windows) {
-    ++begin_[h + 1];
-    windows_.push_back(window);
-  }
+  for (const auto& [h, window] : windows) ++begin_[h + 1];
   for (std::size_t h = 0; h + 1 < begin_.size(); ++h) begin_[h + 1] += begin_[h];
+  windows_.resize(windows.size());
+  std::vector<std::uint64_t> next(begin_.begin(), begin_.end() - 1);
+  for (const auto& [h, window] : windows) windows_[next[h]++] = window;
+  for (std::size_t h = 0; h + 1 < begin_.size(); ++h) {
+    std::sort(windows_.begin() + static_cast<std::ptrdiff_t>(begin_[h]),
+              windows_.begin() + static_cast<std::ptrdiff_t>(begin_[h + 1]),
+              [](const LitWindow& a, const LitWindow& b) { return a.begin < b.begin; });
+  }
 }
 
 std::size_t WindowTable::bytes() const {

@@ -1,0 +1,61 @@
+#include "core/chen_han.h"
+
+#include "core/chen_han_front.h"
+#include "core/remaining_targets.h"
+
+namespace geodesic {
+namespace {
+
+// What lies beyond the last distance that is final.
+void forget_beyond(Field& field, double last) {
+  for (std::size_t v = 0; v < field.distance.size(); ++v) {
+    if (!(field.distance[v] > last)) continue;
+    field.distance[v] = kUnreached;
+    if (!field.nearest_source.empty()) field.nearest_source[v] = kNone;
+  }
+}
+
+}  // namespace
+
+Result<Field> chen_han_field(const Adjacency& adjacency, std::span<const Source> sources,
+                             const FieldLimits& limits, ChenHanScratch& scratch,
+                             const Cancel& cancel) {
+  const std::size_t vertex_count = adjacency.mesh().vertex_count();
+  Field field;
+  field.method = Method::chen_han;
+  field.sources.assign(sources.begin(), sources.end());
+  field.distance.assign(vertex_count, kUnreached);
+  if (sources.size() > 1) field.nearest_source.assign(vertex_count, kNone);
+  RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
+  scratch.accepted.assign(vertex_count, 0);
+  chen_han::Front front(adjacency, field, limits, scratch);
+  for (std::uint32_t s = 0; s < sources.size(); ++s) front.start(s);
+
+  // Whatever comes out of the queue later is farther: the distances up to its key are
+  // final (the "continuous Dijkstra" order).
+  double last = limits.max;
+  Poll poll(cancel);
+  while (!scratch.queue.empty() && scratch.queue.least_key() <= limits.max) {
+    if (poll.cancelled()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+    const chen_han::Queue::Next next = scratch.queue.pop();
+    if (next.vertex == kNone) {
+      front.spread(next.window);
+      continue;
+    }
+    // A vertex waits once for every time that its distance was lowered.
+    if (next.key != scratch.waiting[next.vertex]) continue;
+    if (scratch.accepted[next.vertex] == 0) targets.accept(next.vertex);
+    scratch.accepted[next.vertex] = 1;
+    if (targets.done()) {
+      last = next.key;
+      break;
+    }
+    if (scratch.bends[next.vertex] == 2) front.spread_from(next.vertex);
+  }
+  forget_beyond(field, last);
+  if (limits.keep_details) field.windows = front.take_windows();
+  field.count_reached();
+  return field;
+}
+
+}  // namespace geodesic

@@ -1,0 +1,78 @@
+// The propagation of Chen and Han's windows: where they start, how they cross a face,
+// which of them are dropped. chen_han.cpp runs it in the order of its queue.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/adjacency.h"
+#include "core/chen_han.h"
+#include "core/chen_han_window.h"
+#include "core/field.h"
+#include "core/window_table.h"
+
+namespace geodesic::chen_han {
+
+class Front {
+ public:
+  // All must outlive this object. field.sources, distance and nearest_source are set
+  // up; the scratch memory need not be.
+  Front(const Adjacency& adjacency, Field& field, const FieldLimits& limits,
+        ChenHanScratch& scratch);
+
+  // Lights everything that a source sees within its own faces.
+  void start(std::uint32_t source);
+
+  // A vertex at which paths may bend passes on its distance, as a pseudo-source.
+  void spread_from(std::uint32_t vertex);
+
+  // Passes a window on through the face that it lights.
+  void spread(Window window);
+
+  // The windows that were passed on, without those now known to be useless.
+  [[nodiscard]] std::shared_ptr<const WindowTable> take_windows();
+
+ private:
+  struct Exit;
+  struct Light;
+
+  void mark_duplicate_faces();
+  void mark_faces_with_sources();
+  [[nodiscard]] bool needs_seen_windows() const;
+  [[nodiscard]] bool skipped(std::uint32_t face) const {
+    return !scratch_.same_as.empty() && scratch_.same_as[face] != face;
+  }
+  [[nodiscard]] bool bends(std::uint32_t vertex);
+  [[nodiscard]] bool bends_by_its_faces(std::uint32_t vertex) const;
+
+  void lower(std::uint32_t vertex, double distance, std::uint32_t source);
+  [[nodiscard]] std::uint32_t source_of(std::uint32_t vertex) const {
+    return field_.nearest_source.empty() ? 0 : field_.nearest_source[vertex];
+  }
+  void spread_part(const Window& window, const UnfoldedFace& face);
+  template <class Visit>
+  void for_each_piece(Halfedge side, const Light& from, Visit visit);
+  void leave_root(Halfedge side, const UnfoldedFace& face, double x, double y, const Window& from);
+  [[nodiscard]] bool enter_edge(const Exit& exit, Window& window);
+  void pass(const Exit& exit, const Part& part, const Window& from);
+  [[nodiscard]] bool useless_in(const UnfoldedFace& face, const Window& window) const;
+  void keep(const Window& window);
+  void drop_useless_lit();
+  void copy_lit_to_duplicate_faces();
+  [[nodiscard]] bool useless_on(std::uint32_t at_begin, std::uint32_t at_end, double base,
+                                const Window& window) const;
+
+  const Adjacency& adjacency_;
+  Field& field_;
+  const FieldLimits& limits_;
+  ChenHanScratch& scratch_;
+  std::vector<std::pair<Halfedge, LitWindow>> lit_;
+  std::size_t next_review_ = 1U << 16U;
+  bool see_all_ = false;  // keep SeenWindows
+  double key_ = 0;        // of what is being passed on
+};
+
+}  // namespace geodesic::chen_han

@@ -1,0 +1,96 @@
+// The priority queue of Xin and Wang 2009, section 3.3: windows by the least distance
+// that they can give, and vertices at which paths may bend by their own.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/chen_han_window.h"
+
+namespace geodesic::chen_han {
+
+class Queue {
+ public:
+  struct Next {
+    double key;
+    std::uint32_t vertex;  // kNone: a window
+    Window window;         // of no meaning with a vertex
+  };
+
+  // Forgets everything; keeps memory.
+  void clear() {
+    entries_.clear();
+    pool_.clear();
+    free_.clear();
+  }
+  [[nodiscard]] bool empty() const { return entries_.empty(); }
+  [[nodiscard]] double least_key() const { return entries_.front().key; }
+
+  void push_window(double key, const Window& window) {
+    std::uint64_t slot = pool_.size();
+    if (free_.empty()) {
+      pool_.push_back(window);
+    } else {
+      slot = free_.back();
+      free_.pop_back();
+      pool_[slot] = window;
+    }
+    sift_up({key, slot});
+  }
+  void push_vertex(double key, std::uint32_t vertex) { sift_up({key, kVertex | vertex}); }
+
+  // Not when empty.
+  Next pop() {
+    const Entry top = entries_.front();
+    const Entry last = entries_.back();
+    entries_.pop_back();
+    if (!entries_.empty()) sift_down(last);
+    if ((top.what & kVertex) != 0) return {top.key, static_cast<std::uint32_t>(top.what), {}};
+    free_.push_back(top.what);
+    return {top.key, kNone, pool_[top.what]};
+  }
+
+ private:
+  struct Entry {
+    double key;
+    std::uint64_t what;  // a slot of the pool, or kVertex and a vertex
+  };
+  static constexpr std::uint64_t kVertex = 1ULL << 63U;
+  static constexpr std::size_t kArity = 4;
+
+  void sift_up(Entry entry) {
+    std::size_t i = entries_.size();
+    entries_.push_back(entry);
+    while (i > 0) {
+      const std::size_t parent = (i - 1) / kArity;
+      if (entries_[parent].key <= entry.key) break;
+      entries_[i] = entries_[parent];
+      i = parent;
+    }
+    entries_[i] = entry;
+  }
+
+  // From the root, with `entry` to find its place.
+  void sift_down(Entry entry) {
+    const std::size_t size = entries_.size();
+    std::size_t i = 0;
+    for (std::size_t first = 1; first < size; first = kArity * i + 1) {
+      std::size_t least = first;
+      const std::size_t end = std::min(first + kArity, size);
+      for (std::size_t child = first + 1; child < end; ++child) {
+        if (entries_[child].key < entries_[least].key) least = child;
+      }
+      if (entries_[least].key >= entry.key) break;
+      entries_[i] = entries_[least];
+      i = least;
+    }
+    entries_[i] = entry;
+  }
+
+  std::vector<Entry> entries_;  // a 4-ary heap
+  std::vector<Window> pool_;
+  std::vector<std::uint64_t> free_;  // slots of the pool
+};
+
+}  // namespace geodesic::chen_han

@@ -1,0 +1,105 @@
+#include "core/chen_han_seen.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace geodesic::chen_han {
+namespace {
+
+// Sources closer together than this part of their edge are one and the same: more
+// than rounding moves them, and a ray between them strays no farther than that.
+constexpr double kSamePlace = 1e-10;
+
+// Where a nearer window ends to be nearer, to this many bits of its length.
+constexpr int kHalvings = 24;
+
+}  // namespace
+
+SeenWindows::Frame SeenWindows::frame_of(const Adjacency& adjacency, Halfedge h) {
+  Halfedge least = h;
+  for (Halfedge other = adjacency.ring(h); other != h; other = adjacency.ring(other)) {
+    least = std::min(least, other);
+  }
+  const bool same_way = adjacency.face(face_of(h)).vertex[corner_of(h)] ==
+                        adjacency.face(face_of(least)).vertex[corner_of(least)];
+  return {least, !same_way};
+}
+
+bool SeenWindows::cut_where_nearer(const Seen& seen, Window& window, double base) {
+  const double hair = kGap * base;
+  const double begin = std::max(seen.begin, window.begin);
+  const double end = std::min(seen.end, window.end);
+  const auto nearer_between = [&](double a, double b) {
+    Window part = window;
+    part.begin = a;
+    part.end = b;
+    return nearer_along(seen.x, seen.y, seen.offset, part);
+  };
+  const bool from_begin = begin <= window.begin + hair;
+  const bool to_end = end >= window.end - hair;
+  if (from_begin && to_end && nearer_between(window.begin, window.end)) return false;
+  // The longest stretch from `fixed` towards `far`, found from below.
+  const auto stretch = [&](double fixed, double far) {
+    double good = fixed;
+    double bad = far;
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle = 0.5 * (good + bad);
+      const bool nearer = nearer_between(std::min(fixed, middle), std::max(fixed, middle));
+      (nearer ? good : bad) = middle;
+    }
+    return good;
+  };
+  if (from_begin && nearer_between(window.begin, window.begin)) {
+    window.begin = stretch(window.begin, end);
+  }
+  if (to_end && nearer_between(window.end, window.end)) {
+    window.end = stretch(window.end, std::max(begin, window.begin));
+  }
+  return window.begin < window.end;
+}
+
+bool SeenWindows::trim(Halfedge edge, Window& window, double base) const {
+  const double hair = kGap * base;
+  const double same = kSamePlace * base;
+  for (std::uint32_t i = first_[edge]; i != kNone; i = windows_[i].next) {
+    const Seen& seen = windows_[i];
+    if (i == window.seen || seen.end <= window.begin || seen.begin >= window.end) continue;
+    const bool same_place = std::abs(seen.x - window.x) <= same &&
+                            std::abs(seen.y - window.y) <= same &&
+                            std::abs(seen.offset - window.offset) <= same;
+    if (!same_place) {
+      if (!cut_where_nearer(seen, window, base)) return false;
+      continue;
+    }
+    // Of two that light the same, the earlier one does.
+    if (i > window.seen) continue;
+    const bool from_begin = seen.begin <= window.begin + hair;
+    const bool to_end = seen.end >= window.end - hair;
+    if (from_begin && to_end) return false;
+    if (from_begin) window.begin = seen.end;
+    if (to_end) window.end = seen.begin;
+  }
+  return true;
+}
+
+bool SeenWindows::enter(const Adjacency& adjacency, Window& window, double base) {
+  const Frame frame = frame_of(adjacency, window.into);
+  window.seen = static_cast<std::uint32_t>(windows_.size());
+  if (frame.mirrored) window.mirror(base);
+  if (window.branched != 0 && !trim(frame.edge, window, base)) return false;
+  windows_.push_back(
+      {window.begin, window.end, window.x, window.y, window.offset, first_[frame.edge]});
+  first_[frame.edge] = window.seen;
+  if (frame.mirrored) window.mirror(base);
+  return true;
+}
+
+bool SeenWindows::trim_again(const Adjacency& adjacency, Window& window, double base) const {
+  const Frame frame = frame_of(adjacency, window.into);
+  if (frame.mirrored) window.mirror(base);
+  if (!trim(frame.edge, window, base)) return false;
+  if (frame.mirrored) window.mirror(base);
+  return window.begin < window.end;
+}
+
+}  // namespace geodesic::chen_han

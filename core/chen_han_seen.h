@@ -1,0 +1,55 @@
+// The windows that have crossed each edge, for surfaces on which "one angle, one
+// split" cannot be relied on: with edges in three faces or more, every page passes
+// light to every other, and faces without area can pass it round for ever. There a
+// new window is compared with the earlier ones on its edge.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/chen_han_window.h"
+
+namespace geodesic::chen_han {
+
+class SeenWindows {
+ public:
+  // Forgets everything; keeps memory.
+  void reset(std::size_t face_count) {
+    first_.assign(4 * face_count, kNone);
+    windows_.clear();
+  }
+  // A window about to cross its edge, of length `base`, is remembered and numbered.
+  // When its strip is branched, it is first cut where an earlier one is nearer, or lights
+  // the same from the same place. False when nothing is left.
+  //
+  // No face lacks light for that: it may be the one that the earlier window came
+  // through, but there the later one's way is bent back at the edge.
+  [[nodiscard]] bool enter(const Adjacency& adjacency, Window& window, double base);
+
+  // Cuts it once more, by what has come since.
+  [[nodiscard]] bool trim_again(const Adjacency& adjacency, Window& window, double base) const;
+
+ private:
+  struct Seen {
+    double begin;
+    double end;
+    double x;
+    double y;
+    double offset;
+    std::uint32_t next;  // on the same edge
+  };
+  // Windows of all faces on an edge, in the frame of one of its halfedges.
+  struct Frame {
+    Halfedge edge;
+    bool mirrored;
+  };
+  [[nodiscard]] static Frame frame_of(const Adjacency& adjacency, Halfedge h);
+  [[nodiscard]] static bool cut_where_nearer(const Seen& seen, Window& window, double base);
+  [[nodiscard]] bool trim(Halfedge edge, Window& window, double base) const;
+
+  std::vector<std::uint32_t> first_;  // by halfedge
+  std::vector<Seen> windows_;
+};
+
+}  // namespace geodesic::chen_han

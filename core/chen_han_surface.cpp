@@ -1,0 +1,107 @@
+// What the propagation of Chen and Han's windows has to know of a surface beforehand:
+// where paths may bend, which faces repeat others, where sources lie.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/chen_han_front.h"
+
+namespace geodesic::chen_han {
+namespace {
+
+// A vertex whose angles add up to more than 2 pi by this part is a saddle. Less is
+// rounding: on a flat grid no vertex is one.
+constexpr double kSaddle = 1e-12;
+
+}  // namespace
+
+Front::Front(const Adjacency& adjacency, Field& field, const FieldLimits& limits,
+             ChenHanScratch& scratch)
+    : adjacency_(adjacency), field_(field), limits_(limits), scratch_(scratch) {
+  const std::size_t face_count = adjacency.mesh().face_count();
+  const std::size_t vertex_count = adjacency.mesh().vertex_count();
+  scratch.queue.clear();
+  scratch.occupier.assign(4 * face_count, {kUnreached, 0});
+  scratch.bends.assign(vertex_count, 0);
+  scratch.waiting.assign(vertex_count, kUnreached);
+  scratch.source_in_face.clear();
+  scratch.places.clear();
+  scratch.same_as.clear();
+  mark_faces_with_sources();
+  if (adjacency.report().faces_duplicate > 0) mark_duplicate_faces();
+  see_all_ = needs_seen_windows();
+  if (see_all_) scratch.seen.reset(face_count);
+}
+
+void Front::mark_faces_with_sources() {
+  for (std::uint32_t s = 0; s < field_.sources.size(); ++s) {
+    if (field_.sources[s].point.at_vertex()) continue;
+    scratch_.source_in_face.resize(adjacency_.mesh().face_count(), 0);
+    for (const SurfacePoint& place : in_all_faces(adjacency_, field_.sources[s].point)) {
+      scratch_.source_in_face[place.face] = 1;
+      scratch_.places.push_back({place.face, s, place.bary});
+    }
+  }
+  std::sort(scratch_.places.begin(), scratch_.places.end(),
+            [](const auto& a, const auto& b) { return a.face < b.face; });
+}
+
+// Whatever passes through a face may as well pass through another one with the same
+// corners. So only the first of them takes part, besides those with a source inside.
+void Front::mark_duplicate_faces() {
+  const auto faces = adjacency_.faces();
+  const auto has_source = [&](std::uint32_t f) {
+    return !scratch_.source_in_face.empty() && scratch_.source_in_face[f] != 0;
+  };
+  const auto corners_of = [&](std::uint32_t f) {
+    Triangle t = faces[f].vertex;
+    std::sort(t.begin(), t.end());
+    return t;
+  };
+  scratch_.same_as.resize(faces.size());
+  for (std::uint32_t f = 0; f < faces.size(); ++f) {
+    scratch_.same_as[f] = f;
+    if (has_source(f)) continue;
+    const Triangle corners = corners_of(f);
+    const Halfedge start = halfedge(f, 0);
+    for (Halfedge h = adjacency_.ring(start); h != start; h = adjacency_.ring(h)) {
+      const std::uint32_t other = face_of(h);
+      if (other < scratch_.same_as[f] && !has_source(other) && corners_of(other) == corners) {
+        scratch_.same_as[f] = other;
+      }
+    }
+  }
+}
+
+bool Front::needs_seen_windows() const {
+  if (adjacency_.report().edges_non_manifold > 0) return true;
+  const auto faces = adjacency_.faces();
+  return std::any_of(faces.begin(), faces.end(), has_no_area);
+}
+
+bool Front::bends(std::uint32_t vertex) {
+  std::uint8_t& known = scratch_.bends[vertex];
+  if (known == 0) known = bends_by_its_faces(vertex) ? 2 : 1;
+  return known == 2;
+}
+
+bool Front::bends_by_its_faces(std::uint32_t vertex) const {
+  if (adjacency_.is_pinched(vertex)) return true;
+  double angles = 0;
+  for (const std::uint32_t corner : adjacency_.corners(vertex)) {
+    if (skipped(face_of(corner))) continue;
+    const FaceRecord& face = adjacency_.face(face_of(corner));
+    const std::uint32_t c = corner_of(corner);
+    angles += std::atan2(face.area2, face.dot[c]);
+    for (const Halfedge side : {corner, halfedge(face_of(corner), previous_corner(c))}) {
+      std::uint32_t across = 0;
+      for (Halfedge h = adjacency_.ring(side); h != side; h = adjacency_.ring(h)) {
+        if (!skipped(face_of(h))) ++across;
+      }
+      if (across != 1) return true;
+    }
+  }
+  return angles > 2 * std::numbers::pi * (1 + kSaddle);
+}
+
+}  // namespace geodesic::chen_han

@@ -1,0 +1,155 @@
+// The plane geometry of Chen and Han's method: a window over a face, the face
+// unfolded over the window's edge, and the parts of the window that leave it by its
+// two other sides. Frames are those of LitWindow (window_table.h).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "core/adjacency.h"
+#include "core/vec3.h"
+
+namespace geodesic::chen_han {
+
+[[nodiscard]] inline double length(double x, double y) { return std::sqrt(x * x + y * y); }
+
+struct Window {
+  double begin;
+  double end;
+  double x;
+  double y;  // positive: a source on the edge's line is a hair below it
+  double offset;
+  Halfedge into;
+  std::uint32_t root;
+  std::uint32_t source;
+  std::uint32_t seen;          // its number among SeenWindows, where they are kept
+  std::uint32_t crossed : 30;  // faces since the root
+  // Its strip of faces has crossed a non-manifold edge or a face without area: there
+  // other paths may enter or leave the strip unseen, and "one angle, one split", whose
+  // proof needs two paths in a strip to cross, does not hold.
+  std::uint32_t branched : 1;
+  std::uint32_t left : 1;  // of two children, the one on the side of the base's beginning
+  // The halfedge through which its parent met a corner, kNone when it did not; and how
+  // far a nearer window's crossing may lie to the other side, until this child is one
+  // that its parent may not have.
+  Halfedge split_by;
+  double split_limit;
+
+  // The length of its straight way to a point of the edge.
+  [[nodiscard]] double at(double p) const { return offset + length(p - x, y); }
+  // The same window in the frame of the edge run the other way.
+  void mirror(double base) {
+    begin = base - std::exchange(end, base - begin);
+    x = base - x;
+  }
+  [[nodiscard]] double least() const { return at(std::clamp(x, begin, end)); }
+};
+
+// A face over one of its halfedges, which runs from (0, 0) to (base, 0).
+struct UnfoldedFace {
+  std::uint32_t at_begin;
+  std::uint32_t at_end;
+  std::uint32_t opposite;
+  double base;
+  double left;   // the length of the side from the base's beginning to the apex
+  double right;  // and from its end
+  double apex_x;
+  double apex_y;
+
+  [[nodiscard]] static UnfoldedFace over(const Adjacency& adjacency, Halfedge h) {
+    const FaceRecord& face = adjacency.face(face_of(h));
+    const std::uint32_t c = corner_of(h);
+    UnfoldedFace unfolded{};
+    unfolded.at_begin = face.vertex[c];
+    unfolded.at_end = face.vertex[next_corner(c)];
+    unfolded.opposite = face.vertex[previous_corner(c)];
+    // From the positions: dot products of long sides cannot give the length of a
+    // short one to the last bits, and all faces on an edge must agree on its length.
+    const auto positions = adjacency.mesh().positions();
+    const Vec3 begin = positions[unfolded.at_begin];
+    const Vec3 end = positions[unfolded.at_end];
+    const Vec3 apex = positions[unfolded.opposite];
+    unfolded.base = distance(begin, end);
+    unfolded.left = distance(begin, apex);
+    unfolded.right = distance(end, apex);
+    unfolded.apex_x = face.dot[c] / unfolded.base;
+    unfolded.apex_y = face.area2 / unfolded.base;
+    return unfolded;
+  }
+};
+
+// A face that is less high than this part of its longest side has no area.
+inline constexpr double kFlat = 1e-9;
+
+[[nodiscard]] inline bool has_no_area(const FaceRecord& face) {
+  const double longest2 = std::max({face.length2(0), face.length2(1), face.length2(2)});
+  return !(face.area2 > kFlat * longest2);
+}
+
+// What a window lights of one side of the face above it. The side runs from the
+// base's beginning (its origin) to the apex.
+struct Part {
+  double begin;
+  double end;
+  double x;
+  double y;
+};
+
+// The part of [begin, end] that lies before `to_apex`, where the straight line from
+// the source (x, -y) to the apex crosses the base, carried on to the side of length
+// `side`. Needs begin < to_apex. For the other side, mirror the frame.
+//
+// With s the source and a the apex, the line from s through (p, 0) meets the side at
+//   side * p y / (p y + (to_apex - p) (y + a_y)),
+// and the depth of s below the side is to_apex (y + a_y) / side.
+[[nodiscard]] inline Part over_side(double begin, double end, double x, double y, double apex_x,
+                                    double apex_y, double to_apex, double side) {
+  const auto carried = [&](double p) {
+    if (p >= to_apex) return side;
+    const double along = p * y;
+    return std::min(side * (along / (along + (to_apex - p) * (y + apex_y))), side);
+  };
+  return {carried(begin), carried(end), (x * apex_x - y * apex_y) / side,
+          to_apex * (y + apex_y) / side};
+}
+
+// A source on the line of an edge counts as this part of the edge below it, far below
+// what rounding can tell. So no formula divides nothing by nothing.
+inline constexpr double kHair = 1e-20;
+
+// Less wide than this on an edge (in parts of its length) and as seen from the source
+// (in radians), a window is the gap that rounding leaves between two neighbours.
+inline constexpr double kGap = 1e-12;
+
+[[nodiscard]] inline bool is_gap(const Part& part, double side) {
+  const double width = part.end - part.begin;
+  if (!(width > 0)) return true;
+  if (width > kGap * side) return false;
+  const double to_begin = length(part.begin - part.x, part.y);
+  const double to_end = length(part.end - part.x, part.y);
+  return width * part.y <= kGap * to_begin * to_end;
+}
+
+// Ways shorter by less than this part of their length are as long.
+inline constexpr double kTie = 1e-13;
+
+[[nodiscard]] inline bool clearly_less(double a, double b) { return a < b - kTie * b; }
+
+// Whether everywhere in the window the way from a place at (x, y), on either side of the
+// edge and with the distance `offset`, is clearly shorter.
+[[nodiscard]] inline bool nearer_along(double x, double y, double offset, const Window& window) {
+  const auto nearer_at = [&](double p) {
+    return clearly_less(offset + length(p - x, y), window.at(p));
+  };
+  if (!nearer_at(window.begin) || !nearer_at(window.end)) return false;
+  // The difference of two distances along a line has one extremum at most, where both
+  // sources are seen in the same direction; none when they are equally deep.
+  const double depth = std::abs(y);
+  const double level = (x * window.y - window.x * depth) / (window.y - depth);
+  const bool inside = level > window.begin && level < window.end;
+  return !inside || nearer_at(level);
+}
+
+}  // namespace geodesic::chen_han

@@ -1,0 +1,339 @@
+#include "core/exact_envelope.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace geodesic::exact {
+namespace {
+
+// Two windows over the same interval. `g`, the second's distance less the first's,
+// is what everything here is about.
+struct Duel {
+  const Window& a;
+  const Window& b;
+  double offset_a;
+  double offset_b;
+  double low;
+  double high;
+  double at_low_a, at_high_a;
+  double at_low_b, at_high_b;
+  double tie;
+
+  [[nodiscard]] double g(double place) const {
+    return b.at(place, offset_b) - a.at(place, offset_a);
+  }
+  // The sign of the slope of g: that of cos(b) - cos(a), over a common denominator.
+  [[nodiscard]] double slope(double place, double at_a, double at_b) const {
+    return (place - b.x) * (at_a - offset_a) - (place - a.x) * (at_b - offset_b);
+  }
+};
+
+struct Roots {
+  double first;
+  double second;
+};
+
+// The places where g is nought, from the overlap's start. With u counted from there,
+// r the start's distances from the unfolded sources, k the difference of offsets and
+// g0 that of distances:
+//   2 k sqrt(u^2 - 2 x_b u + r_b^2) = 2 k r_b - g0 (r_a + r_b + k) - 2 (x_a - x_b) u
+// squared. Relative to the start there is little to cancel.
+Roots ties_from_start(const Duel& duel) {
+  const double k = duel.offset_b - duel.offset_a;
+  const double ra = duel.at_low_a - duel.offset_a;
+  const double rb = duel.at_low_b - duel.offset_b;
+  const double xb = duel.b.x - duel.low;
+  const double apart = duel.a.x - duel.b.x;
+  const double g0s = (duel.at_low_b - duel.at_low_a) * (ra + rb + k);
+  const double m = 2 * k * rb - g0s;
+  // quadratic a u^2 + 2 b u + c
+  const double a = 4 * (apart - k) * (apart + k);
+  const double b = 4 * k * k * xb - 2 * apart * m;
+  const double c = g0s * (g0s - 4 * k * rb);
+  const double root = std::sqrt(std::max(b * b - a * c, 0.0));
+  const double q = -(b + std::copysign(root, b));
+  const double u1 = a != 0 ? q / a : duel.high - duel.low;
+  const double u2 = q != 0 ? c / q : 0;
+  return {duel.low + std::min(u1, u2), duel.low + std::max(u1, u2)};
+}
+
+// The one place between `low` and `high` where g changes sign, which it does.
+double tie_between(const Duel& duel, double low, double high, double g_low) {
+  const Roots roots = ties_from_start(duel);
+  double best = 0.5 * (low + high);
+  double residual = std::abs(duel.g(best));
+  for (const double root : {roots.first, roots.second}) {
+    if (!(root > low && root < high)) continue;
+    const double g = std::abs(duel.g(root));
+    if (g <= residual) {
+      best = root;
+      residual = g;
+    }
+  }
+  if (residual <= 0.1 * duel.tie) return best;
+  // The formula has lost too much to cancellation.
+  for (int i = 0; i < 100 && high - low > 1e-16 * (duel.high - duel.low); ++i) {
+    const double g = duel.g(best);
+    if (std::abs(g) <= 0.1 * duel.tie) break;
+    ((g > 0) == (g_low > 0) ? low : high) = best;
+    const double middle = 0.5 * (low + high);
+    if (!(middle > low && middle < high)) break;
+    best = middle;
+  }
+  return best;
+}
+
+// Whether one window is nearer in the middle of an interval at whose ends it is not,
+// and where. `sign` is 1 when that is the second, -1 when it is the first. A line
+// meets a hyperbola in two places at most, so the middle is between them.
+bool wins_inside(const Duel& duel, double sign, Roots& inside) {
+  if (!(sign * duel.slope(duel.low, duel.at_low_a, duel.at_low_b) < 0 &&
+        sign * duel.slope(duel.high, duel.at_high_a, duel.at_high_b) > 0)) {
+    return false;
+  }
+  const Roots ties = ties_from_start(duel);
+  if (!(ties.first < duel.high && ties.second > duel.low && ties.first < ties.second)) return false;
+  const double first = std::max(ties.first, duel.low);
+  const double second = std::min(ties.second, duel.high);
+  const double middle = 0.5 * (first + second);
+  if (!(sign * duel.g(middle) < -duel.tie)) return false;
+  inside.first = tie_between(duel, duel.low, middle, sign);
+  inside.second = tie_between(duel, middle, duel.high, -sign);
+  return true;
+}
+
+void push(std::vector<Window>& list, const Window& window, PseudoSources roots, double length) {
+  const double offset = roots[window.root].offset;
+  if (too_narrow(window, length, offset)) return;
+  if (!list.empty() && is_continued_by(list.back(), window, offset, length)) {
+    list.back().end = window.end;
+    list.back().at_end = window.at_end;
+    return;
+  }
+  list.push_back(window);
+}
+
+// Puts pieces of windows together as they come, from left to right.
+class Pieces {
+ public:
+  Pieces(std::vector<Window>& list, PseudoSources roots, double length)
+      : list_(list), roots_(roots), length_(length) {}
+  ~Pieces() { flush(); }
+  Pieces(const Pieces&) = delete;
+  Pieces& operator=(const Pieces&) = delete;
+
+  void add(const Window& whole, double begin, double end, double at_begin, double at_end) {
+    if (!(begin < end)) return;
+    if (whole_ != &whole || end_ != begin) {
+      flush();
+      whole_ = &whole;
+      begin_ = begin;
+      at_begin_ = at_begin;
+    }
+    end_ = end;
+    at_end_ = at_end;
+  }
+
+ private:
+  void flush() {
+    if (whole_ == nullptr) return;
+    const Window& w = *whole_;
+    push(list_, {begin_, end_, w.x, w.y, at_begin_, at_end_, w.root, w.from, w.propagated}, roots_,
+         length_);
+  }
+  std::vector<Window>& list_;
+  PseudoSources roots_;
+  double length_;
+  const Window* whole_ = nullptr;  // of the piece that may still grow
+  double begin_ = 0;
+  double end_ = 0;
+  double at_begin_ = 0;
+  double at_end_ = 0;
+};
+
+// What is left of a window while the sweep goes on.
+struct Rest {
+  const Window* window;
+  double begin;
+  double at_begin;
+
+  void start(const Window& w) {
+    window = &w;
+    begin = w.begin;
+    at_begin = w.at_begin;
+  }
+};
+
+// Both windows over their common interval, piece by piece, to the nearer of the two.
+void settle(const Duel& duel, Pieces& pieces) {
+  const double g_low = duel.at_low_b - duel.at_low_a;
+  const double g_high = duel.at_high_b - duel.at_high_a;
+  const bool b_low = g_low < -duel.tie;
+  const bool b_high = g_high < -duel.tie;
+  const auto add_a = [&](double begin, double end, double at_begin, double at_end) {
+    pieces.add(duel.a, begin, end, at_begin, at_end);
+  };
+  const auto add_b = [&](double begin, double end, double at_begin, double at_end) {
+    pieces.add(duel.b, begin, end, at_begin, at_end);
+  };
+  if ((b_low && g_high > duel.tie) || (b_high && g_low > duel.tie)) {
+    const double tie = tie_between(duel, duel.low, duel.high, g_low);
+    const double at_tie_a = duel.a.at(tie, duel.offset_a);
+    const double at_tie_b = duel.b.at(tie, duel.offset_b);
+    if (b_low) {
+      add_b(duel.low, tie, duel.at_low_b, at_tie_b);
+      add_a(tie, duel.high, at_tie_a, duel.at_high_a);
+    } else {
+      add_a(duel.low, tie, duel.at_low_a, at_tie_a);
+      add_b(tie, duel.high, at_tie_b, duel.at_high_b);
+    }
+    return;
+  }
+  Roots inside{};
+  if (b_low || b_high) {
+    if (!wins_inside(duel, -1, inside)) {
+      add_b(duel.low, duel.high, duel.at_low_b, duel.at_high_b);
+      return;
+    }
+    add_b(duel.low, inside.first, duel.at_low_b, duel.b.at(inside.first, duel.offset_b));
+    add_a(inside.first, inside.second, duel.a.at(inside.first, duel.offset_a),
+          duel.a.at(inside.second, duel.offset_a));
+    add_b(inside.second, duel.high, duel.b.at(inside.second, duel.offset_b), duel.at_high_b);
+    return;
+  }
+  if (!wins_inside(duel, 1, inside)) {
+    add_a(duel.low, duel.high, duel.at_low_a, duel.at_high_a);
+    return;
+  }
+  add_a(duel.low, inside.first, duel.at_low_a, duel.a.at(inside.first, duel.offset_a));
+  add_b(inside.first, inside.second, duel.b.at(inside.first, duel.offset_b),
+        duel.b.at(inside.second, duel.offset_b));
+  add_a(inside.second, duel.high, duel.a.at(inside.second, duel.offset_a), duel.at_high_a);
+}
+
+// What nearly always happens where the light of two pseudo-sources meets: one window
+// is nearer up to somewhere in the overlap, the next one from there. False, and nothing
+// done, when it is not so.
+bool cross_over(Window& left, const Window& right, PseudoSources roots, double length,
+                std::vector<Window>& list) {
+  if (!(left.begin < right.begin && left.end < right.end)) return false;
+  const double offset_left = roots[left.root].offset;
+  const double offset_right = roots[right.root].offset;
+  const Duel duel{left,
+                  right,
+                  offset_left,
+                  offset_right,
+                  right.begin,
+                  left.end,
+                  left.at(right.begin, offset_left),
+                  left.at_end,
+                  right.at_begin,
+                  right.at(left.end, offset_right),
+                  kTie * left.at_end};
+  const double g_low = duel.at_low_b - duel.at_low_a;
+  if (!(g_low > duel.tie && duel.at_high_b - duel.at_high_a < -duel.tie)) return false;
+  const double tie = tie_between(duel, duel.low, duel.high, g_low);
+  Window after = right;
+  after.begin = tie;
+  after.at_begin = right.at(tie, offset_right);
+  left.end = tie;
+  left.at_end = left.at(tie, offset_left);
+  if (too_narrow(left, length, offset_left)) list.pop_back();
+  push(list, after, roots, length);
+  return true;
+}
+
+}  // namespace
+
+// With u from the interval's beginning, r its distance from the unfolded source and k
+// that along the edge less the offset:
+//   k + u = sqrt(u^2 - 2 x u + r^2)
+void cut_begin(Window& window, double offset, double along_edge) {
+  const double r = window.at_begin - offset;
+  const double k = along_edge - offset;
+  const double u = 0.5 * (window.at_begin - along_edge) * (r + k) / (k + (window.x - window.begin));
+  if (!(u > 0 && u < window.end - window.begin)) return;
+  window.begin += u;
+  window.at_begin = window.at(window.begin, offset);
+}
+
+void cut_end(Window& window, double offset, double along_edge) {
+  const double r = window.at_end - offset;
+  const double k = along_edge - offset;
+  const double u = 0.5 * (window.at_end - along_edge) * (r + k) / (k + (window.end - window.x));
+  if (!(u > 0 && u < window.end - window.begin)) return;
+  window.end -= u;
+  window.at_end = window.at(window.end, offset);
+}
+
+void append_overlapping(std::vector<Window>& list, const Window& window, PseudoSources roots,
+                        double length, std::vector<Window>& scratch) {
+  auto first = list.end();
+  while (first != list.begin() && (first - 1)->end > window.begin) --first;
+  if (list.end() - first == 1 && cross_over(*first, window, roots, length, list)) return;
+  merge(std::span<const Window>(first, list.end()), {&window, 1}, roots, length, scratch);
+  list.erase(first, list.end());
+  for (const Window& piece : scratch) push(list, piece, roots, length);
+}
+
+void merge(std::span<const Window> old, std::span<const Window> fresh, PseudoSources roots,
+           double length, std::vector<Window>& merged) {
+  merged.clear();
+  Pieces pieces(merged, roots, length);
+  std::size_t i = 0;
+  std::size_t j = 0;
+  Rest a{};
+  Rest b{};
+  if (i < old.size()) a.start(old[i]);
+  if (j < fresh.size()) b.start(fresh[j]);
+  const auto finish = [&](Rest& rest, std::span<const Window> list, std::size_t& at) {
+    pieces.add(*rest.window, rest.begin, rest.window->end, rest.at_begin, rest.window->at_end);
+    if (++at < list.size()) rest.start(list[at]);
+  };
+  // The part of a window before the overlap.
+  const auto cut = [&](Rest& rest, double at) {
+    if (!(rest.begin < at)) return;
+    const double distance = rest.window->at(at, roots[rest.window->root].offset);
+    pieces.add(*rest.window, rest.begin, at, rest.at_begin, distance);
+    rest.begin = at;
+    rest.at_begin = distance;
+  };
+  while (i < old.size() && j < fresh.size()) {
+    const double touch = kTouch * length;
+    if (a.window->end <= b.begin + touch) {
+      b.begin = std::max(b.begin, a.window->end);
+      finish(a, old, i);
+      continue;
+    }
+    if (b.window->end <= a.begin + touch) {
+      a.begin = std::max(a.begin, b.window->end);
+      finish(b, fresh, j);
+      continue;
+    }
+    const double low = std::max(a.begin, b.begin);
+    cut(a, low);
+    cut(b, low);
+    const double high = std::min(a.window->end, b.window->end);
+    const double offset_a = roots[a.window->root].offset;
+    const double offset_b = roots[b.window->root].offset;
+    const double at_high_a =
+        high == a.window->end ? a.window->at_end : a.window->at(high, offset_a);
+    const double at_high_b =
+        high == b.window->end ? b.window->at_end : b.window->at(high, offset_b);
+    const double tie = kTie * std::max(a.at_begin, at_high_a);
+    settle({*a.window, *b.window, offset_a, offset_b, low, high, a.at_begin, at_high_a, b.at_begin,
+            at_high_b, tie},
+           pieces);
+    a.begin = b.begin = high;
+    a.at_begin = at_high_a;
+    b.at_begin = at_high_b;
+    const bool a_done = high == a.window->end;
+    const bool b_done = high == b.window->end;
+    if (a_done && ++i < old.size()) a.start(old[i]);
+    if (b_done && ++j < fresh.size()) b.start(fresh[j]);
+  }
+  while (i < old.size()) finish(a, old, i);
+  while (j < fresh.size()) finish(b, fresh, j);
+}
+
+}  // namespace geodesic::exact

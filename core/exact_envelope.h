@@ -1,0 +1,95 @@
+// The lower envelope of windows on one edge: sorted, not overlapping, at each place
+// the nearest of all that have arrived. No shortest path lies outside it, so what it
+// drops need not be passed on (Mitchell, Mount and Papadimitriou 1987, section 4.2).
+//
+// Epsilons are parts of a distance or of an edge's length, never lengths. A window
+// must be nearer by more than rounding to take a place from another: a tie goes to
+// the one that was there, so the same distance coming round again ends there.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "core/exact_window.h"
+
+namespace geodesic::exact {
+
+using PseudoSources = std::span<const PseudoSource>;
+
+// Distances that differ by less than this part are the same.
+inline constexpr double kTie = 1e-13;
+// Intervals that overlap by less than this part of the edge only touch.
+inline constexpr double kTouch = 1e-13;
+// The least width of a window: this part of the shorter of its edge and its rays.
+inline constexpr double kLeastWidth = 1e-12;
+// Unfolded sources nearer to each other than this part of their distance are the
+// same one, unfolded over different faces.
+inline constexpr double kSameSource = 3e-14;
+
+// Whether the window is too narrow to matter on an edge of this length.
+[[nodiscard]] inline bool too_narrow(const Window& window, double length, double offset) {
+  const double rays = window.at_begin - offset + (window.at_end - offset);
+  return !(window.end - window.begin > kLeastWidth * std::min(length, rays));
+}
+
+// Whether two windows are the same light, cut in two by a vertex that it passed on
+// one side and on the other.
+[[nodiscard]] inline bool is_continued_by(const Window& left, const Window& right, double offset,
+                                          double length) {
+  if (left.root != right.root || left.from != right.from || left.propagated != right.propagated) {
+    return false;
+  }
+  if (std::abs(right.begin - left.end) > kTouch * length) return false;
+  const double same = kSameSource * (left.at_end - offset);
+  return std::abs(left.x - right.x) <= same && std::abs(left.y - right.y) <= same;
+}
+
+// Cuts off what is nearer along the edge from its tail or its head, as far as that
+// is so for all of the interval's beginning or end.
+void cut_begin(Window& window, double offset, double along_edge);
+void cut_end(Window& window, double offset, double along_edge);
+
+// Leaves of a window what is not nearer along the edge from one of its ends, given the
+// ends' distances, which must be lengths of real ways. Surazhsky et al. 2005, section
+// 3.3; Xin and Wang 2009, section 3.2. False when nothing is left.
+[[nodiscard]] inline bool clip_at_ends(Window& window, double offset, double length, double at_tail,
+                                       double at_head) {
+  if (at_tail + window.end <= window.at_end) return false;
+  if (at_head + (length - window.begin) <= window.at_begin) return false;
+  const double by_tail = at_tail + window.begin;
+  if (by_tail < window.at_begin * (1 - kTie)) cut_begin(window, offset, by_tail);
+  const double by_head = at_head + (length - window.end);
+  if (by_head < window.at_end * (1 - kTie)) cut_end(window, offset, by_head);
+  return !too_narrow(window, length, offset);
+}
+
+// Adds a window to a list that it overlaps; see append.
+void append_overlapping(std::vector<Window>& list, const Window& window, PseudoSources roots,
+                        double length, std::vector<Window>& scratch);
+
+// Adds a window to a list of windows that do not overlap. Any order is right; fast is
+// the order in which they lie on the edge.
+inline void append(std::vector<Window>& list, const Window& window, PseudoSources roots,
+                   double length, std::vector<Window>& scratch) {
+  if (!list.empty()) {
+    if (list.back().end > window.begin + kTouch * length) {
+      append_overlapping(list, window, roots, length, scratch);
+      return;
+    }
+    if (is_continued_by(list.back(), window, roots[window.root].offset, length)) {
+      list.back().end = window.end;
+      list.back().at_end = window.at_end;
+      return;
+    }
+  }
+  list.push_back(window);
+}
+
+// Writes the lower envelope of two lists to `merged`, which it clears. In a tie the
+// windows of `old` stay.
+void merge(std::span<const Window> old, std::span<const Window> fresh, PseudoSources roots,
+           double length, std::vector<Window>& merged);
+
+}  // namespace geodesic::exact

@@ -1,0 +1,50 @@
+// Exact geodesic distances by windows. Mitchell, Mount, Papadimitriou, "The
+// discrete geodesic problem", 1987; Surazhsky, Surazhsky, Kirsanov, Gortler, Hoppe,
+// "Fast exact and approximate geodesics on meshes", 2005.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "core/adjacency.h"
+#include "core/cancel.h"
+#include "core/error.h"
+#include "core/field.h"
+
+namespace geodesic {
+
+namespace exact {
+struct PropagationMemory;
+}
+
+// Memory that a query works in, kept for the next query on the same thread.
+struct ExactScratch {
+  ExactScratch();
+  ~ExactScratch();
+  ExactScratch(ExactScratch&&) noexcept;
+  ExactScratch& operator=(ExactScratch&&) noexcept;
+
+  std::unique_ptr<exact::PropagationMemory> memory;
+};
+
+// The lengths of the shortest paths over the surface from the nearest of the sources,
+// exact but for rounding (about 1e-13 of a distance). All sources start together:
+// where a window of one is nearer, the others' go no further. `parents` stays empty.
+//
+// The surface is any heap of triangles. Shortest paths cross an edge into every other
+// face on it, and bend at a vertex where its angles let them: at saddle vertices, on
+// the boundary, and where faces do not form one fan.
+//
+// With limits.keep_details, `windows` gets what lights the faces: the distance of a
+// point in a face is the least over the windows of its three sides, its corners
+// (straight from there) and the sources in it. A window whose source is a vertex
+// that a source was placed at has no root.
+//
+// Each of n edges gets O(n) windows at worst, about 14 on scans.
+// Errors: cancelled.
+[[nodiscard]] Result<Field> exact_field(const Adjacency& adjacency, std::span<const Source> sources,
+                                        const FieldLimits& limits, ExactScratch& scratch,
+                                        const Cancel& cancel);
+
+}  // namespace geodesic

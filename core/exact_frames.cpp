@@ -1,0 +1,144 @@
+#include "core/exact_frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace geodesic::exact {
+namespace {
+
+// Angles are not told apart by less. Where a shortest path bends by an angle of this
+// size, going straight past the vertex is longer by its square.
+constexpr double kAngle = 1e-9;
+// By how much an angle may be off where that does no harm.
+constexpr double kRoughAngle = 1e-7;
+// A face lower than this part of its longest side is too thin to measure angles in.
+constexpr double kThin = 1e-10;
+
+// atan(x) for x from 0 to 1, off by 2e-8 at most. Abramowitz and Stegun 4.4.49.
+double rough_atan(double x) {
+  const double s = x * x;
+  double sum = 0.0028662257;
+  for (const double a : {-0.0161657367, 0.0429096138, -0.0752896400, 0.1065626393, -0.1420889944,
+                         0.1999355085, -0.3333314528, 1.0}) {
+    sum = sum * s + a;
+  }
+  return sum * x;
+}
+
+// The angle of the direction (x, y), y not negative, off by 3e-8 at most.
+double rough_angle(double x, double y) {
+  constexpr double kPi = std::numbers::pi;
+  const double run = std::abs(x);
+  const double acute = y < run ? rough_atan(y / run) : 0.5 * kPi - rough_atan(run / y);
+  return x < 0 ? kPi - acute : acute;
+}
+
+}  // namespace
+
+void Frames::build(const Adjacency& adjacency) {
+  faces_.resize(adjacency.faces().size());
+  edges_.clear();
+  edges_.reserve(adjacency.report().edges);
+  bends_.assign(adjacency.mesh().vertex_count(), Bends::nowhere);
+  angle_sum_.assign(adjacency.mesh().vertex_count(), 0);
+  number_edges(adjacency);
+  measure_faces(adjacency);
+  classify_vertices(adjacency);
+}
+
+// An edge gets its number from the first of its halfedges.
+void Frames::number_edges(const Adjacency& adjacency) {
+  const auto positions = adjacency.mesh().positions();
+  for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+    const FaceRecord& record = adjacency.face(f);
+    FaceFrame& frame = faces_[f];
+    frame.reversed = 0;
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      const Halfedge h = halfedge(f, c);
+      const std::uint32_t tail = record.vertex[c];
+      const std::uint32_t head = record.vertex[next_corner(c)];
+      Halfedge first = h;
+      for (Halfedge i = record.ring[c]; i != h; i = adjacency.ring(i)) first = std::min(first, i);
+      if (first == h) {
+        frame.edge[c] = static_cast<std::uint32_t>(edges_.size());
+        edges_.push_back({distance(positions[tail], positions[head]), tail, head, h});
+      } else {
+        frame.edge[c] = edge_of(first);
+        if (edges_[frame.edge[c]].tail != tail) frame.reversed |= 1U << c;
+      }
+    }
+  }
+}
+
+void Frames::measure_faces(const Adjacency& adjacency) {
+  const auto positions = adjacency.mesh().positions();
+  double sum = 0;
+  for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+    const FaceRecord& record = adjacency.face(f);
+    FaceFrame& frame = faces_[f];
+    const Vec3 a = positions[record.vertex[0]];
+    const Vec3 b = positions[record.vertex[1]];
+    const Vec3 c = positions[record.vertex[2]];
+    const std::array<Vec3, 3> side{b - a, c - b, a - c};
+    const std::array<double, 3> length{Frames::length(f, 0), Frames::length(f, 1),
+                                       Frames::length(f, 2)};
+    // The area comes from the two shorter sides: the longest one's rounding would be
+    // a large part of a needle's.
+    std::uint32_t longest = length[1] > length[0] ? 1 : 0;
+    if (length[2] > length[longest]) longest = 2;
+    const std::uint32_t one = next_corner(longest);
+    const std::uint32_t other = previous_corner(longest);
+    const double area2 = norm(cross(side[one], side[other]));
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      const std::uint32_t p = previous_corner(i);
+      const double product = length[i] * length[p];
+      const double x = -dot(side[i], side[p]) / product;
+      const double y = area2 / product;
+      // Brought back to the unit circle, or unfolding would stretch.
+      const double norm = std::sqrt(x * x + y * y);
+      frame.cosine[i] = x / norm;
+      frame.sine[i] = y / norm;
+      angle_sum_[record.vertex[i]] += rough_angle(x, y);
+    }
+    if (!(area2 > kThin * length[longest] * length[longest])) {
+      for (const std::uint32_t v : record.vertex) bends_[v] = Bends::everywhere;
+    }
+    sum += std::min(length[one], length[other]);
+  }
+  mean_shortest_side_ = sum / static_cast<double>(faces_.size());
+}
+
+void Frames::classify_vertices(const Adjacency& adjacency) {
+  constexpr double kPi = std::numbers::pi;
+  std::vector<bool> on_boundary(bends_.size(), false);
+  for (const EdgeFrame& edge : edges_) {
+    const Halfedge second = adjacency.ring(edge.first);
+    if (second == edge.first) {
+      on_boundary[edge.tail] = on_boundary[edge.head] = true;
+    } else if (adjacency.ring(second) != edge.first) {
+      bends_[edge.tail] = bends_[edge.head] = Bends::everywhere;
+    }
+  }
+  for (std::uint32_t v = 0; v < bends_.size(); ++v) {
+    if (bends_[v] == Bends::everywhere) continue;
+    if (adjacency.is_pinched(v)) {
+      bends_[v] = Bends::everywhere;
+      continue;
+    }
+    const double straight = on_boundary[v] ? kPi - kAngle : 2 * kPi + kAngle;
+    const auto corners = adjacency.corners(v);
+    // Angles are added up roughly; only where that leaves a doubt, exactly.
+    double sum = angle_sum_[v];
+    if (std::abs(sum - straight) < kRoughAngle * static_cast<double>(corners.size())) {
+      sum = 0;
+      for (const std::uint32_t corner : corners) {
+        const FaceFrame& frame = faces_[face_of(corner)];
+        sum += std::atan2(frame.sine[corner_of(corner)], frame.cosine[corner_of(corner)]);
+      }
+    }
+    if (sum > straight) bends_[v] = Bends::beyond;
+  }
+}
+
+}  // namespace geodesic::exact

@@ -1,0 +1,71 @@
+// The surface as exact propagation walks on it: edges, each with a frame of its own,
+// and faces as the angles between their sides. Built for a query from the mesh's
+// positions, so that an edge has one length whichever face asks.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/adjacency.h"
+
+namespace geodesic::exact {
+
+struct EdgeFrame {
+  double length;
+  std::uint32_t tail;
+  std::uint32_t head;
+  Halfedge first;  // one of its halfedges, the way from tail to head
+};
+
+struct FaceFrame {
+  std::array<std::uint32_t, 3> edge;  // side c, from vertex[c] to vertex[c + 1]
+  std::uint32_t reversed;             // bit c: side c goes from the edge's head to its tail
+  std::array<double, 3> cosine;       // of the angle at each corner
+  std::array<double, 3> sine;
+
+  [[nodiscard]] bool is_reversed(std::uint32_t c) const { return ((reversed >> c) & 1U) != 0; }
+};
+
+// What shortest paths do at a vertex.
+enum class Bends : std::uint8_t {
+  nowhere,     // the surface is flat or convex there
+  beyond,      // into the angles more than pi away from the way they came: a saddle
+               // vertex, or one on the boundary
+  everywhere,  // faces do not form one fan, or are too thin to measure angles in
+};
+
+class Frames {
+ public:
+  void build(const Adjacency& adjacency);
+
+  [[nodiscard]] std::span<const EdgeFrame> edges() const { return edges_; }
+  [[nodiscard]] const EdgeFrame& edge(std::uint32_t e) const { return edges_[e]; }
+  [[nodiscard]] const FaceFrame& face(std::uint32_t f) const { return faces_[f]; }
+  [[nodiscard]] std::uint32_t edge_of(Halfedge h) const {
+    return faces_[face_of(h)].edge[corner_of(h)];
+  }
+  [[nodiscard]] bool is_reversed(Halfedge h) const {
+    return faces_[face_of(h)].is_reversed(corner_of(h));
+  }
+  [[nodiscard]] double length(std::uint32_t f, std::uint32_t c) const {
+    return edges_[faces_[f].edge[c]].length;
+  }
+  [[nodiscard]] std::span<const Bends> bends() const { return bends_; }
+  // The mean over the faces of their shortest side.
+  [[nodiscard]] double mean_shortest_side() const { return mean_shortest_side_; }
+
+ private:
+  void number_edges(const Adjacency& adjacency);
+  void measure_faces(const Adjacency& adjacency);
+  void classify_vertices(const Adjacency& adjacency);
+
+  std::vector<EdgeFrame> edges_;
+  std::vector<FaceFrame> faces_;
+  std::vector<Bends> bends_;
+  std::vector<double> angle_sum_;
+  double mean_shortest_side_ = 0;
+};
+
+}  // namespace geodesic::exact

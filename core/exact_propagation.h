@@ -1,0 +1,167 @@
+// Windows on their way over the surface. Mitchell, Mount and Papadimitriou 1987,
+// section 4; Surazhsky et al. 2005, section 3, with three differences:
+//   - what waits in the queue is an edge, with all that has arrived there, not a
+//     window, and a list of windows crosses a face at once;
+//   - an edge keeps the windows of both directions in one lower envelope;
+//   - of a list that crosses a face, only the window that is nearest to the far
+//     corner goes on over both of the other sides: shortest paths do not cross, so
+//     those to its left only go left and those to its right only go right.
+//
+// Every distance here is the length of a real way from a source, so cutting off
+// what is farther than another distance is always right, in whatever order.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/adjacency.h"
+#include "core/cancel.h"
+#include "core/exact_envelope.h"
+#include "core/exact_frames.h"
+#include "core/exact_queue.h"
+#include "core/exact_window.h"
+#include "core/exact_window_pool.h"
+#include "core/field.h"
+#include "core/window_table.h"
+
+namespace geodesic::exact {
+
+// The windows on one edge, and what is known of them.
+struct EdgeWindows {
+  Window* windows;
+  std::uint32_t size;
+  std::uint32_t capacity;
+  double pending;  // the least distance of a window not yet propagated
+  double queued;   // the least key under which the edge waits
+  double settled;  // no place of the edge is farther than this
+  bool let_go;     // windows once settled were dropped
+};
+
+// How a vertex got its distance, for knowing where to it bends: through which
+// corner, and where the straight line back meets the side opposite, counted from
+// the corner after that one.
+struct ArrivalAtVertex {
+  std::uint32_t corner;
+  double crossing;
+};
+
+// A window in the frame of the halfedge whose face it is about to cross, with the
+// vertex it starts from at 0 and the face above.
+struct Beam {
+  double begin;
+  double end;
+  double x;
+  double y;
+  double offset;
+  double crossing;  // where the line from the unfolded source to the far corner meets the base
+  std::uint32_t root;
+  Halfedge from;
+};
+
+// A side of a face, to which windows come through the face.
+struct Side {
+  Halfedge from;
+  std::uint32_t edge;
+  bool flipped;  // what comes is counted from the edge's head
+  bool on_boundary;
+  double length;
+  double at_tail;  // the distances of the edge's ends
+  double at_head;
+  double settled;  // of the edge
+};
+
+// A face round a vertex, turned past from one of its two sides there to the other.
+struct FanFace {
+  std::uint32_t corner;
+  bool from_next;  // entered over the side towards the corner's next vertex
+  double begin;    // angles from the way back at which it begins and ends
+  double end;
+};
+
+// Memory of one propagation, kept for the next.
+struct PropagationMemory {
+  Frames frames;
+  WindowPool pool;
+  BucketQueue queue;
+  std::vector<EdgeWindows> edges;
+  std::vector<PseudoSource> roots;
+  std::vector<ArrivalAtVertex> arrivals;
+  std::vector<Bends> bends;
+  std::vector<double> emitted;  // the distance at which a vertex last sent out windows
+  std::vector<Beam> waiting;    // on an edge
+  std::vector<Beam> beams;      // those of them that cross one face
+  std::vector<Window> children;
+  std::vector<Window> scratch;
+  std::vector<FanFace> fan;
+};
+
+class Propagation {
+ public:
+  // Fills `field.distance` and, when it has a place for each vertex,
+  // `field.nearest_source`. All must outlive this object.
+  Propagation(const Adjacency& adjacency, PropagationMemory& memory, Field& field, double max,
+              bool keep_windows);
+
+  // Sends out a source's windows.
+  void start(const Source& source, std::uint32_t number);
+
+  // Takes the next step; false when there is nothing left to do.
+  [[nodiscard]] bool step();
+
+  // Distances below this are final.
+  [[nodiscard]] double final_below() const { return memory_.queue.now(); }
+
+  // Lets distances through along edges where no window came, as a last resort
+  // against rounding. True when that sent out something new.
+  [[nodiscard]] bool mend();
+
+  // The windows left, for each face that they light.
+  [[nodiscard]] std::vector<std::pair<Halfedge, LitWindow>> lit_windows() const;
+
+  // Windows that have crossed a face; for tests and measurements.
+  [[nodiscard]] std::uint64_t propagated() const { return propagated_; }
+
+ private:
+  // exact_propagation.cpp: windows over faces.
+  void pass_on(std::uint32_t e);
+  [[nodiscard]] std::span<Beam> beams_over(Halfedge h);
+  void cross_face(Halfedge h, std::span<Beam> beams);
+  [[nodiscard]] std::size_t reach_apex(Halfedge h, std::span<Beam> beams);
+  [[nodiscard]] Side side(Halfedge h, bool from_tail) const;
+  void add_child(const Side& side, double offset, std::uint32_t root, double begin, double end,
+                 double x, double y);
+  void commit(std::uint32_t e);
+  void replace(EdgeWindows& edge, std::uint32_t first, std::uint32_t last,
+               std::span<const Window> windows);
+  void join_at(EdgeWindows& edge, std::uint32_t i, double length);
+  void settle(std::uint32_t e, double farthest);
+  void let_go(std::uint32_t e);
+  void lower(std::uint32_t v, double distance, std::uint32_t source, std::uint32_t corner,
+             double crossing);
+
+  // exact_pseudo_sources.cpp: windows out of vertices and sources.
+  void start_inside(const SurfacePoint& place, const Source& source, std::uint32_t root);
+  void bend_at(std::uint32_t v);
+  void send_everywhere(std::uint32_t v, std::uint32_t root);
+  void send_beyond(std::uint32_t v, std::uint32_t root);
+  void light_from_corner(std::uint32_t corner, std::uint32_t root, double first, double last);
+  void light(Halfedge from, std::uint32_t root, double begin, double end, double x, double y);
+  void lower_along_sides(std::uint32_t corner);
+  [[nodiscard]] bool turn(std::uint32_t corner, bool over_next, double angle);
+
+  [[nodiscard]] std::uint32_t nearest(std::uint32_t v) const {
+    return field_.nearest_source.empty() ? 0 : field_.nearest_source[v];
+  }
+
+  const Adjacency& adjacency_;
+  PropagationMemory& memory_;
+  const Frames& frames_;
+  Field& field_;
+  double max_;
+  bool keep_windows_;
+  std::uint64_t propagated_ = 0;
+};
+
+}  // namespace geodesic::exact

@@ -1,0 +1,193 @@
+// Where windows begin: at sources, and at the vertices where shortest paths bend.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/exact_propagation.h"
+#include "core/surface_point.h"
+
+namespace geodesic::exact {
+namespace {
+
+// The way that a vertex's distance came is known to about the square root of
+// rounding; beyond the vertex this much more is lit, in radians.
+constexpr double kSlack = 1e-5;
+
+double angle_at(const FaceFrame& face, std::uint32_t c) {
+  return std::atan2(face.sine[c], face.cosine[c]);
+}
+
+}  // namespace
+
+void Propagation::start(const Source& source, std::uint32_t number) {
+  if (source.offset > max_) return;
+  const auto root = static_cast<std::uint32_t>(memory_.roots.size());
+  if (source.point.at_vertex()) {
+    const std::uint32_t v = source.point.vertex;
+    if (!(source.offset < field_.distance[v])) return;
+    memory_.roots.push_back({source.offset, kNone, number});
+    field_.distance[v] = source.offset;
+    if (!field_.nearest_source.empty()) field_.nearest_source[v] = number;
+    memory_.bends[v] = Bends::everywhere;
+    memory_.emitted[v] = source.offset;
+    send_everywhere(v, root);
+    return;
+  }
+  memory_.roots.push_back({source.offset, kNone, number});
+  for (const SurfacePoint& place : in_all_faces(adjacency_, source.point)) {
+    start_inside(place, source, root);
+  }
+}
+
+// Straight to the corners of the face, and over those of its sides that the source
+// does not lie on.
+void Propagation::start_inside(const SurfacePoint& place, const Source& source,
+                               std::uint32_t root) {
+  const std::uint32_t f = place.face;
+  const FaceFrame& frame = frames_.face(f);
+  const std::uint32_t number = memory_.roots[root].source;
+  const Vec3 at = position_of(adjacency_.mesh(), place);
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    const double ahead = place.bary[next_corner(c)];
+    const double behind = place.bary[previous_corner(c)];
+    const std::uint32_t v = adjacency_.face(f).vertex[c];
+    lower(v, source.offset + distance(at, adjacency_.mesh().positions()[v]), number, halfedge(f, c),
+          frames_.length(f, next_corner(c)) * (behind / (ahead + behind)));
+  }
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    const double above = place.bary[previous_corner(c)];
+    if (above == 0) continue;
+    const double length = frames_.length(f, c);
+    const double to_far_corner = above * frames_.length(f, previous_corner(c));
+    light(halfedge(f, c), root, 0, length,
+          place.bary[next_corner(c)] * length + to_far_corner * frame.cosine[c],
+          to_far_corner * frame.sine[c]);
+  }
+}
+
+void Propagation::bend_at(std::uint32_t v) {
+  const double distance = field_.distance[v];
+  if (!(distance < memory_.emitted[v])) return;
+  memory_.emitted[v] = distance;
+  const auto root = static_cast<std::uint32_t>(memory_.roots.size());
+  memory_.roots.push_back({distance, v, nearest(v)});
+  if (memory_.bends[v] == Bends::everywhere || memory_.arrivals[v].corner == kNone) {
+    send_everywhere(v, root);
+  } else {
+    send_beyond(v, root);
+  }
+}
+
+void Propagation::send_everywhere(std::uint32_t v, std::uint32_t root) {
+  for (const std::uint32_t corner : adjacency_.corners(v)) lower_along_sides(corner);
+  for (const std::uint32_t corner : adjacency_.corners(v)) {
+    light_from_corner(corner, root, 0, std::numbers::pi);
+  }
+}
+
+// A shortest path that bends leaves angles of pi or more on both of its sides:
+// turning from the way back, between pi and the whole angle less pi.
+void Propagation::send_beyond(std::uint32_t v, std::uint32_t root) {
+  constexpr double kPi = std::numbers::pi;
+  for (const std::uint32_t corner : adjacency_.corners(v)) lower_along_sides(corner);
+  const ArrivalAtVertex arrival = memory_.arrivals[v];
+  const std::uint32_t f = face_of(arrival.corner);
+  const std::uint32_t c = corner_of(arrival.corner);
+  const FaceFrame& frame = frames_.face(f);
+  const double side = frames_.length(f, c);
+  const double x = side * frame.cosine[next_corner(c)];
+  const double y = side * frame.sine[next_corner(c)];
+  const double whole = angle_at(frame, c);
+  const double way_back =
+      std::clamp(std::atan2(y * arrival.crossing, x * (x - arrival.crossing) + y * y), 0.0, whole);
+
+  memory_.fan.clear();
+  double last = kUnreached;
+  if (turn(arrival.corner, true, way_back)) {
+    const double round = memory_.fan.empty() ? 0 : memory_.fan.back().end;
+    last = round + (whole - way_back) - kPi + kSlack;
+  } else {
+    (void)turn(arrival.corner, false, whole - way_back);
+  }
+  for (std::size_t i = 0; i < memory_.fan.size(); ++i) {
+    const FanFace face = memory_.fan[i];
+    const double begin = std::max(kPi - kSlack, face.begin) - face.begin;
+    const double end = std::min(last, face.end) - face.begin;
+    if (!(begin < end)) continue;
+    const double angle = face.end - face.begin;
+    if (face.from_next) {
+      light_from_corner(face.corner, root, begin, end < angle ? end : kPi);
+    } else {
+      light_from_corner(face.corner, root, end < angle ? angle - end : 0,
+                        begin > 0 ? angle - begin : kPi);
+    }
+  }
+}
+
+// Turns round a vertex from one side of a corner, which is at `angle` from the way
+// back, and adds the faces passed to the fan. True when it comes back to the corner,
+// false at a boundary.
+bool Propagation::turn(std::uint32_t corner, bool over_next, double angle) {
+  const std::uint32_t v = adjacency_.face(face_of(corner)).vertex[corner_of(corner)];
+  Halfedge side =
+      over_next ? corner : halfedge(face_of(corner), previous_corner(corner_of(corner)));
+  for (;;) {
+    const Halfedge across = adjacency_.ring(side);
+    if (across == side) return false;
+    const std::uint32_t f = face_of(across);
+    if (f == face_of(corner)) return true;
+    const std::uint32_t c = corner_of(across);
+    const bool from_next = adjacency_.face(f).vertex[c] == v;
+    const std::uint32_t here = from_next ? c : next_corner(c);
+    const double end = angle + angle_at(frames_.face(f), here);
+    memory_.fan.push_back({halfedge(f, here), from_next, angle, end});
+    angle = end;
+    side = from_next ? halfedge(f, previous_corner(here)) : halfedge(f, here);
+  }
+}
+
+// The side opposite a corner, between two angles from the side towards the corner's
+// next vertex.
+void Propagation::light_from_corner(std::uint32_t corner, std::uint32_t root, double first,
+                                    double last) {
+  const std::uint32_t f = face_of(corner);
+  const std::uint32_t c = corner_of(corner);
+  const FaceFrame& frame = frames_.face(f);
+  const std::uint32_t n = next_corner(c);
+  const double side = frames_.length(f, c);
+  const double length = frames_.length(f, n);
+  const auto meets = [&](double angle) {
+    const double along = side * std::sin(angle);
+    const double below = std::sin(angle) * frame.cosine[n] + std::cos(angle) * frame.sine[n];
+    return below > 0 ? std::clamp(along / below, 0.0, length) : length;
+  };
+  light(halfedge(f, n), root, first > 0 ? meets(first) : 0,
+        last < std::numbers::pi ? meets(last) : length, side * frame.cosine[n],
+        side * frame.sine[n]);
+}
+
+// A first window over a side, counted from its halfedge's tail.
+void Propagation::light(Halfedge from, std::uint32_t root, double begin, double end, double x,
+                        double y) {
+  const Side over = side(from, true);
+  if (over.on_boundary) return;
+  memory_.children.clear();
+  add_child(over, memory_.roots[root].offset, root, begin, end, x, y);
+  commit(over.edge);
+}
+
+// The ways along the two sides that meet in a corner.
+void Propagation::lower_along_sides(std::uint32_t corner) {
+  const std::uint32_t f = face_of(corner);
+  const std::uint32_t c = corner_of(corner);
+  const std::uint32_t n = next_corner(c);
+  const std::uint32_t p = previous_corner(c);
+  const FaceRecord& face = adjacency_.face(f);
+  const double distance = field_.distance[face.vertex[c]];
+  const std::uint32_t source = nearest(face.vertex[c]);
+  lower(face.vertex[n], distance + frames_.length(f, c), source, halfedge(f, n),
+        frames_.length(f, p));
+  lower(face.vertex[p], distance + frames_.length(f, p), source, halfedge(f, p), 0);
+}
+
+}  // namespace geodesic::exact

@@ -1,0 +1,91 @@
+// Memory for the edges' lists of windows: blocks of 1, 2, 4, ... windows from
+// large slabs. A released block waits for the next list of its size; nothing goes
+// back to the system before the pool does, except blocks too large for a slab.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "core/exact_window.h"
+
+namespace geodesic::exact {
+
+class WindowPool {
+ public:
+  // The number of windows that a block for `size` of them holds.
+  [[nodiscard]] static std::uint32_t capacity_for(std::size_t size) {
+    return static_cast<std::uint32_t>(std::bit_ceil(size));
+  }
+
+  // A block of `capacity` windows, a value of capacity_for; not initialised.
+  [[nodiscard]] Window* take(std::uint32_t capacity) {
+    if (capacity > kSlab) {
+      auto block = std::make_unique_for_overwrite<Window[]>(capacity);
+      Window* windows = block.get();
+      large_.emplace(windows, std::move(block));
+      return windows;
+    }
+    std::vector<Window*>& waiting = waiting_[class_of(capacity)];
+    if (!waiting.empty()) {
+      Window* block = waiting.back();
+      waiting.pop_back();
+      return block;
+    }
+    if (left_ < capacity) new_slab();
+    Window* block = slabs_[slab_ - 1].get() + (kSlab - left_);
+    left_ -= capacity;
+    return block;
+  }
+
+  void give_back(Window* block, std::uint32_t capacity) {
+    if (capacity > kSlab) {
+      large_.erase(block);
+    } else if (capacity > 0) {
+      waiting_[class_of(capacity)].push_back(block);
+    }
+  }
+
+  // Every block is free again. Keeps the first slabs for the next query.
+  void reset() {
+    for (std::vector<Window*>& waiting : waiting_) waiting.clear();
+    large_.clear();
+    if (slabs_.size() > kKeptSlabs) slabs_.resize(kKeptSlabs);
+    slab_ = 0;
+    left_ = 0;
+  }
+
+ private:
+  static constexpr std::uint32_t kSlab = 4096;
+  static constexpr std::size_t kKeptSlabs = 64;  // 16 MB
+
+  [[nodiscard]] static std::size_t class_of(std::uint32_t capacity) {
+    return static_cast<std::size_t>(std::countr_zero(capacity)) % 16;
+  }
+
+  // What is left of the old slab is cut into blocks.
+  void new_slab() {
+    while (left_ > 0) {
+      const std::uint32_t capacity = std::bit_floor(left_);
+      waiting_[class_of(capacity)].push_back(slabs_[slab_ - 1].get() + (kSlab - left_));
+      left_ -= capacity;
+    }
+    if (slab_ == slabs_.size()) {
+      slabs_.push_back(std::make_unique_for_overwrite<Window[]>(kSlab));
+    }
+    ++slab_;
+    left_ = kSlab;
+  }
+
+  std::vector<std::unique_ptr<Window[]>> slabs_;
+  std::size_t slab_ = 0;                          // slabs in use
+  std::uint32_t left_ = 0;                        // windows never handed out in the last of them
+  std::array<std::vector<Window*>, 16> waiting_;  // by the logarithm of the capacity
+  std::unordered_map<const Window*, std::unique_ptr<Window[]>> large_;
+};
+
+}  // namespace geodesic::exact

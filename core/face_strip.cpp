@@ -1,0 +1,178 @@
+#include "core/face_strip.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "core/face_over_edge.h"
+
+namespace geodesic {
+namespace {
+
+// The edge that a point lies inside of, as a halfedge of its face, or kNone.
+Halfedge edge_under(const SurfacePoint& point) {
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    if (point.bary[previous_corner(c)] == 0) return halfedge(point.face, c);
+  }
+  return kNone;
+}
+
+std::uint32_t tail_of(const Adjacency& adjacency, Halfedge h) {
+  return adjacency.face(face_of(h)).vertex[corner_of(h)];
+}
+
+std::uint32_t head_of(const Adjacency& adjacency, Halfedge h) {
+  return adjacency.face(face_of(h)).vertex[next_corner(corner_of(h))];
+}
+
+std::uint32_t apex_of(const Adjacency& adjacency, Halfedge h) {
+  return adjacency.face(face_of(h)).vertex[previous_corner(corner_of(h))];
+}
+
+bool goes_through(const Adjacency& adjacency, Halfedge edge, const SurfacePoint& point) {
+  const std::uint32_t tail = tail_of(adjacency, edge);
+  const std::uint32_t head = head_of(adjacency, edge);
+  if (point.at_vertex()) return point.vertex == tail || point.vertex == head;
+  const Halfedge under = edge_under(point);
+  if (under == kNone) return false;
+  const std::uint32_t a = tail_of(adjacency, under);
+  const std::uint32_t b = head_of(adjacency, under);
+  return (a == tail && b == head) || (a == head && b == tail);
+}
+
+// A unit vector from corner `from` to corner `to`, kept as that of the edge between.
+void set_edge(std::array<Vec2, 3>& edges, std::uint32_t from, std::uint32_t to, Vec2 direction) {
+  if (next_corner(from) == to) {
+    edges[from] = direction;
+  } else {
+    edges[to] = -direction;
+  }
+}
+
+Vec2 place_of(const SurfacePoint& point, const std::array<Vec2, 3>& corners) {
+  return point.bary[0] * corners[0] + point.bary[1] * corners[1] + point.bary[2] * corners[2];
+}
+
+Vec2 place_in_face(const Adjacency& adjacency, const SurfacePoint& point, std::uint32_t face,
+                   const std::array<Vec2, 3>& corners) {
+  const auto seen = seen_from_face(adjacency, point, face);
+  assert(seen);
+  return place_of(seen ? *seen : point, corners);
+}
+
+}  // namespace
+
+void FaceStrip::cross(Gate gate) {
+  if (gates.empty() || gates.back().in != gate.out) {
+    gates.push_back(gate);
+  } else if (gates.back().out == gate.in) {
+    gates.pop_back();
+  } else {
+    gates.back().in = gate.in;
+  }
+}
+
+std::optional<SurfacePoint> seen_from_face(const Adjacency& adjacency, const SurfacePoint& point,
+                                           std::uint32_t face) {
+  if (point.at_vertex()) {
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      if (adjacency.face(face).vertex[c] != point.vertex) continue;
+      SurfacePoint seen{face, {0, 0, 0}, point.vertex};
+      seen.bary[c] = 1;
+      return seen;
+    }
+    return std::nullopt;
+  }
+  if (point.face == face) return point;
+  for (const SurfacePoint& place : in_all_faces(adjacency, point)) {
+    if (place.face == face) return place;
+  }
+  return std::nullopt;
+}
+
+void trim_strip(const Adjacency& adjacency, const SurfacePoint& start, const SurfacePoint& end,
+                FaceStrip& strip) {
+  auto& gates = strip.gates;
+  std::size_t unneeded = 0;
+  while (unneeded < gates.size() && goes_through(adjacency, gates[unneeded].out, start)) {
+    ++unneeded;
+  }
+  if (unneeded > 0) {
+    strip.first_face = face_of(gates[unneeded - 1].in);
+    gates.erase(gates.begin(), gates.begin() + static_cast<std::ptrdiff_t>(unneeded));
+  }
+  while (!gates.empty() && goes_through(adjacency, gates.back().in, end)) gates.pop_back();
+}
+
+void unfold_strip(const Adjacency& adjacency, const FaceStrip& strip, const SurfacePoint& start,
+                  const SurfacePoint& end, UnfoldedStrip& result) {
+  const Mesh& mesh = adjacency.mesh();
+  result.doors.clear();
+
+  // The first face lies behind its gate, which runs from left to right along x.
+  const bool one_face = strip.gates.empty();
+  const Halfedge base = one_face ? halfedge(strip.first_face, 0) : strip.gates.front().out;
+  const FaceOverEdge first = face_over_edge(mesh, base);
+  const std::uint32_t c = corner_of(base);
+  std::array<Vec2, 3> corners;
+  corners[c] = {0, 0};
+  corners[next_corner(c)] = {first.length, 0};
+  corners[previous_corner(c)] = {first.apex_from_tail.x, -first.apex_from_tail.y};
+  set_edge(result.first_edges, c, next_corner(c), {1, 0});
+  set_edge(result.first_edges, c, previous_corner(c),
+           unit({first.apex_from_tail.x, -first.apex_from_tail.y}));
+  set_edge(result.first_edges, next_corner(c), previous_corner(c),
+           unit({first.apex_from_head.x, -first.apex_from_head.y}));
+  result.start = place_in_face(adjacency, start, strip.first_face, corners);
+  if (one_face) {
+    result.end = place_in_face(adjacency, end, strip.first_face, corners);
+    result.last_edges = result.first_edges;
+    return;
+  }
+
+  Door door{corners[c], corners[next_corner(c)], tail_of(adjacency, base),
+            head_of(adjacency, base)};
+  // The direction of the gate is carried from face to face as a unit vector: that
+  // of a short edge cannot be had from the difference of its ends.
+  Vec2 along{1, 0};
+  for (std::size_t i = 0; i < strip.gates.size(); ++i) {
+    result.doors.push_back(door);
+    const Halfedge in = strip.gates[i].in;
+    const FaceOverEdge face = face_over_edge(mesh, in);
+    const Vec2 ahead{-along.y, along.x};
+    const bool tail_is_left = tail_of(adjacency, in) == door.left_vertex;
+    const Vec2 by_left =
+        tail_is_left ? face.apex_from_tail : Vec2{-face.apex_from_head.x, face.apex_from_head.y};
+    const Vec2 by_right =
+        tail_is_left ? face.apex_from_head : Vec2{-face.apex_from_tail.x, face.apex_from_tail.y};
+    const Vec2 from_left = by_left.x * along + by_left.y * ahead;
+    const Vec2 from_right = by_right.x * along + by_right.y * ahead;
+    const bool left_is_nearer = dot(by_left, by_left) <= dot(by_right, by_right);
+    const Vec2 apex = left_is_nearer ? door.left + from_left : door.right + from_right;
+
+    if (i + 1 < strip.gates.size()) {
+      if (apex_of(adjacency, strip.gates[i + 1].out) == door.left_vertex) {
+        door.left = apex;
+        door.left_vertex = apex_of(adjacency, in);
+        along = unit(-from_right);
+      } else {
+        door.right = apex;
+        door.right_vertex = apex_of(adjacency, in);
+        along = unit(from_left);
+      }
+      continue;
+    }
+    const std::uint32_t tail = corner_of(in);
+    const std::uint32_t left = tail_is_left ? tail : next_corner(tail);
+    const std::uint32_t right = tail_is_left ? next_corner(tail) : tail;
+    const std::uint32_t top = previous_corner(tail);
+    corners[left] = door.left;
+    corners[right] = door.right;
+    corners[top] = apex;
+    set_edge(result.last_edges, left, right, along);
+    set_edge(result.last_edges, left, top, unit(from_left));
+    set_edge(result.last_edges, right, top, unit(from_right));
+  }
+  result.end = place_in_face(adjacency, end, strip.last_face(), corners);
+}
+
+}  // namespace geodesic

@@ -1,0 +1,77 @@
+// A strip of faces, each joined to the next over an edge, and its unfolding into
+// the plane: what a path on the surface is straightened in.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/adjacency.h"
+#include "core/surface_point.h"
+#include "core/vec2.h"
+
+namespace geodesic {
+
+// One edge that a strip crosses, as the face before it and the face after it have
+// it. The two halfedges are of one ring.
+struct Gate {
+  Halfedge out;
+  Halfedge in;
+};
+
+// gates.size() + 1 faces: the first, and one behind each gate. No face is entered
+// and left over the same edge.
+struct FaceStrip {
+  std::uint32_t first_face = kNone;
+  std::vector<Gate> gates;
+
+  [[nodiscard]] std::uint32_t face(std::size_t i) const {
+    return i == 0 ? first_face : face_of(gates[i - 1].in);
+  }
+  [[nodiscard]] std::uint32_t last_face() const { return face(gates.size()); }
+
+  // Goes on over a gate that leaves the last face. Where that is the edge by which
+  // the face was entered, the face drops out: a path gets shorter by staying on
+  // the edge. So a strip that goes back on itself unravels.
+  void cross(Gate gate);
+};
+
+// The same point as one of `face`, or nothing when it is not in that face.
+[[nodiscard]] std::optional<SurfacePoint> seen_from_face(const Adjacency& adjacency,
+                                                         const SurfacePoint& point,
+                                                         std::uint32_t face);
+
+// Takes off the faces at either end that a path from one point to the other need
+// not enter: while the first gate goes through `start`, the first face, and while
+// the last gate goes through `end`, the last.
+void trim_strip(const Adjacency& adjacency, const SurfacePoint& start, const SurfacePoint& end,
+                FaceStrip& strip);
+
+// A gate in the plane, as one sees it who walks along the strip.
+struct Door {
+  Vec2 left;
+  Vec2 right;
+  std::uint32_t left_vertex;
+  std::uint32_t right_vertex;
+};
+
+// The faces of a strip side by side in the plane; they may overlap there. Their
+// windings play no part. Angles and lengths are those of the surface, up to a
+// rounding error per face that stays small for needles.
+struct UnfoldedStrip {
+  std::vector<Door> doors;  // one per gate
+  Vec2 start;
+  Vec2 end;
+  // Unit vectors from corner c to corner c + 1 of the first and of the last face.
+  std::array<Vec2, 3> first_edges;
+  std::array<Vec2, 3> last_edges;
+};
+
+// Unfolds `strip` into `result`, whose memory is used again. `start` must lie in the
+// first face and `end` in the last, whichever of their faces they name.
+void unfold_strip(const Adjacency& adjacency, const FaceStrip& strip, const SurfacePoint& start,
+                  const SurfacePoint& end, UnfoldedStrip& result);
+
+}  // namespace geodesic

@@ -1,0 +1,63 @@
+#include "core/farthest_points.h"
+
+#include <algorithm>
+
+#include "core/longest_edge.h"
+
+namespace geodesic {
+namespace {
+
+// The farthest of the vertices that are in a face; kNone when there is no vertex
+// at a distance.
+FarthestPoint farthest_of(const Adjacency& adjacency, std::span<const double> distance) {
+  FarthestPoint farthest{kNone, 0};
+  const Mesh& mesh = adjacency.mesh();
+  for (std::uint32_t v = 0; v < distance.size(); ++v) {
+    const double d = distance[v];
+    if (d < farthest.radius || d == 0 || adjacency.corners(v).empty()) continue;
+    if (d > farthest.radius || mesh.source_of_vertex(v) < mesh.source_of_vertex(farthest.vertex)) {
+      farthest = {v, d};
+    }
+  }
+  return farthest;
+}
+
+}  // namespace
+
+Result<FarthestPoints> farthest_points(Method method, const MethodOptions& options,
+                                       const Adjacency& adjacency, std::span<const Source> from,
+                                       std::size_t count, SolveScratch& scratch,
+                                       const Cancel& cancel) {
+  FieldLimits limits;
+  limits.keep_details = false;
+  // Of each vertex from the nearest of all points so far.
+  std::vector<double> distance(adjacency.mesh().vertex_count(), kUnreached);
+  const auto lower_from = [&](std::span<const Source> sources) -> Result<void> {
+    const auto field = solve_field(method, options, adjacency, sources, limits, scratch, cancel);
+    if (!field) return fail(field.error());
+    std::transform(distance.begin(), distance.end(), field->distance.begin(), distance.begin(),
+                   [](double a, double b) { return std::min(a, b); });
+    return {};
+  };
+  if (!from.empty()) {
+    if (auto lowered = lower_from(from); !lowered) return fail(lowered.error());
+  }
+  // A front that comes to a vertex by way of one that is farther, as it does past
+  // obtuse angles, must not be cut off there.
+  const double slack = longest_edge(adjacency);
+  FarthestPoints result;
+  FarthestPoint next = farthest_of(adjacency, distance);
+  while (next.vertex != kNone && result.points.size() < count) {
+    // A field may be too small to ask on its own.
+    if (cancel.requested()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+    result.points.push_back(next);
+    limits.max = next.radius + slack;
+    const Source source{point_at_vertex(adjacency, next.vertex), 0};
+    if (auto lowered = lower_from({&source, 1}); !lowered) return fail(lowered.error());
+    next = farthest_of(adjacency, distance);
+  }
+  result.covering_radius = next.radius;
+  return result;
+}
+
+}  // namespace geodesic

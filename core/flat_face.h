@@ -1,0 +1,63 @@
+// A face in the plane with a point of it and the directions there: the frame that a
+// straightest geodesic is at home in while it crosses the face.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <utility>
+
+#include "core/adjacency.h"
+#include "core/face_over_edge.h"
+#include "core/surface_point.h"
+#include "core/vec2.h"
+#include "core/vec3.h"
+
+namespace geodesic {
+
+// The face laid over one of its edges, counterclockwise: corner 0 is the edge's tail
+// at the origin, corner 1 its head on the x axis, corner 2 the apex. Corners follow
+// each other as in the mesh; corner i here is `corner(i)` there. A point is told by
+// its weights at the corners of here.
+struct FlatFace {
+  std::uint32_t face;
+  std::uint32_t first;
+  FaceOverEdge over;
+  std::array<Vec2, 3> edges;  // unit, corner i to corner i + 1
+
+  FlatFace(const Mesh& mesh, Halfedge base)
+      : face(face_of(base)),
+        first(corner_of(base)),
+        over(face_over_edge(mesh, base)),
+        edges{Vec2{1, 0}, unit(over.apex_from_head), unit(-over.apex_from_tail)} {}
+
+  [[nodiscard]] std::uint32_t corner(std::uint32_t i) const { return (first + i) % 3; }
+  [[nodiscard]] Halfedge side(std::uint32_t i) const { return halfedge(face, corner(i)); }
+
+  // From a point to the three corners.
+  [[nodiscard]] std::array<Vec2, 3> to_corners(const std::array<double, 3>& at) const {
+    const Vec2 head{over.length, 0};
+    return {-(at[1] * head) - at[2] * over.apex_from_tail,
+            at[0] * head - at[2] * over.apex_from_head,
+            at[0] * over.apex_from_tail + at[1] * over.apex_from_head};
+  }
+
+  [[nodiscard]] SurfacePoint point(const Adjacency& adjacency,
+                                   const std::array<double, 3>& at) const {
+    std::array<double, 3> bary{};
+    for (std::uint32_t i = 0; i < 3; ++i) bary[corner(i)] = at[i];
+    return point_on_face(adjacency, face, bary);
+  }
+
+  // The axes in space, of length one; y is zero for a face without area.
+  [[nodiscard]] std::pair<Vec3, Vec3> axes(const Mesh& mesh) const {
+    const auto position = [&](std::uint32_t i) {
+      return mesh.positions()[mesh.faces()[face][corner(i)]];
+    };
+    const Vec3 along = (1 / over.length) * (position(1) - position(0));
+    const Vec3 up = position(2) - position(0) - over.apex_from_tail.x * along;
+    const double height = norm(up);
+    return {along, height > 0 ? (1 / height) * up : Vec3{}};
+  }
+};
+
+}  // namespace geodesic

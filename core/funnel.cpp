@@ -1,0 +1,103 @@
+#include "core/funnel.h"
+
+#include <algorithm>
+
+namespace geodesic {
+namespace {
+
+// Positive when `p` is to the left of the line from `a` on to `b`.
+double leftness(Vec2 a, Vec2 b, Vec2 p) { return cross(b - a, p - a); }
+
+// On one line with a -> b, but not beyond b: the strip has turned back on itself
+// round b, which only faces without area make possible.
+bool is_back(Vec2 a, Vec2 b, Vec2 p) { return dot(b - a, p - b) < 0; }
+
+}  // namespace
+
+void Funnel::list_sides(const UnfoldedStrip& strip) {
+  nodes_.clear();
+  left_node_.clear();
+  right_node_.clear();
+  nodes_.push_back({strip.start, kNone, 0, 0});
+  for (std::size_t i = 0; i < strip.doors.size(); ++i) {
+    const Door& door = strip.doors[i];
+    const bool new_left = i == 0 || door.left_vertex != strip.doors[i - 1].left_vertex;
+    const bool new_right = i == 0 || door.right_vertex != strip.doors[i - 1].right_vertex;
+    const auto side = [&](std::vector<std::uint32_t>& side_node, bool is_new, Vec2 at,
+                          std::uint32_t vertex) {
+      if (is_new) {
+        side_node.push_back(static_cast<std::uint32_t>(nodes_.size()));
+        nodes_.push_back({at, vertex, i, i});
+      } else {
+        side_node.push_back(side_node.back());
+        nodes_[side_node.back()].last_gate = i;
+      }
+    };
+    side(left_node_, new_left, door.left, door.left_vertex);
+    side(right_node_, new_right, door.right, door.right_vertex);
+  }
+  nodes_.push_back({strip.end, kNone, strip.doors.size(), strip.doors.size()});
+}
+
+// The gate's left end moves on to `node`. The left side of the funnel turns left at
+// every vertex; what the new end can see past drops out, and when it sees past the
+// apex and over the right side, the apex moves on along that side.
+void Funnel::widen_left(std::uint32_t node) {
+  const Vec2 p = nodes_[node].at;
+  while (first_ < apex_ &&
+         leftness(nodes_[deque_[first_ + 1]].at, nodes_[deque_[first_]].at, p) <= 0) {
+    ++first_;
+  }
+  while (first_ == apex_ && apex_ < last_) {
+    const Vec2 a = nodes_[deque_[apex_]].at;
+    const Vec2 b = nodes_[deque_[apex_ + 1]].at;
+    const double left = leftness(a, b, p);
+    if (left > 0 || (left == 0 && !is_back(a, b, p))) break;
+    first_ = ++apex_;
+  }
+  parent_[node] = deque_[first_];
+  deque_[--first_] = node;
+}
+
+// The mirror image.
+void Funnel::widen_right(std::uint32_t node) {
+  const Vec2 p = nodes_[node].at;
+  while (last_ > apex_ &&
+         leftness(nodes_[deque_[last_ - 1]].at, nodes_[deque_[last_]].at, p) >= 0) {
+    --last_;
+  }
+  while (last_ == apex_ && apex_ > first_) {
+    const Vec2 a = nodes_[deque_[apex_]].at;
+    const Vec2 b = nodes_[deque_[apex_ - 1]].at;
+    const double left = leftness(a, b, p);
+    if (left < 0 || (left == 0 && !is_back(a, b, p))) break;
+    last_ = --apex_;
+  }
+  parent_[node] = deque_[last_];
+  deque_[++last_] = node;
+}
+
+const std::vector<StripVertex>& Funnel::touched(const UnfoldedStrip& strip) {
+  list_sides(strip);
+  const std::size_t gates = strip.doors.size();
+  parent_.assign(nodes_.size(), kNone);
+  // Each gate brings at most one vertex to a side, the first gate one to both.
+  deque_.resize(2 * gates + 5);
+  first_ = apex_ = last_ = gates + 2;
+  deque_[apex_] = 0;
+  for (std::size_t i = 0; i < gates; ++i) {
+    if (nodes_[left_node_[i]].first_gate == i) widen_left(left_node_[i]);
+    if (nodes_[right_node_[i]].first_gate == i) widen_right(right_node_[i]);
+  }
+  const auto end = static_cast<std::uint32_t>(nodes_.size() - 1);
+  widen_left(end);
+
+  touched_.clear();
+  for (std::uint32_t node = parent_[end]; node != 0; node = parent_[node]) {
+    touched_.push_back(nodes_[node]);
+  }
+  std::reverse(touched_.begin(), touched_.end());
+  return touched_;
+}
+
+}  // namespace geodesic

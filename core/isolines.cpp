@@ -1,0 +1,202 @@
+#include "core/isolines.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace geodesic {
+namespace {
+
+// Which levels cross a face: the numbers from `first` up to `last`.
+struct LevelRange {
+  std::size_t first = 0;
+  std::size_t last = 0;
+};
+
+LevelRange levels_across(const FaceRecord& face, const std::vector<double>& distance,
+                         std::span<const double> levels) {
+  const double a = distance[face.vertex[0]];
+  const double b = distance[face.vertex[1]];
+  const double c = distance[face.vertex[2]];
+  const double greatest = std::max({a, b, c});
+  if (greatest == kUnreached) return {};
+  // Some vertex is below the level, and some is on it or above.
+  const auto first = std::upper_bound(levels.begin(), levels.end(), std::min({a, b, c}));
+  const auto last = std::upper_bound(first, levels.end(), greatest);
+  return {static_cast<std::size_t>(first - levels.begin()),
+          static_cast<std::size_t>(last - levels.begin())};
+}
+
+// For every level the faces that it crosses, ascending.
+struct CrossedFaces {
+  std::vector<std::size_t> begin;  // one more than there are levels
+  std::vector<std::uint32_t> face;
+
+  [[nodiscard]] std::span<const std::uint32_t> of(std::size_t level) const {
+    return {face.data() + begin[level], begin[level + 1] - begin[level]};
+  }
+};
+
+Result<CrossedFaces> crossed_faces(const Adjacency& adjacency, const Field& field,
+                                   std::span<const double> levels, std::uint64_t max_segments,
+                                   Poll& poll) {
+  // First the change of the count from level to level, then its running sum.
+  std::vector<std::int64_t> change(levels.size() + 1, 0);
+  std::uint64_t segments = 0;
+  for (const FaceRecord& face : adjacency.faces()) {
+    if (poll.cancelled()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+    const LevelRange range = levels_across(face, field.distance, levels);
+    ++change[range.first];
+    --change[range.last];
+    segments += range.last - range.first;
+  }
+  if (segments > max_segments) {
+    return fail_limit(ErrorCode::too_large, "the isolines have too many segments", max_segments,
+                      segments);
+  }
+  CrossedFaces crossed;
+  crossed.begin.assign(levels.size() + 1, 0);
+  std::int64_t count = 0;
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    count += change[level];
+    crossed.begin[level + 1] = crossed.begin[level] + static_cast<std::size_t>(count);
+  }
+  crossed.face.resize(segments);
+  std::vector<std::size_t> fill(crossed.begin.begin(), crossed.begin.end() - 1);
+  for (std::uint32_t f = 0; f < adjacency.faces().size(); ++f) {
+    const LevelRange range = levels_across(adjacency.face(f), field.distance, levels);
+    for (std::size_t level = range.first; level < range.last; ++level) {
+      crossed.face[fill[level]++] = f;
+    }
+  }
+  return crossed;
+}
+
+// Follows the lines of one level from face to face.
+class LineWalker {
+ public:
+  LineWalker(const Adjacency& adjacency, const Field& field)
+      : adjacency_(adjacency), field_(field), passed_(adjacency.faces().size(), 0) {}
+
+  // `round`: differs from level to level, and is not 0.
+  void start_level(double level, std::uint32_t round) {
+    level_ = level;
+    round_ = round;
+  }
+  [[nodiscard]] bool passed(std::uint32_t face) const { return passed_[face] == round_; }
+
+  // The whole line through a face that the level crosses.
+  Isoline line_through(std::uint32_t face) {
+    Isoline line;
+    line.level = level_;
+    const auto [one, other] = crossed_sides(face);
+    passed_[face] = round_;
+    std::vector<Vec3> ahead{crossing(one)};
+    line.closed = walk(one, ahead);
+    std::vector<Vec3> behind;
+    if (!line.closed) {
+      behind.push_back(crossing(other));
+      walk(other, behind);
+    }
+    line.points.reserve(ahead.size() + behind.size());
+    for (auto it = behind.rbegin(); it != behind.rend(); ++it) add(line.points, *it);
+    for (const Vec3 point : ahead) add(line.points, point);
+    if (line.closed) {
+      while (line.points.size() > 1 && line.points.back() == line.points.front()) {
+        line.points.pop_back();
+      }
+    }
+    for (std::size_t i = 1; i < line.points.size(); ++i) {
+      line.length += distance(line.points[i - 1], line.points[i]);
+    }
+    if (line.closed) line.length += distance(line.points.back(), line.points.front());
+    return line;
+  }
+
+ private:
+  [[nodiscard]] bool above(std::uint32_t vertex) const { return field_.distance[vertex] >= level_; }
+
+  // The two sides between a vertex above and one below.
+  [[nodiscard]] std::pair<Halfedge, Halfedge> crossed_sides(std::uint32_t f) const {
+    const FaceRecord& face = adjacency_.face(f);
+    // The corner that is alone on its side of the level.
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      const bool here = above(face.vertex[c]);
+      if (here != above(face.vertex[next_corner(c)]) &&
+          here != above(face.vertex[previous_corner(c)])) {
+        return {halfedge(f, c), halfedge(f, previous_corner(c))};
+      }
+    }
+    return {kNone, kNone};  // not a face that the level crosses
+  }
+
+  // The same for both directions of an edge, to the last bit.
+  [[nodiscard]] Vec3 crossing(Halfedge h) const {
+    const FaceRecord& face = adjacency_.face(face_of(h));
+    std::uint32_t low = face.vertex[corner_of(h)];
+    std::uint32_t high = face.vertex[next_corner(corner_of(h))];
+    if (above(low)) std::swap(low, high);
+    const auto positions = adjacency_.mesh().positions();
+    const double rise = field_.distance[high] - field_.distance[low];
+    const double part = (level_ - field_.distance[low]) / rise;
+    if (part == 1) return positions[high];
+    return positions[low] + part * (positions[high] - positions[low]);
+  }
+
+  // Goes on across `side`, adding the crossings after it. Whether it came round to
+  // where it started; then all of the line is in `points`.
+  bool walk(Halfedge side, std::vector<Vec3>& points) {
+    const std::uint32_t start = face_of(side);
+    for (;;) {
+      const Halfedge across = adjacency_.ring(side);
+      if (across == side || adjacency_.ring(across) != side) return false;
+      const std::uint32_t face = face_of(across);
+      if (face == start) return true;
+      if (!reached(face)) return false;
+      passed_[face] = round_;
+      const auto [one, other] = crossed_sides(face);
+      side = one == across ? other : one;
+      points.push_back(crossing(side));
+    }
+  }
+
+  [[nodiscard]] bool reached(std::uint32_t f) const {
+    const auto& vertex = adjacency_.face(f).vertex;
+    return std::all_of(vertex.begin(), vertex.end(),
+                       [&](std::uint32_t v) { return field_.distance[v] != kUnreached; });
+  }
+
+  static void add(std::vector<Vec3>& points, Vec3 point) {
+    if (points.empty() || !(points.back() == point)) points.push_back(point);
+  }
+
+  const Adjacency& adjacency_;
+  const Field& field_;
+  std::vector<std::uint32_t> passed_;  // by face: the last round that did
+  double level_ = 0;
+  std::uint32_t round_ = 0;
+};
+
+}  // namespace
+
+Result<std::vector<Isoline>> isolines(const Adjacency& adjacency, const Field& field,
+                                      std::span<const double> levels, std::uint64_t max_segments,
+                                      const Cancel& cancel) {
+  Poll poll(cancel);
+  const auto crossed = crossed_faces(adjacency, field, levels, max_segments, poll);
+  if (!crossed) return fail(crossed.error());
+  std::vector<Isoline> lines;
+  LineWalker walker(adjacency, field);
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    walker.start_level(levels[level], static_cast<std::uint32_t>(level + 1));
+    for (const std::uint32_t face : crossed->of(level)) {
+      if (poll.cancelled()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+      if (walker.passed(face)) continue;
+      Isoline line = walker.line_through(face);
+      if (line.points.size() > 1) lines.push_back(std::move(line));
+    }
+  }
+  return lines;
+}
+
+}  // namespace geodesic

@@ -1,0 +1,27 @@
+#include "core/join_paths.h"
+
+#include <cstddef>
+
+namespace geodesic {
+
+Path join_paths(std::span<const Path> paths) {
+  Path joined;
+  if (paths.empty()) return joined;
+  joined.source = paths.front().source;
+  std::size_t count = 0;
+  for (const Path& path : paths) count += path.points.size();
+  joined.points.reserve(count);
+  for (const Path& path : paths) {
+    if (path.points.empty()) continue;
+    // A path of one point has no segment that says in which face to go on.
+    const bool stays = path.points.size() == 1 && !joined.points.empty();
+    if (!stays) {
+      if (!joined.points.empty()) joined.points.pop_back();
+      joined.points.insert(joined.points.end(), path.points.begin(), path.points.end());
+    }
+    joined.length += path.length;
+  }
+  return joined;
+}
+
+}  // namespace geodesic

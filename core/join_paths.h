@@ -1,0 +1,16 @@
+// A path through via points, from the paths between them.
+#pragma once
+
+#include <span>
+
+#include "core/trace_path.h"
+
+namespace geodesic {
+
+// The paths one after the other; each must begin where the one before it ends. The
+// points where they join stay points of the path, even where it runs straight on,
+// and are there once, in the face of the segment that leaves them. The lengths add
+// up; the source is that of the first path. No paths make a path without points.
+[[nodiscard]] Path join_paths(std::span<const Path> paths);
+
+}  // namespace geodesic

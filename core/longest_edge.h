@@ -1,0 +1,23 @@
+// The longest edge of a surface: how far beyond a bound a field has to go, so that
+// what is within the bound is whole. From one vertex of a face to another it is no
+// farther than that.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "core/adjacency.h"
+
+namespace geodesic {
+
+// Mesh units. O(f) for f faces.
+[[nodiscard]] inline double longest_edge(const Adjacency& adjacency) {
+  double longest2 = 0;
+  for (const FaceRecord& face : adjacency.faces()) {
+    for (std::uint32_t c = 0; c < 3; ++c) longest2 = std::max(longest2, face.length2(c));
+  }
+  return std::sqrt(longest2);
+}
+
+}  // namespace geodesic

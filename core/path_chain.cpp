@@ -1,0 +1,111 @@
+#include "core/path_chain.h"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "core/vec3.h"
+
+namespace geodesic {
+namespace {
+
+// The direction from a vertex of a face to a point of it.
+DirectionAtVertex direction(const Adjacency& adjacency, std::uint32_t face, std::uint32_t vertex,
+                            Vec3 to) {
+  const std::uint32_t c = corner_at(adjacency, face, vertex);
+  const auto position = [&](std::uint32_t corner) {
+    return adjacency.mesh().positions()[adjacency.face(face).vertex[corner]];
+  };
+  const Vec3 from = position(c);
+  const auto angle_to = [&](std::uint32_t corner) {
+    const Vec3 edge = position(corner) - from;
+    return std::atan2(norm(cross(edge, to - from)), dot(edge, to - from));
+  };
+  return {face, angle_to(next_corner(c)), angle_to(previous_corner(c))};
+}
+
+// The gate that a path takes at a point inside an edge, seen from the face it
+// goes into.
+std::optional<Gate> gate_at(const Adjacency& adjacency, std::uint32_t before,
+                            const SurfacePoint& point) {
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    if (point.bary[previous_corner(c)] != 0) continue;
+    const Halfedge in = halfedge(point.face, c);
+    for (Halfedge h = adjacency.ring(in); h != in; h = adjacency.ring(h)) {
+      if (face_of(h) == before) return Gate{h, in};
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Chain> read_chain(const Adjacency& adjacency, const Path& path) {
+  const auto& points = path.points;
+  if (points.size() < 2) return std::nullopt;
+  Chain chain;
+  chain.knots.push_back({points.front().point});
+  Section section;
+  section.strip.first_face = points.front().point.face;
+  std::size_t started = 0;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    const std::uint32_t face = points[i].point.face;
+    const bool last = i + 2 == points.size();
+    const SurfacePoint& next = points[i + 1].point;
+    if (face == kNone || !seen_from_face(adjacency, next, face)) return std::nullopt;
+    if (!last && !next.at_vertex()) {
+      if (next.face == face) continue;
+      const auto gate = gate_at(adjacency, face, next);
+      if (!gate) return std::nullopt;
+      section.strip.cross(*gate);
+      continue;
+    }
+    const SurfacePoint& start = points[started].point;
+    if (start.at_vertex()) {
+      section.leaves = direction(adjacency, start.face, start.vertex, points[started + 1].position);
+    }
+    if (next.at_vertex())
+      section.arrives = direction(adjacency, face, next.vertex, points[i].position);
+    chain.sections.push_back(std::exchange(section, {}));
+    chain.knots.push_back({next});
+    section.strip.first_face = next.face;
+    started = i + 1;
+  }
+  return chain;
+}
+
+Path write_path(const Adjacency& adjacency, const Chain& chain, const Path& given) {
+  Path path;
+  path.source = given.source;
+  const auto add = [&](const SurfacePoint& point, Vec3 position) {
+    if (!path.points.empty()) {
+      if (path.points.back().position == position) {
+        path.points.back() = {point, position};
+        return;
+      }
+      path.length += distance(path.points.back().position, position);
+    }
+    path.points.push_back({point, position});
+  };
+  const auto seen_from = [&](std::uint32_t face, const SurfacePoint& point) {
+    return seen_from_face(adjacency, point, face).value_or(point);
+  };
+  for (std::size_t i = 0; i < chain.sections.size(); ++i) {
+    const Section& section = chain.sections[i];
+    const SurfacePoint start = seen_from(section.strip.first_face, chain.knots[i].place);
+    add(start, i == 0 ? given.points.front().position : position_of(adjacency.mesh(), start));
+    for (std::size_t k = 0; k < section.strip.gates.size(); ++k) {
+      const Halfedge in = section.strip.gates[k].in;
+      std::array<double, 3> bary{0, 0, 0};
+      bary[corner_of(in)] = 1 - section.crossings[k];
+      bary[next_corner(corner_of(in))] = section.crossings[k];
+      const SurfacePoint point = point_on_face(adjacency, face_of(in), bary);
+      add(point, position_of(adjacency.mesh(), point));
+    }
+  }
+  add(seen_from(chain.sections.back().strip.last_face(), chain.knots.back().place),
+      given.points.back().position);
+  return path;
+}
+
+}  // namespace geodesic

@@ -1,0 +1,312 @@
+#include "core/steiner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "core/edge_points.h"
+#include "core/remaining_targets.h"
+
+namespace geodesic {
+namespace {
+
+// Nodes are numbered: the vertices first, then the points of each edge in turn.
+class SteinerGraph {
+ public:
+  SteinerGraph(const Adjacency& adjacency, std::uint32_t points_per_edge)
+      : adjacency_(adjacency),
+        vertex_count_(adjacency.mesh().vertex_count()),
+        per_edge_(points_per_edge),
+        spacing_(1.0 / (double(points_per_edge) + 1)),
+        edges_(EdgeNumbers::count(adjacency)) {}
+
+  [[nodiscard]] std::uint32_t node_count() const {
+    return vertex_count_ + per_edge_ * static_cast<std::uint32_t>(edges_.first.size());
+  }
+  [[nodiscard]] std::uint32_t vertex_count() const { return vertex_count_; }
+  [[nodiscard]] EdgeNumbers take_edges() { return std::move(edges_); }
+
+  // Calls `visit(node, position)` for the points of side c of a face …
+  template <class Visit>
+  void points_of_side(std::uint32_t f, std::uint32_t c, Visit visit) const {
+    const std::uint32_t edge = edges_.of[halfedge(f, c)];
+    const std::uint32_t first = vertex_count_ + edge * per_edge_;
+    const auto [from, along] = ends(f, c);
+    for (std::uint32_t i = 0; i < per_edge_; ++i) visit(first + i, place(from, along, i));
+  }
+
+  // … and for all nodes of a face.
+  template <class Visit>
+  void nodes_of_face(std::uint32_t f, Visit visit) const {
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      const std::uint32_t v = adjacency_.face(f).vertex[c];
+      visit(v, adjacency_.mesh().positions()[v]);
+      points_of_side(f, c, visit);
+    }
+  }
+
+  // Calls `visit(node, position)` for every node that `node` is joined to, and
+  // perhaps twice.
+  template <class Visit>
+  void neighbours(std::uint32_t node, Visit visit) const {
+    if (node < vertex_count_) {
+      for (const std::uint32_t corner : adjacency_.corners(node)) {
+        const std::uint32_t f = face_of(corner);
+        const std::uint32_t c = corner_of(corner);
+        points_of_side(f, next_corner(c), visit);
+        next_on_side(f, c, node, visit);
+        next_on_side(f, previous_corner(c), node, visit);
+      }
+      return;
+    }
+    const Halfedge first = edges_.first[(node - vertex_count_) / per_edge_];
+    const std::uint32_t i = (node - vertex_count_) % per_edge_;
+    next_on_edge(first, i, node, visit);
+    Halfedge h = first;
+    do {
+      const std::uint32_t f = face_of(h);
+      const std::uint32_t c = corner_of(h);
+      const std::uint32_t opposite = adjacency_.face(f).vertex[previous_corner(c)];
+      visit(opposite, adjacency_.mesh().positions()[opposite]);
+      points_of_side(f, next_corner(c), visit);
+      points_of_side(f, previous_corner(c), visit);
+      h = adjacency_.ring(h);
+    } while (h != first);
+  }
+
+  [[nodiscard]] Vec3 position(std::uint32_t node) const {
+    if (node < vertex_count_) return adjacency_.mesh().positions()[node];
+    const Halfedge h = edges_.first[(node - vertex_count_) / per_edge_];
+    const auto [from, along] = ends(face_of(h), corner_of(h));
+    return place(from, along, (node - vertex_count_) % per_edge_);
+  }
+
+ private:
+  // The end with the smaller vertex number, and the way from there to the other.
+  [[nodiscard]] std::pair<Vec3, Vec3> ends(std::uint32_t f, std::uint32_t c) const {
+    const auto [low, high] =
+        std::minmax({adjacency_.face(f).vertex[c], adjacency_.face(f).vertex[next_corner(c)]});
+    const Vec3 from = adjacency_.mesh().positions()[low];
+    return {from, adjacency_.mesh().positions()[high] - from};
+  }
+  [[nodiscard]] Vec3 place(Vec3 from, Vec3 along, std::uint32_t i) const {
+    return from + (double(i) + 1) * spacing_ * along;
+  }
+
+  // The point next to the vertex v on side c, which ends there.
+  template <class Visit>
+  void next_on_side(std::uint32_t f, std::uint32_t c, std::uint32_t v, Visit visit) const {
+    const FaceRecord& face = adjacency_.face(f);
+    const bool is_low = std::min(face.vertex[c], face.vertex[next_corner(c)]) == v;
+    const std::uint32_t node =
+        vertex_count_ + edges_.of[halfedge(f, c)] * per_edge_ + (is_low ? 0 : per_edge_ - 1);
+    visit(node, position(node));
+  }
+
+  template <class Visit>
+  void next_on_edge(Halfedge h, std::uint32_t i, std::uint32_t node, Visit visit) const {
+    const FaceRecord& face = adjacency_.face(face_of(h));
+    const auto [low, high] =
+        std::minmax({face.vertex[corner_of(h)], face.vertex[next_corner(corner_of(h))]});
+    const std::uint32_t before = i == 0 ? low : node - 1;
+    const std::uint32_t after = i + 1 == per_edge_ ? high : node + 1;
+    visit(before, position(before));
+    visit(after, position(after));
+  }
+
+  const Adjacency& adjacency_;
+  std::uint32_t vertex_count_;
+  std::uint32_t per_edge_;
+  double spacing_;
+  EdgeNumbers edges_;
+};
+
+// A point that a search is for: known once nothing that is still to come can
+// shorten the way to it.
+class Goal {
+ public:
+  Goal(const Adjacency& adjacency, const SteinerGraph& graph, const Source& source,
+       const SurfacePoint& point) {
+    if (point.at_vertex()) {
+      ways_.push_back({point.vertex, 0});
+      return;
+    }
+    const Vec3 at = position_of(adjacency.mesh(), point);
+    const auto sources = in_all_faces(adjacency, source.point);
+    for (const SurfacePoint& place : in_all_faces(adjacency, point)) {
+      graph.nodes_of_face(place.face, [&](std::uint32_t node, Vec3 from) {
+        ways_.push_back({node, distance(from, at)});
+      });
+      for (const SurfacePoint& start : sources) {
+        if (start.face != place.face) continue;
+        best_ = source.offset + distance(position_of(adjacency.mesh(), source.point), at);
+      }
+    }
+    std::sort(ways_.begin(), ways_.end());
+  }
+
+  void accept(std::uint32_t node, double d) {
+    auto way = std::lower_bound(ways_.begin(), ways_.end(), std::pair{node, 0.0});
+    for (; way != ways_.end() && way->first == node; ++way)
+      best_ = std::min(best_, d + way->second);
+  }
+  [[nodiscard]] double best() const { return best_; }
+
+ private:
+  std::vector<std::pair<std::uint32_t, double>> ways_;  // by node, the length from there
+  double best_ = kUnreached;
+};
+
+class SteinerFront {
+ public:
+  SteinerFront(const Adjacency& adjacency, const SteinerGraph& graph, Field& field,
+               EdgePoints& points, VertexHeap& heap)
+      : adjacency_(adjacency), graph_(graph), field_(field), points_(points), heap_(heap) {}
+
+  void start(const Source& source, std::uint32_t number) {
+    if (source.point.at_vertex()) lower(source.point.vertex, source.offset, number);
+    const Vec3 at = position_of(adjacency_.mesh(), source.point);
+    for (const SurfacePoint& place : in_all_faces(adjacency_, source.point)) {
+      graph_.nodes_of_face(place.face, [&](std::uint32_t node, Vec3 to) {
+        lower(node, source.offset + distance(at, to), number);
+      });
+    }
+  }
+
+  void spread_from(std::uint32_t node, double d) {
+    const Vec3 at = graph_.position(node);
+    const std::uint32_t source = field_.nearest_source.empty() ? 0 : source_at(node);
+    graph_.neighbours(node, [&](std::uint32_t to, Vec3 there) {
+      if (heap_.accepted(to)) return;
+      double sum = d + distance(at, there);
+      // However short the step beside the distance: the way back is found by
+      // distances that fall.
+      if (!(sum > d)) sum = std::nextafter(d, std::numeric_limits<double>::infinity());
+      lower(to, sum, source);
+    });
+  }
+
+  // What is still considered is not final.
+  void forget(std::uint32_t node) {
+    distance_at(node) = kUnreached;
+    if (!field_.nearest_source.empty()) source_at(node) = kNone;
+  }
+
+ private:
+  double& distance_at(std::uint32_t node) {
+    return node < graph_.vertex_count() ? field_.distance[node]
+                                        : points_.distance[node - graph_.vertex_count()];
+  }
+  std::uint32_t& source_at(std::uint32_t node) {
+    return node < graph_.vertex_count() ? field_.nearest_source[node]
+                                        : points_.nearest_source[node - graph_.vertex_count()];
+  }
+  void lower(std::uint32_t node, double d, std::uint32_t source) {
+    double& known = distance_at(node);
+    if (!(d < known)) return;
+    known = d;
+    if (!field_.nearest_source.empty()) source_at(node) = source;
+    heap_.push_or_lower(node, d);
+  }
+
+  const Adjacency& adjacency_;
+  const SteinerGraph& graph_;
+  Field& field_;
+  EdgePoints& points_;
+  VertexHeap& heap_;
+};
+
+Result<Field> search(const Adjacency& adjacency, std::span<const Source> sources,
+                     const SurfacePoint* goal_point, std::uint32_t points_per_edge,
+                     const FieldLimits& limits, WavefrontScratch& scratch, const Cancel& cancel) {
+  const std::uint64_t vertex_count = adjacency.mesh().vertex_count();
+  const std::uint64_t most = (kMaxSteinerNodes - std::min(kMaxSteinerNodes, vertex_count)) /
+                             std::max<std::uint64_t>(adjacency.report().edges, 1);
+  if (points_per_edge == 0) {
+    return fail(ErrorCode::value_out_of_range, "at least one point on each edge",
+                "points_per_edge");
+  }
+  if (points_per_edge > most) {
+    return fail_limit(ErrorCode::value_out_of_range, "too many points for a mesh of this size",
+                      most, points_per_edge, "points_per_edge");
+  }
+  SteinerGraph graph(adjacency, points_per_edge);
+  const std::size_t point_count = graph.node_count() - vertex_count;
+  Field field;
+  field.method = Method::steiner;
+  field.sources.assign(sources.begin(), sources.end());
+  field.distance.assign(vertex_count, kUnreached);
+  auto points = std::make_shared<EdgePoints>();
+  points->per_edge = points_per_edge;
+  points->distance.assign(point_count, kUnreached);
+  if (sources.size() > 1) {
+    field.nearest_source.assign(vertex_count, kNone);
+    points->nearest_source.assign(point_count, kNone);
+  }
+  VertexHeap& heap = scratch.heap;
+  heap.reset(graph.node_count());
+  SteinerFront front(adjacency, graph, field, *points, heap);
+  for (std::uint32_t s = 0; s < sources.size(); ++s) front.start(sources[s], s);
+  std::optional<Goal> goal;
+  if (goal_point != nullptr) goal.emplace(adjacency, graph, sources.front(), *goal_point);
+  RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
+  // A node has about six times as many neighbours as there are points on an edge.
+  Poll poll(cancel, std::max(8192 / points_per_edge, 1U));
+  while (!heap.empty() && !targets.done()) {
+    if (poll.cancelled()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+    const VertexHeap::Entry next = heap.pop();
+    if (next.key > limits.max || (goal && next.key > goal->best())) {
+      front.forget(next.vertex);
+      break;
+    }
+    if (next.vertex < vertex_count) targets.accept(next.vertex);
+    if (goal) goal->accept(next.vertex, next.key);
+    front.spread_from(next.vertex, next.key);
+  }
+  for (const VertexHeap::Entry& entry : heap.entries()) front.forget(entry.vertex);
+  field.count_reached();
+  if (limits.keep_details) {
+    points->edge_of = graph.take_edges().of;
+    field.edge_points = std::move(points);
+  }
+  return field;
+}
+
+}  // namespace
+
+EdgeNumbers EdgeNumbers::count(const Adjacency& adjacency) {
+  EdgeNumbers edges;
+  edges.of.assign(4 * adjacency.faces().size(), kNone);
+  edges.first.reserve(adjacency.report().edges);
+  for (std::uint32_t f = 0; f < adjacency.faces().size(); ++f) {
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      const Halfedge first = halfedge(f, c);
+      if (edges.of[first] != kNone) continue;
+      const auto number = static_cast<std::uint32_t>(edges.first.size());
+      edges.first.push_back(first);
+      Halfedge h = first;
+      do {
+        edges.of[h] = number;
+        h = adjacency.ring(h);
+      } while (h != first);
+    }
+  }
+  return edges;
+}
+
+Result<Field> steiner_field(const Adjacency& adjacency, std::span<const Source> sources,
+                            std::uint32_t points_per_edge, const FieldLimits& limits,
+                            WavefrontScratch& scratch, const Cancel& cancel) {
+  return search(adjacency, sources, nullptr, points_per_edge, limits, scratch, cancel);
+}
+
+Result<Field> steiner_field_towards(const Adjacency& adjacency, const Source& source,
+                                    const SurfacePoint& goal, std::uint32_t points_per_edge,
+                                    WavefrontScratch& scratch, const Cancel& cancel) {
+  return search(adjacency, {&source, 1}, &goal, points_per_edge, {}, scratch, cancel);
+}
+
+}  // namespace geodesic

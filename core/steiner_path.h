@@ -1,0 +1,35 @@
+// The selective refinement of Kanai and Suzuki 2001: a path found in the
+// graph of `steiner`, and found again and again in a graph of the faces around it
+// with more and more points on their edges.
+#pragma once
+
+#include <optional>
+
+#include "core/adjacency.h"
+#include "core/cancel.h"
+#include "core/error.h"
+#include "core/field.h"
+#include "core/method.h"
+#include "core/surface_point.h"
+#include "core/trace_path.h"
+#include "core/wavefront.h"
+
+namespace geodesic {
+
+// The path from a source to any point; nothing when it cannot be reached. The first
+// one is the shortest in the graph with `options.points_per_edge` points on every
+// edge. Each round then halves the spacing of the points, puts them on the edges
+// around the last path only, and follows the path there until it settles; the last
+// round is the first that shortens the path by less than `options.tolerance` of its
+// length. A round keeps the points of the path before it, so no path is ever longer.
+// The result is a shortest path among its neighbours: where several ways round a
+// hill are nearly equal, it is the one that the first graph preferred.
+// Errors: cancelled; value_out_of_range ("points_per_edge", as of steiner_field;
+// "tolerance" when it is negative or no number).
+[[nodiscard]] Result<std::optional<Path>> steiner_path(const Adjacency& adjacency,
+                                                       const Source& from, const SurfacePoint& to,
+                                                       const MethodOptions& options,
+                                                       WavefrontScratch& scratch,
+                                                       const Cancel& cancel);
+
+}  // namespace geodesic

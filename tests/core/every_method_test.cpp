@@ -1,0 +1,174 @@
+// What holds for every method: on awkward meshes, and properties on random ones.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "core/arrive_at_point.h"
+#include "core/shapes.h"
+#include "tests/fixtures/awkward_meshes.h"
+#include "tests/fixtures/path_checks.h"
+#include "tests/fixtures/random_meshes.h"
+#include "tests/fixtures/surface.h"
+
+using namespace geodesic;
+using fixtures::RandomMesh;
+using fixtures::Surface;
+
+namespace {
+
+// What a method promises of its distances, relative to the true ones.
+struct Promise {
+  Method method;
+  std::string name;
+  // Never below the true distance and never above the way along edges. A front that
+  // computes a vertex only from faces with two accepted ones may pass an edge by.
+  bool in_bounds;
+  double awkward;  // the most it is off by on the awkward meshes
+};
+
+constexpr double kRounding = 1e-9;
+
+const Promise kPromises[] = {
+    {Method::dijkstra, "dijkstra", true, 0.42},
+    {Method::steiner, "steiner", true, 0.10},
+    {Method::fast_marching, "fast_marching", false, 0.35},
+    {Method::wavefront, "wavefront", false, 0.04},
+    {Method::novotni, "novotni", false, 0.2},
+    {Method::exact, "exact", true, kRounding},
+    {Method::chen_han, "chen_han", true, kRounding},
+};
+
+Field field_of(const Surface& surface, Method method, const SurfacePoint& source) {
+  return surface.field_by(method, {Source{source, 0}});
+}
+
+}  // namespace
+
+TEST_CASE("EveryMethodIsRightOnAwkwardMeshes") {
+  for (const fixtures::AwkwardMesh& mesh : fixtures::awkward_meshes()) {
+    CAPTURE(mesh.name);
+    const Surface surface(mesh.soup);
+    const double size = distance(surface.mesh().box().min, surface.mesh().box().max);
+    const Field truth = field_of(surface, Method::exact, surface.at(mesh.source));
+    for (const Promise& promise : kPromises) {
+      CAPTURE(promise.name);
+      const Field field = field_of(surface, promise.method, surface.at(mesh.source));
+      double worst = 0;
+      for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+        CAPTURE(v);
+        REQUIRE((field.distance[v] == kUnreached) == (truth.distance[v] == kUnreached));
+        const auto path = surface.path(field, point_at_vertex(surface.adjacency(), v));
+        REQUIRE(path.has_value() == (truth.distance[v] != kUnreached));
+        if (!path) continue;
+        fixtures::check_is_a_path(surface.adjacency(), *path, size);
+        CHECK(path->length >= truth.distance[v] * (1 - kRounding));
+        CHECK(path->points.back().position == surface.mesh().positions()[v]);
+        if (truth.distance[v] == 0) {
+          CHECK(field.distance[v] == 0);
+          continue;
+        }
+        const double off = field.distance[v] / truth.distance[v] - 1;
+        if (promise.in_bounds) CHECK(off >= -kRounding);
+        worst = std::max(worst, std::abs(off));
+      }
+      CHECK_MESSAGE(worst <= promise.awkward, promise.name, " is off by ", worst);
+    }
+  }
+}
+
+TEST_CASE("EveryMethodStaysBetweenTheStraightLineAndTheWayAlongEdges") {
+  for (std::uint32_t number = 0; number < 60; ++number) {
+    CAPTURE(number);
+    RandomMesh random(number);
+    const Surface surface(random.soup());
+    const SurfacePoint source = surface.at(random.vertex());
+    const Field along_edges = field_of(surface, Method::dijkstra, source);
+    for (const Promise& promise : kPromises) {
+      CAPTURE(promise.name);
+      const Field field = field_of(surface, promise.method, source);
+      for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+        const double d = field.distance[v];
+        REQUIRE((d == kUnreached) == (along_edges.distance[v] == kUnreached));
+        if (d == kUnreached) continue;
+        CHECK((d == 0) == (v == source.vertex));
+        if (promise.in_bounds) {
+          CHECK(d <= along_edges.distance[v] * (1 + kRounding));
+          const double straight =
+              distance(surface.mesh().positions()[v], surface.mesh().positions()[source.vertex]);
+          CHECK(d >= straight * (1 - kRounding));
+        }
+      }
+    }
+  }
+}
+
+// Symmetry and the triangle inequality, for those whose distances are the lengths
+// of shortest paths in something: the surface, or a graph on it.
+TEST_CASE("ShortestPathsOfASpaceMakeAMetric") {
+  for (std::uint32_t number = 100; number < 140; ++number) {
+    CAPTURE(number);
+    RandomMesh random(number);
+    const Surface surface(random.soup());
+    const SurfacePoint a = surface.at(random.vertex());
+    const SurfacePoint b = surface.at(random.vertex());
+    for (const Promise& promise : kPromises) {
+      if (!promise.in_bounds) continue;
+      CAPTURE(promise.name);
+      const Field from_a = field_of(surface, promise.method, a);
+      const Field from_b = field_of(surface, promise.method, b);
+      const double ab = from_a.distance[b.vertex];
+      REQUIRE((ab == kUnreached) == (from_b.distance[a.vertex] == kUnreached));
+      if (ab == kUnreached) continue;
+      CHECK(std::abs(ab - from_b.distance[a.vertex]) <= kRounding * ab);
+      for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+        if (from_a.distance[v] == kUnreached) continue;
+        CHECK(from_a.distance[v] <= (ab + from_b.distance[v]) * (1 + kRounding));
+      }
+    }
+  }
+}
+
+TEST_CASE("TwoExactMethodsAgreeOnRandomMeshes") {
+  double worst = 0;
+  for (std::uint32_t number = 0; number < 200; ++number) {
+    CAPTURE(number);
+    RandomMesh random(number);
+    const Surface surface(random.soup());
+    const bool at_vertex = number % 3 != 0;
+    const SurfacePoint source =
+        at_vertex ? surface.at(random.vertex())
+                  : surface.on(random.below(random.face_count()),
+                               {random.unit() + 0.01, number % 2 == 0 ? 0 : random.unit() + 0.01,
+                                random.unit() + 0.01});
+    const Field one = field_of(surface, Method::exact, source);
+    const Field other = field_of(surface, Method::chen_han, source);
+    for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+      CAPTURE(v);
+      REQUIRE((one.distance[v] == kUnreached) == (other.distance[v] == kUnreached));
+      if (one.distance[v] == kUnreached) continue;
+      const double apart =
+          std::abs(one.distance[v] - other.distance[v]) / std::max(one.distance[v], 1e-300);
+      worst = std::max(worst, apart);
+      CHECK(apart <= 1e-9);
+    }
+    // And at points inside faces, from the windows they leave.
+    const PointArrivals by_one(surface.adjacency(), one);
+    const PointArrivals by_other(surface.adjacency(), other);
+    for (int i = 0; i < 20; ++i) {
+      const SurfacePoint point =
+          surface.on(random.below(random.face_count()),
+                     {random.unit() + 0.001, random.unit() + 0.001, random.unit() + 0.001});
+      const double d = by_one.distance_at(point);
+      REQUIRE((d == kUnreached) == (by_other.distance_at(point) == kUnreached));
+      if (d == kUnreached) continue;
+      CHECK(std::abs(d - by_other.distance_at(point)) <= 1e-9 * d);
+      const auto path = surface.path(one, point);
+      REQUIRE(path);
+      CHECK(std::abs(path->length - d) <= 1e-9 * d);
+    }
+  }
+  MESSAGE("the two exact methods differ by at most ", worst);
+}

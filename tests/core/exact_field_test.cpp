@@ -1,0 +1,534 @@
+// The exact field against closed forms, against the exhaustive oracle, and on
+// surfaces that break window propagation elsewhere.
+#include "core/exact_field.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "core/shapes.h"
+#include "core/window_table.h"
+#include "tests/fixtures/among_squares.h"
+#include "tests/fixtures/exhaustive_unfolding.h"
+#include "tests/fixtures/surface.h"
+
+using namespace geodesic;
+using fixtures::Surface;
+
+namespace {
+
+// Between 0 and 1; the generator's output is fixed by the standard.
+double fraction(std::mt19937& random) { return static_cast<double>(random()) / 4294967296.0; }
+
+void check_close(double got, double wanted, double relative) {
+  CAPTURE(got);
+  CAPTURE(wanted);
+  CHECK(std::abs(got - wanted) <= relative * wanted);
+}
+
+std::vector<double> exact_from(const Surface& surface, const SurfacePoint& point) {
+  return surface.in_source_order(surface.field_by(Method::exact, {Source{point, 0}}));
+}
+
+// The distance of any point from the vertices' distances and the windows, as the
+// field's contract says.
+double distance_at(const Surface& surface, const Field& field, const SurfacePoint& point) {
+  const auto positions = surface.mesh().positions();
+  double least = kUnreached;
+  for (const SurfacePoint& place : in_all_faces(surface.adjacency(), point)) {
+    const Vec3 at = position_of(surface.mesh(), place);
+    const FaceRecord& face = surface.adjacency().face(place.face);
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      const Vec3 a = positions[face.vertex[c]];
+      const Vec3 b = positions[face.vertex[next_corner(c)]];
+      least = std::min(least, field.distance[face.vertex[c]] + distance(at, a));
+      const double length = distance(a, b);
+      const double along = dot(at - a, b - a) / length;
+      const double above = norm(cross(at - a, b - a)) / length;
+      for (const LitWindow& w : field.windows->into(halfedge(place.face, c))) {
+        CHECK(0 <= w.begin);
+        CHECK(w.begin < w.end);
+        CHECK(w.end <= length);
+        CHECK(w.y >= 0);
+        const double rise = above + w.y;
+        const double straight = rise > 0 ? (w.x * above + along * w.y) / rise : along;
+        const double crossing = std::clamp(straight, w.begin, w.end);
+        least = std::min(least, w.offset + std::hypot(crossing - w.x, w.y) +
+                                    std::hypot(along - crossing, above));
+      }
+    }
+    for (const Source& source : field.sources) {
+      for (const SurfacePoint& there : in_all_faces(surface.adjacency(), source.point)) {
+        if (there.face != place.face) continue;
+        least = std::min(least, source.offset + distance(at, position_of(surface.mesh(), there)));
+      }
+    }
+  }
+  return least;
+}
+
+// `columns` points a round, in rows one apart, on a prism without ends.
+TriangleSoup prism(std::uint32_t columns, std::uint32_t rows, double radius) {
+  TriangleSoup soup;
+  for (std::uint32_t j = 0; j < rows; ++j) {
+    for (std::uint32_t i = 0; i < columns; ++i) {
+      const double turn = 2 * std::numbers::pi * i / columns;
+      soup.positions.push_back({radius * std::cos(turn), radius * std::sin(turn), double(j)});
+      if (j == 0) continue;
+      const std::uint32_t ahead = (i + 1) % columns;
+      const std::uint32_t below = (j - 1) * columns;
+      soup.faces.push_back({below + i, below + ahead, below + columns + ahead});
+      soup.faces.push_back({below + i, below + columns + ahead, below + columns + i});
+    }
+  }
+  return soup;
+}
+
+// A cone over a polygon that goes up and down by `zigzag`, in rings of one size each:
+// vertex 0 is the tip, then ring r at r times the first one's size.
+TriangleSoup cone(std::uint32_t corners, std::uint32_t rings, double depth, double zigzag) {
+  TriangleSoup soup;
+  soup.positions.push_back({0, 0, 0});
+  for (std::uint32_t r = 1; r <= rings; ++r) {
+    for (std::uint32_t i = 0; i < corners; ++i) {
+      const double turn = 2 * std::numbers::pi * i / corners;
+      soup.positions.push_back(double(r) * Vec3{std::cos(turn), std::sin(turn),
+                                                depth + (i % 2 == 0 ? zigzag : -zigzag)});
+      const std::uint32_t ahead = (i + 1) % corners;
+      const std::uint32_t here = 1 + (r - 1) * corners;
+      if (r == 1) {
+        soup.faces.push_back({0, here + i, here + ahead});
+        continue;
+      }
+      soup.faces.push_back({here - corners + i, here + i, here + ahead});
+      soup.faces.push_back({here - corners + i, here + ahead, here - corners + ahead});
+    }
+  }
+  return soup;
+}
+
+// The surface of a box with corners at the origin and at (x, y, z), in unit squares.
+TriangleSoup box(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+  TriangleSoup soup;
+  const auto side = [&](std::uint32_t columns, std::uint32_t rows, auto place) {
+    const auto first = static_cast<std::uint32_t>(soup.positions.size());
+    const TriangleSoup flat = shapes::plane(columns + 1, rows + 1);
+    for (const Vec3 p : flat.positions) soup.positions.push_back(place(p.x, p.y));
+    for (const auto& t : flat.faces) {
+      soup.faces.push_back({t[0] + first, t[1] + first, t[2] + first});
+    }
+  };
+  for (const bool far : {false, true}) {
+    side(x, y, [&](double u, double v) { return Vec3{u, v, far ? double(z) : 0}; });
+    side(x, z, [&](double u, double v) { return Vec3{u, far ? double(y) : 0, v}; });
+    side(y, z, [&](double u, double v) { return Vec3{far ? double(x) : 0, u, v}; });
+  }
+  return soup;
+}
+
+std::uint32_t vertex_at(const TriangleSoup& soup, Vec3 position) {
+  const auto it = std::find(soup.positions.begin(), soup.positions.end(), position);
+  REQUIRE(it != soup.positions.end());
+  return static_cast<std::uint32_t>(it - soup.positions.begin());
+}
+
+// Triangles put one by one onto edges at random, of any number of faces; every third
+// time to a vertex that is there already.
+TriangleSoup grown(std::mt19937& random, int faces) {
+  TriangleSoup soup{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+  while (static_cast<int>(soup.faces.size()) < faces) {
+    const auto& t = soup.faces[random() % soup.faces.size()];
+    const std::uint32_t c = random() % 3;
+    const std::uint32_t a = t[c];
+    const std::uint32_t b = t[(c + 1) % 3];
+    auto v = static_cast<std::uint32_t>(random() % soup.positions.size());
+    if (random() % 3 != 0) {
+      v = static_cast<std::uint32_t>(soup.positions.size());
+      const auto off = [&] { return 2 * fraction(random) - 1; };
+      soup.positions.push_back(0.5 * (soup.positions[a] + soup.positions[b]) +
+                               Vec3{off(), off(), off()});
+    }
+    if (v != a && v != b) soup.faces.push_back({a, b, v});
+  }
+  return soup;
+}
+
+TriangleSoup crumpled(std::mt19937& random, std::uint32_t side, double height, double thin) {
+  TriangleSoup soup = shapes::plane(side, side);
+  for (Vec3& p : soup.positions) {
+    p = {thin * (p.x + 0.8 * fraction(random)), p.y + 0.8 * fraction(random),
+         height * fraction(random)};
+  }
+  return soup;
+}
+
+TriangleSoup dented_ball(std::mt19937& random, std::uint32_t levels) {
+  TriangleSoup soup = shapes::icosphere(levels);
+  for (Vec3& p : soup.positions) p = (0.5 + fraction(random)) * p;
+  return soup;
+}
+
+SurfacePoint some_point(const Surface& surface, std::mt19937& random) {
+  const auto face = static_cast<std::uint32_t>(random() % surface.mesh().source_face_count());
+  std::array<double, 3> bary{fraction(random), fraction(random), fraction(random)};
+  const auto kind = random() % 3;
+  if (kind > 0) bary[random() % 3] = 0;
+  if (kind > 1) {
+    bary = {0, 0, 0};
+    bary[random() % 3] = 1;
+  }
+  return surface.on(face, bary);
+}
+
+}  // namespace
+
+TEST_CASE("PlanesAreExactFromVerticesEdgesAndFaces") {
+  for (const auto diagonal : {shapes::Diagonal::rising, shapes::Diagonal::falling}) {
+    const TriangleSoup soup = shapes::plane(24, 31, diagonal);
+    const Surface surface(soup);
+    for (const SurfacePoint& point :
+         {surface.at(0), surface.at(23), surface.at(24 * 15 + 11), surface.on(700, {0.5, 0.5, 0}),
+          surface.on(41, {0, 0.25, 0.75}), surface.on(800, {0.2, 0.3, 0.5}),
+          surface.on(801, {0.999999, 5e-7, 5e-7})}) {
+      const Vec3 from = position_of(surface.mesh(), point);
+      const auto d = exact_from(surface, point);
+      for (std::size_t i = 0; i < d.size(); ++i) {
+        check_close(d[i], distance(from, soup.positions[i]), 1e-12);
+      }
+    }
+  }
+}
+
+TEST_CASE("PathsBendAtTheCornersOfHoles") {
+  const std::vector<shapes::Hole> holes{{3, 4, 5}, {11, 9, 4}, {14, 2, 3}};
+  std::vector<fixtures::Square> squares;
+  for (const shapes::Hole& h : holes) {
+    squares.push_back({double(h.first_column), double(h.first_row), double(h.first_column + h.size),
+                       double(h.first_row + h.size)});
+  }
+  for (const auto diagonal : {shapes::Diagonal::rising, shapes::Diagonal::falling}) {
+    const TriangleSoup soup = shapes::plane_with_holes(20, 20, holes, diagonal);
+    const Surface surface(soup);
+    for (const std::uint32_t source : {0U, 46U, 20U * 11U + 8U}) {
+      const auto d = exact_from(surface, surface.at(source));
+      const Vec3 from = soup.positions[source];
+      for (std::uint32_t i = 0; i < d.size(); ++i) {
+        if (surface.adjacency().corners(surface.vertex(i)).empty()) continue;
+        const Vec3 to = soup.positions[i];
+        check_close(d[i], fixtures::shortest_among(squares, {from.x, from.y}, {to.x, to.y}), 1e-12);
+      }
+    }
+  }
+}
+
+// Dudeney 1903: over five of the six walls.
+TEST_CASE("TheSpiderWalksFortyFeetToTheFly") {
+  const TriangleSoup room = box(30, 12, 12);
+  const Surface surface(room);
+  const auto d = exact_from(surface, surface.at(vertex_at(room, {0, 6, 11})));
+  check_close(d[vertex_at(room, {30, 6, 1})], 40, 1e-13);
+}
+
+TEST_CASE("ACubeUnfolds") {
+  const TriangleSoup cube = box(4, 4, 4);
+  const Surface surface(cube);
+  const auto from_corner = exact_from(surface, surface.at(vertex_at(cube, {0, 0, 0})));
+  check_close(from_corner[vertex_at(cube, {4, 4, 4})], 4 * std::sqrt(5.0), 1e-13);
+  check_close(from_corner[vertex_at(cube, {4, 4, 0})], 4 * std::sqrt(2.0), 1e-13);
+  check_close(from_corner[vertex_at(cube, {4, 3, 2})], std::hypot(6, 3), 1e-13);
+  const auto from_middle = exact_from(surface, surface.at(vertex_at(cube, {2, 2, 0})));
+  check_close(from_middle[vertex_at(cube, {2, 2, 4})], 8, 1e-13);
+  check_close(from_middle[vertex_at(cube, {4, 4, 4})], std::hypot(6, 2), 1e-13);
+}
+
+TEST_CASE("APrismUnrollsFlat") {
+  const std::uint32_t columns = 14;
+  const std::uint32_t rows = 12;
+  const TriangleSoup soup = prism(columns, rows, 2.5);
+  const Surface surface(soup);
+  const double width = distance(soup.positions[0], soup.positions[1]);
+  const auto d = exact_from(surface, surface.at(2 * columns));
+  for (std::uint32_t j = 0; j < rows; ++j) {
+    for (std::uint32_t i = 0; i < columns; ++i) {
+      const double round = width * std::min(i, columns - i);
+      const double up = double(j) - 2;
+      if (i != 0 || j != 2) check_close(d[j * columns + i], std::hypot(round, up), 1e-12);
+    }
+  }
+}
+
+// Round the tip a cone opens into a sector. Straight where the angle between two
+// points is less than pi, else through the tip: which bends paths, worked out by hand,
+// only when the whole angle is over 2 pi.
+TEST_CASE("ConesOpenIntoSectors") {
+  for (const double zigzag : {0.0, 0.6, 2.0}) {
+    for (const double depth : {0.0, 1.5}) {
+      const std::uint32_t corners = 12;
+      const std::uint32_t rings = 4;
+      const TriangleSoup soup = cone(corners, rings, depth, zigzag);
+      const Surface surface(soup);
+      const auto ring = [&](std::uint32_t r, std::uint32_t i) { return 1 + (r - 1) * corners + i; };
+      const Vec3 p = soup.positions[1];
+      const Vec3 q = soup.positions[2];
+      const double step = std::atan2(norm(cross(p, q)), dot(p, q));
+      const auto d = exact_from(surface, surface.at(ring(2, 0)));
+      check_close(d[0], 2 * norm(p), 1e-12);
+      // The ways outside the sector of a zigzag rim are no shorter: from the second
+      // ring inwards the straight lines stay inside.
+      for (std::uint32_t r = 1; r <= 2; ++r) {
+        for (std::uint32_t i = r == 2 ? 1 : 0; i < corners; ++i) {
+          const double angle = step * std::min(i, corners - i);
+          const double a = 2 * norm(p);
+          const double b = norm(soup.positions[ring(r, i)]);
+          const double straight = std::sqrt(a * a + b * b - 2 * a * b * std::cos(angle));
+          CAPTURE(zigzag);
+          CAPTURE(i);
+          check_close(d[ring(r, i)], angle < std::numbers::pi ? straight : a + b, 1e-12);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("ExactVsExhaustiveUnfolding") {
+  for (std::uint32_t seed = 0; seed < 60; ++seed) {
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    TriangleSoup soup;
+    switch (seed % 5) {
+      case 0:
+        soup = grown(random, 4 + static_cast<int>(random() % 14));
+        break;
+      case 1:
+        soup = crumpled(random, 4, 1.5, 1);
+        break;
+      case 2:
+        soup = dented_ball(random, 0);
+        break;
+      case 3:
+        soup = crumpled(random, 4, 0.1, 1e-2);
+        break;
+      default:
+        soup = shapes::shuffled(crumpled(random, 4, 0.3, 1), seed);
+    }
+    const Surface surface(soup);
+    fixtures::ExhaustiveUnfolding oracle(soup);
+    const auto face = static_cast<std::uint32_t>(random() % soup.faces.size());
+    const double far = 2 * surface.field_by(Method::dijkstra, {Source{surface.at(0), 0}}).max + 9;
+    const auto compare = [&](const std::vector<double>& got, const std::vector<double>& wanted) {
+      double size = 0;
+      for (const double d : wanted) size = std::isfinite(d) ? std::max(size, d) : size;
+      for (std::size_t i = 0; i < got.size(); ++i) {
+        if (!std::isfinite(wanted[i])) {
+          CHECK(got[i] == kUnreached);
+        } else {
+          CHECK(std::abs(got[i] - wanted[i]) <= 1e-11 * size);
+        }
+      }
+    };
+    const std::uint32_t v = soup.faces[face][0];
+    compare(exact_from(surface, surface.at(v)), oracle.from_vertex(v, far));
+    compare(exact_from(surface, surface.on(face, {0.25, 0.25, 0.5})),
+            oracle.from_point(face, {0.25, 0.25, 0.5}, far));
+    compare(exact_from(surface, surface.on(face, {0, 0.75, 0.25})),
+            oracle.from_point(face, {0, 0.75, 0.25}, far));
+  }
+}
+
+// From x to y is as far as from y to x: each is read from the other's windows.
+TEST_CASE("WindowsGiveTheDistancesInsideFaces") {
+  for (std::uint32_t seed = 0; seed < 24; ++seed) {
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    TriangleSoup soup;
+    switch (seed % 4) {
+      case 0:
+        soup = grown(random, 60);
+        break;
+      case 1:
+        soup = crumpled(random, 9, 0.8, 1);
+        break;
+      case 2:
+        soup = dented_ball(random, 2);
+        break;
+      default:
+        soup = shapes::plane(9, 9);
+    }
+    const Surface surface(soup);
+    const SurfacePoint from = some_point(surface, random);
+    const Field field = surface.field_by(Method::exact, {Source{from, 0}});
+    REQUIRE(field.windows);
+    for (int i = 0; i < 6; ++i) {
+      const SurfacePoint to = some_point(surface, random);
+      const double there = distance_at(surface, field, to);
+      const Field back = surface.field_by(Method::exact, {Source{to, 0}});
+      CHECK(std::abs(distance_at(surface, back, from) - there) <= 1e-11 * field.max);
+    }
+  }
+}
+
+// All pairs of every third vertex, on surfaces where the light of many pseudo-sources meets.
+TEST_CASE("TheWayBackIsAsLong") {
+  for (std::uint32_t seed = 0; seed < 12; ++seed) {
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    TriangleSoup soup;
+    switch (seed % 4) {
+      case 0:  // steps, for ties
+        soup = shapes::plane(12, 12);
+        for (Vec3& p : soup.positions) p.z = random() % 3 == 0 ? 1 : 0;
+        break;
+      case 1:  // needles
+        soup = shapes::terrain(12, 2, seed);
+        for (Vec3& p : soup.positions) p.x *= std::pow(10, -5 * fraction(random));
+        break;
+      case 2:
+        soup = dented_ball(random, 2);
+        break;
+      default:
+        soup = shapes::terrain(12, 6, seed);
+    }
+    const Surface surface(soup);
+    FieldLimits limits;
+    limits.keep_details = seed % 2 == 0;
+    std::vector<std::vector<double>> d;
+    for (std::uint32_t v = 0; v < soup.positions.size(); v += 3) {
+      d.push_back(surface.in_source_order(
+          surface.field_by(Method::exact, {Source{surface.at(v), 0}}, limits)));
+    }
+    double worst = 0;
+    double size = 0;
+    for (std::size_t i = 0; i < d.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        worst = std::max(worst, std::abs(d[i][3 * j] - d[j][3 * i]));
+        size = std::max(size, d[i][3 * j]);
+      }
+    }
+    CHECK(worst <= 1e-12 * size);
+  }
+}
+
+TEST_CASE("SeveralSourcesAreTheNearestOfThem") {
+  for (std::uint32_t seed = 0; seed < 6; ++seed) {
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const Surface surface(seed % 2 == 0 ? shapes::terrain(20, 3, seed) : grown(random, 80));
+    std::vector<Source> sources;
+    for (int i = 0; i < 5; ++i) sources.push_back({some_point(surface, random), 0.4 * i});
+    const Field all = surface.field_by(Method::exact, sources);
+    REQUIRE(all.nearest_source.size() == all.distance.size());
+    std::vector<Field> one;
+    for (const Source& source : sources) one.push_back(surface.field_by(Method::exact, {source}));
+    for (std::size_t v = 0; v < all.distance.size(); ++v) {
+      double least = kUnreached;
+      for (const Field& field : one) least = std::min(least, field.distance[v]);
+      if (least == kUnreached) {
+        CHECK(all.distance[v] == kUnreached);
+        CHECK(all.nearest_source[v] == kNone);
+        continue;
+      }
+      CHECK(std::abs(all.distance[v] - least) <= 1e-12 * all.max);
+      REQUIRE(all.nearest_source[v] < 5);
+      CHECK(one[all.nearest_source[v]].distance[v] <= least + 1e-12 * all.max);
+    }
+  }
+}
+
+TEST_CASE("AnOffsetIsAddedAndCanHideASource") {
+  const Surface surface(shapes::plane(6, 1 + 5));
+  const Field field = surface.field_by(Method::exact, {{surface.at(0), 2}, {surface.at(5), 9}});
+  check_close(field.distance[surface.vertex(0)], 2, 1e-15);
+  check_close(field.distance[surface.vertex(5)], 7, 1e-13);  // the other's offset is more
+  for (const std::uint32_t nearest : field.nearest_source) CHECK(nearest == 0);
+  for (const LitWindow& w : field.windows->into(0)) CHECK(w.source == 0);
+}
+
+TEST_CASE("ALimitLeavesTheRestUnreached") {
+  const Surface surface(shapes::terrain(24, 4, 3));
+  const Source source{surface.at(77), 0};
+  const Field whole = surface.field_by(Method::exact, {source});
+  FieldLimits limits;
+  limits.max = 0.4 * whole.max;
+  const Field part = surface.field_by(Method::exact, {source}, limits);
+  CHECK(part.reached > 20);
+  CHECK(part.reached < whole.reached);
+  for (std::size_t v = 0; v < whole.distance.size(); ++v) {
+    if (whole.distance[v] > limits.max) {
+      CHECK(part.distance[v] == kUnreached);
+    } else {
+      check_close(part.distance[v], whole.distance[v], 1e-12);
+    }
+  }
+}
+
+TEST_CASE("TargetsEndTheFieldWithTheFarthestOfThem") {
+  const Surface surface(shapes::terrain(24, 4, 3));
+  const Source source{surface.at(77), 0};
+  const Field whole = surface.field_by(Method::exact, {source});
+  const std::vector<std::uint32_t> targets{surface.vertex(80), surface.vertex(160),
+                                           surface.vertex(80)};
+  const double farthest = std::max(whole.distance[targets[0]], whole.distance[targets[1]]);
+  FieldLimits limits;
+  limits.targets = targets;
+  for (const bool keep : {true, false}) {
+    limits.keep_details = keep;
+    const Field part = surface.field_by(Method::exact, {source}, limits);
+    CHECK(part.reached < whole.reached);
+    for (std::size_t v = 0; v < whole.distance.size(); ++v) {
+      if (whole.distance[v] > farthest * (1 + 1e-12)) {
+        CHECK(part.distance[v] == kUnreached);
+      } else if (whole.distance[v] < farthest * (1 - 1e-12)) {
+        check_close(part.distance[v], whole.distance[v], 1e-12);
+      }
+    }
+    check_close(part.max, farthest, 1e-12);
+  }
+}
+
+TEST_CASE("WindowsAreKeptOnlyForDetails") {
+  const Surface surface(shapes::terrain(24, 4, 3));
+  const Source source{surface.at(300), 0};
+  FieldLimits limits;
+  limits.keep_details = false;
+  const Field without = surface.field_by(Method::exact, {source}, limits);
+  const Field with = surface.field_by(Method::exact, {source});
+  CHECK(!without.windows);
+  REQUIRE(with.windows);
+  CHECK(with.windows->size() > surface.mesh().face_count());
+  CHECK(with.parents.empty());
+  for (std::size_t v = 0; v < with.distance.size(); ++v) {
+    CHECK(std::abs(without.distance[v] - with.distance[v]) <= 1e-13 * with.max);
+  }
+}
+
+TEST_CASE("OneScratchServesManySurfaces") {
+  ExactScratch scratch;
+  for (const std::uint32_t side : {9U, 3U, 14U}) {
+    const Surface surface(shapes::plane(side, side));
+    const Source source{surface.at(0), 0};
+    const auto field = exact_field(surface.adjacency(), {&source, 1}, {}, scratch, Cancel());
+    REQUIRE(field.has_value());
+    check_close(field->max, (side - 1) * std::sqrt(2.0), 1e-13);
+  }
+}
+
+TEST_CASE("ExactPropagationCanBeCancelled") {
+  const Surface surface(shapes::terrain(60, 4, 3));
+  const Source source{surface.at(0), 0};
+  ExactScratch scratch;
+  const auto field =
+      exact_field(surface.adjacency(), {&source, 1}, {}, scratch, Cancel([] { return true; }));
+  REQUIRE(!field.has_value());
+  CHECK(field.error().code == ErrorCode::cancelled);
+}
+
+TEST_CASE("WithoutASourceNothingIsReached") {
+  const Surface surface(shapes::plane(3, 3));
+  const Field field = surface.field_by(Method::exact, {});
+  CHECK(field.reached == 0);
+  CHECK(field.windows->size() == 0);
+}
