@@ -31,11 +31,14 @@ std::string_view name_of(ErrorCode code) {
     GEODESIC_CODE(unsupported)
     GEODESIC_CODE(digest_mismatch)
     GEODESIC_CODE(overloaded)
+    GEODESIC_CODE(too_many_requests)
     GEODESIC_CODE(draining)
     GEODESIC_CODE(cancelled)
     GEODESIC_CODE(deadline)
     GEODESIC_CODE(store_failed)
     GEODESIC_CODE(store_corrupt)
+    GEODESIC_CODE(store_full)
+    GEODESIC_CODE(store_unavailable)
     GEODESIC_CODE(internal)
 #undef GEODESIC_CODE
   }

@@ -38,11 +38,14 @@ enum class ErrorCode : std::uint8_t {
   unsupported,         // valid, but not offered by this version
   digest_mismatch,     // the bytes are not those of the given digest
   overloaded,          // the queue is full: try again later
+  too_many_requests,   // this client asks for more than its share: try again later
   draining,            // the process is about to stop
   cancelled,           // the client is gone or the job was cancelled
   deadline,            // the time allowed is over
   store_failed,        // the store cannot read or write
   store_corrupt,       // stored bytes are not what was stored
+  store_full,          // no room for an upload: the budget, the disk or a quota
+  store_unavailable,   // the store does not answer: try again later
   internal,            // a fault of ours
 };
 

@@ -54,8 +54,8 @@ Result<Field> exact_field(const Adjacency& adjacency, std::span<const Source> so
     if (!field.nearest_source.empty()) field.nearest_source[v] = kNone;
   }
   if (limits.keep_details) {
-    field.windows =
-        std::make_shared<const WindowTable>(adjacency.faces().size(), propagation.lit_windows());
+    field.windows = std::make_shared<const WindowTable>(adjacency.faces().size(),
+                                                        propagation.take_lit_windows());
   }
   field.count_reached();
   return field;

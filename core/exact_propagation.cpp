@@ -367,7 +367,7 @@ bool Propagation::mend() {
   return any;
 }
 
-std::vector<std::pair<Halfedge, LitWindow>> Propagation::lit_windows() const {
+std::vector<std::pair<Halfedge, LitWindow>> Propagation::take_lit_windows() {
   std::size_t count = 0;
   for (const EdgeWindows& edge : memory_.edges) count += edge.size;
   std::vector<std::pair<Halfedge, LitWindow>> lit;
@@ -389,6 +389,8 @@ std::vector<std::pair<Halfedge, LitWindow>> Propagation::lit_windows() const {
       }
     }
   }
+  memory_.pool.reset();
+  memory_.edges.clear();
   return lit;
 }
 

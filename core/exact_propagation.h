@@ -117,8 +117,9 @@ class Propagation {
   // against rounding. True when that sent out something new.
   [[nodiscard]] bool mend();
 
-  // The windows left, for each face that they light.
-  [[nodiscard]] std::vector<std::pair<Halfedge, LitWindow>> lit_windows() const;
+  // The windows left, for each face that they light. Gives their memory back, so this
+  // is the last thing to ask.
+  [[nodiscard]] std::vector<std::pair<Halfedge, LitWindow>> take_lit_windows();
 
   // Windows that have crossed a face; for tests and measurements.
   [[nodiscard]] std::uint64_t propagated() const { return propagated_; }

@@ -1,7 +1,4 @@
-// The exact field against closed forms, against the exhaustive oracle, and on
-// surfaces that break window propagation elsewhere.
-#include "core/exact_field.h"
-
+// The exact field against closed forms and against the exhaustive oracle.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -11,18 +8,18 @@
 #include <vector>
 
 #include "core/shapes.h"
-#include "core/window_table.h"
 #include "tests/fixtures/among_squares.h"
+#include "tests/fixtures/crumpled_surfaces.h"
 #include "tests/fixtures/exhaustive_unfolding.h"
 #include "tests/fixtures/surface.h"
 
 using namespace geodesic;
+using fixtures::crumpled;
+using fixtures::dented_ball;
+using fixtures::grown;
 using fixtures::Surface;
 
 namespace {
-
-// Between 0 and 1; the generator's output is fixed by the standard.
-double fraction(std::mt19937& random) { return static_cast<double>(random()) / 4294967296.0; }
 
 void check_close(double got, double wanted, double relative) {
   CAPTURE(got);
@@ -32,43 +29,6 @@ void check_close(double got, double wanted, double relative) {
 
 std::vector<double> exact_from(const Surface& surface, const SurfacePoint& point) {
   return surface.in_source_order(surface.field_by(Method::exact, {Source{point, 0}}));
-}
-
-// The distance of any point from the vertices' distances and the windows, as the
-// field's contract says.
-double distance_at(const Surface& surface, const Field& field, const SurfacePoint& point) {
-  const auto positions = surface.mesh().positions();
-  double least = kUnreached;
-  for (const SurfacePoint& place : in_all_faces(surface.adjacency(), point)) {
-    const Vec3 at = position_of(surface.mesh(), place);
-    const FaceRecord& face = surface.adjacency().face(place.face);
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      const Vec3 a = positions[face.vertex[c]];
-      const Vec3 b = positions[face.vertex[next_corner(c)]];
-      least = std::min(least, field.distance[face.vertex[c]] + distance(at, a));
-      const double length = distance(a, b);
-      const double along = dot(at - a, b - a) / length;
-      const double above = norm(cross(at - a, b - a)) / length;
-      for (const LitWindow& w : field.windows->into(halfedge(place.face, c))) {
-        CHECK(0 <= w.begin);
-        CHECK(w.begin < w.end);
-        CHECK(w.end <= length);
-        CHECK(w.y >= 0);
-        const double rise = above + w.y;
-        const double straight = rise > 0 ? (w.x * above + along * w.y) / rise : along;
-        const double crossing = std::clamp(straight, w.begin, w.end);
-        least = std::min(least, w.offset + std::hypot(crossing - w.x, w.y) +
-                                    std::hypot(along - crossing, above));
-      }
-    }
-    for (const Source& source : field.sources) {
-      for (const SurfacePoint& there : in_all_faces(surface.adjacency(), source.point)) {
-        if (there.face != place.face) continue;
-        least = std::min(least, source.offset + distance(at, position_of(surface.mesh(), there)));
-      }
-    }
-  }
-  return least;
 }
 
 // `columns` points a round, in rows one apart, on a prism without ends.
@@ -134,54 +94,6 @@ std::uint32_t vertex_at(const TriangleSoup& soup, Vec3 position) {
   const auto it = std::find(soup.positions.begin(), soup.positions.end(), position);
   REQUIRE(it != soup.positions.end());
   return static_cast<std::uint32_t>(it - soup.positions.begin());
-}
-
-// Triangles put one by one onto edges at random, of any number of faces; every third
-// time to a vertex that is there already.
-TriangleSoup grown(std::mt19937& random, int faces) {
-  TriangleSoup soup{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
-  while (static_cast<int>(soup.faces.size()) < faces) {
-    const auto& t = soup.faces[random() % soup.faces.size()];
-    const std::uint32_t c = random() % 3;
-    const std::uint32_t a = t[c];
-    const std::uint32_t b = t[(c + 1) % 3];
-    auto v = static_cast<std::uint32_t>(random() % soup.positions.size());
-    if (random() % 3 != 0) {
-      v = static_cast<std::uint32_t>(soup.positions.size());
-      const auto off = [&] { return 2 * fraction(random) - 1; };
-      soup.positions.push_back(0.5 * (soup.positions[a] + soup.positions[b]) +
-                               Vec3{off(), off(), off()});
-    }
-    if (v != a && v != b) soup.faces.push_back({a, b, v});
-  }
-  return soup;
-}
-
-TriangleSoup crumpled(std::mt19937& random, std::uint32_t side, double height, double thin) {
-  TriangleSoup soup = shapes::plane(side, side);
-  for (Vec3& p : soup.positions) {
-    p = {thin * (p.x + 0.8 * fraction(random)), p.y + 0.8 * fraction(random),
-         height * fraction(random)};
-  }
-  return soup;
-}
-
-TriangleSoup dented_ball(std::mt19937& random, std::uint32_t levels) {
-  TriangleSoup soup = shapes::icosphere(levels);
-  for (Vec3& p : soup.positions) p = (0.5 + fraction(random)) * p;
-  return soup;
-}
-
-SurfacePoint some_point(const Surface& surface, std::mt19937& random) {
-  const auto face = static_cast<std::uint32_t>(random() % surface.mesh().source_face_count());
-  std::array<double, 3> bary{fraction(random), fraction(random), fraction(random)};
-  const auto kind = random() % 3;
-  if (kind > 0) bary[random() % 3] = 0;
-  if (kind > 1) {
-    bary = {0, 0, 0};
-    bary[random() % 3] = 1;
-  }
-  return surface.on(face, bary);
 }
 
 }  // namespace
@@ -339,38 +251,6 @@ TEST_CASE("ExactVsExhaustiveUnfolding") {
   }
 }
 
-// From x to y is as far as from y to x: each is read from the other's windows.
-TEST_CASE("WindowsGiveTheDistancesInsideFaces") {
-  for (std::uint32_t seed = 0; seed < 24; ++seed) {
-    CAPTURE(seed);
-    std::mt19937 random(seed);
-    TriangleSoup soup;
-    switch (seed % 4) {
-      case 0:
-        soup = grown(random, 60);
-        break;
-      case 1:
-        soup = crumpled(random, 9, 0.8, 1);
-        break;
-      case 2:
-        soup = dented_ball(random, 2);
-        break;
-      default:
-        soup = shapes::plane(9, 9);
-    }
-    const Surface surface(soup);
-    const SurfacePoint from = some_point(surface, random);
-    const Field field = surface.field_by(Method::exact, {Source{from, 0}});
-    REQUIRE(field.windows);
-    for (int i = 0; i < 6; ++i) {
-      const SurfacePoint to = some_point(surface, random);
-      const double there = distance_at(surface, field, to);
-      const Field back = surface.field_by(Method::exact, {Source{to, 0}});
-      CHECK(std::abs(distance_at(surface, back, from) - there) <= 1e-11 * field.max);
-    }
-  }
-}
-
 // All pairs of every third vertex, on surfaces where the light of many pseudo-sources meets.
 TEST_CASE("TheWayBackIsAsLong") {
   for (std::uint32_t seed = 0; seed < 12; ++seed) {
@@ -384,7 +264,7 @@ TEST_CASE("TheWayBackIsAsLong") {
         break;
       case 1:  // needles
         soup = shapes::terrain(12, 2, seed);
-        for (Vec3& p : soup.positions) p.x *= std::pow(10, -5 * fraction(random));
+        for (Vec3& p : soup.positions) p.x *= std::pow(10, -5 * fixtures::fraction(random));
         break;
       case 2:
         soup = dented_ball(random, 2);
@@ -410,125 +290,4 @@ TEST_CASE("TheWayBackIsAsLong") {
     }
     CHECK(worst <= 1e-12 * size);
   }
-}
-
-TEST_CASE("SeveralSourcesAreTheNearestOfThem") {
-  for (std::uint32_t seed = 0; seed < 6; ++seed) {
-    CAPTURE(seed);
-    std::mt19937 random(seed);
-    const Surface surface(seed % 2 == 0 ? shapes::terrain(20, 3, seed) : grown(random, 80));
-    std::vector<Source> sources;
-    for (int i = 0; i < 5; ++i) sources.push_back({some_point(surface, random), 0.4 * i});
-    const Field all = surface.field_by(Method::exact, sources);
-    REQUIRE(all.nearest_source.size() == all.distance.size());
-    std::vector<Field> one;
-    for (const Source& source : sources) one.push_back(surface.field_by(Method::exact, {source}));
-    for (std::size_t v = 0; v < all.distance.size(); ++v) {
-      double least = kUnreached;
-      for (const Field& field : one) least = std::min(least, field.distance[v]);
-      if (least == kUnreached) {
-        CHECK(all.distance[v] == kUnreached);
-        CHECK(all.nearest_source[v] == kNone);
-        continue;
-      }
-      CHECK(std::abs(all.distance[v] - least) <= 1e-12 * all.max);
-      REQUIRE(all.nearest_source[v] < 5);
-      CHECK(one[all.nearest_source[v]].distance[v] <= least + 1e-12 * all.max);
-    }
-  }
-}
-
-TEST_CASE("AnOffsetIsAddedAndCanHideASource") {
-  const Surface surface(shapes::plane(6, 1 + 5));
-  const Field field = surface.field_by(Method::exact, {{surface.at(0), 2}, {surface.at(5), 9}});
-  check_close(field.distance[surface.vertex(0)], 2, 1e-15);
-  check_close(field.distance[surface.vertex(5)], 7, 1e-13);  // the other's offset is more
-  for (const std::uint32_t nearest : field.nearest_source) CHECK(nearest == 0);
-  for (const LitWindow& w : field.windows->into(0)) CHECK(w.source == 0);
-}
-
-TEST_CASE("ALimitLeavesTheRestUnreached") {
-  const Surface surface(shapes::terrain(24, 4, 3));
-  const Source source{surface.at(77), 0};
-  const Field whole = surface.field_by(Method::exact, {source});
-  FieldLimits limits;
-  limits.max = 0.4 * whole.max;
-  const Field part = surface.field_by(Method::exact, {source}, limits);
-  CHECK(part.reached > 20);
-  CHECK(part.reached < whole.reached);
-  for (std::size_t v = 0; v < whole.distance.size(); ++v) {
-    if (whole.distance[v] > limits.max) {
-      CHECK(part.distance[v] == kUnreached);
-    } else {
-      check_close(part.distance[v], whole.distance[v], 1e-12);
-    }
-  }
-}
-
-TEST_CASE("TargetsEndTheFieldWithTheFarthestOfThem") {
-  const Surface surface(shapes::terrain(24, 4, 3));
-  const Source source{surface.at(77), 0};
-  const Field whole = surface.field_by(Method::exact, {source});
-  const std::vector<std::uint32_t> targets{surface.vertex(80), surface.vertex(160),
-                                           surface.vertex(80)};
-  const double farthest = std::max(whole.distance[targets[0]], whole.distance[targets[1]]);
-  FieldLimits limits;
-  limits.targets = targets;
-  for (const bool keep : {true, false}) {
-    limits.keep_details = keep;
-    const Field part = surface.field_by(Method::exact, {source}, limits);
-    CHECK(part.reached < whole.reached);
-    for (std::size_t v = 0; v < whole.distance.size(); ++v) {
-      if (whole.distance[v] > farthest * (1 + 1e-12)) {
-        CHECK(part.distance[v] == kUnreached);
-      } else if (whole.distance[v] < farthest * (1 - 1e-12)) {
-        check_close(part.distance[v], whole.distance[v], 1e-12);
-      }
-    }
-    check_close(part.max, farthest, 1e-12);
-  }
-}
-
-TEST_CASE("WindowsAreKeptOnlyForDetails") {
-  const Surface surface(shapes::terrain(24, 4, 3));
-  const Source source{surface.at(300), 0};
-  FieldLimits limits;
-  limits.keep_details = false;
-  const Field without = surface.field_by(Method::exact, {source}, limits);
-  const Field with = surface.field_by(Method::exact, {source});
-  CHECK(!without.windows);
-  REQUIRE(with.windows);
-  CHECK(with.windows->size() > surface.mesh().face_count());
-  CHECK(with.parents.empty());
-  for (std::size_t v = 0; v < with.distance.size(); ++v) {
-    CHECK(std::abs(without.distance[v] - with.distance[v]) <= 1e-13 * with.max);
-  }
-}
-
-TEST_CASE("OneScratchServesManySurfaces") {
-  ExactScratch scratch;
-  for (const std::uint32_t side : {9U, 3U, 14U}) {
-    const Surface surface(shapes::plane(side, side));
-    const Source source{surface.at(0), 0};
-    const auto field = exact_field(surface.adjacency(), {&source, 1}, {}, scratch, Cancel());
-    REQUIRE(field.has_value());
-    check_close(field->max, (side - 1) * std::sqrt(2.0), 1e-13);
-  }
-}
-
-TEST_CASE("ExactPropagationCanBeCancelled") {
-  const Surface surface(shapes::terrain(60, 4, 3));
-  const Source source{surface.at(0), 0};
-  ExactScratch scratch;
-  const auto field =
-      exact_field(surface.adjacency(), {&source, 1}, {}, scratch, Cancel([] { return true; }));
-  REQUIRE(!field.has_value());
-  CHECK(field.error().code == ErrorCode::cancelled);
-}
-
-TEST_CASE("WithoutASourceNothingIsReached") {
-  const Surface surface(shapes::plane(3, 3));
-  const Field field = surface.field_by(Method::exact, {});
-  CHECK(field.reached == 0);
-  CHECK(field.windows->size() == 0);
 }
