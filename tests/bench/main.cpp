@@ -1,8 +1,14 @@
-// geodesic_bench: what a distance field costs, mesh by mesh, in milliseconds and
-// in multiples of Dijkstra's algorithm on the edges of the same mesh. Prints a
-// Markdown table; `--json FILE` writes the same figures for programs.
+// geodesic_bench: what a distance field costs and how right it is, mesh by mesh: every
+// method of ours, and the peers that are installed, in one run. Prints Markdown
+// tables; `--json FILE` writes the same figures for programs.
+//
+// Google Benchmark does the timing, and takes its own flags (--benchmark_filter=…,
+// --benchmark_repetitions=…). Without them: five repetitions of everything, in an
+// order drawn at random, so that a machine that slows down does so for all alike.
+#include <benchmark/benchmark.h>
+#include <signal.h>
+
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -13,137 +19,166 @@
 #include <vector>
 
 #include "core/shapes.h"
-#include "tests/bench/measure.h"
-#include "tests/paper/real_meshes.h"
+#include "tests/bench/run_mesh.h"
 
 using namespace geodesic;
-using bench::Measurement;
+using bench::Entrant;
+using bench::MeshResult;
 using bench::Subject;
 
 namespace {
 
-// An odd number, so that the median is one of them.
-constexpr int kRounds = 7;
-// "Nearly 20 000 vertices", the paper says of its timing.
-constexpr std::uint32_t kPaperSide = 142;
-constexpr const char* kPaperSubject = "plane 142 x 142";
-
-Subject plane() {
-  TriangleSoup soup = shapes::plane(kPaperSide, kPaperSide);
-  auto truth = [positions = soup.positions](std::uint32_t v) {
-    return distance(positions[v], positions[0]);
-  };
-  return {kPaperSubject, std::move(soup), truth};
-}
-
-Subject sphere() {
-  TriangleSoup soup = shapes::icosphere(7);
-  // The angle between unit vectors, in the form that is accurate for small ones.
-  auto truth = [positions = soup.positions](std::uint32_t v) {
-    return std::atan2(norm(cross(positions[0], positions[v])), dot(positions[0], positions[v]));
-  };
-  return {"icosphere(7)", std::move(soup), truth};
-}
-
-std::vector<Subject> real_meshes() {
-  std::vector<Subject> subjects;
-  for (const std::string name : fixtures::kRealMeshes) {
-    auto loaded = fixtures::load_real_mesh(name);
-    if (!loaded) {
-      std::cerr << "skipped: no " << name << " with its reference; set GEODESIC_SHARED\n";
-      continue;
-    }
-    if (!*loaded) {
-      std::cerr << name << ": " << loaded->error().detail << '\n';
-      std::exit(1);
-    }
-    fixtures::RealMesh& mesh = **loaded;
-    auto truth = [exact = std::move(mesh.exact)](std::uint32_t v) {
-      return fixtures::has_reference(exact[v]) ? exact[v] : INFINITY;
-    };
-    subjects.push_back({name, std::move(mesh.soup), std::move(truth)});
+std::vector<Subject> subjects(bool quick) {
+  std::vector<Subject> all;
+  // "Nearly 20 000 vertices", the paper says of its timing.
+  all.push_back({"plane_142", "plane, 142 x 142", shapes::plane(142, 142), {}, {}});
+  for (Subject& subject : bench::formula_subjects(bench::Scale::full)) {
+    // The plane is there already.
+    if (subject.name != "plane") all.push_back(std::move(subject));
   }
-  return subjects;
+  if (quick) return all;
+  for (Subject& subject : bench::scanned_subjects()) all.push_back(std::move(subject));
+  Subject million{"million", "terrain, a million vertices", shapes::terrain(1000, 20, 1), {}, {}};
+  Subject shuffled{"shuffled", "the same, shuffled", shapes::shuffled(million.soup, 1), {}, {}};
+  all.push_back(std::move(million));
+  all.push_back(std::move(shuffled));
+  return all;
 }
 
-std::string percent(const std::optional<double>& share) {
-  if (!share) return "";
+std::string number(double value) {
   char text[32];
-  std::snprintf(text, sizeof text, *share != 0 && *share < 1e-6 ? "%.0e %%" : "%.3f %%",
-                100 * *share);
+  std::snprintf(text, sizeof text, value < 10 ? "%.2f" : "%.1f", value);
   return text;
 }
 
-void print_head() {
-  std::puts(
-      "| mesh | vertices | build ms | prepare ms | Dijkstra ms | wavefront ms | "
-      "wavefront / Dijkstra | pairing heap / 4-ary | mean error | Dijkstra's mean error | "
-      "field B/vertex | adjacency B/vertex |\n"
-      "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
+std::string percent(double share) {
+  if (share == 0) return "0";
+  char text[32];
+  std::snprintf(text, sizeof text, share < 1e-6 ? "%.0e %%" : "%.4f %%", 100 * share);
+  return text;
 }
 
-void print_row(const Measurement& m) {
-  std::printf("| %s | %llu | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f | %s | %s | %.1f | %.1f |\n",
-              m.name.c_str(), static_cast<unsigned long long>(m.vertices), m.build_ms, m.prepare_ms,
-              m.dijkstra_ms, m.wavefront_ms, m.over_dijkstra, m.pairing_over_4ary,
-              percent(m.mean_error).c_str(), percent(m.dijkstra_mean_error).c_str(),
-              m.field_bytes_per_vertex, m.adjacency_bytes_per_vertex);
+void print_entrants(const MeshResult& mesh) {
+  std::printf(
+      "\n### %s: %llu vertices\n\n"
+      "| method | prepare ms | ms | over `dijkstra` | mean error | maximum error | below |\n"
+      "|---|--:|--:|--:|--:|--:|--:|\n",
+      mesh.title.c_str(), static_cast<unsigned long long>(mesh.vertices));
+  for (const Entrant& e : mesh.entrants) {
+    const std::string name = e.ours ? "`" + e.name + "`" : e.name + " " + e.version;
+    if (!e.failure.empty()) {
+      std::printf("| %s | %s | | | | | |\n", name.c_str(), e.failure.c_str());
+      continue;
+    }
+    const auto error = [&](auto member) {
+      return e.errors ? percent((*e.errors).*member) : std::string();
+    };
+    std::printf("| %s | %s | %s%s | %s | %s | %s | %s |\n", name.c_str(),
+                e.ours ? number(mesh.prepare_ms).c_str() : number(e.prepare_ms).c_str(),
+                number(e.ms).c_str(), e.rounds == 1 ? "†" : "", number(e.over_dijkstra).c_str(),
+                error(&bench::Errors::mean).c_str(), error(&bench::Errors::max).c_str(),
+                error(&bench::Errors::share_below).c_str());
+  }
   std::fflush(stdout);
 }
 
-void print_comparison_with_paper(const Measurement& m) {
-  std::printf(
-      "\n%llu vertices in %.2f ms (paper: under 5 s on a 2.4 GHz CPU), %.0f bytes per vertex for "
-      "the field (paper: one float and two ints = 12)\n",
-      static_cast<unsigned long long>(m.vertices), m.wavefront_ms, m.field_bytes_per_vertex);
+void print_meshes(const std::vector<MeshResult>& meshes) {
+  std::puts(
+      "\n### All meshes\n\n"
+      "| mesh | vertices | build ms | prepare ms | textbook Dijkstra ms | `dijkstra` over it | "
+      "wavefront over it | pairing heap / 4-ary | field B/vertex | adjacency B/vertex |\n"
+      "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
+  for (const MeshResult& m : meshes) {
+    const auto over_textbook = [&](const char* method) {
+      for (const Entrant& e : m.entrants) {
+        if (e.name == method) return number(e.ms / m.textbook_ms);
+      }
+      return std::string();
+    };
+    std::printf("| %s | %llu | %s | %s | %s | %s | %s | %s | %.1f | %.1f |\n", m.title.c_str(),
+                static_cast<unsigned long long>(m.vertices), number(m.build_ms).c_str(),
+                number(m.prepare_ms).c_str(), number(m.textbook_ms).c_str(),
+                over_textbook("dijkstra").c_str(), over_textbook("wavefront").c_str(),
+                number(m.pairing_over_4ary).c_str(), m.field_bytes_per_vertex,
+                m.adjacency_bytes_per_vertex);
+  }
 }
 
-nlohmann::json to_json(const Measurement& m) {
-  nlohmann::json json{{"mesh", m.name},
-                      {"vertices", m.vertices},
-                      {"faces", m.faces},
-                      {"build_ms", m.build_ms},
-                      {"prepare_ms", m.prepare_ms},
-                      {"dijkstra_ms", m.dijkstra_ms},
-                      {"wavefront_ms", m.wavefront_ms},
-                      {"wavefront_over_dijkstra", m.over_dijkstra},
-                      {"pairing_heap_over_4ary", m.pairing_over_4ary},
-                      {"field_bytes_per_vertex", m.field_bytes_per_vertex},
-                      {"adjacency_bytes_per_vertex", m.adjacency_bytes_per_vertex}};
-  if (m.mean_error) json["mean_relative_error"] = *m.mean_error;
-  if (m.dijkstra_mean_error) json["dijkstra_mean_relative_error"] = *m.dijkstra_mean_error;
-  return json;
+nlohmann::json to_json(const MeshResult& m) {
+  nlohmann::json entrants = nlohmann::json::array();
+  for (const Entrant& e : m.entrants) {
+    nlohmann::json entrant{{"name", e.name}, {"ours", e.ours}};
+    if (!e.version.empty()) entrant["version"] = e.version;
+    if (!e.failure.empty()) {
+      entrant["failure"] = e.failure;
+    } else {
+      entrant["ms"] = e.ms;
+      entrant["over_dijkstra"] = e.over_dijkstra;
+      entrant["rounds"] = e.rounds;
+      if (!e.ours) entrant["prepare_ms"] = e.prepare_ms;
+    }
+    if (e.errors) {
+      entrant["mean_relative_error"] = e.errors->mean;
+      entrant["rms_relative_error"] = e.errors->rms;
+      entrant["p999_relative_error"] = e.errors->p999;
+      entrant["max_relative_error"] = e.errors->max;
+      entrant["share_below"] = e.errors->share_below;
+      entrant["unreached"] = e.errors->unreached;
+    }
+    entrants.push_back(std::move(entrant));
+  }
+  return {{"mesh", m.name},
+          {"title", m.title},
+          {"vertices", m.vertices},
+          {"faces", m.faces},
+          {"build_ms", m.build_ms},
+          {"prepare_ms", m.prepare_ms},
+          {"textbook_dijkstra_ms", m.textbook_ms},
+          {"pairing_heap_over_4ary", m.pairing_over_4ary},
+          {"field_bytes_per_vertex", m.field_bytes_per_vertex},
+          {"adjacency_bytes_per_vertex", m.adjacency_bytes_per_vertex},
+          {"entrants", std::move(entrants)}};
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("What a distance field costs, mesh by mesh");
+  // A peer that crashes is an answer, not our end.
+  signal(SIGPIPE, SIG_IGN);
+  std::string repetitions = "--benchmark_repetitions=5";
+  std::string interleaved = "--benchmark_enable_random_interleaving=true";
+  std::vector<char*> arguments{argv[0], repetitions.data(), interleaved.data()};
+  arguments.insert(arguments.end(), argv + 1, argv + argc);
+  int count = static_cast<int>(arguments.size());
+  arguments.push_back(nullptr);
+  benchmark::Initialize(&count, arguments.data());
+
+  CLI::App app("What a distance field costs, and how right it is, mesh by mesh");
   bool quick = false;
   std::string json_file;
-  app.add_flag("--quick", quick, "leave out the meshes of a million vertices");
+  std::vector<std::string> only;
+  bench::RunOptions options;
+  app.add_flag("--quick", quick,
+               "only the meshes from formulas, without those of a million vertices");
+  app.add_option("--mesh", only, "only the meshes of these names");
+  app.add_option("--peers", options.peers, "folder of the peers' Python environments");
   app.add_option("--json", json_file, "also write the figures to this file, as JSON");
-  CLI11_PARSE(app, argc, argv);
+  CLI11_PARSE(app, count, arguments.data());
 
-  std::vector<Measurement> measurements;
-  const auto run = [&](const Subject& subject) {
-    measurements.push_back(bench::measure(subject, kRounds));
-    print_row(measurements.back());
-  };
-  print_head();
-  run(plane());
-  run(sphere());
-  for (const Subject& subject : real_meshes()) run(subject);
-  if (!quick) {
-    const Subject terrain{"terrain, a million vertices", shapes::terrain(1000, 20, 1), {}};
-    run(terrain);
-    run({"the same, shuffled", shapes::shuffled(terrain.soup, 1), {}});
+  std::vector<MeshResult> meshes;
+  for (const Subject& subject : subjects(quick)) {
+    if (!only.empty() && std::find(only.begin(), only.end(), subject.name) == only.end()) continue;
+    meshes.push_back(bench::run_mesh(subject, options));
+    print_entrants(meshes.back());
   }
-  print_comparison_with_paper(measurements.front());
+  print_meshes(meshes);
+  std::puts(
+      "\nTimes are medians of the repetitions, errors relative and against `exact`. † timed once: "
+      "slow.");
 
   if (json_file.empty()) return 0;
-  nlohmann::json document{{"rounds", kRounds}, {"meshes", nlohmann::json::array()}};
-  for (const Measurement& m : measurements) document["meshes"].push_back(to_json(m));
+  nlohmann::json document{{"meshes", nlohmann::json::array()}};
+  for (const MeshResult& mesh : meshes) document["meshes"].push_back(to_json(mesh));
   std::ofstream out(json_file);
   out << document.dump(2) << '\n';
   out.close();

@@ -1,0 +1,124 @@
+// What is measured must be right itself.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "tests/bench/errors.h"
+#include "tests/bench/peak_memory.h"
+#include "tests/bench/peer.h"
+#include "tests/bench/prepared.h"
+#include "tests/bench/subjects.h"
+
+using namespace geodesic;
+using bench::Errors;
+using bench::errors_of;
+using bench::peak_bytes_of;
+
+namespace {
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+}
+
+TEST_CASE("ErrorsAreRelativeToTheTruth") {
+  const std::vector<double> truth{0, 1, 2, 4};
+  const std::vector<double> distance{0, 1.1, 1.8, 4};
+  const Errors e = errors_of(distance, truth);
+  CHECK(e.compared == 4);
+  CHECK(e.unreached == 0);
+  CHECK(e.invented == 0);
+  CHECK(e.mean == doctest::Approx(0.2 / 3));
+  CHECK(e.rms == doctest::Approx(std::sqrt(0.02 / 3)));
+  CHECK(e.max == doctest::Approx(0.1));
+  CHECK(e.share_below == doctest::Approx(1.0 / 3));
+  CHECK(e.max_absolute == doctest::Approx(0.2));
+  CHECK(e.mean_square == doctest::Approx((0.01 + 0.04) / 4));
+}
+
+TEST_CASE("OneVertexInAThousandMayBeWorseThanThePercentile") {
+  std::vector<double> truth(2000, 1);
+  std::vector<double> distance(2000, 1.001);
+  distance[7] = 3;
+  distance[8] = 2;
+  CHECK(errors_of(distance, truth).p999 == doctest::Approx(0.001));
+  distance[9] = 1.5;
+  CHECK(errors_of(distance, truth).p999 == doctest::Approx(0.5));
+  CHECK(errors_of(distance, truth).max == doctest::Approx(2));
+}
+
+TEST_CASE("RoundingIsNotBelowTheTruth") {
+  const std::vector<double> truth{1, 1};
+  CHECK(errors_of(std::vector<double>{1 - 1e-12, 1}, truth).share_below == 0);
+  CHECK(errors_of(std::vector<double>{1 - 1e-6, 1}, truth).share_below == 0.5);
+}
+
+TEST_CASE("VerticesThatOneSideLacksAreCounted") {
+  const std::vector<double> truth{1, kInfinite, 2};
+  const std::vector<double> distance{kInfinite, 5, 2};
+  const Errors e = errors_of(distance, truth);
+  CHECK(e.compared == 2);
+  CHECK(e.unreached == 1);
+  CHECK(e.invented == 1);
+  CHECK(e.max == 0);
+}
+
+TEST_CASE("PeakBytesAreWhatIsHeldAtOnce") {
+  constexpr std::size_t kLarge = 1 << 20;
+  // Outside of the work, so that no compiler can do without them.
+  std::vector<char> a;
+  std::vector<char> b;
+  const std::size_t one_by_one = peak_bytes_of([&] {
+    for (int i = 0; i < 5; ++i) {
+      a = std::vector<char>(kLarge);
+      a = std::vector<char>();
+    }
+  });
+  CHECK(one_by_one >= kLarge);
+  CHECK(one_by_one < kLarge + kLarge / 8);
+  const std::size_t together = peak_bytes_of([&] {
+    a = std::vector<char>(kLarge);
+    b = std::vector<char>(kLarge);
+  });
+  CHECK(together >= 2 * kLarge);
+  CHECK(together < 2 * kLarge + kLarge / 8);
+  struct alignas(256) Wide {
+    char bytes[4096];
+  };
+  std::unique_ptr<Wide> wide;
+  CHECK(peak_bytes_of([&] { wide = std::make_unique<Wide>(); }) >= 4096);
+  CHECK(peak_bytes_of([] {}) == 0);
+}
+
+TEST_CASE("WhatIsGivenBackMakesRoom") {
+  auto before = std::make_unique<std::vector<char>>(1 << 20);
+  std::vector<char> after;
+  const std::size_t peak = peak_bytes_of([&] {
+    before.reset();
+    after = std::vector<char>(1 << 10);
+  });
+  CHECK(peak == 0);  // never more than at the start
+}
+
+TEST_CASE("ClosedFormsOfTheSubjectsAgreeWithExact") {
+  std::size_t checked = 0;
+  for (const bench::Subject& subject : bench::formula_subjects(bench::Scale::small)) {
+    if (subject.known.empty()) continue;
+    CAPTURE(subject.title);
+    const bench::Prepared prepared(subject.soup);
+    const auto distance = prepared.in_source_order(prepared.solve(Method::exact).distance);
+    const Errors e = errors_of(distance, subject.known);
+    CHECK(e.max < 1e-9);
+    CHECK(e.unreached == 0);
+    CHECK(e.invented == 0);
+    ++checked;
+  }
+  CHECK(checked == 2);
+}
+
+TEST_CASE("APeerThatIsNotInstalledSaysSo") {
+  const auto peer = bench::Peer::start(bench::kPeerSolvers[0], "nowhere", "nowhere", 0);
+  REQUIRE_FALSE(peer.has_value());
+  CHECK(peer.error() == "not installed");
+}
