@@ -7,7 +7,7 @@ JOBS ?= $(shell nproc)
 export PORT HOST JOBS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build run test bench fuzz format lint clean
+.PHONY: help setup build run test bench paper load fuzz format lint clean
 MAKEFLAGS += --no-print-directory
 
 help: ## list these targets
@@ -27,8 +27,17 @@ run: build ## start the server with sample meshes; Ctrl-C stops it
 test: setup ## build and run all tests, then again under the sanitizers
 	@scripts/run_tests
 
-bench: build ## measure
-	@build/release/geodesic_bench
+bench: build ## measure every method, and other people's, in build/bench (minutes)
+	@scripts/setup bench
+	@scripts/run_bench
+
+paper: build ## reproduce the paper, in build/paper and docs/paper (minutes)
+	@scripts/setup paper
+	@scripts/write_paper
+
+load: build ## load the server for some minutes and compare with what was asked
+	@scripts/setup load
+	@scripts/run_load
 
 fuzz: ## run each fuzzer for SECONDS
 	@scripts/setup fuzz

@@ -5,9 +5,11 @@ find_package(tl-expected REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(CLI11 REQUIRED)
-find_package(OpenSSL REQUIRED COMPONENTS Crypto)
+find_package(OpenSSL REQUIRED COMPONENTS Crypto SSL)
 find_package(ZLIB REQUIRED)
 find_package(PNG REQUIRED)
+find_package(CURL 7.87 REQUIRED)  # the first to sign x-amz-content-sha256
+find_package(pugixml REQUIRED)
 find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
 
 # geodesic_draco: the shared library where there is one, the static one otherwise.

@@ -1,25 +1,28 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "proto/encode_mesh.h"
+#include "proto/glb_drawing.h"
 
 namespace geodesic::proto {
 namespace {
 
 using nlohmann::json;
 
-// Little-endian, as all of glTF.
-void put_u32(std::byte* at, std::uint32_t value) {
-  for (int i = 0; i < 4; ++i) at[i] = static_cast<std::byte>(value >> (8 * i));
-}
+constexpr int kArrayBuffer = 34962;
+constexpr int kElementArrayBuffer = 34963;
+constexpr int kFloat = 5126;
+constexpr int kUnsignedInt = 5125;
+constexpr int kUnsignedByte = 5121;
 
+// Little-endian, as all of glTF.
 void append_u32(std::vector<std::byte>& bytes, std::uint32_t value) {
-  bytes.resize(bytes.size() + 4);
-  put_u32(bytes.data() + bytes.size() - 4, value);
+  for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<std::byte>(value >> (8 * i)));
 }
 
 std::uint32_t bits_of(float value) {
@@ -28,83 +31,156 @@ std::uint32_t bits_of(float value) {
   return bits;
 }
 
-}  // namespace
+// glTF's vertex colours are linear, colour maps are sRGB.
+std::uint8_t linear(std::uint8_t channel) {
+  const double s = channel / 255.0;
+  const double l = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+  return static_cast<std::uint8_t>(std::lround(255 * l));
+}
 
-std::vector<std::byte> encode_glb(const TriangleSoup& soup, const std::string& name) {
-  const std::size_t vertices = soup.positions.size();
-  const std::size_t position_bytes = 12 * vertices;
-  const std::size_t index_bytes = 12 * soup.faces.size();
-  json document;
-  document["asset"] = {{"version", "2.0"}, {"generator", "geodesicd"}};
-  document["scene"] = 0;
-  document["scenes"][0]["nodes"] = json::array({0});
-  document["nodes"][0]["name"] = name;
-  std::array<float, 3> low;
-  std::array<float, 3> high;
-  low.fill(std::numeric_limits<float>::infinity());
-  high.fill(-std::numeric_limits<float>::infinity());
-  // glTF allows no empty accessor: without triangles there is only the node.
-  const bool drawn = !soup.faces.empty() && vertices != 0;
-  std::vector<std::byte> binary(drawn ? position_bytes + index_bytes : 0);
-  if (drawn) {
-    std::byte* at = binary.data();
-    for (const Vec3& p : soup.positions) {
+// The document and its binary chunk, growing part by part.
+class GlbWriter {
+ public:
+  GlbWriter() {
+    document_["asset"] = {{"version", "2.0"}, {"generator", "geodesicd"}};
+    document_["scene"] = 0;
+    document_["scenes"][0]["nodes"] = json::array();
+  }
+
+  void add(const GlbPart& part) {
+    const std::size_t node = document_["scenes"][0]["nodes"].size();
+    document_["scenes"][0]["nodes"].push_back(node);
+    document_["nodes"][node]["name"] = part.name;
+    // glTF allows no empty accessor: without positions there is only the node.
+    if (part.positions.empty()) return;
+    json primitive{{"mode", static_cast<int>(part.mode)}};
+    primitive["attributes"]["POSITION"] = add_positions(part.positions);
+    if (!part.colours.empty()) primitive["attributes"]["COLOR_0"] = add_colours(part.colours);
+    if (!part.indices.empty()) primitive["indices"] = add_indices(part.indices);
+    if (!part.colours.empty() || part.mode == GlbPart::Mode::line_strip) {
+      primitive["material"] = unlit_material();
+    }
+    const std::size_t mesh = document_["meshes"].size();
+    document_["meshes"].push_back({{"name", part.name}, {"primitives", json::array({primitive})}});
+    document_["nodes"][node]["mesh"] = mesh;
+  }
+
+  [[nodiscard]] std::vector<std::byte> finish() {
+    if (!binary_.empty()) document_["buffers"][0]["byteLength"] = binary_.size();
+    std::string text = document_.dump(-1, ' ', false, json::error_handler_t::replace);
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    std::vector<std::byte> glb;
+    const std::size_t total = 12 + 8 + text.size() + (binary_.empty() ? 0 : 8 + binary_.size());
+    glb.reserve(total);
+    append_u32(glb, 0x46546C67);  // "glTF"
+    append_u32(glb, 2);
+    append_u32(glb, static_cast<std::uint32_t>(total));
+    append_u32(glb, static_cast<std::uint32_t>(text.size()));
+    append_u32(glb, 0x4E4F534A);  // "JSON"
+    const auto* text_bytes = reinterpret_cast<const std::byte*>(text.data());
+    glb.insert(glb.end(), text_bytes, text_bytes + text.size());
+    if (!binary_.empty()) {
+      append_u32(glb, static_cast<std::uint32_t>(binary_.size()));
+      append_u32(glb, 0x004E4942);  // "BIN\0"
+      glb.insert(glb.end(), binary_.begin(), binary_.end());
+    }
+    return glb;
+  }
+
+ private:
+  // Every accessor's bytes are a multiple of four: nothing needs padding.
+  std::size_t add_accessor(std::size_t begin, int target, json accessor) {
+    const std::size_t view = document_["bufferViews"].size();
+    document_["bufferViews"].push_back({{"buffer", 0},
+                                        {"byteOffset", begin},
+                                        {"byteLength", binary_.size() - begin},
+                                        {"target", target}});
+    accessor["bufferView"] = view;
+    document_["accessors"].push_back(std::move(accessor));
+    return document_["accessors"].size() - 1;
+  }
+
+  std::size_t add_positions(const std::vector<Vec3>& positions) {
+    const std::size_t begin = binary_.size();
+    std::array<float, 3> low;
+    std::array<float, 3> high;
+    low.fill(std::numeric_limits<float>::infinity());
+    high.fill(-std::numeric_limits<float>::infinity());
+    binary_.reserve(begin + 12 * positions.size());
+    for (const Vec3& p : positions) {
       const float xyz[3] = {static_cast<float>(p.x), static_cast<float>(p.y),
                             static_cast<float>(p.z)};
-      for (std::size_t i = 0; i < 3; ++i, at += 4) {
+      for (std::size_t i = 0; i < 3; ++i) {
         low[i] = std::min(low[i], xyz[i]);
         high[i] = std::max(high[i], xyz[i]);
-        put_u32(at, bits_of(xyz[i]));
+        append_u32(binary_, bits_of(xyz[i]));
       }
     }
-    for (const auto& face : soup.faces) {
-      for (const std::uint32_t vertex : face) {
-        put_u32(at, vertex);
-        at += 4;
-      }
-    }
-    constexpr int array_buffer = 34962;
-    constexpr int element_array_buffer = 34963;
-    document["buffers"][0]["byteLength"] = binary.size();
-    document["bufferViews"][0] = {
-        {"buffer", 0}, {"byteOffset", 0}, {"byteLength", position_bytes}, {"target", array_buffer}};
-    document["bufferViews"][1] = {{"buffer", 0},
-                                  {"byteOffset", position_bytes},
-                                  {"byteLength", index_bytes},
-                                  {"target", element_array_buffer}};
-    document["accessors"][0] = {{"bufferView", 0},   {"componentType", 5126},
-                                {"count", vertices}, {"type", "VEC3"},
-                                {"min", low},        {"max", high}};
-    document["accessors"][1] = {{"bufferView", 1},
-                                {"componentType", 5125},
-                                {"count", 3 * soup.faces.size()},
-                                {"type", "SCALAR"}};
-    json& mesh = document["meshes"][0];
-    mesh["name"] = name;
-    mesh["primitives"][0]["attributes"]["POSITION"] = 0;
-    mesh["primitives"][0]["indices"] = 1;
-    mesh["primitives"][0]["mode"] = 4;
-    document["nodes"][0]["mesh"] = 0;
+    return add_accessor(begin, kArrayBuffer,
+                        {{"componentType", kFloat},
+                         {"count", positions.size()},
+                         {"type", "VEC3"},
+                         {"min", low},
+                         {"max", high}});
   }
-  std::string text = document.dump(-1, ' ', false, json::error_handler_t::replace);
-  text.resize((text.size() + 3) / 4 * 4, ' ');
 
-  std::vector<std::byte> glb;
-  const std::size_t total = 12 + 8 + text.size() + (drawn ? 8 + binary.size() : 0);
-  glb.reserve(total);
-  append_u32(glb, 0x46546C67);  // "glTF"
-  append_u32(glb, 2);
-  append_u32(glb, static_cast<std::uint32_t>(total));
-  append_u32(glb, static_cast<std::uint32_t>(text.size()));
-  append_u32(glb, 0x4E4F534A);  // "JSON"
-  const auto* text_bytes = reinterpret_cast<const std::byte*>(text.data());
-  glb.insert(glb.end(), text_bytes, text_bytes + text.size());
-  if (drawn) {
-    append_u32(glb, static_cast<std::uint32_t>(binary.size()));
-    append_u32(glb, 0x004E4942);  // "BIN\0"
-    glb.insert(glb.end(), binary.begin(), binary.end());
+  std::size_t add_colours(const std::vector<Colour>& colours) {
+    const std::size_t begin = binary_.size();
+    for (const Colour& colour : colours) {
+      for (const std::uint8_t channel : colour) {
+        binary_.push_back(static_cast<std::byte>(linear(channel)));
+      }
+      binary_.push_back(std::byte{255});
+    }
+    return add_accessor(begin, kArrayBuffer,
+                        {{"componentType", kUnsignedByte},
+                         {"normalized", true},
+                         {"count", colours.size()},
+                         {"type", "VEC4"}});
   }
-  return glb;
+
+  std::size_t add_indices(const std::vector<std::uint32_t>& indices) {
+    const std::size_t begin = binary_.size();
+    for (const std::uint32_t index : indices) append_u32(binary_, index);
+    return add_accessor(
+        begin, kElementArrayBuffer,
+        {{"componentType", kUnsignedInt}, {"count", indices.size()}, {"type", "SCALAR"}});
+  }
+
+  int unlit_material() {
+    if (!document_.contains("materials")) {
+      document_["extensionsUsed"] = {"KHR_materials_unlit"};
+      document_["materials"] = json::array(
+          {{{"name", "unlit"},
+            {"doubleSided", true},
+            {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 1}}, {"metallicFactor", 0}}},
+            {"extensions", {{"KHR_materials_unlit", json::object()}}}}});
+    }
+    return 0;
+  }
+
+  json document_;
+  std::vector<std::byte> binary_;
+};
+
+}  // namespace
+
+std::vector<std::byte> encode_glb_parts(std::span<const GlbPart> parts) {
+  GlbWriter writer;
+  for (const GlbPart& part : parts) writer.add(part);
+  return writer.finish();
+}
+
+std::vector<std::byte> encode_glb(const TriangleSoup& soup, const std::string& name) {
+  GlbPart part{name, GlbPart::Mode::triangles, {}, {}, {}};
+  if (!soup.faces.empty()) {
+    part.positions = soup.positions;
+    part.indices.reserve(3 * soup.faces.size());
+    for (const auto& face : soup.faces) {
+      part.indices.insert(part.indices.end(), face.begin(), face.end());
+    }
+  }
+  return encode_glb_parts(std::span(&part, 1));
 }
 
 }  // namespace geodesic::proto

@@ -1,26 +1,82 @@
 #include "proto/methods.h"
 
-#include <array>
+#include <algorithm>
 
 namespace geodesic::proto {
 
+namespace {
+
+std::vector<MethodParameter> steiner_parameters() {
+  const MethodOptions standard;
+  return {{"points_per_edge", true, 1, 64, static_cast<double>(standard.points_per_edge), false,
+           "points added inside each edge, evenly spaced"},
+          {"tolerance", false, 1e-12, 1, standard.tolerance, true,
+           "a path is refined until a round shortens it by less than this part of its length"}};
+}
+
+}  // namespace
+
 std::span<const MethodInfo> all_methods() {
-  static const std::array<MethodInfo, 1> methods{{
+  static const std::vector<MethodInfo> methods{
       {Method::wavefront,
        "wavefront",
-       "Tang, Wu, Zhang, Zhang: Fast Approximate Geodesic Paths on Triangle Mesh, 2007",
+       "Jie Tang, Gang-Shan Wu, Fu-Yan Zhang, Ming-Min Zhang: Fast Approximate Geodesic Paths on "
+       "Triangle Mesh. International Journal of Automation and Computing 4(1), 2007",
        false,
        "O(n log n)",
        {}},
-  }};
+      {Method::novotni,
+       "novotni",
+       "Marcin Novotni, Reinhard Klein: Computing Geodesic Distances on Triangular Meshes. "
+       "WSCG 2002",
+       false,
+       "O(n log n)",
+       {}},
+      {Method::fast_marching,
+       "fast_marching",
+       "Ron Kimmel, James A. Sethian: Computing Geodesic Paths on Manifolds. Proceedings of the "
+       "National Academy of Sciences 95(15), 1998",
+       false,
+       "O(n log n)",
+       {}},
+      {Method::dijkstra,
+       "dijkstra",
+       "Edsger W. Dijkstra: A Note on Two Problems in Connexion with Graphs. Numerische "
+       "Mathematik 1, 1959. Along the edges only",
+       false,
+       "O(n log n)",
+       {}},
+      {Method::steiner, "steiner",
+       "Takashi Kanai, Hiromasa Suzuki: Approximate Shortest Path on a Polyhedral Surface and Its "
+       "Applications. Computer-Aided Design 33(11), 2001",
+       false, "O(k n log(k n) + k^2 n) with k points on an edge", steiner_parameters()},
+      {Method::exact,
+       "exact",
+       "Joseph S. B. Mitchell, David M. Mount, Christos H. Papadimitriou: The Discrete Geodesic "
+       "Problem. SIAM Journal on Computing 16(4), 1987. Vitaly Surazhsky, Tatiana Surazhsky, "
+       "Danil Kirsanov, Steven J. Gortler, Hugues Hoppe: Fast Exact and Approximate Geodesics on "
+       "Meshes. ACM Transactions on Graphics 24(3), 2005",
+       true,
+       "O(n^2 log n) at worst, about n^1.5 on scans",
+       {}},
+      {Method::chen_han,
+       "chen_han",
+       "Jindong Chen, Yijie Han: Shortest Paths on a Polyhedron. International Journal of "
+       "Computational Geometry and Applications 6(2), 1996. Shi-Qing Xin, Guo-Jin Wang: "
+       "Improving Chen and Han's Algorithm on the Discrete Geodesic Problem. ACM Transactions on "
+       "Graphics 28(4), 2009",
+       true,
+       "O(n^2 log n) at worst",
+       {}},
+  };
   return methods;
 }
 
-std::string_view name_of(Method method) {
-  for (const MethodInfo& info : all_methods()) {
-    if (info.method == method) return info.name;
-  }
-  return {};
+const MethodInfo& info_of(Method method) {
+  const auto methods = all_methods();
+  const auto it = std::find_if(methods.begin(), methods.end(),
+                               [&](const MethodInfo& info) { return info.method == method; });
+  return it == methods.end() ? methods.front() : *it;
 }
 
 Result<Method> find_method(std::string_view name) {
@@ -31,6 +87,15 @@ Result<Method> find_method(std::string_view name) {
     known += info.name;
   }
   return fail(ErrorCode::method_unknown, "no such method; there are: " + known, "method");
+}
+
+std::string field_key(const MethodChoice& choice) {
+  std::string key(name_of(choice.which));
+  if (choice.which == Method::steiner) {
+    key += ',';
+    key += std::to_string(choice.options.points_per_edge);
+  }
+  return key;
 }
 
 }  // namespace geodesic::proto

@@ -1,30 +1,52 @@
-// The geodesic methods that a client can ask for by name.
+// The geodesic methods that a client can ask for by name, and what each can be told.
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/error.h"
+#include "core/method.h"
 
 namespace geodesic::proto {
 
-enum class Method : std::uint8_t { wavefront };
+using geodesic::Method;
+using geodesic::MethodOptions;
+
+// A parameter that some methods have and others refuse; bounds are inclusive.
+struct MethodParameter {
+  std::string_view name;
+  bool whole;  // else any number
+  double minimum;
+  double maximum;
+  double standard;  // without it
+  bool paths_only;  // distances do not depend on it, and queries for them refuse it
+  std::string_view meaning;
+};
 
 struct MethodInfo {
   Method method;
   std::string_view name;
   std::string_view paper;
   bool exact;
-  std::string_view cost;                     // how time grows with the vertices
-  std::vector<std::string_view> parameters;  // besides from, to and max
+  std::string_view cost;                    // how time grows with the vertices
+  std::vector<MethodParameter> parameters;  // besides from, to and max
+};
+
+// A method and what it was told.
+struct MethodChoice {
+  Method which = Method::wavefront;
+  MethodOptions options;
 };
 
 [[nodiscard]] std::span<const MethodInfo> all_methods();
-[[nodiscard]] std::string_view name_of(Method method);
+[[nodiscard]] const MethodInfo& info_of(Method method);
+[[nodiscard]] inline std::string_view name_of(Method method) { return info_of(method).name; }
 // Errors: method_unknown, listing those there are.
 [[nodiscard]] Result<Method> find_method(std::string_view name);
+
+// A text that is the same for two choices exactly if their fields are.
+[[nodiscard]] std::string field_key(const MethodChoice& choice);
 
 }  // namespace geodesic::proto

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace geodesic::proto {
 
@@ -17,6 +18,20 @@ namespace geodesic::proto {
   const auto [stop, error] = std::from_chars(text.data(), end, value);
   if (error != std::errc() || stop != end || !std::isfinite(value)) return std::nullopt;
   return value;
+}
+
+// "1,2,3" as finite numbers, or nothing.
+[[nodiscard]] inline std::optional<std::vector<double>> numbers_between_commas(
+    std::string_view text) {
+  std::vector<double> numbers;
+  for (;;) {
+    const std::size_t comma = text.find(',');
+    const auto number = parse_finite(text.substr(0, comma));
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
+    if (comma == std::string_view::npos) return numbers;
+    text.remove_prefix(comma + 1);
+  }
 }
 
 // All of `text` as a whole number without a sign, or nothing.

@@ -14,6 +14,13 @@ using nlohmann::json;
 // No query nests deeper than a list of points with lists of numbers.
 constexpr int kMaxDepth = 8;
 
+// A finite number, or a text that is one.
+std::optional<double> finite_number(const json& value) {
+  if (value.is_string()) return parse_finite(value.get_ref<const std::string&>());
+  if (!value.is_number() || !std::isfinite(value.get<double>())) return std::nullopt;
+  return value.get<double>();
+}
+
 }  // namespace
 
 struct Parameters::Values {
@@ -103,12 +110,8 @@ Result<std::optional<double>> Parameters::number(std::string_view name) {
   const auto value = values_->find_one(name);
   if (!value) return fail(value.error());
   if (*value == nullptr) return std::optional<double>();
-  std::optional<double> number;
-  if ((*value)->is_string()) number = parse_finite((*value)->get_ref<const std::string&>());
-  if ((*value)->is_number()) number = (*value)->get<double>();
-  if (!number || !std::isfinite(*number)) {
-    return fail(ErrorCode::bad_syntax, "this is not a number", std::string(name));
-  }
+  const auto number = finite_number(**value);
+  if (!number) return fail(ErrorCode::bad_syntax, "this is not a number", std::string(name));
   return number;
 }
 
@@ -131,6 +134,57 @@ Result<std::optional<std::string>> Parameters::text(std::string_view name) {
     return fail(ErrorCode::bad_syntax, "this is not a text", std::string(name));
   }
   return std::optional((*value)->get<std::string>());
+}
+
+Result<std::optional<bool>> Parameters::flag(std::string_view name) {
+  const auto value = values_->find_one(name);
+  if (!value) return fail(value.error());
+  if (*value == nullptr) return std::optional<bool>();
+  for (const bool state : {false, true}) {
+    if (**value == json(state) || **value == json(state ? 1 : 0) ||
+        **value == json(state ? "1" : "0") || **value == json(state ? "true" : "false")) {
+      return std::optional(state);
+    }
+  }
+  return fail(ErrorCode::bad_syntax, "this is neither 1 nor 0", std::string(name));
+}
+
+Result<std::vector<double>> Parameters::numbers(std::string_view name) {
+  std::vector<double> numbers;
+  const json* values = values_->find(name);
+  if (values == nullptr) return numbers;
+  numbers.reserve(values->size());
+  for (const json& value : *values) {
+    const auto number = finite_number(value);
+    if (!number) {
+      return fail(ErrorCode::bad_syntax, "this is not a number",
+                  std::string(name) + "[" + std::to_string(numbers.size()) + "]");
+    }
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+Result<std::optional<Vec3>> Parameters::vector(std::string_view name) {
+  const json* values = values_->find(name);
+  if (values == nullptr) return std::optional<Vec3>();
+  std::vector<double> numbers;
+  if (values->size() == 1 && values->front().is_string()) {
+    numbers = numbers_between_commas(values->front().get_ref<const std::string&>())
+                  .value_or(std::vector<double>());
+  } else {
+    for (const json& value : *values) {
+      if (const auto number = finite_number(value); number && value.is_number()) {
+        numbers.push_back(*number);
+      }
+    }
+    if (numbers.size() != values->size()) numbers.clear();
+  }
+  if (numbers.size() != 3) {
+    return fail(ErrorCode::bad_syntax, "a vector is written X,Y,Z, or in JSON [x,y,z]",
+                std::string(name));
+  }
+  return std::optional(Vec3{numbers[0], numbers[1], numbers[2]});
 }
 
 Result<void> Parameters::check_all_known() const {

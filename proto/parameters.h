@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/vec3.h"
 #include "proto/point_request.h"
 
 namespace geodesic::proto {
@@ -39,6 +40,13 @@ class Parameters {
   [[nodiscard]] Result<std::optional<double>> number(std::string_view name);
   [[nodiscard]] Result<std::optional<std::uint64_t>> whole(std::string_view name);
   [[nodiscard]] Result<std::optional<std::string>> text(std::string_view name);
+  // 1 or 0, true or false; in JSON also `true` and `false`.
+  [[nodiscard]] Result<std::optional<bool>> flag(std::string_view name);
+  // All numbers under a name, such as levels=1&levels=2; in JSON one or an array.
+  // Empty when there are none. Errors: bad_syntax, such as "levels[1]".
+  [[nodiscard]] Result<std::vector<double>> numbers(std::string_view name);
+  // Three numbers: direction=1,0,0, and in JSON the same text or [1,0,0].
+  [[nodiscard]] Result<std::optional<Vec3>> vector(std::string_view name);
 
   // Errors: unknown_parameter.
   [[nodiscard]] Result<void> check_all_known() const;

@@ -36,19 +36,6 @@ Result<PointRequest> on_face(std::uint64_t face, std::array<double, 3> bary, dou
   return PointRequest{FaceRequest{face, bary}, offset, std::move(parameter)};
 }
 
-// "1,2,3" -> three numbers.
-std::optional<std::vector<double>> numbers_between_commas(std::string_view text) {
-  std::vector<double> numbers;
-  for (;;) {
-    const std::size_t comma = text.find(',');
-    const auto number = parse_finite(text.substr(0, comma));
-    if (!number) return std::nullopt;
-    numbers.push_back(*number);
-    if (comma == std::string_view::npos) return numbers;
-    text.remove_prefix(comma + 1);
-  }
-}
-
 std::optional<std::vector<double>> finite_numbers(const json& value, std::size_t count) {
   if (!value.is_array() || value.size() != count) return std::nullopt;
   std::vector<double> numbers;

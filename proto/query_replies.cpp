@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "proto/number.h"
 
@@ -62,8 +63,29 @@ void append_points(std::string& out, const std::vector<ResolvedPoint>& points, i
   out += ']';
 }
 
+void append_path_points(std::string& out, const std::vector<PathReplyPoint>& points, int digits) {
+  out += '[';
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    out += i > 0 ? ",{\"xyz\":" : "{\"xyz\":";
+    append_xyz(out, points[i].xyz, digits);
+    out += ',';
+    append_place(out, points[i].face, points[i].bary, digits);
+    out += '}';
+  }
+  out += ']';
+}
+
 // Mesh ids are hexadecimal and method names are ours: neither needs escaping.
 std::string opening(const std::string& mesh) { return "{\"mesh\":\"" + mesh + "\""; }
+
+void append_labels(std::string& out, const std::vector<std::uint32_t>& labels) {
+  out += '[';
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (i > 0) out += ',';
+    out += labels[i] == kNone ? "null" : std::to_string(labels[i]);
+  }
+  out += ']';
+}
 
 void append_method(std::string& out, Method method) {
   out += ",\"method\":\"";
@@ -91,6 +113,10 @@ std::string to_json(const DistanceReply& reply, int digits) {
   append_whole(out, reply.farthest);
   out += ",\"distances\":";
   append_numbers(out, reply.distances, digits);
+  if (reply.labels) {
+    out += ",\"labels\":";
+    append_labels(out, *reply.labels);
+  }
   out += '}';
   return out;
 }
@@ -99,8 +125,11 @@ std::string to_json(const PathReply& reply, int digits) {
   std::string out = opening(reply.mesh);
   out.reserve(reply.points.size() * 160 + 1024);
   append_method(out, reply.method);
-  out += ",\"refine\":\"none\",\"from\":";
+  out += reply.refine == Refine::shortest ? ",\"refine\":\"shortest\"" : ",\"refine\":\"none\"";
+  out += ",\"from\":";
   append_point(out, reply.from, digits);
+  out += ",\"via\":";
+  append_points(out, reply.via, digits);
   out += ",\"to\":";
   append_point(out, reply.to, digits);
   out += ",\"reachable\":";
@@ -108,15 +137,96 @@ std::string to_json(const PathReply& reply, int digits) {
   out += ",\"length\":";
   append_number(out, reply.reachable ? reply.length : std::numeric_limits<double>::infinity(),
                 digits);
-  out += ",\"points\":[";
-  for (std::size_t i = 0; i < reply.points.size(); ++i) {
-    out += i > 0 ? ",{\"xyz\":" : "{\"xyz\":";
-    append_xyz(out, reply.points[i].xyz, digits);
-    out += ',';
-    append_place(out, reply.points[i].face, reply.points[i].bary, digits);
-    out += '}';
+  out += ",\"points\":";
+  append_path_points(out, reply.points, digits);
+  out += '}';
+  return out;
+}
+
+std::string to_json(const TableReply& reply, int digits) {
+  std::string out = opening(reply.mesh);
+  out.reserve(reply.distances.size() * 19 + 1024);
+  append_method(out, reply.method);
+  out += ",\"rows\":";
+  append_points(out, reply.rows, digits);
+  out += ",\"columns\":";
+  append_points(out, reply.columns, digits);
+  out += ",\"distances\":[";
+  const std::span<const double> all(reply.distances);
+  for (std::size_t row = 0; row < reply.rows.size(); ++row) {
+    if (row > 0) out += ',';
+    append_numbers(out, all.subspan(row * reply.columns.size(), reply.columns.size()), digits);
   }
   out += "]}";
+  return out;
+}
+
+std::string to_json(const IsolinesReply& reply, int digits) {
+  std::string out = opening(reply.mesh);
+  append_method(out, reply.method);
+  out += ",\"from\":";
+  append_points(out, reply.from, digits);
+  out += ",\"max\":";
+  append_number(out, reply.max.value_or(std::numeric_limits<double>::infinity()), digits);
+  out += ",\"levels\":";
+  append_numbers(out, reply.levels, digits);
+  out += ",\"isolines\":[";
+  bool first = true;
+  for (const Isoline& line : reply.isolines) {
+    out += first ? "{\"level\":" : ",{\"level\":";
+    first = false;
+    append_number(out, line.level, digits);
+    out += line.closed ? ",\"closed\":true,\"length\":" : ",\"closed\":false,\"length\":";
+    append_number(out, line.length, digits);
+    out += ",\"points\":[";
+    for (std::size_t i = 0; i < line.points.size(); ++i) {
+      if (i > 0) out += ',';
+      append_xyz(out, line.points[i], digits);
+    }
+    out += "]}";
+  }
+  out += "]}";
+  return out;
+}
+
+std::string to_json(const SamplesReply& reply, int digits) {
+  std::string out = opening(reply.mesh);
+  append_method(out, reply.method);
+  out += ",\"from\":";
+  append_points(out, reply.from, digits);
+  out += ",\"samples\":[";
+  bool first = true;
+  for (const SampleReply& sample : reply.samples) {
+    out += first ? "{\"vertex\":" : ",{\"vertex\":";
+    first = false;
+    out += std::to_string(sample.vertex) + ",\"xyz\":";
+    append_xyz(out, sample.xyz, digits);
+    out += ",\"radius\":";
+    append_number(out, sample.radius, digits);
+    out += '}';
+  }
+  out += "],\"covering_radius\":";
+  append_number(out, reply.covering_radius, digits);
+  out += '}';
+  return out;
+}
+
+std::string to_json(const TraceReply& reply, int digits) {
+  std::string out = opening(reply.mesh);
+  out.reserve(reply.points.size() * 160 + 1024);
+  out += ",\"from\":";
+  append_point(out, reply.from, digits);
+  out += ",\"to\":";
+  append_point(out, reply.to, digits);
+  out += ",\"length\":";
+  append_number(out, reply.length, digits);
+  out += ",\"end\":\"";
+  out += reply.end;
+  out += "\",\"direction_at_end\":";
+  append_xyz(out, reply.direction_at_end, digits);
+  out += ",\"points\":";
+  append_path_points(out, reply.points, digits);
+  out += '}';
   return out;
 }
 
@@ -129,15 +239,29 @@ std::string to_json(const NearestReply& reply, int digits) {
 }
 
 std::string methods_json() {
-  nlohmann::ordered_json methods = nlohmann::ordered_json::array();
+  using nlohmann::ordered_json;
+  const auto bound = [](const MethodParameter& parameter, double value) {
+    return parameter.whole ? ordered_json(static_cast<std::uint64_t>(value)) : ordered_json(value);
+  };
+  ordered_json methods = ordered_json::array();
   for (const MethodInfo& info : all_methods()) {
+    ordered_json parameters = ordered_json::array();
+    for (const MethodParameter& parameter : info.parameters) {
+      parameters.push_back({{"name", parameter.name},
+                            {"type", parameter.whole ? "integer" : "number"},
+                            {"minimum", bound(parameter, parameter.minimum)},
+                            {"maximum", bound(parameter, parameter.maximum)},
+                            {"default", bound(parameter, parameter.standard)},
+                            {"for", parameter.paths_only ? "paths" : "all"},
+                            {"meaning", parameter.meaning}});
+    }
     methods.push_back({{"name", info.name},
                        {"paper", info.paper},
                        {"exact", info.exact},
                        {"cost", info.cost},
-                       {"parameters", info.parameters}});
+                       {"parameters", std::move(parameters)}});
   }
-  return nlohmann::ordered_json{{"methods", std::move(methods)}}.dump();
+  return ordered_json{{"methods", std::move(methods)}}.dump();
 }
 
 }  // namespace geodesic::proto

@@ -5,10 +5,13 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "core/isolines.h"
 #include "core/vec3.h"
 #include "proto/methods.h"
+#include "proto/query_requests.h"
 
 namespace geodesic::proto {
 
@@ -31,6 +34,8 @@ struct DistanceReply {
   std::uint64_t reached = 0;      // how many of them are finite
   std::optional<double> max;      // the greatest of them
   std::optional<std::uint64_t> farthest;  // and where: a source vertex, or a place in `at`
+  // Only if asked for: which of `from` each distance is from, kNone where infinite.
+  std::optional<std::vector<std::uint32_t>> labels;
 };
 
 struct PathReplyPoint {
@@ -42,10 +47,53 @@ struct PathReplyPoint {
 struct PathReply {
   std::string mesh;
   Method method = Method::wavefront;
+  Refine refine = Refine::none;
   ResolvedPoint from;
+  std::vector<ResolvedPoint> via;
   ResolvedPoint to;
   bool reachable = false;
   double length = 0;  // mesh units; meaningless when not reachable
+  std::vector<PathReplyPoint> points;
+};
+
+struct TableReply {
+  std::string mesh;
+  Method method = Method::wavefront;
+  std::vector<ResolvedPoint> rows;
+  std::vector<ResolvedPoint> columns;
+  std::vector<double> distances;  // row after row; infinite: unreached
+};
+
+struct IsolinesReply {
+  std::string mesh;
+  Method method = Method::wavefront;
+  std::vector<ResolvedPoint> from;
+  std::optional<double> max;   // the greatest distance within the one asked for
+  std::vector<double> levels;  // ascending, whether or not they have a line
+  std::vector<Isoline> isolines;
+};
+
+struct SampleReply {
+  std::uint64_t vertex = 0;  // source vertex
+  Vec3 xyz;
+  double radius = 0;  // infinite: nothing before it on its component
+};
+
+struct SamplesReply {
+  std::string mesh;
+  Method method = Method::wavefront;
+  std::vector<ResolvedPoint> from;
+  std::vector<SampleReply> samples;
+  double covering_radius = 0;
+};
+
+struct TraceReply {
+  std::string mesh;
+  ResolvedPoint from;
+  ResolvedPoint to;       // where it ends
+  double length = 0;      // that it has, mesh units
+  std::string_view end;   // why it ends there
+  Vec3 direction_at_end;  // of length one
   std::vector<PathReplyPoint> points;
 };
 
@@ -57,6 +105,10 @@ struct NearestReply {
 // `digits`: see append_number.
 [[nodiscard]] std::string to_json(const DistanceReply& reply, int digits);
 [[nodiscard]] std::string to_json(const PathReply& reply, int digits);
+[[nodiscard]] std::string to_json(const TableReply& reply, int digits);
+[[nodiscard]] std::string to_json(const IsolinesReply& reply, int digits);
+[[nodiscard]] std::string to_json(const SamplesReply& reply, int digits);
+[[nodiscard]] std::string to_json(const TraceReply& reply, int digits);
 [[nodiscard]] std::string to_json(const NearestReply& reply, int digits);
 [[nodiscard]] std::string methods_json();
 

@@ -1,144 +1,243 @@
 #include "proto/query_requests.h"
 
 #include <algorithm>
+#include <string>
+#include <string_view>
 #include <utility>
+
+#include "proto/query_limits.h"
 
 namespace geodesic::proto {
 namespace {
 
-Result<Method> method_of(Parameters& parameters) {
+// What a query asks of a method: parameters that only paths depend on are refused
+// by the others, not ignored.
+enum class Purpose : std::uint8_t { distances, paths };
+
+void set_option(MethodOptions& options, std::string_view name, double value) {
+  if (name == "points_per_edge") options.points_per_edge = static_cast<std::uint32_t>(value);
+  if (name == "tolerance") options.tolerance = value;
+}
+
+Result<void> read_method(Parameters& parameters, Purpose purpose, MethodChoice& choice) {
   const auto name = parameters.text("method");
   if (!name) return fail(name.error());
-  return find_method(name->value_or("wavefront"));
+  const auto method = find_method(name->value_or("wavefront"));
+  if (!method) return fail(method.error());
+  choice.which = *method;
+  for (const MethodParameter& parameter : info_of(*method).parameters) {
+    if (parameter.paths_only && purpose != Purpose::paths) continue;
+    double value = parameter.standard;
+    if (parameter.whole) {
+      const auto given = parameters.whole(parameter.name);
+      if (!given) return fail(given.error());
+      if (*given) value = static_cast<double>(**given);
+    } else {
+      const auto given = parameters.number(parameter.name);
+      if (!given) return fail(given.error());
+      value = given->value_or(value);
+    }
+    if (!(value >= parameter.minimum && value <= parameter.maximum)) {
+      return fail(ErrorCode::value_out_of_range,
+                  "outside of what this method takes; see /v1/methods",
+                  std::string(parameter.name));
+    }
+    set_option(choice.options, parameter.name, value);
+  }
+  return {};
+}
+
+Result<void> check_count(std::size_t count, std::size_t most, const char* parameter) {
+  if (count <= most) return {};
+  return fail_limit(ErrorCode::too_large, "too many in one request", most, count, parameter);
+}
+
+Result<void> missing(const char* parameter) {
+  return fail(ErrorCode::bad_syntax, "this parameter is missing", parameter);
 }
 
 // Only a source can have an offset; anywhere else it would be ignored silently.
 Result<void> check_no_offset(const std::vector<PointRequest>& points) {
   for (const PointRequest& point : points) {
     if (point.offset != 0) {
-      return fail(ErrorCode::value_out_of_range, "only sources can have an offset",
+      return fail(ErrorCode::value_out_of_range, "only sources of a field can have an offset",
                   point.parameter + ".offset");
     }
   }
   return {};
 }
 
-Result<void> check_count(const std::vector<PointRequest>& points, std::size_t most,
-                         const char* parameter) {
-  if (points.size() <= most) return {};
-  return fail_limit(ErrorCode::too_large, "too many points in one request", most, points.size(),
-                    parameter);
+Result<void> read_sources(Parameters& parameters, std::vector<PointRequest>& sources) {
+  auto from = parameters.points("from");
+  if (!from) return fail(std::move(from.error()));
+  sources = std::move(*from);
+  return check_count(sources.size(), kMaxSources, "from");
 }
 
-// Whether one entry of an Accept header admits a media type. Quality values are
-// read only as far as q=0, which forbids.
-bool admits(std::string_view accept, std::string_view type) {
-  const std::string_view family = type.substr(0, type.find('/'));
-  while (!accept.empty()) {
-    const std::size_t comma = accept.find(',');
-    std::string_view entry = accept.substr(0, comma);
-    accept = comma == std::string_view::npos ? "" : accept.substr(comma + 1);
-    const std::size_t semicolon = entry.find(';');
-    std::string_view parameters = semicolon == entry.npos ? "" : entry.substr(semicolon);
-    entry = entry.substr(0, semicolon);
-    const auto trim = [](std::string_view& text) {
-      while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-      while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-    };
-    trim(entry);
-    const bool named = entry == "*/*" || entry == type ||
-                       (entry.ends_with("/*") && entry.substr(0, entry.size() - 2) == family);
-    const bool forbidden = parameters.find("q=0") != parameters.npos &&
-                           parameters.find_first_of("123456789") == parameters.npos;
-    if (named && !forbidden) return true;
+Result<void> read_points(Parameters& parameters, const char* name, std::size_t most,
+                         std::vector<PointRequest>& points) {
+  auto read = parameters.points(name);
+  if (!read) return fail(std::move(read.error()));
+  points = std::move(*read);
+  if (auto few = check_count(points.size(), most, name); !few) return few;
+  return check_no_offset(points);
+}
+
+Result<void> read_point(Parameters& parameters, const char* name, PointRequest& point) {
+  auto read = parameters.point(name);
+  if (!read) return fail(std::move(read.error()));
+  point = std::move(*read);
+  return check_no_offset({point});
+}
+
+Result<void> read_max(Parameters& parameters, std::optional<double>& max) {
+  const auto read = parameters.number("max");
+  if (!read) return fail(read.error());
+  if (*read && !(**read >= 0)) {
+    return fail(ErrorCode::value_out_of_range, "a distance is not negative", "max");
   }
-  return false;
+  max = *read;
+  return {};
+}
+
+Result<void> read_refine(Parameters& parameters, Refine& refine) {
+  const auto name = parameters.text("refine");
+  if (!name) return fail(name.error());
+  const std::string& which = name->value_or("none");
+  if (which != "none" && which != "shortest") {
+    return fail(ErrorCode::value_out_of_range, "refine is none or shortest", "refine");
+  }
+  refine = which == "shortest" ? Refine::shortest : Refine::none;
+  return {};
+}
+
+// Ascending, each once.
+Result<void> check_levels(std::vector<double>& levels) {
+  if (auto few = check_count(levels.size(), kMaxLevels, "levels"); !few) return few;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    if (levels[i] < 0) {
+      return fail(ErrorCode::value_out_of_range, "a distance is not negative",
+                  "levels[" + std::to_string(i) + "]");
+    }
+  }
+  std::sort(levels.begin(), levels.end());
+  levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
+  return {};
+}
+
+Result<void> read_levels(Parameters& parameters, IsolinesRequest& request) {
+  auto levels = parameters.numbers("levels");
+  if (!levels) return fail(std::move(levels.error()));
+  const auto step = parameters.number("step");
+  if (!step) return fail(step.error());
+  const auto count = parameters.whole("count");
+  if (!count) return fail(count.error());
+  const bool by_levels = !levels->empty();
+  if (!by_levels && !*step && !*count) {
+    return fail(ErrorCode::bad_syntax, "one of levels, step and count is needed", "levels");
+  }
+  if ((by_levels || *step) && *count) {
+    return fail(ErrorCode::bad_syntax, "only one of levels, step and count", "count");
+  }
+  if (by_levels && *step) {
+    return fail(ErrorCode::bad_syntax, "only one of levels, step and count", "step");
+  }
+  if (by_levels) {
+    if (auto usable = check_levels(*levels); !usable) return usable;
+    request.levels = std::move(*levels);
+  } else if (*step) {
+    if (!(**step > 0)) return fail(ErrorCode::value_out_of_range, "a step is above 0", "step");
+    request.levels = IsolinesRequest::Step{**step};
+  } else {
+    if (**count < 1) return fail(ErrorCode::value_out_of_range, "a count is at least 1", "count");
+    if (auto few = check_count(**count, kMaxLevels, "count"); !few) return few;
+    request.levels = IsolinesRequest::Count{**count};
+  }
+  return {};
 }
 
 }  // namespace
 
-Result<ReplyFormat> parse_format(Parameters& parameters, const std::string* accept) {
-  ReplyFormat reply;
-  const auto precision = parameters.whole("precision");
-  if (!precision) return fail(precision.error());
-  if (*precision) {
-    if (**precision < 1 || **precision > 17) {
-      return fail(ErrorCode::value_out_of_range, "precision is a number of digits from 1 to 17",
-                  "precision");
-    }
-    reply.precision = static_cast<int>(**precision);
-  }
-  const auto format = parameters.text("format");
-  if (!format) return fail(format.error());
-  if (*format) {
-    if (**format == "json") return reply;
-    if (**format == "f32" || **format == "f64") {
-      reply.format = **format == "f32" ? Format::f32 : Format::f64;
-      return reply;
-    }
-    return fail(ErrorCode::not_acceptable, "no such format; there are: json, f32, f64", "format");
-  }
-  if (accept == nullptr || accept->empty() || admits(*accept, "application/json")) return reply;
-  if (admits(*accept, "application/octet-stream")) {
-    reply.format = Format::f32;
-    return reply;
-  }
-  return fail(ErrorCode::not_acceptable,
-              "offered are application/json and application/octet-stream", "Accept");
+Result<void> parse_request(Parameters& parameters, DistanceRequest& request) {
+  if (auto ok = read_sources(parameters, request.from); !ok) return ok;
+  if (request.from.empty()) return missing("from");
+  if (auto ok = read_points(parameters, "at", kMaxPoints, request.at); !ok) return ok;
+  if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
+  if (auto ok = read_max(parameters, request.max); !ok) return ok;
+  const auto labels = parameters.flag("labels");
+  if (!labels) return fail(labels.error());
+  request.labels = labels->value_or(false);
+  return {};
 }
 
-Result<DistanceRequest> parse_distance_request(Parameters& parameters) {
-  DistanceRequest request;
-  auto from = parameters.points("from");
-  if (!from) return fail(std::move(from.error()));
-  if (from->empty()) return fail(ErrorCode::bad_syntax, "this parameter is missing", "from");
-  if (auto few = check_count(*from, kMaxSources, "from"); !few) return fail(std::move(few.error()));
-  request.from = std::move(*from);
-  auto at = parameters.points("at");
-  if (!at) return fail(std::move(at.error()));
-  if (auto few = check_count(*at, kMaxPoints, "at"); !few) return fail(std::move(few.error()));
-  request.at = std::move(*at);
-  if (auto plain = check_no_offset(request.at); !plain) return fail(std::move(plain.error()));
-  const auto method = method_of(parameters);
-  if (!method) return fail(method.error());
-  request.method = *method;
-  const auto max = parameters.number("max");
-  if (!max) return fail(max.error());
-  if (*max && !(**max >= 0)) {
-    return fail(ErrorCode::value_out_of_range, "a distance is not negative", "max");
-  }
-  request.max = *max;
-  if (auto known = parameters.check_all_known(); !known) return fail(std::move(known.error()));
-  return request;
+Result<void> parse_request(Parameters& parameters, PathRequest& request) {
+  if (auto ok = read_point(parameters, "from", request.from); !ok) return ok;
+  if (auto ok = read_points(parameters, "via", kMaxVia, request.via); !ok) return ok;
+  if (auto ok = read_point(parameters, "to", request.to); !ok) return ok;
+  if (auto ok = read_method(parameters, Purpose::paths, request.method); !ok) return ok;
+  return read_refine(parameters, request.refine);
 }
 
-Result<PathRequest> parse_path_request(Parameters& parameters) {
-  auto from = parameters.point("from");
-  if (!from) return fail(std::move(from.error()));
-  auto to = parameters.point("to");
-  if (!to) return fail(std::move(to.error()));
-  if (auto plain = check_no_offset({*from, *to}); !plain) return fail(std::move(plain.error()));
-  const auto method = method_of(parameters);
-  if (!method) return fail(method.error());
-  const auto refine = parameters.text("refine");
-  if (!refine) return fail(refine.error());
-  if (refine->value_or("none") != "none") {
-    return fail(ErrorCode::unsupported, "refine takes: none", "refine");
-  }
-  if (auto known = parameters.check_all_known(); !known) return fail(std::move(known.error()));
-  return PathRequest{std::move(*from), std::move(*to), *method};
+Result<void> parse_request(Parameters& parameters, TableRequest& request) {
+  if (auto ok = read_points(parameters, "from", kMaxSources, request.from); !ok) return ok;
+  if (request.from.empty()) return missing("from");
+  if (auto ok = read_points(parameters, "to", kMaxPoints, request.to); !ok) return ok;
+  const std::size_t columns = request.to.empty() ? request.from.size() : request.to.size();
+  if (auto ok = check_count(request.from.size() * columns, kMaxTableEntries, "to"); !ok) return ok;
+  if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
+  return read_max(parameters, request.max);
 }
 
-Result<NearestRequest> parse_nearest_request(Parameters& parameters) {
-  auto points = parameters.points("point");
-  if (!points) return fail(std::move(points.error()));
-  if (points->empty()) return fail(ErrorCode::bad_syntax, "this parameter is missing", "point");
-  if (auto few = check_count(*points, kMaxPoints, "point"); !few) {
-    return fail(std::move(few.error()));
+Result<void> parse_request(Parameters& parameters, IsolinesRequest& request) {
+  if (auto ok = read_sources(parameters, request.from); !ok) return ok;
+  if (request.from.empty()) return missing("from");
+  if (auto ok = read_levels(parameters, request); !ok) return ok;
+  if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
+  return read_max(parameters, request.max);
+}
+
+Result<void> parse_request(Parameters& parameters, SamplesRequest& request) {
+  const auto count = parameters.whole("count");
+  if (!count) return fail(count.error());
+  if (!*count) return missing("count");
+  if (**count < 1) return fail(ErrorCode::value_out_of_range, "a count is at least 1", "count");
+  if (auto ok = check_count(**count, kMaxSamples, "count"); !ok) return ok;
+  request.count = **count;
+  if (auto ok = read_sources(parameters, request.from); !ok) return ok;
+  return read_method(parameters, Purpose::distances, request.method);
+}
+
+Result<void> parse_request(Parameters& parameters, TraceRequest& request) {
+  if (auto ok = read_point(parameters, "from", request.from); !ok) return ok;
+  const auto direction = parameters.vector("direction");
+  if (!direction) return fail(direction.error());
+  const auto angle = parameters.number("angle");
+  if (!angle) return fail(angle.error());
+  if (!*direction && !*angle) {
+    return fail(ErrorCode::bad_syntax, "one of direction and angle is needed", "direction");
   }
-  if (auto plain = check_no_offset(*points); !plain) return fail(std::move(plain.error()));
-  if (auto known = parameters.check_all_known(); !known) return fail(std::move(known.error()));
-  return NearestRequest{std::move(*points)};
+  if (*direction && *angle) {
+    return fail(ErrorCode::bad_syntax, "only one of direction and angle", "angle");
+  }
+  if (*direction) {
+    request.ahead = **direction;
+  } else {
+    request.ahead = **angle;
+  }
+  const auto length = parameters.number("length");
+  if (!length) return fail(length.error());
+  if (!*length) return missing("length");
+  if (!(**length >= 0)) {
+    return fail(ErrorCode::value_out_of_range, "a length is not negative", "length");
+  }
+  request.length = **length;
+  return {};
+}
+
+Result<void> parse_request(Parameters& parameters, NearestRequest& request) {
+  if (auto ok = read_points(parameters, "point", kMaxPoints, request.points); !ok) return ok;
+  if (request.points.empty()) return missing("point");
+  return {};
 }
 
 }  // namespace geodesic::proto

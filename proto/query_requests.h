@@ -1,57 +1,106 @@
 // What each query asks, as values: parsed and within its domain, but not yet
 // held against a mesh.
+//
+// `parse_request` reads a query's own parameters. It leaves `format` and
+// `precision` to parse_format, and what nobody knows to
+// Parameters::check_all_known. Its errors: bad_syntax, value_out_of_range,
+// method_unknown, too_large (over one of query_limits.h).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <string>
-#include <string_view>
+#include <span>
+#include <variant>
 #include <vector>
 
 #include "core/error.h"
+#include "core/vec3.h"
 #include "proto/methods.h"
 #include "proto/parameters.h"
 #include "proto/point_request.h"
+#include "proto/reply_format.h"
 
 namespace geodesic::proto {
-
-// Each source has a wave of its own; each point is looked up and answered.
-inline constexpr std::size_t kMaxSources = 1000;
-inline constexpr std::size_t kMaxPoints = 100'000;
-
-enum class Format : std::uint8_t { json, f32, f64 };
-
-struct ReplyFormat {
-  Format format = Format::json;
-  int precision = 0;  // significant digits in JSON; 0: as many as the value has
-};
-
-// From `format=` and `precision=`, else from an Accept header (null: none).
-// Errors: not_acceptable, bad_syntax, value_out_of_range.
-[[nodiscard]] Result<ReplyFormat> parse_format(Parameters& parameters, const std::string* accept);
 
 struct DistanceRequest {
   std::vector<PointRequest> from;
   std::vector<PointRequest> at;  // empty: all source vertices
-  Method method = Method::wavefront;
+  MethodChoice method;
   std::optional<double> max;  // mesh units
+  bool labels = false;        // say which source each distance is from
 };
+
+enum class Refine : std::uint8_t { none, shortest };
 
 struct PathRequest {
   PointRequest from;
+  std::vector<PointRequest> via;  // in this order
   PointRequest to;
-  Method method = Method::wavefront;
+  MethodChoice method;
+  Refine refine = Refine::none;
+};
+
+struct TableRequest {
+  std::vector<PointRequest> from;  // a row each
+  std::vector<PointRequest> to;    // a column each; empty: `from` again
+  MethodChoice method;
+  std::optional<double> max;
+};
+
+struct IsolinesRequest {
+  struct Step {
+    double size;  // mesh units, above 0: a line at each multiple of it
+  };
+  struct Count {
+    std::uint64_t levels;  // evenly between 0 and the greatest distance
+  };
+  std::vector<PointRequest> from;
+  std::variant<std::vector<double>, Step, Count> levels;
+  MethodChoice method;
+  std::optional<double> max;
+};
+
+struct SamplesRequest {
+  std::uint64_t count = 0;
+  std::vector<PointRequest> from;  // covered already
+  MethodChoice method;
+};
+
+struct TraceRequest {
+  PointRequest from;
+  std::variant<Vec3, double> ahead;  // a vector in space, or an angle in radians
+  double length = 0;                 // mesh units, not negative
 };
 
 struct NearestRequest {
   std::vector<PointRequest> points;
 };
 
-// Errors: bad_syntax, unknown_parameter, value_out_of_range, method_unknown, unsupported,
-// too_large (more points than the limits above).
-[[nodiscard]] Result<DistanceRequest> parse_distance_request(Parameters& parameters);
-[[nodiscard]] Result<PathRequest> parse_path_request(Parameters& parameters);
-[[nodiscard]] Result<NearestRequest> parse_nearest_request(Parameters& parameters);
+[[nodiscard]] Result<void> parse_request(Parameters& parameters, DistanceRequest& request);
+[[nodiscard]] Result<void> parse_request(Parameters& parameters, PathRequest& request);
+[[nodiscard]] Result<void> parse_request(Parameters& parameters, TableRequest& request);
+[[nodiscard]] Result<void> parse_request(Parameters& parameters, IsolinesRequest& request);
+[[nodiscard]] Result<void> parse_request(Parameters& parameters, SamplesRequest& request);
+[[nodiscard]] Result<void> parse_request(Parameters& parameters, TraceRequest& request);
+[[nodiscard]] Result<void> parse_request(Parameters& parameters, NearestRequest& request);
+
+// The formats that a query can be answered in: labels have no place in an array.
+[[nodiscard]] inline std::span<const Format> formats_of(const DistanceRequest& request) {
+  if (request.labels) return kJsonOnly;
+  return kJsonOrArray;
+}
+[[nodiscard]] inline std::span<const Format> formats_of(const PathRequest&) { return kJsonOrArray; }
+[[nodiscard]] inline std::span<const Format> formats_of(const TableRequest&) {
+  return kJsonOrArray;
+}
+[[nodiscard]] inline std::span<const Format> formats_of(const IsolinesRequest&) {
+  return kJsonOnly;
+}
+[[nodiscard]] inline std::span<const Format> formats_of(const SamplesRequest&) { return kJsonOnly; }
+[[nodiscard]] inline std::span<const Format> formats_of(const TraceRequest&) {
+  return kJsonOrArray;
+}
+[[nodiscard]] inline std::span<const Format> formats_of(const NearestRequest&) { return kJsonOnly; }
 
 }  // namespace geodesic::proto

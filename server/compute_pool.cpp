@@ -3,10 +3,8 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <chrono>
 #include <exception>
 #include <new>
-#include <string>
 
 namespace geodesic::server {
 
@@ -43,7 +41,11 @@ Result<void> run_guarded(const std::function<void(Worker&)>& body, Worker& worke
 
 }  // namespace
 
-ComputePool::ComputePool(std::size_t slots, std::size_t max_queued) : max_queued_(max_queued) {
+Error ComputePool::deadline_error() {
+  return Error{ErrorCode::deadline, "the request's deadline has passed", {}, {}, {}};
+}
+
+ComputePool::ComputePool(std::size_t slots, const QueueLimits& limits) : limits_(limits) {
   counts_.slots = slots_or_cores(slots);
   threads_.reserve(counts_.slots);
   try {
@@ -58,43 +60,111 @@ ComputePool::ComputePool(std::size_t slots, std::size_t max_queued) : max_queued
 
 ComputePool::~ComputePool() { drain(); }
 
-Result<void> ComputePool::run_erased(std::function<void(Worker&)> body,
-                                     const std::function<bool()>& client_gone) {
+Result<void> ComputePool::refuse(Error error) {
+  ++counts_.rejected;
+  return fail(std::move(error));
+}
+
+auto ComputePool::expected_wait(const std::string& client) const -> Clock::duration {
+  // Each slot must end what it runs, half of which is over on average, and then
+  // takes its part of the turns before ours.
+  if (counts_.running < counts_.slots) return Clock::duration(0);
+  const auto turns = static_cast<Clock::rep>(queue_.turns_before(client));
+  const auto slots = static_cast<Clock::rep>(counts_.slots);
+  return usual_time_ * (2 * turns + slots) / (2 * slots);
+}
+
+Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& caller) {
+  if (draining_) return fail(ErrorCode::draining, "the server is about to stop");
+  if (caller.deadline_over()) return fail(deadline_error());
+  const std::size_t own = queue_.size_of(caller.client);
+  if (limits_.jobs_of_client != 0 && own >= limits_.jobs_of_client) {
+    return refuse(Error{ErrorCode::too_many_requests,
+                        "too many computations of this client are waiting",
+                        {},
+                        limits_.jobs_of_client,
+                        own});
+  }
+  // The estimate counts only where there is a line to stand in: after one slow job,
+  // an empty queue must still take the next.
+  if (!queue_.empty()) {
+    const Clock::duration wait = expected_wait(caller.client);
+    const bool too_late = caller.deadline && Clock::now() + wait > *caller.deadline;
+    if (too_late || (limits_.wait.count() != 0 && wait > limits_.wait)) {
+      return refuse(Error{ErrorCode::overloaded,
+                          too_late ? "the queue is longer than the request's deadline allows"
+                                   : "the queue of computations is too long",
+                          {},
+                          {},
+                          {}});
+    }
+  }
+  // Jobs that a free worker is about to take do not count as waiting.
+  if (queue_.size() >= limits_.jobs + (counts_.slots - counts_.running)) {
+    if (queue_.longest() > own + 1) {
+      const std::shared_ptr<Job> displaced = queue_.take_from_longest();
+      displaced->outcome = refuse(Error{ErrorCode::too_many_requests,
+                                        "the queue is full, and most of it is this client's",
+                                        {},
+                                        limits_.jobs,
+                                        {}});
+      displaced->finished = true;
+      displaced->finished_signal.notify_one();
+    } else {
+      // Whoever waits alone has no share to exceed.
+      const bool greedy = queue_.clients() > 1 && own * queue_.clients() > queue_.size();
+      return refuse(Error{greedy ? ErrorCode::too_many_requests : ErrorCode::overloaded,
+                          "the queue of computations is full",
+                          {},
+                          limits_.jobs,
+                          queue_.size()});
+    }
+  }
+  queue_.push(caller.client, job);
+  job_ready_.notify_one();
+  return {};
+}
+
+Result<void> ComputePool::run_erased(std::function<void(Worker&)> body, const Caller& caller) {
   const auto job = std::make_shared<Job>();
   job->body = std::move(body);
 
   std::unique_lock lock(mutex_);
-  if (draining_) return fail(ErrorCode::draining, "the server is about to stop");
-  // Jobs that a free worker is about to take do not count as waiting.
-  if (queue_.size() >= max_queued_ + (counts_.slots - counts_.running)) {
-    ++counts_.rejected;
-    return fail_limit(ErrorCode::overloaded, "the queue of computations is full", max_queued_,
-                      queue_.size());
-  }
-  queue_.push_back(job);
-  job_ready_.notify_one();
+  if (auto admitted = admit(job, caller); !admitted) return admitted;
 
   constexpr std::chrono::milliseconds poll_interval{50};
+  const Clock::time_point latest =
+      limits_.wait.count() != 0 ? Clock::now() + limits_.wait : Clock::time_point::max();
+  const bool watched = caller.gone || caller.deadline || limits_.wait.count() != 0;
   while (!job->finished) {
-    if (!client_gone) {
+    if (!watched) {
       job->finished_signal.wait(lock);
       continue;
     }
-    if (job->finished_signal.wait_for(lock, poll_interval) != std::cv_status::timeout) continue;
-    lock.unlock();  // the question may take a system call
-    const bool gone = client_gone();
-    lock.lock();
-    if (!gone) continue;
-    const auto position = std::find(queue_.begin(), queue_.end(), job);
-    if (position == queue_.end()) {
+    auto wake = std::min(latest, caller.deadline.value_or(Clock::time_point::max()));
+    if (caller.gone) wake = std::min(wake, Clock::now() + poll_interval);
+    if (job->finished_signal.wait_until(lock, wake) != std::cv_status::timeout) continue;
+
+    std::optional<Error> reason;
+    if (caller.deadline_over()) {
+      reason = deadline_error();
+    } else if (Clock::now() >= latest) {
+      reason = Error{ErrorCode::overloaded, "no compute slot became free in time", {}, {}, {}};
+    } else if (caller.gone) {
+      lock.unlock();  // the question may take a system call
+      const bool gone = caller.gone();
+      lock.lock();
+      if (gone) reason = Error{ErrorCode::cancelled, "the client is gone", {}, {}, {}};
+    }
+    if (!reason || job->finished) continue;
+    if (!queue_.erase(caller.client, job)) {
       // It runs, and so refers to the caller's stack: wait for it. It polls
-      // the same question itself.
+      // its caller itself.
       job->finished_signal.wait(lock, [&] { return job->finished; });
       break;
     }
-    queue_.erase(position);
-    ++counts_.given_up;
-    return fail(ErrorCode::cancelled, "the client is gone");
+    ++(reason->code == ErrorCode::overloaded ? counts_.rejected : counts_.given_up);
+    return fail(std::move(*reason));
   }
   return std::move(job->outcome);
 }
@@ -105,14 +175,16 @@ void ComputePool::work(std::size_t slot) {
   while (true) {
     job_ready_.wait(lock, [&] { return draining_ || !queue_.empty(); });
     if (queue_.empty()) return;  // draining, and nothing left
-    const std::shared_ptr<Job> job = std::move(queue_.front());
-    queue_.pop_front();
+    const std::shared_ptr<Job> job = queue_.pop();
     ++counts_.running;
     lock.unlock();
 
+    const Clock::time_point begin = Clock::now();
     Result<void> outcome = run_guarded(job->body, worker);
+    const Clock::duration taken = Clock::now() - begin;
 
     lock.lock();
+    usual_time_ += (taken - usual_time_) / 16;
     --counts_.running;
     ++counts_.finished;
     job->outcome = std::move(outcome);
@@ -137,6 +209,7 @@ ComputePool::Stats ComputePool::stats() const {
   const std::lock_guard lock(mutex_);
   Stats stats = counts_;
   stats.queued = queue_.size();
+  stats.clients = queue_.clients();
   return stats;
 }
 

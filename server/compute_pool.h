@@ -1,29 +1,39 @@
-// The few threads that compute, and the bounded queue in front of them.
+// The few threads that compute, and the bounded, fair queue in front of them.
 //
 // Many cheap I/O threads call `run`; as many jobs as there are slots run at
-// once, the others queue. A full queue is an error at once (`overloaded`), not a
-// slow death. A caller blocks until its job is done; while the job is still
-// queued, a caller whose client is gone takes it back (`cancelled`). A running
-// job is never interrupted: it polls its own `Cancel`.
+// once, the others queue, and clients take turns (fair_queue.h). A caller blocks
+// until its job is done. What cannot be served is refused at once, not let die
+// slowly:
+//  - a full queue is `overloaded`; but if somebody has more jobs waiting than the
+//    newcomer would have, the newest of those is sent away (`too_many_requests`)
+//    to make room, so that a greedy client cannot fill the queue for the others;
+//  - a job that would not start before its caller's deadline, by what jobs took
+//    lately, is `overloaded` too;
+//  - a queued job whose deadline passes ends with `deadline`, and one whose client
+//    is gone with `cancelled`.
+// A running job is never interrupted: it polls its caller through its own `Cancel`.
 //
 // Each worker has a slot number, so that scratch memory can be kept per worker
 // and used without a lock.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "core/error.h"
+#include "server/caller.h"
+#include "server/fair_queue.h"
 
 namespace geodesic::server {
 
@@ -39,14 +49,23 @@ class ComputePool {
     std::uint64_t slots = 0;
     std::uint64_t running = 0;
     std::uint64_t queued = 0;
+    std::uint64_t clients = 0;   // that have jobs queued
     std::uint64_t finished = 0;  // jobs run to their end since the start
-    std::uint64_t rejected = 0;  // for want of room in the queue
+    std::uint64_t rejected = 0;  // for want of room or time, some after having queued
     std::uint64_t given_up = 0;  // taken back by their callers while queued
   };
 
-  // `slots` 0: as many as the machine has cores. `max_queued` jobs may wait;
-  // with 0, a job is taken only if a slot is free.
-  ComputePool(std::size_t slots, std::size_t max_queued);
+  struct QueueLimits {
+    std::size_t jobs = 256;          // that may wait; 0: a job is taken only if a slot is free
+    std::size_t jobs_of_client = 0;  // … of one client: `too_many_requests`. 0: no bound
+    // Longest wait; a job that waited, or would wait, longer is `overloaded`. 0: no bound.
+    std::chrono::milliseconds wait{0};
+  };
+
+  // `slots` 0: as many as the machine has cores.
+  ComputePool(std::size_t slots, const QueueLimits& limits);
+  ComputePool(std::size_t slots, std::size_t max_queued)
+      : ComputePool(slots, QueueLimits{max_queued, 0, std::chrono::milliseconds(0)}) {}
   ~ComputePool();  // drains
   ComputePool(const ComputePool&) = delete;
   ComputePool& operator=(const ComputePool&) = delete;
@@ -54,19 +73,22 @@ class ComputePool {
   [[nodiscard]] std::size_t slots() const { return threads_.size(); }
 
   // Runs `job(Worker&)`, which returns Result<R>, on a worker and returns its
-  // result. Blocks. Errors of its own: `overloaded` (queue full, or the job ran
-  // out of memory: both mean "not now"), `draining`, `cancelled` (`client_gone`
-  // was true while queued; asked about every 50 ms) and `internal` (the job
-  // threw). `client_gone` must not throw. Not to be called from within a job:
-  // that could wait for itself.
+  // result. Blocks. Errors of its own: `overloaded` (see above, or the job ran
+  // out of memory: both mean "not now"), `too_many_requests`, `draining`,
+  // `cancelled` and `deadline` (the caller left or its time passed while queued;
+  // asked about every 50 ms) and `internal` (the job threw). A job that reports
+  // `cancelled` after its caller's deadline ends with `deadline`. Not to be called
+  // from within a job: that could wait for itself.
   template <class Job>
-  [[nodiscard]] auto run(Job&& job, const std::function<bool()>& client_gone = {})
+  [[nodiscard]] auto run(Job&& job, const Caller& caller = {})
       -> std::invoke_result_t<Job&, Worker&> {
     using Answer = std::invoke_result_t<Job&, Worker&>;
     std::optional<Answer> answer;
-    Result<void> ran =
-        run_erased([&](Worker& worker) { answer.emplace(job(worker)); }, client_gone);
+    Result<void> ran = run_erased([&](Worker& worker) { answer.emplace(job(worker)); }, caller);
     if (!ran) return fail(std::move(ran.error()));
+    if (!*answer && answer->error().code == ErrorCode::cancelled && caller.deadline_over()) {
+      return fail(deadline_error());
+    }
     return std::move(*answer);
   }
 
@@ -78,14 +100,21 @@ class ComputePool {
 
  private:
   struct Job;
-  Result<void> run_erased(std::function<void(Worker&)> body,
-                          const std::function<bool()>& client_gone);
+  using Clock = Caller::Clock;
+  static Error deadline_error();
+  Result<void> run_erased(std::function<void(Worker&)> body, const Caller& caller);
+  // Takes a job into the queue, or says why not.
+  Result<void> admit(const std::shared_ptr<Job>& job, const Caller& caller);
+  // How long a job of this client's would wait, by what jobs took lately.
+  [[nodiscard]] Clock::duration expected_wait(const std::string& client) const;
+  Result<void> refuse(Error error);
   void work(std::size_t slot);
 
   mutable std::mutex mutex_;
   std::condition_variable job_ready_;
-  std::deque<std::shared_ptr<Job>> queue_;
-  const std::size_t max_queued_;
+  FairQueue<std::shared_ptr<Job>> queue_;
+  const QueueLimits limits_;
+  Clock::duration usual_time_{0};  // of a job: a moving average
   bool draining_ = false;
   Stats counts_;
   std::mutex join_mutex_;

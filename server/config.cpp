@@ -18,7 +18,7 @@ namespace geodesic::server {
 
 namespace {
 
-enum class Kind { text, whole_number, bytes, address, level };
+enum class Kind { text, whole_number, bytes, address, level, when_full };
 
 using Member = std::variant<std::string Config::*, std::uint64_t Config::*, Address Config::*>;
 
@@ -34,6 +34,7 @@ struct Option {
 
 constexpr std::uint64_t max_threads = 4096;
 constexpr std::uint64_t max_seconds = 86400;
+constexpr std::uint64_t max_queue = 4096;         // each holds a thread
 constexpr std::uint64_t max_index = 0xffff'fffe;  // vertices and faces are 32-bit indices
 
 // The one table. Defaults are those of `Config`.
@@ -43,16 +44,31 @@ std::span<const Option> options() {
              "Where the API listens; port 0 takes any free one, printed at the start"},
       Option{"admin-listen", Kind::address, &Config::admin_listen, "HOST:PORT",
              "Where probes and metrics listen; empty: on the API's listener"},
-      Option{"store", Kind::text, &Config::store, "DIR", "Directory of the uploaded meshes"},
+      Option{"tls-cert", Kind::text, &Config::tls_cert, "FILE",
+             "PEM certificate (with its chain) of the API's listener; empty: plain HTTP"},
+      Option{"tls-key", Kind::text, &Config::tls_key, "FILE", "PEM key of that certificate"},
+      Option{"store", Kind::text, &Config::store, "PLACE",
+             "Directory of the uploaded meshes, or s3://BUCKET/PREFIX?endpoint=URL&region=NAME"},
+      Option{"store-max-bytes", Kind::bytes, &Config::store_max_bytes, "BYTES",
+             "Most bytes in the store; 0: no limit"},
+      Option{"store-when-full", Kind::when_full, &Config::store_when_full, "POLICY",
+             "refuse: an upload over that is answered 507; evict: meshes used longest ago go"},
       Option{"samples", Kind::text, &Config::samples, "DIR",
              "Directory of mesh files uploaded at the start; empty: none"},
       Option{"io-threads", Kind::whole_number, &Config::io_threads, "N",
-             "Threads for connections, started at once; they become up to 8 times as many", 1,
-             max_threads},
+             "Threads for requests, started at once; more come as requests wait", 1, max_threads},
+      Option{"max-connections", Kind::whole_number, &Config::max_connections, "N",
+             "Connections at once; more push out who idles longest", 1, 1'000'000},
       Option{"compute-threads", Kind::whole_number, &Config::compute_threads, "N",
              "Computations that run at once; 0: one a core", 0, max_threads},
       Option{"queue", Kind::whole_number, &Config::queue, "N",
-             "Computations that may wait; more are answered 503", 0, 1'000'000},
+             "Computations that may wait; more are answered 503", 0, max_queue},
+      Option{
+          "queue-per-client", Kind::whole_number, &Config::queue_per_client, "N",
+          "Computations of one client that may wait; more are answered 429; 0: as many as of all",
+          0, max_queue},
+      Option{"queue-seconds", Kind::whole_number, &Config::queue_seconds, "SECONDS",
+             "Longest wait for a compute slot; longer is answered 503; 0: any", 0, max_seconds},
       Option{"max-body-bytes", Kind::bytes, &Config::max_body_bytes, "BYTES",
              "Most bytes of an uploaded mesh", 1},
       Option{"max-json-bytes", Kind::bytes, &Config::max_json_bytes, "BYTES",
@@ -69,6 +85,8 @@ std::span<const Option> options() {
              "Memory for distance fields"},
       Option{"body-timeout-seconds", Kind::whole_number, &Config::body_timeout_seconds, "SECONDS",
              "Time for a request's body to arrive", 1, max_seconds},
+      Option{"min-upload-rate", Kind::bytes, &Config::min_upload_rate, "BYTES",
+             "Bytes a second that a body must bring on average; slower is answered 408; 0: any"},
       Option{"keep-alive-seconds", Kind::whole_number, &Config::keep_alive_seconds, "SECONDS",
              "Time a connection may idle between requests", 1, max_seconds},
       Option{"drain-seconds", Kind::whole_number, &Config::drain_seconds, "SECONDS",
@@ -139,6 +157,12 @@ Result<void> set_option(const Option& option, std::string_view text, std::string
                       {}});
   };
   switch (option.kind) {
+    case Kind::when_full:
+      if (text != "refuse" && text != "evict") {
+        return refuse(fmt::format("'{}' is neither refuse nor evict", text));
+      }
+      config.*std::get<std::string Config::*>(option.member) = text;
+      return {};
     case Kind::level: {
       constexpr std::array<std::string_view, 7> levels{"trace", "debug",    "info", "warn",
                                                        "error", "critical", "off"};
@@ -284,6 +308,9 @@ Result<CommandLine> read_config(const std::vector<std::string>& arguments,
       }
       origins[i] = flag;
     }
+  }
+  if (result.config.tls_cert.empty() != result.config.tls_key.empty()) {
+    return bad("--tls-cert and --tls-key go together");
   }
   if (print) result.print = print_config(result.config, origins);
   return result;

@@ -24,13 +24,21 @@ struct Address {
 
 struct Config {
   Address listen{"127.0.0.1", 8080};
-  Address admin_listen;  // host empty: admin routes stay on the API's listener
-  std::string store = "./geodesicd-store";
-  std::string samples;  // empty: none
+  Address admin_listen;                     // host empty: admin routes stay on the API's listener
+  std::string store = "./geodesicd-store";  // or s3://…
+  std::uint64_t store_max_bytes = 0;        // 0: no limit
+  std::string store_when_full = "refuse";   // or evict
+  std::string samples;                      // empty: none
+
+  std::string tls_cert;  // empty: plain HTTP
+  std::string tls_key;
 
   std::uint64_t io_threads = 64;
+  std::uint64_t max_connections = 10'000;
   std::uint64_t compute_threads = 0;  // 0: one a core
   std::uint64_t queue = 256;
+  std::uint64_t queue_per_client = 0;  // 0: no bound
+  std::uint64_t queue_seconds = 10;    // 0: no bound
 
   std::uint64_t max_body_bytes = std::uint64_t{256} << 20;
   std::uint64_t max_json_bytes = std::uint64_t{8} << 20;
@@ -41,8 +49,9 @@ struct Config {
   std::uint64_t adjacency_cache_bytes = std::uint64_t{2} << 30;
   std::uint64_t field_cache_bytes = std::uint64_t{1} << 30;
 
-  std::uint64_t body_timeout_seconds = 60;
-  std::uint64_t keep_alive_seconds = 5;
+  std::uint64_t body_timeout_seconds = 300;
+  std::uint64_t min_upload_rate = std::uint64_t{1} << 10;  // bytes a second; 0: any
+  std::uint64_t keep_alive_seconds = 75;
   std::uint64_t drain_seconds = 20;
 
   std::string log_level = "info";

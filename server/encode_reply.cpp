@@ -36,15 +36,31 @@ HttpResponse binary_reply(const std::vector<double>& values, const std::string& 
   return response;
 }
 
+HttpResponse points_reply(const std::vector<proto::PathReplyPoint>& points, proto::Format format) {
+  std::vector<double> coordinates;
+  coordinates.reserve(3 * points.size());
+  for (const proto::PathReplyPoint& point : points) {
+    coordinates.insert(coordinates.end(), {point.xyz.x, point.xyz.y, point.xyz.z});
+  }
+  return binary_reply(coordinates, std::to_string(points.size()) + ",3", format);
+}
+
 std::string as_text(double value) {
   std::string text;
   proto::append_number(text, value);
   return text;
 }
 
-void add_cache_headers(HttpResponse& response, bool hit) {
-  response.set_header("Geo-Cache", hit ? "hit" : "miss");
+HttpResponse with_cache_headers(HttpResponse response, std::optional<bool> hit) {
+  if (hit) response.set_header("Geo-Cache", *hit ? "hit" : "miss");
   response.set_header("Vary", "Accept");
+  return response;
+}
+
+template <class Reply>
+HttpResponse encode_as_json(const Answered<Reply>& answer, const proto::ReplyFormat& format) {
+  return with_cache_headers(json_reply(proto::to_json(answer.reply, format.precision)),
+                            answer.cache_hit);
 }
 
 }  // namespace
@@ -58,42 +74,49 @@ HttpResponse json_reply(std::string json, int status) {
 
 HttpResponse encode(const Answered<proto::DistanceReply>& answer,
                     const proto::ReplyFormat& format) {
+  if (format.format == proto::Format::json) return encode_as_json(answer, format);
   const proto::DistanceReply& reply = answer.reply;
-  HttpResponse response;
-  if (format.format == proto::Format::json) {
-    response = json_reply(proto::to_json(reply, format.precision));
-  } else {
-    response = binary_reply(reply.distances, std::to_string(reply.distances.size()), format.format);
-    if (reply.max) response.set_header("Geo-Max", as_text(*reply.max));
-  }
-  add_cache_headers(response, answer.cache_hit);
-  return response;
+  HttpResponse response =
+      binary_reply(reply.distances, std::to_string(reply.distances.size()), format.format);
+  if (reply.max) response.set_header("Geo-Max", as_text(*reply.max));
+  return with_cache_headers(std::move(response), answer.cache_hit);
 }
 
 HttpResponse encode(const Answered<proto::PathReply>& answer, const proto::ReplyFormat& format) {
+  if (format.format == proto::Format::json) return encode_as_json(answer, format);
   const proto::PathReply& reply = answer.reply;
-  HttpResponse response;
-  if (format.format == proto::Format::json) {
-    response = json_reply(proto::to_json(reply, format.precision));
-  } else {
-    std::vector<double> coordinates;
-    coordinates.reserve(3 * reply.points.size());
-    for (const proto::PathReplyPoint& point : reply.points) {
-      coordinates.insert(coordinates.end(), {point.xyz.x, point.xyz.y, point.xyz.z});
-    }
-    response = binary_reply(coordinates, std::to_string(reply.points.size()) + ",3", format.format);
-    if (reply.reachable) response.set_header("Geo-Length", as_text(reply.length));
-  }
-  add_cache_headers(response, answer.cache_hit);
-  return response;
+  HttpResponse response = points_reply(reply.points, format.format);
+  if (reply.reachable) response.set_header("Geo-Length", as_text(reply.length));
+  return with_cache_headers(std::move(response), answer.cache_hit);
 }
 
-Result<HttpResponse> encode(const proto::NearestReply& reply, const proto::ReplyFormat& format) {
-  if (format.format != proto::Format::json) {
-    return fail(ErrorCode::not_acceptable, "resolved points are offered as application/json",
-                "format");
-  }
-  return json_reply(proto::to_json(reply, format.precision));
+HttpResponse encode(const Answered<proto::TraceReply>& answer, const proto::ReplyFormat& format) {
+  if (format.format == proto::Format::json) return encode_as_json(answer, format);
+  HttpResponse response = points_reply(answer.reply.points, format.format);
+  response.set_header("Geo-Length", as_text(answer.reply.length));
+  return with_cache_headers(std::move(response), answer.cache_hit);
+}
+
+HttpResponse encode(const Answered<proto::TableReply>& answer, const proto::ReplyFormat& format) {
+  if (format.format == proto::Format::json) return encode_as_json(answer, format);
+  const proto::TableReply& reply = answer.reply;
+  std::string shape = std::to_string(reply.rows.size());
+  shape += ',';
+  shape += std::to_string(reply.columns.size());
+  return with_cache_headers(binary_reply(reply.distances, shape, format.format), answer.cache_hit);
+}
+
+HttpResponse encode(const Answered<proto::IsolinesReply>& answer,
+                    const proto::ReplyFormat& format) {
+  return encode_as_json(answer, format);
+}
+
+HttpResponse encode(const Answered<proto::SamplesReply>& answer, const proto::ReplyFormat& format) {
+  return encode_as_json(answer, format);
+}
+
+HttpResponse encode(const Answered<proto::NearestReply>& answer, const proto::ReplyFormat& format) {
+  return encode_as_json(answer, format);
 }
 
 }  // namespace geodesic::server

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "proto/query_replies.h"
-#include "proto/query_requests.h"
+#include "proto/reply_format.h"
 #include "server/field_queries.h"
 #include "server/http_message.h"
 
@@ -11,13 +11,23 @@ namespace geodesic::server {
 [[nodiscard]] HttpResponse json_reply(std::string json, int status = 200);
 
 // As JSON, or the bare little-endian array: distances with shape (count), path
-// points with shape (count, 3).
+// points with shape (count, 3), a table with shape (rows, columns). The format is
+// one that the query offers.
 [[nodiscard]] HttpResponse encode(const Answered<proto::DistanceReply>& answer,
                                   const proto::ReplyFormat& format);
 [[nodiscard]] HttpResponse encode(const Answered<proto::PathReply>& answer,
                                   const proto::ReplyFormat& format);
-// Errors: not_acceptable (resolved points have no binary form).
-[[nodiscard]] Result<HttpResponse> encode(const proto::NearestReply& reply,
-                                          const proto::ReplyFormat& format);
+[[nodiscard]] HttpResponse encode(const Answered<proto::TraceReply>& answer,
+                                  const proto::ReplyFormat& format);
+[[nodiscard]] HttpResponse encode(const Answered<proto::TableReply>& answer,
+                                  const proto::ReplyFormat& format);
+
+// These have no array, and are always JSON.
+[[nodiscard]] HttpResponse encode(const Answered<proto::IsolinesReply>& answer,
+                                  const proto::ReplyFormat& format);
+[[nodiscard]] HttpResponse encode(const Answered<proto::SamplesReply>& answer,
+                                  const proto::ReplyFormat& format);
+[[nodiscard]] HttpResponse encode(const Answered<proto::NearestReply>& answer,
+                                  const proto::ReplyFormat& format);
 
 }  // namespace geodesic::server

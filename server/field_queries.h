@@ -1,66 +1,80 @@
-// Distance, path and nearest-point queries on the meshes of a catalogue: the
-// middle one of a request's three steps. Fields that were computed whole are kept
-// in a cache of their own, so that the second question about a source is cheap.
+// The queries on the meshes of a catalogue: the middle one of a request's three
+// steps. Each resolves its points, computes in compute slots and says what it found
+// in the client's numbers.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/error.h"
-#include "core/field.h"
-#include "core/wavefront.h"
+#include "core/surface_point.h"
 #include "proto/query_replies.h"
 #include "proto/query_requests.h"
 #include "server/compute_pool.h"
+#include "server/fields.h"
 #include "server/lru_cache.h"
 #include "server/mesh_catalog.h"
+#include "server/resolve_point.h"
 
 namespace geodesic::server {
 
-// An answer, and whether the field cache had what it is made of.
+// An answer, and whether the field cache had what it is made of; nothing where no
+// field is kept.
 template <class Reply>
 struct Answered {
   Reply reply;
-  bool cache_hit = false;
+  std::optional<bool> cache_hit;
 };
 
 // All methods may be called from any thread but a compute worker. Errors besides
-// those named: what MeshCatalog::adjacency gives; index_out_of_range and
-// snap_too_far for points, naming the parameter.
+// those named: what MeshCatalog::adjacency gives; index_out_of_range,
+// value_out_of_range, snap_too_far and mesh_invalid for points, naming the parameter.
 class FieldQueries {
  public:
   FieldQueries(MeshCatalog& catalog, ComputePool& pool, std::uint64_t field_cache_bytes);
 
-  [[nodiscard]] Result<Answered<proto::DistanceReply>> distance(
-      const std::string& mesh, const proto::DistanceRequest& request,
-      const ClientGone& client_gone);
-  [[nodiscard]] Result<Answered<proto::PathReply>> path(const std::string& mesh,
-                                                        const proto::PathRequest& request,
-                                                        const ClientGone& client_gone);
-  [[nodiscard]] Result<proto::NearestReply> nearest(const std::string& mesh,
-                                                    const proto::NearestRequest& request,
-                                                    const ClientGone& client_gone);
+  [[nodiscard]] Result<Answered<proto::DistanceReply>> answer(const std::string& mesh,
+                                                              const proto::DistanceRequest& request,
+                                                              const ClientGone& client_gone);
+  [[nodiscard]] Result<Answered<proto::PathReply>> answer(const std::string& mesh,
+                                                          const proto::PathRequest& request,
+                                                          const ClientGone& client_gone);
+  [[nodiscard]] Result<Answered<proto::TableReply>> answer(const std::string& mesh,
+                                                           const proto::TableRequest& request,
+                                                           const ClientGone& client_gone);
+  // Errors: too_large (levels by `step`, segments).
+  [[nodiscard]] Result<Answered<proto::IsolinesReply>> answer(const std::string& mesh,
+                                                              const proto::IsolinesRequest& request,
+                                                              const ClientGone& client_gone);
+  [[nodiscard]] Result<Answered<proto::SamplesReply>> answer(const std::string& mesh,
+                                                             const proto::SamplesRequest& request,
+                                                             const ClientGone& client_gone);
+  // Errors: value_out_of_range (direction, angle), too_large (length).
+  [[nodiscard]] Result<Answered<proto::TraceReply>> answer(const std::string& mesh,
+                                                           const proto::TraceRequest& request,
+                                                           const ClientGone& client_gone);
+  [[nodiscard]] Result<Answered<proto::NearestReply>> answer(const std::string& mesh,
+                                                             const proto::NearestRequest& request,
+                                                             const ClientGone& client_gone);
 
   // Forgets the fields of a mesh.
-  void forget(const std::string& mesh) { fields_.erase_prefix(mesh); }
+  void forget(const std::string& mesh) { fields_.forget(mesh); }
 
-  [[nodiscard]] CacheStats field_cache() const { return fields_.stats(); }
+  [[nodiscard]] CacheStats field_cache() const { return fields_.cache(); }
 
  private:
-  [[nodiscard]] Result<Field> solve(const Adjacency& adjacency, proto::Method method,
-                                    const std::vector<Source>& sources,
-                                    const FieldLimits& limits, const ClientGone& client_gone);
-  // A field of all vertices up to `max`, from the cache or computed.
-  [[nodiscard]] Result<LruCache<Field>::Lookup> whole_field(
-      const std::string& mesh, const Adjacency& adjacency, proto::Method method,
-      const std::vector<Source>& sources, double max, const ClientGone& client_gone);
+  // The mesh of a request, and its points there.
+  class Place;
+  [[nodiscard]] Result<Place> find(const std::string& mesh, const ClientGone& client_gone);
+  // The same for a query by a method. Errors: too_large (points_per_edge).
+  [[nodiscard]] Result<Place> find(const std::string& mesh, const proto::MethodChoice& method,
+                                   const ClientGone& client_gone);
 
   MeshCatalog& catalog_;
-  ComputePool& pool_;
-  LruCache<Field> fields_;
-  std::vector<WavefrontScratch> scratch_;  // one a compute slot
+  Fields fields_;
 };
 
 }  // namespace geodesic::server

@@ -1,32 +1,39 @@
 #include "server/http_connection.h"
 
+#include <fcntl.h>
 #include <netdb.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <climits>
-#include <cstring>
 
 namespace geodesic::server {
 
 namespace {
 
-constexpr std::size_t read_chunk = 16u << 10;
-
-// Milliseconds for poll, rounded up so that it does not spin at the end.
-int poll_timeout(HttpConnection::Clock::time_point deadline) {
-  if (deadline == HttpConnection::Clock::time_point::max()) return -1;
-  const auto left =
-      std::chrono::ceil<std::chrono::milliseconds>(deadline - HttpConnection::Clock::now());
-  return static_cast<int>(std::clamp<std::chrono::milliseconds::rep>(left.count(), 0, INT_MAX));
-}
+constexpr std::size_t read_chunk = 64u << 10;
+// An idle connection keeps no more than this.
+constexpr std::size_t kept_buffer = 4u << 10;
+// A body up to this is copied behind its head, to leave in one piece.
+constexpr std::size_t copied_body = 16u << 10;
 
 // A head starts with a method; TLS and other protocols do not.
 bool may_start_method(char c) { return c > ' ' && c < 0x7f && c != ':' && c != '"' && c != '/'; }
+
+bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK; }
+
+void give_back(std::string& buffer) {
+  if (buffer.capacity() > kept_buffer) {
+    std::string().swap(buffer);
+  } else {
+    buffer.clear();
+  }
+}
 
 }  // namespace
 
@@ -48,8 +55,10 @@ void PeerWatch::close() {
   socket_ = -1;
 }
 
-HttpConnection::HttpConnection(int socket)
-    : socket_(socket), watch_(std::make_shared<PeerWatch>(socket)) {}
+HttpConnection::HttpConnection(int socket, std::unique_ptr<TlsSession> tls)
+    : socket_(socket), watch_(std::make_shared<PeerWatch>(socket)), tls_(std::move(tls)) {
+  ::fcntl(socket_, F_SETFL, ::fcntl(socket_, F_GETFL) | O_NONBLOCK);
+}
 
 HttpConnection::~HttpConnection() { watch_->close(); }
 
@@ -65,135 +74,155 @@ std::string HttpConnection::peer_address() const {
   return name.data();
 }
 
-bool HttpConnection::wait(short events, Clock::time_point deadline) const {
-  while (true) {
-    pollfd query{socket_, events, 0};
-    const int ready = ::poll(&query, 1, poll_timeout(deadline));
-    if (ready > 0) return true;  // POLLERR and POLLHUP too: the next call tells
-    if (ready < 0 && errno != EINTR) return false;
-    if (ready == 0 && Clock::now() >= deadline) return false;
-  }
-}
+Progress HttpConnection::handshake() { return tls_ ? tls_->handshake() : Progress::done; }
 
-bool HttpConnection::wait_for_request(Milliseconds timeout, const std::function<bool()>& give_up) {
-  if (used_ < buffer_.size()) return true;
-  const Clock::time_point deadline = Clock::now() + timeout;
-  constexpr Milliseconds step{50};
+Progress HttpConnection::read(char* out, std::size_t size, std::size_t& count) {
+  if (tls_) return tls_->read(out, size, count);
   while (true) {
-    const Clock::time_point now = Clock::now();
-    if (wait(POLLIN, std::min(deadline, now + step))) return true;
-    if (give_up() || Clock::now() >= deadline) return false;
-  }
-}
-
-bool HttpConnection::fill(Clock::time_point deadline) {
-  if (used_ == buffer_.size()) {
-    buffer_.clear();
-    used_ = 0;
-  }
-  std::array<char, read_chunk> chunk;
-  while (true) {
-    // Time is looked at even when bytes are there: a trickle must not outlive the deadline.
-    if (!wait(POLLIN, deadline) || Clock::now() > deadline) {
-      timed_out_ = true;
-      return false;
-    }
-    const ssize_t n = ::recv(socket_, chunk.data(), chunk.size(), MSG_DONTWAIT);
+    const ssize_t n = ::recv(socket_, out, size, 0);
     if (n > 0) {
-      buffer_.append(chunk.data(), static_cast<std::size_t>(n));
-      return true;
+      count = static_cast<std::size_t>(n);
+      return Progress::done;
     }
-    if (n < 0 && (errno == EINTR || errno == EAGAIN || errno == EWOULDBLOCK)) continue;
-    closed_ = true;
-    return false;
+    if (n < 0 && errno == EINTR) continue;
+    return n < 0 && would_block(errno) ? Progress::wants_read : Progress::closed;
   }
 }
 
-auto HttpConnection::read_head(std::size_t max_target_bytes, std::size_t max_bytes,
-                               Clock::time_point deadline, std::string& head) -> Head {
+Progress HttpConnection::write(const char* data, std::size_t size, std::size_t& count) {
+  if (tls_) return tls_->write(data, size, count);
+  while (true) {
+    const ssize_t n = ::send(socket_, data, size, MSG_NOSIGNAL);
+    if (n > 0) {
+      count = static_cast<std::size_t>(n);
+      return Progress::done;
+    }
+    if (n < 0 && errno == EINTR) continue;
+    return n < 0 && would_block(errno) ? Progress::wants_write : Progress::closed;
+  }
+}
+
+void HttpConnection::use(std::size_t bytes) {
+  used_ += bytes;
+  searched_ = 0;
+  if (used_ == buffer_.size()) {
+    used_ = 0;
+    give_back(buffer_);
+  }
+}
+
+Progress HttpConnection::receive(std::size_t most) {
+  std::array<char, read_chunk> chunk;
+  std::size_t count = 0;
+  const Progress progress = read(chunk.data(), std::min(most, chunk.size()), count);
+  if (progress == Progress::done) {
+    if (used_ != 0) {
+      buffer_.erase(0, used_);
+      used_ = 0;
+    }
+    buffer_.append(chunk.data(), count);
+  }
+  return progress;
+}
+
+auto HttpConnection::find_head(std::size_t max_target_bytes, std::size_t max_bytes,
+                               std::size_t& size) -> Head {
+  // Empty lines before a request are to be ignored (RFC 9112, 2.2).
+  std::size_t skipped = 0;
+  while (searched_ == 0 && arrived().substr(skipped, 2) == "\r\n") skipped += 2;
+  if (skipped != 0) use(skipped);
+
+  const std::string_view bytes = arrived();
+  size = bytes.size();
+  if (bytes.empty() || bytes == "\r") return Head::incomplete;
+  if (!may_start_method(bytes.front())) return Head::complete;
+  // The end may straddle what was searched before.
+  const std::size_t end = bytes.find("\r\n\r\n", searched_ < 3 ? 0 : searched_ - 3);
+  if (end != std::string_view::npos && end + 4 <= max_bytes) {
+    size = end + 4;
+    return Head::complete;
+  }
   // Beside the target, a request line holds a method and a version.
   const std::size_t max_line = max_target_bytes + 64;
-  std::size_t searched = 0;
-  const auto give = [&](Head outcome, std::size_t size) {
-    head.assign(buffer_, used_, size);
-    used_ += head.size();
-    return outcome;
-  };
+  const bool line_complete = bytes.substr(0, max_line).find("\r\n") != std::string_view::npos;
+  if (!line_complete && bytes.size() > max_line) return Head::target_too_long;
+  if (bytes.size() > max_bytes) return Head::too_long;
+  searched_ = bytes.size();
+  return Head::incomplete;
+}
+
+void HttpConnection::queue(std::string_view bytes) { out_ += bytes; }
+
+void HttpConnection::queue(std::shared_ptr<const std::string> bytes) {
+  if (bytes->size() <= copied_body) {
+    out_ += *bytes;
+  } else {
+    body_ = std::move(bytes);
+    body_sent_ = 0;
+  }
+}
+
+std::uint64_t HttpConnection::unsent() const {
+  return out_.size() - out_sent_ + (body_ ? body_->size() - body_sent_ : 0);
+}
+
+Progress HttpConnection::send() {
   while (true) {
-    // Empty lines before a request are to be ignored (RFC 9112, 2.2).
-    while (searched == 0 && buffer_.compare(used_, 2, "\r\n") == 0) used_ += 2;
-    const std::string_view arrived = std::string_view(buffer_).substr(used_);
-    if (!arrived.empty() && arrived != "\r") {
-      if (!may_start_method(arrived.front())) return give(Head::complete, arrived.size());
-      // The end may straddle what was searched before.
-      const std::size_t end = arrived.find("\r\n\r\n", searched < 3 ? 0 : searched - 3);
-      if (end != std::string_view::npos && end + 4 <= max_bytes) {
-        return give(Head::complete, end + 4);
-      }
-      const bool line_complete = arrived.substr(0, max_line).find("\r\n") != std::string_view::npos;
-      if (!line_complete && arrived.size() > max_line) {
-        return give(Head::target_too_long, arrived.size());
-      }
-      if (arrived.size() > max_bytes) return give(Head::too_long, arrived.size());
-      searched = arrived.size();
+    std::size_t count = 0;
+    Progress progress = Progress::done;
+    if (out_sent_ < out_.size()) {
+      progress = write(out_.data() + out_sent_, out_.size() - out_sent_, count);
+      out_sent_ += count;
+    } else if (body_ && body_sent_ < body_->size()) {
+      progress = write(body_->data() + body_sent_, body_->size() - body_sent_, count);
+      body_sent_ += count;
+    } else {
+      break;
     }
-    if (!fill(deadline)) {
-      return give(timed_out_ ? Head::timed_out : Head::closed, std::string::npos);
-    }
+    bytes_sent_ += count;
+    if (progress != Progress::done) return progress;
   }
+  give_back(out_);
+  out_sent_ = 0;
+  body_.reset();
+  return Progress::done;
 }
 
-ssize_t HttpConnection::read(char* out, std::size_t size) {
-  if (refused_ || size == 0) return -1;
-  if (used_ == buffer_.size()) {
-    // Large reads bypass the buffer.
-    while (size >= read_chunk) {
-      if (!wait(POLLIN, read_deadline_) || Clock::now() > read_deadline_) {
-        timed_out_ = true;
-        return -1;
-      }
-      const ssize_t n = ::recv(socket_, out, size, MSG_DONTWAIT);
-      if (n < 0 && (errno == EINTR || errno == EAGAIN || errno == EWOULDBLOCK)) continue;
-      if (n <= 0) closed_ = true;
-      return n;
-    }
-    if (!fill(read_deadline_)) return closed_ ? 0 : -1;
-  }
-  const std::size_t n = std::min(size, buffer_.size() - used_);
-  std::memcpy(out, buffer_.data() + used_, n);
-  used_ += n;
-  return static_cast<ssize_t>(n);
-}
-
-void HttpConnection::set_write_limits(Milliseconds stall, Clock::time_point deadline) {
-  stall_ = stall;
-  write_deadline_ = deadline;
-}
-
-ssize_t HttpConnection::write(const char* data, std::size_t size) {
+bool HttpConnection::send_all_waiting(Milliseconds stall, Clock::time_point deadline) {
+  Clock::time_point stalled = Clock::now() + stall;
   while (true) {
-    if (!wait(POLLOUT, std::min(write_deadline_, Clock::now() + stall_))) return -1;
-    const ssize_t n = ::send(socket_, data, size, MSG_DONTWAIT | MSG_NOSIGNAL);
-    if (n > 0) {
-      bytes_sent_ += static_cast<std::uint64_t>(n);
-      return n;
-    }
-    if (n < 0 && (errno == EINTR || errno == EAGAIN || errno == EWOULDBLOCK)) continue;
-    return -1;
+    const std::uint64_t before = bytes_sent_;
+    const Progress progress = send();
+    if (progress == Progress::done) return true;
+    if (progress == Progress::closed) return false;
+    const Clock::time_point now = Clock::now();
+    if (bytes_sent_ != before) stalled = now + stall;
+    const auto left = std::chrono::ceil<Milliseconds>(std::min(stalled, deadline) - now);
+    if (left.count() <= 0) return false;
+    pollfd query{socket_, static_cast<short>(progress == Progress::wants_write ? POLLOUT : POLLIN),
+                 0};
+    ::poll(&query, 1, static_cast<int>(std::min<Milliseconds::rep>(left.count(), INT_MAX)));
   }
 }
 
-void HttpConnection::linger(bool more_may_come) {
+void HttpConnection::say_goodbye() {
+  if (tls_) tls_->say_goodbye();
   ::shutdown(socket_, SHUT_WR);
-  pollfd query{socket_, POLLIN, 0};
-  if (!more_may_come && ::poll(&query, 1, 0) <= 0) return;
-  const Clock::time_point deadline = Clock::now() + std::chrono::seconds(1);
-  std::array<char, read_chunk> discarded;
-  while (wait(POLLIN, deadline) && Clock::now() < deadline) {
-    const ssize_t n = ::recv(socket_, discarded.data(), discarded.size(), MSG_DONTWAIT);
-    if (n == 0) return;
-    if (n < 0 && errno != EINTR && errno != EAGAIN && errno != EWOULDBLOCK) return;
+}
+
+Progress HttpConnection::discard(std::size_t most) {
+  use(arrived().size());
+  std::array<char, read_chunk> nobody;
+  while (most > 0) {
+    // Beneath TLS: what it says is of no interest any more.
+    const ssize_t n = ::recv(socket_, nobody.data(), std::min(most, nobody.size()), 0);
+    if (n == 0) return Progress::closed;
+    if (n < 0 && errno != EINTR) {
+      return would_block(errno) ? Progress::wants_read : Progress::closed;
+    }
+    if (n > 0) most -= static_cast<std::size_t>(n);
   }
+  return Progress::wants_read;
 }
 
 }  // namespace geodesic::server

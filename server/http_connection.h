@@ -1,19 +1,20 @@
-// One accepted TCP connection: buffered reading and writing against deadlines.
-// It knows where a request's head ends, and nothing else of HTTP. Deadlines are
-// absolute, so a peer that sends a byte a second gains nothing by it. Bytes
-// after a request stay in the buffer for the next one (pipelining).
+// One accepted TCP connection, plain or TLS: what has arrived and was not used
+// yet, and what is to be sent and was not taken yet. Nothing here waits, but for
+// `send_all_waiting`; whoever drives a connection waits for the socket in between.
+// It knows where a request's head ends, and nothing else of HTTP. Bytes after a
+// request stay for the next one (pipelining).
 #pragma once
-
-#include <sys/types.h>
 
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
+
+#include "server/http_progress.h"
+#include "server/http_tls.h"
 
 namespace geodesic::server {
 
@@ -24,7 +25,7 @@ class PeerWatch {
   explicit PeerWatch(int socket) : socket_(socket) {}
   // The peer has closed, or half-closed, its end; or the connection is closed.
   [[nodiscard]] bool gone() const;
-  // Ends all reading and writing at once; the connection's thread notices.
+  // Ends all reading and writing at once; whoever waits for the socket wakes up.
   void cut() const;
   // Closes the socket.
   void close();
@@ -39,7 +40,8 @@ class HttpConnection {
   using Clock = std::chrono::steady_clock;
   using Milliseconds = std::chrono::milliseconds;
 
-  explicit HttpConnection(int socket);  // takes the socket over
+  // Takes the socket over. `tls` null: plain.
+  explicit HttpConnection(int socket, std::unique_ptr<TlsSession> tls = nullptr);
   ~HttpConnection();
   HttpConnection(const HttpConnection&) = delete;
   HttpConnection& operator=(const HttpConnection&) = delete;
@@ -48,54 +50,55 @@ class HttpConnection {
   [[nodiscard]] int socket() const { return socket_; }
   [[nodiscard]] std::string peer_address() const;  // without the port; "" if unknown
 
-  // Waits until there is a byte to read; false when `timeout` is over, the peer
-  // has closed or `give_up` says so (asked every 50 ms).
-  [[nodiscard]] bool wait_for_request(Milliseconds timeout, const std::function<bool()>& give_up);
+  // To be done before anything else; `done` at once if plain.
+  [[nodiscard]] Progress handshake();
 
-  enum class Head { complete, target_too_long, too_long, timed_out, closed };
-  // Reads up to and including the empty line that ends a head; the bytes (of
-  // whatever came, if it is not complete) are in `head`.
-  [[nodiscard]] Head read_head(std::size_t max_target_bytes, std::size_t max_bytes,
-                               Clock::time_point deadline, std::string& head);
+  // What has arrived and was not used.
+  [[nodiscard]] std::string_view arrived() const { return std::string_view(buffer_).substr(used_); }
+  void use(std::size_t bytes);
+  // Adds up to `most` bytes of what the socket has; at least one when done.
+  // `wants_read` only if nothing more can be had without waiting.
+  [[nodiscard]] Progress receive(std::size_t most);
 
-  // Applies to `read` from here on.
-  void set_read_deadline(Clock::time_point deadline) { read_deadline_ = deadline; }
-  // Up to `size` bytes; 0: the peer has closed; -1: the deadline is over (then
-  // `timed_out()`), an error, or reading was refused.
-  [[nodiscard]] ssize_t read(char* out, std::size_t size);
-  [[nodiscard]] bool timed_out() const { return timed_out_; }
-  [[nodiscard]] bool closed() const { return closed_; }
-  // Lets every further `read` fail: what comes is no longer of interest.
-  void refuse_reads() { refused_ = true; }
+  enum class Head : std::uint8_t { complete, incomplete, target_too_long, too_long };
+  // Looks for the empty line that ends a head in what has arrived. `size` is that
+  // of the head, or of all that has arrived if it is not complete.
+  [[nodiscard]] Head find_head(std::size_t max_target_bytes, std::size_t max_bytes,
+                               std::size_t& size);
 
-  // Applies to `write` from here on: each byte sent buys `stall` more time, but
-  // never beyond `deadline`.
-  void set_write_limits(Milliseconds stall, Clock::time_point deadline);
-  // Sends some of the bytes, at least one; -1 on error or when time is over.
-  [[nodiscard]] ssize_t write(const char* data, std::size_t size);
+  // To be sent after what was queued before. The second form does not copy (nor
+  // may anything be queued after it until it is sent).
+  void queue(std::string_view bytes);
+  void queue(std::shared_ptr<const std::string> bytes);
+  [[nodiscard]] std::uint64_t unsent() const;
+  // Sends what the socket takes; done: nothing is left.
+  [[nodiscard]] Progress send();
+  // The same, but waits for the socket: each byte sent buys `stall` more time, but
+  // never beyond `deadline`. False on error or when time is over.
+  [[nodiscard]] bool send_all_waiting(Milliseconds stall, Clock::time_point deadline);
   [[nodiscard]] std::uint64_t bytes_sent() const { return bytes_sent_; }
 
-  // Says goodbye so that the peer can still read the reply: closing with unread
-  // bytes would reset the connection and may destroy what is on its way. Reads
-  // and discards for a second at the most, and only if something is unread.
-  void linger(bool more_may_come);
+  // No more is going to be sent. Reading goes on.
+  void say_goodbye();
+  // Reads up to `most` bytes for nobody; `wants_read`: more may come.
+  [[nodiscard]] Progress discard(std::size_t most);
 
  private:
-  // Waits for `events` (of poll); false when the deadline is over or on error.
-  [[nodiscard]] bool wait(short events, Clock::time_point deadline) const;
-  // Appends what has arrived to the buffer; false: closed, error or deadline.
-  [[nodiscard]] bool fill(Clock::time_point deadline);
+  [[nodiscard]] Progress read(char* out, std::size_t size, std::size_t& count);
+  [[nodiscard]] Progress write(const char* data, std::size_t size, std::size_t& count);
 
   const int socket_;
   const std::shared_ptr<PeerWatch> watch_;
+  const std::unique_ptr<TlsSession> tls_;
+
   std::string buffer_;
-  std::size_t used_ = 0;  // bytes of the buffer already handed out
-  Clock::time_point read_deadline_ = Clock::time_point::max();
-  Clock::time_point write_deadline_ = Clock::time_point::max();
-  Milliseconds stall_{10000};
-  bool timed_out_ = false;
-  bool closed_ = false;
-  bool refused_ = false;
+  std::size_t used_ = 0;      // bytes of the buffer already handed out
+  std::size_t searched_ = 0;  // bytes after those that hold no end of a head
+
+  std::string out_;
+  std::size_t out_sent_ = 0;
+  std::shared_ptr<const std::string> body_;  // follows `out_`
+  std::size_t body_sent_ = 0;
   std::uint64_t bytes_sent_ = 0;
 };
 

@@ -1,5 +1,11 @@
 #include "server/http_exchange.h"
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
+
+#include <algorithm>
+#include <cstdint>
+
 #include "server/request_log.h"
 
 namespace geodesic::server {
@@ -12,46 +18,46 @@ void judge_body(const HttpOptions& options, Exchange& exchange) {
   if (!head.chunked && head.body_bytes == 0) return;
   const std::string* const coding = head.header("Content-Encoding");
   if (coding != nullptr && !coding->empty() && !equals_ignoring_case(*coding, "identity")) {
-    exchange.refused = HeadError{
-        Error{ErrorCode::unsupported, "bodies must not be compressed", "Content-Encoding", {}, {}},
-        415};
+    exchange.refuse(
+        {ErrorCode::unsupported, "bodies must not be compressed", "Content-Encoding", {}, {}}, 415);
     return;
   }
   exchange.body_limit = options.max_body(exchange.request.method, exchange.request.path);
   if (head.body_bytes > exchange.body_limit) {
-    exchange.refused = HeadError{Error{
-        ErrorCode::too_large, "the body is too large", {}, exchange.body_limit, head.body_bytes}};
+    exchange.refuse(
+        {ErrorCode::too_large, "the body is too large", {}, exchange.body_limit, head.body_bytes});
   }
 }
 
 }  // namespace
 
-bool receive_head(const HttpOptions& options, Exchange& exchange) {
-  std::string bytes;
-  const auto outcome =
-      exchange.connection.read_head(options.max_target_bytes, options.max_head_bytes,
-                                    HttpConnection::Clock::now() + options.head_timeout, bytes);
+void judge_head(const HttpOptions& options, HttpConnection::Head outcome, std::string_view bytes,
+                const std::string& remote, Exchange& exchange) {
   exchange.begin = HttpConnection::Clock::now();
   const HeadLimits limits{options.max_target_bytes, options.max_header_count};
   exchange.refused = parse_head(bytes, limits, exchange.head);
-  const auto refuse = [&](ErrorCode code, const char* detail, int status,
-                          std::optional<std::uint64_t> limit = {}) {
-    exchange.refused = HeadError{Error{code, detail, {}, limit, {}}, status};
-  };
   switch (outcome) {
     case HttpConnection::Head::complete:
       break;
-    case HttpConnection::Head::closed:
-      return false;
-    case HttpConnection::Head::timed_out:
-      refuse(ErrorCode::request_timeout, "the request's head did not arrive in time", 0);
+    case HttpConnection::Head::incomplete:
+      exchange.refuse(
+          {ErrorCode::request_timeout, "the request's head did not arrive in time", {}, {}, {}});
       break;
     case HttpConnection::Head::target_too_long:
-      refuse(ErrorCode::too_large, "the request target is too long", 414, options.max_target_bytes);
+      exchange.refuse({ErrorCode::too_large,
+                       "the request target is too long",
+                       {},
+                       options.max_target_bytes,
+                       {}},
+                      414);
       break;
     case HttpConnection::Head::too_long:
-      refuse(ErrorCode::too_large, "the request's headers are too long", 431,
-             options.max_head_bytes);
+      exchange.refuse({ErrorCode::too_large,
+                       "the request's headers are too long",
+                       {},
+                       options.max_head_bytes,
+                       {}},
+                      431);
       break;
   }
 
@@ -63,12 +69,25 @@ bool receive_head(const HttpOptions& options, Exchange& exchange) {
   request.target = head.target;
   request.path = std::move(head.path);
   request.query = std::move(head.query);
-  request.client_gone = [watch = exchange.connection.watch()] { return watch->gone(); };
+  request.remote = remote;
+  request.client_gone.client = client_of(remote);
+  request.client_gone.gone = [watch = exchange.connection.watch()] { return watch->gone(); };
   if (!exchange.refused) judge_body(options, exchange);
   request.headers = std::move(head.headers);
   // Whatever a refused request sent next is not a request.
   exchange.body_unread = exchange.refused.has_value();
-  return true;
+  exchange.close = exchange.refused || !head.keep_alive;
+}
+
+std::string client_of(const std::string& address) {
+  in6_addr bytes{};
+  const std::string bare = address.substr(0, address.find('%'));  // without the interface
+  if (::inet_pton(AF_INET6, bare.c_str(), &bytes) != 1) return address;
+  if (IN6_IS_ADDR_V4MAPPED(&bytes)) return address;
+  std::fill(bytes.s6_addr + 8, bytes.s6_addr + 16, std::uint8_t{0});
+  char text[INET6_ADDRSTRLEN];
+  return ::inet_ntop(AF_INET6, &bytes, text, sizeof text) == nullptr ? address
+                                                                     : std::string(text) + "/64";
 }
 
 }  // namespace geodesic::server

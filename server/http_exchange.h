@@ -1,16 +1,18 @@
-// One request on its way through the edge, and the first of its three steps:
-// the head is received and judged, before a byte of the body is read. (The
-// other two, body and reply, are with cpp-httplib in http_server.cpp.)
+// One request on its way through the edge, and what its head says of it before a
+// byte of the body is read.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "server/http_connection.h"
 #include "server/http_head.h"
 #include "server/http_message.h"
-#include "server/http_server.h"
+#include "server/http_options.h"
 
 namespace geodesic::server {
 
@@ -23,16 +25,27 @@ struct Exchange {
   std::uint64_t body_limit = 0;
   bool close = false;        // after the reply
   bool body_unread = false;  // bytes of it may still come
-  int status = 0;
-  std::uint64_t reply_bytes = 0;
-  bool omit_length = false;  // a reply that has no Content-Length, not even 0
-  std::string route;
-  std::uint64_t charged = 0;  // of the bodies in flight
   HttpConnection::Clock::time_point begin = HttpConnection::Clock::now();
+
+  // Of the reply.
+  int status = 0;
+  bool omit_length = false;                       // a reply that has no Content-Length, not even 0
+  std::shared_ptr<const std::string> reply_body;  // follows the head; null: none, or streamed
+  std::uint64_t reply_charged = 0;                // of the replies in flight
+  bool streams = false;                           // its bytes are sent as they are made
+  bool failed = false;                            // it could not be sent, or not all of it
+  std::string route;
+
+  void refuse(Error error, int status = 0) { refused = HeadError{std::move(error), status}; }
 };
 
-// Reads and judges a head; `refused` says why, if it was. False: the peer left,
-// there is nobody to answer.
-[[nodiscard]] bool receive_head(const HttpOptions& options, Exchange& exchange);
+// Judges a head, or what came instead of one; `refused` says what is wrong.
+// `remote` is the peer's address.
+void judge_head(const HttpOptions& options, HttpConnection::Head outcome, std::string_view bytes,
+                const std::string& remote, Exchange& exchange);
+
+// What stands for the peer of that address in queues: itself, or its network in
+// IPv6, where one subscriber has 2^64 addresses (a /64).
+[[nodiscard]] std::string client_of(const std::string& address);
 
 }  // namespace geodesic::server

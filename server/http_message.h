@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "server/caller.h"
 
 namespace geodesic::server {
 
@@ -24,10 +25,11 @@ struct HttpRequest {
   std::string body;                // raw
   std::string remote;              // the peer's address, without the port
   std::string id;  // X-Request-Id if it was sane ([A-Za-z0-9._-]{1,64}), else one of ours
-  // Whether the peer has hung up or closed its sending half (or the server stops without further
-  // grace). Costs a system call; never blocks; may be called from any thread, also after the reply
-  // (then it answers true once the connection is closed).
-  std::function<bool()> client_gone = [] { return false; };
+  // Whose turn in queues it is, and whether the peer has hung up or closed its sending half (or
+  // the server stops without further grace): a system call that never blocks, may be asked by any
+  // thread, also after the reply (then it answers true once the connection is closed). The edge
+  // sets no deadline; whoever reads one in the request may.
+  Caller client_gone;
 
   // The first header of that name, whatever its case; null if there is none.
   [[nodiscard]] const std::string* header(std::string_view name) const;

@@ -12,54 +12,23 @@
 //    request's id;
 //  - HEAD is the handler's GET with the body left out: handlers need not care.
 //
-// Threads: a connection holds one I/O thread for as long as it lives. So there
-// are many, keep-alive is short, and connections that idle are closed when
-// others wait for a thread. Handlers run on I/O threads; heavy work belongs in
-// the compute pool.
+// Threads: one accepts. A connection whose client must act next (idle, or slow in
+// its head, its body or in taking a reply) holds none; a request in the handler
+// holds one. Handlers may block, as for a compute slot; heavy work belongs there.
 #pragma once
 
 #include <chrono>
-#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include "core/error.h"
 #include "server/http_message.h"
+#include "server/http_options.h"
 
 namespace geodesic::server {
 
 using HttpHandler = std::function<HttpResponse(HttpRequest&)>;
-
-struct HttpOptions {
-  std::string host = "127.0.0.1";  // a name or an address (IPv6 without brackets)
-  int port = 0;                    // 0: any free one
-
-  std::size_t io_threads = 64;          // started at once …
-  std::size_t max_io_threads = 512;     // … and how many they may become
-  std::size_t max_waiting = 1024;       // accepted connections without a thread; more are closed
-  std::size_t keep_alive_count = 1000;  // requests a connection
-
-  // The most bytes a body may have.
-  std::function<std::uint64_t(std::string_view method, std::string_view path)> max_body =
-      [](std::string_view, std::string_view) { return std::uint64_t{8} << 20; };
-  // Bytes of all bodies being received at once; more are answered 503. 0: no bound.
-  std::uint64_t max_bodies_in_flight = std::uint64_t{2} << 30;
-  std::size_t max_target_bytes = 8192;     // of the raw path and query: 414
-  std::size_t max_head_bytes = 32u << 10;  // of request line and headers: 431
-  std::size_t max_header_count = 100;      // 431
-
-  std::chrono::milliseconds keep_alive{5000};      // idle between requests
-  std::chrono::milliseconds head_timeout{10000};   // from a head's first byte to its last: 408
-  std::chrono::milliseconds body_timeout{60000};   // for an entire body, whatever the trickle: 408
-  std::chrono::milliseconds write_timeout{10000};  // no byte of a reply could be sent
-  std::uint64_t min_send_rate = 16u << 10;  // bytes a second a client must take on average; 0: any
-};
 
 class HttpServer {
  public:
@@ -80,8 +49,8 @@ class HttpServer {
   bool stop(std::chrono::milliseconds grace);
 
   struct Stats {
-    std::uint64_t connections = 0;  // open now, those without a thread included
-    std::uint64_t waiting = 0;      // accepted, but without a thread
+    std::uint64_t connections = 0;  // open now
+    std::uint64_t threads = 0;      // that serve them
     std::uint64_t running = 0;      // requests in the handler now
     std::uint64_t requests = 0;     // answered since the start
     std::uint64_t body_bytes = 0;   // of bodies being received or handled now

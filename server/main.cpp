@@ -1,5 +1,6 @@
 // geodesicd: geodesic distances and shortest paths on triangle meshes, over HTTP.
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -9,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,23 +19,49 @@
 #include "server/config.h"
 #include "server/field_queries.h"
 #include "server/http_server.h"
+#include "server/http_tls.h"
 #include "server/mesh_catalog.h"
 #include "server/mesh_store.h"
+#include "server/open_store.h"
 #include "server/routes.h"
+#include "server/store_monitor.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
 
 namespace {
 
-HttpOptions http_options(const Config& config, const Address& address, const Routes& routes) {
+// Allows as many open files as the system lets us. Returns for how many connections
+// that is enough.
+std::uint64_t allow_connections(std::uint64_t wanted) {
+  constexpr rlim_t other_files = 256;
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return wanted;
+  const rlim_t needed = std::max<rlim_t>(wanted + other_files, limit.rlim_cur);
+  limit.rlim_cur = std::min(limit.rlim_max, needed);
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= wanted + other_files) {
+    return wanted;
+  }
+  const rlim_t possible =
+      limit.rlim_cur > 2 * other_files ? limit.rlim_cur - other_files : limit.rlim_cur / 2;
+  spdlog::warn("the limit of open files allows {} connections only", possible);
+  return possible;
+}
+
+HttpOptions http_options(const Config& config, const Address& address, const Routes& routes,
+                         std::uint64_t slots, std::uint64_t connections) {
   HttpOptions options;
   options.host = address.host;
   options.port = address.port;
   options.io_threads = config.io_threads;
-  options.max_io_threads = 8 * config.io_threads;
+  // Each computation that runs or waits holds a thread: there must be others, which
+  // tell the next client that the queue is full.
+  options.max_io_threads = config.io_threads + config.queue + slots + 64;
+  options.max_connections = connections;
   options.keep_alive = std::chrono::seconds(config.keep_alive_seconds);
   options.body_timeout = std::chrono::seconds(config.body_timeout_seconds);
+  options.min_receive_rate = config.min_upload_rate;
   options.max_body = [&routes](std::string_view method, std::string_view path) {
     return routes.max_body(method, path);
   };
@@ -73,12 +101,27 @@ int wait_for_signal(const sigset_t& signals) {
 }
 
 int serve(const Config& config, const sigset_t& stop_signals) {
-  auto store = MeshStore::open(config.store);
+  StoreBudget budget;
+  budget.max_bytes = config.store_max_bytes;
+  budget.when_full = config.store_when_full == "evict" ? WhenFull::evict : WhenFull::refuse;
+  auto store = open_store(config.store, budget, process_environment());
   if (!store) {
     spdlog::critical("{}", store.error().detail);
     return 1;
   }
-  ComputePool pool(config.compute_threads, config.queue);
+  const StoreMonitor monitor(**store, std::chrono::seconds(5));
+  std::shared_ptr<TlsContext> tls;
+  if (!config.tls_cert.empty()) {
+    auto loaded = TlsContext::load(config.tls_cert, config.tls_key);
+    if (!loaded) {
+      spdlog::critical("{}", loaded.error().detail);
+      return 1;
+    }
+    tls = std::move(*loaded);
+  }
+  ComputePool pool(config.compute_threads,
+                   ComputePool::QueueLimits{config.queue, config.queue_per_client,
+                                            std::chrono::seconds(config.queue_seconds)});
   CatalogLimits limits;
   limits.decode.max_vertices = config.max_vertices;
   limits.decode.max_faces = config.max_faces;
@@ -89,9 +132,17 @@ int serve(const Config& config, const sigset_t& stop_signals) {
   Routes routes(config, catalog, queries, pool);
   if (!config.samples.empty()) add_samples(config.samples, catalog);
 
-  HttpServer api(http_options(config, config.listen, routes),
+  const std::uint64_t connections = allow_connections(config.max_connections);
+  HttpOptions api_options = http_options(config, config.listen, routes, pool.slots(), connections);
+  api_options.tls = tls;
+  // A listener of its own has threads and places of its own: probes are answered
+  // however busy the API is.
+  HttpOptions admin_options = http_options(config, config.admin_listen, routes, 0, 64);
+  admin_options.io_threads = 2;
+  admin_options.max_io_threads = 16;
+  HttpServer api(std::move(api_options),
                  [&](HttpRequest& request) { return routes.answer(request); });
-  HttpServer admin(http_options(config, config.admin_listen, routes),
+  HttpServer admin(std::move(admin_options),
                    [&](HttpRequest& request) { return routes.answer_admin(request); });
   if (!config.admin_listen.host.empty()) {
     const auto port = admin.start();
@@ -107,10 +158,17 @@ int serve(const Config& config, const sigset_t& stop_signals) {
     return 1;
   }
   // Scripts wait for this line.
-  std::printf("listening on http://%s:%d\n", config.listen.host.c_str(), *port);
+  std::printf("listening on %s://%s:%d\n", tls ? "https" : "http", config.listen.host.c_str(),
+              *port);
   std::fflush(stdout);
 
-  const int signal = wait_for_signal(stop_signals);
+  int signal;
+  while ((signal = wait_for_signal(stop_signals)) == SIGHUP) {
+    if (!tls) continue;
+    const auto reloaded = tls->reload();
+    spdlog::log(reloaded ? spdlog::level::info : spdlog::level::err, "certificate: {}",
+                reloaded ? "read again" : reloaded.error().detail);
+  }
   spdlog::info("signal {}: draining", signal);
   routes.start_draining();
   const bool complete = api.stop(std::chrono::seconds(config.drain_seconds));
@@ -139,7 +197,10 @@ int main(int argc, char** argv) {
     sigemptyset(&stop_signals);
     sigaddset(&stop_signals, SIGTERM);
     sigaddset(&stop_signals, SIGINT);
+    sigaddset(&stop_signals, SIGHUP);
     pthread_sigmask(SIG_BLOCK, &stop_signals, nullptr);
+    // A file over a limit on sizes is an error of that write, not the end of the process.
+    std::signal(SIGXFSZ, SIG_IGN);
     return serve(command->config, stop_signals);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "geodesicd: %s\n", error.what());

@@ -58,41 +58,51 @@ MeshCatalog::MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimit
 
 Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const ClientGone& client_gone) {
   const std::string id = sha256_hex(bytes);
-  const auto known = [&]() -> Result<Upload> {
+  const auto stored = store_.is_stored(id);
+  if (!stored) return fail(stored.error());
+  if (*stored) {
     auto description = metadata(id, client_gone);
-    if (!description) return fail(std::move(description.error()));
-    return Upload{id, std::move(*description), false};
-  };
-  if (store_.contains(id)) return known();
+    if (description) return Upload{id, std::move(*description), false};
+    // Removed since, or found damaged: then this upload puts it back.
+    const ErrorCode code = description.error().code;
+    if (code != ErrorCode::mesh_unknown && code != ErrorCode::store_corrupt) {
+      return fail(std::move(description.error()));
+    }
+  }
 
-  const auto upload = uploads_.get_or_create(id, [&] {
-    return pool_.run(
-        [&](Worker&) -> Result<std::shared_ptr<const Upload>> {
-          auto built = build(bytes, limits_.decode);
-          if (!built) return fail(std::move(built.error()));
-          // The description tells of the topology, so the adjacency is made now, and kept.
-          const auto adjacency = std::make_shared<const Adjacency>(Adjacency::build(built->mesh));
-          const std::string description = proto::describe_mesh(id, bytes.size(), built->decoded,
-                                                               *built->mesh, adjacency->report());
-          auto complete = proto::with_state(description, true, true);
-          if (!complete) return fail(std::move(complete.error()));
-          if (auto stored = store_.put(id, bytes, description); !stored) {
-            return fail(std::move(stored.error()));
-          }
-          // The caches save the first query the work. A load that began before the mesh
-          // was stored may hand its own failure on: then that query does it after all.
-          (void)meshes_.get_or_create(
-              id, [&]() -> Result<std::shared_ptr<const Mesh>> { return built->mesh; });
-          (void)prepared_.get_or_create(adjacency_key(id),
-                                        [&]() -> Result<std::shared_ptr<const Prepared>> {
-                                          return std::make_shared<const Prepared>(adjacency);
-                                        });
-          return std::make_shared<const Upload>(Upload{id, std::move(*complete), true});
-        },
-        client_gone);
+  const auto upload = uploads_.get_or_create(id, [&]() -> Result<std::shared_ptr<const Upload>> {
+    auto described = pool_.run([&](Worker&) { return describe(id, bytes); }, client_gone);
+    if (!described) return fail(std::move(described.error()));
+    auto complete = proto::with_state(described->description, true, true);
+    if (!complete) return fail(std::move(complete.error()));
+    // Not in a compute slot: a slow store must not keep queries from theirs.
+    if (auto put = store_.put(id, bytes, described->description); !put) {
+      return fail(std::move(put.error()));
+    }
+    // The caches save the first query the work. A load that began before the mesh
+    // was stored may hand its own failure on: then that query does it after all.
+    (void)meshes_.get_or_create(
+        id, [&]() -> Result<std::shared_ptr<const Mesh>> { return described->mesh; });
+    (void)prepared_.get_or_create(adjacency_key(id),
+                                  [&]() -> Result<std::shared_ptr<const Prepared>> {
+                                    return std::make_shared<const Prepared>(described->adjacency);
+                                  });
+    return std::make_shared<const Upload>(Upload{id, std::move(*complete), true});
   });
   if (!upload) return fail(upload.error());
   return *upload->value;
+}
+
+// Runs on a compute worker. The description tells of the topology, so the adjacency
+// is made, and kept by who can use it.
+Result<MeshCatalog::Described> MeshCatalog::describe(const std::string& id,
+                                                     const std::string& bytes) const {
+  auto built = build(bytes, limits_.decode);
+  if (!built) return fail(std::move(built.error()));
+  auto adjacency = std::make_shared<const Adjacency>(Adjacency::build(built->mesh));
+  std::string description =
+      proto::describe_mesh(id, bytes.size(), built->decoded, *built->mesh, adjacency->report());
+  return Described{std::move(built->mesh), std::move(adjacency), std::move(description)};
 }
 
 Result<std::string> MeshCatalog::metadata(const std::string& id, const ClientGone& client_gone) {
@@ -109,19 +119,12 @@ Result<std::string> MeshCatalog::metadata(const std::string& id, const ClientGon
 // An upload that was cut off between the two files has left the bytes alone.
 Result<std::string> MeshCatalog::described_anew(const std::string& id,
                                                 const ClientGone& client_gone) {
-  return pool_.run(
-      [&](Worker&) -> Result<std::string> {
-        const auto bytes = store_.get_source(id);
-        if (!bytes) return fail(bytes.error());
-        const auto built = build(*bytes, limits_.decode);
-        if (!built) return fail(built.error());
-        const Adjacency adjacency = Adjacency::build(built->mesh);
-        std::string description = proto::describe_mesh(id, bytes->size(), built->decoded,
-                                                       *built->mesh, adjacency.report());
-        if (auto put = store_.put_metadata(id, description); !put) return fail(put.error());
-        return description;
-      },
-      client_gone);
+  const auto bytes = store_.get_source(id);
+  if (!bytes) return fail(bytes.error());
+  auto described = pool_.run([&](Worker&) { return describe(id, *bytes); }, client_gone);
+  if (!described) return fail(std::move(described.error()));
+  if (auto put = store_.put_metadata(id, described->description); !put) return fail(put.error());
+  return std::move(described->description);
 }
 
 Result<std::string> MeshCatalog::source(const std::string& id) { return store_.get_source(id); }
@@ -139,14 +142,20 @@ std::vector<std::string> MeshCatalog::list(std::string_view after, std::size_t l
   return store_.list(after, limit);
 }
 
-// Runs on a compute worker.
-Result<std::shared_ptr<const Mesh>> MeshCatalog::load_mesh(const std::string& id) {
+// Reads on the caller's thread and decodes on a compute worker's: a slow store must
+// not keep queries on other meshes from their slots.
+Result<std::shared_ptr<const Mesh>> MeshCatalog::load_mesh(const std::string& id,
+                                                           const ClientGone& client_gone) {
   auto mesh = meshes_.get_or_create(id, [&]() -> Result<std::shared_ptr<const Mesh>> {
     const auto bytes = store_.get_source(id);
     if (!bytes) return fail(bytes.error());
-    auto built = build(*bytes, limits_.decode);
-    if (!built) return fail(std::move(built.error()));
-    return built->mesh;
+    return pool_.run(
+        [&](Worker&) -> Result<std::shared_ptr<const Mesh>> {
+          auto built = build(*bytes, limits_.decode);
+          if (!built) return fail(std::move(built.error()));
+          return built->mesh;
+        },
+        client_gone);
   });
   if (!mesh) return fail(std::move(mesh.error()));
   return mesh->value;
@@ -154,17 +163,22 @@ Result<std::shared_ptr<const Mesh>> MeshCatalog::load_mesh(const std::string& id
 
 Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency(const std::string& id,
                                                                 const ClientGone& client_gone) {
-  if (!store_.contains(id)) return unknown_mesh();
-  const auto prepared = prepared_.get_or_create(adjacency_key(id), [&] {
-    return pool_.run(
-        [&](Worker&) -> Result<std::shared_ptr<const Prepared>> {
-          auto mesh = load_mesh(id);
-          if (!mesh) return fail(std::move(mesh.error()));
-          return std::make_shared<const Prepared>(
-              std::make_shared<const Adjacency>(Adjacency::build(std::move(*mesh))));
-        },
-        client_gone);
-  });
+  const auto known = store_.use(id);
+  if (!known) return fail(known.error());
+  // Damage on the disk is no reason to refuse what is whole in memory.
+  const bool is_resident = store_.is_damaged(id) && prepared_.peek(adjacency_key(id));
+  if (!*known && !is_resident) return unknown_mesh();
+  const auto prepared =
+      prepared_.get_or_create(adjacency_key(id), [&]() -> Result<std::shared_ptr<const Prepared>> {
+        auto mesh = load_mesh(id, client_gone);
+        if (!mesh) return fail(std::move(mesh.error()));
+        return pool_.run(
+            [&](Worker&) -> Result<std::shared_ptr<const Prepared>> {
+              return std::make_shared<const Prepared>(
+                  std::make_shared<const Adjacency>(Adjacency::build(std::move(*mesh))));
+            },
+            client_gone);
+      });
   if (!prepared) return fail(prepared.error());
   return std::get<std::shared_ptr<const Adjacency>>(*prepared->value);
 }

@@ -1,7 +1,7 @@
 // The meshes of this process: uploaded, kept in the store, and made ready for
 // queries in caches of their own.
 //
-//   store            bytes and descriptions of every mesh, on disk
+//   store            bytes and descriptions of every mesh
 //   mesh cache       decoded meshes
 //   adjacency cache  prepared adjacency and, once asked for, the index that finds
 //                    closest points
@@ -53,17 +53,20 @@ class MeshCatalog {
   [[nodiscard]] Result<Upload> add(std::string bytes, const ClientGone& client_gone);
   // The metadata as JSON, with its present state. Errors: mesh_unknown.
   [[nodiscard]] Result<std::string> metadata(const std::string& id, const ClientGone& client_gone);
-  // The uploaded bytes. Errors: mesh_unknown, store_failed, store_corrupt.
+  // The uploaded bytes. Errors: mesh_unknown and the store's.
   [[nodiscard]] Result<std::string> source(const std::string& id);
-  // Errors: mesh_unknown, store_failed.
+  // Errors: mesh_unknown and the store's.
   [[nodiscard]] Result<void> remove(const std::string& id);
   // Up to `limit` ids after `after`, ascending.
   [[nodiscard]] std::vector<std::string> list(std::string_view after, std::size_t limit) const;
   [[nodiscard]] std::size_t size() const { return store_.size(); }
   [[nodiscard]] bool contains(std::string_view id) const { return store_.contains(id); }
+  // How the store is: for readiness, metrics and status. From memory.
+  [[nodiscard]] Result<void> store_health() const { return store_.health(); }
+  [[nodiscard]] StoreStats store_stats() const { return store_.stats(); }
 
   // The prepared adjacency, built if it is not there. Errors: mesh_unknown,
-  // store_failed, store_corrupt, overloaded, draining, cancelled.
+  // the store's (mesh_store.h), overloaded, draining, cancelled.
   [[nodiscard]] Result<std::shared_ptr<const Adjacency>> adjacency(const std::string& id,
                                                                    const ClientGone& client_gone);
   [[nodiscard]] Result<std::shared_ptr<const ClosestPointIndex>> closest_points(
@@ -76,7 +79,15 @@ class MeshCatalog {
   using Prepared =
       std::variant<std::shared_ptr<const Adjacency>, std::shared_ptr<const ClosestPointIndex>>;
 
-  [[nodiscard]] Result<std::shared_ptr<const Mesh>> load_mesh(const std::string& id);
+  struct Described {
+    std::shared_ptr<const Mesh> mesh;
+    std::shared_ptr<const Adjacency> adjacency;
+    std::string description;  // JSON
+  };
+
+  [[nodiscard]] Result<Described> describe(const std::string& id, const std::string& bytes) const;
+  [[nodiscard]] Result<std::shared_ptr<const Mesh>> load_mesh(const std::string& id,
+                                                              const ClientGone& client_gone);
   [[nodiscard]] Result<std::string> described_anew(const std::string& id,
                                                    const ClientGone& client_gone);
 

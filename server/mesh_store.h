@@ -1,81 +1,132 @@
-// Uploaded files in a local directory, addressed by the SHA-256 of their bytes.
+// Uploaded files, addressed by the SHA-256 of their bytes, with a description each.
 //
-//   DIR/lock                 held (flock) by the one process that uses DIR
-//   DIR/objects/ab/<id>      the bytes as uploaded, "ab" being the id's first two digits
-//   DIR/meta/ab/<id>.json    the metadata, opaque here
-//   DIR/tmp/                 files being written; emptied at the start
-//   DIR/quarantine/<id>      bytes found not to be what was stored
+// What is kept where is the storage's business (object_storage.h); here is what
+// holds for any: bytes are checked against their digest whenever they are read, a
+// damaged mesh goes to quarantine and is never served, and a budget is kept.
 //
-// Durability: a file is written under a temporary name, synced, renamed, and its
-// directory synced; first the object, then the metadata. `put` returns only when
-// both are down, so what was acknowledged survives a loss of power, and what was
-// not acknowledged leaves nothing or an object without metadata, which is listed
-// and can be completed by another `put`.
+// A put writes the source, then the metadata, and returns only when both will
+// survive a crash. So what was acknowledged is there whole afterwards, and what
+// was not acknowledged leaves nothing or a whole source without metadata, which
+// is listed and can be completed by another `put` or by `put_metadata`.
 //
-// All methods may be called from any thread. No error names a path: they are
-// shown to clients; paths go to the log.
+// All methods may be called from any thread. No error names a path or a host:
+// they are shown to clients; the log has them. Any method that reaches the storage
+// may fail with its errors: `store_failed`, `store_full`, `store_unavailable`.
 #pragma once
 
+#include <array>
+#include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/error.h"
+#include "server/lru_cache.h"
+#include "server/object_storage.h"
+#include "server/store_budget.h"
+#include "server/store_index.h"
 
 namespace geodesic::server {
 
 class MeshStore {
  public:
-  // Opens or creates the store in `directory`. Reads names only, no file.
-  // `store_failed` if it cannot be created or read or another process uses it;
-  // this error, meant for the operator, names the directory.
+  // Takes over a storage and lists what is in it.
   [[nodiscard]] static Result<std::unique_ptr<MeshStore>> open(
-      const std::filesystem::path& directory);
-  ~MeshStore();
-  MeshStore(const MeshStore&) = delete;
-  MeshStore& operator=(const MeshStore&) = delete;
+      std::unique_ptr<ObjectStorage> storage, const StoreBudget& budget);
 
   // Stores `bytes` and `metadata` under `id`, which must be the SHA-256 of the
   // bytes (`digest_mismatch` otherwise; `mesh_unknown` if it is not 64 lower-case
   // hexadecimal digits). Already stored: the bytes are kept, the metadata is
-  // replaced. `store_failed` when the disk is full, read-only and so on; then
-  // nothing of this put remains.
+  // replaced. May evict other meshes. `store_full` over the budget. After an error
+  // nothing of this put remains, as far as the storage can be reached.
   [[nodiscard]] Result<void> put(std::string_view id, std::string_view bytes,
                                  std::string_view metadata);
 
-  // Replaces the metadata of a stored mesh; `mesh_unknown`, `store_failed`.
+  // Replaces the metadata of a stored mesh; `mesh_unknown`.
   [[nodiscard]] Result<void> put_metadata(std::string_view id, std::string_view metadata);
 
   // The bytes as uploaded, their digest checked anew. `mesh_unknown`;
-  // `store_failed`; `store_corrupt` when the bytes are not those that were
-  // stored: the file is then moved to quarantine/ and the mesh is unknown.
+  // `store_corrupt` when the bytes are not those that were stored: they are then
+  // in quarantine and the mesh is unknown.
   [[nodiscard]] Result<std::string> get_source(std::string_view id);
 
-  // The metadata, or nothing if there is none; `mesh_unknown`, `store_failed`.
+  // The metadata, or nothing if there is none; `mesh_unknown`. Kept in memory, a
+  // limited amount of it.
   [[nodiscard]] Result<std::optional<std::string>> get_metadata(std::string_view id);
 
-  // Whether the mesh is known; from memory, no disk.
+  // Whether the mesh is known; from memory.
   [[nodiscard]] bool contains(std::string_view id) const;
 
-  // Forgets the mesh; metadata first, then the object. Idempotent: tells
-  // whether it was there. `store_failed`.
+  // Whether the mesh is known, and that it is used now, which keeps it from being
+  // evicted. From memory, unless it is not there and other processes use the same
+  // storage: then that is asked.
+  [[nodiscard]] Result<bool> use(std::string_view id);
+
+  // The same, but where other processes use the storage it is always asked.
+  [[nodiscard]] Result<bool> is_stored(std::string_view id);
+
+  // Whether the mesh was found damaged, and neither put again nor removed since.
+  // Who still has it in memory may go on with that.
+  [[nodiscard]] bool is_damaged(std::string_view id) const;
+
+  // Forgets the mesh. Idempotent: tells whether it was there.
   [[nodiscard]] Result<bool> remove(std::string_view id);
 
   // Up to `limit` ids in ascending order, all greater than `after_id` (empty:
-  // from the first); from memory, no disk.
+  // from the first); from memory. What other processes have uploaded or removed
+  // shows after a `rescan`.
   [[nodiscard]] std::vector<std::string> list(std::string_view after_id, std::size_t limit) const;
 
-  [[nodiscard]] std::size_t size() const;
+  [[nodiscard]] std::size_t size() const { return index_.size(); }
+  [[nodiscard]] StoreStats stats() const;
+
+  // Lists the storage anew: what other processes have done shows.
+  Result<void> rescan();
+
+  // Tries the storage, and lists it anew once a minute if others use it too.
+  // Returns, and remembers for `health`, whether it works; `store_unavailable`.
+  Result<void> check();
+  // The last check's outcome; from memory. Before the first: well.
+  [[nodiscard]] Result<void> health() const;
 
  private:
-  class Impl;
-  explicit MeshStore(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  class Room;
+
+  MeshStore(std::unique_ptr<ObjectStorage> storage, const StoreBudget& budget);
+  [[nodiscard]] Result<Room> make_room(std::uint64_t bytes);
+  [[nodiscard]] Result<void> write_both(std::string_view id, std::string_view bytes,
+                                        std::string_view metadata);
+  [[nodiscard]] Result<std::string> read_again_or_quarantine(std::string_view id);
+  [[nodiscard]] Result<bool> ask_storage(std::string_view id);
+  Result<bool> erase(std::string_view id);
+  // Forgets a mesh that is not in the storage.
+  void forget(std::string_view id);
+  [[nodiscard]] std::mutex& stripe(std::string_view id);
+  // Counts what the storage failed to do.
+  template <class T>
+  Result<T> counted(Result<T> result);
+
+  const std::unique_ptr<ObjectStorage> storage_;
+  StoreIndex index_;
+  LruCache<std::string> metadata_;
+  // Changes to one mesh exclude each other; those to others mostly do not.
+  std::array<std::mutex, 64> stripes_;
+  std::mutex scan_mutex_;
+  std::chrono::steady_clock::time_point scanned_;
+  mutable std::mutex state_mutex_;  // of the next two
+  Result<void> health_;
+  std::set<std::string, std::less<>> damaged_;
+  std::atomic<std::uint64_t> evictions_{0};
+  std::atomic<std::uint64_t> refusals_{0};
+  std::atomic<std::uint64_t> corrupt_{0};
+  std::atomic<std::uint64_t> failures_{0};
 };
 
 // Whether `id` is 64 lower-case hexadecimal digits.

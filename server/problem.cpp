@@ -31,7 +31,7 @@ Row row_of(ErrorCode code) {
     case ErrorCode::length_required:
       return {411, "The length of the body is required"};
     case ErrorCode::too_large:
-      return {413, "Over a limit of bytes"};
+      return {413, "Over a limit"};
     case ErrorCode::format_unknown:
       return {415, "Format not known"};
     case ErrorCode::mesh_invalid:
@@ -62,6 +62,8 @@ Row row_of(ErrorCode code) {
       return {422, "The bytes do not have the given digest"};
     case ErrorCode::overloaded:
       return {503, "Overloaded", 1};
+    case ErrorCode::too_many_requests:
+      return {429, "More than this client's share", 1};
     case ErrorCode::draining:
       return {503, "About to stop", 1};
     case ErrorCode::cancelled:
@@ -72,6 +74,10 @@ Row row_of(ErrorCode code) {
       return {500, "The store failed"};
     case ErrorCode::store_corrupt:
       return {500, "Stored bytes are damaged"};
+    case ErrorCode::store_full:
+      return {507, "The store is full"};
+    case ErrorCode::store_unavailable:
+      return {503, "The store does not answer", 5};
     case ErrorCode::internal:
       return {500, "Internal error"};
   }

@@ -37,6 +37,7 @@ std::string for_log(std::string_view text) {
 
 void log_request(const HttpRequest& request, std::string_view route, int status,
                  std::uint64_t bytes_sent, double milliseconds, bool all_sent) {
+  if (!spdlog::should_log(spdlog::level::info)) return;
   spdlog::info("{} {} {} {} {} {} bytes {:.1f} ms{}", request.id, for_log(request.remote),
                for_log(request.method), for_log(route.empty() ? request.target : route), status,
                bytes_sent, milliseconds, all_sent ? "" : " (not all sent)");

@@ -13,12 +13,7 @@ std::optional<std::uint64_t> source_face(const Mesh& mesh, std::uint32_t face) {
 }
 
 PlacedPoint placed(const Mesh& mesh, const SurfacePoint& point) {
-  PlacedPoint result{point, {}};
-  result.echo.face = source_face(mesh, point.face);
-  result.echo.bary = point.bary;
-  result.echo.xyz = position_of(mesh, point);
-  if (point.at_vertex()) result.echo.vertex = mesh.source_of_vertex(point.vertex);
-  return result;
+  return {point, reply_point(mesh, point)};
 }
 
 Result<PlacedPoint> at_vertex(const Adjacency& adjacency, std::uint64_t vertex,
@@ -107,6 +102,15 @@ Result<PlacedPoint> resolve_point(const Adjacency& adjacency, const ClosestPoint
   }
   return closest_to(adjacency, closest, std::get<proto::SpaceRequest>(request.where),
                     request.parameter);
+}
+
+proto::ResolvedPoint reply_point(const Mesh& mesh, const SurfacePoint& point) {
+  proto::ResolvedPoint reply;
+  reply.face = source_face(mesh, point.face);
+  reply.bary = point.bary;
+  reply.xyz = position_of(mesh, point);
+  if (point.at_vertex()) reply.vertex = mesh.source_of_vertex(point.vertex);
+  return reply;
 }
 
 proto::PathReplyPoint path_reply_point(const Mesh& mesh, const PathPoint& point) {

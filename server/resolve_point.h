@@ -28,6 +28,9 @@ using ClosestPoints = std::function<Result<std::shared_ptr<const ClosestPointInd
                                                 const ClosestPoints& closest,
                                                 const proto::PointRequest& request);
 
+// What a reply says of a place on the mesh.
+[[nodiscard]] proto::ResolvedPoint reply_point(const Mesh& mesh, const SurfacePoint& point);
+
 // A point of a path, in the client's numbers.
 [[nodiscard]] proto::PathReplyPoint path_reply_point(const Mesh& mesh, const PathPoint& point);
 

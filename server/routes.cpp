@@ -9,6 +9,7 @@
 
 #include "proto/methods.h"
 #include "proto/parameters.h"
+#include "proto/query_limits.h"
 #include "proto/query_replies.h"
 #include "proto/query_requests.h"
 #include "server/embedded_text.h"
@@ -151,6 +152,9 @@ HttpResponse Routes::probe(Call& call) const {
   call.route = call.request.path;
   if (!call.is("GET")) return call.not_allowed("GET, HEAD");
   if (ready && draining_) return call.problem(ErrorCode::draining, "about to stop");
+  if (ready) {
+    if (const auto store = catalog_.store_health(); !store) return call.problem(store.error());
+  }
   return json_reply(R"({"status":"ok"})");
 }
 
@@ -165,7 +169,8 @@ HttpResponse Routes::one_mesh(Call& call) {
     if (call.is("DELETE")) return delete_mesh(call);
     return call.not_allowed("GET, HEAD, PUT, DELETE");
   }
-  constexpr std::string_view kActions[] = {"source", "prepare", "distance", "path", "nearest"};
+  constexpr std::string_view kActions[] = {"source",   "prepare", "distance", "path",   "table",
+                                           "isolines", "samples", "trace",    "nearest"};
   if (std::find(std::begin(kActions), std::end(kActions), action) == std::end(kActions)) {
     return call.problem(ErrorCode::route_unknown, "a mesh has nothing of this name");
   }
@@ -173,9 +178,7 @@ HttpResponse Routes::one_mesh(Call& call) {
   if (action == "source") return call.is("GET") ? mesh_source(call) : call.not_allowed("GET, HEAD");
   if (action == "prepare") return call.is("POST") ? prepare_mesh(call) : call.not_allowed("POST");
   if (!call.is("GET") && !call.is("POST")) return call.not_allowed("GET, HEAD, POST");
-  if (action == "distance") return distance(call);
-  if (action == "path") return path(call);
-  return nearest(call);
+  return query(call, action);
 }
 
 HttpResponse Routes::add_mesh(Call& call) {
@@ -266,39 +269,30 @@ HttpResponse Routes::delete_mesh(Call& call) {
   return response;
 }
 
-HttpResponse Routes::distance(Call& call) {
+template <class Request>
+HttpResponse Routes::answer_query(const Call& call) {
   auto parameters = call.parameters();
   if (!parameters) return call.problem(parameters.error());
-  const auto format = proto::parse_format(*parameters, call.request.header("Accept"));
+  Request request;
+  if (const auto read = proto::parse_request(*parameters, request); !read) {
+    return call.problem(read.error());
+  }
+  const auto format =
+      proto::parse_format(*parameters, call.request.header("Accept"), proto::formats_of(request));
   if (!format) return call.problem(format.error());
-  const auto request = proto::parse_distance_request(*parameters);
-  if (!request) return call.problem(request.error());
-  const auto reply = queries_.distance(call.id, *request, call.request.client_gone);
-  return reply ? encode(*reply, *format) : call.problem(reply.error());
+  if (const auto known = parameters->check_all_known(); !known) return call.problem(known.error());
+  const auto answer = queries_.answer(call.id, request, call.request.client_gone);
+  return answer ? encode(*answer, *format) : call.problem(answer.error());
 }
 
-HttpResponse Routes::path(Call& call) {
-  auto parameters = call.parameters();
-  if (!parameters) return call.problem(parameters.error());
-  const auto format = proto::parse_format(*parameters, call.request.header("Accept"));
-  if (!format) return call.problem(format.error());
-  const auto request = proto::parse_path_request(*parameters);
-  if (!request) return call.problem(request.error());
-  const auto reply = queries_.path(call.id, *request, call.request.client_gone);
-  return reply ? encode(*reply, *format) : call.problem(reply.error());
-}
-
-HttpResponse Routes::nearest(Call& call) {
-  auto parameters = call.parameters();
-  if (!parameters) return call.problem(parameters.error());
-  const auto format = proto::parse_format(*parameters, call.request.header("Accept"));
-  if (!format) return call.problem(format.error());
-  const auto request = proto::parse_nearest_request(*parameters);
-  if (!request) return call.problem(request.error());
-  const auto reply = queries_.nearest(call.id, *request, call.request.client_gone);
-  if (!reply) return call.problem(reply.error());
-  auto response = encode(*reply, *format);
-  return response ? *response : call.problem(response.error());
+HttpResponse Routes::query(Call& call, std::string_view action) {
+  if (action == "distance") return answer_query<proto::DistanceRequest>(call);
+  if (action == "path") return answer_query<proto::PathRequest>(call);
+  if (action == "table") return answer_query<proto::TableRequest>(call);
+  if (action == "isolines") return answer_query<proto::IsolinesRequest>(call);
+  if (action == "samples") return answer_query<proto::SamplesRequest>(call);
+  if (action == "trace") return answer_query<proto::TraceRequest>(call);
+  return answer_query<proto::NearestRequest>(call);
 }
 
 HttpResponse Routes::status() const {
@@ -314,6 +308,12 @@ HttpResponse Routes::status() const {
                               {"max_faces", config_.max_faces},
                               {"max_sources", proto::kMaxSources},
                               {"max_points", proto::kMaxPoints},
+                              {"max_via", proto::kMaxVia},
+                              {"max_table_entries", proto::kMaxTableEntries},
+                              {"max_steiner_nodes", proto::kMaxSteinerNodes},
+                              {"max_levels", proto::kMaxLevels},
+                              {"max_isoline_segments", proto::kMaxIsolineSegments},
+                              {"max_samples", proto::kMaxSamples},
                               {"body_timeout_seconds", config_.body_timeout_seconds},
                               {"queue", config_.queue}}},
                             {"compute",

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "server/compute_pool.h"
 #include "server/config.h"
@@ -43,9 +44,10 @@ class Routes {
   [[nodiscard]] HttpResponse mesh_source(Call& call);
   [[nodiscard]] HttpResponse prepare_mesh(Call& call);
   [[nodiscard]] HttpResponse delete_mesh(Call& call);
-  [[nodiscard]] HttpResponse distance(Call& call);
-  [[nodiscard]] HttpResponse path(Call& call);
-  [[nodiscard]] HttpResponse nearest(Call& call);
+  [[nodiscard]] HttpResponse query(Call& call, std::string_view action);
+  // Any query: parameters to a Request, its answer to the format asked for.
+  template <class Request>
+  [[nodiscard]] HttpResponse answer_query(const Call& call);
   [[nodiscard]] HttpResponse status() const;
 
   const Config config_;

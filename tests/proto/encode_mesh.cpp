@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "gltf_fixture.h"
+#include "proto/glb_drawing.h"
 
 using namespace geodesic;
 using namespace geodesic::proto;
@@ -76,6 +77,45 @@ TEST_CASE("an encoded GLB states the bounds of its positions and aligns its chun
   CHECK(document["accessors"][0]["max"] == json::array({1.0, 0.5, 0.75}));
   CHECK(document["accessors"][1]["count"] == 24);
   CHECK(document["buffers"][0]["byteLength"] == 9 * 12 + 8 * 12);
+}
+
+TEST_CASE("a coloured surface and a line are parts of one GLB") {
+  const TriangleSoup soup = patch(3);
+  std::vector<proto::GlbPart> parts(2);
+  parts[0].name = "field";
+  parts[0].positions = soup.positions;
+  for (const auto& face : soup.faces) {
+    parts[0].indices.insert(parts[0].indices.end(), face.begin(), face.end());
+  }
+  parts[0].colours.assign(9, proto::Colour{255, 0, 188});
+  parts[1].name = "path";
+  parts[1].mode = proto::GlbPart::Mode::line_strip;
+  parts[1].positions = {{0, 0, 0}, {1, 2, 3}};
+  const auto glb = proto::encode_glb_parts(parts);
+  const auto mesh = decode(glb);
+  REQUIRE(mesh.has_value());
+  CHECK(mesh->soup.positions.size() == 11);  // a line's vertices count, but make no faces
+  CHECK(mesh->soup.faces == soup.faces);
+  REQUIRE(mesh->parts.size() == 1);
+  CHECK(mesh->parts[0].name == "field");
+
+  const std::string text(reinterpret_cast<const char*>(glb.data()), glb.size());
+  const auto end = text.find("BIN") - 4;
+  const json document = json::parse(text.substr(20, end - 20));
+  const json& surface = document["meshes"][0]["primitives"][0];
+  const json& line = document["meshes"][1]["primitives"][0];
+  CHECK(surface["mode"] == 4);
+  CHECK(line["mode"] == 3);
+  CHECK_FALSE(line.contains("indices"));
+  const json& material = document["materials"][line["material"].get<std::size_t>()];
+  CHECK(material["extensions"].contains("KHR_materials_unlit"));
+  const json& colours = document["accessors"][surface["attributes"]["COLOR_0"].get<std::size_t>()];
+  CHECK(colours["count"] == 9);
+  CHECK(colours["normalized"] == true);
+  const json& view = document["bufferViews"][colours["bufferView"].get<std::size_t>()];
+  const std::size_t first = end + 8 + view["byteOffset"].get<std::size_t>();
+  // sRGB 188 is half as bright as white.
+  CHECK(text.substr(first, 4) == std::string("\xFF\x00\x80\xFF", 4));
 }
 
 TEST_CASE("a GLB of nothing is a valid file without triangles") {

@@ -6,42 +6,12 @@
 #include <limits>
 
 #include "server/http_server.h"
+#include "tests/server/plane_service.h"
 #include "tests/server/raw_client.h"
-#include "tests/server/service_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
 using namespace geodesic::server::test;
-
-namespace {
-
-struct PlaneService {
-  explicit PlaneService(const Config& config = {}) : service(folder.path(), config) {}
-
-  void check_problem(const HttpResponse& response, int status, std::string_view code,
-                     std::string_view parameter = {}) {
-    CHECK(response.status == status);
-    CHECK(response.content_type == "application/problem+json");
-    const json problem = body_of(response);
-    CHECK(problem["code"] == code);
-    CHECK(problem["status"] == status);
-    CHECK(problem["request_id"] == "test");
-    CHECK(problem.value("parameter", "") == parameter);
-    CHECK_FALSE(problem["detail"].get<std::string>().empty());
-  }
-  void check_refused_upload(const std::string& bytes, int status, std::string_view code) {
-    check_problem(service.ask("POST", "/v1/meshes", bytes), status, code);
-    CHECK(service.store->size() == 1);
-    CHECK(folder.files().size() == 3);  // the lock, and the plane's two
-  }
-
-  TemporaryFolder folder;
-  Service service;
-  std::string id = service.upload(glb_of(shapes::plane(12, 10)));
-  std::string base = "/v1/meshes/" + id;
-};
-
-}  // namespace
 
 TEST_CASE("UploadOfWhatIsNoMesh") {
   PlaneService plane;
@@ -105,27 +75,27 @@ TEST_CASE("UnknownMesh") {
        {other, other + "/source", other + "/distance?from=v:0", other + "/path?from=v:0&to=v:1",
         other + "/nearest?point=v:0", std::string("/v1/meshes/abc"),
         std::string("/v1/meshes/..%2f..%2fetc"), std::string("/v1/meshes/")}) {
-    plane.check_problem(plane.service.get(target), 404, "mesh_unknown");
+    check_problem(plane.service.get(target), 404, "mesh_unknown");
   }
 }
 
 TEST_CASE("UnknownRouteAndWrongMethod") {
   PlaneService plane;
-  plane.check_problem(plane.service.get("/nothing"), 404, "route_unknown");
-  plane.check_problem(plane.service.get(plane.base + "/nothing"), 404, "route_unknown");
-  plane.check_problem(plane.service.get(plane.base + "/path/more"), 404, "route_unknown");
+  check_problem(plane.service.get("/nothing"), 404, "route_unknown");
+  check_problem(plane.service.get(plane.base + "/nothing"), 404, "route_unknown");
+  check_problem(plane.service.get(plane.base + "/path/more"), 404, "route_unknown");
   const HttpResponse wrong = plane.service.ask("DELETE", plane.base + "/distance");
-  plane.check_problem(wrong, 405, "method_not_allowed");
+  check_problem(wrong, 405, "method_not_allowed");
   CHECK(header_of(wrong, "Allow") == "GET, HEAD, POST");
-  plane.check_problem(plane.service.ask("PATCH", "/v1/meshes"), 405, "method_not_allowed");
-  plane.check_problem(plane.service.ask("POST", "/livez"), 405, "method_not_allowed");
+  check_problem(plane.service.ask("PATCH", "/v1/meshes"), 405, "method_not_allowed");
+  check_problem(plane.service.ask("POST", "/livez"), 405, "method_not_allowed");
 }
 
 TEST_CASE("PointsOutOfRange") {
   PlaneService plane;
   const auto problem = [&](const std::string& target, int status, std::string_view code,
                            std::string_view parameter) {
-    plane.check_problem(plane.service.get(plane.base + target), status, code, parameter);
+    check_problem(plane.service.get(plane.base + target), status, code, parameter);
   };
   problem("/distance?from=v:120", 422, "index_out_of_range", "from[0]");
   problem("/distance?from=v:0&from=v:18446744073709551615", 422, "index_out_of_range", "from[1]");
@@ -133,16 +103,16 @@ TEST_CASE("PointsOutOfRange") {
   problem("/path?from=v:0&to=v:4294967296", 422, "index_out_of_range", "to");
   problem("/path?from=f:0,0.7,0.7&to=v:1", 422, "value_out_of_range", "from[0]");
   problem("/nearest?point=p:1e300,0,0", 422, "value_out_of_range", "point[0]");
-  plane.check_problem(plane.service.ask("POST", plane.base + "/nearest",
-                                        R"({"point":{"xyz":[0,0,2],"max_snap":1}})"),
-                      422, "snap_too_far", "point[0]");
+  check_problem(plane.service.ask("POST", plane.base + "/nearest",
+                                  R"({"point":{"xyz":[0,0,2],"max_snap":1}})"),
+                422, "snap_too_far", "point[0]");
 }
 
 TEST_CASE("ParametersThatDoNotParse") {
   PlaneService plane;
   const auto problem = [&](const std::string& target, std::string_view code,
                            std::string_view parameter, int status = 400) {
-    plane.check_problem(plane.service.get(plane.base + target), status, code, parameter);
+    check_problem(plane.service.get(plane.base + target), status, code, parameter);
   };
   problem("/distance", "bad_syntax", "from");
   problem("/path?from=v:0", "bad_syntax", "to");
@@ -155,11 +125,11 @@ TEST_CASE("ParametersThatDoNotParse") {
   problem("/distance?from=v:0&max=-1", "value_out_of_range", "max", 422);
   problem("/distance?from=v:0&form=v:1", "unknown_parameter", "form");
   problem("/distance?from=v:0&method=magic", "method_unknown", "method", 422);
-  problem("/path?from=v:0&to=v:1&refine=shortest", "unsupported", "refine", 422);
+  problem("/path?from=v:0&to=v:1&refine=best", "value_out_of_range", "refine", 422);
   problem("/distance?from=v:0&format=xml", "not_acceptable", "format", 406);
   problem("/distance?from=v:0&precision=40", "value_out_of_range", "precision", 422);
   problem("/nearest?point=v:0&format=f32", "not_acceptable", "format", 406);
-  plane.check_problem(
+  check_problem(
       plane.service.ask("GET", plane.base + "/distance?from=v:0", {}, {{"Accept", "text/html"}}),
       406, "not_acceptable", "Accept");
 }
@@ -170,7 +140,7 @@ TEST_CASE("MorePointsThanARequestMayHave") {
   for (int i = 0; i < 1001; ++i) many.push_back("v:1");
   const HttpResponse response =
       plane.service.ask("POST", plane.base + "/distance", json{{"from", many}}.dump());
-  plane.check_problem(response, 413, "too_large", "from");
+  check_problem(response, 413, "too_large", "from");
   CHECK(body_of(response)["limit"] == 1000);
   CHECK(body_of(response)["actual"] == 1001);
   many.erase(0);
@@ -182,8 +152,7 @@ TEST_CASE("BodiesThatAreNotJson") {
   PlaneService plane;
   const auto problem = [&](const std::string& body, std::string_view code,
                            std::string_view parameter) {
-    plane.check_problem(plane.service.ask("POST", plane.base + "/distance", body), 400, code,
-                        parameter);
+    check_problem(plane.service.ask("POST", plane.base + "/distance", body), 400, code, parameter);
   };
   problem("", "bad_syntax", "body");
   problem("{", "bad_syntax", "body");

@@ -2,21 +2,11 @@
 
 #include <cmath>
 
-#include "tests/server/service_fixture.h"
+#include "tests/server/plane_service.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
 using namespace geodesic::server::test;
-
-namespace {
-
-struct PlaneService {
-  TemporaryFolder folder;
-  Service service{folder.path()};
-  std::string base = "/v1/meshes/" + service.upload(glb_of(shapes::plane(12, 10)));
-};
-
-}  // namespace
 
 TEST_CASE("DistanceFieldInSourceVertexOrder") {
   PlaneService plane;
@@ -55,19 +45,13 @@ TEST_CASE("BinaryFieldsAreTheBareArray") {
 
 TEST_CASE("GetAndPostSayTheSame") {
   PlaneService plane;
-  const auto same = [&](const std::string& target, const std::string& body) {
-    const std::string path = target.substr(0, target.find('?'));
-    const HttpResponse get = plane.service.get(plane.base + target);
-    const HttpResponse post = plane.service.ask("POST", plane.base + path, body);
-    CHECK(get.status == 200);
-    CHECK(post.status == 200);
-    CHECK(*get.body == *post.body);
-  };
-  same("/distance?from=v:3&from=v:100&max=4", R"({"from":[{"vertex":3},{"vertex":100}],"max":4})");
-  same("/distance?from=f:40,0.25,0.25&at=v:1&at=p:2,3,1",
-       R"({"from":{"face":40,"bary":[0.25,0.25,0.5]},"at":["v:1",{"xyz":[2,3,1]}]})");
-  same("/path?from=v:0&to=v:119&precision=9", R"({"from":"v:0","to":"v:119","precision":9})");
-  same("/nearest?point=p:1,2,3", R"({"point":[{"xyz":[1,2,3]}]})");
+  plane.check_same("/distance?from=v:3&from=v:100&max=4",
+                   R"({"from":[{"vertex":3},{"vertex":100}],"max":4})");
+  plane.check_same("/distance?from=f:40,0.25,0.25&at=v:1&at=p:2,3,1",
+                   R"({"from":{"face":40,"bary":[0.25,0.25,0.5]},"at":["v:1",{"xyz":[2,3,1]}]})");
+  plane.check_same("/path?from=v:0&to=v:119&precision=9",
+                   R"({"from":"v:0","to":"v:119","precision":9})");
+  plane.check_same("/nearest?point=p:1,2,3", R"({"point":[{"xyz":[1,2,3]}]})");
 }
 
 TEST_CASE("PathIsAPolylineOfItsLength") {
@@ -77,24 +61,15 @@ TEST_CASE("PathIsAPolylineOfItsLength") {
   CHECK(reply["refine"] == "none");
   CHECK(reply["length"] == doctest::Approx(std::hypot(7.25, 5.5)));
   CHECK(reply["to"]["snap_distance"] == 4);
-  double length = 0;
   const json& points = reply["points"];
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    double square = 0;
-    for (int k = 0; k < 3; ++k) {
-      square +=
-          std::pow(points[i]["xyz"][k].get<double>() - points[i - 1]["xyz"][k].get<double>(), 2);
-    }
-    length += std::sqrt(square);
-  }
-  CHECK(length == doctest::Approx(reply["length"].get<double>()).epsilon(1e-12));
+  CHECK(length_of(points) == doctest::Approx(reply["length"].get<double>()).epsilon(1e-12));
   const HttpResponse f64 =
       plane.service.get(plane.base + "/path?from=v:0&to=p:7.25,5.5,4&format=f64");
   CHECK(header_of(f64, "Geo-Shape") == std::to_string(points.size()) + ",3");
   CHECK(numbers_of<double>(f64).size() == 3 * points.size());
 }
 
-TEST_CASE("TableOfPathAndFieldAgree") {
+TEST_CASE("PathAndFieldAgree") {
   const TemporaryFolder folder;
   Service service(folder.path());
   const std::string base = "/v1/meshes/" + service.upload(glb_of(shapes::icosphere(4)));
@@ -174,7 +149,8 @@ TEST_CASE("AMillionVerticesUploadPrepareAndAnswer") {
 #endif
   const TemporaryFolder folder;
   Service service(folder.path());
-  const std::string base = "/v1/meshes/" + service.upload(glb_of(shapes::terrain(side, side / 50.0, 1)));
+  const std::string base =
+      "/v1/meshes/" + service.upload(glb_of(shapes::terrain(side, side / 50.0, 1)));
   const json mesh = body_of(service.get(base));
   CHECK(mesh["vertices"] == side * side);
   CHECK(mesh["components"] == 1);

@@ -5,6 +5,8 @@
 #include <atomic>
 #include <chrono>
 #include <future>
+#include <memory>
+#include <mutex>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -176,4 +178,141 @@ TEST_CASE("draining finishes what is queued and refuses what comes") {
   drained.get();
   for (auto& caller : callers) CHECK(caller.get() == 1);
   pool.drain();
+}
+
+TEST_CASE("a greedy client's jobs make room for others, who get their turns") {
+  Gate gate;
+  ComputePool pool(1, 4);
+  const auto of = [](std::string client) {
+    Caller caller;
+    caller.client = std::move(client);
+    return caller;
+  };
+  auto running = std::async(std::launch::async, [&] { return pool.run(gate.job(), of("x")); });
+  wait_until([&] { return pool.stats().running == 1; });
+
+  std::mutex mutex;
+  std::vector<std::string> order;
+  const auto start = [&](const std::string& client) {
+    auto job = std::async(std::launch::async, [&, client] {
+      return pool.run(
+          [&, client](Worker&) -> Result<int> {
+            const std::lock_guard lock(mutex);
+            order.push_back(client);
+            return 1;
+          },
+          of(client));
+    });
+    return job;
+  };
+  std::vector<std::future<Result<int>>> greedy;
+  for (std::uint64_t i = 0; i < 4; ++i) {
+    greedy.push_back(start("greedy"));
+    wait_until([&] { return pool.stats().queued == i + 1; });
+  }
+  // Alone, it has no share to exceed: the server is full.
+  CHECK(start("greedy").get().error().code == ErrorCode::overloaded);
+  // The newest of its jobs is sent away for another's.
+  auto meek = start("meek");
+  CHECK(greedy[3].get().error().code == ErrorCode::too_many_requests);
+  // Now it is not alone any more, and most of the queue is its own.
+  wait_until([&] { return pool.stats().clients == 2; });
+  CHECK(start("greedy").get().error().code == ErrorCode::too_many_requests);
+  CHECK(pool.stats().rejected == 3);
+  gate.open();
+  CHECK(meek.get() == 1);
+  for (int i = 0; i < 3; ++i) CHECK(greedy[static_cast<std::size_t>(i)].get() == 1);
+  CHECK(order == std::vector<std::string>{"greedy", "meek", "greedy", "greedy"});
+  CHECK(running.get() == 1);
+}
+
+TEST_CASE("one client's jobs have a bound of their own") {
+  Gate gate;
+  ComputePool pool(1, ComputePool::QueueLimits{10, 1, 0ms});
+  Caller caller;
+  caller.client = "a";
+  auto running = std::async(std::launch::async, [&] { return pool.run(gate.job(), caller); });
+  wait_until([&] { return pool.stats().running == 1; });
+  auto queued = std::async(std::launch::async, [&] { return pool.run(gate.job(), caller); });
+  wait_until([&] { return pool.stats().queued == 1; });
+  const auto refused = pool.run(gate.job(), caller);
+  CHECK(refused.error().code == ErrorCode::too_many_requests);
+  CHECK(refused.error().limit == 1);
+  gate.open();
+  CHECK(running.get() == 1);
+  CHECK(queued.get() == 1);
+}
+
+TEST_CASE("a queued job whose deadline passes ends with deadline, and never runs") {
+  Gate gate;
+  ComputePool pool(1, 4);
+  auto running = std::async(std::launch::async, [&] { return pool.run(gate.job()); });
+  wait_until([&] { return pool.stats().running == 1; });
+  std::atomic<bool> ran{false};
+  Caller caller;
+  caller.deadline = Caller::Clock::now() + 50ms;
+  const auto job = [&](Worker&) -> Result<int> {
+    ran = true;
+    return 2;
+  };
+  CHECK(pool.run(job, caller).error().code == ErrorCode::deadline);
+  CHECK(pool.run(job, caller).error().code == ErrorCode::deadline);  // over before it queues
+  CHECK(pool.stats().queued == 0);
+  gate.open();
+  CHECK(running.get() == 1);
+  CHECK_FALSE(ran);
+}
+
+TEST_CASE("a running job that stops for its deadline ends with deadline") {
+  ComputePool pool(1, 4);
+  Caller caller;
+  caller.deadline = Caller::Clock::now() + 20ms;
+  const auto stopped = pool.run(
+      [&](Worker&) -> Result<int> {
+        wait_until([&] { return caller(); });  // as a computation polls its Cancel
+        return fail(ErrorCode::cancelled, "cancelled");
+      },
+      caller);
+  CHECK(stopped.error().code == ErrorCode::deadline);
+}
+
+TEST_CASE("a wait has a bound, and a deadline that cannot be met is refused at once") {
+  Gate gate;
+  ComputePool pool(1, ComputePool::QueueLimits{100, 0, 100ms});
+  // What jobs took lately.
+  for (int i = 0; i < 4; ++i) {
+    CHECK(pool.run([](Worker&) -> Result<int> {
+      std::this_thread::sleep_for(400ms);
+      return 1;
+    }) == 1);
+  }
+  auto running = std::async(std::launch::async, [&] { return pool.run(gate.job()); });
+  wait_until([&] { return pool.stats().running == 1; });
+  // There is no line yet, so the estimate does not count; but the bound does.
+  auto waits = std::async(std::launch::async, [&] { return pool.run(gate.job()); });
+  const auto late = waits.get();
+  CHECK(late.error().code == ErrorCode::overloaded);
+  CHECK(pool.stats().rejected == 1);
+  gate.open();
+  CHECK(running.get() == 1);
+
+  Gate second;
+  ComputePool unbounded(1, 100);
+  CHECK(unbounded.run([](Worker&) -> Result<int> {
+    std::this_thread::sleep_for(400ms);
+    return 1;
+  }) == 1);
+  auto holds = std::async(std::launch::async, [&] { return unbounded.run(second.job()); });
+  wait_until([&] { return unbounded.stats().running == 1; });
+  std::vector<std::future<Result<int>>> line;
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    line.push_back(std::async(std::launch::async, [&] { return unbounded.run(second.job()); }));
+    wait_until([&] { return unbounded.stats().queued == i + 1; });
+  }
+  Caller hurried;
+  hurried.deadline = Caller::Clock::now() + 100ms;  // twenty jobs of some 25 ms are ahead
+  CHECK(unbounded.run(second.job(), hurried).error().code == ErrorCode::overloaded);
+  second.open();
+  CHECK(holds.get() == 1);
+  for (auto& job : line) CHECK(job.get() == 1);
 }

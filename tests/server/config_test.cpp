@@ -70,7 +70,7 @@ TEST_CASE("a flag beats a variable beats the file beats the default") {
   CHECK(line->config.io_threads == 30);
   CHECK(line->config.store == "from-file");
   CHECK(line->config.max_json_bytes == 3072);
-  CHECK(line->config.keep_alive_seconds == 5);
+  CHECK(line->config.keep_alive_seconds == 75);
   CHECK(line->config.admin_listen.host == "::1");
 
   const auto printed =
@@ -131,11 +131,30 @@ TEST_CASE("help, version and the table list what there is") {
   const auto table = read_config({"--print-config-table"}, in({}));
   REQUIRE(table);
   CHECK(*table->print == config_table());
-  for (const char* name :
-       {"listen", "admin-listen", "store", "samples", "io-threads", "compute-threads", "queue",
-        "max-body-bytes", "max-json-bytes", "max-vertices", "max-faces", "mesh-cache-bytes",
-        "adjacency-cache-bytes", "field-cache-bytes", "body-timeout-seconds", "keep-alive-seconds",
-        "drain-seconds", "log-level"}) {
+  for (const char* name : {"listen",
+                           "admin-listen",
+                           "store",
+                           "samples",
+                           "io-threads",
+                           "compute-threads",
+                           "queue",
+                           "max-body-bytes",
+                           "max-json-bytes",
+                           "max-vertices",
+                           "max-faces",
+                           "mesh-cache-bytes",
+                           "adjacency-cache-bytes",
+                           "field-cache-bytes",
+                           "body-timeout-seconds",
+                           "keep-alive-seconds",
+                           "tls-cert",
+                           "tls-key",
+                           "max-connections",
+                           "queue-per-client",
+                           "queue-seconds",
+                           "min-upload-rate",
+                           "drain-seconds",
+                           "log-level"}) {
     CAPTURE(name);
     CHECK(help->print->find("--" + std::string(name) + " ") != std::string::npos);
     CHECK(config_table().find("| `--" + std::string(name) + " ") != std::string::npos);

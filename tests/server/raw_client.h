@@ -107,7 +107,7 @@ class RawClient {
   int socket() const { return socket_; }
 
  private:
-  static constexpr std::chrono::milliseconds default_patience{10000};
+  static constexpr std::chrono::milliseconds default_patience{30000};
 
   std::string take(std::size_t size) {
     std::string bytes = buffer_.substr(0, size);

@@ -21,6 +21,7 @@
 #include "server/http_head.h"
 #include "server/mesh_catalog.h"
 #include "server/mesh_store.h"
+#include "server/open_store.h"
 #include "server/routes.h"
 #include "server/sha256.h"
 
@@ -56,7 +57,7 @@ class TemporaryFolder {
 };
 
 inline std::unique_ptr<MeshStore> opened_store(const std::filesystem::path& folder) {
-  auto store = MeshStore::open(folder);
+  auto store = open_store(folder.string(), {}, process_environment());
   REQUIRE(store);
   return std::move(*store);
 }

@@ -1,0 +1,32 @@
+// Surfaces and lines as a GLB that any viewer opens.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/vec3.h"
+#include "proto/colour_map.h"
+
+namespace geodesic::proto {
+
+// One node with one mesh of one primitive.
+struct GlbPart {
+  enum class Mode : std::uint8_t { line_strip = 3, triangles = 4 };  // glTF's numbers
+
+  std::string name;
+  Mode mode = Mode::triangles;
+  std::vector<Vec3> positions;         // stored as float32
+  std::vector<std::uint32_t> indices;  // empty: the positions in their order
+  std::vector<Colour> colours;         // one per position, sRGB; empty: none
+};
+
+// A valid glTF 2.0 binary with a node for each part; a part without positions is a
+// node that draws nothing. Indices must be in range. Lines and coloured parts are
+// not lit (KHR_materials_unlit), so that colours read as on a scale.
+[[nodiscard]] std::vector<std::byte> encode_glb_parts(std::span<const GlbPart> parts);
+
+}  // namespace geodesic::proto

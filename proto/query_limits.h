@@ -1,0 +1,23 @@
+// What one query may ask for at most. All of it can be read from /v1/status.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace geodesic::proto {
+
+// Each source has a wave of its own, and each row of a table; each point is looked
+// up and answered.
+inline constexpr std::size_t kMaxSources = 1000;
+inline constexpr std::size_t kMaxPoints = 100'000;
+// Each leg of a path has a field of its own.
+inline constexpr std::size_t kMaxVia = 100;
+inline constexpr std::size_t kMaxTableEntries = 1'000'000;
+// Vertices and points on edges of `steiner`; some 800 MB.
+inline constexpr std::uint64_t kMaxSteinerNodes = 20'000'000;
+inline constexpr std::size_t kMaxLevels = 10'000;
+// Some 60 MB of JSON.
+inline constexpr std::uint64_t kMaxIsolineSegments = 1'000'000;
+inline constexpr std::uint64_t kMaxSamples = 10'000;
+
+}  // namespace geodesic::proto

@@ -1,0 +1,36 @@
+// On whose behalf work is done: what a queue needs to be fair, and a computation
+// to stop early. Made by the HTTP edge, passed down by reference.
+#pragma once
+
+#include <chrono>
+#include <concepts>
+#include <functional>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+namespace geodesic::server {
+
+struct Caller {
+  using Clock = std::chrono::steady_clock;
+
+  Caller() = default;
+  // Nobody in particular, known only by whether it is still there.
+  template <class Gone>
+  requires(!std::same_as<std::remove_cvref_t<Gone>, Caller> &&
+           std::is_invocable_r_v<bool, const std::remove_cvref_t<Gone>&>)
+      // NOLINTNEXTLINE(google-explicit-constructor): a lambda is a Caller
+      Caller(Gone&& is_gone)
+      : gone(std::forward<Gone>(is_gone)) {}
+
+  std::string client;          // equal for what shares one turn in a queue; "": anonymous
+  std::function<bool()> gone;  // may be empty: never. Must not throw
+  std::optional<Clock::time_point> deadline;  // after it, nobody wants the answer
+
+  [[nodiscard]] bool deadline_over() const { return deadline && Clock::now() >= *deadline; }
+  // Whether work for this caller should stop. Costs a system call.
+  [[nodiscard]] bool operator()() const { return deadline_over() || (gone && gone()); }
+};
+
+}  // namespace geodesic::server

@@ -1,0 +1,120 @@
+#include "server/fields.h"
+
+#include <algorithm>
+
+#include "core/arrive_at_point.h"
+#include "core/trace_path.h"
+#include "proto/number.h"
+
+namespace geodesic::server {
+namespace {
+
+// The question spelt out; two spellings of one point are one key.
+std::string key_of(const FieldQuestion& question) {
+  std::string key = question.mesh + "/" + proto::field_key(question.method) + "/";
+  proto::append_number(key, question.max);
+  for (const Source& source : question.sources) {
+    if (source.point.at_vertex()) {
+      key += "/v" + std::to_string(source.point.vertex);
+    } else {
+      key += "/f" + std::to_string(source.point.face);
+      for (const double weight : source.point.bary) {
+        key += ",";
+        proto::append_number(key, weight);
+      }
+    }
+    if (source.offset != 0) {
+      key += "+";
+      proto::append_number(key, source.offset);
+    }
+  }
+  return key;
+}
+
+Result<Field> solve(const FieldQuestion& question, const FieldLimits& limits, SolveScratch& scratch,
+                    const Cancel& cancel) {
+  return solve_field(question.method.which, question.method.options, *question.adjacency,
+                     question.sources, limits, scratch, cancel);
+}
+
+// Every vertex whose distance decides that of one of the points.
+std::vector<std::uint32_t> vertices_about(const Adjacency& adjacency,
+                                          std::span<const SurfacePoint> points) {
+  std::vector<std::uint32_t> vertices;
+  for (const SurfacePoint& point : points) {
+    if (point.at_vertex()) {
+      vertices.push_back(point.vertex);
+      continue;
+    }
+    for (const SurfacePoint& place : in_all_faces(adjacency, point)) {
+      for (const std::uint32_t v : adjacency.face(place.face).vertex) vertices.push_back(v);
+    }
+  }
+  return vertices;
+}
+
+// The number of the source that a point's distance is from; kNone where there is none.
+std::uint32_t label_at(const Adjacency& adjacency, const Field& field, const SurfacePoint& point,
+                       double distance) {
+  if (distance == kUnreached) return kNone;
+  if (field.nearest_source.empty()) return 0;
+  if (point.at_vertex()) return field.nearest_source[point.vertex];
+  // Inside a face, where several sources may meet: where its path leads.
+  const auto path = trace_path(adjacency, field, point);
+  return path ? path->source : kNone;
+}
+
+}  // namespace
+
+Fields::Fields(ComputePool& pool, std::uint64_t cache_bytes)
+    : pool_(pool),
+      cache_(cache_bytes, [](const Field& field) { return field.bytes(); }),
+      scratch_(pool.slots()) {}
+
+Result<LruCache<Field>::Lookup> Fields::whole(const FieldQuestion& question,
+                                              const ClientGone& client_gone) {
+  return cache_.get_or_create(key_of(question), [&]() -> Result<std::shared_ptr<const Field>> {
+    FieldLimits limits;
+    limits.max = question.max;
+    auto field =
+        compute([&](SolveScratch& scratch,
+                    const Cancel& cancel) { return solve(question, limits, scratch, cancel); },
+                client_gone);
+    if (!field) return fail(std::move(field.error()));
+    return std::make_shared<const Field>(std::move(*field));
+  });
+}
+
+Result<PointDistances> Fields::at_points(const FieldQuestion& question,
+                                         std::span<const SurfacePoint> points, bool labels,
+                                         const ClientGone& client_gone) {
+  const auto read = [&](SolveScratch& scratch, const Cancel& cancel) -> Result<PointDistances> {
+    const Adjacency& adjacency = *question.adjacency;
+    PointDistances result;
+    std::shared_ptr<const Field> field = cache_.find(key_of(question));
+    result.hit = field != nullptr;
+    if (!field) {
+      const std::vector<std::uint32_t> targets = vertices_about(adjacency, points);
+      const bool at_vertices =
+          std::all_of(points.begin(), points.end(),
+                      [](const SurfacePoint& point) { return point.at_vertex(); });
+      auto part = solve(question, {question.max, targets, !at_vertices}, scratch, cancel);
+      if (!part) return fail(std::move(part.error()));
+      field = std::make_shared<const Field>(std::move(*part));
+    }
+    const PointArrivals arrivals(adjacency, *field);
+    result.distances.reserve(points.size());
+    Poll poll(cancel, 256);
+    for (const SurfacePoint& point : points) {
+      if (poll.cancelled()) return fail(ErrorCode::cancelled, "the client is gone");
+      const double found = arrivals.distance_at(point);
+      const double distance = found <= question.max ? found : kUnreached;
+      result.distances.push_back(distance);
+      if (labels) result.labels.push_back(label_at(adjacency, *field, point, distance));
+    }
+    return result;
+  };
+  return compute(read, client_gone);
+}
+
+}  // namespace geodesic::server

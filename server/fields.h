@@ -1,0 +1,79 @@
+// The distance fields that queries are answered from: computed in compute slots,
+// and kept when whole, so that the second question about a source is cheap.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/adjacency.h"
+#include "core/cancel.h"
+#include "core/error.h"
+#include "core/field.h"
+#include "core/solve_field.h"
+#include "proto/methods.h"
+#include "server/compute_pool.h"
+#include "server/lru_cache.h"
+#include "server/mesh_catalog.h"
+
+namespace geodesic::server {
+
+// What a whole field depends on.
+struct FieldQuestion {
+  std::string mesh;  // its id
+  std::shared_ptr<const Adjacency> adjacency;
+  proto::MethodChoice method;
+  std::vector<Source> sources;
+  double max = std::numeric_limits<double>::infinity();  // mesh units
+};
+
+// The distances of some points.
+struct PointDistances {
+  std::vector<double> distances;      // kUnreached where there is none
+  std::vector<std::uint32_t> labels;  // if asked for, the source of each; kNone where unreached
+  bool hit = false;                   // the field was there
+};
+
+// All methods may be called from any thread but a compute worker. Errors: those
+// of ComputePool::run.
+class Fields {
+ public:
+  Fields(ComputePool& pool, std::uint64_t cache_bytes);
+
+  // The field of all vertices up to the question's `max`, from the cache or
+  // computed.
+  [[nodiscard]] Result<LruCache<Field>::Lookup> whole(const FieldQuestion& question,
+                                                      const ClientGone& client_gone);
+
+  // From a whole field that is there, or from one that stops at the points and is
+  // not kept.
+  [[nodiscard]] Result<PointDistances> at_points(const FieldQuestion& question,
+                                                 std::span<const SurfacePoint> points, bool labels,
+                                                 const ClientGone& client_gone);
+
+  // Runs `job(SolveScratch&, const Cancel&)`, which returns a Result, in a compute
+  // slot. It is cancelled when the client is gone.
+  template <class Job>
+  [[nodiscard]] auto compute(Job&& job, const ClientGone& client_gone) {
+    return pool_.run(
+        [&](Worker& worker) { return job(scratch_[worker.slot], Cancel(client_gone)); },
+        client_gone);
+  }
+
+  // Forgets the fields of a mesh.
+  void forget(const std::string& mesh) { cache_.erase_prefix(mesh); }
+
+  [[nodiscard]] CacheStats cache() const { return cache_.stats(); }
+
+ private:
+  ComputePool& pool_;
+  LruCache<Field> cache_;
+  std::vector<SolveScratch> scratch_;  // one a compute slot
+};
+
+}  // namespace geodesic::server

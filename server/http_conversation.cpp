@@ -1,0 +1,250 @@
+#include "server/http_conversation.h"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "server/request_log.h"
+
+namespace geodesic::server {
+
+namespace {
+
+constexpr std::size_t head_chunk = 16u << 10;
+constexpr std::size_t body_chunk = 64u << 10;
+// After a last reply: for how long, and how many bytes at a time, what still comes
+// is taken. Closing with unread bytes would reset the connection and may destroy
+// the reply on its way.
+constexpr std::chrono::seconds goodbye_time{1};
+constexpr std::size_t goodbye_chunk = 1u << 20;
+
+}  // namespace
+
+HttpConversation::HttpConversation(HttpEdge& edge, int socket, std::unique_ptr<TlsSession> tls)
+    : edge_(edge),
+      connection_(socket, std::move(tls)),
+      remote_(connection_.peer_address()),
+      deadline_(Clock::now() + edge.options.head_timeout) {}
+
+HttpConversation::~HttpConversation() {
+  release_body();
+  release_reply();
+}
+
+auto HttpConversation::wait_for(Progress progress, Clock::time_point deadline) -> Next {
+  return {progress == Progress::wants_write ? WaitsFor::writable : WaitsFor::readable, deadline,
+          false, false};
+}
+
+auto HttpConversation::advance(bool overdue) -> Next {
+  while (true) {
+    MaybeNext next;
+    switch (phase_) {
+      case Phase::handshake:
+        next = shake_hands(overdue);
+        break;
+      case Phase::head:
+        next = receive_head(overdue);
+        break;
+      case Phase::body:
+        next = receive_body(overdue);
+        break;
+      case Phase::reply:
+        answer();
+        break;
+      case Phase::sending:
+        next = send_reply(overdue);
+        break;
+      case Phase::goodbye:
+        next = part(overdue);
+        break;
+      case Phase::over:
+        return {};
+    }
+    if (next) return *next;
+    overdue = false;  // it was about the phase that is over now
+  }
+}
+
+auto HttpConversation::shake_hands(bool overdue) -> MaybeNext {
+  if (overdue) return go(Phase::over);
+  const Progress progress = connection_.handshake();
+  if (progress == Progress::closed) return go(Phase::over);
+  if (progress != Progress::done) {
+    Next next = wait_for(progress, deadline_);
+    next.dispensable = true;
+    return next;
+  }
+  deadline_ = Clock::now() + edge_.options.keep_alive;
+  return go(Phase::head);
+}
+
+auto HttpConversation::receive_head(bool overdue) -> MaybeNext {
+  while (true) {
+    std::size_t size = 0;
+    const auto outcome =
+        connection_.find_head(edge_.options.max_target_bytes, edge_.options.max_head_bytes, size);
+    if (size > 0 && !head_begun_) {
+      head_begun_ = true;
+      deadline_ = Clock::now() + edge_.options.head_timeout;
+    }
+    // Time counts even while bytes come: a trickle must not outlive the deadline.
+    const bool late = overdue || Clock::now() > deadline_;
+    if (outcome != HttpConnection::Head::incomplete || (late && head_begun_)) {
+      exchange_.emplace(connection_);
+      judge_head(edge_.options, outcome, connection_.arrived().substr(0, size), remote_,
+                 *exchange_);
+      connection_.use(size);
+      head_begun_ = false;
+      ++count_;
+      if (count_ >= edge_.options.keep_alive_count) exchange_->close = true;
+      sent_before_ = connection_.bytes_sent();
+      const HttpHead& head = exchange_->head;
+      if (exchange_->refused || (!head.chunked && head.body_bytes == 0)) return go(Phase::reply);
+      begin_body();
+      return go(Phase::body);
+    }
+    if (late) return go(Phase::over);
+    const Progress progress = connection_.receive(head_chunk);
+    if (progress == Progress::closed) return go(Phase::over);  // there is nobody to answer
+    if (progress != Progress::done) {
+      Next next = wait_for(progress, deadline_);
+      next.idle = !head_begun_;
+      next.dispensable = true;
+      return next;
+    }
+  }
+}
+
+void HttpConversation::begin_body() {
+  const HttpHead& head = exchange_->head;
+  body_ =
+      head.chunked ? HttpBody::chunked(exchange_->body_limit) : HttpBody::counted(head.body_bytes);
+  if (head.expects_continue && connection_.arrived().empty()) {
+    // Those few bytes find room in any socket; if not, they go with the reply.
+    connection_.queue("HTTP/1.1 100 Continue\r\n\r\n");
+    (void)connection_.send();
+  }
+}
+
+auto HttpConversation::body_deadline() const -> Clock::time_point {
+  const HttpOptions& options = edge_.options;
+  Clock::time_point deadline = exchange_->begin + options.body_timeout;
+  if (options.min_receive_rate != 0) {
+    const std::chrono::duration<double> bought(static_cast<double>(exchange_->request.body.size()) /
+                                               static_cast<double>(options.min_receive_rate));
+    const std::chrono::duration<double> most = options.body_timeout;
+    deadline =
+        std::min(deadline, exchange_->begin + options.receive_grace +
+                               std::chrono::duration_cast<Clock::duration>(std::min(bought, most)));
+  }
+  return deadline;
+}
+
+auto HttpConversation::receive_body(bool overdue) -> MaybeNext {
+  while (true) {
+    std::string& bytes = exchange_->request.body;
+    std::string_view arrived = connection_.arrived();
+    const std::size_t had = arrived.size();
+    const HttpBody::State state = body_->take(arrived, bytes);
+    connection_.use(had - arrived.size());
+    charge_body();
+    const std::uint64_t most = edge_.options.max_bodies_in_flight;
+    const Clock::time_point deadline = body_deadline();
+    if (state == HttpBody::State::too_large) {
+      refuse_body({ErrorCode::too_large, "the body is too large", {}, exchange_->body_limit, {}});
+    } else if (state == HttpBody::State::malformed) {
+      refuse_body({ErrorCode::bad_syntax, "the chunks of the body do not parse", {}, {}, {}});
+    } else if (most != 0 && edge_.body_bytes > most) {
+      refuse_body({ErrorCode::overloaded, "too many bodies are being received", {}, {}, {}});
+    } else if (state == HttpBody::State::complete) {
+      return go(Phase::reply);
+    } else if (overdue || Clock::now() > deadline) {
+      refuse_body({ErrorCode::request_timeout, "the body did not arrive in time", {}, {}, {}});
+    } else {
+      const Progress progress = connection_.receive(body_chunk);
+      if (progress == Progress::done) continue;
+      if (progress != Progress::closed) return wait_for(progress, deadline);
+      refuse_body(
+          {ErrorCode::cancelled, "the client left before its body was complete", {}, {}, {}});
+    }
+    return go(Phase::reply);
+  }
+}
+
+void HttpConversation::charge_body() {
+  const std::uint64_t size = exchange_->request.body.size();
+  edge_.body_bytes += size - charged_;
+  charged_ = size;
+}
+
+void HttpConversation::release_body() { edge_.body_bytes -= std::exchange(charged_, 0); }
+
+void HttpConversation::release_reply() {
+  if (exchange_) edge_.reply_bytes -= std::exchange(exchange_->reply_charged, 0);
+}
+
+void HttpConversation::refuse_body(Error error) {
+  exchange_->refuse(std::move(error));
+  exchange_->close = exchange_->body_unread = true;
+  std::string().swap(exchange_->request.body);
+  release_body();
+}
+
+void HttpConversation::answer() {
+  edge_.answer(*exchange_);
+  std::string().swap(exchange_->request.body);
+  release_body();
+  const HttpOptions& options = edge_.options;
+  const Clock::time_point now = Clock::now();
+  stalled_ = now + options.write_timeout;
+  deadline_ = options.min_send_rate == 0
+                  ? Clock::time_point::max()
+                  : stalled_ + std::chrono::seconds(connection_.unsent() / options.min_send_rate);
+  phase_ = Phase::sending;
+}
+
+auto HttpConversation::send_reply(bool overdue) -> MaybeNext {
+  const std::uint64_t before = connection_.bytes_sent();
+  const Progress progress = exchange_->failed || overdue ? Progress::closed : connection_.send();
+  if (progress == Progress::wants_read || progress == Progress::wants_write) {
+    const Clock::time_point now = Clock::now();
+    if (connection_.bytes_sent() != before) stalled_ = now + edge_.options.write_timeout;
+    const Clock::time_point deadline = std::min(stalled_, deadline_);
+    if (now <= deadline) return wait_for(progress, deadline);
+  }
+  finish(progress == Progress::done);
+  return {};
+}
+
+void HttpConversation::finish(bool sent) {
+  const Clock::time_point now = Clock::now();
+  const std::chrono::duration<double, std::milli> taken = now - exchange_->begin;
+  ++edge_.requests;
+  release_reply();
+  log_request(exchange_->request, exchange_->route, exchange_->status,
+              connection_.bytes_sent() - sent_before_, taken.count(), sent);
+  body_.reset();
+  if (!sent) {
+    phase_ = Phase::over;
+  } else if (exchange_->close) {
+    connection_.say_goodbye();
+    deadline_ = now + goodbye_time;
+    pollfd query{connection_.socket(), POLLIN, 0};
+    const bool listens = exchange_->body_unread || ::poll(&query, 1, 0) > 0;
+    phase_ = listens ? Phase::goodbye : Phase::over;
+  } else {
+    exchange_.reset();
+    deadline_ = now + edge_.options.keep_alive;
+    phase_ = Phase::head;
+  }
+}
+
+auto HttpConversation::part(bool overdue) -> MaybeNext {
+  if (overdue || Clock::now() > deadline_) return go(Phase::over);
+  if (connection_.discard(goodbye_chunk) == Progress::closed) return go(Phase::over);
+  return Next{WaitsFor::readable, deadline_, false, true};
+}
+
+}  // namespace geodesic::server

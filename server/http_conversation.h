@@ -1,0 +1,97 @@
+// The life of one connection, as steps that never wait for the peer: handshake,
+// then heads, bodies and replies, then goodbye. `advance` goes as far as the bytes
+// that are there allow, and says what it would wait for and how long. So a client
+// that is idle or slow, whether in its head, its body or in taking a reply, holds
+// memory but no thread. A thread is held by the handler, and by a reply that is
+// streamed.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "server/http_body.h"
+#include "server/http_connection.h"
+#include "server/http_exchange.h"
+#include "server/http_options.h"
+
+namespace geodesic::server {
+
+// What all connections of a listener share.
+struct HttpEdge {
+  HttpOptions options;
+  // Has the request answered, and queues the reply's bytes on its connection.
+  std::function<void(Exchange&)> answer;
+  std::atomic<bool> stopping{false};
+  std::atomic<std::uint64_t> requests{0};     // answered since the start
+  std::atomic<std::uint64_t> body_bytes{0};   // of bodies being received or handled now
+  std::atomic<std::uint64_t> reply_bytes{0};  // of replies that are not sent yet
+};
+
+class HttpConversation {
+ public:
+  using Clock = HttpConnection::Clock;
+
+  // Takes the socket over. `edge` must outlive it.
+  HttpConversation(HttpEdge& edge, int socket, std::unique_ptr<TlsSession> tls);
+  ~HttpConversation();
+  HttpConversation(const HttpConversation&) = delete;
+  HttpConversation& operator=(const HttpConversation&) = delete;
+
+  enum class WaitsFor : std::uint8_t { readable, writable, nothing };
+  struct Next {
+    WaitsFor what = WaitsFor::nothing;  // `nothing`: it is over
+    Clock::time_point deadline = Clock::time_point::max();
+    bool idle = false;         // between requests: nobody misses it
+    bool dispensable = false;  // or before one is complete: can be pushed out
+  };
+  // To be called when what it waits for has come or, with `overdue`, when its time
+  // is over (or it is pushed out).
+  [[nodiscard]] Next advance(bool overdue);
+
+  [[nodiscard]] const HttpConnection& connection() const { return connection_; }
+
+ private:
+  enum class Phase : std::uint8_t { handshake, head, body, reply, sending, goodbye, over };
+
+  // Each does what is possible now; empty: the next phase goes on at once.
+  using MaybeNext = std::optional<Next>;
+  MaybeNext shake_hands(bool overdue);
+  MaybeNext receive_head(bool overdue);
+  MaybeNext receive_body(bool overdue);
+  MaybeNext send_reply(bool overdue);
+  MaybeNext part(bool overdue);
+
+  void begin_body();
+  void refuse_body(Error error);
+  void answer();
+  void finish(bool sent);
+  [[nodiscard]] Clock::time_point body_deadline() const;
+  void charge_body();
+  void release_body();
+  void release_reply();
+  [[nodiscard]] static Next wait_for(Progress progress, Clock::time_point deadline);
+  MaybeNext go(Phase phase) {
+    phase_ = phase;
+    return {};
+  }
+
+  HttpEdge& edge_;
+  HttpConnection connection_;
+  const std::string remote_;
+  Phase phase_ = Phase::handshake;
+  std::size_t count_ = 0;       // of requests
+  Clock::time_point deadline_;  // of the phase
+  Clock::time_point stalled_;   // of the next byte sent
+  bool head_begun_ = false;     // its first byte is there
+  std::optional<Exchange> exchange_;
+  std::optional<HttpBody> body_;
+  std::uint64_t charged_ = 0;  // of the bodies in flight
+  std::uint64_t sent_before_ = 0;
+};
+
+}  // namespace geodesic::server

@@ -1,0 +1,49 @@
+// What a listener is told: where it listens, and the bounds on what clients may
+// do to it.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "server/http_tls.h"
+
+namespace geodesic::server {
+
+struct HttpOptions {
+  std::string host = "127.0.0.1";   // a name or an address (IPv6 without brackets)
+  int port = 0;                     // 0: any free one
+  std::shared_ptr<TlsContext> tls;  // null: plain HTTP
+
+  // A thread is held by a request that is handled, and by nothing else.
+  std::size_t io_threads = 64;               // started at once …
+  std::size_t max_io_threads = 512;          // … and how many they may become
+  std::size_t max_connections = 10'000;      // more push out who idles longest
+  std::size_t keep_alive_count = 1'000'000;  // requests a connection
+
+  // The most bytes a body may have.
+  std::function<std::uint64_t(std::string_view method, std::string_view path)> max_body =
+      [](std::string_view, std::string_view) { return std::uint64_t{8} << 20; };
+  // Bytes of all bodies being received at once; more are answered 503. 0: no bound.
+  std::uint64_t max_bodies_in_flight = std::uint64_t{2} << 30;
+  // Bytes of all replies that their clients have not taken yet; a further one becomes 503,
+  // unless it is alone. 0: no bound.
+  std::uint64_t max_replies_in_flight = std::uint64_t{2} << 30;
+  std::size_t max_target_bytes = 8192;     // of the raw path and query: 414
+  std::size_t max_head_bytes = 32u << 10;  // of request line and headers: 431
+  std::size_t max_header_count = 100;      // 431
+
+  std::chrono::milliseconds keep_alive{75000};     // idle between requests
+  std::chrono::milliseconds head_timeout{10000};   // from a head's first byte to its last: 408
+  std::chrono::milliseconds body_timeout{300000};  // for an entire body, whatever the trickle: 408
+  std::uint64_t min_receive_rate = 1u << 10;  // bytes a second of a body, on average: 408. 0: any …
+  std::chrono::milliseconds receive_grace{5000};   // … once this is over
+  std::chrono::milliseconds write_timeout{10000};  // no byte of a reply could be sent
+  std::uint64_t min_send_rate = 16u << 10;  // bytes a second a client must take on average; 0: any
+};
+
+}  // namespace geodesic::server

@@ -1,0 +1,74 @@
+// Where a store keeps its bytes: the small interface with two implementations, a
+// local directory and S3-compatible object storage.
+//
+// An object is a mesh's source or its metadata, under the mesh's id. A write is
+// atomic and durable: once it has returned, the object is there whole, after a
+// crash or a loss of power too; until then it is there whole or not at all.
+//
+// All methods may be called from any thread. Ids are valid ones. Errors:
+// `store_full` when there is no room, `store_unavailable` when trying again later
+// may help, `store_failed` otherwise. No error names a path or a host, for they
+// are shown to clients: the log does.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/error.h"
+
+namespace geodesic::server {
+
+enum class ObjectKind : std::uint8_t { source, metadata };
+
+struct StoredMesh {
+  std::string id;
+  std::uint64_t bytes = 0;  // what its objects take, as far as a scan sees
+  std::int64_t used = 0;    // when it was last used, or written: seconds since 1970
+};
+
+class ObjectStorage {
+ public:
+  ObjectStorage() = default;
+  virtual ~ObjectStorage() = default;
+  ObjectStorage(const ObjectStorage&) = delete;
+  ObjectStorage& operator=(const ObjectStorage&) = delete;
+
+  // For the operator: the directory or the URL, without secrets.
+  [[nodiscard]] virtual std::string name() const = 0;
+
+  // Whether other processes may change what is there.
+  [[nodiscard]] virtual bool is_shared() const = 0;
+
+  // Every mesh whose source is there, in any order; reads no contents.
+  [[nodiscard]] virtual Result<std::vector<StoredMesh>> scan() = 0;
+
+  // One mesh as a scan would see it; nothing if it is not there.
+  [[nodiscard]] virtual Result<std::optional<StoredMesh>> find(std::string_view id) = 0;
+
+  [[nodiscard]] virtual Result<void> write(ObjectKind kind, std::string_view id,
+                                           std::string_view bytes) = 0;
+
+  // The bytes, unchecked; nothing if there is no such object. `expected_bytes` is
+  // about how many there should be; where many more come, the answer may be cut.
+  [[nodiscard]] virtual Result<std::optional<std::string>> read(ObjectKind kind,
+                                                                std::string_view id,
+                                                                std::uint64_t expected_bytes) = 0;
+
+  // Removes the metadata, then the source; durably. It may be gone already.
+  [[nodiscard]] virtual Result<void> erase(std::string_view id) = 0;
+
+  // Moves a damaged source out of the way, kept for the operator, and removes its
+  // metadata. It may be gone already.
+  [[nodiscard]] virtual Result<void> quarantine(std::string_view id) = 0;
+
+  // Remembers, if it can, that the mesh was used now.
+  virtual void note_use(std::string_view id) = 0;
+
+  // Whether reading and writing would work now. Cheap; seconds at most.
+  [[nodiscard]] virtual Result<void> check() = 0;
+};
+
+}  // namespace geodesic::server

@@ -1,0 +1,19 @@
+// Opens the store that a name stands for: `s3://…` is object storage
+// (s3_location.h), anything else a local directory.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/error.h"
+#include "server/config.h"
+#include "server/mesh_store.h"
+
+namespace geodesic::server {
+
+// Errors are for the operator, and name the store.
+[[nodiscard]] Result<std::unique_ptr<MeshStore>> open_store(const std::string& name,
+                                                            const StoreBudget& budget,
+                                                            const Environment& environment);
+
+}  // namespace geodesic::server

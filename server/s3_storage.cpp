@@ -1,0 +1,186 @@
+#include "server/s3_storage.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <ctime>
+#include <future>
+#include <iterator>
+#include <pugixml.hpp>
+#include <utility>
+
+#include "server/mesh_store.h"
+
+namespace geodesic::server {
+
+namespace {
+
+constexpr std::uint64_t kMostListBytes = 4 << 20;  // 1,000 keys take half a megabyte
+constexpr int kMostPages = 100'000;                // 100 million objects
+constexpr std::size_t kListsAtOnce = 8;
+
+tl::unexpected<Error> not_there() {
+  return fail(ErrorCode::store_failed, "the bucket of the object store is not there");
+}
+
+// "2026-01-31T12:34:56.789Z" in seconds since 1970; 0 if it is none.
+std::int64_t seconds_of(const char* text) {
+  std::tm time{};
+  if (::strptime(text, "%Y-%m-%dT%H:%M:%S", &time) == nullptr) return 0;
+  return static_cast<std::int64_t>(::timegm(&time));
+}
+
+}  // namespace
+
+std::string S3Storage::key_of(ObjectKind kind, std::string_view id) const {
+  const std::string& prefix = client_.location().prefix;
+  if (kind == ObjectKind::source) return prefix + "objects/" + std::string(id);
+  return prefix + "meta/" + std::string(id) + ".json";
+}
+
+// ListObjectsV2. Keys that are none of ours are passed over.
+Result<S3Storage::Page> S3Storage::list_page(const std::string& digits, const std::string& token) {
+  const std::string folder = client_.location().prefix + "objects/";
+  S3Request request;
+  request.query = {{"list-type", "2"}, {"prefix", folder + digits}};
+  if (!token.empty()) request.query.emplace("continuation-token", token);
+  request.max_reply_bytes = kMostListBytes;
+  const auto reply = client_.send(request);
+  if (!reply) return fail(reply.error());
+  if (reply->status == 404) return not_there();
+  pugi::xml_document document;
+  const pugi::xml_node list = document.load_buffer(reply->body.data(), reply->body.size())
+                                  ? document.child("ListBucketResult")
+                                  : pugi::xml_node();
+  if (!list) return fail(ErrorCode::store_failed, "the object store's list cannot be read");
+  Page page;
+  for (const pugi::xml_node item : list.children("Contents")) {
+    std::string key = item.child_value("Key");
+    if (!key.starts_with(folder)) continue;
+    key.erase(0, folder.size());
+    if (!is_mesh_id(key)) continue;
+    page.meshes.push_back({std::move(key), std::strtoull(item.child_value("Size"), nullptr, 10),
+                           seconds_of(item.child_value("LastModified"))});
+  }
+  if (std::string_view(list.child_value("IsTruncated")) == "true") {
+    page.next = list.child_value("NextContinuationToken");
+    if (page.next.empty() || page.next == token) {
+      return fail(ErrorCode::store_failed, "the object store's list does not go on");
+    }
+  }
+  return page;
+}
+
+Result<std::vector<StoredMesh>> S3Storage::list_all(const std::string& digits) {
+  std::vector<StoredMesh> meshes;
+  std::string token;
+  for (int pages = 0; pages < kMostPages; ++pages) {
+    auto page = list_page(digits, token);
+    if (!page) return fail(std::move(page.error()));
+    std::move(page->meshes.begin(), page->meshes.end(), std::back_inserter(meshes));
+    if (page->next.empty()) return meshes;
+    token = std::move(page->next);
+  }
+  return fail(ErrorCode::store_failed, "the object store's list has no end");
+}
+
+// One page holds a small store. A large one is listed by the ids' first digits, some
+// at once: each page takes a round trip, and the start waits for all of them.
+Result<std::vector<StoredMesh>> S3Storage::scan() {
+  auto first = list_page("", "");
+  if (!first) return fail(std::move(first.error()));
+  if (first->next.empty()) return std::move(first->meshes);
+  constexpr std::string_view digits = "0123456789abcdef";
+  std::vector<StoredMesh> meshes;
+  for (std::size_t begin = 0; begin < digits.size(); begin += kListsAtOnce) {
+    std::vector<std::future<Result<std::vector<StoredMesh>>>> lists;
+    for (const char digit : digits.substr(begin, kListsAtOnce)) {
+      lists.push_back(std::async(std::launch::async,
+                                 [this, digit] { return list_all(std::string(1, digit)); }));
+    }
+    std::optional<Error> error;
+    for (auto& list : lists) {
+      auto part = list.get();
+      if (!part) {
+        error = part.error();
+      } else {
+        std::move(part->begin(), part->end(), std::back_inserter(meshes));
+      }
+    }
+    if (error) return fail(std::move(*error));
+  }
+  return meshes;
+}
+
+Result<std::optional<StoredMesh>> S3Storage::find(std::string_view id) {
+  S3Request request;
+  request.method = "HEAD";
+  request.key = key_of(ObjectKind::source, id);
+  const auto reply = client_.send(request);
+  if (!reply) return fail(reply.error());
+  if (reply->status == 404) return std::nullopt;
+  return StoredMesh{std::string(id), reply->content_length, reply->last_modified};
+}
+
+Result<void> S3Storage::write(ObjectKind kind, std::string_view id, std::string_view bytes) {
+  S3Request request;
+  request.method = "PUT";
+  request.key = key_of(kind, id);
+  request.body = bytes;
+  const auto reply = client_.send(request);
+  if (!reply) return fail(reply.error());
+  if (reply->status == 404) return not_there();
+  return {};
+}
+
+Result<std::optional<std::string>> S3Storage::read(ObjectKind kind, std::string_view id,
+                                                   std::uint64_t expected_bytes) {
+  S3Request request;
+  request.key = key_of(kind, id);
+  // Room for an error's XML; what is longer than it should be is damaged anyway.
+  request.max_reply_bytes = std::max<std::uint64_t>(expected_bytes, 1 << 20);
+  auto reply = client_.send(request);
+  if (!reply) return fail(std::move(reply.error()));
+  if (reply->status == 404) return std::nullopt;
+  return std::move(reply->body);
+}
+
+Result<void> S3Storage::erase_key(const std::string& key) {
+  S3Request request;
+  request.method = "DELETE";
+  request.key = key;
+  const auto reply = client_.send(request);
+  if (!reply) return fail(reply.error());
+  return {};
+}
+
+Result<void> S3Storage::erase(std::string_view id) {
+  if (auto done = erase_key(key_of(ObjectKind::metadata, id)); !done) return done;
+  return erase_key(key_of(ObjectKind::source, id));
+}
+
+Result<void> S3Storage::quarantine(std::string_view id) {
+  S3Request copy;
+  copy.method = "PUT";
+  copy.key = client_.location().prefix + "quarantine/" + std::string(id);
+  copy.copy_source = key_of(ObjectKind::source, id);
+  copy.body = std::string_view();
+  const auto copied = client_.send(copy);
+  if (!copied) return fail(copied.error());
+  // A copy that failed half way is answered 200 with an error in its body.
+  if (copied->status != 404 && copied->body.find("<Error>") != std::string::npos) {
+    return fail(ErrorCode::store_failed, "the object store could not copy an object");
+  }
+  return erase(id);
+}
+
+Result<void> S3Storage::check() {
+  S3Request request;
+  request.query = {{"list-type", "2"}, {"max-keys", "1"}};
+  request.is_probe = true;
+  const auto reply = client_.send(request);
+  if (!reply) return fail(reply.error());
+  if (reply->status == 404) return not_there();
+  return {};
+}
+
+}  // namespace geodesic::server

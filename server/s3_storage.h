@@ -1,0 +1,49 @@
+// A store's objects in a bucket of S3-compatible object storage, which any number of
+// processes may share.
+//
+//   PREFIXobjects/<id>      the bytes as uploaded
+//   PREFIXmeta/<id>.json    the metadata, opaque here
+//   PREFIXquarantine/<id>   bytes found not to be what was stored
+//
+// S3 writes an object whole or not at all. When a mesh was last used is not kept
+// there: after a restart, the time of the upload stands for it.
+#pragma once
+
+#include "server/object_storage.h"
+#include "server/s3_client.h"
+#include "server/s3_location.h"
+
+namespace geodesic::server {
+
+class S3Storage final : public ObjectStorage {
+ public:
+  explicit S3Storage(S3Location location) : client_(std::move(location)) {}
+
+  [[nodiscard]] std::string name() const override { return client_.location().name(); }
+  [[nodiscard]] bool is_shared() const override { return true; }
+  [[nodiscard]] Result<std::vector<StoredMesh>> scan() override;
+  [[nodiscard]] Result<std::optional<StoredMesh>> find(std::string_view id) override;
+  [[nodiscard]] Result<void> write(ObjectKind kind, std::string_view id,
+                                   std::string_view bytes) override;
+  [[nodiscard]] Result<std::optional<std::string>> read(ObjectKind kind, std::string_view id,
+                                                        std::uint64_t expected_bytes) override;
+  [[nodiscard]] Result<void> erase(std::string_view id) override;
+  [[nodiscard]] Result<void> quarantine(std::string_view id) override;
+  void note_use(std::string_view /*id*/) override {}
+  [[nodiscard]] Result<void> check() override;
+
+ private:
+  struct Page {
+    std::vector<StoredMesh> meshes;
+    std::string next;  // empty: the last one
+  };
+  [[nodiscard]] std::string key_of(ObjectKind kind, std::string_view id) const;
+  [[nodiscard]] Result<Page> list_page(const std::string& ids_from, const std::string& token);
+  // The meshes of which the ids begin with `digits`.
+  [[nodiscard]] Result<std::vector<StoredMesh>> list_all(const std::string& digits);
+  [[nodiscard]] Result<void> erase_key(const std::string& key);
+
+  S3Client client_;
+};
+
+}  // namespace geodesic::server

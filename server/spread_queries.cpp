@@ -1,0 +1,115 @@
+// Queries about how distances spread over the whole surface: isolines and samples.
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <variant>
+
+#include "core/farthest_points.h"
+#include "core/isolines.h"
+#include "core/longest_edge.h"
+#include "proto/query_limits.h"
+#include "server/field_queries.h"
+#include "server/query_place.h"
+
+namespace geodesic::server {
+namespace {
+
+using Levels = decltype(proto::IsolinesRequest::levels);
+
+const char* parameter_of(const Levels& levels) {
+  if (std::holds_alternative<std::vector<double>>(levels)) return "levels";
+  return std::holds_alternative<proto::IsolinesRequest::Step>(levels) ? "step" : "count";
+}
+
+// The levels up to `max`, ascending.
+Result<std::vector<double>> levels_within(const Levels& asked, double max) {
+  std::vector<double> levels;
+  if (const auto* given = std::get_if<std::vector<double>>(&asked)) {
+    std::copy_if(given->begin(), given->end(), std::back_inserter(levels),
+                 [&](double level) { return level <= max; });
+  } else if (const auto* step = std::get_if<proto::IsolinesRequest::Step>(&asked)) {
+    const double steps = max / step->size;
+    if (!(steps < proto::kMaxLevels + 1)) {
+      return fail_limit(ErrorCode::too_large, "so small a step makes too many levels",
+                        proto::kMaxLevels, static_cast<std::uint64_t>(std::min(steps, 1e18)),
+                        "step");
+    }
+    for (int i = 1; i * step->size <= max; ++i) levels.push_back(i * step->size);
+  } else if (max > 0) {
+    const auto count = static_cast<double>(std::get<proto::IsolinesRequest::Count>(asked).levels);
+    for (double i = 1; i <= count; ++i) levels.push_back(i / (count + 1) * max);
+    levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
+  }
+  return levels;
+}
+
+}  // namespace
+
+Result<Answered<proto::IsolinesReply>> FieldQueries::answer(const std::string& mesh,
+                                                            const proto::IsolinesRequest& request,
+                                                            const ClientGone& client_gone) {
+  const auto place = find(mesh, request.method, client_gone);
+  if (!place) return fail(place.error());
+  Answered<proto::IsolinesReply> answer;
+  proto::IsolinesReply& reply = answer.reply;
+  reply.mesh = mesh;
+  reply.method = request.method.which;
+  auto sources = place->sources(request.from, reply.from);
+  if (!sources) return fail(std::move(sources.error()));
+  FieldQuestion question{mesh, place->adjacency(), request.method, std::move(*sources)};
+  // A line at `max` needs the vertices just beyond it.
+  if (request.max) question.max = *request.max + 2 * longest_edge(*place->adjacency());
+  const auto field = fields_.whole(question, client_gone);
+  if (!field) return fail(field.error());
+  answer.cache_hit = field->hit;
+
+  if (field->value->reached > 0) {
+    reply.max = std::min(field->value->max, request.max.value_or(field->value->max));
+  }
+  auto levels = levels_within(request.levels, reply.max.value_or(0));
+  if (!levels) return fail(std::move(levels.error()));
+  reply.levels = std::move(*levels);
+  auto lines = fields_.compute(
+      [&](SolveScratch&, const Cancel& cancel) {
+        return isolines(*place->adjacency(), *field->value, reply.levels,
+                        proto::kMaxIsolineSegments, cancel);
+      },
+      client_gone);
+  if (!lines) {
+    if (lines.error().code == ErrorCode::too_large) {
+      lines.error().parameter = parameter_of(request.levels);
+    }
+    return fail(std::move(lines.error()));
+  }
+  reply.isolines = std::move(*lines);
+  return answer;
+}
+
+Result<Answered<proto::SamplesReply>> FieldQueries::answer(const std::string& mesh,
+                                                           const proto::SamplesRequest& request,
+                                                           const ClientGone& client_gone) {
+  const auto place = find(mesh, request.method, client_gone);
+  if (!place) return fail(place.error());
+  Answered<proto::SamplesReply> answer;
+  proto::SamplesReply& reply = answer.reply;
+  reply.mesh = mesh;
+  reply.method = request.method.which;
+  const auto sources = place->sources(request.from, reply.from);
+  if (!sources) return fail(sources.error());
+  const auto found = fields_.compute(
+      [&](SolveScratch& scratch, const Cancel& cancel) {
+        return farthest_points(request.method.which, request.method.options, *place->adjacency(),
+                               *sources, request.count, scratch, cancel);
+      },
+      client_gone);
+  if (!found) return fail(found.error());
+  reply.covering_radius = found->covering_radius;
+  reply.samples.reserve(found->points.size());
+  for (const FarthestPoint& point : found->points) {
+    reply.samples.push_back({place->mesh().source_of_vertex(point.vertex),
+                             place->mesh().positions()[point.vertex], point.radius});
+  }
+  return answer;
+}
+
+}  // namespace geodesic::server

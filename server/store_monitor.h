@@ -1,0 +1,30 @@
+// A thread that checks a store every few seconds, so that a probe learns how it is
+// without waiting for it.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "server/mesh_store.h"
+
+namespace geodesic::server {
+
+class StoreMonitor {
+ public:
+  // Checks at once, then every `interval`. The store must outlive the monitor.
+  StoreMonitor(MeshStore& store, std::chrono::milliseconds interval);
+  ~StoreMonitor();
+  StoreMonitor(const StoreMonitor&) = delete;
+  StoreMonitor& operator=(const StoreMonitor&) = delete;
+
+ private:
+  MeshStore& store_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace geodesic::server

@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# The load scripts, each for a second or two and with bounds so wide that no busy
+# machine misses them: that they work, and that nothing is wrong by far.
+#
+#     short_test.sh BUILD
+set -uo pipefail
+cd "$(dirname "$0")" || exit 1
+build=$1
+status=0
+python3 slow_clients.py "$build" --seconds 2 --idle 200 --slow 40 --patience 0 --slack 30 || status=1
+python3 overload.py "$build" --seconds 3 --slack 30 || status=1
+python3 throughput.py "$build" --seconds 1 --rounds 1 --slack 30 || status=1
+exit $status

@@ -1,0 +1,130 @@
+#!/usr/bin/env python3
+"""Requests a second beside a bare cpp-httplib handler that returns as many bytes.
+
+    throughput.py BUILD [--seconds N] [--rounds N] [--slack X]
+
+Each question is asked of both servers in turn, round after round, by wrk (where it
+is installed) and by a client of our own; the ratio is that of the medians. Then one
+question is asked at 70 % of the rate that our own client saw, and the spread of the
+answers' times is looked at. Exit status 1 if a bound is missed by more than the
+slack.
+"""
+
+import argparse
+import json
+import pathlib
+import re
+import shutil
+import statistics
+import subprocess
+import sys
+
+from service import Checks, Service
+
+
+class Bare:
+    """The bare handler, with the same bytes."""
+
+    def __init__(self, build, files):
+        self._process = subprocess.Popen(
+            [str(part) for part in (build / "bare_server", *files)],
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        self.port = int(self._process.stdout.readline())
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._process.kill()
+        self._process.wait()
+        self._process.stdout.close()
+
+
+def ask_wrk(port, target, seconds):
+    """Requests a second."""
+    command = ["wrk", "-t1", "-c16", f"-d{max(1, round(seconds))}s"]
+    output = subprocess.run(
+        [*command, f"http://127.0.0.1:{port}{target}"], check=True, capture_output=True, text=True
+    ).stdout
+    assert "Non-2xx" not in output and "Socket errors" not in output, output
+    return float(re.search(r"Requests/sec: +([0-9.]+)", output).group(1))
+
+
+class OwnClient:
+    """paced_client, as fast as it is answered or at a rate."""
+
+    def __init__(self, build):
+        self._program = build / "paced_client"
+
+    def ask(self, port, target, rate, seconds):
+        """What it printed."""
+        output = subprocess.run(
+            [str(part) for part in (self._program, port, target, rate, seconds)],
+            check=True,
+            capture_output=True,
+            text=True,
+        ).stdout
+        return json.loads(output)
+
+    def __call__(self, port, target, seconds):
+        return self.ask(port, target, 0, seconds)["rate"]
+
+
+def compare(client, questions, seconds, rounds):
+    """The medians of the rates of several (port, target), asked in turn."""
+    rates = [[] for _ in questions]
+    for _ in range(rounds):
+        for place, (port, target) in zip(rates, questions):
+            place.append(client(port, target, seconds))
+    return [statistics.median(rate) for rate in rates]
+
+
+def main():
+    """Runs it."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("build", type=pathlib.Path)
+    parser.add_argument("--seconds", type=float, default=5)
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--slack", type=float, default=1.0)
+    arguments = parser.parse_args()
+    checks = Checks(arguments.slack)
+    own = OwnClient(arguments.build)
+    clients = {"our client": own}
+    if shutil.which("wrk"):
+        clients["wrk"] = ask_wrk
+    else:
+        print("skipped: wrk is not installed")
+
+    with Service(arguments.build) as service:
+        mesh = service.mesh
+        base = f"/v1/meshes/{mesh['id']}"
+        questions = {
+            "cached path": (f"{base}/path?from=v:0&to=v:{mesh['vertices'] // 2}", 60),
+            f"cached f32 field of {mesh['vertices']} vertices": (
+                f"{base}/distance?from=v:0&format=f32",
+                50,
+            ),
+        }
+        files = []
+        for number, (target, _) in enumerate(questions.values()):
+            files.append(service.folder / f"reply{number}")
+            files[-1].write_bytes(service.get(target))
+        with Bare(arguments.build, files) as bare:
+            for number, (what, (target, bound)) in enumerate(questions.items()):
+                size = files[number].stat().st_size
+                pair = [(service.port, target), (bare.port, f"/{number}")]
+                for name, client in clients.items():
+                    ours, theirs = compare(client, pair, arguments.seconds, arguments.rounds)
+                    print(f"{what}, {size} bytes, {name}: {ours:.0f}/s, bare {theirs:.0f}/s")
+                    checks.at_least("of the bare handler's", 100 * ours / theirs, bound)
+                rate = own(service.port, target, arguments.seconds)
+                spread = own.ask(service.port, target, 0.7 * rate, arguments.seconds)
+                print(f"{what} at 70 %, {0.7 * rate:.0f}/s: {spread}")
+                checks.at_most("p99 over p50", spread["p99_ms"] / spread["p50_ms"], 5, "")
+    sys.exit(checks.failed != 0)
+
+
+if __name__ == "__main__":
+    main()

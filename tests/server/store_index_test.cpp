@@ -1,0 +1,118 @@
+#include "server/store_index.h"
+
+#include <doctest/doctest.h>
+
+#include <string>
+#include <vector>
+
+using namespace geodesic;
+using namespace geodesic::server;
+
+namespace {
+
+using Ids = std::vector<std::string>;
+
+StoreBudget of(std::uint64_t bytes, WhenFull when_full) { return {bytes, when_full}; }
+
+}  // namespace
+
+TEST_CASE("without a budget there is always room") {
+  StoreIndex index({});
+  index.insert({"a", 1'000'000, 0});
+  CHECK(index.reserve(std::uint64_t{1} << 40)->empty());
+}
+
+TEST_CASE("a store that refuses says by how much an upload is too large") {
+  StoreIndex index(of(100, WhenFull::refuse));
+  index.insert({"a", 60, 0});
+  REQUIRE(index.reserve(40)->empty());
+  const auto more = index.reserve(1);
+  REQUIRE_FALSE(more);
+  CHECK(more.error().code == ErrorCode::store_full);
+  CHECK(more.error().limit == 100u);
+  CHECK(more.error().actual == 101u);
+  index.release(40);
+  CHECK(index.reserve(40)->empty());
+}
+
+TEST_CASE("what was used longest ago goes first, and no more of it than needed") {
+  StoreIndex index(of(100, WhenFull::evict));
+  index.insert({"a", 30, 0});
+  index.insert({"b", 30, 0});
+  index.insert({"c", 30, 0});
+  CHECK(index.use("a", 0) == StoreIndex::Use::known);
+  CHECK(*index.reserve(11) == Ids{"b"});
+  CHECK(*index.reserve(41) == Ids{"b", "c"});
+  CHECK(index.erase("b"));
+  CHECK(index.reserve(11)->empty());
+}
+
+TEST_CASE("uploads under way cannot be evicted for one another") {
+  StoreIndex index(of(100, WhenFull::evict));
+  REQUIRE(index.reserve(70)->empty());
+  CHECK(index.reserve(40).error().code == ErrorCode::store_full);
+  CHECK(index.reserve(101).error().code == ErrorCode::store_full);
+  index.release(70);
+  CHECK(index.reserve(40)->empty());
+}
+
+TEST_CASE("after a restart the times of last use give the order") {
+  StoreIndex index(of(30, WhenFull::evict));
+  index.begin_scan();
+  CHECK(index.end_scan(std::vector<StoredMesh>{{"a", 10, 300}, {"b", 10, 100}, {"c", 10, 200}})
+            .empty());
+  CHECK(index.stats().bytes == 30);
+  CHECK(*index.reserve(10) == Ids{"b"});
+  CHECK(*index.reserve(20) == Ids{"b", "c"});
+}
+
+TEST_CASE("a use is worth noting once a minute") {
+  StoreIndex index({});
+  index.insert({"a", 1, 1000});
+  CHECK(index.use("a", 1059) == StoreIndex::Use::known);
+  CHECK(index.use("a", 1060) == StoreIndex::Use::worth_noting);
+  CHECK(index.use("a", 1119) == StoreIndex::Use::known);
+  CHECK(index.use("a", 1120) == StoreIndex::Use::worth_noting);
+  CHECK(index.use("b", 1120) == StoreIndex::Use::unknown);
+}
+
+TEST_CASE("a scan takes over what others did and keeps what happened meanwhile") {
+  StoreIndex index({});
+  index.insert({"gone", 1, 0});
+  index.insert({"kept", 1, 0});
+  index.insert({"removed", 1, 0});
+  index.begin_scan();
+  index.insert({"uploaded", 1, 0});
+  index.erase("removed");
+  index.erase("stranger");
+  CHECK(index.end_scan(std::vector<StoredMesh>{
+            {"kept", 1, 0}, {"new", 5, 0}, {"removed", 1, 0}, {"stranger", 1, 0}}) == Ids{"gone"});
+  CHECK(index.list("", 10) == Ids{"kept", "new", "uploaded"});
+  CHECK(index.stats().bytes == 7);
+  // What was removed before a scan began may be put back by it.
+  index.begin_scan();
+  index.end_scan(std::vector<StoredMesh>{{"removed", 1, 0}});
+  CHECK(index.list("", 10) == Ids{"removed"});
+}
+
+TEST_CASE("a failed scan changes nothing") {
+  StoreIndex index({});
+  index.insert({"a", 1, 0});
+  index.begin_scan();
+  CHECK(index.end_scan(std::nullopt).empty());
+  CHECK(index.list("", 10) == Ids{"a"});
+}
+
+TEST_CASE("bytes follow every change") {
+  StoreIndex index({});
+  index.insert({"a", 10, 0});
+  index.insert({"b", 5, 0});
+  index.insert({"a", 20, 0});
+  CHECK(index.stats().bytes == 25);
+  CHECK(index.bytes_of("a") == 20u);
+  CHECK(index.erase("a"));
+  CHECK_FALSE(index.erase("a"));
+  CHECK_FALSE(index.bytes_of("a"));
+  CHECK(index.stats().bytes == 5);
+  CHECK(index.size() == 1);
+}
