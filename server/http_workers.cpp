@@ -130,6 +130,7 @@ void HttpWorkers::release(std::size_t index) {
 bool HttpWorkers::wait_in_kernel(std::size_t index, const HttpConversation::Next& next,
                                  bool first) {
   Place& place = places_[index];
+  const int socket = place.conversation->connection().socket();
   const std::uint64_t ticket = place.next_ticket++ & ticket_mask;
   place.deadline.store(next.deadline.time_since_epoch().count(), std::memory_order_relaxed);
   place.idle.store(next.idle, std::memory_order_relaxed);
@@ -141,15 +142,12 @@ bool HttpWorkers::wait_in_kernel(std::size_t index, const HttpConversation::Next
                       ? static_cast<std::uint32_t>(EPOLLOUT)
                       : static_cast<std::uint32_t>(EPOLLIN | EPOLLRDHUP);
   event.data.u64 = static_cast<std::uint64_t>(index) << ticket_bits | ticket;
-  const int socket = place.conversation->connection().socket();
   if (::epoll_ctl(epoll_, first ? EPOLL_CTL_ADD : EPOLL_CTL_MOD, socket, &event) != 0) {
     spdlog::error("a connection cannot wait: {}", std::strerror(errno));
     place.state.store(busy, std::memory_order_relaxed);
     return false;
   }
-  std::uint64_t expected = ticket << 2 | arming;
-  place.state.compare_exchange_strong(expected, ticket << 2 | parked, std::memory_order_release,
-                                      std::memory_order_relaxed);
+  place.state.store(ticket << 2 | parked, std::memory_order_release);
   return true;
 }
 
@@ -180,9 +178,12 @@ void HttpWorkers::serve_event(std::uint64_t data) {
   const auto index = static_cast<std::size_t>(data >> ticket_bits);
   const std::uint64_t ticket = data & ticket_mask;
   Place& place = places_[index];
-  // The event may come before the parking thread has said that all is done.
-  if (take(place, ticket << 2 | parked) || take(place, ticket << 2 | arming) ||
-      take(place, ticket << 2 | parked)) {
+  // The event may come while the parking thread still has its hands on the socket: it
+  // is about to let go.
+  while (place.state.load(std::memory_order_acquire) == (ticket << 2 | arming)) {
+    std::this_thread::yield();
+  }
+  if (take(place, ticket << 2 | parked)) {
     serve(index, /*overdue=*/false);
   }
 }

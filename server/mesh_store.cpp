@@ -77,7 +77,11 @@ Result<void> MeshStore::put(std::string_view id, std::string_view bytes,
   }
   const auto stored = is_stored(id);
   if (!stored) return fail(stored.error());
-  if (*stored) return put_metadata(id, metadata);
+  if (*stored) {
+    auto replaced = put_metadata(id, metadata);
+    // Somebody may have removed it meanwhile: then it is put anew.
+    if (replaced || replaced.error().code != ErrorCode::mesh_unknown) return replaced;
+  }
   const auto room = make_room(bytes.size() + metadata.size());
   if (!room) return fail(room.error());
   const std::lock_guard lock(stripe(id));
