@@ -7,11 +7,11 @@ JOBS ?= $(shell nproc)
 export PORT HOST JOBS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build run test bench paper load fuzz format lint clean
+.PHONY: help setup build run test test-s3 test-crash bench paper load fuzz format lint clean
 MAKEFLAGS += --no-print-directory
 
 help: ## list these targets
-	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1|\2/p' Makefile | column -t -s '|'
+	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | column -t -s '|'
 	@echo "Variables: HOST=$(HOST) PORT=$(PORT) (run), SECONDS=$(SECONDS) (fuzz), JOBS=$(JOBS)"
 
 setup: ## install what building needs (Debian 12 or 13; root or sudo)
@@ -26,6 +26,13 @@ run: build ## start the server with sample meshes; Ctrl-C stops it
 
 test: setup ## build and run all tests, then again under the sanitizers
 	@scripts/run_tests
+
+test-s3: build ## test the store in object storage, against OpenStack Swift
+	@scripts/setup s3
+	@ctest --test-dir build/release --tests-regex '^s3_test$$' --verbose
+
+test-crash: build ## kill the server 200 times while it writes
+	@tests/crash/crash_test.py build/release/geodesicd 200
 
 bench: build ## measure every method, and other people's, in build/bench (minutes)
 	@scripts/setup bench

@@ -1,5 +1,6 @@
 """A geodesicd of one's own for a test: started, asked, killed; and meshes to upload."""
 
+import atexit
 import hashlib
 import http.client
 import json
@@ -29,6 +30,7 @@ class Service:
                 [program, "--listen", "127.0.0.1:0", *flags],
                 stdout=subprocess.PIPE, stderr=errors, env={**clean, **(environment or {})},
             )
+        atexit.register(self.process.kill)  # whatever happens, nothing is left running
         self.port = None
         for line in self.process.stdout:
             found = re.match(rb"listening on http://127\.0\.0\.1:(\d+)", line)

@@ -111,10 +111,8 @@ def write_rings(folder, ports):
 
     for kind in STORAGE:
         builder = RingBuilder(4, 1, 0)
-        builder.add_dev(
-            {"region": 1, "zone": 1, "ip": "127.0.0.1", "port": ports[kind],
-             "device": "sda", "weight": 1.0}
-        )
+        device = {"region": 1, "zone": 1, "ip": "127.0.0.1", "port": ports[kind]}
+        builder.add_dev({**device, "device": "sda", "weight": 1.0})
         builder.rebalance()
         builder.get_ring().save(str(folder / f"{kind}.ring.gz"))
 
@@ -137,10 +135,12 @@ def main():
     write_rings(folder, ports)
 
     servers = []
+
     def stop(*_):
         for server in servers:
             server.kill()
         sys.exit(0)
+
     signal.signal(signal.SIGTERM, stop)
 
     for kind in kinds:

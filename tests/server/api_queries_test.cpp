@@ -107,6 +107,27 @@ TEST_CASE("WhatIsUnreachableIsNullNeverZero") {
   CHECK(at["max"].is_null());
 }
 
+TEST_CASE("AQueryWhoseClientIsGoneStops") {
+  PlaneService plane;
+  const std::string base = plane.add(shapes::terrain(120, 3, 1));
+  plane.service.ask("POST", base + "/prepare");
+  for (const std::string target :
+       {"/distance?from=v:0", "/distance?from=v:1&at=v:9000", "/path?from=v:2&to=v:14399",
+        "/table?from=v:3&to=v:14399", "/isolines?from=v:4&count=3", "/samples?count=9"}) {
+    CAPTURE(target);
+    HttpRequest request;
+    request.method = "GET";
+    request.target = base + target;
+    request.path = request.target.substr(0, request.target.find('?'));
+    request.query = *parse_query(request.target.substr(request.target.find('?') + 1));
+    request.id = "test";
+    request.client_gone = [] { return true; };
+    check_problem(plane.service.routes.answer(request), 499, "cancelled");
+    // Nothing of it was kept, and the next client gets an answer.
+    CHECK(plane.service.get(request.target).status == 200);
+  }
+}
+
 TEST_CASE("MaxBoundsTheField") {
   PlaneService plane;
   const json reply = body_of(plane.service.get(plane.base + "/distance?from=v:0&max=3.5"));
