@@ -164,16 +164,22 @@ double PointArrivals::below(const SurfacePoint& place) const {
   return kUnreached;
 }
 
-StepBack PointArrivals::through_graph(const SurfacePoint& place) const {
+StepBack PointArrivals::straight_in_face(const SurfacePoint& place, double limit) const {
   const FaceRecord& face = adjacency_.face(place.face);
   StepBack best = from_sources_in_face(place);
-  const double limit = below(place);
   for (std::uint32_t c = 0; c < 3; ++c) {
     const double d = field_.distance[face.vertex[c]];
     if (!(d < limit)) continue;
     const double along = d + std::sqrt(squared_distance(face, place.bary, weights_at_corner(c)));
     if (along < best.distance) best = to_vertex(face, place.face, c, place.bary, along);
   }
+  return best;
+}
+
+StepBack PointArrivals::through_graph(const SurfacePoint& place) const {
+  const FaceRecord& face = adjacency_.face(place.face);
+  const double limit = below(place);
+  StepBack best = straight_in_face(place, limit);
   if (!field_.edge_points) return best;
   const EdgePoints& points = *field_.edge_points;
   for (std::uint32_t c = 0; c < 3; ++c) {
@@ -201,19 +207,12 @@ StepBack PointArrivals::through_graph(const SurfacePoint& place) const {
 }
 
 StepBack PointArrivals::through_windows(const SurfacePoint& place) const {
-  const FaceRecord& face = adjacency_.face(place.face);
-  StepBack best = from_sources_in_face(place);
-  const double limit = below(place);
-  for (std::uint32_t c = 0; c < 3; ++c) {
-    const double d = field_.distance[face.vertex[c]];
-    if (!(d < limit)) continue;
-    const double along = d + std::sqrt(squared_distance(face, place.bary, weights_at_corner(c)));
-    if (along < best.distance) best = to_vertex(face, place.face, c, place.bary, along);
-  }
+  const StepBack best = straight_in_face(place, below(place));
   if (!field_.windows) return best;
   const LitWay way = shortest_lit_way(adjacency_, *field_.windows, place);
   if (!(way.distance < best.distance)) return best;
-  return over_side(face, place.face, way.corner, place.bary, {way.distance, Fig4::a, way.crossing});
+  return over_side(adjacency_.face(place.face), place.face, way.corner, place.bary,
+                   {way.distance, Fig4::a, way.crossing});
 }
 
 StepBack PointArrivals::through_face(const SurfacePoint& place) const {

@@ -70,6 +70,8 @@ class PointArrivals {
   [[nodiscard]] Arrival over_base(std::uint32_t p, std::uint32_t q, const UnfoldedApex& apex) const;
   [[nodiscard]] StepBack straight_from_source(std::uint32_t vertex, std::uint32_t source) const;
   [[nodiscard]] StepBack from_sources_in_face(const SurfacePoint& place) const;
+  // The same, or straight from those corners whose distance is below `limit`.
+  [[nodiscard]] StepBack straight_in_face(const SurfacePoint& place, double limit) const;
   // through_face for `steiner`: from the face's corners and the points on its sides.
   [[nodiscard]] StepBack through_graph(const SurfacePoint& place) const;
   // through_face for the exact methods: from the face's corners and the windows on
