@@ -18,8 +18,6 @@ constexpr std::size_t body_chunk = 64u << 10;
 // the reply on its way.
 constexpr std::chrono::seconds goodbye_time{1};
 constexpr std::size_t goodbye_chunk = 1u << 20;
-// A client that asks one question after the other sends the next within this.
-constexpr int linger_milliseconds = 1;
 
 }  // namespace
 
@@ -111,21 +109,12 @@ auto HttpConversation::receive_head(bool overdue) -> MaybeNext {
     const Progress progress = connection_.receive(head_chunk);
     if (progress == Progress::closed) return go(Phase::over);  // there is nobody to answer
     if (progress != Progress::done) {
-      if (next_comes_at_once()) continue;
       Next next = wait_for(progress, deadline_);
       next.idle = !head_begun_;
       next.dispensable = true;
       return next;
     }
   }
-}
-
-// To stay with a busy connection for a moment saves a way through the kernel's epoll
-// and another thread's waking up, for each of its requests.
-bool HttpConversation::next_comes_at_once() {
-  if (!std::exchange(fresh_reply_, false) || !edge_.may_linger()) return false;
-  pollfd query{connection_.socket(), POLLIN, 0};
-  return ::poll(&query, 1, linger_milliseconds) > 0;
 }
 
 void HttpConversation::begin_body() {
@@ -249,7 +238,6 @@ void HttpConversation::finish(bool sent) {
     exchange_.reset();
     deadline_ = now + edge_.options.keep_alive;
     phase_ = Phase::head;
-    fresh_reply_ = true;
   }
 }
 

@@ -26,8 +26,6 @@ struct HttpEdge {
   HttpOptions options;
   // Has the request answered, and queues the reply's bytes on its connection.
   std::function<void(Exchange&)> answer;
-  // Whether threads are plenty, so that one may look after a single connection for a moment.
-  std::function<bool()> may_linger = [] { return false; };
   std::atomic<bool> stopping{false};
   std::atomic<std::uint64_t> requests{0};     // answered since the start
   std::atomic<std::uint64_t> body_bytes{0};   // of bodies being received or handled now
@@ -68,7 +66,6 @@ class HttpConversation {
   MaybeNext send_reply(bool overdue);
   MaybeNext part(bool overdue);
 
-  [[nodiscard]] bool next_comes_at_once();
   void begin_body();
   void refuse_body(Error error);
   void answer();

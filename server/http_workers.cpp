@@ -35,9 +35,7 @@ constexpr std::uint64_t end_data = overdue_data - 1;
 HttpWorkers::HttpWorkers(HttpEdge& edge)
     : edge_(edge),
       place_count_(std::max<std::size_t>(1, edge.options.max_connections) + spare_places),
-      places_(std::make_unique<Place[]>(place_count_)) {
-  edge_.may_linger = [this] { return !edge_.stopping && 2 * idle_threads_ > thread_count_; };
-}
+      places_(std::make_unique<Place[]>(place_count_)) {}
 
 HttpWorkers::~HttpWorkers() {
   stop(std::chrono::milliseconds(0));
@@ -222,7 +220,6 @@ void HttpWorkers::hire() {
   ++idle_threads_;
   try {
     threads_.emplace_back([this] { work(); });
-    ++thread_count_;
   } catch (const std::exception& error) {
     // Those that are there serve everybody, if later.
     --idle_threads_;

@@ -105,7 +105,6 @@ class HttpWorkers {
   mutable std::mutex threads_mutex_;
   std::vector<std::thread> threads_;
   std::atomic<std::size_t> idle_threads_{0};
-  std::atomic<std::size_t> thread_count_{0};
   std::thread clock_;
   std::condition_variable clock_signal_;
   bool ending_ = false;  // guarded by threads_mutex_
