@@ -257,7 +257,6 @@ S3Client::Attempt S3Client::try_once(CURL* handle, const S3Request& request) con
   set(CURLOPT_ERRORBUFFER, reason.data());
   set(CURLOPT_NOSIGNAL, 1L);
   set(CURLOPT_PROTOCOLS_STR, "http,https");
-  set(CURLOPT_PATH_AS_IS, 1L);
   set(CURLOPT_URL, url.c_str());
   set(CURLOPT_USERAGENT, "geodesicd");
   set(CURLOPT_USERNAME, location_.access_key.c_str());

@@ -9,7 +9,8 @@
 // Versions of libcurl differ in how they sign: 7.88 signs path and query as they are,
 // later ones sort and escape them. So both are passed on in the canonical form
 // already: a key has unreserved characters and slashes only (RFC 3986), a query is
-// sorted and escaped, and each of its names has a '='. Nor may a header be empty.
+// sorted and escaped, and each of its names has a '='. Nor may a header be empty, and
+// CURLOPT_PATH_AS_IS is refused by 8.14: a prefix has no segments "." and "..".
 //
 // All methods may be called from any thread.
 #pragma once
