@@ -51,13 +51,14 @@ void Adjacency::fill_geometry() {
     const Vec3 a = positions[faces[f][0]];
     const Vec3 b = positions[faces[f][1]];
     const Vec3 c = positions[faces[f][2]];
-    const Vec3 ab = b - a;
-    const Vec3 bc = c - b;
-    const Vec3 ca = a - c;
+    const std::array<Vec3, 3> side{b - a, c - b, a - c};
     FaceRecord& record = faces_[f];
     record.vertex = faces[f];
-    record.dot = {-dot(ab, ca), -dot(bc, ab), -dot(ca, bc)};
-    record.area2 = norm(cross(ab, bc));
+    record.dot = {-dot(side[0], side[2]), -dot(side[1], side[0]), -dot(side[2], side[1])};
+    // The area comes from the two shorter sides: the longest one's rounding would be a
+    // large part of a needle's.
+    const std::uint32_t longest = record.longest_side();
+    record.area2 = norm(cross(side[next_corner(longest)], side[previous_corner(longest)]));
   }
 }
 

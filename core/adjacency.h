@@ -50,6 +50,11 @@ struct alignas(64) FaceRecord {
 
   // Squared length of the edge vertex[c] - vertex[c + 1].
   [[nodiscard]] double length2(std::uint32_t c) const { return dot[c] + dot[next_corner(c)]; }
+  // The corner that the longest edge begins at, so that the edge is c - next_corner(c).
+  [[nodiscard]] std::uint32_t longest_side() const {
+    const std::uint32_t c = length2(1) > length2(0) ? 1 : 0;
+    return length2(2) > length2(c) ? 2 : c;
+  }
   // The vertex opposite the base vertex[c] -> vertex[c + 1], unfolded over it.
   [[nodiscard]] UnfoldedApex apex_over(std::uint32_t c) const {
     const double p = dot[c];

@@ -72,39 +72,26 @@ void Frames::number_edges(const Adjacency& adjacency) {
 }
 
 void Frames::measure_faces(const Adjacency& adjacency) {
-  const auto positions = adjacency.mesh().positions();
   double sum = 0;
   for (std::uint32_t f = 0; f < faces_.size(); ++f) {
     const FaceRecord& record = adjacency.face(f);
     FaceFrame& frame = faces_[f];
-    const Vec3 a = positions[record.vertex[0]];
-    const Vec3 b = positions[record.vertex[1]];
-    const Vec3 c = positions[record.vertex[2]];
-    const std::array<Vec3, 3> side{b - a, c - b, a - c};
-    const std::array<double, 3> length{Frames::length(f, 0), Frames::length(f, 1),
-                                       Frames::length(f, 2)};
-    // The area comes from the two shorter sides: the longest one's rounding would be
-    // a large part of a needle's.
-    std::uint32_t longest = length[1] > length[0] ? 1 : 0;
-    if (length[2] > length[longest]) longest = 2;
-    const std::uint32_t one = next_corner(longest);
-    const std::uint32_t other = previous_corner(longest);
-    const double area2 = norm(cross(side[one], side[other]));
     for (std::uint32_t i = 0; i < 3; ++i) {
-      const std::uint32_t p = previous_corner(i);
-      const double product = length[i] * length[p];
-      const double x = -dot(side[i], side[p]) / product;
-      const double y = area2 / product;
+      const double product = length(f, i) * length(f, previous_corner(i));
+      const double x = record.dot[i] / product;
+      const double y = record.area2 / product;
       // Brought back to the unit circle, or unfolding would stretch.
       const double norm = std::sqrt(x * x + y * y);
       frame.cosine[i] = x / norm;
       frame.sine[i] = y / norm;
       angle_sum_[record.vertex[i]] += rough_angle(x, y);
     }
-    if (!(area2 > kThin * length[longest] * length[longest])) {
+    const std::uint32_t longest = record.longest_side();
+    const double longest_length = length(f, longest);
+    if (!(record.area2 > kThin * longest_length * longest_length)) {
       for (const std::uint32_t v : record.vertex) bends_[v] = Bends::everywhere;
     }
-    sum += std::min(length[one], length[other]);
+    sum += std::min(length(f, next_corner(longest)), length(f, previous_corner(longest)));
   }
   mean_shortest_side_ = sum / static_cast<double>(faces_.size());
 }

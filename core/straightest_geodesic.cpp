@@ -104,23 +104,21 @@ class Walk {
   // Turns on through a fan of faces: by `angle`, from the edge `side` at the vertex
   // into the side's own face and on. At a boundary or non-manifold edge, why it ends.
   tl::expected<Departure, End> turn(std::uint32_t vertex, Halfedge side, double angle) const {
-    // An angle of all the faces together may be left over by a rounding error.
     for (std::size_t faces = adjacency_.corners(vertex).size();; --faces) {
       const std::uint32_t f = face_of(side);
       const bool is_next = vertex_at(side) == vertex;
       const Halfedge other = other_side_at(adjacency_, side, vertex);
       const Halfedge corner = is_next ? side : other;
       const double here = corner_angle(adjacency_.face(f), corner_of(corner));
-      if (angle <= here || faces <= 1) {
-        const double turned = std::min(angle, here);
-        return from_corner(corner, is_next ? turned : here - turned);
-      }
+      if (angle <= here) return from_corner(corner, is_next ? angle : here - angle);
       angle -= here;
       const Halfedge across = adjacency_.ring(other);
       if (across == other || adjacency_.ring(across) != other) {
         if (angle <= kAngleSlack) return from_corner(corner, is_next ? here : 0);
         return tl::unexpected(across == other ? End::boundary : End::non_manifold);
       }
+      // Once round a closed fan: what is left of the angle is a rounding error.
+      if (faces <= 1) return from_corner(corner, is_next ? here : 0);
       side = across;
     }
   }

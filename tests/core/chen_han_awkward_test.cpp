@@ -9,6 +9,7 @@
 
 #include "core/edge_dijkstra.h"
 #include "core/shapes.h"
+#include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/surface.h"
 
 using namespace geodesic;
@@ -142,6 +143,20 @@ TEST_CASE("ChenHanEndsOnNeedles") {
         TriangleSoup{{{0, 0, 0}, {1, 0, 0}, {1, thin, 0}, {2, 0, 0}, {0.5, thin / 2, 0}},
                      {{0, 1, 2}, {1, 3, 2}, {0, 2, 4}}});
     check_near(distances(needle, 0)[3], 2, 1e-9);
+  }
+}
+
+TEST_CASE("ChenHanPassesThroughCapsOfAnyThinness") {
+  for (const double thin : {1e-2, 1e-5, 1e-8, 1e-11, 1e-14, 1e-17}) {
+    CAPTURE(thin);
+    const TriangleSoup soup = fixtures::plane_with_caps(thin);
+    const Surface surface(soup);
+    for (const std::uint32_t source : {0U, 14U, 40U}) {
+      const auto d = distances(surface, source);
+      for (std::size_t i = 0; i < d.size(); ++i) {
+        check_near(d[i], distance(soup.positions[source], soup.positions[i]), 1e-11);
+      }
+    }
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/shapes.h"
 #include "core/window_table.h"
+#include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/surface.h"
 
 using namespace geodesic;
@@ -126,17 +127,7 @@ TEST_CASE("ExactPassesThroughFacesWithoutArea") {
 TEST_CASE("ExactPassesThroughCapsOfAnyThinness") {
   for (const double thin : {1e-2, 1e-5, 1e-8, 1e-11, 1e-14, 1e-17}) {
     CAPTURE(thin);
-    TriangleSoup soup = shapes::plane(6, 6);
-    const std::size_t count = soup.faces.size();
-    for (std::size_t f = 0; f < count; f += 2) {
-      const auto [a, b, c] = soup.faces[f];
-      const auto v = static_cast<std::uint32_t>(soup.positions.size());
-      const Vec3 on_side = 0.625 * soup.positions[a] + 0.375 * soup.positions[b];
-      soup.positions.push_back((1 - thin) * on_side + thin * soup.positions[c]);
-      soup.faces[f] = {a, v, c};
-      soup.faces.push_back({v, b, c});
-      soup.faces.push_back({a, b, v});
-    }
+    const TriangleSoup soup = fixtures::plane_with_caps(thin);
     const Surface surface(soup);
     for (const std::uint32_t source : {0U, 14U, 40U}) {
       const auto d = exact_from(surface, source);

@@ -109,6 +109,9 @@ TEST_CASE("WhatMakesNoSenseIsRefused") {
                 out_of_range, "angle");
   check_refused(straightest_geodesic_at_angle(adjacency, surface.at(2), -4, 1, Cancel()),
                 out_of_range, "angle");
+  // At a corner with one face, beyond it.
+  check_refused(straightest_geodesic_at_angle(adjacency, surface.at(0), 3, 1, Cancel()),
+                out_of_range, "angle");
   // Straight up from the top of a pyramid leads nowhere.
   const Surface pyramid(TriangleSoup{{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}},
                                      {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}}});

@@ -128,6 +128,7 @@ TEST_CASE("TracesThatAreRefused") {
   plane.check_refused("/trace?from=v:13&direction=1,0,0&length=-1", 422, "value_out_of_range",
                       "length");
   plane.check_refused("/trace?from=v:0&angle=-0.1&length=1", 422, "value_out_of_range", "angle");
+  plane.check_refused("/trace?from=v:0&angle=3&length=1", 422, "value_out_of_range", "angle");
   plane.check_refused("/trace?from=v:120&angle=0&length=1", 422, "index_out_of_range", "from");
   plane.check_refused("/trace?from=v:0&angle=0&length=1&method=exact", 400, "unknown_parameter",
                       "method");
