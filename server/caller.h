@@ -10,6 +10,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/error.h"
+
 namespace geodesic::server {
 
 struct Caller {
@@ -29,6 +31,13 @@ struct Caller {
   std::optional<Clock::time_point> deadline;  // after it, nobody wants the answer
 
   [[nodiscard]] bool deadline_over() const { return deadline && Clock::now() >= *deadline; }
+  // What it stopped by, once it has: its deadline, or its client's leaving.
+  [[nodiscard]] Error why_stopped() const {
+    if (deadline_over()) {
+      return {ErrorCode::deadline, "the request's deadline has passed", {}, {}, {}};
+    }
+    return {ErrorCode::cancelled, "the client is gone", {}, {}, {}};
+  }
   // Whether work for this caller should stop. Costs a system call.
   [[nodiscard]] bool operator()() const { return deadline_over() || (gone && gone()); }
 };

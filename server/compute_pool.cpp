@@ -41,10 +41,6 @@ Result<void> run_guarded(const std::function<void(Worker&)>& body, Worker& worke
 
 }  // namespace
 
-Error ComputePool::deadline_error() {
-  return Error{ErrorCode::deadline, "the request's deadline has passed", {}, {}, {}};
-}
-
 ComputePool::ComputePool(std::size_t slots, const QueueLimits& limits) : limits_(limits) {
   counts_.slots = slots_or_cores(slots);
   threads_.reserve(counts_.slots);
@@ -76,7 +72,7 @@ auto ComputePool::expected_wait(const std::string& client) const -> Clock::durat
 
 Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& caller) {
   if (draining_) return fail(ErrorCode::draining, "the server is about to stop");
-  if (caller.deadline_over()) return fail(deadline_error());
+  if (caller.deadline_over()) return fail(caller.why_stopped());
   const std::size_t own = queue_.size_of(caller.client);
   if (limits_.jobs_of_client != 0 && own >= limits_.jobs_of_client) {
     return refuse(Error{ErrorCode::too_many_requests,
@@ -147,14 +143,14 @@ Result<void> ComputePool::run_erased(std::function<void(Worker&)> body, const Ca
 
     std::optional<Error> reason;
     if (caller.deadline_over()) {
-      reason = deadline_error();
+      reason = caller.why_stopped();
     } else if (Clock::now() >= latest) {
       reason = Error{ErrorCode::overloaded, "no compute slot became free in time", {}, {}, {}};
     } else if (caller.gone) {
       lock.unlock();  // the question may take a system call
       const bool gone = caller.gone();
       lock.lock();
-      if (gone) reason = Error{ErrorCode::cancelled, "the client is gone", {}, {}, {}};
+      if (gone) reason = caller.why_stopped();
     }
     if (!reason || job->finished) continue;
     if (!queue_.erase(caller.client, job)) {

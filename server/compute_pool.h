@@ -87,7 +87,7 @@ class ComputePool {
     Result<void> ran = run_erased([&](Worker& worker) { answer.emplace(job(worker)); }, caller);
     if (!ran) return fail(std::move(ran.error()));
     if (!*answer && answer->error().code == ErrorCode::cancelled && caller.deadline_over()) {
-      return fail(deadline_error());
+      return fail(caller.why_stopped());
     }
     return std::move(*answer);
   }
@@ -101,7 +101,6 @@ class ComputePool {
  private:
   struct Job;
   using Clock = Caller::Clock;
-  static Error deadline_error();
   Result<void> run_erased(std::function<void(Worker&)> body, const Caller& caller);
   // Takes a job into the queue, or says why not.
   Result<void> admit(const std::shared_ptr<Job>& job, const Caller& caller);

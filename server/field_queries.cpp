@@ -44,17 +44,16 @@ void take_whole_field(const Mesh& mesh, const Field& field, bool labels,
 FieldQueries::FieldQueries(MeshCatalog& catalog, ComputePool& pool, std::uint64_t field_cache_bytes)
     : catalog_(catalog), fields_(pool, field_cache_bytes) {}
 
-Result<FieldQueries::Place> FieldQueries::find(const std::string& mesh,
-                                               const ClientGone& client_gone) {
-  auto adjacency = catalog_.adjacency(mesh, client_gone);
+Result<FieldQueries::Place> FieldQueries::find(const std::string& mesh, const Caller& caller) {
+  auto adjacency = catalog_.adjacency(mesh, caller);
   if (!adjacency) return fail(std::move(adjacency.error()));
-  return Place(catalog_, mesh, std::move(*adjacency), client_gone);
+  return Place(catalog_, mesh, std::move(*adjacency), caller);
 }
 
 Result<FieldQueries::Place> FieldQueries::find(const std::string& mesh,
                                                const proto::MethodChoice& method,
-                                               const ClientGone& client_gone) {
-  auto place = find(mesh, client_gone);
+                                               const Caller& caller) {
+  auto place = find(mesh, caller);
   if (!place || method.which != Method::steiner) return place;
   const Adjacency& adjacency = *place->adjacency();
   const std::uint64_t nodes =
@@ -66,8 +65,8 @@ Result<FieldQueries::Place> FieldQueries::find(const std::string& mesh,
 
 Result<Answered<proto::DistanceReply>> FieldQueries::answer(const std::string& mesh,
                                                             const proto::DistanceRequest& request,
-                                                            const ClientGone& client_gone) {
-  const auto place = find(mesh, request.method, client_gone);
+                                                            const Caller& caller) {
+  const auto place = find(mesh, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::DistanceReply> answer;
   proto::DistanceReply& reply = answer.reply;
@@ -79,14 +78,14 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const std::string& m
                                request.max.value_or(kEverywhere)};
 
   if (request.at.empty()) {
-    const auto field = fields_.whole(question, client_gone);
+    const auto field = fields_.whole(question, caller);
     if (!field) return fail(field.error());
     answer.cache_hit = field->hit;
     take_whole_field(place->mesh(), *field->value, request.labels, reply);
   } else {
     const auto at = place->points(request.at, reply.at.emplace());
     if (!at) return fail(at.error());
-    auto found = fields_.at_points(question, *at, request.labels, client_gone);
+    auto found = fields_.at_points(question, *at, request.labels, caller);
     if (!found) return fail(std::move(found.error()));
     answer.cache_hit = found->hit;
     reply.distances = std::move(found->distances);
@@ -98,8 +97,8 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const std::string& m
 
 Result<Answered<proto::TableReply>> FieldQueries::answer(const std::string& mesh,
                                                          const proto::TableRequest& request,
-                                                         const ClientGone& client_gone) {
-  const auto place = find(mesh, request.method, client_gone);
+                                                         const Caller& caller) {
+  const auto place = find(mesh, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::TableReply> answer;
   proto::TableReply& reply = answer.reply;
@@ -120,7 +119,7 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const std::string& mesh
                                  request.method,
                                  {Source{row, 0}},
                                  request.max.value_or(kEverywhere)};
-    const auto found = fields_.at_points(question, *columns, false, client_gone);
+    const auto found = fields_.at_points(question, *columns, false, caller);
     if (!found) return fail(found.error());
     *answer.cache_hit &= found->hit;
     reply.distances.insert(reply.distances.end(), found->distances.begin(), found->distances.end());
@@ -130,8 +129,8 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const std::string& mesh
 
 Result<Answered<proto::NearestReply>> FieldQueries::answer(const std::string& mesh,
                                                            const proto::NearestRequest& request,
-                                                           const ClientGone& client_gone) {
-  const auto place = find(mesh, client_gone);
+                                                           const Caller& caller) {
+  const auto place = find(mesh, caller);
   if (!place) return fail(place.error());
   Answered<proto::NearestReply> answer;
   answer.reply.mesh = mesh;

@@ -38,27 +38,27 @@ class FieldQueries {
 
   [[nodiscard]] Result<Answered<proto::DistanceReply>> answer(const std::string& mesh,
                                                               const proto::DistanceRequest& request,
-                                                              const ClientGone& client_gone);
+                                                              const Caller& caller);
   [[nodiscard]] Result<Answered<proto::PathReply>> answer(const std::string& mesh,
                                                           const proto::PathRequest& request,
-                                                          const ClientGone& client_gone);
+                                                          const Caller& caller);
   [[nodiscard]] Result<Answered<proto::TableReply>> answer(const std::string& mesh,
                                                            const proto::TableRequest& request,
-                                                           const ClientGone& client_gone);
+                                                           const Caller& caller);
   // Errors: too_large (levels by `step`, segments).
   [[nodiscard]] Result<Answered<proto::IsolinesReply>> answer(const std::string& mesh,
                                                               const proto::IsolinesRequest& request,
-                                                              const ClientGone& client_gone);
+                                                              const Caller& caller);
   [[nodiscard]] Result<Answered<proto::SamplesReply>> answer(const std::string& mesh,
                                                              const proto::SamplesRequest& request,
-                                                             const ClientGone& client_gone);
+                                                             const Caller& caller);
   // Errors: value_out_of_range (direction, angle), too_large (length).
   [[nodiscard]] Result<Answered<proto::TraceReply>> answer(const std::string& mesh,
                                                            const proto::TraceRequest& request,
-                                                           const ClientGone& client_gone);
+                                                           const Caller& caller);
   [[nodiscard]] Result<Answered<proto::NearestReply>> answer(const std::string& mesh,
                                                              const proto::NearestRequest& request,
-                                                             const ClientGone& client_gone);
+                                                             const Caller& caller);
 
   // Forgets the fields of a mesh.
   void forget(const std::string& mesh) { fields_.forget(mesh); }
@@ -68,10 +68,10 @@ class FieldQueries {
  private:
   // The mesh of a request, and its points there.
   class Place;
-  [[nodiscard]] Result<Place> find(const std::string& mesh, const ClientGone& client_gone);
+  [[nodiscard]] Result<Place> find(const std::string& mesh, const Caller& caller);
   // The same for a query by a method. Errors: too_large (points_per_edge).
   [[nodiscard]] Result<Place> find(const std::string& mesh, const proto::MethodChoice& method,
-                                   const ClientGone& client_gone);
+                                   const Caller& caller);
 
   MeshCatalog& catalog_;
   Fields fields_;

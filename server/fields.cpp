@@ -71,23 +71,25 @@ Fields::Fields(ComputePool& pool, std::uint64_t cache_bytes)
       cache_(cache_bytes, [](const Field& field) { return field.bytes(); }),
       scratch_(pool.slots()) {}
 
-Result<LruCache<Field>::Lookup> Fields::whole(const FieldQuestion& question,
-                                              const ClientGone& client_gone) {
-  return cache_.get_or_create(key_of(question), [&]() -> Result<std::shared_ptr<const Field>> {
-    FieldLimits limits;
-    limits.max = question.max;
-    auto field =
-        compute([&](SolveScratch& scratch,
-                    const Cancel& cancel) { return solve(question, limits, scratch, cancel); },
-                client_gone);
-    if (!field) return fail(std::move(field.error()));
-    return std::make_shared<const Field>(std::move(*field));
-  });
+Result<LruCache<Field>::Lookup> Fields::whole(const FieldQuestion& question, const Caller& caller) {
+  return cache_.get_or_create(
+      key_of(question),
+      [&]() -> Result<std::shared_ptr<const Field>> {
+        FieldLimits limits;
+        limits.max = question.max;
+        auto field =
+            compute([&](SolveScratch& scratch,
+                        const Cancel& cancel) { return solve(question, limits, scratch, cancel); },
+                    caller);
+        if (!field) return fail(std::move(field.error()));
+        return std::make_shared<const Field>(std::move(*field));
+      },
+      caller);
 }
 
 Result<PointDistances> Fields::at_points(const FieldQuestion& question,
                                          std::span<const SurfacePoint> points, bool labels,
-                                         const ClientGone& client_gone) {
+                                         const Caller& caller) {
   const auto read = [&](SolveScratch& scratch, const Cancel& cancel) -> Result<PointDistances> {
     const Adjacency& adjacency = *question.adjacency;
     PointDistances result;
@@ -114,7 +116,7 @@ Result<PointDistances> Fields::at_points(const FieldQuestion& question,
     }
     return result;
   };
-  return compute(read, client_gone);
+  return compute(read, caller);
 }
 
 }  // namespace geodesic::server

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -17,6 +18,7 @@
 #include "core/field.h"
 #include "core/solve_field.h"
 #include "proto/methods.h"
+#include "server/caller.h"
 #include "server/compute_pool.h"
 #include "server/lru_cache.h"
 #include "server/mesh_catalog.h"
@@ -48,21 +50,21 @@ class Fields {
   // The field of all vertices up to the question's `max`, from the cache or
   // computed.
   [[nodiscard]] Result<LruCache<Field>::Lookup> whole(const FieldQuestion& question,
-                                                      const ClientGone& client_gone);
+                                                      const Caller& caller);
 
   // From a whole field that is there, or from one that stops at the points and is
   // not kept.
   [[nodiscard]] Result<PointDistances> at_points(const FieldQuestion& question,
                                                  std::span<const SurfacePoint> points, bool labels,
-                                                 const ClientGone& client_gone);
+                                                 const Caller& caller);
 
   // Runs `job(SolveScratch&, const Cancel&)`, which returns a Result, in a compute
   // slot. It is cancelled when the client is gone.
   template <class Job>
-  [[nodiscard]] auto compute(Job&& job, const ClientGone& client_gone) {
+  [[nodiscard]] auto compute(Job&& job, const Caller& caller) {
     return pool_.run(
-        [&](Worker& worker) { return job(scratch_[worker.slot], Cancel(client_gone)); },
-        client_gone);
+        [&](Worker& worker) { return job(scratch_[worker.slot], Cancel(std::cref(caller))); },
+        caller);
   }
 
   // Forgets the fields of a mesh.

@@ -70,8 +70,8 @@ void judge_head(const HttpOptions& options, HttpConnection::Head outcome, std::s
   request.path = std::move(head.path);
   request.query = std::move(head.query);
   request.remote = remote;
-  request.client_gone.client = client_of(remote);
-  request.client_gone.gone = [watch = exchange.connection.watch()] { return watch->gone(); };
+  request.caller.client = client_of(remote);
+  request.caller.gone = [watch = exchange.connection.watch()] { return watch->gone(); };
   if (!exchange.refused) judge_body(options, exchange);
   request.headers = std::move(head.headers);
   // Whatever a refused request sent next is not a request.

@@ -29,7 +29,7 @@ struct HttpRequest {
   // the server stops without further grace): a system call that never blocks, may be asked by any
   // thread, also after the reply (then it answers true once the connection is closed). The edge
   // sets no deadline; whoever reads one in the request may.
-  Caller client_gone;
+  Caller caller;
 
   // The first header of that name, whatever its case; null if there is none.
   [[nodiscard]] const std::string* header(std::string_view name) const;

@@ -9,17 +9,19 @@
 // same missing key, one runs `make` and the others wait for its result. A
 // failed `make` is not cached; every waiter gets the same error, except that
 // when the maker was told to stop (`cancelled`, `deadline`) one of the waiters
-// makes it in its stead: that a client hung up is nobody else's error. `make`
-// may throw; then the exception reaches the caller that ran it and a waiter
-// takes over likewise. An erase during a flight lets the flight finish for those
-// who wait, but keeps its result out of the cache, and a caller that arrives
-// after the erase starts a flight of its own.
+// makes it in its stead: that a client hung up is nobody else's error. Who waits
+// is asked every 50 ms whether it still wants to. `make` may throw; then the
+// exception reaches the caller that ran it and a waiter takes over likewise. An
+// erase during a flight lets the flight finish for those who wait, but keeps its
+// result out of the cache, and a caller that arrives after the erase starts a
+// flight of its own.
 //
 // Thread-safe: all methods may be called from any thread. `make` runs outside
 // the lock and may use the cache for other keys, not for its own. Values are
 // destroyed outside the lock.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -36,6 +38,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "server/caller.h"
 
 namespace geodesic::server {
 
@@ -73,8 +76,10 @@ class LruCache {
 
   // The value of `key`, made by `make` if it is not there.
   // `make` is callable without arguments and returns Result<Pointer>, never a null one.
+  // Errors: those of `make`; cancelled and deadline for a caller that waits.
   template <class Make>
-  [[nodiscard]] Result<Lookup> get_or_create(const std::string& key, Make&& make);
+  [[nodiscard]] Result<Lookup> get_or_create(const std::string& key, Make&& make,
+                                             const Caller& caller = {});
 
   // Whether `key` is there; leaves its age and the counts as they are.
   [[nodiscard]] bool peek(const std::string& key) const {
@@ -92,6 +97,8 @@ class LruCache {
   [[nodiscard]] CacheStats stats() const;
 
  private:
+  static constexpr std::chrono::milliseconds kAskEvery{50};
+
   struct Entry {
     std::string key;
     Pointer value;
@@ -149,7 +156,8 @@ auto LruCache<Value>::find(const std::string& key) -> Pointer {
 
 template <class Value>
 template <class Make>
-auto LruCache<Value>::get_or_create(const std::string& key, Make&& make) -> Result<Lookup> {
+auto LruCache<Value>::get_or_create(const std::string& key, Make&& make, const Caller& caller)
+    -> Result<Lookup> {
   std::shared_ptr<Flight> flight;
   {
     std::unique_lock lock(mutex_);
@@ -159,7 +167,12 @@ auto LruCache<Value>::get_or_create(const std::string& key, Make&& make) -> Resu
       if (under_way == flights_.end()) break;  // ours to make
       flight = under_way->second;
       ++counts_.waits;
-      flight->landed.wait(lock, [&] { return flight->done; });
+      while (!flight->landed.wait_for(lock, kAskEvery, [&] { return flight->done; })) {
+        lock.unlock();  // the question may take a system call
+        const bool given_up = caller();
+        lock.lock();
+        if (given_up && !flight->done) return fail(caller.why_stopped());
+      }
       if (!flight->abandoned) {
         if (!*flight->result) return fail(flight->result->error());
         return Lookup{flight->result->value(), false};

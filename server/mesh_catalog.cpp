@@ -56,12 +56,12 @@ MeshCatalog::MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimit
                 }),
       uploads_(0, [](const Upload&) { return std::size_t{1}; }) {}
 
-Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const ClientGone& client_gone) {
+Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const Caller& caller) {
   const std::string id = sha256_hex(bytes);
   const auto stored = store_.is_stored(id);
   if (!stored) return fail(stored.error());
   if (*stored) {
-    auto description = metadata(id, client_gone);
+    auto description = metadata(id, caller);
     if (description) return Upload{id, std::move(*description), false};
     // Removed since, or found damaged: then this upload puts it back.
     const ErrorCode code = description.error().code;
@@ -70,25 +70,28 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const ClientGone
     }
   }
 
-  const auto upload = uploads_.get_or_create(id, [&]() -> Result<std::shared_ptr<const Upload>> {
-    auto described = pool_.run([&](Worker&) { return describe(id, bytes); }, client_gone);
-    if (!described) return fail(std::move(described.error()));
-    auto complete = proto::with_state(described->description, true, true);
-    if (!complete) return fail(std::move(complete.error()));
-    // Not in a compute slot: a slow store must not keep queries from theirs.
-    if (auto put = store_.put(id, bytes, described->description); !put) {
-      return fail(std::move(put.error()));
-    }
-    // The caches save the first query the work. A load that began before the mesh
-    // was stored may hand its own failure on: then that query does it after all.
-    (void)meshes_.get_or_create(
-        id, [&]() -> Result<std::shared_ptr<const Mesh>> { return described->mesh; });
-    (void)prepared_.get_or_create(adjacency_key(id),
-                                  [&]() -> Result<std::shared_ptr<const Prepared>> {
-                                    return std::make_shared<const Prepared>(described->adjacency);
-                                  });
-    return std::make_shared<const Upload>(Upload{id, std::move(*complete), true});
-  });
+  const auto upload = uploads_.get_or_create(
+      id,
+      [&]() -> Result<std::shared_ptr<const Upload>> {
+        auto described = pool_.run([&](Worker&) { return describe(id, bytes); }, caller);
+        if (!described) return fail(std::move(described.error()));
+        auto complete = proto::with_state(described->description, true, true);
+        if (!complete) return fail(std::move(complete.error()));
+        // Not in a compute slot: a slow store must not keep queries from theirs.
+        if (auto put = store_.put(id, bytes, described->description); !put) {
+          return fail(std::move(put.error()));
+        }
+        // The caches save the first query the work. A load that began before the mesh
+        // was stored may hand its own failure on: then that query does it after all.
+        (void)meshes_.get_or_create(
+            id, [&]() -> Result<std::shared_ptr<const Mesh>> { return described->mesh; });
+        (void)prepared_.get_or_create(
+            adjacency_key(id), [&]() -> Result<std::shared_ptr<const Prepared>> {
+              return std::make_shared<const Prepared>(described->adjacency);
+            });
+        return std::make_shared<const Upload>(Upload{id, std::move(*complete), true});
+      },
+      caller);
   if (!upload) return fail(upload.error());
   return *upload->value;
 }
@@ -105,11 +108,11 @@ Result<MeshCatalog::Described> MeshCatalog::describe(const std::string& id,
   return Described{std::move(built->mesh), std::move(adjacency), std::move(description)};
 }
 
-Result<std::string> MeshCatalog::metadata(const std::string& id, const ClientGone& client_gone) {
+Result<std::string> MeshCatalog::metadata(const std::string& id, const Caller& caller) {
   auto stored = store_.get_metadata(id);
   if (!stored) return fail(std::move(stored.error()));
   if (!*stored) {
-    auto description = described_anew(id, client_gone);
+    auto description = described_anew(id, caller);
     if (!description) return fail(std::move(description.error()));
     *stored = std::move(*description);
   }
@@ -117,11 +120,10 @@ Result<std::string> MeshCatalog::metadata(const std::string& id, const ClientGon
 }
 
 // An upload that was cut off between the two files has left the bytes alone.
-Result<std::string> MeshCatalog::described_anew(const std::string& id,
-                                                const ClientGone& client_gone) {
+Result<std::string> MeshCatalog::described_anew(const std::string& id, const Caller& caller) {
   const auto bytes = store_.get_source(id);
   if (!bytes) return fail(bytes.error());
-  auto described = pool_.run([&](Worker&) { return describe(id, *bytes); }, client_gone);
+  auto described = pool_.run([&](Worker&) { return describe(id, *bytes); }, caller);
   if (!described) return fail(std::move(described.error()));
   if (auto put = store_.put_metadata(id, described->description); !put) return fail(put.error());
   return std::move(described->description);
@@ -145,55 +147,64 @@ std::vector<std::string> MeshCatalog::list(std::string_view after, std::size_t l
 // Reads on the caller's thread and decodes on a compute worker's: a slow store must
 // not keep queries on other meshes from their slots.
 Result<std::shared_ptr<const Mesh>> MeshCatalog::load_mesh(const std::string& id,
-                                                           const ClientGone& client_gone) {
-  auto mesh = meshes_.get_or_create(id, [&]() -> Result<std::shared_ptr<const Mesh>> {
-    const auto bytes = store_.get_source(id);
-    if (!bytes) return fail(bytes.error());
-    return pool_.run(
-        [&](Worker&) -> Result<std::shared_ptr<const Mesh>> {
-          auto built = build(*bytes, limits_.decode);
-          if (!built) return fail(std::move(built.error()));
-          return built->mesh;
-        },
-        client_gone);
-  });
+                                                           const Caller& caller) {
+  auto mesh = meshes_.get_or_create(
+      id,
+      [&]() -> Result<std::shared_ptr<const Mesh>> {
+        const auto bytes = store_.get_source(id);
+        if (!bytes) return fail(bytes.error());
+        return pool_.run(
+            [&](Worker&) -> Result<std::shared_ptr<const Mesh>> {
+              auto built = build(*bytes, limits_.decode);
+              if (!built) return fail(std::move(built.error()));
+              return built->mesh;
+            },
+            caller);
+      },
+      caller);
   if (!mesh) return fail(std::move(mesh.error()));
   return mesh->value;
 }
 
 Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency(const std::string& id,
-                                                                const ClientGone& client_gone) {
+                                                                const Caller& caller) {
   const auto known = store_.use(id);
   if (!known) return fail(known.error());
   // Damage on the disk is no reason to refuse what is whole in memory.
   const bool is_resident = store_.is_damaged(id) && prepared_.peek(adjacency_key(id));
   if (!*known && !is_resident) return unknown_mesh();
-  const auto prepared =
-      prepared_.get_or_create(adjacency_key(id), [&]() -> Result<std::shared_ptr<const Prepared>> {
-        auto mesh = load_mesh(id, client_gone);
+  const auto prepared = prepared_.get_or_create(
+      adjacency_key(id),
+      [&]() -> Result<std::shared_ptr<const Prepared>> {
+        auto mesh = load_mesh(id, caller);
         if (!mesh) return fail(std::move(mesh.error()));
         return pool_.run(
             [&](Worker&) -> Result<std::shared_ptr<const Prepared>> {
               return std::make_shared<const Prepared>(
                   std::make_shared<const Adjacency>(Adjacency::build(std::move(*mesh))));
             },
-            client_gone);
-      });
+            caller);
+      },
+      caller);
   if (!prepared) return fail(prepared.error());
   return std::get<std::shared_ptr<const Adjacency>>(*prepared->value);
 }
 
-Result<std::shared_ptr<const ClosestPointIndex>> MeshCatalog::closest_points(
-    const std::string& id, const ClientGone& client_gone) {
-  const auto mesh = adjacency(id, client_gone);
+Result<std::shared_ptr<const ClosestPointIndex>> MeshCatalog::closest_points(const std::string& id,
+                                                                             const Caller& caller) {
+  const auto mesh = adjacency(id, caller);
   if (!mesh) return fail(mesh.error());
-  const auto prepared = prepared_.get_or_create(closest_points_key(id), [&] {
-    return pool_.run(
-        [&](Worker&) -> Result<std::shared_ptr<const Prepared>> {
-          return std::make_shared<const Prepared>(std::make_shared<const ClosestPointIndex>(*mesh));
-        },
-        client_gone);
-  });
+  const auto prepared = prepared_.get_or_create(
+      closest_points_key(id),
+      [&] {
+        return pool_.run(
+            [&](Worker&) -> Result<std::shared_ptr<const Prepared>> {
+              return std::make_shared<const Prepared>(
+                  std::make_shared<const ClosestPointIndex>(*mesh));
+            },
+            caller);
+      },
+      caller);
   if (!prepared) return fail(prepared.error());
   return std::get<std::shared_ptr<const ClosestPointIndex>>(*prepared->value);
 }

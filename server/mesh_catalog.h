@@ -12,7 +12,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -24,14 +23,12 @@
 #include "core/error.h"
 #include "core/mesh.h"
 #include "proto/decode_mesh.h"
+#include "server/caller.h"
 #include "server/compute_pool.h"
 #include "server/lru_cache.h"
 #include "server/mesh_store.h"
 
 namespace geodesic::server {
-
-// Whether the client that waits for an answer has hung up.
-using ClientGone = std::function<bool()>;
 
 struct CatalogLimits {
   proto::DecodeLimits decode;
@@ -50,9 +47,9 @@ class MeshCatalog {
   MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimits& limits);
 
   // Decodes, checks and stores a file. On any error nothing of it remains.
-  [[nodiscard]] Result<Upload> add(std::string bytes, const ClientGone& client_gone);
+  [[nodiscard]] Result<Upload> add(std::string bytes, const Caller& caller);
   // The metadata as JSON, with its present state. Errors: mesh_unknown.
-  [[nodiscard]] Result<std::string> metadata(const std::string& id, const ClientGone& client_gone);
+  [[nodiscard]] Result<std::string> metadata(const std::string& id, const Caller& caller);
   // The uploaded bytes. Errors: mesh_unknown and the store's.
   [[nodiscard]] Result<std::string> source(const std::string& id);
   // Errors: mesh_unknown and the store's.
@@ -68,9 +65,9 @@ class MeshCatalog {
   // The prepared adjacency, built if it is not there. Errors: mesh_unknown,
   // the store's (mesh_store.h), overloaded, draining, cancelled.
   [[nodiscard]] Result<std::shared_ptr<const Adjacency>> adjacency(const std::string& id,
-                                                                   const ClientGone& client_gone);
+                                                                   const Caller& caller);
   [[nodiscard]] Result<std::shared_ptr<const ClosestPointIndex>> closest_points(
-      const std::string& id, const ClientGone& client_gone);
+      const std::string& id, const Caller& caller);
 
   [[nodiscard]] CacheStats mesh_cache() const { return meshes_.stats(); }
   [[nodiscard]] CacheStats adjacency_cache() const { return prepared_.stats(); }
@@ -87,9 +84,8 @@ class MeshCatalog {
 
   [[nodiscard]] Result<Described> describe(const std::string& id, const std::string& bytes) const;
   [[nodiscard]] Result<std::shared_ptr<const Mesh>> load_mesh(const std::string& id,
-                                                              const ClientGone& client_gone);
-  [[nodiscard]] Result<std::string> described_anew(const std::string& id,
-                                                   const ClientGone& client_gone);
+                                                              const Caller& caller);
+  [[nodiscard]] Result<std::string> described_anew(const std::string& id, const Caller& caller);
 
   MeshStore& store_;
   ComputePool& pool_;

@@ -21,8 +21,8 @@ using MaybePath = std::optional<Path>;
 // The way from one point to the next; nothing when there is none.
 class LegFinder {
  public:
-  LegFinder(Fields& fields, const proto::PathRequest& request, const ClientGone& client_gone)
-      : fields_(fields), request_(request), client_gone_(client_gone) {}
+  LegFinder(Fields& fields, const proto::PathRequest& request, const Caller& caller)
+      : fields_(fields), request_(request), caller_(caller) {}
 
   // Whether all the fields asked for were there; nothing when none was asked for.
   [[nodiscard]] std::optional<bool> cache_hit() const { return hit_; }
@@ -37,7 +37,7 @@ class LegFinder {
   // stops at the target. Whoever asks for one path from a source asks for the next
   // one as the mouse moves.
   Result<MaybePath> by_field(const FieldQuestion& question, const SurfacePoint& to) {
-    const auto field = fields_.whole(question, client_gone_);
+    const auto field = fields_.whole(question, caller_);
     if (!field) return fail(field.error());
     hit_ = hit_.value_or(true) && field->hit;
     return fields_.compute(
@@ -45,7 +45,7 @@ class LegFinder {
           return refined(*question.adjacency, trace_path(*question.adjacency, *field->value, to),
                          cancel);
         },
-        client_gone_);
+        caller_);
   }
 
   // By the method's own refinement of a path, which keeps no field.
@@ -57,7 +57,7 @@ class LegFinder {
           if (!path) return fail(std::move(path.error()));
           return refined(*question.adjacency, std::move(*path), cancel);
         },
-        client_gone_);
+        caller_);
   }
 
   Result<MaybePath> refined(const Adjacency& adjacency, MaybePath path, const Cancel& cancel) {
@@ -69,7 +69,7 @@ class LegFinder {
 
   Fields& fields_;
   const proto::PathRequest& request_;
-  const ClientGone& client_gone_;
+  const Caller& caller_;
   std::optional<bool> hit_;
 };
 
@@ -98,8 +98,8 @@ std::vector<proto::PathReplyPoint> reply_points(const Mesh& mesh, const Path& pa
 
 Result<Answered<proto::PathReply>> FieldQueries::answer(const std::string& mesh,
                                                         const proto::PathRequest& request,
-                                                        const ClientGone& client_gone) {
-  const auto place = find(mesh, request.method, client_gone);
+                                                        const Caller& caller) {
+  const auto place = find(mesh, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::PathReply> answer;
   proto::PathReply& reply = answer.reply;
@@ -114,7 +114,7 @@ Result<Answered<proto::PathReply>> FieldQueries::answer(const std::string& mesh,
   if (!to) return fail(to.error());
   stops->push_back(*to);
 
-  LegFinder finder(fields_, request, client_gone);
+  LegFinder finder(fields_, request, caller);
   std::vector<Path> legs;
   SurfacePoint start = *from;
   for (const SurfacePoint& stop : *stops) {
@@ -134,8 +134,8 @@ Result<Answered<proto::PathReply>> FieldQueries::answer(const std::string& mesh,
 
 Result<Answered<proto::TraceReply>> FieldQueries::answer(const std::string& mesh,
                                                          const proto::TraceRequest& request,
-                                                         const ClientGone& client_gone) {
-  const auto place = find(mesh, client_gone);
+                                                         const Caller& caller) {
+  const auto place = find(mesh, caller);
   if (!place) return fail(place.error());
   Answered<proto::TraceReply> answer;
   proto::TraceReply& reply = answer.reply;
@@ -151,7 +151,7 @@ Result<Answered<proto::TraceReply>> FieldQueries::answer(const std::string& mesh
         return straightest_geodesic_at_angle(adjacency, *from, std::get<double>(request.ahead),
                                              request.length, cancel);
       },
-      client_gone);
+      caller);
   if (!found) return fail(found.error());
   reply.length = found->path.length;
   reply.end = name_of(found->end);

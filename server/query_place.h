@@ -18,14 +18,13 @@
 
 namespace geodesic::server {
 
-// Refers to the catalogue, the id and `client_gone` of the query.
+// Refers to the catalogue, the id and `caller` of the query.
 class FieldQueries::Place {
  public:
   Place(MeshCatalog& catalog, const std::string& mesh, std::shared_ptr<const Adjacency> adjacency,
-        const ClientGone& client_gone)
-      : adjacency_(std::move(adjacency)), closest_([&catalog, &mesh, &client_gone] {
-          return catalog.closest_points(mesh, client_gone);
-        }) {}
+        const Caller& caller)
+      : adjacency_(std::move(adjacency)),
+        closest_([&catalog, &mesh, &caller] { return catalog.closest_points(mesh, caller); }) {}
 
   [[nodiscard]] const std::shared_ptr<const Adjacency>& adjacency() const { return adjacency_; }
   [[nodiscard]] const Mesh& mesh() const { return adjacency_->mesh(); }

@@ -47,8 +47,8 @@ Result<std::vector<double>> levels_within(const Levels& asked, double max) {
 
 Result<Answered<proto::IsolinesReply>> FieldQueries::answer(const std::string& mesh,
                                                             const proto::IsolinesRequest& request,
-                                                            const ClientGone& client_gone) {
-  const auto place = find(mesh, request.method, client_gone);
+                                                            const Caller& caller) {
+  const auto place = find(mesh, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::IsolinesReply> answer;
   proto::IsolinesReply& reply = answer.reply;
@@ -59,7 +59,7 @@ Result<Answered<proto::IsolinesReply>> FieldQueries::answer(const std::string& m
   FieldQuestion question{mesh, place->adjacency(), request.method, std::move(*sources)};
   // A line at `max` needs the vertices just beyond it.
   if (request.max) question.max = *request.max + 2 * longest_edge(*place->adjacency());
-  const auto field = fields_.whole(question, client_gone);
+  const auto field = fields_.whole(question, caller);
   if (!field) return fail(field.error());
   answer.cache_hit = field->hit;
 
@@ -74,7 +74,7 @@ Result<Answered<proto::IsolinesReply>> FieldQueries::answer(const std::string& m
         return isolines(*place->adjacency(), *field->value, reply.levels,
                         proto::kMaxIsolineSegments, cancel);
       },
-      client_gone);
+      caller);
   if (!lines) {
     if (lines.error().code == ErrorCode::too_large) {
       lines.error().parameter = parameter_of(request.levels);
@@ -87,8 +87,8 @@ Result<Answered<proto::IsolinesReply>> FieldQueries::answer(const std::string& m
 
 Result<Answered<proto::SamplesReply>> FieldQueries::answer(const std::string& mesh,
                                                            const proto::SamplesRequest& request,
-                                                           const ClientGone& client_gone) {
-  const auto place = find(mesh, request.method, client_gone);
+                                                           const Caller& caller) {
+  const auto place = find(mesh, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::SamplesReply> answer;
   proto::SamplesReply& reply = answer.reply;
@@ -101,7 +101,7 @@ Result<Answered<proto::SamplesReply>> FieldQueries::answer(const std::string& me
         return farthest_points(request.method.which, request.method.options, *place->adjacency(),
                                *sources, request.count, scratch, cancel);
       },
-      client_gone);
+      caller);
   if (!found) return fail(found.error());
   reply.covering_radius = found->covering_radius;
   reply.samples.reserve(found->points.size());

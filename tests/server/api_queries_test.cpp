@@ -121,7 +121,7 @@ TEST_CASE("AQueryWhoseClientIsGoneStops") {
     request.path = request.target.substr(0, request.target.find('?'));
     request.query = *parse_query(request.target.substr(request.target.find('?') + 1));
     request.id = "test";
-    request.client_gone = [] { return true; };
+    request.caller = [] { return true; };
     check_problem(plane.service.routes.answer(request), 499, "cancelled");
     // Nothing of it was kept, and the next client gets an answer.
     CHECK(plane.service.get(request.target).status == 200);

@@ -38,7 +38,7 @@ inline HttpResponse answer(HttpRequest& request) {
   } else if (request.path == "/big") {
     response.set_body(std::string(20'000'000, 'x'), "application/octet-stream");
   } else if (request.path == "/gone") {
-    while (!request.client_gone()) std::this_thread::sleep_for(5ms);
+    while (!request.caller()) std::this_thread::sleep_for(5ms);
     response.status = 499;
   } else if (request.path == "/sleep") {
     std::this_thread::sleep_for(300ms);
@@ -59,13 +59,13 @@ inline HttpResponse answer(HttpRequest& request) {
     };
   } else if (request.path == "/endless") {
     response.content_type = "text/event-stream";
-    response.stream = [gone = request.client_gone](std::string& chunk) {
+    response.stream = [gone = request.caller](std::string& chunk) {
       std::this_thread::sleep_for(5ms);
       chunk = ":\n\n";
       return !gone();
     };
   } else if (request.path == "/client") {
-    response.set_body(request.client_gone.client, "text/plain");
+    response.set_body(request.caller.client, "text/plain");
   } else {
     json seen;
     seen["method"] = request.method;

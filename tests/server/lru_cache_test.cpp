@@ -185,6 +185,26 @@ TEST_CASE("when the maker is told to stop or throws, a waiter takes over") {
   }
 }
 
+TEST_CASE("a waiter whose client leaves or whose time is over waits no longer") {
+  Cache cache(100, length);
+  std::latch made(1);
+  auto maker = std::async(std::launch::async, [&] {
+    return cache.get_or_create("a", [&]() -> Result<Cache::Pointer> {
+      made.wait();
+      return std::make_shared<const std::string>("late");
+    });
+  });
+  wait_until([&] { return cache.stats().makes == 1; });
+  Caller hasty;
+  hasty.deadline = Caller::Clock::now() + 10ms;
+  CHECK(cache.get_or_create("a", making("other"), hasty).error().code == ErrorCode::deadline);
+  const Caller gone([] { return true; });
+  CHECK(cache.get_or_create("a", making("other"), gone).error().code == ErrorCode::cancelled);
+  made.count_down();
+  CHECK(maker.get());
+  CHECK(*cache.find("a") == "late");
+}
+
 TEST_CASE("an erase during a flight keeps its result out, for newcomers too") {
   Cache cache(100, length);
   std::promise<void> go;

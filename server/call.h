@@ -1,0 +1,47 @@
+// A request with its path taken apart: what every route works on.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+#include "proto/parameters.h"
+#include "server/http_message.h"
+#include "server/routes.h"
+
+namespace geodesic::server {
+
+struct Routes::Call {
+  HttpRequest& request;
+  std::string_view method;                 // HEAD is answered as GET
+  std::vector<std::string_view> segments;  // of the path
+  std::string id;                          // of the mesh, where the path has one
+  std::string route;                       // the path's pattern, for the log
+
+  [[nodiscard]] HttpResponse problem(const Error& error) const {
+    return HttpResponse::problem(error, request);
+  }
+  [[nodiscard]] HttpResponse problem(ErrorCode code, std::string detail) const {
+    return problem(Error{code, std::move(detail), {}, {}, {}});
+  }
+  [[nodiscard]] HttpResponse not_allowed(std::string allowed) const {
+    HttpResponse response = problem(ErrorCode::method_not_allowed, "allowed here: " + allowed);
+    response.set_header("Allow", std::move(allowed));
+    return response;
+  }
+  [[nodiscard]] bool is(std::string_view name) const { return method == name; }
+
+  // The parameters of a query: of the URL for GET, of the JSON body for POST.
+  [[nodiscard]] Result<proto::Parameters> parameters() const {
+    if (is("GET")) return proto::Parameters::from_query(request.query);
+    if (!request.query.empty()) {
+      return fail(ErrorCode::unknown_parameter, "with POST, parameters are in the body",
+                  request.query.front().first);
+    }
+    return proto::Parameters::from_json(request.body);
+  }
+};
+
+}  // namespace geodesic::server

@@ -1,0 +1,140 @@
+// The routes of meshes themselves: upload, list, read, prepare, delete.
+#include <algorithm>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "proto/parameters.h"
+#include "server/call.h"
+#include "server/encode_reply.h"
+#include "server/routes.h"
+#include "server/sha256.h"
+
+namespace geodesic::server {
+namespace {
+
+constexpr std::uint64_t kPageDefault = 100;
+constexpr std::uint64_t kPageMost = 1000;
+
+std::string_view media_type_of(std::string_view format) {
+  if (format == "glb") return "model/gltf-binary";
+  if (format == "gltf") return "model/gltf+json";
+  return "application/octet-stream";
+}
+
+}  // namespace
+
+HttpResponse Routes::one_mesh(Call& call) {
+  call.id = std::string(call.segments[2]);
+  call.route = "/v1/meshes/{id}";
+  const std::string_view action = call.segments.size() == 4 ? call.segments[3] : "";
+  const bool plain = call.segments.size() == 3;
+  if (plain) {
+    if (call.is("GET")) return mesh_metadata(call);
+    if (call.is("PUT")) return put_mesh(call);
+    if (call.is("DELETE")) return delete_mesh(call);
+    return call.not_allowed("GET, HEAD, PUT, DELETE");
+  }
+  constexpr std::string_view kActions[] = {"source",   "prepare", "distance", "path",   "table",
+                                           "isolines", "samples", "trace",    "nearest"};
+  if (std::find(std::begin(kActions), std::end(kActions), action) == std::end(kActions)) {
+    return call.problem(ErrorCode::route_unknown, "a mesh has nothing of this name");
+  }
+  call.route += "/" + std::string(action);
+  if (action == "source") return call.is("GET") ? mesh_source(call) : call.not_allowed("GET, HEAD");
+  if (action == "prepare") return call.is("POST") ? prepare_mesh(call) : call.not_allowed("POST");
+  if (!call.is("GET") && !call.is("POST")) return call.not_allowed("GET, HEAD, POST");
+  return query(call, action);
+}
+
+HttpResponse Routes::add_mesh(Call& call) {
+  if (auto known = proto::Parameters::from_query(call.request.query).check_all_known(); !known) {
+    return call.problem(known.error());
+  }
+  const auto upload = catalog_.add(std::move(call.request.body), call.request.caller);
+  if (!upload) return call.problem(upload.error());
+  HttpResponse response = json_reply(upload->metadata, upload->created ? 201 : 200);
+  response.set_header("Location", "/v1/meshes/" + upload->id);
+  return response;
+}
+
+HttpResponse Routes::put_mesh(Call& call) {
+  if (!is_mesh_id(call.id)) {
+    return call.problem(ErrorCode::digest_mismatch,
+                        "a mesh is put under the SHA-256 of its bytes, in lower-case hexadecimal");
+  }
+  if (sha256_hex(call.request.body) != call.id) {
+    return call.problem(ErrorCode::digest_mismatch, "the bytes have another SHA-256 than the URL");
+  }
+  return add_mesh(call);
+}
+
+HttpResponse Routes::list_meshes(Call& call) {
+  auto parameters = proto::Parameters::from_query(call.request.query);
+  const auto limit = parameters.whole("limit");
+  if (!limit) return call.problem(limit.error());
+  const auto cursor = parameters.text("cursor");
+  if (!cursor) return call.problem(cursor.error());
+  if (auto known = parameters.check_all_known(); !known) return call.problem(known.error());
+  const std::uint64_t count = limit->value_or(kPageDefault);
+  if (count < 1 || count > kPageMost) {
+    return call.problem(Error{ErrorCode::value_out_of_range, "a page has 1 to 1000 meshes", "limit",
+                              kPageMost, count});
+  }
+  if (*cursor && !is_mesh_id(**cursor)) {
+    return call.problem(
+        Error{ErrorCode::bad_syntax, "this is no cursor of ours", "cursor", {}, {}});
+  }
+  const auto ids = catalog_.list(cursor->value_or(""), count + 1);
+  std::string page = "{\"meshes\":[";
+  bool first = true;
+  for (std::size_t i = 0; i < std::min<std::size_t>(ids.size(), count); ++i) {
+    const auto metadata = catalog_.metadata(ids[i], call.request.caller);
+    if (!metadata && metadata.error().code == ErrorCode::mesh_unknown) continue;  // just deleted
+    if (!metadata) return call.problem(metadata.error());
+    if (!first) page += ',';
+    first = false;
+    page += *metadata;
+  }
+  page += "],\"next\":";
+  page += ids.size() > count ? "\"" + ids[count - 1] + "\"" : "null";
+  page += "}";
+  return json_reply(std::move(page));
+}
+
+HttpResponse Routes::mesh_metadata(Call& call) {
+  const auto metadata = catalog_.metadata(call.id, call.request.caller);
+  return metadata ? json_reply(*metadata) : call.problem(metadata.error());
+}
+
+HttpResponse Routes::mesh_source(Call& call) {
+  const auto metadata = catalog_.metadata(call.id, call.request.caller);
+  if (!metadata) return call.problem(metadata.error());
+  auto bytes = catalog_.source(call.id);
+  if (!bytes) return call.problem(bytes.error());
+  const auto description = nlohmann::ordered_json::parse(*metadata, nullptr, false);
+  HttpResponse response;
+  response.set_body(std::move(*bytes), std::string(media_type_of(description.value("format", ""))));
+  response.set_header("Cache-Control", "public, max-age=31536000, immutable");
+  response.set_header("X-Content-Type-Options", "nosniff");
+  return response;
+}
+
+HttpResponse Routes::prepare_mesh(Call& call) {
+  const auto adjacency = catalog_.adjacency(call.id, call.request.caller);
+  if (!adjacency) return call.problem(adjacency.error());
+  return mesh_metadata(call);
+}
+
+HttpResponse Routes::delete_mesh(Call& call) {
+  queries_.forget(call.id);
+  if (const auto removed = catalog_.remove(call.id); !removed) return call.problem(removed.error());
+  queries_.forget(call.id);  // what a query under way has put back meanwhile
+  HttpResponse response;
+  response.status = 204;
+  return response;
+}
+
+}  // namespace geodesic::server
