@@ -1,6 +1,8 @@
 # Every library from outside, found in one place. `make setup` installs them.
 # Where Debian 12 and 13 differ, the difference ends here.
 find_package(Threads REQUIRED)
+# Debian's own, which has Debian's PyYAML: the contract becomes JSON in the build.
+find_program(GEODESIC_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH REQUIRED)
 find_package(tl-expected REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(spdlog REQUIRED)
@@ -10,6 +12,7 @@ find_package(ZLIB REQUIRED)
 find_package(PNG REQUIRED)
 find_package(CURL 7.87 REQUIRED)  # the first to sign x-amz-content-sha256
 find_package(pugixml REQUIRED)
+find_package(prometheus-cpp REQUIRED CONFIG)
 find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
 
 # geodesic_draco: the shared library where there is one, the static one otherwise.

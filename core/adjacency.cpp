@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "core/polled_fill.h"
+
 namespace geodesic {
 namespace {
 
@@ -32,22 +34,29 @@ class DisjointSets {
 }  // namespace
 
 Adjacency Adjacency::build(std::shared_ptr<const Mesh> mesh) {
+  return std::move(*build(std::move(mesh), Cancel()));
+}
+
+Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cancel& cancel) {
   Adjacency adjacency;
   adjacency.mesh_ = std::move(mesh);
-  adjacency.fill_geometry();
-  adjacency.fill_corners();
-  adjacency.fill_rings();
-  adjacency.find_pinched_vertices();
-  adjacency.count_components();
-  adjacency.count_boundary_loops();
+  Poll poll(cancel);
+  int done = 0;
+  for (const auto step : {&Adjacency::fill_geometry, &Adjacency::fill_corners,
+                          &Adjacency::fill_rings, &Adjacency::find_pinched_vertices,
+                          &Adjacency::count_components, &Adjacency::count_boundary_loops}) {
+    (adjacency.*step)(poll);
+    if (poll.ask()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+    cancel.report(++done / 6.0);
+  }
   return adjacency;
 }
 
-void Adjacency::fill_geometry() {
+void Adjacency::fill_geometry(Poll& poll) {
   const auto positions = mesh_->positions();
   const auto faces = mesh_->faces();
-  faces_.resize(faces.size());
-  for (std::size_t f = 0; f < faces.size(); ++f) {
+  polled_assign(faces_, faces.size(), FaceRecord{}, poll);
+  for (std::size_t f = 0; f < faces.size() && !poll.cancelled(); ++f) {
     const Vec3 a = positions[faces[f][0]];
     const Vec3 b = positions[faces[f][1]];
     const Vec3 c = positions[faces[f][2]];
@@ -62,10 +71,11 @@ void Adjacency::fill_geometry() {
   }
 }
 
-void Adjacency::fill_corners() {
+void Adjacency::fill_corners(Poll& poll) {
   const std::size_t vertex_count = mesh_->vertex_count();
   corner_begin_.assign(vertex_count + 1, 0);
   for (const FaceRecord& record : faces_) {
+    if (poll.cancelled()) return;
     for (const std::uint32_t v : record.vertex) ++corner_begin_[v + 1];
   }
   for (std::size_t v = 1; v <= vertex_count; ++v) {
@@ -74,14 +84,14 @@ void Adjacency::fill_corners() {
   }
   corners_.resize(3 * faces_.size());
   std::vector<std::uint32_t> fill(corner_begin_.begin(), corner_begin_.end() - 1);
-  for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+  for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
     for (std::uint32_t c = 0; c < 3; ++c) corners_[fill[faces_[f].vertex[c]]++] = halfedge(f, c);
   }
 }
 
 // Halfedges are gathered per vertex at their smaller end and sorted by the other
 // end; each run of equal ends is one edge and becomes one ring.
-void Adjacency::fill_rings() {
+void Adjacency::fill_rings(Poll& poll) {
   struct EdgeSide {
     std::uint32_t far_end;
     std::uint32_t opposite;
@@ -93,7 +103,7 @@ void Adjacency::fill_rings() {
   std::vector<EdgeSide> sides;
   double total_length = 0;
   std::uint64_t duplicate_sides = 0;
-  for (std::uint32_t v = 0; v < mesh_->vertex_count(); ++v) {
+  for (std::uint32_t v = 0; v < mesh_->vertex_count() && !poll.cancelled(); ++v) {
     sides.clear();
     for (const std::uint32_t corner : corners(v)) {
       const std::uint32_t f = face_of(corner);
@@ -176,8 +186,8 @@ std::size_t Adjacency::faces_in_first_fan(std::uint32_t vertex) const {
   return reached.size();
 }
 
-void Adjacency::find_pinched_vertices() {
-  for (std::uint32_t v = 0; v < mesh_->vertex_count(); ++v) {
+void Adjacency::find_pinched_vertices(Poll& poll) {
+  for (std::uint32_t v = 0; v < mesh_->vertex_count() && !poll.cancelled(); ++v) {
     const std::size_t all = corners(v).size();
     if (all < 2 || faces_in_first_fan(v) == all) continue;
     if (pinched_.empty()) pinched_.assign(mesh_->vertex_count(), false);
@@ -186,9 +196,10 @@ void Adjacency::find_pinched_vertices() {
   }
 }
 
-void Adjacency::count_components() {
+void Adjacency::count_components(Poll& poll) {
   DisjointSets sets(mesh_->vertex_count());
   for (const FaceRecord& record : faces_) {
+    if (poll.cancelled()) return;
     sets.join(record.vertex[0], record.vertex[1]);
     sets.join(record.vertex[1], record.vertex[2]);
   }
@@ -201,7 +212,7 @@ void Adjacency::count_components() {
 // ends the same fan of faces. Turning round a vertex needs no winding: across
 // each inner edge lies one other face. A fan that ends at a non-manifold edge
 // has no successor; its chain counts as a loop of its own.
-void Adjacency::count_boundary_loops() {
+void Adjacency::count_boundary_loops(Poll& poll) {
   if (report_.edges_boundary == 0) return;
   DisjointSets chains(4 * faces_.size());
   const auto on_boundary = [this](Halfedge h) { return ring(h) == h; };
@@ -222,7 +233,7 @@ void Adjacency::count_boundary_loops() {
       h = across;
     }
   };
-  for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+  for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
     for (std::uint32_t c = 0; c < 3; ++c) {
       const Halfedge h = halfedge(f, c);
       if (!on_boundary(h)) continue;

@@ -25,6 +25,8 @@
 #include <span>
 #include <vector>
 
+#include "core/cancel.h"
+#include "core/error.h"
 #include "core/mesh.h"
 #include "core/virtual_source.h"
 
@@ -79,6 +81,9 @@ struct TopologyReport {
 class Adjacency {
  public:
   [[nodiscard]] static Adjacency build(std::shared_ptr<const Mesh> mesh);
+  // Errors: cancelled.
+  [[nodiscard]] static Result<Adjacency> build(std::shared_ptr<const Mesh> mesh,
+                                               const Cancel& cancel);
 
   [[nodiscard]] const Mesh& mesh() const { return *mesh_; }
   [[nodiscard]] std::span<const FaceRecord> faces() const { return faces_; }
@@ -106,13 +111,14 @@ class Adjacency {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  void fill_geometry();
-  void fill_corners();
-  void fill_rings();
-  void find_pinched_vertices();
+  // Each of these leaves off when the poll says to stop.
+  void fill_geometry(Poll& poll);
+  void fill_corners(Poll& poll);
+  void fill_rings(Poll& poll);
+  void find_pinched_vertices(Poll& poll);
   [[nodiscard]] std::size_t faces_in_first_fan(std::uint32_t vertex) const;
-  void count_components();
-  void count_boundary_loops();
+  void count_components(Poll& poll);
+  void count_boundary_loops(Poll& poll);
 
   std::shared_ptr<const Mesh> mesh_;
   std::vector<FaceRecord> faces_;

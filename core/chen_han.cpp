@@ -28,15 +28,18 @@ Result<Field> chen_han_field(const Adjacency& adjacency, std::span<const Source>
   if (sources.size() > 1) field.nearest_source.assign(vertex_count, kNone);
   RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
   scratch.accepted.assign(vertex_count, 0);
-  chen_han::Front front(adjacency, field, limits, scratch);
+  Poll poll(cancel);
+  chen_han::Front front(adjacency, field, limits, scratch, poll);
+  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
   for (std::uint32_t s = 0; s < sources.size(); ++s) front.start(s);
 
   // Whatever comes out of the queue later is farther: the distances up to its key are
   // final (the "continuous Dijkstra" order).
   double last = limits.max;
-  Poll poll(cancel);
   while (!scratch.queue.empty() && scratch.queue.least_key() <= limits.max) {
-    if (poll.cancelled()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+    if (poll.cancelled(front.reached(), vertex_count)) {
+      return fail(ErrorCode::cancelled, "the computation was cancelled");
+    }
     const chen_han::Queue::Next next = scratch.queue.pop();
     if (next.vertex == kNone) {
       front.spread(next.window);
@@ -54,6 +57,7 @@ Result<Field> chen_han_field(const Adjacency& adjacency, std::span<const Source>
   }
   forget_beyond(field, last);
   if (limits.keep_details) field.windows = front.take_windows();
+  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
   field.count_reached();
   return field;
 }

@@ -39,6 +39,7 @@ struct Front::Exit {
 // by these distances.
 void Front::lower(std::uint32_t vertex, double distance, std::uint32_t source) {
   if (!(distance < field_.distance[vertex])) return;
+  if (field_.distance[vertex] == kUnreached) ++reached_;
   field_.distance[vertex] = distance;
   if (!field_.nearest_source.empty()) field_.nearest_source[vertex] = source;
   const bool wanted = !limits_.targets.empty() && scratch_.is_target[vertex] != 0;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/adjacency.h"
+#include "core/cancel.h"
 #include "core/chen_han.h"
 #include "core/chen_han_window.h"
 #include "core/field.h"
@@ -19,9 +20,9 @@ namespace geodesic::chen_han {
 class Front {
  public:
   // All must outlive this object. field.sources, distance and nearest_source are set
-  // up; the scratch memory need not be.
+  // up; the scratch memory need not be. Once the poll says to stop it is of no use.
   Front(const Adjacency& adjacency, Field& field, const FieldLimits& limits,
-        ChenHanScratch& scratch);
+        ChenHanScratch& scratch, Poll& poll);
 
   // Lights everything that a source sees within its own faces.
   void start(std::uint32_t source);
@@ -34,6 +35,9 @@ class Front {
 
   // The windows that were passed on, without those now known to be useless.
   [[nodiscard]] std::shared_ptr<const WindowTable> take_windows();
+
+  // Vertices that have a distance, though perhaps not the final one.
+  [[nodiscard]] std::uint64_t reached() const { return reached_; }
 
  private:
   struct Exit;
@@ -69,8 +73,11 @@ class Front {
   Field& field_;
   const FieldLimits& limits_;
   ChenHanScratch& scratch_;
-  std::vector<std::pair<Halfedge, LitWindow>> lit_;
-  std::size_t next_review_ = 1U << 16U;
+  Poll& poll_;
+  LitWindows lit_;
+  static constexpr std::size_t kFirstReview = 1U << 16U;
+  std::size_t next_review_ = kFirstReview;
+  std::uint64_t reached_ = 0;
   bool see_all_ = false;  // keep SeenWindows
   double key_ = 0;        // of what is being passed on
 };

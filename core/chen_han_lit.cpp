@@ -10,17 +10,17 @@ namespace geodesic::chen_han {
 
 void Front::keep(const Window& window) {
   // Most windows are useless in the end; that is cheaper to find out than to store.
-  if (lit_.size() == lit_.capacity() && lit_.size() > next_review_) {
+  if (lit_.size() > next_review_) {
     drop_useless_lit();
-    next_review_ = 2 * lit_.size();
+    next_review_ = std::max(2 * lit_.size(), kFirstReview);
   }
-  lit_.emplace_back(window.into, LitWindow{window.begin, window.end, window.x, window.y,
-                                           window.offset, window.root, window.source});
+  lit_.add(window.into, LitWindow{window.begin, window.end, window.x, window.y, window.offset,
+                                  window.root, window.source});
 }
 
 // Drops what is nowhere nearer than the ways by the corners of the lit face.
 void Front::drop_useless_lit() {
-  const auto useless = [&](const std::pair<Halfedge, LitWindow>& entry) {
+  const auto useful = [&](const LitWindows::Entry& entry) {
     const LitWindow& lit = entry.second;
     Window window{};
     window.begin = lit.begin;
@@ -28,9 +28,9 @@ void Front::drop_useless_lit() {
     window.x = lit.x;
     window.y = lit.y;
     window.offset = lit.offset;
-    return useless_in(UnfoldedFace::over(adjacency_, entry.first), window);
+    return !useless_in(UnfoldedFace::over(adjacency_, entry.first), window);
   };
-  lit_.erase(std::remove_if(lit_.begin(), lit_.end(), useless), lit_.end());
+  lit_.keep_if(useful, poll_);
 }
 
 // What lights a face lights those with the same corners.
@@ -39,9 +39,10 @@ void Front::copy_lit_to_duplicate_faces() {
   for (std::uint32_t f = 0; f < copies.size(); ++f) {
     if (skipped(f)) copies[scratch_.same_as[f]].push_back(f);
   }
-  const std::size_t count = lit_.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto [h, original] = lit_[i];
+  LitWindows copied;
+  lit_.for_each([&](const LitWindows::Entry& entry) {
+    const auto& [h, original] = entry;
+    copied.add(h, original);
     const UnfoldedFace face = UnfoldedFace::over(adjacency_, h);
     for (const std::uint32_t copy : copies[face_of(h)]) {
       const FaceRecord& other = adjacency_.face(copy);
@@ -53,15 +54,18 @@ void Front::copy_lit_to_duplicate_faces() {
         window.end = face.base - original.begin;
         window.x = face.base - original.x;
       }
-      lit_.emplace_back(halfedge(copy, c), window);
+      copied.add(halfedge(copy, c), window);
     }
-  }
+    return !poll_.cancelled();
+  });
+  lit_ = std::move(copied);
 }
 
 std::shared_ptr<const WindowTable> Front::take_windows() {
   drop_useless_lit();
   if (!scratch_.same_as.empty()) copy_lit_to_duplicate_faces();
-  return std::make_shared<const WindowTable>(adjacency_.mesh().face_count(), std::move(lit_));
+  return std::make_shared<const WindowTable>(adjacency_.mesh().face_count(), std::move(lit_),
+                                             poll_);
 }
 
 }  // namespace geodesic::chen_han

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/chen_han_front.h"
+#include "core/polled_fill.h"
 
 namespace geodesic::chen_han {
 namespace {
@@ -16,17 +17,18 @@ constexpr double kSaddle = 1e-12;
 }  // namespace
 
 Front::Front(const Adjacency& adjacency, Field& field, const FieldLimits& limits,
-             ChenHanScratch& scratch)
-    : adjacency_(adjacency), field_(field), limits_(limits), scratch_(scratch) {
+             ChenHanScratch& scratch, Poll& poll)
+    : adjacency_(adjacency), field_(field), limits_(limits), scratch_(scratch), poll_(poll) {
   const std::size_t face_count = adjacency.mesh().face_count();
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
   scratch.queue.clear();
-  scratch.occupier.assign(4 * face_count, {kUnreached, 0});
+  polled_assign(scratch.occupier, 4 * face_count, {kUnreached, 0}, poll);
   scratch.bends.assign(vertex_count, 0);
   scratch.waiting.assign(vertex_count, kUnreached);
   scratch.source_in_face.clear();
   scratch.places.clear();
   scratch.same_as.clear();
+  if (poll.ask()) return;
   mark_faces_with_sources();
   if (adjacency.report().faces_duplicate > 0) mark_duplicate_faces();
   see_all_ = needs_seen_windows();
@@ -59,7 +61,7 @@ void Front::mark_duplicate_faces() {
     return t;
   };
   scratch_.same_as.resize(faces.size());
-  for (std::uint32_t f = 0; f < faces.size(); ++f) {
+  for (std::uint32_t f = 0; f < faces.size() && !poll_.cancelled(); ++f) {
     scratch_.same_as[f] = f;
     if (has_source(f)) continue;
     const Triangle corners = corners_of(f);

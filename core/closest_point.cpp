@@ -15,6 +15,8 @@
 #include <new>
 #include <utility>
 
+#include "core/ray_search.h"
+
 namespace geodesic {
 namespace {
 
@@ -96,6 +98,28 @@ bool consider_face(RTCPointQueryFunctionArguments* arguments) {
   return true;  // the radius has shrunk
 }
 
+// Embree hands the context of a ray on to the faces: what it leads to comes after it.
+#if GEODESIC_EMBREE == 3
+using EmbreeContext = RTCIntersectContext;
+#else
+using EmbreeContext = RTCRayQueryContext;
+#endif
+
+struct RayContext : EmbreeContext {
+  RaySearch* search = nullptr;
+};
+
+// What of a ray's way single precision may be off by, in the hierarchy's units.
+constexpr double kRayMargin = 1e-5;
+
+void meet_face(const RTCIntersectFunctionNArguments* arguments) {
+  if (arguments->valid[0] == 0) return;
+  RaySearch& search = *static_cast<RayContext*>(arguments->context)->search;
+  if (!search.consider(arguments->primID)) return;
+  float& end = RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, arguments->N), arguments->N, 0);
+  end = std::min(end, static_cast<float>(search.reach() + kRayMargin));
+}
+
 bool count_memory(void* user, ssize_t bytes, bool /*after*/) {
   static_cast<std::atomic<std::int64_t>*>(user)->fetch_add(bytes);
   return true;
@@ -104,62 +128,68 @@ bool count_memory(void* user, ssize_t bytes, bool /*after*/) {
 }  // namespace
 
 // The mesh moved and scaled into [-1, 1], where single precision is at its best.
+// Embree knows of the faces only their boxes.
 struct ClosestPointIndex::Scene {
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-  std::atomic<std::int64_t> memory{0};
-  Vec3 centre;
-  double scale = 1;
-
+  Scene(const Mesh& of, const Box& box) : mesh(of), unit(box) {}
   ~Scene() {
     if (scene != nullptr) rtcReleaseScene(scene);
     if (device != nullptr) rtcReleaseDevice(device);
   }
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+
+  static void bound_face(const RTCBoundsFunctionArguments* arguments) {
+    // More than what the rounding of corners, origins and directions adds up to.
+    constexpr double kMargin = 4e-6;
+    const auto& self = *static_cast<const Scene*>(arguments->geometryUserPtr);
+    const Triangle& t = self.mesh.faces()[arguments->primID];
+    const Vec3 a = self.unit.inside(self.mesh.positions()[t[0]]);
+    const Vec3 b = self.unit.inside(self.mesh.positions()[t[1]]);
+    const Vec3 c = self.unit.inside(self.mesh.positions()[t[2]]);
+    RTCBounds& bounds = *arguments->bounds_o;
+    bounds.lower_x = static_cast<float>(std::min({a.x, b.x, c.x}) - kMargin);
+    bounds.lower_y = static_cast<float>(std::min({a.y, b.y, c.y}) - kMargin);
+    bounds.lower_z = static_cast<float>(std::min({a.z, b.z, c.z}) - kMargin);
+    bounds.upper_x = static_cast<float>(std::max({a.x, b.x, c.x}) + kMargin);
+    bounds.upper_y = static_cast<float>(std::max({a.y, b.y, c.y}) + kMargin);
+    bounds.upper_z = static_cast<float>(std::max({a.z, b.z, c.z}) + kMargin);
+  }
+
+  const Mesh& mesh;
+  UnitBox unit;
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+  std::atomic<std::int64_t> memory{0};
 };
 
 ClosestPointIndex::ClosestPointIndex(std::shared_ptr<const Adjacency> adjacency)
-    : adjacency_(std::move(adjacency)), scene_(std::make_unique<Scene>()) {
-  const Mesh& mesh = adjacency_->mesh();
-  const Box& box = mesh.box();
-  scene_->centre = 0.5 * box.min + 0.5 * box.max;
-  const Vec3 half = 0.5 * box.max - 0.5 * box.min;
-  scene_->scale = 1 / std::max({half.x, half.y, half.z});
-
+    : adjacency_(std::move(adjacency)),
+      scene_(std::make_unique<Scene>(adjacency_->mesh(), adjacency_->mesh().box())) {
   // One thread: core has no threads of its own.
   scene_->device = rtcNewDevice("threads=1,set_affinity=0");
   if (scene_->device == nullptr) throw std::bad_alloc();
   rtcSetDeviceMemoryMonitorFunction(scene_->device, count_memory, &scene_->memory);
   scene_->scene = rtcNewScene(scene_->device);
-  RTCGeometry geometry = rtcNewGeometry(scene_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
-                                                               RTC_FORMAT_FLOAT3, 3 * sizeof(float),
-                                                               mesh.vertex_count()));
-  auto* indices = static_cast<std::uint32_t*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                              3 * sizeof(std::uint32_t), mesh.face_count()));
-  if (vertices == nullptr || indices == nullptr) {
-    rtcReleaseGeometry(geometry);
-    throw std::bad_alloc();
-  }
-  for (const Vec3 p : mesh.positions()) {
-    const Vec3 q = scene_->scale * (p - scene_->centre);
-    *vertices++ = static_cast<float>(q.x);
-    *vertices++ = static_cast<float>(q.y);
-    *vertices++ = static_cast<float>(q.z);
-  }
-  for (const Triangle& t : mesh.faces()) indices = std::copy(t.begin(), t.end(), indices);
+  rtcSetSceneFlags(scene_->scene, RTC_SCENE_FLAG_ROBUST);
+  RTCGeometry geometry = rtcNewGeometry(scene_->device, RTC_GEOMETRY_TYPE_USER);
+  if (geometry == nullptr) throw std::bad_alloc();
+  rtcSetGeometryUserPrimitiveCount(geometry, scene_->mesh.face_count());
+  rtcSetGeometryUserData(geometry, scene_.get());
+  rtcSetGeometryBoundsFunction(geometry, Scene::bound_face, nullptr);
+  rtcSetGeometryIntersectFunction(geometry, meet_face);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene_->scene, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene_->scene);
+  if (rtcGetDeviceError(scene_->device) != RTC_ERROR_NONE) throw std::bad_alloc();
 }
 
 ClosestPointIndex::~ClosestPointIndex() = default;
 
 ClosestPoint ClosestPointIndex::closest(Vec3 from) const {
-  const Vec3 q = scene_->scale * (from - scene_->centre);
+  const Vec3 q = scene_->unit.inside(from);
   const double away = std::max({std::abs(q.x), std::abs(q.y), std::abs(q.z)});
-  Search search{&adjacency_->mesh(), from, scene_->scale, 1e-6 * (1 + away)};
+  Search search{&adjacency_->mesh(), from, scene_->unit.scale, 1e-6 * (1 + away)};
   // So far away that single precision tells no face from another, look at all.
   constexpr double kTooFar = 1e5;
   if (away < kTooFar) {
@@ -178,6 +208,38 @@ ClosestPoint ClosestPointIndex::closest(Vec3 from) const {
   }
   const SurfacePoint point = point_on_face(*adjacency_, search.face, search.bary);
   return {point, distance(from, position_of(*search.mesh, point))};
+}
+
+std::optional<RayHit> ClosestPointIndex::first_hit(Vec3 origin, Vec3 direction) const {
+  auto search = RaySearch::begin(*adjacency_, scene_->unit, origin, direction);
+  if (!search) return std::nullopt;
+  RayContext context;
+  context.search = &*search;
+  RTCRayHit ray{};
+  const Vec3 from = search->origin();
+  const Vec3 ahead = search->direction();
+  ray.ray.org_x = static_cast<float>(from.x);
+  ray.ray.org_y = static_cast<float>(from.y);
+  ray.ray.org_z = static_cast<float>(from.z);
+  ray.ray.dir_x = static_cast<float>(ahead.x);
+  ray.ray.dir_y = static_cast<float>(ahead.y);
+  ray.ray.dir_z = static_cast<float>(ahead.z);
+  ray.ray.tfar = std::numeric_limits<float>::infinity();
+  ray.ray.mask = ~0U;
+  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+#if GEODESIC_EMBREE == 3
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(scene_->scene, &context, &ray);
+#else
+  rtcInitRayQueryContext(&context);
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.context = &context;
+  rtcIntersect1(scene_->scene, &ray, &arguments);
+#endif
+  const auto point = search->hit();
+  if (!point) return std::nullopt;
+  return RayHit{*point, distance(origin, position_of(adjacency_->mesh(), *point))};
 }
 
 std::size_t ClosestPointIndex::bytes() const {

@@ -1,8 +1,9 @@
-// The closest point of a surface to a point in space.
+// The closest point of a surface to a point in space, and the first on a ray.
 #pragma once
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 
 #include "core/adjacency.h"
 #include "core/surface_point.h"
@@ -15,9 +16,15 @@ struct ClosestPoint {
   double distance;  // mesh units
 };
 
+struct RayHit {
+  SurfacePoint point;
+  double distance;  // from the ray's origin, mesh units
+};
+
 // A bounding volume hierarchy over the faces of a mesh, built once and shared.
-// Embree holds and searches the hierarchy in single precision, with a margin; the
-// distances themselves are ours, in double precision.
+// Embree holds and searches the hierarchy in single precision, with a margin: it
+// finds faces that may be meant. What they mean, distances and hits, is ours to
+// compute, in double precision.
 class ClosestPointIndex {
  public:
   explicit ClosestPointIndex(std::shared_ptr<const Adjacency> adjacency);
@@ -28,6 +35,16 @@ class ClosestPointIndex {
   // `from` must be finite. Among faces at the same distance the one of the lower
   // number is taken. Any number of threads may ask at once.
   [[nodiscard]] ClosestPoint closest(Vec3 from) const;
+
+  // The first point of the surface that a ray meets, from either side of a face;
+  // nothing if it misses. Both must be finite and no component beyond
+  // Mesh::kMaxCoordinate; the direction must not be zero, and need not have length
+  // one. An origin on the surface is its own hit, up to rounding. No ray slips
+  // through an edge or a vertex between faces. A face without area is no hit of its
+  // own: where faces on its sides have an area, one of those is; otherwise the ray
+  // goes on, as it does past a face that it sees edge-on. Any number of threads may
+  // ask at once.
+  [[nodiscard]] std::optional<RayHit> first_hit(Vec3 origin, Vec3 direction) const;
 
   // Memory held, without the mesh.
   [[nodiscard]] std::size_t bytes() const;

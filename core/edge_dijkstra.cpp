@@ -80,8 +80,11 @@ Result<Field> edge_dijkstra_field(const Adjacency& adjacency, std::span<const So
   for (std::uint32_t s = 0; s < sources.size(); ++s) front.start(sources[s], s);
   RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
   Poll poll(cancel);
+  std::uint64_t accepted = 0;
   while (!heap.empty() && !targets.done()) {
-    if (poll.cancelled()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+    if (poll.cancelled(accepted++, vertex_count)) {
+      return fail(ErrorCode::cancelled, "the computation was cancelled");
+    }
     const VertexHeap::Entry next = heap.pop();
     if (next.key > limits.max) {
       front.forget(next.vertex);

@@ -19,6 +19,8 @@ enum class ErrorCode : std::uint8_t {
   route_unknown,       // no such path
   mesh_unknown,        // no mesh of that id
   method_not_allowed,  // the path exists, the HTTP method does not
+  unauthorized,        // no token, or one that is not valid (any more)
+  forbidden,           // the token lacks the scope that this needs
   not_acceptable,      // no format that the client accepts
   request_timeout,     // the body did not arrive in time
   length_required,     // a body without a length
@@ -37,6 +39,9 @@ enum class ErrorCode : std::uint8_t {
   no_hit,              // a ray misses the surface
   unsupported,         // valid, but not offered by this version
   digest_mismatch,     // the bytes are not those of the given digest
+  job_unknown,         // no job of that id (any more)
+  job_unfinished,      // the job has no result yet
+  job_cancelled,       // the job was cancelled and has no result
   overloaded,          // the queue is full: try again later
   too_many_requests,   // this client asks for more than its share: try again later
   draining,            // the process is about to stop

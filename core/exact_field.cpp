@@ -21,8 +21,11 @@ Result<Field> exact_field(const Adjacency& adjacency, std::span<const Source> so
   field.sources.assign(sources.begin(), sources.end());
   field.distance.assign(vertex_count, kUnreached);
   if (sources.size() > 1) field.nearest_source.assign(vertex_count, kNone);
-  exact::Propagation propagation(adjacency, *scratch.memory, field, limits.max,
-                                 limits.keep_details);
+  // A step is a list of windows over an edge, not one vertex.
+  Poll poll(cancel, 1024);
+  exact::Propagation propagation(adjacency, *scratch.memory, field, limits.max, limits.keep_details,
+                                 poll);
+  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
   for (std::uint32_t s = 0; s < sources.size(); ++s) propagation.start(sources[s], s);
 
   std::vector<std::uint32_t> targets(limits.targets.begin(), limits.targets.end());
@@ -34,13 +37,14 @@ Result<Field> exact_field(const Adjacency& adjacency, std::span<const Source> so
     }
     return targets.empty();
   };
-  Poll poll(cancel);
   bool stopped = false;
   do {
     while (!(stopped = arrived()) && propagation.step()) {
-      if (poll.cancelled()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+      if (poll.cancelled(propagation.reached(), vertex_count)) {
+        return fail(ErrorCode::cancelled, "the computation was cancelled");
+      }
     }
-  } while (!stopped && propagation.mend());
+  } while (!stopped && propagation.mend(poll));
 
   // What was not final when the last target was is farther than any of them.
   double farthest = limits.max;
@@ -55,8 +59,9 @@ Result<Field> exact_field(const Adjacency& adjacency, std::span<const Source> so
   }
   if (limits.keep_details) {
     field.windows = std::make_shared<const WindowTable>(adjacency.faces().size(),
-                                                        propagation.take_lit_windows());
+                                                        propagation.take_lit_windows(poll), poll);
   }
+  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
   field.count_reached();
   return field;
 }

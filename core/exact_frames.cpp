@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/polled_fill.h"
+
 namespace geodesic::exact {
 namespace {
 
@@ -36,21 +38,24 @@ double rough_angle(double x, double y) {
 
 }  // namespace
 
-void Frames::build(const Adjacency& adjacency) {
-  faces_.resize(adjacency.faces().size());
+void Frames::build(const Adjacency& adjacency, Poll& poll) {
+  // Every face is written below: what the last query left is as good as new.
+  const std::size_t face_count = adjacency.faces().size();
+  if (faces_.size() != face_count) polled_assign(faces_, face_count, FaceFrame{}, poll);
   edges_.clear();
   edges_.reserve(adjacency.report().edges);
   bends_.assign(adjacency.mesh().vertex_count(), Bends::nowhere);
   angle_sum_.assign(adjacency.mesh().vertex_count(), 0);
-  number_edges(adjacency);
-  measure_faces(adjacency);
-  classify_vertices(adjacency);
+  number_edges(adjacency, poll);
+  if (poll.stopped()) return;
+  measure_faces(adjacency, poll);
+  classify_vertices(adjacency, poll);
 }
 
 // An edge gets its number from the first of its halfedges.
-void Frames::number_edges(const Adjacency& adjacency) {
+void Frames::number_edges(const Adjacency& adjacency, Poll& poll) {
   const auto positions = adjacency.mesh().positions();
-  for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+  for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
     const FaceRecord& record = adjacency.face(f);
     FaceFrame& frame = faces_[f];
     frame.reversed = 0;
@@ -71,9 +76,9 @@ void Frames::number_edges(const Adjacency& adjacency) {
   }
 }
 
-void Frames::measure_faces(const Adjacency& adjacency) {
+void Frames::measure_faces(const Adjacency& adjacency, Poll& poll) {
   double sum = 0;
-  for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+  for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
     const FaceRecord& record = adjacency.face(f);
     FaceFrame& frame = faces_[f];
     for (std::uint32_t i = 0; i < 3; ++i) {
@@ -96,10 +101,11 @@ void Frames::measure_faces(const Adjacency& adjacency) {
   mean_shortest_side_ = sum / static_cast<double>(faces_.size());
 }
 
-void Frames::classify_vertices(const Adjacency& adjacency) {
+void Frames::classify_vertices(const Adjacency& adjacency, Poll& poll) {
   constexpr double kPi = std::numbers::pi;
   std::vector<bool> on_boundary(bends_.size(), false);
   for (const EdgeFrame& edge : edges_) {
+    if (poll.cancelled()) return;
     const Halfedge second = adjacency.ring(edge.first);
     if (second == edge.first) {
       on_boundary[edge.tail] = on_boundary[edge.head] = true;
@@ -107,7 +113,7 @@ void Frames::classify_vertices(const Adjacency& adjacency) {
       bends_[edge.tail] = bends_[edge.head] = Bends::everywhere;
     }
   }
-  for (std::uint32_t v = 0; v < bends_.size(); ++v) {
+  for (std::uint32_t v = 0; v < bends_.size() && !poll.cancelled(); ++v) {
     if (bends_[v] == Bends::everywhere) continue;
     if (adjacency.is_pinched(v)) {
       bends_[v] = Bends::everywhere;

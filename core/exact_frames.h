@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/adjacency.h"
+#include "core/cancel.h"
 
 namespace geodesic::exact {
 
@@ -38,7 +39,8 @@ enum class Bends : std::uint8_t {
 
 class Frames {
  public:
-  void build(const Adjacency& adjacency);
+  // Of no use if the poll says to stop.
+  void build(const Adjacency& adjacency, Poll& poll);
 
   [[nodiscard]] std::span<const EdgeFrame> edges() const { return edges_; }
   [[nodiscard]] const EdgeFrame& edge(std::uint32_t e) const { return edges_[e]; }
@@ -57,9 +59,9 @@ class Frames {
   [[nodiscard]] double mean_shortest_side() const { return mean_shortest_side_; }
 
  private:
-  void number_edges(const Adjacency& adjacency);
-  void measure_faces(const Adjacency& adjacency);
-  void classify_vertices(const Adjacency& adjacency);
+  void number_edges(const Adjacency& adjacency, Poll& poll);
+  void measure_faces(const Adjacency& adjacency, Poll& poll);
+  void classify_vertices(const Adjacency& adjacency, Poll& poll);
 
   std::vector<EdgeFrame> edges_;
   std::vector<FaceFrame> faces_;

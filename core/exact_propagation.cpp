@@ -5,6 +5,8 @@
 #include <cstring>
 #include <iterator>
 
+#include "core/polled_fill.h"
+
 namespace geodesic::exact {
 namespace {
 
@@ -14,20 +16,21 @@ constexpr double kNews = 1e-14;
 }  // namespace
 
 Propagation::Propagation(const Adjacency& adjacency, PropagationMemory& memory, Field& field,
-                         double max, bool keep_windows)
+                         double max, bool keep_windows, Poll& poll)
     : adjacency_(adjacency),
       memory_(memory),
       frames_(memory.frames),
       field_(field),
       max_(max),
       keep_windows_(keep_windows) {
-  memory.frames.build(adjacency);
+  memory.frames.build(adjacency, poll);
+  if (poll.stopped()) return;
   memory.pool.reset();
   double least = kUnreached;
   for (const Source& source : field.sources) least = std::min(least, source.offset);
   memory.queue.reset(least, 0.25 * frames_.mean_shortest_side());
-  memory.edges.assign(frames_.edges().size(),
-                      {nullptr, 0, 0, kUnreached, kUnreached, kUnreached, false});
+  polled_assign(memory.edges, frames_.edges().size(),
+                {nullptr, 0, 0, kUnreached, kUnreached, kUnreached, false}, poll);
   memory.roots.clear();
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
   memory.arrivals.assign(vertex_count, {kNone, 0});
@@ -341,6 +344,7 @@ void Propagation::let_go(std::uint32_t e) {
 void Propagation::lower(std::uint32_t v, double distance, std::uint32_t source,
                         std::uint32_t corner, double crossing) {
   if (!(distance < field_.distance[v]) || distance > max_) return;
+  if (field_.distance[v] == kUnreached) ++reached_;
   field_.distance[v] = distance;
   if (!field_.nearest_source.empty()) field_.nearest_source[v] = source;
   if (memory_.bends[v] == Bends::nowhere) return;
@@ -350,10 +354,10 @@ void Propagation::lower(std::uint32_t v, double distance, std::uint32_t source,
   }
 }
 
-bool Propagation::mend() {
+bool Propagation::mend(Poll& poll) {
   constexpr double kBroken = 1e-11;
   bool any = false;
-  for (std::uint32_t e = 0; e < frames_.edges().size(); ++e) {
+  for (std::uint32_t e = 0; e < frames_.edges().size() && !poll.cancelled(); ++e) {
     const EdgeFrame& frame = frames_.edge(e);
     for (const auto& [from, to] :
          {std::pair{frame.tail, frame.head}, std::pair{frame.head, frame.tail}}) {
@@ -367,24 +371,20 @@ bool Propagation::mend() {
   return any;
 }
 
-std::vector<std::pair<Halfedge, LitWindow>> Propagation::take_lit_windows() {
-  std::size_t count = 0;
-  for (const EdgeWindows& edge : memory_.edges) count += edge.size;
-  std::vector<std::pair<Halfedge, LitWindow>> lit;
-  lit.reserve(count);
-  for (std::uint32_t e = 0; e < memory_.edges.size(); ++e) {
+LitWindows Propagation::take_lit_windows(Poll& poll) {
+  LitWindows lit;
+  for (std::uint32_t e = 0; e < memory_.edges.size() && !poll.stopped(); ++e) {
     const EdgeWindows& edge = memory_.edges[e];
     const double length = frames_.edge(e).length;
-    for (std::uint32_t i = 0; i < edge.size; ++i) {
+    for (std::uint32_t i = 0; i < edge.size && !poll.cancelled(); ++i) {
       const Window& w = edge.windows[i];
       const PseudoSource& root = memory_.roots[w.root];
       for (Halfedge h = adjacency_.ring(w.from); h != w.from; h = adjacency_.ring(h)) {
         if (frames_.is_reversed(h)) {
-          lit.push_back({h,
-                         {length - w.end, length - w.begin, length - w.x, w.y, root.offset,
-                          root.vertex, root.source}});
+          lit.add(h, {length - w.end, length - w.begin, length - w.x, w.y, root.offset, root.vertex,
+                      root.source});
         } else {
-          lit.push_back({h, {w.begin, w.end, w.x, w.y, root.offset, root.vertex, root.source}});
+          lit.add(h, {w.begin, w.end, w.x, w.y, root.offset, root.vertex, root.source});
         }
       }
     }

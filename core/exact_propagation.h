@@ -100,9 +100,10 @@ struct PropagationMemory {
 class Propagation {
  public:
   // Fills `field.distance` and, when it has a place for each vertex,
-  // `field.nearest_source`. All must outlive this object.
+  // `field.nearest_source`. All must outlive this object, which is of no use if the
+  // poll says to stop.
   Propagation(const Adjacency& adjacency, PropagationMemory& memory, Field& field, double max,
-              bool keep_windows);
+              bool keep_windows, Poll& poll);
 
   // Sends out a source's windows.
   void start(const Source& source, std::uint32_t number);
@@ -114,12 +115,16 @@ class Propagation {
   [[nodiscard]] double final_below() const { return memory_.queue.now(); }
 
   // Lets distances through along edges where no window came, as a last resort
-  // against rounding. True when that sent out something new.
-  [[nodiscard]] bool mend();
+  // against rounding. True when that sent out something new. Incomplete if the poll
+  // says to stop.
+  [[nodiscard]] bool mend(Poll& poll);
 
   // The windows left, for each face that they light. Gives their memory back, so this
-  // is the last thing to ask.
-  [[nodiscard]] std::vector<std::pair<Halfedge, LitWindow>> take_lit_windows();
+  // is the last thing to ask. Not all of them if the poll says to stop.
+  [[nodiscard]] LitWindows take_lit_windows(Poll& poll);
+
+  // Vertices that have a distance, though perhaps not the final one.
+  [[nodiscard]] std::uint64_t reached() const { return reached_; }
 
   // Windows that have crossed a face; for tests and measurements.
   [[nodiscard]] std::uint64_t propagated() const { return propagated_; }
@@ -163,6 +168,7 @@ class Propagation {
   double max_;
   bool keep_windows_;
   std::uint64_t propagated_ = 0;
+  std::uint64_t reached_ = 0;
 };
 
 }  // namespace geodesic::exact

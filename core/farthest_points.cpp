@@ -32,9 +32,16 @@ Result<FarthestPoints> farthest_points(Method method, const MethodOptions& optio
   limits.keep_details = false;
   // Of each vertex from the nearest of all points so far.
   std::vector<double> distance(adjacency.mesh().vertex_count(), kUnreached);
+  // As if every field took as long as the next: they become smaller, but what is
+  // done to all vertices for each of them does not.
+  const double fields = static_cast<double>(count + (from.empty() ? 0 : 1));
+  double done = 0;
   const auto lower_from = [&](std::span<const Source> sources) -> Result<void> {
-    const auto field = solve_field(method, options, adjacency, sources, limits, scratch, cancel);
+    const auto field = solve_field(method, options, adjacency, sources, limits, scratch,
+                                   cancel.part(done / fields, (done + 1) / fields));
+    done += 1;
     if (!field) return fail(field.error());
+    if (cancel.requested()) return fail(ErrorCode::cancelled, "the computation was cancelled");
     std::transform(distance.begin(), distance.end(), field->distance.begin(), distance.begin(),
                    [](double a, double b) { return std::min(a, b); });
     return {};

@@ -101,11 +101,12 @@ class FastMarching {
       : adjacency_(adjacency), field_(field), heap_(scratch.heap), scratch_(scratch) {}
 
   // Their preprocessing: the virtual triangles, listed by face and by far vertex.
-  void split_obtuse_faces() {
+  // Incomplete if the poll says to stop.
+  void split_obtuse_faces(Poll& poll) {
     scratch_.split_of_face.assign(adjacency_.mesh().face_count(), kNone);
     scratch_.first_by_far.assign(adjacency_.mesh().vertex_count(), kNone);
     scratch_.splits.clear();
-    for (std::uint32_t f = 0; f < adjacency_.mesh().face_count(); ++f) {
+    for (std::uint32_t f = 0; f < adjacency_.mesh().face_count() && !poll.cancelled(); ++f) {
       const FaceRecord& face = adjacency_.face(f);
       for (std::uint32_t c = 0; c < 3; ++c) {
         if (!(face.dot[c] < 0)) continue;
@@ -271,12 +272,16 @@ Result<Field> fast_marching_field(const Adjacency& adjacency, std::span<const So
   VertexHeap& heap = scratch.heap;
   heap.reset(vertex_count);
   FastMarching front(adjacency, field, scratch);
-  front.split_obtuse_faces();
+  Poll poll(cancel);
+  front.split_obtuse_faces(poll);
+  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
   for (std::uint32_t s = 0; s < sources.size(); ++s) front.start(sources[s], s);
   RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
-  Poll poll(cancel);
+  std::uint64_t accepted = 0;
   while (!heap.empty() && !targets.done()) {
-    if (poll.cancelled()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+    if (poll.cancelled(accepted++, vertex_count)) {
+      return fail(ErrorCode::cancelled, "the computation was cancelled");
+    }
     const VertexHeap::Entry next = heap.pop();
     if (next.key > limits.max) {
       front.forget(next.vertex);

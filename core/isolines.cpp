@@ -43,8 +43,13 @@ Result<CrossedFaces> crossed_faces(const Adjacency& adjacency, const Field& fiel
   // First the change of the count from level to level, then its running sum.
   std::vector<std::int64_t> change(levels.size() + 1, 0);
   std::uint64_t segments = 0;
+  // Two passes over the faces, and one over what they found.
+  const std::uint64_t face_count = adjacency.faces().size();
+  std::uint64_t seen = 0;
   for (const FaceRecord& face : adjacency.faces()) {
-    if (poll.cancelled()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+    if (poll.cancelled(seen++, 3 * face_count)) {
+      return fail(ErrorCode::cancelled, "the computation was cancelled");
+    }
     const LevelRange range = levels_across(face, field.distance, levels);
     ++change[range.first];
     --change[range.last];
@@ -64,6 +69,9 @@ Result<CrossedFaces> crossed_faces(const Adjacency& adjacency, const Field& fiel
   crossed.face.resize(segments);
   std::vector<std::size_t> fill(crossed.begin.begin(), crossed.begin.end() - 1);
   for (std::uint32_t f = 0; f < adjacency.faces().size(); ++f) {
+    if (poll.cancelled(seen++, 3 * face_count)) {
+      return fail(ErrorCode::cancelled, "the computation was cancelled");
+    }
     const LevelRange range = levels_across(adjacency.face(f), field.distance, levels);
     for (std::size_t level = range.first; level < range.last; ++level) {
       crossed.face[fill[level]++] = f;
@@ -187,10 +195,14 @@ Result<std::vector<Isoline>> isolines(const Adjacency& adjacency, const Field& f
   if (!crossed) return fail(crossed.error());
   std::vector<Isoline> lines;
   LineWalker walker(adjacency, field);
+  const std::uint64_t segments = crossed->face.size();
+  std::uint64_t seen = 2 * segments;
   for (std::size_t level = 0; level < levels.size(); ++level) {
     walker.start_level(levels[level], static_cast<std::uint32_t>(level + 1));
     for (const std::uint32_t face : crossed->of(level)) {
-      if (poll.cancelled()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+      if (poll.cancelled(seen++, 3 * segments)) {
+        return fail(ErrorCode::cancelled, "the computation was cancelled");
+      }
       if (walker.passed(face)) continue;
       Isoline line = walker.line_through(face);
       if (line.points.size() > 1) lines.push_back(std::move(line));

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/edge_points.h"
+#include "core/polled_fill.h"
 #include "core/remaining_targets.h"
 
 namespace geodesic {
@@ -16,12 +17,13 @@ namespace {
 // Nodes are numbered: the vertices first, then the points of each edge in turn.
 class SteinerGraph {
  public:
-  SteinerGraph(const Adjacency& adjacency, std::uint32_t points_per_edge)
+  // Incomplete if the poll says to stop.
+  SteinerGraph(const Adjacency& adjacency, std::uint32_t points_per_edge, Poll& poll)
       : adjacency_(adjacency),
         vertex_count_(adjacency.mesh().vertex_count()),
         per_edge_(points_per_edge),
         spacing_(1.0 / (double(points_per_edge) + 1)),
-        edges_(EdgeNumbers::count(adjacency)) {}
+        edges_(EdgeNumbers::count(adjacency, poll)) {}
 
   [[nodiscard]] std::uint32_t node_count() const {
     return vertex_count_ + per_edge_ * static_cast<std::uint32_t>(edges_.first.size());
@@ -233,7 +235,10 @@ Result<Field> search(const Adjacency& adjacency, std::span<const Source> sources
     return fail_limit(ErrorCode::value_out_of_range, "too many points for a mesh of this size",
                       most, points_per_edge, "points_per_edge");
   }
-  SteinerGraph graph(adjacency, points_per_edge);
+  // A node has about six times as many neighbours as there are points on an edge.
+  Poll poll(cancel, std::max(8192 / points_per_edge, 1U));
+  SteinerGraph graph(adjacency, points_per_edge, poll);
+  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
   const std::size_t point_count = graph.node_count() - vertex_count;
   Field field;
   field.method = Method::steiner;
@@ -241,11 +246,12 @@ Result<Field> search(const Adjacency& adjacency, std::span<const Source> sources
   field.distance.assign(vertex_count, kUnreached);
   auto points = std::make_shared<EdgePoints>();
   points->per_edge = points_per_edge;
-  points->distance.assign(point_count, kUnreached);
+  polled_assign(points->distance, point_count, kUnreached, poll);
   if (sources.size() > 1) {
     field.nearest_source.assign(vertex_count, kNone);
-    points->nearest_source.assign(point_count, kNone);
+    polled_assign(points->nearest_source, point_count, kNone, poll);
   }
+  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
   VertexHeap& heap = scratch.heap;
   heap.reset(graph.node_count());
   SteinerFront front(adjacency, graph, field, *points, heap);
@@ -253,10 +259,11 @@ Result<Field> search(const Adjacency& adjacency, std::span<const Source> sources
   std::optional<Goal> goal;
   if (goal_point != nullptr) goal.emplace(adjacency, graph, sources.front(), *goal_point);
   RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
-  // A node has about six times as many neighbours as there are points on an edge.
-  Poll poll(cancel, std::max(8192 / points_per_edge, 1U));
+  std::uint64_t accepted = 0;
   while (!heap.empty() && !targets.done()) {
-    if (poll.cancelled()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+    if (poll.cancelled(accepted++, graph.node_count())) {
+      return fail(ErrorCode::cancelled, "the computation was cancelled");
+    }
     const VertexHeap::Entry next = heap.pop();
     if (next.key > limits.max || (goal && next.key > goal->best())) {
       front.forget(next.vertex);
@@ -277,11 +284,11 @@ Result<Field> search(const Adjacency& adjacency, std::span<const Source> sources
 
 }  // namespace
 
-EdgeNumbers EdgeNumbers::count(const Adjacency& adjacency) {
+EdgeNumbers EdgeNumbers::count(const Adjacency& adjacency, Poll& poll) {
   EdgeNumbers edges;
-  edges.of.assign(4 * adjacency.faces().size(), kNone);
+  polled_assign(edges.of, 4 * adjacency.faces().size(), kNone, poll);
   edges.first.reserve(adjacency.report().edges);
-  for (std::uint32_t f = 0; f < adjacency.faces().size(); ++f) {
+  for (std::uint32_t f = 0; f < adjacency.faces().size() && !poll.cancelled(); ++f) {
     for (std::uint32_t c = 0; c < 3; ++c) {
       const Halfedge first = halfedge(f, c);
       if (edges.of[first] != kNone) continue;

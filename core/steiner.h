@@ -25,7 +25,8 @@ struct EdgeNumbers {
   std::vector<std::uint32_t> of;  // by halfedge 4f + c
   std::vector<Halfedge> first;    // by edge: one of its halfedges
 
-  [[nodiscard]] static EdgeNumbers count(const Adjacency& adjacency);
+  // Incomplete if the poll says to stop.
+  [[nodiscard]] static EdgeNumbers count(const Adjacency& adjacency, Poll& poll);
 };
 
 // The distances from the nearest of the sources in the graph with `points_per_edge`

@@ -19,6 +19,8 @@ namespace {
 constexpr std::uint32_t kReach = 4;
 // Bounds for paths that would creep on for ever. Twenty halvings leave a millionth
 // of the first spacing.
+// The search takes about so much of the time, refining the rest.
+constexpr double kSearch = 0.9;
 constexpr int kMostRounds = 20;
 constexpr int kMostPasses = 40;
 // The finest spacing is one part in this of an edge.
@@ -309,7 +311,7 @@ Result<std::optional<Path>> steiner_path(const Adjacency& adjacency, const Sourc
   }
   // The offset only delays; without it no length is lost to rounding.
   const auto field = steiner_field_towards(adjacency, {from.point, 0}, to, options.points_per_edge,
-                                           scratch, cancel);
+                                           scratch, cancel.part(0, kSearch));
   if (!field) return fail(field.error());
   std::optional<Path> traced = trace_path(adjacency, *field, to);
   // What lies in one face is straight already.
@@ -328,6 +330,7 @@ Result<std::optional<Path>> steiner_path(const Adjacency& adjacency, const Sourc
       if (cancel.requested()) return fail(ErrorCode::cancelled, "the computation was cancelled");
       StripGraph graph(adjacency, from.point, to, crossings, steps);
       const double found = graph.shortest(shorter, scratch.heap, poll);
+      if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
       if (!(found < length)) break;
       const double gain = length - found;
       std::swap(crossings, shorter);

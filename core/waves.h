@@ -22,11 +22,12 @@ namespace geodesic::detail {
 // Runs one source's wave into `distance` and `parents`, which it finds unreached.
 // It goes no further from vertices that are clearly nearer to an earlier source
 // (`earlier`, empty for none). Tells every vertex it accepted; others stay unreached.
+// `waves` is how many there are of them, of which this is the one of that number.
 template <Arrival (*kArrive)(double, double, const UnfoldedApex&), class Accepted>
 Result<void> run_wave(const Adjacency& adjacency, const Source& source, std::uint32_t number,
-                      std::span<const double> earlier, double max, RemainingTargets& targets,
-                      VertexHeap& heap, std::span<double> distance, std::span<Parents> parents,
-                      Poll& poll, Accepted accepted) {
+                      std::size_t waves, std::span<const double> earlier, double max,
+                      RemainingTargets& targets, VertexHeap& heap, std::span<double> distance,
+                      std::span<Parents> parents, Poll& poll, Accepted accepted) {
   const auto forget = [&](std::uint32_t v) {
     distance[v] = kUnreached;
     parents[v] = {};
@@ -44,9 +45,12 @@ Result<void> run_wave(const Adjacency& adjacency, const Source& source, std::uin
     targets.accept(v);
     if (worthwhile(v)) front.spread_from(v);
   }
+  // As if each wave came to every vertex.
+  const std::uint64_t total = waves * distance.size();
+  std::uint64_t done = number * distance.size();
   bool cancelled = false;
   while (!heap.empty() && !targets.done() && !cancelled) {
-    cancelled = poll.cancelled();
+    cancelled = poll.cancelled(done++, total);
     const VertexHeap::Entry next = heap.pop();
     if (next.key > max) {
       forget(next.vertex);
@@ -80,9 +84,10 @@ Result<void> run_waves(const Adjacency& adjacency, const FieldLimits& limits, Fi
   for (std::uint32_t s = 0; s < field.sources.size(); ++s) {
     visited.clear();
     RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
-    auto wave = run_wave<kArrive>(adjacency, field.sources[s], s, field.distance, max, targets,
-                                  scratch.heap, scratch.distance, scratch.parents, poll,
-                                  [&](std::uint32_t v) { visited.push_back(v); });
+    auto wave =
+        run_wave<kArrive>(adjacency, field.sources[s], s, field.sources.size(), field.distance, max,
+                          targets, scratch.heap, scratch.distance, scratch.parents, poll,
+                          [&](std::uint32_t v) { visited.push_back(v); });
     if (!wave) return wave;
     for (const std::uint32_t v : visited) {
       if (scratch.distance[v] < field.distance[v]) {
@@ -125,8 +130,9 @@ Result<Field> waves_field(Method method, const Adjacency& adjacency,
   Poll poll(cancel);
   if (sources.size() == 1) {
     RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
-    auto wave = run_wave<kArrive>(adjacency, sources[0], 0, {}, limits.max, targets, scratch.heap,
-                                  field.distance, field.parents, poll, [](std::uint32_t) {});
+    auto wave =
+        run_wave<kArrive>(adjacency, sources[0], 0, 1, {}, limits.max, targets, scratch.heap,
+                          field.distance, field.parents, poll, [](std::uint32_t) {});
     if (!wave) return fail(wave.error());
   } else if (auto waves = run_waves<kArrive>(adjacency, limits, field, scratch, poll); !waves) {
     return fail(waves.error());

@@ -2,17 +2,28 @@
 
 #include <algorithm>
 
+#include "core/polled_fill.h"
+
 namespace geodesic {
 
-WindowTable::WindowTable(std::size_t face_count,
-                         std::vector<std::pair<Halfedge, LitWindow>> windows) {
-  begin_.assign(4 * face_count + 1, 0);
-  for (const auto& [h, window] : windows) ++begin_[h + 1];
-  for (std::size_t h = 0; h + 1 < begin_.size(); ++h) begin_[h + 1] += begin_[h];
-  windows_.resize(windows.size());
-  std::vector<std::uint64_t> next(begin_.begin(), begin_.end() - 1);
-  for (const auto& [h, window] : windows) windows_[next[h]++] = window;
-  for (std::size_t h = 0; h + 1 < begin_.size(); ++h) {
+WindowTable::WindowTable(std::size_t face_count, LitWindows windows, Poll& poll) {
+  const std::size_t count = windows.size();
+  polled_assign(begin_, 4 * face_count + 1, std::uint64_t{0}, poll);
+  polled_assign(windows_, count, LitWindow{}, poll);
+  if (poll.stopped()) return;
+  // First where those of each halfedge end. Filled in backwards, that becomes where
+  // they begin, and they keep their order.
+  windows.for_each([&](const LitWindows::Entry& entry) {
+    ++begin_[entry.first];
+    return !poll.cancelled();
+  });
+  for (std::size_t h = 1; h < begin_.size() && !poll.cancelled(); ++h) begin_[h] += begin_[h - 1];
+  if (poll.stopped()) return;
+  windows.take_backwards([&](const LitWindows::Entry& entry) {
+    windows_[--begin_[entry.first]] = entry.second;
+    return !poll.cancelled();
+  });
+  for (std::size_t h = 0; h + 1 < begin_.size() && !poll.cancelled(); ++h) {
     std::sort(windows_.begin() + static_cast<std::ptrdiff_t>(begin_[h]),
               windows_.begin() + static_cast<std::ptrdiff_t>(begin_[h + 1]),
               [](const LitWindow& a, const LitWindow& b) { return a.begin < b.begin; });

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/adjacency.h"
+#include "core/cancel.h"
 
 namespace geodesic {
 
@@ -27,10 +28,67 @@ struct LitWindow {
   std::uint32_t source;  // the number of the source at the root of it all
 };
 
+// Windows in any order, each with the halfedge whose face it lights. In blocks, so
+// that a list of millions neither moves as it grows nor is held twice.
+class LitWindows {
+ public:
+  using Entry = std::pair<Halfedge, LitWindow>;
+
+  void add(Halfedge h, const LitWindow& window) {
+    if (blocks_.empty() || blocks_.back().size() == kBlock) blocks_.emplace_back().reserve(kBlock);
+    blocks_.back().emplace_back(h, window);
+    ++size_;
+  }
+  [[nodiscard]] std::size_t size() const { return size_; }
+
+  // Calls `visit(entry)` for each until that returns false, …
+  template <class Visit>
+  void for_each(Visit visit) const {
+    for (const std::vector<Entry>& block : blocks_) {
+      for (const Entry& entry : block) {
+        if (!visit(entry)) return;
+      }
+    }
+  }
+  // … the same from the last to the first, and gives back their memory on the way.
+  template <class Visit>
+  void take_backwards(Visit visit) {
+    for (; !blocks_.empty(); blocks_.pop_back()) {
+      const std::vector<Entry>& block = blocks_.back();
+      for (auto entry = block.rbegin(); entry != block.rend(); ++entry) {
+        if (!visit(*entry)) return;
+      }
+      size_ -= block.size();
+    }
+  }
+
+  // Drops those that `keep(entry)` is false for. Of no use if the poll says to stop.
+  template <class Keep>
+  void keep_if(Keep keep, Poll& poll) {
+    std::size_t kept = 0;
+    for (const std::vector<Entry>& block : blocks_) {
+      for (const Entry& entry : block) {
+        if (poll.cancelled()) return;
+        if (!keep(entry)) continue;
+        blocks_[kept / kBlock][kept % kBlock] = entry;
+        ++kept;
+      }
+    }
+    size_ = kept;
+    blocks_.resize((kept + kBlock - 1) / kBlock);
+    if (!blocks_.empty()) blocks_.back().resize(kept - (blocks_.size() - 1) * kBlock);
+  }
+
+ private:
+  static constexpr std::size_t kBlock = 1U << 14U;  // just below a megabyte
+  std::vector<std::vector<Entry>> blocks_;
+  std::size_t size_ = 0;
+};
+
 class WindowTable {
  public:
-  // Any order; sorted here by halfedge and then by `begin`.
-  WindowTable(std::size_t face_count, std::vector<std::pair<Halfedge, LitWindow>> windows);
+  // Sorts them by halfedge and then by `begin`. Of no use if the poll says to stop.
+  WindowTable(std::size_t face_count, LitWindows windows, Poll& poll);
 
   // The windows through which light enters a halfedge's face.
   [[nodiscard]] std::span<const LitWindow> into(Halfedge h) const {

@@ -136,6 +136,16 @@ Result<std::optional<std::string>> Parameters::text(std::string_view name) {
   return std::optional((*value)->get<std::string>());
 }
 
+Result<std::optional<std::string>> Parameters::scalar(std::string_view name) {
+  const auto value = values_->find_one(name);
+  if (!value) return fail(value.error());
+  if (*value == nullptr) return std::nullopt;
+  if (!(*value)->is_number() && !(*value)->is_string()) {
+    return fail(ErrorCode::bad_syntax, "this is a number or a text", std::string(name));
+  }
+  return (*value)->dump();
+}
+
 Result<std::optional<bool>> Parameters::flag(std::string_view name) {
   const auto value = values_->find_one(name);
   if (!value) return fail(value.error());

@@ -40,6 +40,8 @@ class Parameters {
   [[nodiscard]] Result<std::optional<double>> number(std::string_view name);
   [[nodiscard]] Result<std::optional<std::uint64_t>> whole(std::string_view name);
   [[nodiscard]] Result<std::optional<std::string>> text(std::string_view name);
+  // A number or a text as JSON text, to be repeated to the client. Errors: bad_syntax.
+  [[nodiscard]] Result<std::optional<std::string>> scalar(std::string_view name);
   // 1 or 0, true or false; in JSON also `true` and `false`.
   [[nodiscard]] Result<std::optional<bool>> flag(std::string_view name);
   // All numbers under a name, such as levels=1&levels=2; in JSON one or an array.

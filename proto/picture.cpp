@@ -87,6 +87,7 @@ class Drawing {
       draw_face(mesh_.faces()[f]);
     }
     const double thick = scale_ * std::max(1.5, 0.0022 * std::min(options_.width, options_.height));
+    shine_through(thick);
     for (const auto& line : content_.lines) {
       for (std::size_t i = 0; i + 1 < line.size(); ++i) {
         draw_capsule(on_screen(line[i]), on_screen(line[i + 1]), thick + 0.8 * scale_, kPaper);
@@ -229,7 +230,8 @@ class Drawing {
     if (options_.stripes == 0 || !(slope > 0) || !(greatest_ > 0)) return colour;
     const double step = greatest_ / options_.stripes;
     const double nearest = std::round(value / step);
-    if (nearest < 1) return colour;
+    // The last one would be a dot.
+    if (nearest < 1 || nearest >= options_.stripes) return colour;
     const double pixels = std::abs(value - nearest * step) / slope;
     const double half = 0.55 * scale_;
     // Where stripes would run together, they fade instead.
@@ -238,9 +240,32 @@ class Drawing {
     return mixed(colour, kInk, 0.75 * ink);
   }
 
-  // All pixels within `radius` of a segment on the screen, where the surface does
-  // not hide it.
-  void draw_capsule(Vec3 a, Vec3 b, double radius, Colour colour) {
+  // Lines where the surface hides them: faint, and each pixel once, or the joints
+  // between segments would show.
+  void shine_through(double thick) {
+    if (content_.lines.empty()) return;
+    std::vector<float> covered(std::size_t{canvas_.width()} * canvas_.height(), 0);
+    for (const auto& line : content_.lines) {
+      for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+        for_capsule(on_screen(line[i]), on_screen(line[i + 1]), thick,
+                    [&](std::uint32_t x, std::uint32_t y, double covers, bool) {
+                      float& most = covered[std::size_t{y} * canvas_.width() + x];
+                      most = std::max(most, static_cast<float>(covers));
+                    });
+      }
+    }
+    for (std::uint32_t y = 0; y < canvas_.height(); ++y) {
+      for (std::uint32_t x = 0; x < canvas_.width(); ++x) {
+        const float covers = covered[std::size_t{y} * canvas_.width() + x];
+        if (covers > 0) canvas_.blend(x, y, kLine, 0.35 * covers);
+      }
+    }
+  }
+
+  // All pixels within `radius` of a segment on the screen: how much of each is
+  // covered, and whether the surface hides it.
+  template <class Visit>
+  void for_capsule(Vec3 a, Vec3 b, double radius, Visit&& visit) {
     const Span rows =
         pixels_between(std::min(a.y, b.y) - radius, std::max(a.y, b.y) + radius, canvas_.height());
     const Span columns =
@@ -256,10 +281,15 @@ class Drawing {
         const double covers = std::clamp(radius + 0.5 - off, 0.0, 1.0);
         if (covers == 0) continue;
         const double depth = a.z + along * (b.z - a.z) + bias_ + radius;
-        if (depth < canvas_.depth(x, y)) continue;
-        canvas_.blend(x, y, colour, covers);
+        visit(x, y, covers, depth < canvas_.depth(x, y));
       }
     }
+  }
+
+  void draw_capsule(Vec3 a, Vec3 b, double radius, Colour colour) {
+    for_capsule(a, b, radius, [&](std::uint32_t x, std::uint32_t y, double covers, bool hidden) {
+      if (!hidden) canvas_.blend(x, y, colour, covers);
+    });
   }
 
   void draw_mark(Vec3 p, double radius, Colour rim, Colour inside) {

@@ -33,7 +33,9 @@ struct View {
 };
 
 struct PictureOptions {
+  static constexpr std::uint32_t kMinSide = 64;
   static constexpr std::uint32_t kMaxSide = 2048;
+  static constexpr std::uint32_t kMaxStripes = 200;
 
   std::uint32_t width = 1200;
   std::uint32_t height = 900;

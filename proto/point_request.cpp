@@ -1,6 +1,7 @@
 #include "proto/point_request.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -36,6 +37,42 @@ Result<PointRequest> on_face(std::uint64_t face, std::array<double, 3> bary, dou
   return PointRequest{FaceRequest{face, bary}, offset, std::move(parameter)};
 }
 
+Result<PointRequest> on_ray(const std::vector<double>& origin, const std::vector<double>& direction,
+                            double offset, std::string parameter) {
+  if (direction[0] == 0 && direction[1] == 0 && direction[2] == 0) {
+    return fail(ErrorCode::value_out_of_range, "a ray's direction is not zero",
+                std::move(parameter));
+  }
+  return PointRequest{
+      RayRequest{{origin[0], origin[1], origin[2]}, {direction[0], direction[1], direction[2]}},
+      offset, std::move(parameter)};
+}
+
+// The six numbers of ray:OX,OY,OZ,DX,DY,DZ.
+Result<PointRequest> parse_ray(std::string_view text, std::string parameter) {
+  std::vector<double> numbers;
+  for (const char* at = text.data();;) {
+    const char* end = text.data() + text.size();
+    double value = 0;
+    const auto [stop, error] = std::from_chars(at, end, value);
+    if (error == std::errc::result_out_of_range ||
+        (error == std::errc() && !std::isfinite(value))) {
+      return fail(ErrorCode::value_out_of_range, "a ray's numbers are finite",
+                  std::move(parameter));
+    }
+    if (error != std::errc() || (stop != end && *stop != ',')) break;
+    numbers.push_back(value);
+    if (stop == end && numbers.size() == 6) {
+      return on_ray({numbers.begin(), numbers.begin() + 3}, {numbers.begin() + 3, numbers.end()}, 0,
+                    std::move(parameter));
+    }
+    if (stop == end || numbers.size() == 6) break;
+    at = stop + 1;
+  }
+  return bad("a ray is written ray:OX,OY,OZ,DX,DY,DZ, such as ray:0,0,9,0,0,-1",
+             std::move(parameter));
+}
+
 std::optional<std::vector<double>> finite_numbers(const json& value, std::size_t count) {
   if (!value.is_array() || value.size() != count) return std::nullopt;
   std::vector<double> numbers;
@@ -60,6 +97,31 @@ Result<std::optional<double>> length_member(const json& point, const char* name,
                 parameter + "." + name);
   }
   return std::optional(value);
+}
+
+// Nothing is ignored: every member of an object has to be one of these.
+Result<void> check_only_has(const json& object, std::initializer_list<std::string_view> names,
+                            const std::string& parameter) {
+  for (const auto& member : object.items()) {
+    if (std::find(names.begin(), names.end(), member.key()) == names.end()) {
+      return fail(ErrorCode::unknown_parameter, "a point of this kind has no such member",
+                  parameter + "." + member.key());
+    }
+  }
+  return {};
+}
+
+Result<PointRequest> parse_json_ray(const json& ray, double offset, std::string parameter) {
+  const std::string inner = parameter + ".ray";
+  if (!ray.is_object()) return bad("\"ray\" is not an object", inner);
+  if (auto known = check_only_has(ray, {"origin", "direction"}, inner); !known) {
+    return fail(known.error());
+  }
+  const auto origin = finite_numbers(ray.value("origin", json()), 3);
+  if (!origin) return bad("\"origin\" is not three numbers", inner + ".origin");
+  const auto direction = finite_numbers(ray.value("direction", json()), 3);
+  if (!direction) return bad("\"direction\" is not three numbers", inner + ".direction");
+  return on_ray(*origin, *direction, offset, std::move(parameter));
 }
 
 }  // namespace
@@ -92,7 +154,9 @@ Result<PointRequest> parse_point(std::string_view text, std::string parameter) {
     return PointRequest{SpaceRequest{{(*xyz)[0], (*xyz)[1], (*xyz)[2]}, std::nullopt}, 0,
                         std::move(parameter)};
   }
-  return bad("a point is written v:VERTEX, f:FACE,W0,W1 or p:X,Y,Z", std::move(parameter));
+  if (text.starts_with("ray:")) return parse_ray(text.substr(4), std::move(parameter));
+  return bad("a point is written v:VERTEX, f:FACE,W0,W1, p:X,Y,Z or ray:OX,OY,OZ,DX,DY,DZ",
+             std::move(parameter));
 }
 
 Result<PointRequest> parse_json_point(const json& value, std::string parameter) {
@@ -103,17 +167,9 @@ Result<PointRequest> parse_json_point(const json& value, std::string parameter) 
   const auto max_snap = length_member(value, "max_snap", parameter);
   if (!max_snap) return fail(max_snap.error());
 
-  const auto only_has = [&](std::initializer_list<std::string_view> names) -> Result<void> {
-    for (const auto& member : value.items()) {
-      if (std::find(names.begin(), names.end(), member.key()) == names.end()) {
-        return fail(ErrorCode::unknown_parameter, "a point of this kind has no such member",
-                    parameter + "." + member.key());
-      }
-    }
-    return {};
-  };
   if (const auto it = value.find("vertex"); it != value.end()) {
-    if (auto known = only_has({"vertex", "offset"}); !known) return fail(known.error());
+    if (auto known = check_only_has(value, {"vertex", "offset"}, parameter); !known)
+      return fail(known.error());
     if (!it->is_number_unsigned()) {
       return bad("\"vertex\" is not a whole number", parameter + ".vertex");
     }
@@ -121,7 +177,8 @@ Result<PointRequest> parse_json_point(const json& value, std::string parameter) 
                         std::move(parameter)};
   }
   if (const auto it = value.find("face"); it != value.end()) {
-    if (auto known = only_has({"face", "bary", "offset"}); !known) return fail(known.error());
+    if (auto known = check_only_has(value, {"face", "bary", "offset"}, parameter); !known)
+      return fail(known.error());
     if (!it->is_number_unsigned()) {
       return bad("\"face\" is not a whole number", parameter + ".face");
     }
@@ -131,13 +188,20 @@ Result<PointRequest> parse_json_point(const json& value, std::string parameter) 
                    offset->value_or(0), std::move(parameter));
   }
   if (const auto it = value.find("xyz"); it != value.end()) {
-    if (auto known = only_has({"xyz", "max_snap", "offset"}); !known) return fail(known.error());
+    if (auto known = check_only_has(value, {"xyz", "max_snap", "offset"}, parameter); !known)
+      return fail(known.error());
     const auto xyz = finite_numbers(*it, 3);
     if (!xyz) return bad("\"xyz\" is not three numbers", parameter + ".xyz");
     return PointRequest{SpaceRequest{{(*xyz)[0], (*xyz)[1], (*xyz)[2]}, *max_snap},
                         offset->value_or(0), std::move(parameter)};
   }
-  return bad("a point has \"vertex\", \"face\" or \"xyz\"", std::move(parameter));
+  if (const auto it = value.find("ray"); it != value.end()) {
+    if (auto known = check_only_has(value, {"ray", "offset"}, parameter); !known) {
+      return fail(known.error());
+    }
+    return parse_json_ray(*it, offset->value_or(0), std::move(parameter));
+  }
+  return bad("a point has \"vertex\", \"face\", \"xyz\" or \"ray\"", std::move(parameter));
 }
 
 }  // namespace geodesic::proto

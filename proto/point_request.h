@@ -4,6 +4,9 @@
 //   v:12                  {"vertex":12}                           a source vertex
 //   f:40,0.2,0.3          {"face":40,"bary":[0.2,0.3,0.5]}        a point on a source face
 //   p:1,2,3               {"xyz":[1,2,3],"max_snap":0.1}          the closest point of the surface
+//   ray:0,0,9,0,0,-1      {"ray":{"origin":[0,0,9],               the first hit of a ray: its
+//   origin
+//                                 "direction":[0,0,-1]}}          and its direction, of any length
 // JSON accepts the URL's text as well.
 #pragma once
 
@@ -34,8 +37,13 @@ struct SpaceRequest {
   std::optional<double> max_snap;  // mesh units; farther from the surface is an error
 };
 
+struct RayRequest {
+  Vec3 origin;
+  Vec3 direction;  // not zero
+};
+
 struct PointRequest {
-  std::variant<VertexRequest, FaceRequest, SpaceRequest> where;
+  std::variant<VertexRequest, FaceRequest, SpaceRequest, RayRequest> where;
   double offset = 0;      // mesh units, not negative
   std::string parameter;  // where the client wrote it, such as "from[2]", for errors
 };

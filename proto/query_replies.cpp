@@ -51,6 +51,10 @@ void append_point(std::string& out, const ResolvedPoint& point, int digits) {
   append_xyz(out, point.xyz, digits);
   out += ",\"snap_distance\":";
   append_number(out, point.snap_distance, digits);
+  if (point.ray_distance) {
+    out += ",\"ray_distance\":";
+    append_number(out, *point.ray_distance, digits);
+  }
   out += '}';
 }
 
@@ -153,7 +157,9 @@ std::string to_json(const TableReply& reply, int digits) {
   append_points(out, reply.columns, digits);
   out += ",\"distances\":[";
   const std::span<const double> all(reply.distances);
-  for (std::size_t row = 0; row < reply.rows.size(); ++row) {
+  // Without its distances, which then go another way, there is no row.
+  const std::size_t rows = all.empty() ? 0 : reply.rows.size();
+  for (std::size_t row = 0; row < rows; ++row) {
     if (row > 0) out += ',';
     append_numbers(out, all.subspan(row * reply.columns.size(), reply.columns.size()), digits);
   }

@@ -22,7 +22,8 @@ struct ResolvedPoint {
   std::optional<std::uint64_t> face;    // a source face; none at a vertex without faces
   std::array<double, 3> bary{};
   Vec3 xyz;
-  double snap_distance = 0;  // from what was asked to what was found, mesh units
+  double snap_distance = 0;            // from what was asked to what was found, mesh units
+  std::optional<double> ray_distance;  // of a ray's first hit: from its origin, mesh units
 };
 
 struct DistanceReply {

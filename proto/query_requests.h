@@ -85,21 +85,22 @@ struct NearestRequest {
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, TraceRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, NearestRequest& request);
 
-// The formats that a query can be answered in: labels have no place in an array.
+// The formats that a query can be answered in.
 [[nodiscard]] inline std::span<const Format> formats_of(const DistanceRequest& request) {
-  if (request.labels) return kJsonOnly;
-  return kJsonOrArray;
+  if (request.labels) return kJsonOrFrame;
+  if (!request.at.empty()) return kArrayFormats;
+  return kFieldFormats;
 }
-[[nodiscard]] inline std::span<const Format> formats_of(const PathRequest&) { return kJsonOrArray; }
+[[nodiscard]] inline std::span<const Format> formats_of(const PathRequest&) { return kPathFormats; }
 [[nodiscard]] inline std::span<const Format> formats_of(const TableRequest&) {
-  return kJsonOrArray;
+  return kArrayFormats;
 }
 [[nodiscard]] inline std::span<const Format> formats_of(const IsolinesRequest&) {
-  return kJsonOnly;
+  return kJsonOrLines;
 }
 [[nodiscard]] inline std::span<const Format> formats_of(const SamplesRequest&) { return kJsonOnly; }
 [[nodiscard]] inline std::span<const Format> formats_of(const TraceRequest&) {
-  return kJsonOrArray;
+  return kPathFormats;
 }
 [[nodiscard]] inline std::span<const Format> formats_of(const NearestRequest&) { return kJsonOnly; }
 

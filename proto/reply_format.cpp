@@ -1,7 +1,11 @@
 #include "proto/reply_format.h"
 
 #include <algorithm>
-#include <string_view>
+#include <charconv>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
 
 namespace geodesic::proto {
 namespace {
@@ -12,82 +16,171 @@ struct FormatName {
   std::string_view media_type;
 };
 
-// In the order of preference among those that an Accept header admits.
 constexpr FormatName kNames[] = {{Format::json, "json", "application/json"},
                                  {Format::f32, "f32", "application/octet-stream"},
-                                 {Format::f64, "f64", "application/octet-stream"}};
+                                 {Format::f64, "f64", "application/octet-stream"},
+                                 {Format::u16, "u16", "application/octet-stream"},
+                                 {Format::npy, "npy", "application/x-npy"},
+                                 {Format::frame, "frame", "application/vnd.geodesic.frame"},
+                                 {Format::glb, "glb", "model/gltf-binary"},
+                                 {Format::png, "png", "image/png"}};
 
-bool contains(std::span<const Format> offered, Format format) {
-  return std::find(offered.begin(), offered.end(), format) != offered.end();
+const FormatName& row_of(Format format) { return kNames[static_cast<std::size_t>(format)]; }
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t");
+  if (first == text.npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-// Whether one entry of an Accept header admits a media type. Quality values are
-// read only as far as q=0, which forbids.
-bool admits(std::string_view accept, std::string_view type) {
-  const std::string_view family = type.substr(0, type.find('/'));
-  while (!accept.empty()) {
-    const std::size_t comma = accept.find(',');
-    std::string_view entry = accept.substr(0, comma);
-    accept = comma == std::string_view::npos ? "" : accept.substr(comma + 1);
-    const std::size_t semicolon = entry.find(';');
-    std::string_view parameters = semicolon == entry.npos ? "" : entry.substr(semicolon);
-    entry = entry.substr(0, semicolon);
-    const auto trim = [](std::string_view& text) {
-      while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-      while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-    };
-    trim(entry);
-    const bool named = entry == "*/*" || entry == type ||
-                       (entry.ends_with("/*") && entry.substr(0, entry.size() - 2) == family);
-    const bool forbidden = parameters.find("q=0") != parameters.npos &&
-                           parameters.find_first_of("123456789") == parameters.npos;
-    if (named && !forbidden) return true;
+// Cuts the next element off a list.
+std::string_view next_of(std::string_view& list, char separator) {
+  const std::size_t end = list.find(separator);
+  const std::string_view element = list.substr(0, end);
+  list = end == list.npos ? std::string_view() : list.substr(end + 1);
+  return trimmed(element);
+}
+
+// The quality that a range's parameters give it; what is no number counts as 0.
+double quality_of(std::string_view parameters) {
+  while (!parameters.empty()) {
+    const std::string_view parameter = next_of(parameters, ';');
+    if (!parameter.starts_with("q=") && !parameter.starts_with("Q=")) continue;
+    double quality = 0;
+    std::from_chars(parameter.data() + 2, parameter.data() + parameter.size(), quality);
+    return quality >= 0 && quality <= 1 ? quality : 0;
   }
-  return false;
+  return 1;
+}
+
+// How welcome a media type is: the quality of the most specific range that it is in.
+double quality_of(std::string_view accept, std::string_view type) {
+  const std::string_view family = type.substr(0, type.find('/') + 1);
+  int best = 0;
+  double quality = 0;
+  while (!accept.empty()) {
+    std::string_view entry = next_of(accept, ',');
+    std::string range(next_of(entry, ';'));
+    std::transform(range.begin(), range.end(), range.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    const int specific = range == type                        ? 3
+                         : range == std::string(family) + "*" ? 2
+                         : range == "*/*"                     ? 1
+                                                              : 0;
+    if (specific <= best) continue;
+    best = specific;
+    quality = quality_of(entry);
+  }
+  return quality;
 }
 
 // The names, or the media types, of what is offered.
 std::string list_of(std::span<const Format> offered, std::string_view FormatName::*column) {
   std::string list;
-  for (const FormatName& row : kNames) {
-    if (!contains(offered, row.format) || list.find(row.*column) != list.npos) continue;
+  for (const Format format : offered) {
+    const std::string_view text = row_of(format).*column;
+    if (list.find(text) != list.npos) continue;
     list += list.empty() ? "" : ", ";
-    list += row.*column;
+    list += text;
   }
   return list;
 }
 
-}  // namespace
-
-Result<ReplyFormat> parse_format(Parameters& parameters, const std::string* accept,
-                                 std::span<const Format> offered) {
-  ReplyFormat reply;
-  const auto precision = parameters.whole("precision");
-  if (!precision) return fail(precision.error());
-  if (*precision) {
-    if (**precision < 1 || **precision > 17) {
-      return fail(ErrorCode::value_out_of_range, "precision is a number of digits from 1 to 17",
-                  "precision");
+Result<Format> choose(Parameters& parameters, const std::string* accept,
+                      std::span<const Format> offered) {
+  const auto name = parameters.text("format");
+  if (!name) return fail(name.error());
+  if (*name) {
+    for (const Format format : offered) {
+      if (**name == row_of(format).name) return format;
     }
-    reply.precision = static_cast<int>(**precision);
-  }
-  const auto format = parameters.text("format");
-  if (!format) return fail(format.error());
-  if (!*format && (accept == nullptr || accept->empty())) return reply;
-  for (const FormatName& row : kNames) {
-    if (!contains(offered, row.format)) continue;
-    if (*format ? **format == row.name : admits(*accept, row.media_type)) {
-      reply.format = row.format;
-      return reply;
-    }
-  }
-  if (*format) {
     return fail(ErrorCode::not_acceptable,
                 "this call has no such format; there are: " + list_of(offered, &FormatName::name),
                 "format");
   }
+  if (accept == nullptr || trimmed(*accept).empty()) return offered.front();
+  std::optional<Format> best;
+  double best_quality = 0;
+  for (const Format format : offered) {
+    const double quality = quality_of(*accept, row_of(format).media_type);
+    if (quality <= best_quality) continue;
+    best_quality = quality;
+    best = format;
+  }
+  if (best) return *best;
   return fail(ErrorCode::not_acceptable,
               "offered are: " + list_of(offered, &FormatName::media_type), "Accept");
+}
+
+// A whole number within bounds, if there is one.
+template <class Number>
+Result<void> read_whole(Parameters& parameters, std::string_view name, std::uint64_t least,
+                        std::uint64_t most, Number& number) {
+  const auto value = parameters.whole(name);
+  if (!value) return fail(value.error());
+  if (!*value) return {};
+  if (**value < least || **value > most) {
+    return fail_limit(ErrorCode::value_out_of_range,
+                      std::string(name) + " is a whole number from " + std::to_string(least) +
+                          " to " + std::to_string(most),
+                      most, **value, std::string(name));
+  }
+  number = static_cast<Number>(**value);
+  return {};
+}
+
+Result<void> read_picture(Parameters& parameters, PictureOptions& picture) {
+  constexpr std::uint64_t least = PictureOptions::kMinSide;
+  constexpr std::uint64_t most = PictureOptions::kMaxSide;
+  if (auto read = read_whole(parameters, "width", least, most, picture.width); !read) return read;
+  if (auto read = read_whole(parameters, "height", least, most, picture.height); !read) return read;
+  if (auto read =
+          read_whole(parameters, "stripes", 0, PictureOptions::kMaxStripes, picture.stripes);
+      !read) {
+    return read;
+  }
+  const auto view = parameters.text("view");
+  if (!view) return fail(view.error());
+  if (*view) {
+    const auto parsed = parse_view(**view);
+    if (!parsed) return fail(parsed.error());
+    picture.view = *parsed;
+  }
+  return {};
+}
+
+Result<void> read_colours(Parameters& parameters, PictureOptions& picture) {
+  const auto name = parameters.text("colormap");
+  if (!name) return fail(name.error());
+  if (!*name) return {};
+  const auto map = find_colour_map(**name);
+  if (!map) return fail(map.error());
+  picture.colour_map = *map;
+  return {};
+}
+
+}  // namespace
+
+std::string_view name_of(Format format) { return row_of(format).name; }
+std::string_view media_type_of(Format format) { return row_of(format).media_type; }
+
+Result<ReplyFormat> parse_format(Parameters& parameters, const std::string* accept,
+                                 std::span<const Format> offered) {
+  const auto format = choose(parameters, accept, offered);
+  if (!format) return fail(format.error());
+  ReplyFormat reply;
+  reply.format = *format;
+  // Scripts may pass a precision whatever the format.
+  if (auto read = read_whole(parameters, "precision", 1, 17, reply.precision); !read) {
+    return fail(read.error());
+  }
+  if (*format == Format::png) {
+    if (auto read = read_picture(parameters, reply.picture); !read) return fail(read.error());
+  }
+  if (*format == Format::png || *format == Format::glb) {
+    if (auto read = read_colours(parameters, reply.picture); !read) return fail(read.error());
+  }
+  return reply;
 }
 
 }  // namespace geodesic::proto

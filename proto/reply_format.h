@@ -4,25 +4,45 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "core/error.h"
 #include "proto/parameters.h"
+#include "proto/picture.h"
 
 namespace geodesic::proto {
 
-enum class Format : std::uint8_t { json, f32, f64 };
+enum class Format : std::uint8_t { json, f32, f64, u16, npy, frame, glb, png };
+
+// What `format=` calls it, and its media type.
+[[nodiscard]] std::string_view name_of(Format format);
+[[nodiscard]] std::string_view media_type_of(Format format);
 
 struct ReplyFormat {
   Format format = Format::json;
-  int precision = 0;  // significant digits in JSON; 0: as many as the value has
+  int precision = 0;       // significant digits in JSON; 0: as many as the value has
+  PictureOptions picture;  // of a PNG; of a GLB the colours
 };
 
+// What the replies of a kind can be had as.
 inline constexpr Format kJsonOnly[] = {Format::json};
-inline constexpr Format kJsonOrArray[] = {Format::json, Format::f32, Format::f64};
+inline constexpr Format kFieldFormats[] = {Format::json, Format::f32,   Format::f64, Format::u16,
+                                           Format::npy,  Format::frame, Format::glb, Format::png};
+// Numbers that belong to no whole surface.
+inline constexpr Format kArrayFormats[] = {Format::json, Format::f32, Format::f64,
+                                           Format::u16,  Format::npy, Format::frame};
+inline constexpr Format kPathFormats[] = {Format::json,  Format::f32, Format::f64, Format::npy,
+                                          Format::frame, Format::glb, Format::png};
+// Several arrays of several types.
+inline constexpr Format kJsonOrFrame[] = {Format::json, Format::frame};
+inline constexpr Format kJsonOrLines[] = {Format::json, Format::glb};
+inline constexpr Format kGeometryFormats[] = {Format::glb, Format::frame};
 
-// From `format=` and `precision=`, else from an Accept header (null: none), among
-// those that the query offers. Errors: not_acceptable (naming what decided),
-// bad_syntax, value_out_of_range.
+// From `format=`, else from an Accept header (null: none), among what is offered, the
+// first of which is the default. By RFC 9110, section 12.5.1: the highest quality
+// wins, the most specific range decides, ties go to the one offered first. JSON reads
+// `precision`, PNG `width`, `height`, `view`, `colormap` and `stripes`, GLB `colormap`.
+// Errors: not_acceptable (naming what decided), bad_syntax, value_out_of_range.
 [[nodiscard]] Result<ReplyFormat> parse_format(Parameters& parameters, const std::string* accept,
                                                std::span<const Format> offered);
 

@@ -1,6 +1,8 @@
 // A request with its path taken apart: what every route works on.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -12,6 +14,14 @@
 #include "server/routes.h"
 
 namespace geodesic::server {
+
+// The queries on a mesh, by the last segment of their paths.
+inline constexpr std::array<std::string_view, 7> kQueries{"distance", "path",  "table",  "isolines",
+                                                          "samples",  "trace", "nearest"};
+
+[[nodiscard]] inline bool is_query(std::string_view name) {
+  return std::find(kQueries.begin(), kQueries.end(), name) != kQueries.end();
+}
 
 struct Routes::Call {
   HttpRequest& request;
@@ -28,7 +38,7 @@ struct Routes::Call {
   }
   [[nodiscard]] HttpResponse not_allowed(std::string allowed) const {
     HttpResponse response = problem(ErrorCode::method_not_allowed, "allowed here: " + allowed);
-    response.set_header("Allow", std::move(allowed));
+    response.set_header("Allow", allowed + ", OPTIONS");
     return response;
   }
   [[nodiscard]] bool is(std::string_view name) const { return method == name; }

@@ -5,12 +5,14 @@
 #include <chrono>
 #include <concepts>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
 
 #include "core/error.h"
+#include "server/stage_times.h"
 
 namespace geodesic::server {
 
@@ -26,9 +28,14 @@ struct Caller {
       Caller(Gone&& is_gone)
       : gone(std::forward<Gone>(is_gone)) {}
 
-  std::string client;          // equal for what shares one turn in a queue; "": anonymous
-  std::function<bool()> gone;  // may be empty: never. Must not throw
+  std::string client;                 // equal for what shares one turn in a queue; "": anonymous
+  std::function<bool()> gone;         // may be empty: never. Must not throw
+  std::shared_ptr<StageTimes> times;  // where the time goes; may be null
   std::optional<Clock::time_point> deadline;  // after it, nobody wants the answer
+  // Told, by whichever thread computes, which part is done, 0 to 1; may be empty. Who
+  // computes in several steps need not take care that it never falls.
+  std::function<void(double)> progress;
+  bool is_patient = false;  // waits for its turn however long that takes
 
   [[nodiscard]] bool deadline_over() const { return deadline && Clock::now() >= *deadline; }
   // What it stopped by, once it has: its deadline, or its client's leaving.
@@ -37,6 +44,17 @@ struct Caller {
       return {ErrorCode::deadline, "the request's deadline has passed", {}, {}, {}};
     }
     return {ErrorCode::cancelled, "the client is gone", {}, {}, {}};
+  }
+  // The same caller for one of several computations, which is the part from `begin`
+  // to `end` of them all.
+  [[nodiscard]] Caller part(double begin, double end) const {
+    Caller part = *this;
+    if (progress) {
+      part.progress = [whole = progress, begin, end](double done) {
+        whole(begin + (end - begin) * done);
+      };
+    }
+    return part;
   }
   // Whether work for this caller should stop. Costs a system call.
   [[nodiscard]] bool operator()() const { return deadline_over() || (gone && gone()); }

@@ -12,6 +12,8 @@ namespace geodesic::server {
 // once the job has left the queue.
 struct ComputePool::Job {
   std::function<void(Worker&)> body;
+  Clock::time_point queued = Clock::now();
+  Clock::duration waited{0};
   std::condition_variable finished_signal;
   bool finished = false;
   Result<void> outcome;
@@ -56,6 +58,11 @@ ComputePool::ComputePool(std::size_t slots, const QueueLimits& limits) : limits_
 
 ComputePool::~ComputePool() { drain(); }
 
+void ComputePool::set_limits(const QueueLimits& limits) {
+  const std::lock_guard lock(mutex_);
+  limits_ = limits;
+}
+
 Result<void> ComputePool::refuse(Error error) {
   ++counts_.rejected;
   return fail(std::move(error));
@@ -86,7 +93,7 @@ Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& c
   if (!queue_.empty()) {
     const Clock::duration wait = expected_wait(caller.client);
     const bool too_late = caller.deadline && Clock::now() + wait > *caller.deadline;
-    if (too_late || (limits_.wait.count() != 0 && wait > limits_.wait)) {
+    if (too_late || (bounds_wait_of(caller) && wait > limits_.wait)) {
       return refuse(Error{ErrorCode::overloaded,
                           too_late ? "the queue is longer than the request's deadline allows"
                                    : "the queue of computations is too long",
@@ -129,9 +136,10 @@ Result<void> ComputePool::run_erased(std::function<void(Worker&)> body, const Ca
   if (auto admitted = admit(job, caller); !admitted) return admitted;
 
   constexpr std::chrono::milliseconds poll_interval{50};
+  const bool is_wait_bounded = bounds_wait_of(caller);
   const Clock::time_point latest =
-      limits_.wait.count() != 0 ? Clock::now() + limits_.wait : Clock::time_point::max();
-  const bool watched = caller.gone || caller.deadline || limits_.wait.count() != 0;
+      is_wait_bounded ? Clock::now() + limits_.wait : Clock::time_point::max();
+  const bool watched = caller.gone || caller.deadline || is_wait_bounded;
   while (!job->finished) {
     if (!watched) {
       job->finished_signal.wait(lock);
@@ -162,6 +170,7 @@ Result<void> ComputePool::run_erased(std::function<void(Worker&)> body, const Ca
     ++(reason->code == ErrorCode::overloaded ? counts_.rejected : counts_.given_up);
     return fail(std::move(*reason));
   }
+  if (caller.times) caller.times->add(Stage::queue, job->waited);
   return std::move(job->outcome);
 }
 
@@ -173,9 +182,11 @@ void ComputePool::work(std::size_t slot) {
     if (queue_.empty()) return;  // draining, and nothing left
     const std::shared_ptr<Job> job = queue_.pop();
     ++counts_.running;
+    const Clock::time_point begin = Clock::now();
+    job->waited = begin - job->queued;
     lock.unlock();
 
-    const Clock::time_point begin = Clock::now();
+    if (waited_) waited_(job->waited);
     Result<void> outcome = run_guarded(job->body, worker);
     const Clock::duration taken = Clock::now() - begin;
 

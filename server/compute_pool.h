@@ -34,6 +34,7 @@
 #include "core/error.h"
 #include "server/caller.h"
 #include "server/fair_queue.h"
+#include "server/stage_times.h"
 
 namespace geodesic::server {
 
@@ -58,7 +59,8 @@ class ComputePool {
   struct QueueLimits {
     std::size_t jobs = 256;          // that may wait; 0: a job is taken only if a slot is free
     std::size_t jobs_of_client = 0;  // … of one client: `too_many_requests`. 0: no bound
-    // Longest wait; a job that waited, or would wait, longer is `overloaded`. 0: no bound.
+    // Longest wait; a job that waited, or would wait, longer is `overloaded`, unless its
+    // caller is patient. 0: no bound.
     std::chrono::milliseconds wait{0};
   };
 
@@ -70,7 +72,15 @@ class ComputePool {
   ComputePool(const ComputePool&) = delete;
   ComputePool& operator=(const ComputePool&) = delete;
 
+  // Told, by the worker, how long each job has waited for it. To be set before any job.
+  void observe_waits(std::function<void(StageTimes::Duration)> waited) {
+    waited_ = std::move(waited);
+  }
+
   [[nodiscard]] std::size_t slots() const { return threads_.size(); }
+
+  // For jobs to come; those that wait already keep the wait they were promised.
+  void set_limits(const QueueLimits& limits);
 
   // Runs `job(Worker&)`, which returns Result<R>, on a worker and returns its
   // result. Blocks. Errors of its own: `overloaded` (see above, or the job ran
@@ -107,13 +117,17 @@ class ComputePool {
   // How long a job of this client's would wait, by what jobs took lately.
   [[nodiscard]] Clock::duration expected_wait(const std::string& client) const;
   Result<void> refuse(Error error);
+  [[nodiscard]] bool bounds_wait_of(const Caller& caller) const {
+    return limits_.wait.count() != 0 && !caller.is_patient;
+  }
   void work(std::size_t slot);
 
   mutable std::mutex mutex_;
   std::condition_variable job_ready_;
   FairQueue<std::shared_ptr<Job>> queue_;
-  const QueueLimits limits_;
+  QueueLimits limits_;
   Clock::duration usual_time_{0};  // of a job: a moving average
+  std::function<void(StageTimes::Duration)> waited_;
   bool draining_ = false;
   Stats counts_;
   std::mutex join_mutex_;

@@ -6,13 +6,16 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <system_error>
 #include <variant>
+
+#include "server/tokens.h"
 
 namespace geodesic::server {
 
@@ -30,12 +33,15 @@ struct Option {
   std::string_view help;
   std::uint64_t least = 0;
   std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
+  bool follows = false;  // a running process takes a new value over when it reloads
 };
+constexpr bool follows = true;
 
 constexpr std::uint64_t max_threads = 4096;
 constexpr std::uint64_t max_seconds = 86400;
 constexpr std::uint64_t max_queue = 4096;         // each holds a thread
 constexpr std::uint64_t max_index = 0xffff'fffe;  // vertices and faces are 32-bit indices
+constexpr std::uint64_t no_bound = std::numeric_limits<std::uint64_t>::max();
 
 // The one table. Defaults are those of `Config`.
 std::span<const Option> options() {
@@ -47,6 +53,11 @@ std::span<const Option> options() {
       Option{"tls-cert", Kind::text, &Config::tls_cert, "FILE",
              "PEM certificate (with its chain) of the API's listener; empty: plain HTTP"},
       Option{"tls-key", Kind::text, &Config::tls_key, "FILE", "PEM key of that certificate"},
+      Option{"tokens", Kind::text, &Config::tokens, "FILE",
+             "Tokens that clients need, a line each: NAME SCOPES SHA256; empty: none is asked for",
+             0, no_bound, follows},
+      Option{"cors-origins", Kind::text, &Config::cors_origins, "ORIGINS",
+             "Origins whose pages may call the API, with commas between them; *: any; empty: none"},
       Option{"store", Kind::text, &Config::store, "PLACE",
              "Directory of the uploaded meshes, or s3://BUCKET/PREFIX?endpoint=URL&region=NAME"},
       Option{"store-max-bytes", Kind::bytes, &Config::store_max_bytes, "BYTES",
@@ -62,37 +73,46 @@ std::span<const Option> options() {
       Option{"compute-threads", Kind::whole_number, &Config::compute_threads, "N",
              "Computations that run at once; 0: one a core", 0, max_threads},
       Option{"queue", Kind::whole_number, &Config::queue, "N",
-             "Computations that may wait; more are answered 503", 0, max_queue},
+             "Computations that may wait; more are answered 503", 0, max_queue, follows},
       Option{
           "queue-per-client", Kind::whole_number, &Config::queue_per_client, "N",
           "Computations of one client that may wait; more are answered 429; 0: as many as of all",
-          0, max_queue},
+          0, max_queue, follows},
       Option{"queue-seconds", Kind::whole_number, &Config::queue_seconds, "SECONDS",
-             "Longest wait for a compute slot; longer is answered 503; 0: any", 0, max_seconds},
+             "Longest wait for a compute slot; longer is answered 503; 0: any", 0, max_seconds,
+             follows},
       Option{"max-body-bytes", Kind::bytes, &Config::max_body_bytes, "BYTES",
-             "Most bytes of an uploaded mesh", 1},
+             "Most bytes of an uploaded mesh", 1, no_bound, follows},
       Option{"max-json-bytes", Kind::bytes, &Config::max_json_bytes, "BYTES",
-             "Most bytes of a query's body", 1},
+             "Most bytes of a query's body", 1, no_bound, follows},
       Option{"max-vertices", Kind::whole_number, &Config::max_vertices, "N",
-             "Most vertices of a mesh", 1, max_index},
+             "Most vertices of a mesh", 1, max_index, follows},
       Option{"max-faces", Kind::whole_number, &Config::max_faces, "N", "Most faces of a mesh", 1,
-             max_index},
+             max_index, follows},
       Option{"mesh-cache-bytes", Kind::bytes, &Config::mesh_cache_bytes, "BYTES",
-             "Memory for decoded meshes"},
+             "Memory for decoded meshes", 0, no_bound, follows},
       Option{"adjacency-cache-bytes", Kind::bytes, &Config::adjacency_cache_bytes, "BYTES",
-             "Memory for prepared adjacencies"},
+             "Memory for prepared adjacencies", 0, no_bound, follows},
       Option{"field-cache-bytes", Kind::bytes, &Config::field_cache_bytes, "BYTES",
-             "Memory for distance fields"},
+             "Memory for distance fields", 0, no_bound, follows},
       Option{"body-timeout-seconds", Kind::whole_number, &Config::body_timeout_seconds, "SECONDS",
-             "Time for a request's body to arrive", 1, max_seconds},
+             "Time for a request's body to arrive", 1, max_seconds, follows},
       Option{"min-upload-rate", Kind::bytes, &Config::min_upload_rate, "BYTES",
-             "Bytes a second that a body must bring on average; slower is answered 408; 0: any"},
+             "Bytes a second that a body must bring on average; slower is answered 408; 0: any", 0,
+             no_bound, follows},
       Option{"keep-alive-seconds", Kind::whole_number, &Config::keep_alive_seconds, "SECONDS",
-             "Time a connection may idle between requests", 1, max_seconds},
+             "Time a connection may idle between requests", 1, max_seconds, follows},
       Option{"drain-seconds", Kind::whole_number, &Config::drain_seconds, "SECONDS",
-             "Time for running requests to finish after SIGTERM", 0, max_seconds},
+             "Time for running requests to finish after SIGTERM", 0, max_seconds, follows},
+      Option{"max-jobs", Kind::whole_number, &Config::max_jobs, "N",
+             "Jobs (Prefer: respond-async) that may wait and run; more are answered 503", 0,
+             max_queue},
+      Option{"job-result-bytes", Kind::bytes, &Config::job_result_bytes, "BYTES",
+             "Memory for the bodies of jobs' requests and replies"},
+      Option{"job-seconds", Kind::whole_number, &Config::job_seconds, "SECONDS",
+             "Time for which a job is kept after its end", 1, max_seconds},
       Option{"log-level", Kind::level, &Config::log_level, "LEVEL",
-             "trace, debug, info, warn, error, critical or off"},
+             "trace, debug, info, warn, error, critical or off", 0, no_bound, follows},
   };
   return table;
 }
@@ -107,34 +127,6 @@ std::string variable_name(std::string_view option) {
 
 tl::unexpected<Error> bad(std::string detail) {
   return fail(ErrorCode::bad_syntax, std::move(detail));
-}
-
-Result<std::uint64_t> parse_whole_number(std::string_view text) {
-  std::uint64_t value = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || stop != end) {
-    return bad(fmt::format("'{}' is not a whole number", text));
-  }
-  return value;
-}
-
-std::string format_bytes(std::uint64_t bytes) {
-  constexpr std::array<std::string_view, 3> suffixes{"KiB", "MiB", "GiB"};
-  for (int i = 2; i >= 0; --i) {
-    const std::uint64_t unit = std::uint64_t{1} << (10 * (i + 1));
-    if (bytes != 0 && bytes % unit == 0) {
-      return fmt::format("{}{}", bytes / unit, suffixes[static_cast<std::size_t>(i)]);
-    }
-  }
-  return std::to_string(bytes);
-}
-
-std::string format_address(const Address& address) {
-  if (address.host.empty()) return "";
-  const bool is_ipv6 = address.host.find(':') != std::string::npos;
-  return fmt::format("{}{}{}:{}", is_ipv6 ? "[" : "", address.host, is_ipv6 ? "]" : "",
-                     address.port);
 }
 
 std::string format_value(const Option& option, const Config& config) {
@@ -197,13 +189,20 @@ Result<void> set_option(const Option& option, std::string_view text, std::string
 // Where each option's value came from, in the order of the table.
 using Origins = std::vector<std::string>;
 
-Result<void> read_file(const std::string& path, Config& config, Origins& origins) {
+using Problems = std::vector<Error>;
+
+void read_file(const std::string& path, Config& config, Origins& origins, Problems& problems) {
+  const auto refuse = [&](std::string detail) {
+    problems.push_back({ErrorCode::bad_syntax, std::move(detail), {}, {}, {}});
+  };
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) return refuse(path + ": is a folder");
   std::ifstream file(path, std::ios::binary);
-  if (!file) return bad(fmt::format("{}: cannot be read", path));
+  if (!file) return refuse(fmt::format("{}: cannot be read", path));
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   const nlohmann::json json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false,
                                                     /*ignore_comments=*/true);
-  if (!json.is_object()) return bad(fmt::format("{}: is not a JSON object", path));
+  if (!json.is_object()) return refuse(fmt::format("{}: is not a JSON object", path));
   for (const auto& item : json.items()) {
     const std::string& key = item.key();
     const nlohmann::json& value = item.value();
@@ -211,16 +210,20 @@ Result<void> read_file(const std::string& path, Config& config, Origins& origins
     const auto known = std::find_if(options().begin(), options().end(),
                                     [&](const Option& option) { return option.name == key; });
     if (known == options().end()) {
-      return fail(ErrorCode::unknown_parameter, fmt::format("{}: no such option", source), key);
+      problems.push_back({ErrorCode::unknown_parameter, source + ": no such option", key, {}, {}});
+      continue;
     }
     if (!value.is_string() && !value.is_number_unsigned()) {
-      return bad(fmt::format("{}: must be a string or a whole number", source));
+      refuse(fmt::format("{}: must be a string or a whole number", source));
+      continue;
     }
     const std::string written = value.is_string() ? value.get<std::string>() : value.dump();
-    if (auto set = set_option(*known, written, source, config); !set) return set;
+    if (auto set = set_option(*known, written, source, config); !set) {
+      problems.push_back(std::move(set.error()));
+      continue;
+    }
     origins[static_cast<std::size_t>(known - options().begin())] = path;
   }
-  return {};
 }
 
 std::string print_config(const Config& config, const Origins& origins) {
@@ -231,6 +234,27 @@ std::string print_config(const Config& config, const Origins& origins) {
                        fmt::format("\"{}\"", format_value(option, config)), origins[i]);
   }
   return out;
+}
+
+// What --make-token is given.
+struct TokenRequest {
+  std::string name;
+  std::string scopes;
+  std::string expires;
+};
+
+Result<std::string> print_token(const TokenRequest& request) {
+  const auto scopes = parse_scopes(request.scopes);
+  if (!scopes) return bad("--scopes: " + scopes.error().detail);
+  std::optional<Moment> expires;
+  if (!request.expires.empty()) {
+    const auto moment = parse_moment(request.expires);
+    if (!moment) return bad("--expires: " + moment.error().detail);
+    expires = *moment;
+  }
+  const auto fresh = make_token(request.name, *scopes, expires);
+  if (!fresh) return bad("--make-token: " + fresh.error().detail);
+  return fresh->secret + "\n" + fresh->line + "\n";
 }
 
 }  // namespace
@@ -263,9 +287,24 @@ Result<CommandLine> read_config(const std::vector<std::string>& arguments,
   bool table = false;
   app.add_flag("--print-config", print, "Print every option's value and origin");
   app.add_flag("--print-config-table", table, "Print the options as Markdown");
+  CommandLine result;
+  app.add_flag("--check-config", result.check,
+               "Read all settings and the files that they name, and say what is wrong");
+  TokenRequest token;
+  CLI::Option* const make =
+      app.add_option("--make-token", token.name,
+                     "Print a fresh token, and the line for the file of --tokens")
+          ->type_name("NAME");
+  app.add_option("--scopes", token.scopes, "What --make-token allows: read,upload,admin")
+      ->needs(make)
+      ->type_name("SCOPES");
+  app.add_option("--expires", token.expires,
+                 "When what --make-token makes ends, such as 2030-01-31")
+      ->needs(make)
+      ->type_name("WHEN");
+  app.allow_extras();  // to be told of all of them
   app.set_version_flag("--version", "geodesicd " GEODESIC_VERSION);
 
-  CommandLine result;
   try {
     // CLI11 wants the last argument first.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
@@ -275,94 +314,63 @@ Result<CommandLine> read_config(const std::vector<std::string>& arguments,
   } catch (const CLI::CallForVersion& version) {
     result.print = std::string(version.what()) + "\n";
     return result;
-  } catch (const CLI::ExtrasError& error) {
-    return fail(ErrorCode::unknown_parameter, error.what());
   } catch (const CLI::ParseError& error) {
     return bad(error.what());
   }
-  if (table) {
-    result.print = config_table();
+  for (const std::string& extra : app.remaining()) {
+    result.problems.push_back(
+        {ErrorCode::unknown_parameter, fmt::format("'{}' is not known here", extra), {}, {}, {}});
+  }
+  if (result.problems.empty() && (table || make->count() > 0)) {
+    auto text = table ? Result<std::string>(config_table()) : print_token(token);
+    if (!text) return fail(std::move(text.error()));
+    result.print = std::move(*text);
     return result;
   }
 
   Origins origins(options().size(), "default");
+  const auto set = [&](std::size_t i, std::string_view text, std::string source) {
+    if (auto done = set_option(options()[i], text, source, result.config); !done) {
+      result.problems.push_back(std::move(done.error()));
+    }
+    origins[i] = std::move(source);
+  };
   if (file.empty()) file = environment("GEODESICD_CONFIG").value_or("");
-  if (!file.empty()) {
-    if (auto read = read_file(file, result.config, origins); !read) {
-      return fail(std::move(read.error()));
-    }
-  }
+  if (!file.empty()) read_file(file, result.config, origins, result.problems);
   for (std::size_t i = 0; i < options().size(); ++i) {
-    const Option& option = options()[i];
-    const std::string variable = variable_name(option.name);
-    if (const auto value = environment(variable)) {
-      if (auto set = set_option(option, *value, variable, result.config); !set) {
-        return fail(std::move(set.error()));
-      }
-      origins[i] = variable;
-    }
-    if (parsed[i]->count() > 0) {
-      const std::string flag = "--" + std::string(option.name);
-      if (auto set = set_option(option, flags[i], flag, result.config); !set) {
-        return fail(std::move(set.error()));
-      }
-      origins[i] = flag;
-    }
+    const std::string variable = variable_name(options()[i].name);
+    if (const auto value = environment(variable)) set(i, *value, variable);
+    if (parsed[i]->count() > 0) set(i, flags[i], "--" + std::string(options()[i].name));
   }
   if (result.config.tls_cert.empty() != result.config.tls_key.empty()) {
-    return bad("--tls-cert and --tls-key go together");
+    result.problems.push_back(
+        {ErrorCode::bad_syntax, "--tls-cert and --tls-key go together", {}, {}, {}});
   }
-  if (print) result.print = print_config(result.config, origins);
+  if (!result.check && !result.problems.empty()) return fail(result.problems.front());
+  if (print && !result.check) result.print = print_config(result.config, origins);
   return result;
+}
+
+void follow(const Config& fresh, Config& running, std::vector<std::string>& changed,
+            std::vector<std::string>& waiting) {
+  for (const Option& option : options()) {
+    if (format_value(option, fresh) == format_value(option, running)) continue;
+    (option.follows ? changed : waiting).emplace_back(option.name);
+    if (!option.follows) continue;
+    std::visit([&](auto member) { running.*member = fresh.*member; }, option.member);
+  }
 }
 
 std::string config_table() {
   const Config defaults;
-  std::string out = "| flag | environment | default | meaning |\n|---|---|---|---|\n";
+  std::string out = "| flag | environment | default | meaning | SIGHUP |\n|---|---|---|---|---|\n";
   for (const Option& option : options()) {
     const std::string value = format_value(option, defaults);
-    out += fmt::format("| `--{} {}` | `{}` | {} | {} |\n", option.name, option.value_hint,
+    out += fmt::format("| `--{} {}` | `{}` | {} | {} | {} |\n", option.name, option.value_hint,
                        variable_name(option.name), value.empty() ? "" : "`" + value + "`",
-                       option.help);
+                       option.help, option.follows ? "yes" : "");
   }
   return out;
-}
-
-Result<std::uint64_t> parse_bytes(std::string_view text) {
-  std::uint64_t unit = 1;
-  std::string_view digits = text;
-  for (const auto& [suffix, factor] :
-       {std::pair{std::string_view("KiB"), std::uint64_t{1} << 10},
-        std::pair{std::string_view("MiB"), std::uint64_t{1} << 20},
-        std::pair{std::string_view("GiB"), std::uint64_t{1} << 30}}) {
-    if (text.ends_with(suffix)) {
-      unit = factor;
-      digits.remove_suffix(suffix.size());
-    }
-  }
-  const auto count = parse_whole_number(digits);
-  if (!count || *count > std::numeric_limits<std::uint64_t>::max() / unit) {
-    return bad(fmt::format("'{}' is not a number of bytes, such as 1048576, 512KiB or 2GiB", text));
-  }
-  return *count * unit;
-}
-
-Result<Address> parse_address(std::string_view text) {
-  const auto refuse = [&] {
-    return bad(fmt::format("'{}' is not HOST:PORT, such as 127.0.0.1:8080 or [::1]:0", text));
-  };
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string_view::npos) return refuse();
-  std::string_view host = text.substr(0, colon);
-  const auto port = parse_whole_number(text.substr(colon + 1));
-  if (!port || *port > 65535) return refuse();
-  if (host.starts_with('[') && host.ends_with(']')) {
-    host = host.substr(1, host.size() - 2);
-    if (host.empty()) return refuse();
-  } else if (host.find(':') != std::string_view::npos) {
-    return refuse();  // IPv6 needs its brackets, or the port is ambiguous
-  }
-  return Address{host.empty() ? "0.0.0.0" : std::string(host), static_cast<int>(*port)};
 }
 
 }  // namespace geodesic::server

@@ -14,13 +14,9 @@
 #include <vector>
 
 #include "core/error.h"
+#include "server/config_values.h"
 
 namespace geodesic::server {
-
-struct Address {
-  std::string host;  // IPv6 without brackets; empty: not set
-  int port = 0;      // 0: any free one
-};
 
 struct Config {
   Address listen{"127.0.0.1", 8080};
@@ -32,6 +28,8 @@ struct Config {
 
   std::string tls_cert;  // empty: plain HTTP
   std::string tls_key;
+  std::string tokens;  // empty: everybody may do everything
+  std::string cors_origins = "*";
 
   std::uint64_t io_threads = 64;
   std::uint64_t max_connections = 10'000;
@@ -54,35 +52,43 @@ struct Config {
   std::uint64_t keep_alive_seconds = 75;
   std::uint64_t drain_seconds = 20;
 
+  std::uint64_t max_jobs = 64;
+  std::uint64_t job_result_bytes = std::uint64_t{256} << 20;
+  std::uint64_t job_seconds = 600;
+
   std::string log_level = "info";
 };
 
 // What the command line asks for.
 struct CommandLine {
   Config config;
-  // Set by --help, --version, --print-config and --print-config-table: write
-  // this to the standard output and exit with 0.
+  // Set by --help, --version, --print-config, --print-config-table and --make-token:
+  // write this to the standard output and exit with 0.
   std::optional<std::string> print;
+  // --check-config: say what is wrong (check_config.h) and exit. `problems` are those
+  // of the values, and `config` is what could be read.
+  bool check = false;
+  std::vector<Error> problems;
 };
 
 // Looks a variable up; empty optional: not set.
 using Environment = std::function<std::optional<std::string>(const std::string& name)>;
 [[nodiscard]] Environment process_environment();
 
-// Merges all sources. `arguments` without the program's name. Fails with
-// `bad_syntax` (`unknown_parameter` for a flag or key that does not exist) and a
-// sentence that names the source, such as
+// Merges all sources. `arguments` without the program's name. Fails with the first
+// problem, unless all are asked for (--check-config): `bad_syntax` (`unknown_parameter`
+// for a flag or key that does not exist) and a sentence that names the source, such as
 // "GEODESICD_QUEUE: 'many' is not a whole number".
 [[nodiscard]] Result<CommandLine> read_config(const std::vector<std::string>& arguments,
                                               const Environment& environment);
 
+// Has a running process's configuration follow a fresh one: what can change while it
+// runs is taken over into `running` and named in `changed`; what else differs is
+// named in `waiting`.
+void follow(const Config& fresh, Config& running, std::vector<std::string>& changed,
+            std::vector<std::string>& waiting);
+
 // The options as a Markdown table, for the README.
 [[nodiscard]] std::string config_table();
-
-// "256MiB" -> bytes. Suffixes KiB, MiB, GiB; none: bytes.
-[[nodiscard]] Result<std::uint64_t> parse_bytes(std::string_view text);
-
-// "127.0.0.1:8080", "[::1]:0", "localhost:80", ":8080" (all interfaces).
-[[nodiscard]] Result<Address> parse_address(std::string_view text);
 
 }  // namespace geodesic::server

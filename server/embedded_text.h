@@ -6,6 +6,16 @@
 namespace geodesic::server {
 
 [[nodiscard]] std::string_view openapi_yaml();  // proto/openapi.yaml
-[[nodiscard]] std::string_view start_page();    // clients/web/index.html
+[[nodiscard]] std::string_view openapi_json();  // the same as JSON
+
+// The files of clients/web/docs.
+[[nodiscard]] std::string_view docs_page();
+[[nodiscard]] std::string_view docs_style();
+[[nodiscard]] std::string_view docs_page_script();
+[[nodiscard]] std::string_view docs_request_script();
+[[nodiscard]] std::string_view docs_schema_script();
+[[nodiscard]] std::string_view docs_text_script();
+
+[[nodiscard]] std::string_view start_page();  // clients/web/index.html
 
 }  // namespace geodesic::server

@@ -1,49 +1,30 @@
 #include "server/encode_reply.h"
 
-#include <bit>
-#include <cstring>
-#include <string>
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "proto/array_formats.h"
 #include "proto/number.h"
 
 namespace geodesic::server {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "binary replies are little-endian");
+using proto::Array;
+using proto::Format;
+using proto::NumberType;
 
-template <class Number>
-std::string packed(const std::vector<double>& values) {
-  std::string bytes(values.size() * sizeof(Number), '\0');
-  char* out = bytes.data();
-  for (const double value : values) {
-    const auto number = static_cast<Number>(value);
-    std::memcpy(out, &number, sizeof number);
-    out += sizeof number;
-  }
-  return bytes;
-}
+using Shape = std::vector<std::uint64_t>;
 
-HttpResponse binary_reply(const std::vector<double>& values, const std::string& shape,
-                          proto::Format format) {
-  const bool narrow = format == proto::Format::f32;
-  HttpResponse response;
-  response.set_body(narrow ? packed<float>(values) : packed<double>(values),
-                    "application/octet-stream");
-  response.set_header("Geo-Dtype", narrow ? "<f4" : "<f8");
-  response.set_header("Geo-Shape", shape);
-  return response;
-}
-
-HttpResponse points_reply(const std::vector<proto::PathReplyPoint>& points, proto::Format format) {
-  std::vector<double> coordinates;
-  coordinates.reserve(3 * points.size());
-  for (const proto::PathReplyPoint& point : points) {
-    coordinates.insert(coordinates.end(), {point.xyz.x, point.xyz.y, point.xyz.z});
-  }
-  return binary_reply(coordinates, std::to_string(points.size()) + ",3", format);
-}
+// One array of numbers, and how a client reads it.
+struct Numbers {
+  std::vector<double> values;
+  Shape shape;
+  std::optional<double> max = {};  // the greatest finite one
+};
 
 std::string as_text(double value) {
   std::string text;
@@ -51,16 +32,96 @@ std::string as_text(double value) {
   return text;
 }
 
-HttpResponse with_cache_headers(HttpResponse response, std::optional<bool> hit) {
-  if (hit) response.set_header("Geo-Cache", *hit ? "hit" : "miss");
-  response.set_header("Vary", "Accept");
+std::string as_text(const Shape& shape) {
+  std::string text;
+  for (const std::uint64_t side : shape) {
+    if (!text.empty()) text += ',';
+    text += std::to_string(side);
+  }
+  return text;
+}
+
+std::string bytes_of(const Numbers& numbers, NumberType type) {
+  if (type == NumberType::f32) return proto::f32_bytes(numbers.values);
+  if (type == NumberType::u16) return proto::u16_bytes(numbers.values, numbers.max.value_or(0));
+  return proto::f64_bytes(numbers.values);
+}
+
+HttpResponse array_reply(const Numbers& numbers, Format format) {
+  const NumberType type = format == Format::f32   ? NumberType::f32
+                          : format == Format::u16 ? NumberType::u16
+                                                  : NumberType::f64;
+  std::string bytes = bytes_of(numbers, type);
+  if (format == Format::npy) {
+    bytes = proto::npy(Array{"", type, numbers.shape, std::move(bytes)});
+  }
+  HttpResponse response;
+  response.set_body(std::move(bytes), std::string(proto::media_type_of(format)));
+  response.set_header("Geo-Dtype", std::string(proto::dtype_of(type)));
+  response.set_header("Geo-Shape", as_text(numbers.shape));
+  if (numbers.max) response.set_header("Geo-Max", as_text(*numbers.max));
   return response;
 }
 
+// The arrays, and a reply that has them no more, less what is left of them in its JSON.
 template <class Reply>
-HttpResponse encode_as_json(const Answered<Reply>& answer, const proto::ReplyFormat& format) {
-  return with_cache_headers(json_reply(proto::to_json(answer.reply, format.precision)),
-                            answer.cache_hit);
+HttpResponse frame_reply(const Reply& rest, std::initializer_list<const char*> taken,
+                         const std::vector<Array>& arrays) {
+  auto about = nlohmann::ordered_json::parse(proto::to_json(rest, 0));
+  for (const char* const name : taken) about.erase(name);
+  HttpResponse response;
+  response.set_body(proto::frame(about, arrays), std::string(proto::media_type_of(Format::frame)));
+  return response;
+}
+
+Array f64_array(const char* name, const Numbers& numbers) {
+  return {name, NumberType::f64, numbers.shape, proto::f64_bytes(numbers.values)};
+}
+
+Array u32_array(const char* name, const std::vector<std::uint32_t>& values) {
+  return {name, NumberType::u32, {values.size()}, proto::u32_bytes(values)};
+}
+
+// The faces and weights of points: where they are on the surface.
+std::vector<Array> point_arrays(const std::vector<proto::PathReplyPoint>& points,
+                                const Numbers& coordinates) {
+  std::vector<std::uint32_t> faces;
+  Numbers weights{{}, {points.size(), 3}};
+  for (const proto::PathReplyPoint& point : points) {
+    faces.push_back(point.face ? static_cast<std::uint32_t>(*point.face) : kNone);
+    weights.values.insert(weights.values.end(), point.bary.begin(), point.bary.end());
+  }
+  return {f64_array("points", coordinates), u32_array("faces", faces), f64_array("bary", weights)};
+}
+
+template <class Reply>
+HttpResponse encode_as_json(const Reply& reply, const proto::ReplyFormat& format) {
+  return json_reply(proto::to_json(reply, format.precision));
+}
+
+HttpResponse with_cache_header(HttpResponse response, std::optional<bool> hit) {
+  if (hit) response.set_header("Geo-Cache", *hit ? "hit" : "miss");
+  return response;
+}
+
+// A reply with points along a line and their length.
+template <class Reply>
+HttpResponse encode_line(Reply reply, const proto::ReplyFormat& format, bool has_length) {
+  if (format.format == Format::json) return encode_as_json(reply, format);
+  Numbers coordinates{{}, {reply.points.size(), 3}};
+  coordinates.values.reserve(3 * reply.points.size());
+  for (const proto::PathReplyPoint& point : reply.points) {
+    coordinates.values.insert(coordinates.values.end(), {point.xyz.x, point.xyz.y, point.xyz.z});
+  }
+  HttpResponse response;
+  if (format.format == Format::frame) {
+    const auto arrays = point_arrays(std::exchange(reply.points, {}), coordinates);
+    response = frame_reply(reply, {"points"}, arrays);
+  } else {
+    response = array_reply(coordinates, format.format);
+  }
+  if (has_length) response.set_header("Geo-Length", as_text(reply.length));
+  return response;
 }
 
 }  // namespace
@@ -72,51 +133,57 @@ HttpResponse json_reply(std::string json, int status) {
   return response;
 }
 
-HttpResponse encode(const Answered<proto::DistanceReply>& answer,
-                    const proto::ReplyFormat& format) {
-  if (format.format == proto::Format::json) return encode_as_json(answer, format);
-  const proto::DistanceReply& reply = answer.reply;
+HttpResponse encode(Answered<proto::DistanceReply> answer, const proto::ReplyFormat& format) {
+  proto::DistanceReply& reply = answer.reply;
+  if (format.format == Format::json) {
+    return with_cache_header(encode_as_json(reply, format), answer.cache_hit);
+  }
+  Numbers distances{{}, {reply.distances.size()}, reply.max};
+  distances.values = std::exchange(reply.distances, {});
+  if (format.format != Format::frame) {
+    return with_cache_header(array_reply(distances, format.format), answer.cache_hit);
+  }
+  std::vector<Array> arrays{f64_array("distances", distances)};
+  if (reply.labels) arrays.push_back(u32_array("labels", *std::exchange(reply.labels, {})));
+  return with_cache_header(frame_reply(reply, {"count", "distances"}, arrays), answer.cache_hit);
+}
+
+HttpResponse encode(Answered<proto::PathReply> answer, const proto::ReplyFormat& format) {
+  const bool reachable = answer.reply.reachable;
+  return with_cache_header(encode_line(std::move(answer.reply), format, reachable),
+                           answer.cache_hit);
+}
+
+HttpResponse encode(Answered<proto::TraceReply> answer, const proto::ReplyFormat& format) {
+  return with_cache_header(encode_line(std::move(answer.reply), format, true), answer.cache_hit);
+}
+
+HttpResponse encode(Answered<proto::TableReply> answer, const proto::ReplyFormat& format) {
+  proto::TableReply& reply = answer.reply;
+  if (format.format == Format::json) {
+    return with_cache_header(encode_as_json(reply, format), answer.cache_hit);
+  }
+  Numbers distances{std::exchange(reply.distances, {}), {reply.rows.size(), reply.columns.size()}};
+  for (const double d : distances.values) {
+    if (d != kUnreached) distances.max = std::max(distances.max.value_or(0), d);
+  }
   HttpResponse response =
-      binary_reply(reply.distances, std::to_string(reply.distances.size()), format.format);
-  if (reply.max) response.set_header("Geo-Max", as_text(*reply.max));
-  return with_cache_headers(std::move(response), answer.cache_hit);
+      format.format == Format::frame
+          ? frame_reply(reply, {"distances"}, {f64_array("distances", distances)})
+          : array_reply(distances, format.format);
+  return with_cache_header(std::move(response), answer.cache_hit);
 }
 
-HttpResponse encode(const Answered<proto::PathReply>& answer, const proto::ReplyFormat& format) {
-  if (format.format == proto::Format::json) return encode_as_json(answer, format);
-  const proto::PathReply& reply = answer.reply;
-  HttpResponse response = points_reply(reply.points, format.format);
-  if (reply.reachable) response.set_header("Geo-Length", as_text(reply.length));
-  return with_cache_headers(std::move(response), answer.cache_hit);
+HttpResponse encode(Answered<proto::IsolinesReply> answer, const proto::ReplyFormat& format) {
+  return with_cache_header(encode_as_json(answer.reply, format), answer.cache_hit);
 }
 
-HttpResponse encode(const Answered<proto::TraceReply>& answer, const proto::ReplyFormat& format) {
-  if (format.format == proto::Format::json) return encode_as_json(answer, format);
-  HttpResponse response = points_reply(answer.reply.points, format.format);
-  response.set_header("Geo-Length", as_text(answer.reply.length));
-  return with_cache_headers(std::move(response), answer.cache_hit);
+HttpResponse encode(Answered<proto::SamplesReply> answer, const proto::ReplyFormat& format) {
+  return with_cache_header(encode_as_json(answer.reply, format), answer.cache_hit);
 }
 
-HttpResponse encode(const Answered<proto::TableReply>& answer, const proto::ReplyFormat& format) {
-  if (format.format == proto::Format::json) return encode_as_json(answer, format);
-  const proto::TableReply& reply = answer.reply;
-  std::string shape = std::to_string(reply.rows.size());
-  shape += ',';
-  shape += std::to_string(reply.columns.size());
-  return with_cache_headers(binary_reply(reply.distances, shape, format.format), answer.cache_hit);
-}
-
-HttpResponse encode(const Answered<proto::IsolinesReply>& answer,
-                    const proto::ReplyFormat& format) {
-  return encode_as_json(answer, format);
-}
-
-HttpResponse encode(const Answered<proto::SamplesReply>& answer, const proto::ReplyFormat& format) {
-  return encode_as_json(answer, format);
-}
-
-HttpResponse encode(const Answered<proto::NearestReply>& answer, const proto::ReplyFormat& format) {
-  return encode_as_json(answer, format);
+HttpResponse encode(Answered<proto::NearestReply> answer, const proto::ReplyFormat& format) {
+  return with_cache_header(encode_as_json(answer.reply, format), answer.cache_hit);
 }
 
 }  // namespace geodesic::server

@@ -1,5 +1,8 @@
-// Answers to HTTP in the negotiated format.
+// Answers to HTTP in the negotiated format, where that is numbers: JSON, bare arrays,
+// NumPy's files and frames. What has to be drawn is draw_reply.h's.
 #pragma once
+
+#include <string>
 
 #include "proto/query_replies.h"
 #include "proto/reply_format.h"
@@ -10,24 +13,26 @@ namespace geodesic::server {
 
 [[nodiscard]] HttpResponse json_reply(std::string json, int status = 200);
 
-// As JSON, or the bare little-endian array: distances with shape (count), path
-// points with shape (count, 3), a table with shape (rows, columns). The format is
-// one that the query offers.
-[[nodiscard]] HttpResponse encode(const Answered<proto::DistanceReply>& answer,
+// As JSON; as a little-endian array, bare or with NumPy's header (distances with
+// shape (count), path points with shape (count, 3), a table with shape (rows,
+// columns); whole numbers are quantised over [0, Geo-Max]); or as a frame of all the
+// arrays of the reply, float64 and uint32 (4294967295: none), whose JSON has the rest.
+// The format is one that the query offers, and no drawing.
+[[nodiscard]] HttpResponse encode(Answered<proto::DistanceReply> answer,
                                   const proto::ReplyFormat& format);
-[[nodiscard]] HttpResponse encode(const Answered<proto::PathReply>& answer,
+[[nodiscard]] HttpResponse encode(Answered<proto::PathReply> answer,
                                   const proto::ReplyFormat& format);
-[[nodiscard]] HttpResponse encode(const Answered<proto::TraceReply>& answer,
+[[nodiscard]] HttpResponse encode(Answered<proto::TraceReply> answer,
                                   const proto::ReplyFormat& format);
-[[nodiscard]] HttpResponse encode(const Answered<proto::TableReply>& answer,
+[[nodiscard]] HttpResponse encode(Answered<proto::TableReply> answer,
                                   const proto::ReplyFormat& format);
 
 // These have no array, and are always JSON.
-[[nodiscard]] HttpResponse encode(const Answered<proto::IsolinesReply>& answer,
+[[nodiscard]] HttpResponse encode(Answered<proto::IsolinesReply> answer,
                                   const proto::ReplyFormat& format);
-[[nodiscard]] HttpResponse encode(const Answered<proto::SamplesReply>& answer,
+[[nodiscard]] HttpResponse encode(Answered<proto::SamplesReply> answer,
                                   const proto::ReplyFormat& format);
-[[nodiscard]] HttpResponse encode(const Answered<proto::NearestReply>& answer,
+[[nodiscard]] HttpResponse encode(Answered<proto::NearestReply> answer,
                                   const proto::ReplyFormat& format);
 
 }  // namespace geodesic::server

@@ -41,11 +41,13 @@ void take_whole_field(const Mesh& mesh, const Field& field, bool labels,
 
 }  // namespace
 
-FieldQueries::FieldQueries(MeshCatalog& catalog, ComputePool& pool, std::uint64_t field_cache_bytes)
-    : catalog_(catalog), fields_(pool, field_cache_bytes) {}
+FieldQueries::FieldQueries(MeshCatalog& catalog, ComputePool& pool, std::uint64_t field_cache_bytes,
+                           Metrics& metrics)
+    : catalog_(catalog), fields_(pool, field_cache_bytes, metrics) {}
 
 Result<FieldQueries::Place> FieldQueries::find(const std::string& mesh, const Caller& caller) {
-  auto adjacency = catalog_.adjacency(mesh, caller);
+  // Preparing is no part of a query's progress: it is mostly done already.
+  auto adjacency = catalog_.adjacency(mesh, caller.part(0, 0));
   if (!adjacency) return fail(std::move(adjacency.error()));
   return Place(catalog_, mesh, std::move(*adjacency), caller);
 }
@@ -69,6 +71,7 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const std::string& m
   const auto place = find(mesh, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::DistanceReply> answer;
+  answer.adjacency = place->adjacency();
   proto::DistanceReply& reply = answer.reply;
   reply.mesh = mesh;
   reply.method = request.method.which;
@@ -101,6 +104,7 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const std::string& mesh
   const auto place = find(mesh, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::TableReply> answer;
+  answer.adjacency = place->adjacency();
   proto::TableReply& reply = answer.reply;
   reply.mesh = mesh;
   reply.method = request.method.which;
@@ -113,13 +117,17 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const std::string& mesh
   // A job a row: a long table leaves the slots to others in between.
   answer.cache_hit = true;
   reply.distances.reserve(rows->size() * columns->size());
+  const auto count = static_cast<double>(rows->size());
+  double done = 0;
   for (const SurfacePoint& row : *rows) {
     const FieldQuestion question{mesh,
                                  place->adjacency(),
                                  request.method,
                                  {Source{row, 0}},
                                  request.max.value_or(kEverywhere)};
-    const auto found = fields_.at_points(question, *columns, false, caller);
+    const auto found =
+        fields_.at_points(question, *columns, false, caller.part(done / count, (done + 1) / count));
+    done += 1;
     if (!found) return fail(found.error());
     *answer.cache_hit &= found->hit;
     reply.distances.insert(reply.distances.end(), found->distances.begin(), found->distances.end());
@@ -133,6 +141,7 @@ Result<Answered<proto::NearestReply>> FieldQueries::answer(const std::string& me
   const auto place = find(mesh, caller);
   if (!place) return fail(place.error());
   Answered<proto::NearestReply> answer;
+  answer.adjacency = place->adjacency();
   answer.reply.mesh = mesh;
   const auto points = place->points(request.points, answer.reply.points);
   if (!points) return fail(points.error());

@@ -21,12 +21,13 @@
 
 namespace geodesic::server {
 
-// An answer, and whether the field cache had what it is made of; nothing where no
-// field is kept.
+// An answer, whether the field cache had what it is made of (nothing where no field
+// is kept), and the surface it is about.
 template <class Reply>
 struct Answered {
   Reply reply;
   std::optional<bool> cache_hit;
+  std::shared_ptr<const Adjacency> adjacency;
 };
 
 // All methods may be called from any thread but a compute worker. Errors besides
@@ -34,7 +35,8 @@ struct Answered {
 // value_out_of_range, snap_too_far and mesh_invalid for points, naming the parameter.
 class FieldQueries {
  public:
-  FieldQueries(MeshCatalog& catalog, ComputePool& pool, std::uint64_t field_cache_bytes);
+  FieldQueries(MeshCatalog& catalog, ComputePool& pool, std::uint64_t field_cache_bytes,
+               Metrics& metrics);
 
   [[nodiscard]] Result<Answered<proto::DistanceReply>> answer(const std::string& mesh,
                                                               const proto::DistanceRequest& request,
@@ -60,10 +62,21 @@ class FieldQueries {
                                                              const proto::NearestRequest& request,
                                                              const Caller& caller);
 
+  // Runs `job(const Cancel&)`, which returns a Result, in a compute slot.
+  template <class Job>
+  [[nodiscard]] auto in_slot(Job&& job, const Caller& caller) {
+    return fields_.compute([&](SolveScratch&, const Cancel& cancel) { return job(cancel); },
+                           caller);
+  }
+
   // Forgets the fields of a mesh.
   void forget(const std::string& mesh) { fields_.forget(mesh); }
 
+  void set_cache_budget(std::uint64_t bytes) { fields_.set_cache_budget(bytes); }
   [[nodiscard]] CacheStats field_cache() const { return fields_.cache(); }
+  [[nodiscard]] std::vector<CacheEntry> cached_fields(std::size_t most) const {
+    return fields_.cached(most);
+  }
 
  private:
   // The mesh of a request, and its points there.

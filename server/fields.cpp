@@ -5,6 +5,7 @@
 #include "core/arrive_at_point.h"
 #include "core/trace_path.h"
 #include "proto/number.h"
+#include "server/timed.h"
 
 namespace geodesic::server {
 namespace {
@@ -29,12 +30,6 @@ std::string key_of(const FieldQuestion& question) {
     }
   }
   return key;
-}
-
-Result<Field> solve(const FieldQuestion& question, const FieldLimits& limits, SolveScratch& scratch,
-                    const Cancel& cancel) {
-  return solve_field(question.method.which, question.method.options, *question.adjacency,
-                     question.sources, limits, scratch, cancel);
 }
 
 // Every vertex whose distance decides that of one of the points.
@@ -66,10 +61,20 @@ std::uint32_t label_at(const Adjacency& adjacency, const Field& field, const Sur
 
 }  // namespace
 
-Fields::Fields(ComputePool& pool, std::uint64_t cache_bytes)
+Fields::Fields(ComputePool& pool, std::uint64_t cache_bytes, Metrics& metrics)
     : pool_(pool),
+      metrics_(metrics),
       cache_(cache_bytes, [](const Field& field) { return field.bytes(); }),
       scratch_(pool.slots()) {}
+
+Result<Field> Fields::solve(const FieldQuestion& question, const FieldLimits& limits,
+                            SolveScratch& scratch, const Cancel& cancel, const Caller& caller) {
+  const Timed timed(caller, Stage::solve);
+  auto field = solve_field(question.method.which, question.method.options, *question.adjacency,
+                           question.sources, limits, scratch, cancel);
+  metrics_.solved(proto::name_of(question.method.which), timed.so_far().count());
+  return field;
+}
 
 Result<LruCache<Field>::Lookup> Fields::whole(const FieldQuestion& question, const Caller& caller) {
   return cache_.get_or_create(
@@ -77,10 +82,11 @@ Result<LruCache<Field>::Lookup> Fields::whole(const FieldQuestion& question, con
       [&]() -> Result<std::shared_ptr<const Field>> {
         FieldLimits limits;
         limits.max = question.max;
-        auto field =
-            compute([&](SolveScratch& scratch,
-                        const Cancel& cancel) { return solve(question, limits, scratch, cancel); },
-                    caller);
+        auto field = compute(
+            [&](SolveScratch& scratch, const Cancel& cancel) {
+              return solve(question, limits, scratch, cancel, caller);
+            },
+            caller);
         if (!field) return fail(std::move(field.error()));
         return std::make_shared<const Field>(std::move(*field));
       },
@@ -100,7 +106,7 @@ Result<PointDistances> Fields::at_points(const FieldQuestion& question,
       const bool at_vertices =
           std::all_of(points.begin(), points.end(),
                       [](const SurfacePoint& point) { return point.at_vertex(); });
-      auto part = solve(question, {question.max, targets, !at_vertices}, scratch, cancel);
+      auto part = solve(question, {question.max, targets, !at_vertices}, scratch, cancel, caller);
       if (!part) return fail(std::move(part.error()));
       field = std::make_shared<const Field>(std::move(*part));
     }

@@ -22,6 +22,7 @@
 #include "server/compute_pool.h"
 #include "server/lru_cache.h"
 #include "server/mesh_catalog.h"
+#include "server/metrics.h"
 
 namespace geodesic::server {
 
@@ -45,7 +46,7 @@ struct PointDistances {
 // of ComputePool::run.
 class Fields {
  public:
-  Fields(ComputePool& pool, std::uint64_t cache_bytes);
+  Fields(ComputePool& pool, std::uint64_t cache_bytes, Metrics& metrics);
 
   // The field of all vertices up to the question's `max`, from the cache or
   // computed.
@@ -59,21 +60,32 @@ class Fields {
                                                  const Caller& caller);
 
   // Runs `job(SolveScratch&, const Cancel&)`, which returns a Result, in a compute
-  // slot. It is cancelled when the client is gone.
+  // slot. It is cancelled when the client is gone, and its progress is the caller's.
   template <class Job>
   [[nodiscard]] auto compute(Job&& job, const Caller& caller) {
     return pool_.run(
-        [&](Worker& worker) { return job(scratch_[worker.slot], Cancel(std::cref(caller))); },
+        [&](Worker& worker) {
+          return job(scratch_[worker.slot], Cancel(std::cref(caller), caller.progress));
+        },
         caller);
   }
 
   // Forgets the fields of a mesh.
   void forget(const std::string& mesh) { cache_.erase_prefix(mesh); }
 
+  void set_cache_budget(std::uint64_t bytes) { cache_.set_budget(bytes); }
   [[nodiscard]] CacheStats cache() const { return cache_.stats(); }
+  [[nodiscard]] std::vector<CacheEntry> cached(std::size_t most) const {
+    return cache_.entries(most);
+  }
 
  private:
+  [[nodiscard]] Result<Field> solve(const FieldQuestion& question, const FieldLimits& limits,
+                                    SolveScratch& scratch, const Cancel& cancel,
+                                    const Caller& caller);
+
   ComputePool& pool_;
+  Metrics& metrics_;
   LruCache<Field> cache_;
   std::vector<SolveScratch> scratch_;  // one a compute slot
 };

@@ -76,7 +76,7 @@ auto HttpConversation::shake_hands(bool overdue) -> MaybeNext {
     next.dispensable = true;
     return next;
   }
-  deadline_ = Clock::now() + edge_.options.keep_alive;
+  deadline_ = Clock::now() + edge_.keep_alive.load();
   return go(Phase::head);
 }
 
@@ -102,6 +102,10 @@ auto HttpConversation::receive_head(bool overdue) -> MaybeNext {
       sent_before_ = connection_.bytes_sent();
       const HttpHead& head = exchange_->head;
       if (exchange_->refused || (!head.chunked && head.body_bytes == 0)) return go(Phase::reply);
+      if (!edge_.options.wants_body(exchange_->request)) {
+        exchange_->close = exchange_->body_unread = true;
+        return go(Phase::reply);
+      }
       begin_body();
       return go(Phase::body);
     }
@@ -129,14 +133,15 @@ void HttpConversation::begin_body() {
 }
 
 auto HttpConversation::body_deadline() const -> Clock::time_point {
-  const HttpOptions& options = edge_.options;
-  Clock::time_point deadline = exchange_->begin + options.body_timeout;
-  if (options.min_receive_rate != 0) {
+  const std::chrono::milliseconds timeout = edge_.body_timeout;
+  const std::uint64_t rate = edge_.min_receive_rate;
+  Clock::time_point deadline = exchange_->begin + timeout;
+  if (rate != 0) {
     const std::chrono::duration<double> bought(static_cast<double>(exchange_->request.body.size()) /
-                                               static_cast<double>(options.min_receive_rate));
-    const std::chrono::duration<double> most = options.body_timeout;
+                                               static_cast<double>(rate));
+    const std::chrono::duration<double> most = timeout;
     deadline =
-        std::min(deadline, exchange_->begin + options.receive_grace +
+        std::min(deadline, exchange_->begin + edge_.options.receive_grace +
                                std::chrono::duration_cast<Clock::duration>(std::min(bought, most)));
   }
   return deadline;
@@ -193,6 +198,7 @@ void HttpConversation::refuse_body(Error error) {
 }
 
 void HttpConversation::answer() {
+  exchange_->body_bytes = exchange_->request.body.size();
   edge_.answer(*exchange_);
   std::string().swap(exchange_->request.body);
   release_body();
@@ -225,6 +231,9 @@ void HttpConversation::finish(bool sent) {
   release_reply();
   log_request(exchange_->request, exchange_->route, exchange_->status,
               connection_.bytes_sent() - sent_before_, taken.count(), sent);
+  edge_.options.finished({exchange_->request.method, exchange_->route, exchange_->status,
+                          taken.count() / 1000, exchange_->body_bytes,
+                          connection_.bytes_sent() - sent_before_});
   body_.reset();
   if (!sent) {
     phase_ = Phase::over;
@@ -236,7 +245,7 @@ void HttpConversation::finish(bool sent) {
     phase_ = listens ? Phase::goodbye : Phase::over;
   } else {
     exchange_.reset();
-    deadline_ = now + edge_.options.keep_alive;
+    deadline_ = now + edge_.keep_alive.load();
     phase_ = Phase::head;
   }
 }

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -26,6 +27,10 @@ struct HttpEdge {
   HttpOptions options;
   // Has the request answered, and queues the reply's bytes on its connection.
   std::function<void(Exchange&)> answer;
+  // Of the options, those that may have changed since: asked here.
+  std::atomic<std::chrono::milliseconds> keep_alive{options.keep_alive};
+  std::atomic<std::chrono::milliseconds> body_timeout{options.body_timeout};
+  std::atomic<std::uint64_t> min_receive_rate{options.min_receive_rate};
   std::atomic<bool> stopping{false};
   std::atomic<std::uint64_t> requests{0};     // answered since the start
   std::atomic<std::uint64_t> body_bytes{0};   // of bodies being received or handled now

@@ -23,8 +23,9 @@ struct Exchange {
   std::optional<HeadError> refused;  // why the handler does not get to see it
   HttpRequest request;
   std::uint64_t body_limit = 0;
-  bool close = false;        // after the reply
-  bool body_unread = false;  // bytes of it may still come
+  std::uint64_t body_bytes = 0;  // received
+  bool close = false;            // after the reply
+  bool body_unread = false;      // bytes of it may still come
   HttpConnection::Clock::time_point begin = HttpConnection::Clock::now();
 
   // Of the reply.

@@ -51,6 +51,8 @@ struct HttpResponse {
   // What the log line names instead of the raw target, such as
   // "/v1/meshes/{id}/distance"; empty: the target.
   std::string route;
+  // Has all that finish_reply.h adds: a reply that was kept and is given out again.
+  bool is_finished = false;
 
   void set_header(std::string name, std::string value);  // replaces one of that name
   void set_body(std::string bytes, std::string type);

@@ -10,9 +10,27 @@
 #include <string>
 #include <string_view>
 
+#include "server/http_message.h"
 #include "server/http_tls.h"
 
 namespace geodesic::server {
+
+// Those of the bounds below that may change while connections are served.
+struct HttpPatience {
+  std::chrono::milliseconds keep_alive;
+  std::chrono::milliseconds body_timeout;
+  std::uint64_t min_receive_rate;
+};
+
+// A request that was answered, or that was not for want of a client.
+struct HttpFinished {
+  std::string_view method;
+  std::string_view route;  // see HttpResponse; may be empty
+  int status;
+  double seconds;  // from its head to the last byte of the reply
+  std::uint64_t bytes_in;
+  std::uint64_t bytes_out;
+};
 
 struct HttpOptions {
   std::string host = "127.0.0.1";   // a name or an address (IPv6 without brackets)
@@ -28,6 +46,12 @@ struct HttpOptions {
   // The most bytes a body may have.
   std::function<std::uint64_t(std::string_view method, std::string_view path)> max_body =
       [](std::string_view, std::string_view) { return std::uint64_t{8} << 20; };
+  // Whether a request's body is worth receiving, by its head: if not, the handler is
+  // called without it, and the connection closes after the reply. May be asked by any
+  // thread; must not throw.
+  std::function<bool(const HttpRequest&)> wants_body = [](const HttpRequest&) { return true; };
+  // Told of every request at its end, by any thread. Must not throw.
+  std::function<void(const HttpFinished&)> finished = [](const HttpFinished&) {};
   // Bytes of all bodies being received at once; more are answered 503. 0: no bound.
   std::uint64_t max_bodies_in_flight = std::uint64_t{2} << 30;
   // Bytes of all replies that their clients have not taken yet; a further one becomes 503,

@@ -205,6 +205,12 @@ class HttpServer::Impl final : public httplib::Server {
     return workers_.stop(grace);
   }
 
+  void set_patience(const HttpPatience& patience) {
+    edge_.keep_alive = patience.keep_alive;
+    edge_.body_timeout = patience.body_timeout;
+    edge_.min_receive_rate = patience.min_receive_rate;
+  }
+
   Stats stats() const {
     Stats stats;
     stats.connections = workers_.connections();
@@ -351,6 +357,8 @@ HttpServer::~HttpServer() { impl_->stop(std::chrono::milliseconds(0)); }
 Result<int> HttpServer::start() { return impl_->start(); }
 
 bool HttpServer::stop(std::chrono::milliseconds grace) { return impl_->stop(grace); }
+
+void HttpServer::set_patience(const HttpPatience& patience) { impl_->set_patience(patience); }
 
 HttpServer::Stats HttpServer::stats() const { return impl_->stats(); }
 

@@ -48,6 +48,10 @@ class HttpServer {
   // any thread but a handler's; a second call does nothing.
   bool stop(std::chrono::milliseconds grace);
 
+  // Replaces those options: for bodies from now on, and for connections that begin to
+  // idle from now on. Any thread.
+  void set_patience(const HttpPatience& patience);
+
   struct Stats {
     std::uint64_t connections = 0;  // open now
     std::uint64_t threads = 0;      // that serve them

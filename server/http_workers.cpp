@@ -112,7 +112,7 @@ void HttpWorkers::adopt(int socket) {
   HttpConversation::Next first;
   first.what = HttpConversation::WaitsFor::readable;
   first.deadline =
-      Clock::now() + (edge_.options.tls ? edge_.options.head_timeout : edge_.options.keep_alive);
+      Clock::now() + (edge_.options.tls ? edge_.options.head_timeout : edge_.keep_alive.load());
   first.idle = first.dispensable = true;
   if (!wait_in_kernel(index, first, /*first=*/true)) release(index);
 }

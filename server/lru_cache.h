@@ -53,6 +53,11 @@ struct CacheStats {
   std::uint64_t makes = 0;      // calls of `make`
 };
 
+struct CacheEntry {
+  std::string key;
+  std::uint64_t bytes;
+};
+
 template <class Value>
 class LruCache {
  public:
@@ -95,6 +100,17 @@ class LruCache {
   void set_budget(std::uint64_t bytes);
 
   [[nodiscard]] CacheStats stats() const;
+
+  // What it holds, the most recently used first; `most` of it.
+  [[nodiscard]] std::vector<CacheEntry> entries(std::size_t most) const {
+    std::vector<CacheEntry> entries;
+    const std::lock_guard lock(mutex_);
+    for (const Entry& entry : order_) {
+      if (entries.size() == most) break;
+      entries.push_back({entry.key, entry.bytes});
+    }
+    return entries;
+  }
 
  private:
   static constexpr std::chrono::milliseconds kAskEvery{50};

@@ -11,10 +11,13 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "server/check_config.h"
 #include "server/compute_pool.h"
 #include "server/config.h"
 #include "server/field_queries.h"
@@ -22,9 +25,12 @@
 #include "server/http_tls.h"
 #include "server/mesh_catalog.h"
 #include "server/mesh_store.h"
+#include "server/metrics.h"
 #include "server/open_store.h"
+#include "server/reload.h"
 #include "server/routes.h"
 #include "server/store_monitor.h"
+#include "server/tokens.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
@@ -100,7 +106,8 @@ int wait_for_signal(const sigset_t& signals) {
   return signal;
 }
 
-int serve(const Config& config, const sigset_t& stop_signals) {
+// `read` reads the configuration anew.
+int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_signals) {
   StoreBudget budget;
   budget.max_bytes = config.store_max_bytes;
   budget.when_full = config.store_when_full == "evict" ? WhenFull::evict : WhenFull::refuse;
@@ -119,22 +126,34 @@ int serve(const Config& config, const sigset_t& stop_signals) {
     }
     tls = std::move(*loaded);
   }
-  ComputePool pool(config.compute_threads,
-                   ComputePool::QueueLimits{config.queue, config.queue_per_client,
-                                            std::chrono::seconds(config.queue_seconds)});
-  CatalogLimits limits;
-  limits.decode.max_vertices = config.max_vertices;
-  limits.decode.max_faces = config.max_faces;
-  limits.mesh_cache_bytes = config.mesh_cache_bytes;
-  limits.adjacency_cache_bytes = config.adjacency_cache_bytes;
-  MeshCatalog catalog(**store, pool, limits);
-  FieldQueries queries(catalog, pool, config.field_cache_bytes);
-  Routes routes(config, catalog, queries, pool);
+  std::optional<Tokens> tokens;
+  if (!config.tokens.empty()) {
+    auto loaded = Tokens::load(config.tokens);
+    if (!loaded) {
+      spdlog::critical("tokens: {}", loaded.error().detail);
+      return 1;
+    }
+    for (const std::string& warning : loaded->warnings()) spdlog::warn("tokens: {}", warning);
+    tokens = std::move(*loaded);
+  }
+  Metrics metrics(GEODESIC_VERSION);
+  ComputePool pool(config.compute_threads, queue_limits(config));
+  pool.observe_waits([&](StageTimes::Duration waited) { metrics.queued(waited.count()); });
+  MeshCatalog catalog(**store, pool, catalog_limits(config), metrics);
+  FieldQueries queries(catalog, pool, config.field_cache_bytes, metrics);
+  Routes routes(config, catalog, queries, pool, metrics);
+  routes.access().set_tokens(std::move(tokens));
   if (!config.samples.empty()) add_samples(config.samples, catalog);
 
   const std::uint64_t connections = allow_connections(config.max_connections);
   HttpOptions api_options = http_options(config, config.listen, routes, pool.slots(), connections);
   api_options.tls = tls;
+  api_options.wants_body = [&](const HttpRequest& request) {
+    return routes.access().allows(request);
+  };
+  api_options.finished = [&](const HttpFinished& end) {
+    metrics.request(end.method, end.route, end.status, end.seconds, end.bytes_in, end.bytes_out);
+  };
   // A listener of its own has threads and places of its own: probes are answered
   // however busy the API is.
   HttpOptions admin_options = http_options(config, config.admin_listen, routes, 0, 64);
@@ -144,6 +163,7 @@ int serve(const Config& config, const sigset_t& stop_signals) {
                  [&](HttpRequest& request) { return routes.answer(request); });
   HttpServer admin(std::move(admin_options),
                    [&](HttpRequest& request) { return routes.answer_admin(request); });
+  routes.count_connections([&] { return api.stats().connections; });
   if (!config.admin_listen.host.empty()) {
     const auto port = admin.start();
     if (!port) {
@@ -162,16 +182,13 @@ int serve(const Config& config, const sigset_t& stop_signals) {
               *port);
   std::fflush(stdout);
 
+  Reload reload(config, read, process_environment(),
+                {routes, catalog, queries, pool, {&api, &admin}, tls});
   int signal;
-  while ((signal = wait_for_signal(stop_signals)) == SIGHUP) {
-    if (!tls) continue;
-    const auto reloaded = tls->reload();
-    spdlog::log(reloaded ? spdlog::level::info : spdlog::level::err, "certificate: {}",
-                reloaded ? "read again" : reloaded.error().detail);
-  }
+  while ((signal = wait_for_signal(stop_signals)) == SIGHUP) reload.run_and_log();
   spdlog::info("signal {}: draining", signal);
   routes.start_draining();
-  const bool complete = api.stop(std::chrono::seconds(config.drain_seconds));
+  const bool complete = api.stop(std::chrono::seconds(reload.config()->drain_seconds));
   admin.stop(std::chrono::seconds(1));
   spdlog::info("{}", complete ? "stopped" : "stopped; some requests were cut off");
   return 0;
@@ -182,11 +199,19 @@ int serve(const Config& config, const sigset_t& stop_signals) {
 int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   try {
-    const auto command =
-        read_config(std::vector<std::string>(argv + 1, argv + argc), process_environment());
+    const Reload::Read read = [arguments = std::vector<std::string>(argv + 1, argv + argc)] {
+      return read_config(arguments, process_environment());
+    };
+    const auto command = read();
     if (!command) {
       std::fprintf(stderr, "geodesicd: %s\n", command.error().detail.c_str());
       return 2;
+    }
+    if (command->check) {
+      const std::string problems = check_config(*command, process_environment());
+      std::fputs(problems.c_str(), stderr);
+      if (problems.empty()) std::puts("configuration is valid");
+      return problems.empty() ? 0 : 2;
     }
     if (command->print) {
       std::fputs(command->print->c_str(), stdout);
@@ -201,7 +226,7 @@ int main(int argc, char** argv) {
     pthread_sigmask(SIG_BLOCK, &stop_signals, nullptr);
     // A file over a limit on sizes is an error of that write, not the end of the process.
     std::signal(SIGXFSZ, SIG_IGN);
-    return serve(command->config, stop_signals);
+    return serve(command->config, read, stop_signals);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "geodesicd: %s\n", error.what());
     return 1;

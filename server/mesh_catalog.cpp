@@ -1,5 +1,6 @@
 #include "server/mesh_catalog.h"
 
+#include <functional>
 #include <span>
 #include <utility>
 
@@ -39,22 +40,40 @@ Result<Built> build(const std::string& bytes, const proto::DecodeLimits& limits)
   return Built{std::move(*decoded), std::make_shared<const Mesh>(std::move(*mesh))};
 }
 
+// Of an upload's time, the part before its adjacency is prepared.
+constexpr double kDecoding = 0.5;
+
+Result<std::shared_ptr<const Adjacency>> prepare(std::shared_ptr<const Mesh> mesh,
+                                                 const Caller& caller) {
+  auto adjacency = Adjacency::build(std::move(mesh), Cancel(std::cref(caller), caller.progress));
+  if (!adjacency) return fail(std::move(adjacency.error()));
+  return std::make_shared<const Adjacency>(std::move(*adjacency));
+}
+
 tl::unexpected<Error> unknown_mesh() {
   return fail(ErrorCode::mesh_unknown, "no mesh of this id is stored");
 }
 
 }  // namespace
 
-MeshCatalog::MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimits& limits)
+MeshCatalog::MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimits& limits,
+                         Metrics& metrics)
     : store_(store),
       pool_(pool),
-      limits_(limits),
+      metrics_(metrics),
+      decode_limits_(limits.decode),
       meshes_(limits.mesh_cache_bytes, [](const Mesh& mesh) { return mesh.bytes(); }),
       prepared_(limits.adjacency_cache_bytes,
                 [](const Prepared& prepared) {
                   return std::visit([](const auto& value) { return bytes_of(value); }, prepared);
                 }),
       uploads_(0, [](const Upload&) { return std::size_t{1}; }) {}
+
+void MeshCatalog::set_limits(const CatalogLimits& limits) {
+  decode_limits_.set(limits.decode);
+  meshes_.set_budget(limits.mesh_cache_bytes);
+  prepared_.set_budget(limits.adjacency_cache_bytes);
+}
 
 Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const Caller& caller) {
   const std::string id = sha256_hex(bytes);
@@ -73,7 +92,7 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const Caller& ca
   const auto upload = uploads_.get_or_create(
       id,
       [&]() -> Result<std::shared_ptr<const Upload>> {
-        auto described = pool_.run([&](Worker&) { return describe(id, bytes); }, caller);
+        auto described = pool_.run([&](Worker&) { return describe(id, bytes, caller); }, caller);
         if (!described) return fail(std::move(described.error()));
         auto complete = proto::with_state(described->description, true, true);
         if (!complete) return fail(std::move(complete.error()));
@@ -99,10 +118,15 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const Caller& ca
 // Runs on a compute worker. The description tells of the topology, so the adjacency
 // is made, and kept by who can use it.
 Result<MeshCatalog::Described> MeshCatalog::describe(const std::string& id,
-                                                     const std::string& bytes) const {
-  auto built = build(bytes, limits_.decode);
+                                                     const std::string& bytes,
+                                                     const Caller& caller) {
+  auto built =
+      step("decode", Stage::load, caller, [&] { return build(bytes, *decode_limits_.get()); });
   if (!built) return fail(std::move(built.error()));
-  auto adjacency = std::make_shared<const Adjacency>(Adjacency::build(built->mesh));
+  const auto prepared = step("prepare", Stage::prepare, caller,
+                             [&] { return prepare(built->mesh, caller.part(kDecoding, 1)); });
+  if (!prepared) return fail(prepared.error());
+  auto adjacency = *prepared;
   std::string description =
       proto::describe_mesh(id, bytes.size(), built->decoded, *built->mesh, adjacency->report());
   return Described{std::move(built->mesh), std::move(adjacency), std::move(description)};
@@ -123,7 +147,7 @@ Result<std::string> MeshCatalog::metadata(const std::string& id, const Caller& c
 Result<std::string> MeshCatalog::described_anew(const std::string& id, const Caller& caller) {
   const auto bytes = store_.get_source(id);
   if (!bytes) return fail(bytes.error());
-  auto described = pool_.run([&](Worker&) { return describe(id, *bytes); }, caller);
+  auto described = pool_.run([&](Worker&) { return describe(id, *bytes, caller); }, caller);
   if (!described) return fail(std::move(described.error()));
   if (auto put = store_.put_metadata(id, described->description); !put) return fail(put.error());
   return std::move(described->description);
@@ -151,11 +175,12 @@ Result<std::shared_ptr<const Mesh>> MeshCatalog::load_mesh(const std::string& id
   auto mesh = meshes_.get_or_create(
       id,
       [&]() -> Result<std::shared_ptr<const Mesh>> {
-        const auto bytes = store_.get_source(id);
+        const auto bytes = step("read", Stage::load, caller, [&] { return store_.get_source(id); });
         if (!bytes) return fail(bytes.error());
         return pool_.run(
             [&](Worker&) -> Result<std::shared_ptr<const Mesh>> {
-              auto built = build(*bytes, limits_.decode);
+              auto built = step("decode", Stage::load, caller,
+                                [&] { return build(*bytes, *decode_limits_.get()); });
               if (!built) return fail(std::move(built.error()));
               return built->mesh;
             },
@@ -180,8 +205,10 @@ Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency(const std::strin
         if (!mesh) return fail(std::move(mesh.error()));
         return pool_.run(
             [&](Worker&) -> Result<std::shared_ptr<const Prepared>> {
-              return std::make_shared<const Prepared>(
-                  std::make_shared<const Adjacency>(Adjacency::build(std::move(*mesh))));
+              auto adjacency = step("prepare", Stage::prepare, caller,
+                                    [&] { return prepare(std::move(*mesh), caller); });
+              if (!adjacency) return fail(std::move(adjacency.error()));
+              return std::make_shared<const Prepared>(std::move(*adjacency));
             },
             caller);
       },
@@ -199,8 +226,10 @@ Result<std::shared_ptr<const ClosestPointIndex>> MeshCatalog::closest_points(con
       [&] {
         return pool_.run(
             [&](Worker&) -> Result<std::shared_ptr<const Prepared>> {
-              return std::make_shared<const Prepared>(
-                  std::make_shared<const ClosestPointIndex>(*mesh));
+              return step("index", Stage::prepare, caller, [&] {
+                return std::make_shared<const Prepared>(
+                    std::make_shared<const ClosestPointIndex>(*mesh));
+              });
             },
             caller);
       },

@@ -25,8 +25,11 @@
 #include "proto/decode_mesh.h"
 #include "server/caller.h"
 #include "server/compute_pool.h"
+#include "server/current.h"
 #include "server/lru_cache.h"
 #include "server/mesh_store.h"
+#include "server/metrics.h"
+#include "server/timed.h"
 
 namespace geodesic::server {
 
@@ -44,7 +47,10 @@ class MeshCatalog {
     bool created;          // false: it was known already
   };
 
-  MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimits& limits);
+  MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimits& limits, Metrics& metrics);
+
+  // For meshes to come; what is over a cache's new budget goes at once.
+  void set_limits(const CatalogLimits& limits);
 
   // Decodes, checks and stores a file. On any error nothing of it remains.
   [[nodiscard]] Result<Upload> add(std::string bytes, const Caller& caller);
@@ -71,6 +77,12 @@ class MeshCatalog {
 
   [[nodiscard]] CacheStats mesh_cache() const { return meshes_.stats(); }
   [[nodiscard]] CacheStats adjacency_cache() const { return prepared_.stats(); }
+  [[nodiscard]] std::vector<CacheEntry> cached_meshes(std::size_t most) const {
+    return meshes_.entries(most);
+  }
+  [[nodiscard]] std::vector<CacheEntry> cached_adjacency(std::size_t most) const {
+    return prepared_.entries(most);
+  }
 
  private:
   using Prepared =
@@ -82,14 +94,24 @@ class MeshCatalog {
     std::string description;  // JSON
   };
 
-  [[nodiscard]] Result<Described> describe(const std::string& id, const std::string& bytes) const;
+  [[nodiscard]] Result<Described> describe(const std::string& id, const std::string& bytes,
+                                           const Caller& caller);
+  // Does one step in making a mesh usable, and notes how long it took.
+  template <class Work>
+  [[nodiscard]] auto step(std::string_view name, Stage stage, const Caller& caller, Work&& work) {
+    const Timed timed(caller, stage);
+    auto result = work();
+    metrics_.mesh_step(name, timed.so_far().count());
+    return result;
+  }
   [[nodiscard]] Result<std::shared_ptr<const Mesh>> load_mesh(const std::string& id,
                                                               const Caller& caller);
   [[nodiscard]] Result<std::string> described_anew(const std::string& id, const Caller& caller);
 
   MeshStore& store_;
   ComputePool& pool_;
-  const CatalogLimits limits_;
+  Metrics& metrics_;
+  Current<proto::DecodeLimits> decode_limits_;
   LruCache<Mesh> meshes_;
   LruCache<Prepared> prepared_;
   LruCache<Upload> uploads_;  // keeps nothing: one upload at a time of the same bytes

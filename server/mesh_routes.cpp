@@ -1,6 +1,6 @@
 // The routes of meshes themselves: upload, list, read, prepare, delete.
 #include <algorithm>
-#include <iterator>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -37,14 +37,17 @@ HttpResponse Routes::one_mesh(Call& call) {
     if (call.is("DELETE")) return delete_mesh(call);
     return call.not_allowed("GET, HEAD, PUT, DELETE");
   }
-  constexpr std::string_view kActions[] = {"source",   "prepare", "distance", "path",   "table",
-                                           "isolines", "samples", "trace",    "nearest"};
-  if (std::find(std::begin(kActions), std::end(kActions), action) == std::end(kActions)) {
+  constexpr std::array<std::string_view, 4> kOthers{"source", "geometry", "prepare", "batch"};
+  if (!is_query(action) && std::find(kOthers.begin(), kOthers.end(), action) == kOthers.end()) {
     return call.problem(ErrorCode::route_unknown, "a mesh has nothing of this name");
   }
   call.route += "/" + std::string(action);
   if (action == "source") return call.is("GET") ? mesh_source(call) : call.not_allowed("GET, HEAD");
+  if (action == "geometry") {
+    return call.is("GET") ? mesh_geometry(call) : call.not_allowed("GET, HEAD");
+  }
   if (action == "prepare") return call.is("POST") ? prepare_mesh(call) : call.not_allowed("POST");
+  if (action == "batch") return call.is("POST") ? batch(call) : call.not_allowed("POST");
   if (!call.is("GET") && !call.is("POST")) return call.not_allowed("GET, HEAD, POST");
   return query(call, action);
 }
@@ -117,7 +120,7 @@ HttpResponse Routes::mesh_source(Call& call) {
   const auto description = nlohmann::ordered_json::parse(*metadata, nullptr, false);
   HttpResponse response;
   response.set_body(std::move(*bytes), std::string(media_type_of(description.value("format", ""))));
-  response.set_header("Cache-Control", "public, max-age=31536000, immutable");
+  response.set_header("Cache-Control", access_.audience() + ", max-age=31536000, immutable");
   response.set_header("X-Content-Type-Options", "nosniff");
   return response;
 }

@@ -12,24 +12,32 @@
 #include "core/trace_path.h"
 #include "server/field_queries.h"
 #include "server/query_place.h"
+#include "server/timed.h"
 
 namespace geodesic::server {
 namespace {
 
 using MaybePath = std::optional<Path>;
 
+// The part of a leg's time that its field takes.
+constexpr double kFieldOfLeg = 0.95;
+
 // The way from one point to the next; nothing when there is none.
 class LegFinder {
  public:
-  LegFinder(Fields& fields, const proto::PathRequest& request, const Caller& caller)
-      : fields_(fields), request_(request), caller_(caller) {}
+  // `legs`: how many are to be found.
+  LegFinder(Fields& fields, const proto::PathRequest& request, const Caller& caller,
+            std::size_t legs)
+      : fields_(fields), request_(request), caller_(caller), legs_(static_cast<double>(legs)) {}
 
   // Whether all the fields asked for were there; nothing when none was asked for.
   [[nodiscard]] std::optional<bool> cache_hit() const { return hit_; }
 
   Result<MaybePath> find(const FieldQuestion& question, const SurfacePoint& to) {
-    return request_.method.which == Method::steiner ? by_refinement(question, to)
-                                                    : by_field(question, to);
+    auto leg = request_.method.which == Method::steiner ? by_refinement(question, to)
+                                                        : by_field(question, to);
+    found_ += 1;
+    return leg;
   }
 
  private:
@@ -37,27 +45,33 @@ class LegFinder {
   // stops at the target. Whoever asks for one path from a source asks for the next
   // one as the mouse moves.
   Result<MaybePath> by_field(const FieldQuestion& question, const SurfacePoint& to) {
-    const auto field = fields_.whole(question, caller_);
+    const auto field = fields_.whole(question, part_of_leg(0, kFieldOfLeg));
     if (!field) return fail(field.error());
     hit_ = hit_.value_or(true) && field->hit;
     return fields_.compute(
         [&](SolveScratch&, const Cancel& cancel) {
+          const Timed tracing(caller_, Stage::trace);
           return refined(*question.adjacency, trace_path(*question.adjacency, *field->value, to),
                          cancel);
         },
-        caller_);
+        part_of_leg(kFieldOfLeg, 1));
   }
 
   // By the method's own refinement of a path, which keeps no field.
   Result<MaybePath> by_refinement(const FieldQuestion& question, const SurfacePoint& to) {
     return fields_.compute(
         [&](SolveScratch& scratch, const Cancel& cancel) -> Result<MaybePath> {
+          const Timed tracing(caller_, Stage::trace);
           auto path = steiner_path(*question.adjacency, question.sources.front(), to,
                                    request_.method.options, scratch.wavefront, cancel);
           if (!path) return fail(std::move(path.error()));
           return refined(*question.adjacency, std::move(*path), cancel);
         },
-        caller_);
+        part_of_leg(0, 1));
+  }
+
+  [[nodiscard]] Caller part_of_leg(double begin, double end) const {
+    return caller_.part((found_ + begin) / legs_, (found_ + end) / legs_);
   }
 
   Result<MaybePath> refined(const Adjacency& adjacency, MaybePath path, const Cancel& cancel) {
@@ -70,6 +84,8 @@ class LegFinder {
   Fields& fields_;
   const proto::PathRequest& request_;
   const Caller& caller_;
+  const double legs_;
+  double found_ = 0;
   std::optional<bool> hit_;
 };
 
@@ -102,6 +118,7 @@ Result<Answered<proto::PathReply>> FieldQueries::answer(const std::string& mesh,
   const auto place = find(mesh, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::PathReply> answer;
+  answer.adjacency = place->adjacency();
   proto::PathReply& reply = answer.reply;
   reply.mesh = mesh;
   reply.method = request.method.which;
@@ -114,7 +131,7 @@ Result<Answered<proto::PathReply>> FieldQueries::answer(const std::string& mesh,
   if (!to) return fail(to.error());
   stops->push_back(*to);
 
-  LegFinder finder(fields_, request, caller);
+  LegFinder finder(fields_, request, caller, stops->size());
   std::vector<Path> legs;
   SurfacePoint start = *from;
   for (const SurfacePoint& stop : *stops) {
@@ -138,12 +155,14 @@ Result<Answered<proto::TraceReply>> FieldQueries::answer(const std::string& mesh
   const auto place = find(mesh, caller);
   if (!place) return fail(place.error());
   Answered<proto::TraceReply> answer;
+  answer.adjacency = place->adjacency();
   proto::TraceReply& reply = answer.reply;
   reply.mesh = mesh;
   const auto from = place->point(request.from, reply.from);
   if (!from) return fail(from.error());
   const auto found = fields_.compute(
       [&](SolveScratch&, const Cancel& cancel) {
+        const Timed tracing(caller, Stage::trace);
         const Adjacency& adjacency = *place->adjacency();
         if (const auto* direction = std::get_if<Vec3>(&request.ahead)) {
           return straightest_geodesic(adjacency, *from, *direction, request.length, cancel);

@@ -24,6 +24,10 @@ Row row_of(ErrorCode code) {
       return {404, "No such mesh"};
     case ErrorCode::method_not_allowed:
       return {405, "The path does not allow this HTTP method"};
+    case ErrorCode::unauthorized:
+      return {401, "A valid token is required"};
+    case ErrorCode::forbidden:
+      return {403, "The token does not allow this"};
     case ErrorCode::not_acceptable:
       return {406, "No acceptable format"};
     case ErrorCode::request_timeout:
@@ -60,6 +64,12 @@ Row row_of(ErrorCode code) {
       return {422, "Not offered"};
     case ErrorCode::digest_mismatch:
       return {422, "The bytes do not have the given digest"};
+    case ErrorCode::job_unknown:
+      return {404, "No such job"};
+    case ErrorCode::job_unfinished:
+      return {409, "The job has not ended"};
+    case ErrorCode::job_cancelled:
+      return {409, "The job was cancelled"};
     case ErrorCode::overloaded:
       return {503, "Overloaded", 1};
     case ErrorCode::too_many_requests:

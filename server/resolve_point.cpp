@@ -71,13 +71,18 @@ Result<PlacedPoint> on_face(const Adjacency& adjacency, const proto::FaceRequest
   return placed(mesh, point_on_face(adjacency, face, request.bary));
 }
 
-Result<PlacedPoint> closest_to(const Adjacency& adjacency, const ClosestPoints& closest,
-                               const proto::SpaceRequest& request, const std::string& parameter) {
-  for (const double coordinate : {request.xyz.x, request.xyz.y, request.xyz.z}) {
+Result<void> check_coordinates(Vec3 point, const std::string& parameter) {
+  for (const double coordinate : {point.x, point.y, point.z}) {
     if (std::abs(coordinate) > Mesh::kMaxCoordinate) {
       return fail(ErrorCode::value_out_of_range, "a coordinate is too large", parameter);
     }
   }
+  return {};
+}
+
+Result<PlacedPoint> closest_to(const Adjacency& adjacency, const ClosestPoints& closest,
+                               const proto::SpaceRequest& request, const std::string& parameter) {
+  if (auto usable = check_coordinates(request.xyz, parameter); !usable) return fail(usable.error());
   const auto index = closest();
   if (!index) return fail(index.error());
   const ClosestPoint found = (*index)->closest(request.xyz);
@@ -90,6 +95,20 @@ Result<PlacedPoint> closest_to(const Adjacency& adjacency, const ClosestPoints& 
   return result;
 }
 
+Result<PlacedPoint> first_on_ray(const Adjacency& adjacency, const ClosestPoints& closest,
+                                 const proto::RayRequest& request, const std::string& parameter) {
+  if (auto usable = check_coordinates(request.origin, parameter); !usable) {
+    return fail(usable.error());
+  }
+  const auto index = closest();
+  if (!index) return fail(index.error());
+  const auto hit = (*index)->first_hit(request.origin, request.direction);
+  if (!hit) return fail(ErrorCode::no_hit, "the ray does not meet the surface", parameter);
+  PlacedPoint result = placed(adjacency.mesh(), hit->point);
+  result.echo.ray_distance = hit->distance;
+  return result;
+}
+
 }  // namespace
 
 Result<PlacedPoint> resolve_point(const Adjacency& adjacency, const ClosestPoints& closest,
@@ -99,6 +118,9 @@ Result<PlacedPoint> resolve_point(const Adjacency& adjacency, const ClosestPoint
   }
   if (const auto* face = std::get_if<proto::FaceRequest>(&request.where)) {
     return on_face(adjacency, *face, request.parameter);
+  }
+  if (const auto* ray = std::get_if<proto::RayRequest>(&request.where)) {
+    return first_on_ray(adjacency, closest, *ray, request.parameter);
   }
   return closest_to(adjacency, closest, std::get<proto::SpaceRequest>(request.where),
                     request.parameter);

@@ -19,11 +19,11 @@ struct PlacedPoint {
   proto::ResolvedPoint echo;  // what the reply says of it
 };
 
-// Gives the index that finds closest points; called only if one is needed.
+// Gives the index that finds closest points and hits; called only if one is needed.
 using ClosestPoints = std::function<Result<std::shared_ptr<const ClosestPointIndex>>()>;
 
-// Errors: index_out_of_range, snap_too_far, value_out_of_range, mesh_invalid (a
-// point on a face without surface that touches no other), and those of `closest`.
+// Errors: index_out_of_range, snap_too_far, no_hit, value_out_of_range, mesh_invalid
+// (a point on a face without surface that touches no other), and those of `closest`.
 [[nodiscard]] Result<PlacedPoint> resolve_point(const Adjacency& adjacency,
                                                 const ClosestPoints& closest,
                                                 const proto::PointRequest& request);

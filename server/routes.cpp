@@ -1,5 +1,7 @@
 #include "server/routes.h"
 
+#include <chrono>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
@@ -8,13 +10,18 @@
 #include "proto/query_limits.h"
 #include "proto/query_replies.h"
 #include "server/call.h"
+#include "server/documents.h"
 #include "server/embedded_text.h"
 #include "server/encode_reply.h"
+#include "server/finish_reply.h"
+#include "server/stage_times.h"
 
 namespace geodesic::server {
 namespace {
 
 using nlohmann::ordered_json;
+
+constexpr std::size_t kMostCacheEntries = 1000;  // in a report
 
 std::vector<std::string_view> split(std::string_view path) {
   std::vector<std::string_view> segments;
@@ -33,6 +40,17 @@ ordered_json cache_json(const CacheStats& stats) {
           {"waits", stats.waits}, {"evictions", stats.evictions}};
 }
 
+// A job mostly waits: for the store, or for its turn in a compute slot. So more of
+// them run than there are slots, and half of those, a client's share, is all slots.
+Jobs::Limits job_limits(const Config& config, std::size_t slots) {
+  Jobs::Limits limits;
+  limits.jobs = config.max_jobs;
+  limits.running = 2 * slots;
+  limits.bytes = config.job_result_bytes;
+  limits.keep = std::chrono::seconds(config.job_seconds);
+  return limits;
+}
+
 HttpResponse text_reply(std::string_view text, std::string type) {
   HttpResponse response;
   response.set_body(std::string(text), std::move(type));
@@ -41,21 +59,55 @@ HttpResponse text_reply(std::string_view text, std::string type) {
 
 }  // namespace
 
-Routes::Routes(const Config& config, MeshCatalog& catalog, FieldQueries& queries, ComputePool& pool)
-    : config_(config), catalog_(catalog), queries_(queries), pool_(pool) {}
+Routes::Routes(const Config& config, MeshCatalog& catalog, FieldQueries& queries, ComputePool& pool,
+               Metrics& metrics)
+    : config_(config),
+      cross_origin_(config.cors_origins),
+      catalog_(catalog),
+      queries_(queries),
+      pool_(pool),
+      metrics_(metrics),
+      jobs_(job_limits(config, pool.slots()),
+            [this](HttpRequest& request) { return answer_job(request); }) {}
 
 std::uint64_t Routes::max_body(std::string_view method, std::string_view path) const {
   const bool upload = method == "PUT" || (method == "POST" && path == "/v1/meshes");
-  return upload ? config_.max_body_bytes : config_.max_json_bytes;
+  return upload ? config_->max_body_bytes : config_->max_json_bytes;
 }
 
 HttpResponse Routes::answer(HttpRequest& request) {
+  request.caller.times = std::make_shared<StageTimes>();
+  HttpResponse response;
+  if (CrossOrigin::is_preflight(request)) {
+    response = cross_origin_.answer_preflight(request);
+  } else {
+    response = route(request);
+    cross_origin_.allow(request, response);
+  }
+  if (response.is_finished) return response;
+  finish_reply(request, response);
+  add_timing(*request.caller.times, response);
+  return response;
+}
+
+HttpResponse Routes::route(HttpRequest& request) {
+  if (auto refusal = access_.check(request)) return std::move(*refusal);
+  return dispatched(request);
+}
+
+HttpResponse Routes::dispatched(HttpRequest& request) {
   Call call{request,
             request.method == "HEAD" ? "GET" : std::string_view(request.method),
             split(request.path),
             {},
             {}};
   HttpResponse response = dispatch(call);
+  // Whatever a path answers to, it says which methods that are.
+  if (call.is("OPTIONS") && response.status == 405) {
+    response.status = 204;
+    response.body = nullptr;
+    response.content_type.clear();
+  }
   response.route = std::move(call.route);
   return response;
 }
@@ -66,7 +118,10 @@ HttpResponse Routes::answer_admin(HttpRequest& request) {
             split(request.path),
             {},
             {}};
-  return probe(call);
+  HttpResponse response = operate(call);
+  finish_reply(request, response);
+  response.route = std::move(call.route);
+  return response;
 }
 
 HttpResponse Routes::dispatch(Call& call) {
@@ -78,8 +133,9 @@ HttpResponse Routes::dispatch(Call& call) {
   if (call.request.path == "/") {
     return reads("/", [] { return text_reply(start_page(), "text/html; charset=utf-8"); });
   }
-  if (call.request.path == "/openapi.yaml") {
-    return reads("/openapi.yaml", [] { return text_reply(openapi_yaml(), "application/yaml"); });
+  if (auto document = find_document(call.request.path)) {
+    call.route = call.request.path;
+    return call.is("GET") ? std::move(*document) : call.not_allowed("GET, HEAD");
   }
   if (call.request.path == "/v1/methods") {
     return reads("/v1/methods", [] { return json_reply(proto::methods_json()); });
@@ -88,42 +144,85 @@ HttpResponse Routes::dispatch(Call& call) {
     return reads("/v1/status", [&] { return status(); });
   }
   if (s.size() >= 2 && s[0] == "v1" && s[1] == "meshes") {
+    if (may_be_job(call)) return begin_job(call);
     if (s.size() > 2) return one_mesh(call);
     call.route = "/v1/meshes";
     if (call.is("POST")) return add_mesh(call);
     if (call.is("GET")) return list_meshes(call);
     return call.not_allowed("GET, HEAD, POST");
   }
-  if (config_.admin_listen.host.empty()) return probe(call);
+  if (s.size() >= 2 && s[0] == "v1" && s[1] == "jobs") return one_job(call);
+  if (call.request.path == "*" && call.is("OPTIONS")) {
+    return call.not_allowed("GET, HEAD, POST, PUT, DELETE");
+  }
+  if (config_->admin_listen.host.empty()) return operate(call);
   return call.problem(ErrorCode::route_unknown, "there is nothing here");
 }
 
-// /livez and /readyz.
-HttpResponse Routes::probe(Call& call) const {
-  const bool ready = call.request.path == "/readyz";
-  if (!ready && call.request.path != "/livez") {
+// /livez, /readyz, /metrics and /debug/cache.
+HttpResponse Routes::operate(Call& call) {
+  const std::string& path = call.request.path;
+  if (path != "/livez" && path != "/readyz" && path != "/metrics" && path != "/debug/cache") {
     return call.problem(ErrorCode::route_unknown, "there is nothing here");
   }
-  call.route = call.request.path;
+  call.route = path;
   if (!call.is("GET")) return call.not_allowed("GET, HEAD");
-  if (ready && draining_) return call.problem(ErrorCode::draining, "about to stop");
-  if (ready) {
-    if (const auto store = catalog_.store_health(); !store) return call.problem(store.error());
+  HttpResponse response;
+  if (path == "/metrics") {
+    response = text_reply(metrics_text(), "text/plain; version=0.0.4; charset=utf-8");
+  } else if (path == "/debug/cache") {
+    response = json_reply(cache_report());
+  } else {
+    if (path == "/readyz") {
+      if (draining_) return call.problem(ErrorCode::draining, "about to stop");
+      if (const auto store = catalog_.store_health(); !store) return call.problem(store.error());
+    }
+    response = json_reply(R"({"status":"ok"})");
   }
-  return json_reply(R"({"status":"ok"})");
+  response.set_header("Cache-Control", "no-store");
+  return response;
 }
 
-HttpResponse Routes::status() const {
+std::string Routes::metrics_text() {
+  Metrics::Present present;
+  present.pool = pool_.stats();
+  present.meshes = catalog_.mesh_cache();
+  present.adjacency = catalog_.adjacency_cache();
+  present.fields = queries_.field_cache();
+  present.store = catalog_.store_stats();
+  present.connections = connections_ ? connections_() : 0;
+  present.ready = !draining_ && catalog_.store_health();
+  return metrics_.text(present);
+}
+
+// What is in the caches, the most recently used first.
+std::string Routes::cache_report() const {
+  const auto report = [](const std::vector<CacheEntry>& entries) {
+    ordered_json list = ordered_json::array();
+    for (const CacheEntry& entry : entries) {
+      list.push_back({{"key", entry.key}, {"bytes", entry.bytes}});
+    }
+    return list;
+  };
+  return ordered_json{{"meshes", report(catalog_.cached_meshes(kMostCacheEntries))},
+                      {"adjacency", report(catalog_.cached_adjacency(kMostCacheEntries))},
+                      {"fields", report(queries_.cached_fields(kMostCacheEntries))}}
+      .dump();
+}
+
+HttpResponse Routes::status() {
+  const auto config = config_.get();
   const ComputePool::Stats pool = pool_.stats();
+  const Jobs::Stats jobs = jobs_.stats();
   const ordered_json status{{"name", "geodesicd"},
                             {"version", GEODESIC_VERSION},
                             {"draining", draining_.load()},
                             {"meshes", catalog_.size()},
                             {"limits",
-                             {{"max_body_bytes", config_.max_body_bytes},
-                              {"max_json_bytes", config_.max_json_bytes},
-                              {"max_vertices", config_.max_vertices},
-                              {"max_faces", config_.max_faces},
+                             {{"max_body_bytes", config->max_body_bytes},
+                              {"max_json_bytes", config->max_json_bytes},
+                              {"max_vertices", config->max_vertices},
+                              {"max_faces", config->max_faces},
                               {"max_sources", proto::kMaxSources},
                               {"max_points", proto::kMaxPoints},
                               {"max_via", proto::kMaxVia},
@@ -132,8 +231,11 @@ HttpResponse Routes::status() const {
                               {"max_levels", proto::kMaxLevels},
                               {"max_isoline_segments", proto::kMaxIsolineSegments},
                               {"max_samples", proto::kMaxSamples},
-                              {"body_timeout_seconds", config_.body_timeout_seconds},
-                              {"queue", config_.queue}}},
+                              {"max_jobs", config->max_jobs},
+                              {"job_result_bytes", config->job_result_bytes},
+                              {"job_seconds", config->job_seconds},
+                              {"body_timeout_seconds", config->body_timeout_seconds},
+                              {"queue", config->queue}}},
                             {"compute",
                              {{"slots", pool.slots},
                               {"running", pool.running},
@@ -141,11 +243,18 @@ HttpResponse Routes::status() const {
                               {"finished", pool.finished},
                               {"rejected", pool.rejected},
                               {"given_up", pool.given_up}}},
+                            {"jobs",
+                             {{"queued", jobs.queued},
+                              {"running", jobs.running},
+                              {"ended", jobs.ended},
+                              {"bytes", jobs.bytes}}},
                             {"caches",
                              {{"meshes", cache_json(catalog_.mesh_cache())},
                               {"adjacency", cache_json(catalog_.adjacency_cache())},
                               {"fields", cache_json(queries_.field_cache())}}}};
-  return json_reply(status.dump());
+  HttpResponse response = json_reply(status.dump());
+  response.set_header("Cache-Control", "no-store");
+  return response;
 }
 
 }  // namespace geodesic::server

@@ -5,56 +5,113 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 
+#include "proto/parameters.h"
+#include "server/access.h"
+#include "server/caller.h"
 #include "server/compute_pool.h"
 #include "server/config.h"
+#include "server/cross_origin.h"
+#include "server/current.h"
 #include "server/field_queries.h"
 #include "server/http_message.h"
+#include "server/jobs.h"
 #include "server/mesh_catalog.h"
+#include "server/metrics.h"
 
 namespace geodesic::server {
 
 class Routes {
  public:
-  Routes(const Config& config, MeshCatalog& catalog, FieldQueries& queries, ComputePool& pool);
+  Routes(const Config& config, MeshCatalog& catalog, FieldQueries& queries, ComputePool& pool,
+         Metrics& metrics);
 
   // Answers any request. May be called from any thread.
   [[nodiscard]] HttpResponse answer(HttpRequest& request);
-  // Only /livez and /readyz: for a listener of its own.
+  // Only probes, metrics and what is in the caches: for a listener of its own.
   [[nodiscard]] HttpResponse answer_admin(HttpRequest& request);
 
   // From now on /readyz says no, so that balancers look elsewhere.
-  void start_draining() { draining_ = true; }
+  // Jobs end at once.
+  void start_draining() {
+    draining_ = true;
+    jobs_.stop();
+  }
+
+  // Who may do what; without tokens, everybody everything.
+  [[nodiscard]] Access& access() { return access_; }
+  [[nodiscard]] const Access& access() const { return access_; }
+
+  // How many connections are open, for the metrics. To be called before any request.
+  void count_connections(std::function<std::uint64_t()> count) { connections_ = std::move(count); }
+
+  // Replaces the settings for requests to come.
+  void set_config(const Config& config) { config_.set(config); }
 
   // The most bytes that a body of this request may have.
   [[nodiscard]] std::uint64_t max_body(std::string_view method, std::string_view path) const;
 
+  // A query on a mesh, wherever it was read from.
+  struct Query {
+    const std::string& mesh;
+    std::string_view action;  // which one, such as "path"
+    proto::Parameters& parameters;
+    const std::string* accept;  // an Accept header; null: none
+    const Caller& caller;
+    const HttpRequest* reader;  // the GET it is, so that its reply has a tag; null: none
+    bool json_only;
+  };
+
  private:
   struct Call;  // a request with its path taken apart
 
+  [[nodiscard]] HttpResponse route(HttpRequest& request);
+  // What the request is answered, before what all replies have in common.
+  [[nodiscard]] HttpResponse dispatched(HttpRequest& request);
   [[nodiscard]] HttpResponse dispatch(Call& call);
   [[nodiscard]] HttpResponse one_mesh(Call& call);
-  [[nodiscard]] HttpResponse probe(Call& call) const;
+  [[nodiscard]] HttpResponse operate(Call& call);
+  [[nodiscard]] std::string metrics_text();
+  [[nodiscard]] std::string cache_report() const;
   [[nodiscard]] HttpResponse add_mesh(Call& call);
   [[nodiscard]] HttpResponse put_mesh(Call& call);
   [[nodiscard]] HttpResponse list_meshes(Call& call);
   [[nodiscard]] HttpResponse mesh_metadata(Call& call);
   [[nodiscard]] HttpResponse mesh_source(Call& call);
+  [[nodiscard]] HttpResponse mesh_geometry(Call& call);
   [[nodiscard]] HttpResponse prepare_mesh(Call& call);
   [[nodiscard]] HttpResponse delete_mesh(Call& call);
   [[nodiscard]] HttpResponse query(Call& call, std::string_view action);
   // Any query: parameters to a Request, its answer to the format asked for.
   template <class Request>
-  [[nodiscard]] HttpResponse answer_query(const Call& call);
-  [[nodiscard]] HttpResponse status() const;
+  [[nodiscard]] Result<HttpResponse> answer_query(const Query& query);
+  [[nodiscard]] Result<HttpResponse> answer_any_query(const Query& query);
+  [[nodiscard]] std::string query_cache_policy() const;
+  [[nodiscard]] HttpResponse batch(Call& call);
+  [[nodiscard]] std::string answer_line(const std::string& mesh, std::string_view text,
+                                        const HttpRequest& request, const Caller& caller);
+  // Whether the client prefers not to wait for this one.
+  [[nodiscard]] static bool may_be_job(const Call& call);
+  [[nodiscard]] HttpResponse begin_job(Call& call);
+  [[nodiscard]] HttpResponse answer_job(HttpRequest& request);
+  [[nodiscard]] HttpResponse one_job(Call& call);
+  [[nodiscard]] HttpResponse job_result(Call& call, const std::string& id);
+  [[nodiscard]] HttpResponse job_events(Call& call, const std::string& id);
+  [[nodiscard]] HttpResponse status();
 
-  const Config config_;
+  Current<Config> config_;
+  Access access_;
+  const CrossOrigin cross_origin_;
   MeshCatalog& catalog_;
   FieldQueries& queries_;
   ComputePool& pool_;
+  Metrics& metrics_;
+  std::function<std::uint64_t()> connections_;
   std::atomic<bool> draining_{false};
+  Jobs jobs_;  // last: its threads use the others
 };
 
 }  // namespace geodesic::server

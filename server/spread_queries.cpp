@@ -16,6 +16,9 @@ namespace {
 
 using Levels = decltype(proto::IsolinesRequest::levels);
 
+// The part of the time that the field takes, before the lines.
+constexpr double kFieldOfIsolines = 0.9;
+
 const char* parameter_of(const Levels& levels) {
   if (std::holds_alternative<std::vector<double>>(levels)) return "levels";
   return std::holds_alternative<proto::IsolinesRequest::Step>(levels) ? "step" : "count";
@@ -51,6 +54,7 @@ Result<Answered<proto::IsolinesReply>> FieldQueries::answer(const std::string& m
   const auto place = find(mesh, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::IsolinesReply> answer;
+  answer.adjacency = place->adjacency();
   proto::IsolinesReply& reply = answer.reply;
   reply.mesh = mesh;
   reply.method = request.method.which;
@@ -59,7 +63,7 @@ Result<Answered<proto::IsolinesReply>> FieldQueries::answer(const std::string& m
   FieldQuestion question{mesh, place->adjacency(), request.method, std::move(*sources)};
   // A line at `max` needs the vertices just beyond it.
   if (request.max) question.max = *request.max + 2 * longest_edge(*place->adjacency());
-  const auto field = fields_.whole(question, caller);
+  const auto field = fields_.whole(question, caller.part(0, kFieldOfIsolines));
   if (!field) return fail(field.error());
   answer.cache_hit = field->hit;
 
@@ -74,7 +78,7 @@ Result<Answered<proto::IsolinesReply>> FieldQueries::answer(const std::string& m
         return isolines(*place->adjacency(), *field->value, reply.levels,
                         proto::kMaxIsolineSegments, cancel);
       },
-      caller);
+      caller.part(kFieldOfIsolines, 1));
   if (!lines) {
     if (lines.error().code == ErrorCode::too_large) {
       lines.error().parameter = parameter_of(request.levels);
@@ -91,6 +95,7 @@ Result<Answered<proto::SamplesReply>> FieldQueries::answer(const std::string& me
   const auto place = find(mesh, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::SamplesReply> answer;
+  answer.adjacency = place->adjacency();
   proto::SamplesReply& reply = answer.reply;
   reply.mesh = mesh;
   reply.method = request.method.which;

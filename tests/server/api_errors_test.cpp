@@ -86,7 +86,7 @@ TEST_CASE("UnknownRouteAndWrongMethod") {
   check_problem(plane.service.get(plane.base + "/path/more"), 404, "route_unknown");
   const HttpResponse wrong = plane.service.ask("DELETE", plane.base + "/distance");
   check_problem(wrong, 405, "method_not_allowed");
-  CHECK(header_of(wrong, "Allow") == "GET, HEAD, POST");
+  CHECK(header_of(wrong, "Allow") == "GET, HEAD, POST, OPTIONS");
   check_problem(plane.service.ask("PATCH", "/v1/meshes"), 405, "method_not_allowed");
   check_problem(plane.service.ask("POST", "/livez"), 405, "method_not_allowed");
 }

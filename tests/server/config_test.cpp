@@ -3,11 +3,16 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <string>
+#include <vector>
+
+#include "server/check_config.h"
+#include "server/tokens.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
@@ -120,6 +125,8 @@ TEST_CASE("unknown options and unreadable files are refused") {
   const ConfigFile broken("{");
   CHECK(mentions(error_of({"--config", broken.path}), "is not a JSON object"));
   CHECK(mentions(error_of({"--config", broken.path + ".none"}), "cannot be read"));
+  CHECK(mentions(error_of({"--config", std::filesystem::temp_directory_path().string()}),
+                 "is a folder"));
 }
 
 TEST_CASE("help, version and the table list what there is") {
@@ -149,6 +156,7 @@ TEST_CASE("help, version and the table list what there is") {
                            "keep-alive-seconds",
                            "tls-cert",
                            "tls-key",
+                           "tokens",
                            "max-connections",
                            "queue-per-client",
                            "queue-seconds",
@@ -160,6 +168,82 @@ TEST_CASE("help, version and the table list what there is") {
     CHECK(config_table().find("| `--" + std::string(name) + " ") != std::string::npos);
   }
   CHECK(config_table().find("| `--queue N` | `GEODESICD_QUEUE` | `256` |") != std::string::npos);
+}
+
+TEST_CASE("--check-config gathers every problem of every source") {
+  const ConfigFile file(R"({"queue": "x", "quue": 1, "max-faces": 7, "store": -1})");
+  const auto line = read_config({"--check-config", "--config", file.path, "--max-vertices=0",
+                                 "--stray", "--tls-cert=cert.pem", "word"},
+                                in({{"GEODESICD_LOG_LEVEL", "loud"}}));
+  REQUIRE(line);
+  CHECK(line->check);
+  CHECK(line->config.max_faces == 7);  // what is right was read
+  const std::string said = check_config(*line, in({}));
+  CAPTURE(said);
+  for (const std::string& part :
+       {std::string("'--stray' is not known"), std::string("'word' is not known"),
+        file.path + ": queue: 'x' is not a whole number", file.path + ": quue: no such option",
+        file.path + ": store: must be", std::string("--max-vertices: at least 1"),
+        std::string("GEODESICD_LOG_LEVEL: 'loud'"), std::string("--tls-key go together")}) {
+    CAPTURE(part);
+    CHECK(said.find(part) != std::string::npos);
+  }
+  CHECK(std::count(said.begin(), said.end(), '\n') == 8);
+}
+
+TEST_CASE("--check-config reads the files and places that are named, and touches no store") {
+  const std::string store = (std::filesystem::temp_directory_path() / "never_made").string();
+  const auto said = [&](std::vector<std::string> flags, Variables variables = {}) {
+    flags.emplace_back("--check-config");
+    const auto line = read_config(flags, in(variables));
+    REQUIRE(line);
+    return check_config(*line, in(variables));
+  };
+  CHECK(said({"--store", store}).empty());
+  CHECK_FALSE(std::filesystem::exists(store));
+  CHECK(said({"--store", ""}) == "store: a place is required\n");
+  const Variables keys{{"AWS_ACCESS_KEY_ID", "a"}, {"AWS_SECRET_ACCESS_KEY", "b"}};
+  CHECK(said({"--store", "s3://bucket/prefix"}, keys).empty());
+  CHECK(said({"--store", "s3://bucket/prefix"}).find("AWS_ACCESS_KEY_ID") != std::string::npos);
+  CHECK(said({"--store", "s3://bucket?colour=red"}, keys).starts_with("store: "));
+
+  const std::string hash(64, 'a');
+  const ConfigFile good("ann read " + hash + "\n");
+  const ConfigFile bad("ann read\n");
+  CHECK(said({"--tokens", good.path}).empty());
+  const std::string several =
+      said({"--tokens", bad.path, "--tls-cert", good.path, "--tls-key", good.path, "--store", ""});
+  CAPTURE(several);
+  CHECK(several.starts_with("tokens: " + bad.path + ":1: has 2 fields"));
+  CHECK(several.find("\ntls-cert, tls-key: ") != std::string::npos);
+  CHECK(several.find("\nstore: ") != std::string::npos);
+  CHECK(several.find(hash) == std::string::npos);
+}
+
+TEST_CASE("--make-token prints a token and the line that lets it in") {
+  const auto made = [](const std::vector<std::string>& flags) {
+    const auto line = read_config(flags, in({}));
+    REQUIRE(line);
+    REQUIRE(line->print);
+    return *line->print;
+  };
+  const std::string text = made({"--make-token", "ann", "--scopes", "read,upload"});
+  const std::string secret = text.substr(0, text.find('\n'));
+  CHECK(secret.starts_with("geo_"));
+  const auto tokens = Tokens::parse(text.substr(text.find('\n') + 1), "file");
+  REQUIRE(tokens);
+  REQUIRE(tokens->find(secret) != nullptr);
+  CHECK(tokens->find(secret)->name == "ann");
+  CHECK(made({"--make-token=x", "--scopes=admin", "--expires=2030-01-31"})
+            .ends_with(" expires=2030-01-31T00:00:00Z\n"));
+
+  CHECK(mentions(error_of({"--make-token", "ann"}), "--scopes: "));
+  CHECK(mentions(error_of({"--make-token", "ann", "--scopes", "all"}), "--scopes: "));
+  CHECK(mentions(error_of({"--make-token", "", "--scopes", "read"}), "--make-token: "));
+  CHECK(mentions(error_of({"--make-token", "a b", "--scopes", "read"}), "--make-token: "));
+  CHECK(mentions(error_of({"--make-token=a", "--scopes=read", "--expires=soon"}), "--expires: "));
+  CHECK(mentions(error_of({"--scopes", "read"}), "--make-token"));
+  CHECK(mentions(error_of({"--make-token=a", "--scopes=read", "--quue=1"}), "--quue"));
 }
 
 TEST_CASE("byte sizes take binary suffixes and nothing else") {

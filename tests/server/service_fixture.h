@@ -22,6 +22,7 @@
 #include "server/mesh_catalog.h"
 #include "server/mesh_store.h"
 #include "server/open_store.h"
+#include "server/reload.h"
 #include "server/routes.h"
 #include "server/sha256.h"
 
@@ -62,23 +63,14 @@ inline std::unique_ptr<MeshStore> opened_store(const std::filesystem::path& fold
   return std::move(*store);
 }
 
-inline CatalogLimits catalog_limits(const Config& config) {
-  CatalogLimits limits;
-  limits.decode.max_vertices = config.max_vertices;
-  limits.decode.max_faces = config.max_faces;
-  limits.mesh_cache_bytes = config.mesh_cache_bytes;
-  limits.adjacency_cache_bytes = config.adjacency_cache_bytes;
-  return limits;
-}
-
 class Service {
  public:
   explicit Service(const std::filesystem::path& folder, const Config& config = {})
       : store(opened_store(folder)),
         pool(2, 256),
-        catalog(*store, pool, catalog_limits(config)),
-        queries(catalog, pool, config.field_cache_bytes),
-        routes(config, catalog, queries, pool) {}
+        catalog(*store, pool, catalog_limits(config), metrics),
+        queries(catalog, pool, config.field_cache_bytes, metrics),
+        routes(config, catalog, queries, pool, metrics) {}
 
   HttpResponse ask(std::string method, const std::string& target, std::string body = {},
                    std::vector<NameValue> headers = {}) {
@@ -107,6 +99,7 @@ class Service {
   }
 
   std::unique_ptr<MeshStore> store;
+  Metrics metrics{"test"};
   ComputePool pool;
   MeshCatalog catalog;
   FieldQueries queries;

@@ -1,0 +1,131 @@
+#include "core/ray_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace geodesic {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+// Rays that begin within this need no moving, in the frame's units.
+constexpr double kNear = 4;
+
+// A height below this part of the longest side is none, as in Mesh::build.
+constexpr double kZeroAreaRatio = 1e-12;
+
+double largest_component(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+struct Span {
+  double begin;
+  double end;
+};
+
+// The part of a ray in the box [-half, half]; empty (begin > end) if there is none.
+Span span_in_box(Vec3 origin, Vec3 direction, double half) {
+  Span span{-kInfinity, kInfinity};
+  const double o[] = {origin.x, origin.y, origin.z};
+  const double d[] = {direction.x, direction.y, direction.z};
+  for (int axis = 0; axis < 3; ++axis) {
+    if (d[axis] == 0) {
+      if (std::abs(o[axis]) > half) return {kInfinity, -kInfinity};
+      continue;
+    }
+    const double a = (-half - o[axis]) / d[axis];
+    const double b = (half - o[axis]) / d[axis];
+    span.begin = std::max(span.begin, std::min(a, b));
+    span.end = std::min(span.end, std::max(a, b));
+  }
+  return span;
+}
+
+bool is_flat(const FaceRecord& face) {
+  return !(face.area2 > kZeroAreaRatio * face.length2(face.longest_side()));
+}
+
+struct OnFace {
+  std::uint32_t face = kNone;
+  std::array<double, 3> bary{};
+};
+
+// A point of a face without area is one of its sides' too. The nearest place on a
+// side that a face with an area has as well; without such a side, nothing.
+OnFace beside(const Adjacency& adjacency, std::uint32_t flat, const std::array<double, 3>& bary) {
+  const Mesh& mesh = adjacency.mesh();
+  const Vec3 point = position_of(mesh, {flat, bary, kNone});
+  OnFace best;
+  double best2 = kInfinity;
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    const Halfedge side = halfedge(flat, c);
+    Halfedge h = adjacency.ring(side);
+    while (h != side && is_flat(adjacency.face(face_of(h)))) h = adjacency.ring(h);
+    if (h == side) continue;
+    const FaceRecord& face = adjacency.face(face_of(h));
+    const std::uint32_t from = corner_of(h);
+    const std::uint32_t to = next_corner(from);
+    const Vec3 a = mesh.positions()[face.vertex[from]];
+    const Vec3 b = mesh.positions()[face.vertex[to]];
+    const double t = std::clamp(dot(point - a, b - a) / face.length2(from), 0.0, 1.0);
+    const Vec3 gap = point - ((1 - t) * a + t * b);
+    if (dot(gap, gap) >= best2) continue;
+    best2 = dot(gap, gap);
+    best.face = face_of(h);
+    best.bary = {0, 0, 0};
+    best.bary[from] = 1 - t;
+    best.bary[to] = t;
+  }
+  return best;
+}
+
+}  // namespace
+
+// A power of two, by which nothing is rounded.
+UnitBox::UnitBox(const Box& box) : centre(0.5 * box.min + 0.5 * box.max) {
+  int exponent = 0;
+  std::frexp(largest_component(0.5 * box.max - 0.5 * box.min), &exponent);
+  scale = std::ldexp(1.0, -exponent);
+}
+
+std::optional<RaySearch> RaySearch::begin(const Adjacency& adjacency, const UnitBox& unit,
+                                          Vec3 origin, Vec3 direction) {
+  const double largest = largest_component(direction);
+  direction = {direction.x / largest, direction.y / largest, direction.z / largest};
+  // Each step stops short of the box by what it may be off, so the next one, from
+  // much nearer, sees better; 1e120 units need nine.
+  for (;;) {
+    const Vec3 from = unit.inside(origin);
+    const double away = largest_component(from);
+    const double slack = 16 * kEpsilon * away;
+    const Span span = span_in_box(from, direction, 1 + slack);
+    if (span.begin > span.end + slack || span.end < 0) return std::nullopt;
+    const double step = span.begin - 1 - slack;
+    if (away <= kNear || step <= 0) break;
+    origin = origin + (step / unit.scale) * direction;
+  }
+  return RaySearch(adjacency, unit, origin, direction);
+}
+
+bool RaySearch::consider(std::uint32_t face) {
+  const FaceRecord& record = adjacency_->face(face);
+  const auto corner = [&](std::uint32_t c) {
+    return unit_->scale * (adjacency_->mesh().positions()[record.vertex[c]] - origin_);
+  };
+  const auto met = frame_.meet({corner(0), corner(1), corner(2)});
+  if (!met || met->t > reach_ || (met->t == reach_ && face > met_)) return false;
+  OnFace place{face, met->bary};
+  if (is_flat(record)) place = beside(*adjacency_, face, met->bary);
+  if (place.face == kNone) return false;
+  reach_ = met->t;
+  met_ = face;
+  face_ = place.face;
+  bary_ = place.bary;
+  return true;
+}
+
+std::optional<SurfacePoint> RaySearch::hit() const {
+  if (face_ == kNone) return std::nullopt;
+  return point_on_face(*adjacency_, face_, bary_);
+}
+
+}  // namespace geodesic

@@ -1,0 +1,79 @@
+#include "proto/encode_geometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <utility>
+
+#include "proto/array_formats.h"
+#include "proto/glb_drawing.h"
+
+namespace geodesic::proto {
+namespace {
+
+std::vector<Vec3> positions_of(const Mesh& mesh) {
+  std::vector<Vec3> positions;
+  positions.reserve(mesh.source_vertex_count());
+  for (const std::uint32_t v : mesh.vertex_of_source()) positions.push_back(mesh.positions()[v]);
+  return positions;
+}
+
+// Three source vertices a face.
+std::vector<std::uint32_t> triangles_of(const Mesh& mesh) {
+  std::vector<std::uint32_t> triangles;
+  triangles.reserve(std::size_t{3} * mesh.source_face_count());
+  for (std::uint32_t source = 0; source < mesh.source_face_count(); ++source) {
+    const std::uint32_t face = mesh.face_of_source(source);
+    const Triangle vertices = face == kNone ? mesh.dropped_face(source) : mesh.faces()[face];
+    for (const std::uint32_t v : vertices) triangles.push_back(mesh.source_of_vertex(v));
+  }
+  return triangles;
+}
+
+bool fits_float32(const Box& box) {
+  constexpr double kMost = std::numeric_limits<float>::max();
+  const Vec3& a = box.min;
+  const Vec3& b = box.max;
+  return std::min({a.x, a.y, a.z}) >= -kMost && std::max({b.x, b.y, b.z}) <= kMost;
+}
+
+}  // namespace
+
+Result<std::string> geometry_glb(const Mesh& mesh) {
+  if (!fits_float32(mesh.box())) {
+    return fail(ErrorCode::unsupported,
+                "a GLB holds numbers of float32, which these positions exceed; a frame has them",
+                "format");
+  }
+  // What is not positions and indices is far below a megabyte.
+  constexpr std::uint64_t kMostBytes = std::numeric_limits<std::uint32_t>::max() - (1U << 20U);
+  const std::uint64_t bytes =
+      std::uint64_t{12} * mesh.source_vertex_count() + std::uint64_t{12} * mesh.source_face_count();
+  if (bytes > kMostBytes) {
+    return fail(ErrorCode::unsupported, "a GLB is below 4 GiB; a frame has any size", "format");
+  }
+  const GlbPart part{
+      "geometry", GlbPart::Mode::triangles, positions_of(mesh), triangles_of(mesh), {}};
+  const std::vector<std::byte> glb = encode_glb_parts(std::span(&part, 1));
+  return std::string(reinterpret_cast<const char*>(glb.data()), glb.size());
+}
+
+std::string geometry_frame(std::string_view id, const Mesh& mesh) {
+  std::vector<double> coordinates;
+  coordinates.reserve(std::size_t{3} * mesh.source_vertex_count());
+  for (const std::uint32_t v : mesh.vertex_of_source()) {
+    const Vec3 p = mesh.positions()[v];
+    coordinates.insert(coordinates.end(), {p.x, p.y, p.z});
+  }
+  const std::uint64_t vertices = mesh.source_vertex_count();
+  const std::uint64_t faces = mesh.source_face_count();
+  std::vector<Array> arrays(2);
+  arrays[0] = {"positions", NumberType::f64, {vertices, 3}, f64_bytes(coordinates)};
+  arrays[1] = {"triangles", NumberType::u32, {faces, 3}, u32_bytes(triangles_of(mesh))};
+  return frame({{"mesh", id}, {"vertices", vertices}, {"faces", faces}}, arrays);
+}
+
+}  // namespace geodesic::proto

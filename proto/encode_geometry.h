@@ -1,0 +1,27 @@
+// A mesh as the engine has it, in its client's numbering: one position a source
+// vertex, in their order, and one triangle a source face. Source vertices that were
+// welded have the same position, and triangles name the first of them; a face that
+// welding has dropped is there with the corners that it has left. So whatever a
+// query says of a vertex or a face fits this geometry by its number.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/error.h"
+#include "core/mesh.h"
+
+namespace geodesic::proto {
+
+// As a GLB of one triangle primitive. Positions are rounded to float32, which is what
+// they were unless a node moved them. Errors: unsupported, when float32 or the size
+// of a GLB (4 GiB) does not hold them.
+[[nodiscard]] Result<std::string> geometry_glb(const Mesh& mesh);
+
+// As a frame (array_formats.h) of `positions`, float64 [vertices, 3], and `triangles`,
+// uint32 [faces, 3]; its JSON has the mesh's id and both counts.
+[[nodiscard]] std::string geometry_frame(std::string_view id, const Mesh& mesh);
+
+}  // namespace geodesic::proto

@@ -1,0 +1,109 @@
+// Many queries in one request, each a line of JSON (NDJSON): answered in their order,
+// line by line as they are done.
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "proto/parameters.h"
+#include "server/call.h"
+#include "server/problem.h"
+#include "server/routes.h"
+
+namespace geodesic::server {
+namespace {
+
+constexpr const char* kMediaType = "application/x-ndjson";
+
+// A batch under way: its lines, and how far it has come.
+struct Batch {
+  std::string mesh;
+  std::string body;
+  HttpRequest request;   // for whom: without its body
+  std::size_t done = 0;  // bytes of the body
+
+  [[nodiscard]] double part_done() const {
+    return static_cast<double>(done) / static_cast<double>(body.size());
+  }
+
+  // The next line that is not blank; none at the end.
+  bool next(std::string_view& line) {
+    while (done < body.size()) {
+      const std::size_t end = body.find('\n', done);
+      line = std::string_view(body).substr(done, end == body.npos ? body.npos : end - done);
+      done = end == body.npos ? body.size() : end + 1;
+      if (line.find_first_not_of(" \t\r") != line.npos) return true;
+    }
+    return false;
+  }
+};
+
+// {"id":…,"status":200,"reply":{…}} or {"id":…,"status":422,"problem":{…}}
+std::string reply_line(const std::optional<std::string>& id, int status, const char* key,
+                       std::string_view json) {
+  std::string line = "{";
+  if (id) line += "\"id\":" + *id + ",";
+  line += "\"status\":" + std::to_string(status) + ",\"" + key + "\":";
+  line += json;
+  line += "}\n";
+  return line;
+}
+
+}  // namespace
+
+HttpResponse Routes::batch(Call& call) {
+  if (!call.request.query.empty()) {
+    return call.problem(Error{ErrorCode::unknown_parameter,
+                              "parameters of a batch are in its lines",
+                              call.request.query.front().first,
+                              {},
+                              {}});
+  }
+  // While the reply has not begun, an unknown mesh can still be told by its status.
+  if (auto metadata = catalog_.metadata(call.id, call.request.caller); !metadata) {
+    return call.problem(metadata.error());
+  }
+  auto batch = std::make_shared<Batch>();
+  batch->mesh = call.id;
+  batch->body = std::move(call.request.body);
+  batch->request = call.request;
+  HttpResponse response;
+  response.content_type = kMediaType;
+  response.set_header("Cache-Control", "no-store");
+  response.stream = [this, batch](std::string& chunk) {
+    std::string_view text;
+    const double begin = batch->part_done();
+    if (batch->request.caller() || !batch->next(text)) return false;
+    const Caller caller = batch->request.caller.part(begin, batch->part_done());
+    chunk = answer_line(batch->mesh, text, batch->request, caller);
+    return true;
+  };
+  return response;
+}
+
+// {"id":…, "query":"path", …}: the rest are the query's parameters.
+std::string Routes::answer_line(const std::string& mesh, std::string_view text,
+                                const HttpRequest& request, const Caller& caller) {
+  std::optional<std::string> id;
+  const auto answer = [&]() -> Result<HttpResponse> {
+    auto parameters = proto::Parameters::from_json(text);
+    if (!parameters) return fail(std::move(parameters.error()));
+    auto given = parameters->scalar("id");
+    if (!given) return fail(std::move(given.error()));
+    id = std::move(*given);
+    const auto action = parameters->text("query");
+    if (!action) return fail(action.error());
+    if (!*action || !is_query(**action)) {
+      return fail(ErrorCode::bad_syntax, "each line names its query, such as \"path\"", "query");
+    }
+    return answer_any_query({mesh, **action, *parameters, nullptr, caller, nullptr, true});
+  };
+  const auto found = answer();
+  if (found) return reply_line(id, found->status, "reply", *found->body);
+  const int status = http_status(found.error().code);
+  return reply_line(id, status, "problem",
+                    to_problem_json(found.error(), request.target, request.id, status));
+}
+
+}  // namespace geodesic::server

@@ -1,0 +1,38 @@
+#include "server/check_config.h"
+
+#include "server/http_tls.h"
+#include "server/s3_location.h"
+#include "server/tokens.h"
+
+namespace geodesic::server {
+
+std::vector<std::string> problems_of(const Config& config, const Environment& environment) {
+  std::vector<std::string> problems;
+  if (!config.tokens.empty()) {
+    if (const auto tokens = Tokens::load(config.tokens); !tokens) {
+      problems.push_back("tokens: " + tokens.error().detail);
+    }
+  }
+  if (!config.tls_cert.empty() && !config.tls_key.empty()) {
+    if (const auto pair = TlsContext::load(config.tls_cert, config.tls_key); !pair) {
+      problems.push_back("tls-cert, tls-key: " + pair.error().detail);
+    }
+  }
+  if (config.store.empty()) {
+    problems.emplace_back("store: a place is required");
+  } else if (is_s3_url(config.store)) {
+    if (const auto location = parse_s3_url(config.store, environment); !location) {
+      problems.push_back("store: " + location.error().detail);
+    }
+  }
+  return problems;
+}
+
+std::string check_config(const CommandLine& command, const Environment& environment) {
+  std::string out;
+  for (const Error& problem : command.problems) out += problem.detail + "\n";
+  for (const std::string& problem : problems_of(command.config, environment)) out += problem + "\n";
+  return out;
+}
+
+}  // namespace geodesic::server

@@ -1,0 +1,155 @@
+#include "server/draw_reply.h"
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "proto/colour_map.h"
+#include "proto/glb_drawing.h"
+#include "proto/number.h"
+#include "proto/picture.h"
+
+namespace geodesic::server {
+namespace {
+
+using proto::Format;
+using proto::GlbPart;
+
+constexpr proto::Colour kGrey{190, 192, 196};  // of what is not reached
+
+HttpResponse glb_reply(const std::vector<GlbPart>& parts) {
+  const std::vector<std::byte> bytes = proto::encode_glb_parts(parts);
+  HttpResponse response;
+  response.set_body(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()),
+                    std::string(proto::media_type_of(Format::glb)));
+  return response;
+}
+
+Result<HttpResponse> png_reply(const Mesh& mesh, const proto::PictureContent& content,
+                               const proto::PictureOptions& options, const Cancel& cancel) {
+  const auto image = proto::draw_picture(mesh, content, options, cancel);
+  if (!image) return fail(image.error());
+  HttpResponse response;
+  response.set_body(proto::encode_png(*image), std::string(proto::media_type_of(Format::png)));
+  return response;
+}
+
+std::string as_text(double value) {
+  std::string text;
+  proto::append_number(text, value);
+  return text;
+}
+
+void add_cache_header(Result<HttpResponse>& response, std::optional<bool> hit) {
+  if (response && hit) response->set_header("Geo-Cache", *hit ? "hit" : "miss");
+}
+
+GlbPart coloured_surface(const Mesh& mesh, const proto::DistanceReply& reply,
+                         proto::ColourMap map) {
+  GlbPart part;
+  part.name = "distance";
+  const double max = reply.max.value_or(0);
+  part.positions.reserve(mesh.source_vertex_count());
+  part.colours.reserve(mesh.source_vertex_count());
+  for (std::uint32_t v = 0; v < mesh.source_vertex_count(); ++v) {
+    part.positions.push_back(mesh.positions()[mesh.vertex_of_source()[v]]);
+    const double d = reply.distances[v];
+    part.colours.push_back(d == kUnreached ? kGrey : proto::colour_at(map, max > 0 ? d / max : 0));
+  }
+  part.indices.reserve(3 * mesh.faces().size());
+  for (std::uint32_t f = 0; f < mesh.faces().size(); ++f) {
+    for (const std::uint32_t v : mesh.faces()[f]) part.indices.push_back(mesh.source_of_vertex(v));
+  }
+  return part;
+}
+
+std::vector<Vec3> positions_of(const std::vector<proto::PathReplyPoint>& points) {
+  std::vector<Vec3> positions;
+  positions.reserve(points.size());
+  for (const proto::PathReplyPoint& point : points) positions.push_back(point.xyz);
+  return positions;
+}
+
+GlbPart line(std::string name, std::vector<Vec3> positions) {
+  GlbPart part;
+  part.name = std::move(name);
+  part.mode = GlbPart::Mode::line_strip;
+  // A line of one point is none.
+  if (positions.size() > 1) part.positions = std::move(positions);
+  return part;
+}
+
+Result<HttpResponse> draw_line(const Mesh& mesh, const char* name,
+                               const std::vector<proto::PathReplyPoint>& points, Vec3 start,
+                               std::vector<Vec3> targets, const proto::ReplyFormat& format,
+                               const Cancel& cancel) {
+  std::vector<Vec3> positions = positions_of(points);
+  if (format.format == Format::glb) return glb_reply({line(name, std::move(positions))});
+  proto::PictureContent content;
+  if (positions.size() > 1) content.lines.push_back(std::move(positions));
+  content.sources = {start};
+  content.targets = std::move(targets);
+  return png_reply(mesh, content, format.picture, cancel);
+}
+
+}  // namespace
+
+Result<HttpResponse> draw(const Answered<proto::DistanceReply>& answer,
+                          const proto::ReplyFormat& format, const Cancel& cancel) {
+  const Mesh& mesh = answer.adjacency->mesh();
+  const proto::DistanceReply& reply = answer.reply;
+  Result<HttpResponse> response;
+  if (format.format == Format::glb) {
+    response = glb_reply({coloured_surface(mesh, reply, format.picture.colour_map)});
+  } else {
+    std::vector<double> values(mesh.vertex_count());
+    for (std::uint32_t v = 0; v < values.size(); ++v) {
+      values[v] = reply.distances[mesh.source_of_vertex(v)];
+    }
+    proto::PictureContent content;
+    content.values = values;
+    for (const proto::ResolvedPoint& point : reply.from) content.sources.push_back(point.xyz);
+    response = png_reply(mesh, content, format.picture, cancel);
+  }
+  if (response && reply.max) response->set_header("Geo-Max", as_text(*reply.max));
+  add_cache_header(response, answer.cache_hit);
+  return response;
+}
+
+Result<HttpResponse> draw(const Answered<proto::PathReply>& answer,
+                          const proto::ReplyFormat& format, const Cancel& cancel) {
+  const proto::PathReply& reply = answer.reply;
+  std::vector<Vec3> targets{reply.to.xyz};
+  for (const proto::ResolvedPoint& point : reply.via) targets.push_back(point.xyz);
+  auto response = draw_line(answer.adjacency->mesh(), "path", reply.points, reply.from.xyz,
+                            std::move(targets), format, cancel);
+  if (response && reply.reachable) response->set_header("Geo-Length", as_text(reply.length));
+  add_cache_header(response, answer.cache_hit);
+  return response;
+}
+
+Result<HttpResponse> draw(const Answered<proto::TraceReply>& answer,
+                          const proto::ReplyFormat& format, const Cancel& cancel) {
+  const proto::TraceReply& reply = answer.reply;
+  auto response = draw_line(answer.adjacency->mesh(), "trace", reply.points, reply.from.xyz,
+                            {reply.to.xyz}, format, cancel);
+  if (response) response->set_header("Geo-Length", as_text(reply.length));
+  return response;
+}
+
+Result<HttpResponse> draw(const Answered<proto::IsolinesReply>& answer, const proto::ReplyFormat&,
+                          const Cancel&) {
+  std::vector<GlbPart> parts;
+  parts.reserve(answer.reply.isolines.size());
+  for (const Isoline& isoline : answer.reply.isolines) {
+    std::vector<Vec3> points = isoline.points;
+    if (isoline.closed) points.push_back(points.front());
+    parts.push_back(line("level " + as_text(isoline.level), std::move(points)));
+  }
+  Result<HttpResponse> response = glb_reply(parts);
+  add_cache_header(response, answer.cache_hit);
+  return response;
+}
+
+}  // namespace geodesic::server

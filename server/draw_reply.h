@@ -1,0 +1,32 @@
+// Answers to HTTP as something to look at: a GLB that any viewer opens, or a PNG.
+// It takes time that grows with the mesh and the picture: to be run in a compute slot.
+#pragma once
+
+#include "core/cancel.h"
+#include "core/error.h"
+#include "proto/query_replies.h"
+#include "proto/reply_format.h"
+#include "server/field_queries.h"
+#include "server/http_message.h"
+
+namespace geodesic::server {
+
+[[nodiscard]] constexpr bool is_drawing(proto::Format format) {
+  return format == proto::Format::glb || format == proto::Format::png;
+}
+
+// GLB: the whole surface in source-vertex order, coloured by distance. PNG: the same
+// with isolines and a scale. Errors here and below: cancelled.
+[[nodiscard]] Result<HttpResponse> draw(const Answered<proto::DistanceReply>& answer,
+                                        const proto::ReplyFormat& format, const Cancel& cancel);
+// GLB: the path as a line strip, nothing when there is none. PNG: the path on the
+// surface, its start as a disc, its end and `via` as rings.
+[[nodiscard]] Result<HttpResponse> draw(const Answered<proto::PathReply>& answer,
+                                        const proto::ReplyFormat& format, const Cancel& cancel);
+[[nodiscard]] Result<HttpResponse> draw(const Answered<proto::TraceReply>& answer,
+                                        const proto::ReplyFormat& format, const Cancel& cancel);
+// GLB: a line strip for each isoline.
+[[nodiscard]] Result<HttpResponse> draw(const Answered<proto::IsolinesReply>& answer,
+                                        const proto::ReplyFormat& format, const Cancel& cancel);
+
+}  // namespace geodesic::server

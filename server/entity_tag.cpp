@@ -1,0 +1,46 @@
+#include "server/entity_tag.h"
+
+#include "server/sha256.h"
+
+namespace geodesic::server {
+
+std::string entity_tag(std::string_view content) {
+  std::string tag("\"");
+  tag.append(sha256_hex(content), 0, 32);
+  tag += '"';
+  return tag;
+}
+
+std::string packed_tag(std::string_view tag) {
+  std::string packed(tag.substr(0, tag.size() - 1));
+  packed += "-gzip\"";
+  return packed;
+}
+
+bool has_already(const HttpRequest& request, std::string_view tag) {
+  const std::string* const header = request.header("If-None-Match");
+  if (header == nullptr) return false;
+  std::string_view list = *header;
+  if (list == "*") return true;
+  const std::string packed = packed_tag(tag);
+  // Our tags have no comma; what is not ours matches nothing, wherever it is cut.
+  while (!list.empty()) {
+    const std::size_t comma = list.find(',');
+    std::string_view entry = list.substr(0, comma);
+    list = comma == list.npos ? std::string_view() : list.substr(comma + 1);
+    while (entry.starts_with(' ') || entry.starts_with('\t')) entry.remove_prefix(1);
+    while (entry.ends_with(' ') || entry.ends_with('\t')) entry.remove_suffix(1);
+    if (entry.starts_with("W/")) entry.remove_prefix(2);
+    if (entry == tag || entry == packed) return true;
+  }
+  return false;
+}
+
+HttpResponse not_modified(std::string_view tag) {
+  HttpResponse response;
+  response.status = 304;
+  response.set_header("ETag", std::string(tag));
+  return response;
+}
+
+}  // namespace geodesic::server

@@ -1,0 +1,26 @@
+// Entity tags (RFC 9110, section 8.8.3): what a client's copy of a reply is known by,
+// so that it can be told that nothing has changed.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "server/http_message.h"
+
+namespace geodesic::server {
+
+// A strong tag for whatever `content` identifies: a reply's bytes, or everything that
+// they depend on.
+[[nodiscard]] std::string entity_tag(std::string_view content);
+
+// The tag of a reply with that tag once it is packed by gzip: other bytes.
+[[nodiscard]] std::string packed_tag(std::string_view tag);
+
+// Whether the request already has the reply of that tag, packed or not: by
+// If-None-Match, which compares weakly and may be "*".
+[[nodiscard]] bool has_already(const HttpRequest& request, std::string_view tag);
+
+// 304: what the request has is still good.
+[[nodiscard]] HttpResponse not_modified(std::string_view tag);
+
+}  // namespace geodesic::server

@@ -1,0 +1,113 @@
+#include "server/finish_reply.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <utility>
+
+#include "server/cross_origin.h"
+#include "server/entity_tag.h"
+#include "server/gzip.h"
+
+namespace geodesic::server {
+namespace {
+
+constexpr std::size_t kLeastPacked = 1024;  // bytes
+
+const std::string* header_of(const HttpResponse& response, std::string_view name) {
+  for (const auto& [key, value] : response.headers) {
+    if (key == name) return &value;
+  }
+  return nullptr;
+}
+
+bool is_text(std::string_view type) {
+  return type.starts_with("text/") || type.starts_with("application/json") ||
+         type.starts_with("application/problem+json") || type.starts_with("application/yaml") ||
+         type.starts_with("application/x-ndjson");
+}
+
+bool is_read(const HttpRequest& request) {
+  return request.method == "GET" || request.method == "HEAD";
+}
+
+void tag(const HttpRequest& request, HttpResponse& response) {
+  if (!is_read(request) || response.status != 200 || response.stream || !response.body) return;
+  const std::string* const policy = header_of(response, "Cache-Control");
+  if (policy == nullptr) {
+    response.set_header("Cache-Control", "no-cache");
+  } else if (*policy == "no-store") {
+    return;
+  }
+  if (header_of(response, "ETag") != nullptr) return;
+  const std::string tag = entity_tag(*response.body);
+  response.set_header("ETag", tag);
+  if (!has_already(request, tag)) return;
+  response.status = 304;
+  response.body = nullptr;
+  response.content_type.clear();
+}
+
+void pack(const HttpRequest& request, HttpResponse& response) {
+  if (!is_text(response.content_type) || response.stream) return;
+  // What is small now may be large another time.
+  add_to_list(response, "Vary", "Accept-Encoding");
+  if (!response.body || response.body->size() <= kLeastPacked) return;
+  const std::string* const accepted = request.header("Accept-Encoding");
+  if (accepted == nullptr || !admits_gzip(*accepted)) return;
+  response.body = std::make_shared<const std::string>(gzip(*response.body));
+  response.set_header("Content-Encoding", "gzip");
+  if (const std::string* const tag = header_of(response, "ETag")) {
+    response.set_header("ETag", packed_tag(*tag));
+  }
+}
+
+bool is_lower_hex(std::string_view text) {
+  return text.find_first_not_of("0123456789abcdef") == text.npos;
+}
+
+}  // namespace
+
+void finish_reply(const HttpRequest& request, HttpResponse& response) {
+  if (response.status >= 400) response.set_header("Cache-Control", "no-store");
+  tag(request, response);
+  pack(request, response);
+  response.set_header("X-Content-Type-Options", "nosniff");
+  if (const std::string_view trace = trace_of(request); !trace.empty()) {
+    response.set_header("traceparent", std::string(trace));
+  }
+}
+
+void add_timing(const StageTimes& times, HttpResponse& response) {
+  std::string text;
+  for (std::size_t i = 0; i < kStageNames.size(); ++i) {
+    const double seconds = times.of(static_cast<Stage>(i)).count();
+    if (seconds <= 0) continue;
+    char number[32];
+    std::snprintf(number, sizeof number, "%.3f", 1000 * seconds);
+    text += text.empty() ? "" : ", ";
+    text += kStageNames[i];
+    text += ";dur=";
+    text += number;
+  }
+  if (!text.empty()) response.set_header("Server-Timing", std::move(text));
+}
+
+std::string_view trace_of(const HttpRequest& request) {
+  const std::string* const header = request.header("traceparent");
+  if (header == nullptr) return {};
+  // version-trace-parent-flags, such as 00-<32>-<16>-01; ids of zeros are none.
+  const std::string_view text = *header;
+  constexpr std::size_t kLength = 55;
+  const auto zero = [](std::string_view id) { return id.find_first_not_of('0') == id.npos; };
+  if (text.size() != kLength || text[2] != '-' || text[35] != '-' || text[52] != '-') return {};
+  const std::string_view trace = text.substr(3, 32);
+  const std::string_view parent = text.substr(36, 16);
+  if (!is_lower_hex(text.substr(0, 2)) || text.substr(0, 2) == "ff" || !is_lower_hex(trace) ||
+      !is_lower_hex(parent) || !is_lower_hex(text.substr(53)) || zero(trace) || zero(parent)) {
+    return {};
+  }
+  return text;
+}
+
+}  // namespace geodesic::server

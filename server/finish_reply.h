@@ -1,0 +1,26 @@
+// What all replies have in common, added once they are made: how long caches may keep
+// them and by which tag, gzip for text, where the time went, and the trace they are
+// part of.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "server/http_message.h"
+#include "server/stage_times.h"
+
+namespace geodesic::server {
+
+// Text of more than 1 kB is packed for those who take it; what is binary stays bare. A
+// reply to GET or HEAD that has no tag of its own gets one of its bytes, and is a 304
+// for those who have them; one that does not say how long it holds must be asked for
+// again each time (`no-cache`). Errors are not kept at all.
+void finish_reply(const HttpRequest& request, HttpResponse& response);
+
+// Server-Timing: the stages that took time, in milliseconds.
+void add_timing(const StageTimes& times, HttpResponse& response);
+
+// The request's `traceparent` (W3C Trace Context), or nothing if it is malformed.
+[[nodiscard]] std::string_view trace_of(const HttpRequest& request);
+
+}  // namespace geodesic::server

@@ -1,0 +1,207 @@
+// The routes of jobs: a request that its client would rather not wait for
+// (`Prefer: respond-async`), and how it is getting on.
+#include <spdlog/fmt/fmt.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "server/call.h"
+#include "server/encode_reply.h"
+#include "server/finish_reply.h"
+#include "server/http_head.h"
+#include "server/jobs.h"
+#include "server/prefer.h"
+#include "server/routes.h"
+#include "server/stage_times.h"
+
+namespace geodesic::server {
+namespace {
+
+using nlohmann::ordered_json;
+
+// A stream says something at least so often, or nobody could tell that it lives.
+constexpr std::chrono::seconds kHeartbeat{5};
+// How often a stream's thread asks whether its client is still there.
+constexpr std::chrono::seconds kAskEvery{1};
+// The id of a stream's last event. A browser that connects again names it, and 204
+// keeps it from trying for ever.
+constexpr std::string_view kLastEvent = "end";
+
+bool is_job_id(std::string_view id) {
+  return id.size() == 32 && id.find_first_not_of("0123456789abcdef") == id.npos;
+}
+
+// RFC 3339 in UTC.
+std::string as_text(JobReport::Time time) {
+  using namespace std::chrono;
+  const std::time_t seconds = system_clock::to_time_t(floor<std::chrono::seconds>(time));
+  std::tm utc{};
+  ::gmtime_r(&seconds, &utc);
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", utc.tm_year + 1900,
+                     utc.tm_mon + 1, utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec,
+                     floor<milliseconds>(time).time_since_epoch().count() % 1000);
+}
+
+std::string job_json(const JobReport& job) {
+  const auto moment = [](const std::optional<JobReport::Time>& time) {
+    return time ? ordered_json(as_text(*time)) : ordered_json();
+  };
+  const std::string self = "/v1/jobs/" + job.id;
+  const bool has_result = job.state == JobState::done || job.state == JobState::failed;
+  const ordered_json json{{"id", job.id},
+                          {"state", name_of(job.state)},
+                          {"progress", std::round(job.progress * 1e4) / 1e4},
+                          {"method", job.method},
+                          {"target", job.target},
+                          {"created", as_text(job.created)},
+                          {"started", moment(job.started)},
+                          {"finished", moment(job.finished)},
+                          {"status", has_result ? ordered_json(job.status) : ordered_json()},
+                          {"result", has_result ? ordered_json(self + "/result") : ordered_json()},
+                          {"events", self + "/events"}};
+  return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+HttpResponse job_reply(const JobReport& job, int status = 200) {
+  HttpResponse response = json_reply(job_json(job), status);
+  response.set_header("Cache-Control", "no-store");
+  return response;
+}
+
+// One event of a stream; the last one is named after the job's end.
+std::string event_of(const JobReport& job) {
+  const bool last = has_ended(job.state);
+  return fmt::format("event: {}\n{}data: {}\n\n", last ? name_of(job.state) : "progress",
+                     last ? fmt::format("id: {}\n", kLastEvent) : "", job_json(job));
+}
+
+// A stream of events under way.
+class JobEvents {
+ public:
+  JobEvents(Jobs& jobs, Jobs::Handle job, Caller caller)
+      : jobs_(jobs), job_(std::move(job)), caller_(std::move(caller)) {}
+
+  // The next event, or a sign of life; false at the end.
+  bool next(std::string& chunk) {
+    if (told_ && has_ended(told_->state)) return false;
+    for (auto waited = std::chrono::seconds(0); waited < kHeartbeat; waited += kAskEvery) {
+      JobReport report = told_ ? jobs_.wait_for_news(job_, *told_, kAskEvery) : jobs_.report(job_);
+      if (caller_()) return false;
+      if (told_ && report == *told_) continue;
+      chunk = event_of(report);
+      told_ = std::move(report);
+      return true;
+    }
+    chunk = ": still there\n\n";
+    return true;
+  }
+
+ private:
+  Jobs& jobs_;
+  const Jobs::Handle job_;
+  const Caller caller_;
+  std::optional<JobReport> told_;
+};
+
+}  // namespace
+
+// What may take long: uploads, preparing, and queries.
+bool Routes::may_be_job(const Call& call) {
+  if (!prefers(call.request, "respond-async") || call.request.method == "HEAD") return false;
+  const auto& s = call.segments;
+  if (s.size() == 2) return call.is("POST");
+  if (s.size() == 3) return call.is("PUT");
+  if (s.size() != 4) return false;
+  if (is_query(s[3])) return call.is("GET") || call.is("POST");
+  return call.is("POST") && (s[3] == "prepare" || s[3] == "batch");
+}
+
+HttpResponse Routes::begin_job(Call& call) {
+  call.route = "/v1/meshes";
+  if (call.segments.size() > 2) call.route += "/{id}";
+  if (call.segments.size() > 3) call.route += "/" + std::string(call.segments[3]);
+  std::string body = std::move(call.request.body);  // not copied
+  HttpRequest later = call.request;
+  later.body = std::move(body);
+  // Whoever fetches the result has not got it, whatever they had before.
+  std::erase_if(later.headers, [](const NameValue& header) {
+    return equals_ignoring_case(header.first, "Prefer") ||
+           equals_ignoring_case(header.first, "If-None-Match");
+  });
+  const auto job = jobs_.start(std::move(later));
+  if (!job) return call.problem(job.error());
+  HttpResponse response = job_reply(*job, 202);
+  response.set_header("Location", "/v1/jobs/" + job->id);
+  response.set_header("Preference-Applied", "respond-async");
+  return response;
+}
+
+// What the request's own connection would have been answered.
+HttpResponse Routes::answer_job(HttpRequest& request) {
+  request.caller.times = std::make_shared<StageTimes>();
+  HttpResponse response = dispatched(request);
+  finish_reply(request, response);
+  add_timing(*request.caller.times, response);
+  response.is_finished = true;
+  return response;
+}
+
+HttpResponse Routes::one_job(Call& call) {
+  const auto& s = call.segments;
+  const std::string_view part = s.size() == 4 ? s[3] : "";
+  if (s.size() < 3 || s.size() > 4 || (s.size() == 4 && part != "result" && part != "events")) {
+    return call.problem(ErrorCode::route_unknown, "there is nothing here");
+  }
+  call.route = "/v1/jobs/{id}";
+  if (s.size() == 4) call.route += "/" + std::string(part);
+  const std::string id(s[2]);
+  if (s.size() == 4) {
+    if (!call.is("GET")) return call.not_allowed("GET, HEAD");
+    return part == "result" ? job_result(call, id) : job_events(call, id);
+  }
+  if (call.is("DELETE")) {
+    // To cancel again, or what is forgotten, changes nothing.
+    if (!jobs_.remove(id) && !is_job_id(id)) {
+      return call.problem(ErrorCode::job_unknown, "this is no id of a job");
+    }
+    HttpResponse response;
+    response.status = 204;
+    return response;
+  }
+  if (!call.is("GET")) return call.not_allowed("GET, HEAD, DELETE");
+  const auto job = jobs_.find(id);
+  if (!job) return call.problem(ErrorCode::job_unknown, "no job of this id is kept");
+  return job_reply(*job);
+}
+
+HttpResponse Routes::job_result(Call& call, const std::string& id) {
+  auto result = jobs_.result(id);
+  return result ? std::move(*result) : call.problem(result.error());
+}
+
+HttpResponse Routes::job_events(Call& call, const std::string& id) {
+  Jobs::Handle job = jobs_.hold(id);
+  if (!job) return call.problem(ErrorCode::job_unknown, "no job of this id is kept");
+  HttpResponse response;
+  response.set_header("Cache-Control", "no-store");
+  const std::string* const last = call.request.header("Last-Event-ID");
+  if (last != nullptr && *last == kLastEvent) {
+    response.status = 204;
+    return response;
+  }
+  response.content_type = "text/event-stream";
+  response.set_header("X-Accel-Buffering", "no");  // a proxy that gathers replies must not
+  auto events = std::make_shared<JobEvents>(jobs_, std::move(job), call.request.caller);
+  response.stream = [events](std::string& chunk) { return events->next(chunk); };
+  return response;
+}
+
+}  // namespace geodesic::server

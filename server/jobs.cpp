@@ -1,0 +1,362 @@
+#include "server/jobs.h"
+
+#include <openssl/rand.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <exception>
+#include <new>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+namespace geodesic::server {
+
+// Guarded by the registry's mutex, but for `request`, which is the thread's once the
+// job runs, and what is atomic.
+struct Jobs::Job {
+  JobReport report;
+  HttpRequest request;
+  std::string client;
+  HttpResponse reply;
+  Clock::time_point forgotten_at;
+  std::uint64_t bytes = 0;  // charged
+  std::atomic<bool> cancelled{false};
+  std::atomic<double> progress{0};
+
+  void advance(double done) {
+    double known = progress.load();
+    done = std::min(done, 1.0);
+    while (done > known && !progress.compare_exchange_weak(known, done)) {
+    }
+  }
+};
+
+namespace {
+
+// What a job costs besides bodies, generously: its request's head, its reply's.
+constexpr std::uint64_t kBytesOfJob = 4096;
+// How often who waits for news looks for progress.
+constexpr std::chrono::milliseconds kLookEvery{100};
+
+std::string random_id() {
+  std::array<unsigned char, 16> bits{};
+  if (RAND_bytes(bits.data(), static_cast<int>(bits.size())) != 1) {
+    throw std::runtime_error("no random numbers");
+  }
+  std::string id;
+  for (const unsigned char byte : bits) {
+    id += "0123456789abcdef"[byte >> 4U];
+    id += "0123456789abcdef"[byte & 15U];
+  }
+  return id;
+}
+
+// No client may have more than this of so many.
+std::size_t half(std::size_t count) { return (count + 1) / 2; }
+
+}  // namespace
+
+std::string_view name_of(JobState state) {
+  constexpr std::array<std::string_view, 5> names{"queued", "running", "done", "failed",
+                                                  "cancelled"};
+  return names[static_cast<std::size_t>(state)];
+}
+
+Jobs::Jobs(const Limits& limits, Handler handler) : limits_(limits), handler_(std::move(handler)) {}
+
+Jobs::~Jobs() { stop(); }
+
+JobReport Jobs::report_of(const Job& job) {
+  JobReport report = job.report;
+  report.progress = report.state == JobState::done ? 1 : job.progress.load();
+  return report;
+}
+
+auto Jobs::find_locked(const std::string& id) -> Handle {
+  forget_old();
+  const auto found = jobs_.find(id);
+  return found == jobs_.end() ? nullptr : found->second;
+}
+
+Result<void> Jobs::admit(const std::string& client, std::uint64_t bytes) {
+  const auto refuse = [](ErrorCode code, std::string detail, std::uint64_t limit,
+                         std::uint64_t actual) {
+    return fail_limit(code, std::move(detail), limit, actual);
+  };
+  if (stopping_) return fail(ErrorCode::draining, "the server is about to stop");
+  const std::size_t all = waiting_.size() + running_;
+  if (all >= limits_.jobs) {
+    return refuse(ErrorCode::overloaded, "too many jobs wait and run", limits_.jobs, all);
+  }
+  const auto share = shares_.find(client);
+  const std::size_t own =
+      share == shares_.end() ? 0 : share->second.waiting + share->second.running;
+  if (own >= half(limits_.jobs)) {
+    return refuse(ErrorCode::too_many_requests, "too many jobs of this client wait and run",
+                  half(limits_.jobs), own);
+  }
+  // What has ended makes room for what is wanted.
+  while (bytes_ + bytes > limits_.bytes && !ended_.empty()) forget(ended_.front());
+  if (bytes_ + bytes > limits_.bytes) {
+    return refuse(ErrorCode::overloaded, "the jobs' requests take all of their memory",
+                  limits_.bytes, bytes_ + bytes);
+  }
+  return {};
+}
+
+Result<JobReport> Jobs::start(HttpRequest request) {
+  const auto job = std::make_shared<Job>();
+  job->report.id = random_id();
+  job->report.method = request.method;
+  job->report.target = request.target;
+  job->report.created = std::chrono::system_clock::now();
+  job->client = request.caller.client;
+  const std::uint64_t bytes = request.body.size() + kBytesOfJob;
+  // The job outlives the connection: nothing of its caller may stay but the name.
+  request.caller = Caller();
+  request.caller.client = job->client;
+  request.caller.is_patient = true;
+  // The request is a part of the job, so these may point to it.
+  request.caller.gone = [raw = job.get()] { return raw->cancelled.load(); };
+  request.caller.progress = [raw = job.get()](double done) { raw->advance(done); };
+  job->request = std::move(request);
+
+  const std::lock_guard lock(mutex_);
+  forget_old();
+  if (auto admitted = admit(job->client, bytes); !admitted) {
+    return fail(std::move(admitted.error()));
+  }
+  if (threads_.size() < limits_.running && threads_.size() < waiting_.size() + running_ + 1) {
+    try {
+      threads_.emplace_back([this] { work(); });
+    } catch (const std::system_error& error) {
+      if (threads_.empty()) return fail(ErrorCode::overloaded, "no thread for a job");
+      spdlog::warn("a job waits for another's thread: {}", error.what());
+    }
+  }
+  jobs_.emplace(job->report.id, job);
+  waiting_.push_back(job);
+  ++shares_[job->client].waiting;
+  charge(*job, bytes);
+  work_ready_.notify_one();
+  return report_of(*job);
+}
+
+// The next one to run; null if none may.
+auto Jobs::next_to_run() -> Handle {
+  auto next = waiting_.end();
+  const Share* best = nullptr;
+  for (auto job = waiting_.begin(); job != waiting_.end(); ++job) {
+    const Share& share = shares_[(*job)->client];
+    if (share.running >= half(limits_.running)) continue;
+    if (best != nullptr &&
+        std::pair(share.running, share.served) >= std::pair(best->running, best->served)) {
+      continue;
+    }
+    best = &share;
+    next = job;
+  }
+  if (next == waiting_.end()) return nullptr;
+  Handle job = std::move(*next);
+  waiting_.erase(next);
+  return job;
+}
+
+void Jobs::work() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    Handle job;
+    work_ready_.wait(lock, [&] { return stopping_ || (job = next_to_run()) != nullptr; });
+    if (!job) return;
+    Share& share = shares_[job->client];
+    --share.waiting;
+    ++share.running;
+    share.served = ++served_;
+    ++running_;
+    run(*job, lock);
+    --running_;
+    if (--share.running + share.waiting == 0) shares_.erase(job->client);
+    work_ready_.notify_all();  // its client may run another one now
+  }
+}
+
+// Runs it without the lock.
+void Jobs::run(Job& job, std::unique_lock<std::mutex>& lock) {
+  job.report.state = JobState::running;
+  job.report.started = std::chrono::system_clock::now();
+  changed_.notify_all();
+  lock.unlock();
+  HttpResponse reply = reply_to(job);
+  job.request.body = {};
+  lock.lock();
+  if (has_ended(job.report.state)) return charge(job, 0);  // cancelled meanwhile
+  job.report.status = reply.status;
+  const std::uint64_t size = reply.body ? reply.body->size() : 0;
+  job.reply = std::move(reply);
+  charge(job, size + kBytesOfJob);
+  end(job, job.reply.status < 400 ? JobState::done : JobState::failed);
+}
+
+// Never throws. A stream becomes a body.
+HttpResponse Jobs::reply_to(Job& job) {
+  const auto problem = [&](ErrorCode code, const char* detail) {
+    return HttpResponse::problem(Error{code, detail, {}, {}, {}}, job.request);
+  };
+  try {
+    HttpResponse reply = handler_(job.request);
+    const std::uint64_t most = limits_.bytes - std::min(limits_.bytes, kBytesOfJob);
+    if (reply.stream) {
+      std::string body;
+      std::string chunk;
+      while (body.size() <= most && reply.stream(chunk)) {
+        body += chunk;
+        chunk.clear();
+      }
+      reply.stream = nullptr;
+      reply.body = std::make_shared<const std::string>(std::move(body));
+    }
+    if (!reply.body || reply.body->size() <= most) return reply;
+    return HttpResponse::problem(Error{ErrorCode::too_large,
+                                       "the reply is too large to be kept",
+                                       {},
+                                       most,
+                                       reply.body->size()},
+                                 job.request);
+  } catch (const std::bad_alloc&) {
+    spdlog::error("{} a job ran out of memory", job.request.id);
+    return problem(ErrorCode::overloaded, "out of memory");
+  } catch (const std::exception& thrown) {
+    spdlog::error("{} a job threw: {}", job.request.id, thrown.what());
+  } catch (...) {
+    spdlog::error("{} a job threw something that is no exception", job.request.id);
+  }
+  return problem(ErrorCode::internal, "internal error");
+}
+
+void Jobs::charge(Job& job, std::uint64_t bytes) {
+  bytes_ += bytes - job.bytes;
+  job.bytes = bytes;
+}
+
+void Jobs::end(Job& job, JobState state) {
+  job.report.state = state;
+  job.report.finished = std::chrono::system_clock::now();
+  job.forgotten_at = Clock::now() + limits_.keep;
+  if (const auto kept = jobs_.find(job.report.id); kept != jobs_.end()) {
+    ended_.push_back(kept->second);
+  }
+  changed_.notify_all();
+  while (bytes_ > limits_.bytes && ended_.size() > 1) forget(ended_.front());
+}
+
+void Jobs::forget(const Handle& job) {
+  const Handle held = job;  // `job` may be the list's own
+  // What still runs, cancelled, keeps its charge until it has given its body back.
+  if (!held->cancelled || !held->report.started) charge(*held, 0);
+  jobs_.erase(held->report.id);
+  ended_.remove(held);
+  changed_.notify_all();
+}
+
+void Jobs::forget_old() {
+  const Clock::time_point now = Clock::now();
+  while (!ended_.empty() && ended_.front()->forgotten_at <= now) forget(ended_.front());
+}
+
+std::optional<JobReport> Jobs::find(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  const Handle job = find_locked(id);
+  if (!job) return std::nullopt;
+  return report_of(*job);
+}
+
+auto Jobs::hold(const std::string& id) -> Handle {
+  const std::lock_guard lock(mutex_);
+  return find_locked(id);
+}
+
+JobReport Jobs::report(const Handle& job) {
+  const std::lock_guard lock(mutex_);
+  return report_of(*job);
+}
+
+JobReport Jobs::wait_for_news(const Handle& job, const JobReport& seen,
+                              std::chrono::milliseconds patience) {
+  const Clock::time_point begin = Clock::now();
+  const Clock::time_point end = begin + patience;
+  std::unique_lock lock(mutex_);
+  while (true) {
+    JobReport now = report_of(*job);
+    const Clock::time_point time = Clock::now();
+    const bool is_new = now.state != seen.state || (now != seen && time - begin >= kLookEvery);
+    if (is_new || time >= end) return now;
+    changed_.wait_until(lock, std::min(end, time + kLookEvery));
+  }
+}
+
+Result<HttpResponse> Jobs::result(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  const Handle job = find_locked(id);
+  if (!job) return fail(ErrorCode::job_unknown, "no job of this id is kept");
+  switch (job->report.state) {
+    case JobState::queued:
+    case JobState::running:
+      return fail(ErrorCode::job_unfinished, "the job has not ended yet");
+    case JobState::cancelled:
+      return fail(ErrorCode::job_cancelled, "the job was cancelled and has no result");
+    case JobState::done:
+    case JobState::failed:
+      break;
+  }
+  return job->reply;
+}
+
+bool Jobs::remove(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  const Handle job = find_locked(id);
+  if (!job) return false;
+  if (has_ended(job->report.state)) {
+    forget(job);
+    return true;
+  }
+  job->cancelled = true;
+  if (job->report.state == JobState::queued) {
+    waiting_.remove(job);
+    const auto share = shares_.find(job->client);
+    if (--share->second.waiting + share->second.running == 0) shares_.erase(share);
+    job->request.body = {};
+    charge(*job, kBytesOfJob);
+  }
+  end(*job, JobState::cancelled);
+  return true;
+}
+
+void Jobs::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    for (const auto& [id, job] : jobs_) {
+      if (has_ended(job->report.state)) continue;
+      job->cancelled = true;
+      end(*job, JobState::cancelled);
+    }
+    waiting_.clear();
+    work_ready_.notify_all();
+    changed_.notify_all();
+  }
+  const std::lock_guard lock(join_mutex_);
+  for (std::thread& thread : threads_) {
+    if (thread.joinable()) thread.join();
+  }
+}
+
+Jobs::Stats Jobs::stats() {
+  const std::lock_guard lock(mutex_);
+  forget_old();
+  return {waiting_.size(), running_, ended_.size(), bytes_};
+}
+
+}  // namespace geodesic::server

@@ -1,0 +1,156 @@
+// Long work apart from connections: a request that its client does not wait for
+// becomes a job, which runs on a thread of its own and keeps its reply until it is
+// fetched, forgotten or too old. Knows no routes: it runs the handler it is given, on
+// the request it is given.
+//
+//   start()   queued -> running -> done (status below 400) or failed
+//   remove()  cancels what is queued or running; forgets what has ended
+//
+// Bounds, so that jobs cannot take what connections could not:
+//  - so many jobs may wait and run, and so many run at once; more are `overloaded`.
+//    No client has more than half of either (`too_many_requests`), and those who wait
+//    take turns: who has the fewest running goes first, then who was served longest
+//    ago. While it runs, a job queues for compute slots like any request of its client;
+//  - the bodies of requests and replies together have a budget in bytes. What has
+//    ended is forgotten, the oldest first, when the budget is used up or when it has
+//    been kept for long enough.
+//
+// Ids are 128 random bits: to know one is to be allowed to ask for it.
+//
+// Thread-safe: all methods may be called from any thread but `stop` and the
+// destructor from a handler's.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "core/error.h"
+#include "server/http_message.h"
+
+namespace geodesic::server {
+
+enum class JobState : std::uint8_t { queued, running, done, failed, cancelled };
+
+[[nodiscard]] std::string_view name_of(JobState state);
+[[nodiscard]] constexpr bool has_ended(JobState state) { return state > JobState::running; }
+
+// A job at one moment.
+struct JobReport {
+  using Time = std::chrono::system_clock::time_point;
+
+  std::string id;
+  JobState state = JobState::queued;
+  double progress = 0;  // 0 to 1; never less than before
+  std::string method;   // of the request
+  std::string target;
+  Time created;
+  std::optional<Time> started;
+  std::optional<Time> finished;
+  int status = 0;  // of the reply; 0: there is none
+
+  [[nodiscard]] bool operator==(const JobReport&) const = default;
+};
+
+class Jobs {
+ public:
+  using Handler = std::function<HttpResponse(HttpRequest&)>;
+
+  struct Limits {
+    std::size_t jobs = 64;    // that wait or run
+    std::size_t running = 4;  // … at once: threads
+    std::uint64_t bytes = std::uint64_t{256} << 20;
+    std::chrono::milliseconds keep = std::chrono::minutes(10);  // after the end
+  };
+  struct Stats {
+    std::uint64_t queued = 0;
+    std::uint64_t running = 0;
+    std::uint64_t ended = 0;  // and not yet forgotten
+    std::uint64_t bytes = 0;  // of requests that wait and replies that are kept
+  };
+
+  Jobs(const Limits& limits, Handler handler);
+  ~Jobs();  // stops
+  Jobs(const Jobs&) = delete;
+  Jobs& operator=(const Jobs&) = delete;
+
+  // Takes a request. The handler gets it with another caller: of the same client, gone
+  // once the job is cancelled. Errors: overloaded, too_many_requests, draining.
+  [[nodiscard]] Result<JobReport> start(HttpRequest request);
+
+  // Nothing if there is no such job (any more).
+  [[nodiscard]] std::optional<JobReport> find(const std::string& id);
+
+  // A job that can be watched to its end, even if it is forgotten meanwhile; null if
+  // there is none.
+  struct Job;
+  using Handle = std::shared_ptr<Job>;
+  [[nodiscard]] Handle hold(const std::string& id);
+  [[nodiscard]] JobReport report(const Handle& job);
+  // The same once it differs from `seen`, or after `patience`. Small steps of progress
+  // are told a few times a second.
+  [[nodiscard]] JobReport wait_for_news(const Handle& job, const JobReport& seen,
+                                        std::chrono::milliseconds patience);
+
+  // The handler's reply. Errors: job_unknown; job_unfinished; job_cancelled.
+  [[nodiscard]] Result<HttpResponse> result(const std::string& id);
+
+  // Cancels a job, or forgets it if it has ended. False if there is none.
+  bool remove(const std::string& id);
+
+  // Cancels all jobs and refuses new ones (`draining`). Returns when no handler runs
+  // any more. Idempotent.
+  void stop();
+
+  [[nodiscard]] Stats stats();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Share {  // of a client
+    std::size_t waiting = 0;
+    std::size_t running = 0;
+    std::uint64_t served = 0;  // when it last began one, counted in jobs
+  };
+
+  [[nodiscard]] Result<void> admit(const std::string& client, std::uint64_t bytes);
+  void work();
+  [[nodiscard]] Handle next_to_run();
+  void run(Job& job, std::unique_lock<std::mutex>& lock);
+  [[nodiscard]] HttpResponse reply_to(Job& job);
+  void end(Job& job, JobState state);
+  void charge(Job& job, std::uint64_t bytes);
+  void forget(const Handle& job);
+  void forget_old();
+  [[nodiscard]] static JobReport report_of(const Job& job);
+  [[nodiscard]] Handle find_locked(const std::string& id);
+
+  const Limits limits_;
+  const Handler handler_;
+
+  std::mutex mutex_;
+  std::condition_variable work_ready_;
+  std::condition_variable changed_;  // some job's state
+  std::map<std::string, Handle> jobs_;
+  std::list<Handle> waiting_;  // the oldest first
+  std::list<Handle> ended_;    // likewise; its bytes can be had back
+  std::map<std::string, Share> shares_;
+  std::uint64_t served_ = 0;
+  std::size_t running_ = 0;  // threads in a handler
+  std::uint64_t bytes_ = 0;
+  bool stopping_ = false;
+  std::mutex join_mutex_;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace geodesic::server

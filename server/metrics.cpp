@@ -1,0 +1,332 @@
+#include "server/metrics.h"
+
+#include <prometheus/counter.h>
+#include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+
+namespace geodesic::server {
+namespace {
+
+using prometheus::BuildCounter;
+using prometheus::BuildGauge;
+using prometheus::BuildHistogram;
+using prometheus::Counter;
+using prometheus::Family;
+using prometheus::Gauge;
+using prometheus::Histogram;
+
+// From a cached path (tenths of a millisecond) to an exact field of a million
+// vertices (tens of seconds), two buckets and a half to a factor of ten.
+const Histogram::BucketBoundaries kSeconds{0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005,
+                                           0.01,   0.025,   0.05,   0.1,   0.25,   0.5,
+                                           1,      2.5,     5,      10,    30,     60};
+
+std::string known_method(std::string_view method) {
+  for (const std::string_view known : {"GET", "HEAD", "POST", "PUT", "DELETE", "OPTIONS"}) {
+    if (method == known) return std::string(method);
+  }
+  return "other";
+}
+
+struct Process {
+  double resident_bytes = 0;
+  double virtual_bytes = 0;
+  double cpu_seconds = 0;
+  double open_fds = 0;
+  double max_fds = 0;
+};
+
+Process process_now() {
+  Process process;
+  std::ifstream statm("/proc/self/statm");
+  double pages = 0;
+  double resident = 0;
+  if (statm >> pages >> resident) {
+    const auto page = static_cast<double>(sysconf(_SC_PAGESIZE));
+    process.virtual_bytes = pages * page;
+    process.resident_bytes = resident * page;
+  }
+  rusage usage{};
+  if (getrusage(RUSAGE_SELF, &usage) == 0) {
+    for (const timeval& time : {usage.ru_utime, usage.ru_stime}) {
+      process.cpu_seconds +=
+          static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+    }
+  }
+  std::error_code error;
+  for (std::filesystem::directory_iterator it("/proc/self/fd", error), end; !error && it != end;
+       it.increment(error)) {
+    ++process.open_fds;
+  }
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) == 0) {
+    process.max_fds = static_cast<double>(limit.rlim_cur);
+  }
+  return process;
+}
+
+// A counter that follows a count kept elsewhere.
+void follow(Counter& counter, std::uint64_t now) {
+  const double behind = static_cast<double>(now) - counter.Value();
+  if (behind > 0) counter.Increment(behind);
+}
+
+}  // namespace
+
+struct Metrics::Families {
+  struct Cache {
+    Gauge &bytes, &budget, &entries;
+    Counter &hits, &misses, &evictions, &waits, &makes;
+  };
+
+  prometheus::Registry registry;
+
+  Family<Histogram>& request_seconds =
+      BuildHistogram()
+          .Name("geodesicd_request_duration_seconds")
+          .Help("From the head of a request to the last byte of its reply")
+          .Register(registry);
+  Family<Counter>& requests = BuildCounter()
+                                  .Name("geodesicd_requests_total")
+                                  .Help("Requests answered, by route, HTTP method and status")
+                                  .Register(registry);
+  Counter& received = BuildCounter()
+                          .Name("geodesicd_received_bytes_total")
+                          .Help("Bytes of request bodies")
+                          .Register(registry)
+                          .Add({});
+  Counter& sent = BuildCounter()
+                      .Name("geodesicd_sent_bytes_total")
+                      .Help("Bytes of reply bodies")
+                      .Register(registry)
+                      .Add({});
+  Family<Histogram>& solve_seconds = BuildHistogram()
+                                         .Name("geodesicd_solve_duration_seconds")
+                                         .Help("Computing one distance field, by geodesic method")
+                                         .Register(registry);
+  Histogram& queue_seconds = BuildHistogram()
+                                 .Name("geodesicd_queue_duration_seconds")
+                                 .Help("Waiting for a compute slot")
+                                 .Register(registry)
+                                 .Add({}, kSeconds);
+  Family<Histogram>& mesh_seconds = BuildHistogram()
+                                        .Name("geodesicd_mesh_duration_seconds")
+                                        .Help("Making a mesh usable, by step")
+                                        .Register(registry);
+  Family<Gauge>& jobs = BuildGauge()
+                            .Name("geodesicd_compute_jobs")
+                            .Help("Jobs that run or wait for a compute slot")
+                            .Register(registry);
+  Gauge& running = jobs.Add({{"state", "running"}});
+  Gauge& waiting = jobs.Add({{"state", "queued"}});
+  Gauge& slots = BuildGauge()
+                     .Name("geodesicd_compute_slots")
+                     .Help("Jobs that can run at once")
+                     .Register(registry)
+                     .Add({});
+  Family<Counter>& ended = BuildCounter()
+                               .Name("geodesicd_compute_jobs_total")
+                               .Help("Jobs that ended, by how")
+                               .Register(registry);
+  Counter& finished = ended.Add({{"outcome", "finished"}});
+  Counter& rejected = ended.Add({{"outcome", "rejected"}});
+  Counter& given_up = ended.Add({{"outcome", "given_up"}});
+  Family<Gauge>& cache_bytes =
+      BuildGauge().Name("geodesicd_cache_bytes").Help("Bytes held by a cache").Register(registry);
+  Family<Gauge>& cache_budget = BuildGauge()
+                                    .Name("geodesicd_cache_budget_bytes")
+                                    .Help("Bytes a cache may hold")
+                                    .Register(registry);
+  Family<Gauge>& cache_entries = BuildGauge()
+                                     .Name("geodesicd_cache_entries")
+                                     .Help("Values held by a cache")
+                                     .Register(registry);
+  Family<Counter>& cache_lookups = BuildCounter()
+                                       .Name("geodesicd_cache_lookups_total")
+                                       .Help("Lookups in a cache, by result")
+                                       .Register(registry);
+  Family<Counter>& cache_evictions = BuildCounter()
+                                         .Name("geodesicd_cache_evictions_total")
+                                         .Help("Values a cache dropped for want of room")
+                                         .Register(registry);
+  Family<Counter>& cache_waits = BuildCounter()
+                                     .Name("geodesicd_cache_flight_waits_total")
+                                     .Help("Callers that waited for a value another was making")
+                                     .Register(registry);
+  Family<Counter>& cache_makes = BuildCounter()
+                                     .Name("geodesicd_cache_makes_total")
+                                     .Help("Values made for a cache")
+                                     .Register(registry);
+  Cache meshes = cache("meshes");
+  Cache adjacency = cache("adjacency");
+  Cache fields = cache("fields");
+  Gauge& stored_meshes = BuildGauge()
+                             .Name("geodesicd_store_meshes")
+                             .Help("Meshes in the store")
+                             .Register(registry)
+                             .Add({});
+  Gauge& stored_bytes = BuildGauge()
+                            .Name("geodesicd_store_bytes")
+                            .Help("Bytes of uploaded files in the store")
+                            .Register(registry)
+                            .Add({});
+  Gauge& store_budget = BuildGauge()
+                            .Name("geodesicd_store_budget_bytes")
+                            .Help("Bytes the store may hold; 0: no limit")
+                            .Register(registry)
+                            .Add({});
+  Family<Counter>& store_events = BuildCounter()
+                                      .Name("geodesicd_store_events_total")
+                                      .Help(
+                                          "What befell the store: meshes evicted, uploads "
+                                          "refused for want of room, meshes found damaged, "
+                                          "operations that failed")
+                                      .Register(registry);
+  Counter& store_evictions = store_events.Add({{"event", "eviction"}});
+  Counter& store_refusals = store_events.Add({{"event", "refusal"}});
+  Counter& store_corrupt = store_events.Add({{"event", "corrupt"}});
+  Counter& store_failures = store_events.Add({{"event", "failure"}});
+  Gauge& connections = BuildGauge()
+                           .Name("geodesicd_connections")
+                           .Help("Open connections of the API's listener")
+                           .Register(registry)
+                           .Add({});
+  Gauge& ready = BuildGauge()
+                     .Name("geodesicd_ready")
+                     .Help("1 while new requests are welcome")
+                     .Register(registry)
+                     .Add({});
+  Gauge& resident = BuildGauge()
+                        .Name("process_resident_memory_bytes")
+                        .Help("Resident memory of the process")
+                        .Register(registry)
+                        .Add({});
+  Gauge& virtual_bytes = BuildGauge()
+                             .Name("process_virtual_memory_bytes")
+                             .Help("Address space of the process")
+                             .Register(registry)
+                             .Add({});
+  Counter& cpu = BuildCounter()
+                     .Name("process_cpu_seconds_total")
+                     .Help("User and system time of the process")
+                     .Register(registry)
+                     .Add({});
+  Gauge& open_fds = BuildGauge()
+                        .Name("process_open_fds")
+                        .Help("Open file descriptors")
+                        .Register(registry)
+                        .Add({});
+  Gauge& max_fds = BuildGauge()
+                       .Name("process_max_fds")
+                       .Help("The most file descriptors that may be open")
+                       .Register(registry)
+                       .Add({});
+
+  Cache cache(const char* name) {
+    const prometheus::Labels labels{{"cache", name}};
+    return {cache_bytes.Add(labels),
+            cache_budget.Add(labels),
+            cache_entries.Add(labels),
+            cache_lookups.Add({{"cache", name}, {"result", "hit"}}),
+            cache_lookups.Add({{"cache", name}, {"result", "miss"}}),
+            cache_evictions.Add(labels),
+            cache_waits.Add(labels),
+            cache_makes.Add(labels)};
+  }
+};
+
+namespace {
+
+template <class Cache>
+void read_cache(Cache& cache, const CacheStats& stats) {
+  cache.bytes.Set(static_cast<double>(stats.bytes));
+  cache.budget.Set(static_cast<double>(stats.budget));
+  cache.entries.Set(static_cast<double>(stats.entries));
+  follow(cache.hits, stats.hits);
+  follow(cache.misses, stats.misses);
+  follow(cache.evictions, stats.evictions);
+  follow(cache.waits, stats.waits);
+  follow(cache.makes, stats.makes);
+}
+
+}  // namespace
+
+Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families>()) {
+  BuildGauge()
+      .Name("geodesicd_build_info")
+      .Help("Always 1; the version is a label")
+      .Register(families_->registry)
+      .Add({{"version", std::string(version)}})
+      .Set(1);
+  double now = 0;
+  timespec time{};
+  if (clock_gettime(CLOCK_REALTIME, &time) == 0) now = static_cast<double>(time.tv_sec);
+  BuildGauge()
+      .Name("process_start_time_seconds")
+      .Help("When the process started, in seconds since 1970")
+      .Register(families_->registry)
+      .Add({})
+      .Set(now);
+}
+
+Metrics::~Metrics() = default;
+
+void Metrics::request(std::string_view method, std::string_view route, int status, double seconds,
+                      std::uint64_t bytes_in, std::uint64_t bytes_out) {
+  const std::string by = known_method(method);
+  const std::string where = route.empty() ? "none" : std::string(route);
+  families_->requests.Add({{"method", by}, {"route", where}, {"status", std::to_string(status)}})
+      .Increment();
+  families_->request_seconds.Add({{"method", by}, {"route", where}}, kSeconds).Observe(seconds);
+  families_->received.Increment(static_cast<double>(bytes_in));
+  families_->sent.Increment(static_cast<double>(bytes_out));
+}
+
+void Metrics::solved(std::string_view method, double seconds) {
+  families_->solve_seconds.Add({{"method", std::string(method)}}, kSeconds).Observe(seconds);
+}
+
+void Metrics::queued(double seconds) { families_->queue_seconds.Observe(seconds); }
+
+void Metrics::mesh_step(std::string_view step, double seconds) {
+  families_->mesh_seconds.Add({{"step", std::string(step)}}, kSeconds).Observe(seconds);
+}
+
+std::string Metrics::text(const Present& present) {
+  Families& f = *families_;
+  f.running.Set(static_cast<double>(present.pool.running));
+  f.waiting.Set(static_cast<double>(present.pool.queued));
+  f.slots.Set(static_cast<double>(present.pool.slots));
+  follow(f.finished, present.pool.finished);
+  follow(f.rejected, present.pool.rejected);
+  follow(f.given_up, present.pool.given_up);
+  read_cache(f.meshes, present.meshes);
+  read_cache(f.adjacency, present.adjacency);
+  read_cache(f.fields, present.fields);
+  f.stored_meshes.Set(static_cast<double>(present.store.meshes));
+  f.stored_bytes.Set(static_cast<double>(present.store.bytes));
+  f.store_budget.Set(static_cast<double>(present.store.max_bytes));
+  follow(f.store_evictions, present.store.evictions);
+  follow(f.store_refusals, present.store.refusals);
+  follow(f.store_corrupt, present.store.corrupt);
+  follow(f.store_failures, present.store.failures);
+  f.connections.Set(static_cast<double>(present.connections));
+  f.ready.Set(present.ready ? 1 : 0);
+  const Process process = process_now();
+  f.resident.Set(process.resident_bytes);
+  f.virtual_bytes.Set(process.virtual_bytes);
+  f.cpu.Increment(std::max(process.cpu_seconds - f.cpu.Value(), 0.0));
+  f.open_fds.Set(process.open_fds);
+  f.max_fds.Set(process.max_fds);
+  return prometheus::TextSerializer().Serialize(f.registry.Collect());
+}
+
+}  // namespace geodesic::server

@@ -1,0 +1,55 @@
+// What Prometheus scrapes: counts and times of requests and of the work behind
+// them. Every label comes from a closed set (route patterns, HTTP methods, status
+// codes, geodesic methods), so that no client can make series.
+//
+// Times are observed as they happen; sizes and counts that others keep (caches,
+// pool, store, process) are read when asked for. Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "server/compute_pool.h"
+#include "server/lru_cache.h"
+#include "server/store_budget.h"
+
+namespace geodesic::server {
+
+class Metrics {
+ public:
+  // What others keep, at the moment of a scrape.
+  struct Present {
+    ComputePool::Stats pool;
+    CacheStats meshes, adjacency, fields;
+    StoreStats store;
+    std::uint64_t connections = 0;  // open on the API's listener
+    bool ready = true;
+  };
+
+  // `version` is told as a label of geodesicd_build_info.
+  explicit Metrics(std::string_view version);
+  ~Metrics();
+  Metrics(const Metrics&) = delete;
+  Metrics& operator=(const Metrics&) = delete;
+
+  // `route` empty: no route of ours.
+  void request(std::string_view method, std::string_view route, int status, double seconds,
+               std::uint64_t bytes_in, std::uint64_t bytes_out);
+  // A field was computed, by a geodesic method.
+  void solved(std::string_view method, double seconds);
+  // A job of the compute pool waited this long for its slot.
+  void queued(double seconds);
+  // A step in making a mesh usable: "decode", "build", "prepare".
+  void mesh_step(std::string_view step, double seconds);
+
+  // Prometheus's text format, version 0.0.4.
+  [[nodiscard]] std::string text(const Present& present);
+
+ private:
+  struct Families;
+  std::unique_ptr<Families> families_;
+};
+
+}  // namespace geodesic::server

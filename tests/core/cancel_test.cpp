@@ -1,0 +1,268 @@
+// Whatever computes asks often enough whether it should stop, stops when it should, and
+// says how far it has come. Counted in steps, not in time.
+#include "core/cancel.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/farthest_points.h"
+#include "core/isolines.h"
+#include "core/shapes.h"
+#include "core/shorten_path.h"
+#include "core/solve_field.h"
+#include "core/steiner_path.h"
+#include "core/trace_path.h"
+#include "core/window_table.h"
+
+using namespace geodesic;
+
+namespace {
+
+// What a computation asked and told.
+struct Listener {
+  std::size_t asked = 0;
+  std::size_t stop_at = 0;  // the question that is answered with yes; 0: none
+  std::vector<double> told;
+  std::vector<std::size_t> asked_before;  // each of them
+
+  Cancel cancel() {
+    return Cancel([this] { return ++asked == stop_at; },
+                  [this](double done) {
+                    told.push_back(done);
+                    asked_before.push_back(asked);
+                  });
+  }
+};
+
+struct Surface {
+  explicit Surface(const TriangleSoup& soup)
+      : mesh(std::make_shared<const Mesh>(std::move(*Mesh::build(soup)))),
+        adjacency(Adjacency::build(mesh)) {}
+  std::shared_ptr<const Mesh> mesh;
+  Adjacency adjacency;
+};
+
+const Surface& terrain() {
+  static const Surface surface(shapes::terrain(200, 6, 3));
+  return surface;
+}
+std::uint64_t vertex_count() { return terrain().mesh->vertex_count(); }
+std::uint64_t face_count() { return terrain().mesh->face_count(); }
+
+Source at_vertex(std::uint32_t v) { return {point_at_vertex(terrain().adjacency, v), 0}; }
+
+using Computation = std::function<Result<void>(const Cancel&)>;
+
+template <class Value>
+Result<void> without_value(const Result<Value>& result) {
+  if (!result) return fail(result.error());
+  return {};
+}
+
+Computation solving(Method method, std::vector<Source> sources, double max = kUnreached) {
+  return [=](const Cancel& cancel) {
+    SolveScratch scratch;
+    FieldLimits limits;
+    limits.max = max;
+    return without_value(
+        solve_field(method, {}, terrain().adjacency, sources, limits, scratch, cancel));
+  };
+}
+
+const Field& dijkstra_field() {
+  static const Field field = [] {
+    SolveScratch scratch;
+    const Source source = at_vertex(0);
+    return std::move(*solve_field(Method::dijkstra, {}, terrain().adjacency, {&source, 1}, {},
+                                  scratch, Cancel()));
+  }();
+  return field;
+}
+
+struct Named {
+  std::string name;
+  Computation run;
+};
+
+std::vector<Named> all_computations() {
+  const Source one = at_vertex(7);
+  const std::vector<Source> two{one, at_vertex(30'000)};
+  std::vector<Named> all;
+  for (const auto& [name, method] :
+       {std::pair{"dijkstra", Method::dijkstra}, std::pair{"wavefront", Method::wavefront},
+        std::pair{"novotni", Method::novotni}, std::pair{"fast_marching", Method::fast_marching},
+        std::pair{"steiner", Method::steiner}}) {
+    all.push_back({name, solving(method, {one})});
+    all.push_back({name + std::string(" from two"), solving(method, two)});
+  }
+  // As much as the exact ones do of so many vertices in a second.
+  all.push_back({"exact", solving(Method::exact, {one}, 60)});
+  all.push_back({"exact from two", solving(Method::exact, two, 30)});
+  all.push_back({"chen_han", solving(Method::chen_han, {one}, 40)});
+  all.push_back({"chen_han from two", solving(Method::chen_han, two, 20)});
+  all.push_back({"adjacency", [](const Cancel& cancel) {
+                   return without_value(Adjacency::build(terrain().mesh, cancel));
+                 }});
+  all.push_back({"isolines", [](const Cancel& cancel) {
+                   const std::vector<double> levels{20, 40, 60};
+                   return without_value(
+                       isolines(terrain().adjacency, dijkstra_field(), levels, 1'000'000, cancel));
+                 }});
+  all.push_back({"samples", [](const Cancel& cancel) {
+                   SolveScratch scratch;
+                   return without_value(farthest_points(Method::wavefront, {}, terrain().adjacency,
+                                                        {}, 4, scratch, cancel));
+                 }});
+  all.push_back({"steiner path", [=](const Cancel& cancel) {
+                   WavefrontScratch scratch;
+                   return without_value(steiner_path(terrain().adjacency, one,
+                                                     point_at_vertex(terrain().adjacency, 39'000),
+                                                     {}, scratch, cancel));
+                 }});
+  all.push_back({"shortening", [](const Cancel& cancel) {
+                   const auto path =
+                       trace_path(terrain().adjacency, dijkstra_field(),
+                                  point_at_vertex(terrain().adjacency, dijkstra_field().farthest));
+                   return without_value(shorten_path(terrain().adjacency, *path, cancel));
+                 }});
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("EveryComputationStopsAtWhicheverQuestionIsAnsweredWithYes") {
+  for (const auto& [name, run] : all_computations()) {
+    CAPTURE(name);
+    Listener whole;
+    REQUIRE(run(whole.cancel()));
+    REQUIRE(whole.asked > 0);
+    const std::size_t apart = std::max<std::size_t>(whole.asked / 7, 1);
+    std::vector<std::size_t> questions{1, whole.asked};
+    for (std::size_t at = apart; at < whole.asked; at += apart) questions.push_back(at);
+    for (const std::size_t at : questions) {
+      CAPTURE(at);
+      Listener stopped;
+      stopped.stop_at = at;
+      const auto result = run(stopped.cancel());
+      REQUIRE_FALSE(result);
+      CHECK(result.error().code == ErrorCode::cancelled);
+      CHECK(stopped.asked == at);  // told once, it asks no more
+    }
+  }
+}
+
+TEST_CASE("ProgressRisesFromZeroAndNeverPassesOne") {
+  for (const auto& [name, run] : all_computations()) {
+    if (name == "shortening") continue;  // nobody knows how much there is to do
+    CAPTURE(name);
+    Listener whole;
+    REQUIRE(run(whole.cancel()));
+    REQUIRE_FALSE(whole.told.empty());
+    CHECK(std::is_sorted(whole.told.begin(), whole.told.end()));
+    CHECK(whole.told.front() >= 0);
+    CHECK(whole.told.back() <= 1);
+    CHECK(whole.told.back() > 0.02);
+  }
+}
+
+// Progress counts vertices, so from one question to the next it shows how many.
+TEST_CASE("BetweenTwoQuestionsNoMoreThanSoManyVertices") {
+  constexpr double kMost = 4096.5;  // and rounding
+  for (const auto method :
+       {Method::dijkstra, Method::wavefront, Method::novotni, Method::fast_marching}) {
+    Listener whole;
+    REQUIRE(solving(method, {at_vertex(7)})(whole.cancel()));
+    double before = 0;
+    std::size_t asked_before = whole.asked_before.front();
+    for (std::size_t i = 0; i < whole.told.size(); ++i) {
+      CHECK((whole.told[i] - before) * double(vertex_count()) <= kMost);
+      CHECK(whole.asked_before[i] >= asked_before);
+      before = whole.told[i];
+      asked_before = whole.asked_before[i];
+    }
+    CHECK((1 - before) * double(vertex_count()) <= kMost);
+  }
+  for (const auto& [method, max] :
+       {std::pair{Method::exact, 60.0}, std::pair{Method::chen_han, 40.0}}) {
+    Listener whole;
+    REQUIRE(solving(method, {at_vertex(7)}, max)(whole.cancel()));
+    double before = 0;
+    for (const double done : whole.told) {
+      CHECK((done - before) * double(vertex_count()) <= kMost);
+      before = done;
+    }
+  }
+}
+
+// What goes over all faces before the first vertex is accepted must be asked for too.
+TEST_CASE("PreparationsAskAsOften") {
+  constexpr std::size_t kMost = 4096;
+  const auto asked_before_the_first = [](Method method) {
+    Listener whole;
+    REQUIRE(solving(method, {at_vertex(7)}, 5)(whole.cancel()));
+    return whole.told.empty() ? whole.asked : whole.asked_before.front();
+  };
+  // Fast marching splits faces, Steiner's graph and the exact one number edges.
+  CHECK(asked_before_the_first(Method::fast_marching) >= face_count() / kMost - 1);
+  CHECK(asked_before_the_first(Method::steiner) >= face_count() / kMost - 1);
+  CHECK(asked_before_the_first(Method::exact) >= 2 * face_count() / kMost - 1);
+  Listener adjacency;
+  REQUIRE(Adjacency::build(terrain().mesh, adjacency.cancel()));
+  CHECK(adjacency.asked >= 5 * face_count() / kMost - 6);
+}
+
+// What is left on the edges is sorted after the last vertex is final.
+TEST_CASE("WhatComesAfterTheLastVertexAsksAsOften") {
+  constexpr std::size_t kMost = 4096;
+  for (const auto& [method, max] :
+       {std::pair{Method::exact, 60.0}, std::pair{Method::chen_han, 40.0}}) {
+    Listener whole;
+    SolveScratch scratch;
+    FieldLimits limits;
+    limits.max = max;
+    const Source source = at_vertex(7);
+    const auto field =
+        solve_field(method, {}, terrain().adjacency, {&source, 1}, limits, scratch, whole.cancel());
+    REQUIRE(field);
+    REQUIRE(field->windows);
+    const std::size_t after = whole.asked - whole.asked_before.back();
+    CHECK(after >= (3 * field->windows->size() + 4 * face_count()) / kMost - 1);
+  }
+}
+
+TEST_CASE("APartReportsWithinItsBounds") {
+  std::vector<double> told;
+  bool stop = false;
+  const Cancel whole([&] { return stop; }, [&](double done) { told.push_back(done); });
+  const Cancel second = whole.part(0.5, 0.75);
+  second.report(0);
+  second.report(0.5);
+  const Cancel half_of_it = second.part(0.5, 1);
+  half_of_it.report(1);
+  CHECK(told == std::vector<double>{0.5, 0.625, 0.75});
+  CHECK_FALSE(half_of_it.requested());
+  stop = true;
+  CHECK(half_of_it.requested());
+}
+
+TEST_CASE("APollAsksOnceInSoManyStepsAndRemembersYes") {
+  Listener listener;
+  listener.stop_at = 2;
+  const Cancel cancel = listener.cancel();
+  Poll poll(cancel, 10);
+  for (int step = 1; step < 20; ++step) CHECK_FALSE(poll.cancelled(std::uint64_t(step), 40));
+  CHECK(listener.asked == 1);
+  CHECK_FALSE(poll.stopped());
+  CHECK(poll.cancelled(20, 40));
+  CHECK(listener.told == std::vector<double>{0.25, 0.5});
+  for (int step = 0; step < 5; ++step) CHECK(poll.cancelled());
+  CHECK(poll.stopped());
+  CHECK(listener.asked == 2);
+}

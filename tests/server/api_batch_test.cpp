@@ -1,0 +1,95 @@
+// Many queries in one request.
+#include <doctest/doctest.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/server/plane_service.h"
+
+using namespace geodesic;
+using namespace geodesic::server;
+using namespace geodesic::server::test;
+
+namespace {
+
+std::vector<json> lines_of(const HttpResponse& response) {
+  REQUIRE(response.status == 200);
+  CHECK(response.content_type == "application/x-ndjson");
+  REQUIRE(response.stream);
+  std::vector<json> lines;
+  std::string chunk;
+  while (response.stream(chunk)) {
+    REQUIRE(chunk.ends_with('\n'));
+    CHECK(chunk.find('\n') == chunk.size() - 1);
+    lines.push_back(json::parse(chunk));
+    chunk.clear();
+  }
+  return lines;
+}
+
+}  // namespace
+
+TEST_CASE("EachLineIsAnsweredLikeTheRequestItStandsFor") {
+  PlaneService plane;
+  const std::string body =
+      R"({"id":1,"query":"path","from":"v:0","to":"v:119"}
+{"id":"second","query":"distance","from":["v:0","v:9"],"at":"v:50"}
+
+{"query":"table","from":["v:0","v:9"],"precision":4}
+{"id":4,"query":"nearest","point":"p:1,2,3"})";
+  const auto lines = lines_of(plane.service.ask("POST", plane.base + "/batch", body));
+  REQUIRE(lines.size() == 4);
+  CHECK(lines[0]["id"] == 1);
+  CHECK(lines[0]["reply"] == plane.ask("/path?from=v:0&to=v:119"));
+  CHECK(lines[1]["id"] == "second");
+  CHECK(lines[1]["reply"] == plane.ask("/distance?from=v:0&from=v:9&at=v:50"));
+  CHECK_FALSE(lines[2].contains("id"));
+  CHECK(lines[2]["reply"] == plane.ask("/table?from=v:0&from=v:9&precision=4"));
+  CHECK(lines[3]["reply"] == plane.ask("/nearest?point=p:1,2,3"));
+  for (const json& line : lines) CHECK(line["status"] == 200);
+}
+
+TEST_CASE("ALineThatIsWrongHarmsNoOther") {
+  PlaneService plane;
+  const std::string deep(200'000, '[');
+  const std::string body =
+      "{\"id\":1,\"query\":\"path\",\"from\":\"v:0\",\"to\":\"v:1\"}\n"
+      "not json\n"
+      "[1,2]\n"
+      "{\"id\":4,\"query\":\"path\",\"from\":" +
+      deep +
+      "\n"
+      "{\"id\":5}\n"
+      "{\"id\":6,\"query\":\"batch\"}\n"
+      "{\"id\":[7,8],\"query\":\"path\",\"from\":\"v:0\",\"to\":\"v:1\"}\n"
+      "{\"id\":8,\"query\":\"path\",\"from\":\"v:0\",\"to\":\"v:999\"}\n"
+      "{\"id\":9,\"query\":\"distance\",\"from\":\"v:0\",\"format\":\"png\"}\n"
+      "{\"id\":10,\"query\":\"distance\",\"from\":\"v:0\",\"colour\":1}\n"
+      "{\"id\":\"\xff\",\"query\":\"distance\"}\n"
+      "{\"id\":12,\"query\":\"path\",\"from\":\"v:0\",\"to\":\"v:1\"}\n";
+  const auto lines = lines_of(plane.service.ask("POST", plane.base + "/batch", body));
+  REQUIRE(lines.size() == 12);
+  const std::vector<int> statuses{200, 400, 400, 400, 400, 400, 400, 422, 406, 400, 400, 200};
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    CAPTURE(i);
+    CHECK(lines[i]["status"] == statuses[i]);
+    if (statuses[i] == 200) continue;
+    CHECK(lines[i]["problem"]["status"] == statuses[i]);
+    CHECK(lines[i]["problem"]["request_id"] == "test");
+  }
+  CHECK(lines[4]["id"] == 5);
+  CHECK(lines[4]["problem"]["parameter"] == "query");
+  CHECK(lines[7]["problem"]["code"] == "index_out_of_range");
+  CHECK(lines[7]["problem"]["parameter"] == "to");
+  CHECK(lines[9]["problem"]["code"] == "unknown_parameter");
+}
+
+TEST_CASE("ABatchIsRefusedAsAWholeWhereItCanBe") {
+  PlaneService plane;
+  check_problem(plane.service.ask("POST", plane.base + "/batch?x=1", "{}"), 400,
+                "unknown_parameter", "x");
+  check_problem(plane.service.ask("GET", plane.base + "/batch"), 405, "method_not_allowed");
+  check_problem(plane.service.ask("POST", "/v1/meshes/" + std::string(64, '0') + "/batch", "{}"),
+                404, "mesh_unknown");
+  CHECK(lines_of(plane.service.ask("POST", plane.base + "/batch", "\n \n")).empty());
+}

@@ -1,0 +1,86 @@
+#include <doctest/doctest.h>
+
+#include <regex>
+#include <string>
+
+#include "tests/server/service_fixture.h"
+
+using namespace geodesic;
+using namespace geodesic::server;
+using namespace geodesic::server::test;
+
+TEST_CASE("TheContractIsServedAsYamlAndAsJson") {
+  const TemporaryFolder folder;
+  Service service(folder.path());
+  const HttpResponse yaml = service.get("/openapi.yaml");
+  CHECK(yaml.content_type == "application/yaml");
+  CHECK(yaml.body->starts_with("openapi: 3.1"));
+  const HttpResponse reply = service.get("/openapi.json");
+  CHECK(reply.content_type == "application/json");
+  const json contract = body_of(reply);
+  CHECK(contract["openapi"] == "3.1.0");
+  CHECK(contract["info"]["title"] == "geodesicd");
+  CHECK(contract["paths"].contains("/v1/meshes/{id}/distance"));
+  CHECK(contract["paths"]["/v1/meshes"]["get"]["parameters"][0]["schema"]["maximum"] == 1000);
+}
+
+TEST_CASE("EveryErrorCodeIsInTheContractWithItsStatus") {
+  const TemporaryFolder folder;
+  Service service(folder.path());
+  const json contract = body_of(service.get("/openapi.json"));
+  const json& codes = contract["components"]["schemas"]["ErrorCode"]["enum"];
+  // The codes of a closed set end with `internal`.
+  std::size_t known = 0;
+  for (int code = 0;; ++code) {
+    const auto name = name_of(static_cast<ErrorCode>(code));
+    CAPTURE(name);
+    CHECK(std::count(codes.begin(), codes.end(), name) == 1);
+    ++known;
+    if (static_cast<ErrorCode>(code) == ErrorCode::internal) break;
+  }
+  CHECK(codes.size() == known);
+}
+
+TEST_CASE("ThePageOfTheContractNeedsNothingFromElsewhere") {
+  const TemporaryFolder folder;
+  Service service(folder.path());
+  const HttpResponse page = service.get("/docs");
+  CHECK(page.status == 200);
+  CHECK(page.content_type == "text/html; charset=utf-8");
+  const std::string policy = header_of(page, "Content-Security-Policy");
+  CHECK(policy.find("default-src 'none'") != std::string::npos);
+  CHECK(policy.find("unsafe") == std::string::npos);
+  CHECK(policy.find("http") == std::string::npos);
+  // No script or style within it, which the policy would not run.
+  CHECK(page.body->find("<style") == std::string::npos);
+  CHECK(page.body->find(" style=") == std::string::npos);
+  const std::regex inner_script("<script(?![^>]*src=)");
+  CHECK_FALSE(std::regex_search(*page.body, inner_script));
+
+  // Whatever it loads is here.
+  const std::regex reference("(?:src|href)=\"([^\"]+)\"|from '([^']+)'");
+  std::vector<std::string> files;
+  const auto gather = [&](const std::string& text, const std::string& place) {
+    for (std::sregex_iterator at(text.begin(), text.end(), reference), end; at != end; ++at) {
+      std::string file = (*at)[1].matched ? (*at)[1].str() : (*at)[2].str();
+      if (file.starts_with("./")) file = place + file.substr(2);
+      if (file != "data:," && !file.starts_with("#")) files.push_back(file);
+    }
+  };
+  gather(*page.body, "/docs/");
+  for (std::size_t i = 0; i < files.size() && i < 50; ++i) {
+    CAPTURE(files[i]);
+    REQUIRE(files[i].starts_with("/"));
+    const HttpResponse file = service.get(files[i]);
+    CHECK(file.status == 200);
+    CHECK(header_of(file, "X-Content-Type-Options") == "nosniff");
+    if (files[i].ends_with(".js")) {
+      CHECK(file.content_type == "text/javascript; charset=utf-8");
+      gather(*file.body, "/docs/");
+    }
+    if (files[i].ends_with(".css")) CHECK(file.content_type == "text/css; charset=utf-8");
+  }
+  CHECK(std::count(files.begin(), files.end(), "/docs/text.js") > 0);
+  CHECK(service.get("/docs/none.js").status == 404);
+  CHECK(service.ask("POST", "/docs").status == 405);
+}

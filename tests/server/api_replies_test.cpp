@@ -1,0 +1,252 @@
+// What all replies have in common: tags and 304, gzip, other origins, traces, timings,
+// deadlines.
+#include <doctest/doctest.h>
+#include <zlib.h>
+
+#include <string>
+
+#include "server/entity_tag.h"
+#include "tests/server/plane_service.h"
+
+using namespace geodesic;
+using namespace geodesic::server;
+using namespace geodesic::server::test;
+
+namespace {
+
+std::string gunzipped(const std::string& bytes) {
+  z_stream stream{};
+  REQUIRE(inflateInit2(&stream, 15 + 16) == Z_OK);
+  std::string in = bytes;
+  std::string out(1 << 20, '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(in.data());
+  stream.avail_in = static_cast<uInt>(in.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  CHECK(inflate(&stream, Z_FINISH) == Z_STREAM_END);
+  out.resize(stream.total_out);
+  inflateEnd(&stream);
+  return out;
+}
+
+HttpResponse conditional(PlaneService& plane, const std::string& target, const std::string& tag,
+                         std::vector<NameValue> more = {}) {
+  more.emplace_back("If-None-Match", tag);
+  return plane.service.ask("GET", plane.base + target, {}, std::move(more));
+}
+
+}  // namespace
+
+TEST_CASE("ATagSavesTheComputation") {
+  PlaneService plane;
+  const std::string target = "/distance?from=v:0";
+  const HttpResponse first = plane.service.get(plane.base + target);
+  const std::string tag = header_of(first, "ETag");
+  CHECK(tag.starts_with("\""));
+  CHECK(header_of(first, "Cache-Control") == "public, max-age=86400");
+  CHECK(header_of(first, "Vary") == "Accept, Accept-Encoding");
+  const auto finished = plane.service.pool.stats().finished;
+  for (const std::string& known :
+       {tag, "W/" + tag, "\"other\", " + tag, std::string("*"), packed_tag(tag)}) {
+    CAPTURE(known);
+    const HttpResponse again = conditional(plane, target, known);
+    CHECK(again.status == 304);
+    CHECK(header_of(again, "ETag") == tag);
+    CHECK(header_of(again, "Cache-Control") == "public, max-age=86400");
+    CHECK(header_of(again, "Vary").find("Accept") != std::string::npos);
+    CHECK_FALSE(again.body);
+  }
+  CHECK(plane.service.pool.stats().finished == finished);
+  CHECK(conditional(plane, target, "\"other\"").status == 200);
+  // HEAD as GET.
+  CHECK(plane.service.ask("HEAD", plane.base + target, {}, {{"If-None-Match", tag}}).status == 304);
+  // A mesh that is gone is gone, whatever the client has of it.
+  REQUIRE(plane.service.ask("DELETE", plane.base).status == 204);
+  CHECK(conditional(plane, target, tag).status == 404);
+}
+
+TEST_CASE("EachRepresentationHasItsOwnTag") {
+  PlaneService plane;
+  const auto tag = [&](const std::string& target, std::vector<NameValue> headers = {}) {
+    return header_of(plane.service.ask("GET", plane.base + target, {}, std::move(headers)), "ETag");
+  };
+  const std::string json = tag("/distance?from=v:0");
+  CHECK(tag("/distance?from=v:0&format=json") == json);
+  CHECK(tag("/distance?max=1&from=v:0") == tag("/distance?from=v:0&max=1"));
+  CHECK(tag("/distance?from=v:0&deadline_ms=9000") == json);
+  CHECK(tag("/distance?from=v:1") != json);
+  CHECK(tag("/distance?from=v:0&method=exact") != json);
+  CHECK(tag("/distance?from=v:0&precision=4") != json);
+  CHECK(tag("/distance?from=v:0&format=f32") != json);
+  CHECK(tag("/distance?from=v:0&format=f32") ==
+        tag("/distance?from=v:0", {{"Accept", "application/octet-stream"}}));
+  CHECK(tag("/distance?from=v:0&format=f64") != tag("/distance?from=v:0&format=f32"));
+  CHECK(tag("/distance?from=v:0&from=v:1&labels=1") != tag("/distance?from=v:1&from=v:0&labels=1"));
+  CHECK(tag("/table?from=v:0") != json);
+  const std::string packed = tag("/distance?from=v:0", {{"Accept-Encoding", "gzip"}});
+  CHECK(packed == packed_tag(json));
+  // POST has none: nobody caches it.
+  const HttpResponse post =
+      plane.service.ask("POST", plane.base + "/distance", R"({"from":"v:0"})");
+  CHECK(header_of(post, "ETag").empty());
+  CHECK(header_of(post, "Cache-Control").empty());
+}
+
+TEST_CASE("WhatIsNoQueryIsTaggedByItsBytes") {
+  PlaneService plane;
+  for (const std::string& path : {plane.base, std::string("/v1/methods"), std::string("/v1/meshes"),
+                                  std::string("/openapi.yaml"), std::string("/")}) {
+    CAPTURE(path);
+    const HttpResponse first = plane.service.get(path);
+    const std::string tag = header_of(first, "ETag");
+    CHECK_FALSE(tag.empty());
+    const HttpResponse again = plane.service.ask("GET", path, {}, {{"If-None-Match", tag}});
+    CHECK(again.status == 304);
+    CHECK_FALSE(again.body);
+  }
+  const HttpResponse source = plane.service.get(plane.base + "/source");
+  CHECK(header_of(source, "Cache-Control") == "public, max-age=31536000, immutable");
+  CHECK(conditional(plane, "/source", header_of(source, "ETag")).status == 304);
+  CHECK(header_of(plane.service.get("/v1/status"), "Cache-Control") == "no-store");
+  CHECK(header_of(plane.service.get("/v1/nothing"), "Cache-Control") == "no-store");
+}
+
+TEST_CASE("JsonIsPackedForThoseWhoTakeItAndArraysNever") {
+  PlaneService plane;
+  const std::string target = plane.base + "/distance?from=v:0";
+  const HttpResponse plain = plane.service.get(target);
+  REQUIRE(plain.body->size() > 1024);
+  const HttpResponse packed =
+      plane.service.ask("GET", target, {}, {{"Accept-Encoding", "br, gzip"}});
+  CHECK(header_of(packed, "Content-Encoding") == "gzip");
+  CHECK(packed.content_type == "application/json");
+  CHECK(packed.body->size() < plain.body->size());
+  CHECK(gunzipped(*packed.body) == *plain.body);
+  CHECK(header_of(plain, "Content-Encoding").empty());
+  const HttpResponse small = plane.service.ask("GET", plane.base + "/nearest?point=v:0", {},
+                                               {{"Accept-Encoding", "gzip"}});
+  CHECK(header_of(small, "Content-Encoding").empty());
+  CHECK(header_of(small, "Vary").find("Accept-Encoding") != std::string::npos);
+  const HttpResponse array =
+      plane.service.ask("GET", target + "&format=f64", {}, {{"Accept-Encoding", "gzip"}});
+  CHECK(header_of(array, "Content-Encoding").empty());
+  CHECK(array.body->size() == 960);
+}
+
+TEST_CASE("PagesOfOtherOriginsMayCallAndRead") {
+  PlaneService plane;
+  const HttpResponse reply = plane.service.ask("GET", plane.base + "/distance?from=v:0", {},
+                                               {{"Origin", "https://example.org"}});
+  CHECK(header_of(reply, "Access-Control-Allow-Origin") == "*");
+  const std::string exposed = header_of(reply, "Access-Control-Expose-Headers");
+  for (const char* name : {"ETag", "Location", "Server-Timing", "Geo-Cache", "Geo-Dtype",
+                           "Geo-Shape", "Geo-Max", "Geo-Length", "X-Request-Id", "Retry-After"}) {
+    CAPTURE(name);
+    CHECK(exposed.find(name) != std::string::npos);
+  }
+  // Errors too, or the page could not say what is wrong.
+  CHECK(header_of(plane.service.get("/v1/nothing"), "Access-Control-Allow-Origin") == "*");
+
+  const std::vector<NameValue> question{{"Origin", "https://example.org"},
+                                        {"Access-Control-Request-Method", "PUT"},
+                                        {"Access-Control-Request-Headers", "x-evil-echo"}};
+  const HttpResponse preflight = plane.service.ask("OPTIONS", plane.base, {}, question);
+  CHECK(preflight.status == 204);
+  CHECK(header_of(preflight, "Access-Control-Allow-Origin") == "*");
+  CHECK(header_of(preflight, "Access-Control-Allow-Methods").find("PUT") != std::string::npos);
+  const std::string allowed = header_of(preflight, "Access-Control-Allow-Headers");
+  CHECK(allowed.find("Authorization") != std::string::npos);
+  CHECK(allowed.find("evil") == std::string::npos);
+}
+
+TEST_CASE("OnlyTheOriginsNamedMayRead") {
+  Config config;
+  config.cors_origins = "https://a.example, https://b.example";
+  PlaneService plane(config);
+  const auto origin_of = [&](const char* origin) {
+    return header_of(plane.service.ask("GET", "/v1/methods", {}, {{"Origin", origin}}),
+                     "Access-Control-Allow-Origin");
+  };
+  CHECK(origin_of("https://a.example") == "https://a.example");
+  CHECK(origin_of("https://b.example") == "https://b.example");
+  CHECK(origin_of("https://c.example").empty());
+  const HttpResponse reply = plane.service.get("/v1/methods");
+  CHECK(header_of(reply, "Vary").find("Origin") != std::string::npos);
+  const HttpResponse preflight = plane.service.ask(
+      "OPTIONS", plane.base, {},
+      {{"Origin", "https://c.example"}, {"Access-Control-Request-Method", "GET"}});
+  CHECK(header_of(preflight, "Access-Control-Allow-Methods").empty());
+}
+
+TEST_CASE("OptionsTellsTheMethodsOfAPath") {
+  PlaneService plane;
+  const auto allow = [&](const std::string& path) {
+    const HttpResponse reply = plane.service.ask("OPTIONS", path);
+    CHECK(reply.status == 204);
+    return header_of(reply, "Allow");
+  };
+  CHECK(allow(plane.base) == "GET, HEAD, PUT, DELETE, OPTIONS");
+  CHECK(allow(plane.base + "/path") == "GET, HEAD, POST, OPTIONS");
+  CHECK(allow(plane.base + "/prepare") == "POST, OPTIONS");
+  CHECK(allow("*") == "GET, HEAD, POST, PUT, DELETE, OPTIONS");
+  CHECK(plane.service.ask("OPTIONS", "/v1/nothing").status == 404);
+}
+
+TEST_CASE("ATraceIsKeptAndNonsenseIsNot") {
+  PlaneService plane;
+  const std::string good = "00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01";
+  const auto kept = [&](const std::string& sent) {
+    return header_of(plane.service.ask("GET", "/v1/methods", {}, {{"traceparent", sent}}),
+                     "traceparent");
+  };
+  CHECK(kept(good) == good);
+  for (const char* bad : {"", "00", "00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-0",
+                          "ff-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01",
+                          "00-00000000000000000000000000000000-00f067aa0ba902b7-01",
+                          "00-4bf92f3577b34da6a3ce929d0e0e4736-0000000000000000-01",
+                          "00-4BF92F3577B34DA6A3CE929D0E0E4736-00f067aa0ba902b7-01",
+                          "00_4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01"}) {
+    CAPTURE(bad);
+    CHECK(kept(bad).empty());
+  }
+}
+
+TEST_CASE("TheReplySaysWhereTheTimeWent") {
+  PlaneService plane;
+  const std::string first =
+      header_of(plane.service.get(plane.base + "/path?from=v:0&to=v:50"), "Server-Timing");
+  for (const char* stage : {"queue;dur=", "solve;dur=", "trace;dur=", "encode;dur="}) {
+    CAPTURE(stage);
+    CHECK(first.find(stage) != std::string::npos);
+  }
+  const std::string second =
+      header_of(plane.service.get(plane.base + "/path?from=v:0&to=v:60"), "Server-Timing");
+  CHECK(second.find("solve") == std::string::npos);
+  // From the store: read, decoded and prepared again.
+  Config small;
+  small.mesh_cache_bytes = small.adjacency_cache_bytes = 0;
+  PlaneService cold(small);
+  const std::string loaded =
+      header_of(cold.service.get(cold.base + "/distance?from=v:0"), "Server-Timing");
+  CHECK(loaded.find("load;dur=") != std::string::npos);
+  CHECK(loaded.find("prepare;dur=") != std::string::npos);
+}
+
+TEST_CASE("ADeadlineEndsAQuery") {
+  PlaneService plane;
+  CHECK(plane.ask("/distance?from=v:0&deadline_ms=60000")["count"] == 120);
+  const std::string large = plane.add(shapes::terrain(220, 20, 1));
+  const HttpResponse late =
+      plane.service.get(large + "/distance?from=v:0&method=chen_han&deadline_ms=1");
+  check_problem(late, 504, "deadline");
+  check_problem(
+      plane.service.ask("POST", large + "/path",
+                        R"({"from":"v:0","to":"v:9","method":"chen_han","deadline_ms":1})"),
+      504, "deadline");
+  // It was not kept, and harms nobody after it.
+  CHECK(plane.service.get(large + "/distance?from=v:0").status == 200);
+  plane.check_refused("/distance?from=v:0&deadline_ms=0", 422, "value_out_of_range", "deadline_ms");
+  plane.check_refused("/distance?from=v:0&deadline_ms=9000000", 422, "value_out_of_range",
+                      "deadline_ms");
+  plane.check_refused("/distance?from=v:0&deadline_ms=soon", 400, "bad_syntax", "deadline_ms");
+}

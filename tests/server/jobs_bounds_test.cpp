@@ -1,0 +1,157 @@
+// No more jobs than allowed, each client its share, and nothing kept for ever.
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/compute_pool.h"
+#include "tests/server/jobs_fixture.h"
+
+using namespace geodesic;
+using namespace geodesic::server;
+using namespace geodesic::server::test;
+
+TEST_CASE("NoMoreJobsWaitAndRunThanAllowed") {
+  JobsFixture fixture(limits_of(4, 2));
+  for (const std::string client : {"ann", "bob", "cid", "dan"}) fixture.start("/hold", client);
+  const auto refused = fixture.try_start("/x", "eve");
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::overloaded);
+  CHECK(refused.error().limit == 4);
+  fixture.gate.let_go("/hold");
+  const auto end = std::chrono::steady_clock::now() + kJobPatience;
+  while (fixture.jobs.stats().ended < 4) {
+    REQUIRE(std::chrono::steady_clock::now() < end);
+    std::this_thread::sleep_for(1ms);
+  }
+  CHECK(fixture.try_start("/x", "eve"));
+}
+
+TEST_CASE("AGreedyClientHasHalfOfTheJobsAndHalfOfTheThreads") {
+  JobsFixture fixture(limits_of(8, 4));
+  for (int i = 0; i < 4; ++i) fixture.start("/hold greedy", "greedy");
+  const auto refused = fixture.try_start("/hold greedy", "greedy");
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::too_many_requests);
+  // Two of them run; somebody else's begins at once, whatever waits.
+  fixture.gate.begun(2);
+  fixture.wait_for(fixture.start("/x", "modest"), JobState::done);
+  CHECK(fixture.jobs.stats().running == 2);
+  CHECK(fixture.jobs.stats().queued == 2);
+}
+
+TEST_CASE("ClientsTakeTurnsAtASingleThread") {
+  JobsFixture fixture(limits_of(16, 1));
+  fixture.start("/hold", "ann");
+  fixture.gate.begun(1);
+  for (const std::string path : {"/a1", "/a2", "/a3"}) fixture.start(path, "ann");
+  for (const std::string path : {"/b1", "/b2"}) fixture.start(path, "bob");
+  fixture.start("/c1", "cid");
+  fixture.gate.let_go("/hold");
+  CHECK(fixture.gate.begun(7) ==
+        std::vector<std::string>{"/hold", "/b1", "/c1", "/a1", "/b2", "/a2", "/a3"});
+}
+
+TEST_CASE("TheOldestRepliesMakeRoomForNewOnes") {
+  Jobs::Limits limits;
+  limits.bytes = 100'000;
+  JobsFixture fixture(limits);
+  std::vector<std::string> ids;
+  for (int i = 0; i < 4; ++i) {
+    ids.push_back(fixture.start("/x", "", std::string(30'000, 'x')));
+    fixture.wait_for(ids.back(), JobState::done);
+  }
+  CHECK_FALSE(fixture.jobs.find(ids[0]));
+  CHECK_FALSE(fixture.jobs.find(ids[1]));
+  CHECK(fixture.jobs.result(ids[2])->body->size() == 30'000);
+  CHECK(fixture.jobs.result(ids[3])->body->size() == 30'000);
+  CHECK(fixture.jobs.stats().bytes <= limits.bytes);
+}
+
+TEST_CASE("AReplyThatIsTooLargeToKeepIsAnError") {
+  Jobs::Limits limits;
+  limits.bytes = 50'000;
+  Jobs jobs(limits, [](HttpRequest&) {
+    HttpResponse response;
+    response.stream = [](std::string& chunk) {
+      chunk = std::string(1000, 'x');
+      return true;  // for ever
+    };
+    return response;
+  });
+  const auto started = jobs.start(HttpRequest());
+  REQUIRE(started);
+  const auto job = jobs.hold(started->id);
+  JobReport report = jobs.report(job);
+  while (!has_ended(report.state)) report = jobs.wait_for_news(job, report, kJobPatience);
+  CHECK(report.state == JobState::failed);
+  CHECK(report.status == 413);
+  CHECK(jobs.result(started->id)->body->find("too_large") != std::string::npos);
+}
+
+TEST_CASE("BodiesThatWaitHaveABudgetToo") {
+  Jobs::Limits limits;
+  limits.bytes = 100'000;
+  limits.running = 1;
+  JobsFixture fixture(limits);
+  const std::string held = fixture.start("/hold", "ann", std::string(60'000, 'x'));
+  const auto refused = fixture.try_start("/x", "bob", std::string(60'000, 'x'));
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::overloaded);
+  CHECK(fixture.jobs.remove(held));
+  const auto end = std::chrono::steady_clock::now() + kJobPatience;
+  while (!fixture.try_start("/x", "bob", std::string(60'000, 'x'))) {
+    REQUIRE(std::chrono::steady_clock::now() < end);
+    std::this_thread::sleep_for(1ms);
+  }
+}
+
+TEST_CASE("WhatHasEndedIsForgottenAfterItsTime") {
+  Jobs::Limits limits;
+  limits.keep = 20ms;
+  JobsFixture fixture(limits);
+  const std::string id = fixture.start("/hold");
+  const auto job = fixture.jobs.hold(id);
+  REQUIRE(job);
+  fixture.gate.let_go("/hold");
+  const auto end = std::chrono::steady_clock::now() + kJobPatience;
+  while (fixture.jobs.find(id)) {
+    REQUIRE(std::chrono::steady_clock::now() < end);
+    std::this_thread::sleep_for(1ms);
+  }
+  CHECK(fixture.jobs.stats().bytes == 0);
+  CHECK(fixture.jobs.report(job).state == JobState::done);  // for who holds it
+}
+
+TEST_CASE("APatientCallerWaitsForASlotHoweverLongThatTakes") {
+  ComputePool pool(1, ComputePool::QueueLimits{8, 0, 1ms});
+  std::atomic<bool> begun{false};
+  std::atomic<bool> go_on{false};
+  Caller patient;
+  patient.is_patient = true;
+  Result<int> held = 0;
+  std::thread holder([&] {
+    const auto hold = [&](Worker&) -> Result<int> {
+      begun = true;
+      while (!go_on) std::this_thread::sleep_for(1ms);
+      return 6;
+    };
+    held = pool.run(hold, patient);
+  });
+  while (!begun) std::this_thread::sleep_for(1ms);
+  Result<int> found = 0;
+  std::thread waiter([&] { found = pool.run([](Worker&) -> Result<int> { return 7; }, patient); });
+  while (pool.stats().queued == 0) std::this_thread::sleep_for(1ms);
+  // Somebody else gives up first, and so would have the other one.
+  const auto impatient = pool.run([](Worker&) -> Result<int> { return 8; });
+  REQUIRE_FALSE(impatient);
+  CHECK(impatient.error().code == ErrorCode::overloaded);
+  go_on = true;
+  waiter.join();
+  holder.join();
+  CHECK(held == 6);
+  CHECK(found == 7);
+}
