@@ -311,13 +311,20 @@ class HttpServer::Impl final : public httplib::Server {
   void stream(std::function<bool(std::string&)> next, const std::string& type, Exchange& exchange,
               httplib::Response& response) {
     exchange.streams = true;
-    auto send = [next = std::move(next)](std::size_t, httplib::DataSink& sink) {
-      std::string chunk;
-      if (!next(chunk)) {
-        sink.done();
-        return true;
+    auto send = [next = std::move(next), id = exchange.request.id](std::size_t,
+                                                                   httplib::DataSink& sink) {
+      try {
+        std::string chunk;
+        if (!next(chunk)) {
+          sink.done();
+          return true;
+        }
+        return chunk.empty() || sink.write(chunk.data(), chunk.size());
+      } catch (const std::exception& thrown) {
+        // The status is sent: all that is left is an end that nobody takes for the end.
+        spdlog::error("{} a streamed reply threw: {}", id, for_log(thrown.what()));
+        return false;
       }
-      return chunk.empty() || sink.write(chunk.data(), chunk.size());
     };
     const auto end = [this](bool) { --streams_; };
     if (exchange.head.http_1_0) {  // knows no chunks: the end is the connection's

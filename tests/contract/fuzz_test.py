@@ -31,7 +31,9 @@ def main():
         # It would delete the mesh that all others ask about; walk_test.py deletes one.
         command += ["--exclude-operation-id", "deleteMesh", "--no-color", *sys.argv[2:]]
         environment = {**os.environ, "CONTRACT_MESH": mesh, "SCHEMATHESIS_HOOKS": "hooks"}
-        status = subprocess.run(command, cwd=HERE, env=environment, check=False).returncode
+        environment["PYTHONPATH"] = str(HERE)
+        # It leaves files where it runs.
+        status = subprocess.run(command, cwd=server.folder, env=environment, check=False).returncode
         alive = server.process.poll() is None and server.ask("GET", "/v1/status").status == 200
     if not alive:
         print(f"FAILED: the server is gone: {server.log()}")

@@ -65,7 +65,8 @@ class Walk:
         reply = self.ask(*arguments, **more)
         if reply.status != status:
             self.fail(
-                f"{arguments[1].id}: {reply.status} instead of {status}: {arguments[2:]} {reply.body[:300]}"
+                f"{arguments[1].id}: {reply.status} instead of {status}: "
+                f"{arguments[2:]} {reply.body[:300]}"
             )
         return reply
 

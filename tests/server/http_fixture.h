@@ -57,6 +57,12 @@ inline HttpResponse answer(HttpRequest& request) {
       chunk = "data: " + std::to_string(n) + "\n\n";
       return n++ < 3;
     };
+  } else if (request.path == "/half") {
+    response.stream = [n = 0](std::string& chunk) mutable {
+      if (n++ > 0) throw std::runtime_error("the rest cannot be made");
+      chunk = "half";
+      return true;
+    };
   } else if (request.path == "/endless") {
     response.content_type = "text/event-stream";
     response.stream = [gone = request.caller](std::string& chunk) {

@@ -210,6 +210,18 @@ TEST_CASE("a reply can be streamed") {
   CHECK(old.receive().body == "data: 0\n\ndata: 1\n\ndata: 2\n\n");
 }
 
+TEST_CASE("a stream that throws ends its connection, and nothing else") {
+  Edge edge;
+  RawClient client(edge.port);
+  client.send(get("/half"));
+  const std::string all = client.receive_all();
+  CHECK(all.find("half") != std::string::npos);
+  CHECK_FALSE(all.ends_with("0\r\n\r\n"));  // which would say that it is complete
+  RawClient other(edge.port);
+  other.send(get("/after"));
+  CHECK(other.receive().status == 200);
+}
+
 TEST_CASE("64 clients at once all get their own answers") {
   Edge edge;
   std::vector<std::future<int>> clients;

@@ -16,6 +16,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace geodesic::server::test {
 
@@ -95,6 +96,14 @@ class RawClient {
       reply.body = take(buffer_.size());
     }
     return reply;
+  }
+
+  // Every byte until the server closes the connection or falls silent.
+  std::string receive_all(std::chrono::milliseconds patience = default_patience) {
+    const auto deadline = std::chrono::steady_clock::now() + patience;
+    while (fill(deadline)) {
+    }
+    return std::exchange(buffer_, {});
   }
 
   // Whether the server closes the connection, with nothing more to read.
