@@ -47,6 +47,8 @@ ENV GEODESICD_LISTEN=0.0.0.0:8080 \
 EXPOSE 8080
 VOLUME /var/lib/geodesicd
 HEALTHCHECK --interval=10s --timeout=3s --start-period=10s \
-  CMD curl --silent --fail --output /dev/null "http://127.0.0.1:${GEODESICD_LISTEN##*:}/livez"
+  CMD address=${GEODESICD_ADMIN_LISTEN:-$GEODESICD_LISTEN}; scheme=http; \
+      if [ -z "$GEODESICD_ADMIN_LISTEN" ] && [ -n "$GEODESICD_TLS_CERT" ]; then scheme=https; fi; \
+      curl --silent --fail --insecure --output /dev/null "$scheme://127.0.0.1:${address##*:}/livez"
 STOPSIGNAL SIGTERM
 ENTRYPOINT ["/usr/local/bin/geodesicd"]

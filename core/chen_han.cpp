@@ -2,6 +2,7 @@
 
 #include "core/chen_han_front.h"
 #include "core/remaining_targets.h"
+#include "core/vertex_front.h"
 
 namespace geodesic {
 namespace {
@@ -21,11 +22,7 @@ Result<Field> chen_han_field(const Adjacency& adjacency, std::span<const Source>
                              const FieldLimits& limits, ChenHanScratch& scratch,
                              const Cancel& cancel) {
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
-  Field field;
-  field.method = Method::chen_han;
-  field.sources.assign(sources.begin(), sources.end());
-  field.distance.assign(vertex_count, kUnreached);
-  if (sources.size() > 1) field.nearest_source.assign(vertex_count, kNone);
+  Field field = unreached_field(Method::chen_han, sources, vertex_count);
   RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
   scratch.accepted.assign(vertex_count, 0);
   Poll poll(cancel);

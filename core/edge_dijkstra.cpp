@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "core/remaining_targets.h"
+#include "core/vertex_front.h"
 
 namespace geodesic {
 namespace {
@@ -68,33 +69,14 @@ Result<Field> edge_dijkstra_field(const Adjacency& adjacency, std::span<const So
                                   const FieldLimits& limits, WavefrontScratch& scratch,
                                   const Cancel& cancel) {
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
-  Field field;
-  field.method = Method::dijkstra;
-  field.sources.assign(sources.begin(), sources.end());
-  field.distance.assign(vertex_count, kUnreached);
+  Field field = unreached_field(Method::dijkstra, sources, vertex_count);
   field.parents.assign(vertex_count, {});
-  if (sources.size() > 1) field.nearest_source.assign(vertex_count, kNone);
   VertexHeap& heap = scratch.heap;
   heap.reset(vertex_count);
   EdgeDijkstra front(adjacency, field, heap);
-  for (std::uint32_t s = 0; s < sources.size(); ++s) front.start(sources[s], s);
-  RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
   Poll poll(cancel);
-  std::uint64_t accepted = 0;
-  while (!heap.empty() && !targets.done()) {
-    if (poll.cancelled(accepted++, vertex_count)) {
-      return fail(ErrorCode::cancelled, "the computation was cancelled");
-    }
-    const VertexHeap::Entry next = heap.pop();
-    if (next.key > limits.max) {
-      front.forget(next.vertex);
-      break;
-    }
-    targets.accept(next.vertex);
-    front.spread_from(next.vertex);
-  }
-  for (const VertexHeap::Entry& entry : heap.entries()) front.forget(entry.vertex);
-  field.count_reached();
+  auto settled = settle_vertices(front, heap, limits, scratch.is_target, poll, field);
+  if (!settled) return fail(std::move(settled.error()));
   return field;
 }
 

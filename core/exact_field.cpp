@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/exact_propagation.h"
+#include "core/vertex_front.h"
 
 namespace geodesic {
 
@@ -16,11 +17,7 @@ ExactScratch& ExactScratch::operator=(ExactScratch&&) noexcept = default;
 Result<Field> exact_field(const Adjacency& adjacency, std::span<const Source> sources,
                           const FieldLimits& limits, ExactScratch& scratch, const Cancel& cancel) {
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
-  Field field;
-  field.method = Method::exact;
-  field.sources.assign(sources.begin(), sources.end());
-  field.distance.assign(vertex_count, kUnreached);
-  if (sources.size() > 1) field.nearest_source.assign(vertex_count, kNone);
+  Field field = unreached_field(Method::exact, sources, vertex_count);
   // A step is a list of windows over an edge, not one vertex.
   Poll poll(cancel, 1024);
   exact::Propagation propagation(adjacency, *scratch.memory, field, limits.max, limits.keep_details,

@@ -3,7 +3,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/remaining_targets.h"
+#include "core/vertex_front.h"
 
 namespace geodesic {
 namespace {
@@ -264,34 +264,15 @@ Result<Field> fast_marching_field(const Adjacency& adjacency, std::span<const So
                                   const FieldLimits& limits, FastMarchingScratch& scratch,
                                   const Cancel& cancel) {
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
-  Field field;
-  field.method = Method::fast_marching;
-  field.sources.assign(sources.begin(), sources.end());
-  field.distance.assign(vertex_count, kUnreached);
-  if (sources.size() > 1) field.nearest_source.assign(vertex_count, kNone);
+  Field field = unreached_field(Method::fast_marching, sources, vertex_count);
   VertexHeap& heap = scratch.heap;
   heap.reset(vertex_count);
   FastMarching front(adjacency, field, scratch);
   Poll poll(cancel);
   front.split_obtuse_faces(poll);
   if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
-  for (std::uint32_t s = 0; s < sources.size(); ++s) front.start(sources[s], s);
-  RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
-  std::uint64_t accepted = 0;
-  while (!heap.empty() && !targets.done()) {
-    if (poll.cancelled(accepted++, vertex_count)) {
-      return fail(ErrorCode::cancelled, "the computation was cancelled");
-    }
-    const VertexHeap::Entry next = heap.pop();
-    if (next.key > limits.max) {
-      front.forget(next.vertex);
-      break;
-    }
-    targets.accept(next.vertex);
-    front.spread_from(next.vertex);
-  }
-  for (const VertexHeap::Entry& entry : heap.entries()) front.forget(entry.vertex);
-  field.count_reached();
+  auto settled = settle_vertices(front, heap, limits, scratch.is_target, poll, field);
+  if (!settled) return fail(std::move(settled.error()));
   return field;
 }
 

@@ -1,11 +1,11 @@
 // What all replies have in common: tags and 304, gzip, other origins, traces, timings,
 // deadlines.
 #include <doctest/doctest.h>
-#include <zlib.h>
 
 #include <string>
 
 #include "server/entity_tag.h"
+#include "tests/server/gunzipped.h"
 #include "tests/server/plane_service.h"
 
 using namespace geodesic;
@@ -13,21 +13,6 @@ using namespace geodesic::server;
 using namespace geodesic::server::test;
 
 namespace {
-
-std::string gunzipped(const std::string& bytes) {
-  z_stream stream{};
-  REQUIRE(inflateInit2(&stream, 15 + 16) == Z_OK);
-  std::string in = bytes;
-  std::string out(1 << 20, '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(in.data());
-  stream.avail_in = static_cast<uInt>(in.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  CHECK(inflate(&stream, Z_FINISH) == Z_STREAM_END);
-  out.resize(stream.total_out);
-  inflateEnd(&stream);
-  return out;
-}
 
 HttpResponse conditional(PlaneService& plane, const std::string& target, const std::string& tag,
                          std::vector<NameValue> more = {}) {

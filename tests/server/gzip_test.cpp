@@ -1,30 +1,12 @@
 #include "server/gzip.h"
 
 #include <doctest/doctest.h>
-#include <zlib.h>
 
 #include <string>
 
+#include "tests/server/gunzipped.h"
+
 using namespace geodesic;
-
-namespace {
-
-std::string gunzip(const std::string& bytes, std::size_t size) {
-  z_stream stream{};
-  REQUIRE(inflateInit2(&stream, 15 + 16) == Z_OK);
-  std::string out(size + 1, '\0');
-  std::string in = bytes;
-  stream.next_in = reinterpret_cast<Bytef*>(in.data());
-  stream.avail_in = static_cast<uInt>(in.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  CHECK(inflate(&stream, Z_FINISH) == Z_STREAM_END);
-  out.resize(stream.total_out);
-  inflateEnd(&stream);
-  return out;
-}
-
-}  // namespace
 
 TEST_CASE("GzipComesBack") {
   for (const std::size_t size : {0, 1, 1000, 3'000'000}) {
@@ -32,7 +14,7 @@ TEST_CASE("GzipComesBack") {
     for (std::size_t i = 0; text.size() < size; ++i) text += std::to_string(i * 0.37) + ",";
     text.resize(size);
     const std::string packed = server::gzip(text);
-    CHECK(gunzip(packed, size) == text);
+    CHECK(server::test::gunzipped(packed) == text);
     if (size > 1000) CHECK(packed.size() < text.size() / 2);
   }
 }
