@@ -95,6 +95,8 @@ std::span<const Option> options() {
              "Memory for prepared adjacencies", 0, no_bound, follows},
       Option{"field-cache-bytes", Kind::bytes, &Config::field_cache_bytes, "BYTES",
              "Memory for distance fields", 0, no_bound, follows},
+      Option{"reply-cache-bytes", Kind::bytes, &Config::reply_cache_bytes, "BYTES",
+             "Memory for encoded replies to GET", 0, no_bound, follows},
       Option{"body-timeout-seconds", Kind::whole_number, &Config::body_timeout_seconds, "SECONDS",
              "Time for a request's body to arrive", 1, max_seconds, follows},
       Option{"min-upload-rate", Kind::bytes, &Config::min_upload_rate, "BYTES",

@@ -89,10 +89,11 @@ Progress HttpConnection::read(char* out, std::size_t size, std::size_t& count) {
   }
 }
 
-Progress HttpConnection::write(const char* data, std::size_t size, std::size_t& count) {
+// With `more`, what follows at once goes out in the same packet.
+Progress HttpConnection::write(const char* data, std::size_t size, bool more, std::size_t& count) {
   if (tls_) return tls_->write(data, size, count);
   while (true) {
-    const ssize_t n = ::send(socket_, data, size, MSG_NOSIGNAL);
+    const ssize_t n = ::send(socket_, data, size, MSG_NOSIGNAL | (more ? MSG_MORE : 0));
     if (n > 0) {
       count = static_cast<std::size_t>(n);
       return Progress::done;
@@ -171,10 +172,11 @@ Progress HttpConnection::send() {
     std::size_t count = 0;
     Progress progress = Progress::done;
     if (out_sent_ < out_.size()) {
-      progress = write(out_.data() + out_sent_, out_.size() - out_sent_, count);
+      progress =
+          write(out_.data() + out_sent_, out_.size() - out_sent_, body_ && !body_->empty(), count);
       out_sent_ += count;
     } else if (body_ && body_sent_ < body_->size()) {
-      progress = write(body_->data() + body_sent_, body_->size() - body_sent_, count);
+      progress = write(body_->data() + body_sent_, body_->size() - body_sent_, false, count);
       body_sent_ += count;
     } else {
       break;

@@ -85,7 +85,7 @@ class HttpConnection {
 
  private:
   [[nodiscard]] Progress read(char* out, std::size_t size, std::size_t& count);
-  [[nodiscard]] Progress write(const char* data, std::size_t size, std::size_t& count);
+  [[nodiscard]] Progress write(const char* data, std::size_t size, bool more, std::size_t& count);
 
   const int socket_;
   const std::shared_ptr<PeerWatch> watch_;

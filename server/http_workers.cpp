@@ -1,5 +1,6 @@
 #include "server/http_workers.h"
 
+#include <poll.h>
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 #include <sys/epoll.h>
@@ -21,6 +22,9 @@ namespace {
 // How often the clock looks. Deadlines are met within this.
 constexpr std::chrono::milliseconds tick{50};
 constexpr std::chrono::milliseconds tick_while_stopping{10};
+
+// How long a thread stays with a connection after a reply.
+constexpr int linger_ms = 2;
 
 // Places beyond the bound on connections, for those that were pushed out and are
 // about to leave.
@@ -201,16 +205,37 @@ void HttpWorkers::serve_overdue() {
 }
 
 void HttpWorkers::serve(std::size_t index, bool overdue) {
+  HttpConversation& conversation = *places_[index].conversation;
   HttpConversation::Next next;
-  try {
-    next = places_[index].conversation->advance(overdue);
-  } catch (const std::exception& thrown) {  // out of memory
-    spdlog::error("a connection was given up: {}", thrown.what());
-  }
+  do {
+    next = {};
+    try {
+      next = conversation.advance(std::exchange(overdue, false));
+    } catch (const std::exception& thrown) {  // out of memory
+      spdlog::error("a connection was given up: {}", thrown.what());
+    }
+  } while (goes_on_at_once(conversation.connection().socket(), next));
   if (next.what == HttpConversation::WaitsFor::nothing ||
       !wait_in_kernel(index, next, /*first=*/false)) {
     release(index);
   }
+}
+
+// Whether the next request of a connection comes before parking it would have been
+// worth the trouble: two more switches between threads. Waits for it only while other
+// threads have nothing to do and nobody needs the place.
+bool HttpWorkers::goes_on_at_once(int socket, const HttpConversation::Next& next) {
+  if (next.what != HttpConversation::WaitsFor::readable || !next.idle || edge_.stopping) {
+    return false;
+  }
+  if (idle_threads_ < 2 || 2 * connections() > place_count_ - spare_places) return false;
+  bool comes = false;
+  if (++lingering_ <= std::max<std::size_t>(1, edge_.options.io_threads / 2)) {
+    pollfd query{socket, POLLIN | POLLRDHUP, 0};
+    comes = ::poll(&query, 1, linger_ms) > 0;
+  }
+  --lingering_;
+  return comes;
 }
 
 void HttpWorkers::hire() {

@@ -3,7 +3,8 @@
 // and holds no thread; all threads that have nothing to do wait there too, and each
 // event wakes one. When the last of them has become busy another is started, so
 // that requests which wait (for a compute slot, say) never keep a new one waiting,
-// up to a bound.
+// up to a bound. Between requests that follow each other closely, a thread stays with
+// its connection for a moment, as long as others are free.
 //
 // One more thread, the clock, looks for connections whose time is over.
 #pragma once
@@ -75,6 +76,7 @@ class HttpWorkers {
                                     bool first);
   void work();
   void serve(std::size_t index, bool overdue);
+  [[nodiscard]] bool goes_on_at_once(int socket, const HttpConversation::Next& next);
   void serve_event(std::uint64_t data);
   void serve_overdue();
   void release(std::size_t index);
@@ -105,6 +107,7 @@ class HttpWorkers {
   mutable std::mutex threads_mutex_;
   std::vector<std::thread> threads_;
   std::atomic<std::size_t> idle_threads_{0};
+  std::atomic<std::size_t> lingering_{0};  // threads that wait for one connection
   std::thread clock_;
   std::condition_variable clock_signal_;
   bool ending_ = false;  // guarded by threads_mutex_

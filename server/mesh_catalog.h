@@ -64,6 +64,8 @@ class MeshCatalog {
   [[nodiscard]] std::vector<std::string> list(std::string_view after, std::size_t limit) const;
   [[nodiscard]] std::size_t size() const { return store_.size(); }
   [[nodiscard]] bool contains(std::string_view id) const { return store_.contains(id); }
+  // Whether a mesh is there; it then counts as used, for a store that evicts.
+  [[nodiscard]] bool use(const std::string& id) { return store_.use(id).value_or(false); }
   // How the store is: for readiness, metrics and status. From memory.
   [[nodiscard]] Result<void> store_health() const { return store_.health(); }
   [[nodiscard]] StoreStats store_stats() const { return store_.stats(); }

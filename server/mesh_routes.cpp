@@ -134,6 +134,7 @@ HttpResponse Routes::prepare_mesh(Call& call) {
 HttpResponse Routes::delete_mesh(Call& call) {
   queries_.forget(call.id);
   if (const auto removed = catalog_.remove(call.id); !removed) return call.problem(removed.error());
+  replies_.erase_prefix(call.id);
   queries_.forget(call.id);  // what a query under way has put back meanwhile
   HttpResponse response;
   response.status = 204;

@@ -168,6 +168,7 @@ struct Metrics::Families {
   Cache meshes = cache("meshes");
   Cache adjacency = cache("adjacency");
   Cache fields = cache("fields");
+  Cache replies = cache("replies");
   Gauge& stored_meshes = BuildGauge()
                              .Name("geodesicd_store_meshes")
                              .Help("Meshes in the store")
@@ -311,6 +312,7 @@ std::string Metrics::text(const Present& present) {
   read_cache(f.meshes, present.meshes);
   read_cache(f.adjacency, present.adjacency);
   read_cache(f.fields, present.fields);
+  read_cache(f.replies, present.replies);
   f.stored_meshes.Set(static_cast<double>(present.store.meshes));
   f.stored_bytes.Set(static_cast<double>(present.store.bytes));
   f.store_budget.Set(static_cast<double>(present.store.max_bytes));

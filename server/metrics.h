@@ -22,7 +22,7 @@ class Metrics {
   // What others keep, at the moment of a scrape.
   struct Present {
     ComputePool::Stats pool;
-    CacheStats meshes, adjacency, fields;
+    CacheStats meshes, adjacency, fields, replies;
     StoreStats store;
     std::uint64_t connections = 0;  // open on the API's listener
     bool ready = true;

@@ -2,6 +2,8 @@
 // format asked for, and the tag by which a client knows it again.
 #include <algorithm>
 #include <chrono>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -85,6 +87,9 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
     response.set_header("Cache-Control", query_cache_policy());
     return response;
   }
+  if (!tag.empty()) {
+    if (auto kept = kept_reply(query.mesh, tag)) return std::move(*kept);
+  }
   auto answer = queries_.answer(query.mesh, request, *caller);
   if (!answer) return fail(std::move(answer.error()));
   Result<HttpResponse> response;
@@ -105,9 +110,33 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
   }
   if (!tag.empty()) {
     response->set_header("ETag", tag);
+    keep_reply(query.mesh, tag, *response);
     response->set_header("Cache-Control", query_cache_policy());
   }
   return response;
+}
+
+// The same question again needs neither a compute slot nor encoding.
+std::optional<HttpResponse> Routes::kept_reply(const std::string& mesh, const std::string& tag) {
+  const auto kept = replies_.find(mesh + tag);
+  // Only of a mesh that is there: and it counts as used, as if it had been asked itself.
+  if (!kept || !catalog_.use(mesh)) return std::nullopt;
+  HttpResponse response = *kept;
+  for (auto& [name, value] : response.headers) {
+    if (name == "Geo-Cache") value = "hit";
+  }
+  response.set_header("Cache-Control", query_cache_policy());
+  return response;
+}
+
+void Routes::keep_reply(const std::string& mesh, const std::string& tag,
+                        const HttpResponse& reply) {
+  // One large reply is not worth many small ones.
+  constexpr std::uint64_t kShare = 16;
+  if (!reply.body || reply.body->size() > config_->reply_cache_bytes / kShare) return;
+  (void)replies_.get_or_create(mesh + tag, [&]() -> Result<std::shared_ptr<const HttpResponse>> {
+    return std::make_shared<const HttpResponse>(reply);
+  });
 }
 
 Result<HttpResponse> Routes::answer_any_query(const Query& query) {

@@ -57,12 +57,16 @@ HttpResponse text_reply(std::string_view text, std::string type) {
   return response;
 }
 
+// What a kept reply takes, its headers by a guess.
+std::size_t bytes_of(const HttpResponse& reply) { return reply.body->size() + 1024; }
+
 }  // namespace
 
 Routes::Routes(const Config& config, MeshCatalog& catalog, FieldQueries& queries, ComputePool& pool,
                Metrics& metrics)
     : config_(config),
       cross_origin_(config.cors_origins),
+      replies_(config.reply_cache_bytes, bytes_of),
       catalog_(catalog),
       queries_(queries),
       pool_(pool),
@@ -189,6 +193,7 @@ std::string Routes::metrics_text() {
   present.meshes = catalog_.mesh_cache();
   present.adjacency = catalog_.adjacency_cache();
   present.fields = queries_.field_cache();
+  present.replies = replies_.stats();
   present.store = catalog_.store_stats();
   present.connections = connections_ ? connections_() : 0;
   present.ready = !draining_ && catalog_.store_health();
@@ -251,7 +256,8 @@ HttpResponse Routes::status() {
                             {"caches",
                              {{"meshes", cache_json(catalog_.mesh_cache())},
                               {"adjacency", cache_json(catalog_.adjacency_cache())},
-                              {"fields", cache_json(queries_.field_cache())}}}};
+                              {"fields", cache_json(queries_.field_cache())},
+                              {"replies", cache_json(replies_.stats())}}}};
   HttpResponse response = json_reply(status.dump());
   response.set_header("Cache-Control", "no-store");
   return response;

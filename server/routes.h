@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -19,6 +20,7 @@
 #include "server/field_queries.h"
 #include "server/http_message.h"
 #include "server/jobs.h"
+#include "server/lru_cache.h"
 #include "server/mesh_catalog.h"
 #include "server/metrics.h"
 
@@ -49,7 +51,10 @@ class Routes {
   void count_connections(std::function<std::uint64_t()> count) { connections_ = std::move(count); }
 
   // Replaces the settings for requests to come.
-  void set_config(const Config& config) { config_.set(config); }
+  void set_config(const Config& config) {
+    config_.set(config);
+    replies_.set_budget(config.reply_cache_bytes);
+  }
 
   // The most bytes that a body of this request may have.
   [[nodiscard]] std::uint64_t max_body(std::string_view method, std::string_view path) const;
@@ -90,6 +95,9 @@ class Routes {
   [[nodiscard]] Result<HttpResponse> answer_query(const Query& query);
   [[nodiscard]] Result<HttpResponse> answer_any_query(const Query& query);
   [[nodiscard]] std::string query_cache_policy() const;
+  [[nodiscard]] std::optional<HttpResponse> kept_reply(const std::string& mesh,
+                                                       const std::string& tag);
+  void keep_reply(const std::string& mesh, const std::string& tag, const HttpResponse& reply);
   [[nodiscard]] HttpResponse batch(Call& call);
   [[nodiscard]] std::string answer_line(const std::string& mesh, std::string_view text,
                                         const HttpRequest& request, const Caller& caller);
@@ -105,6 +113,7 @@ class Routes {
   Current<Config> config_;
   Access access_;
   const CrossOrigin cross_origin_;
+  LruCache<HttpResponse> replies_;  // to GET, by mesh and tag
   MeshCatalog& catalog_;
   FieldQueries& queries_;
   ComputePool& pool_;

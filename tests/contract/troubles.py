@@ -76,7 +76,8 @@ class Busy:
 def walk_load(walk, build, contract, store, slow, unreached):
     """A server that is busy, with a queue that is full. `unreached`: what not to wait for."""
     flags = ["--compute-threads", 1, "--queue", 2, "--queue-per-client", 1, "--queue-seconds", 0]
-    flags += ["--mesh-cache-bytes", 1, "--adjacency-cache-bytes", 1, "--field-cache-bytes", 1]
+    flags += ["--mesh-cache-bytes", 1, "--adjacency-cache-bytes", 1, "--field-cache-bytes", 1,
+              "--reply-cache-bytes", 1]
     with Server(build, *flags, store=store) as server, Busy(server, slow):
         for operation in contract.operations:
             for status, source in (("503", "127.0.0.4"), ("429", "127.0.0.1")):
@@ -95,7 +96,8 @@ def walk_load(walk, build, contract, store, slow, unreached):
 
 def walk_deadlines(walk, build, contract, store):
     """A millisecond is over before a mesh is read and made ready, every time anew."""
-    flags = ["--mesh-cache-bytes", 1, "--adjacency-cache-bytes", 1, "--field-cache-bytes", 1]
+    flags = ["--mesh-cache-bytes", 1, "--adjacency-cache-bytes", 1, "--field-cache-bytes", 1,
+             "--reply-cache-bytes", 1]
     with Server(build, *flags, store=store) as server:
         for operation in contract.operations:
             if "504" not in operation.responses:
