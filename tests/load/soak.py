@@ -26,7 +26,7 @@ from service import Checks, Service
 
 # A fraction of what the meshes need, so that everything comes and goes.
 SMALL = ["--mesh-cache-bytes", "2MiB", "--adjacency-cache-bytes", "4MiB",
-         "--field-cache-bytes", "1MiB", "--reply-cache-bytes", "1MiB"]
+         "--field-cache-bytes", "1MiB", "--reply-cache-bytes", "16KiB"]
 
 
 def questions_about(mesh, chance):
