@@ -7,8 +7,8 @@
 
 #include "proto/colour_map.h"
 #include "proto/glb_drawing.h"
-#include "proto/number.h"
 #include "proto/picture.h"
+#include "server/encode_reply.h"
 
 namespace geodesic::server {
 namespace {
@@ -33,16 +33,6 @@ Result<HttpResponse> png_reply(const Mesh& mesh, const proto::PictureContent& co
   HttpResponse response;
   response.set_body(proto::encode_png(*image), std::string(proto::media_type_of(Format::png)));
   return response;
-}
-
-std::string as_text(double value) {
-  std::string text;
-  proto::append_number(text, value);
-  return text;
-}
-
-void add_cache_header(Result<HttpResponse>& response, std::optional<bool> hit) {
-  if (response && hit) response->set_header("Geo-Cache", *hit ? "hit" : "miss");
 }
 
 GlbPart coloured_surface(const Mesh& mesh, const proto::DistanceReply& reply,
@@ -112,8 +102,8 @@ Result<HttpResponse> draw(const Answered<proto::DistanceReply>& answer,
     for (const proto::ResolvedPoint& point : reply.from) content.sources.push_back(point.xyz);
     response = png_reply(mesh, content, format.picture, cancel);
   }
-  if (response && reply.max) response->set_header("Geo-Max", as_text(*reply.max));
-  add_cache_header(response, answer.cache_hit);
+  if (response && reply.max) response->set_header("Geo-Max", header_number(*reply.max));
+  if (response) add_cache_header(*response, answer.cache_hit);
   return response;
 }
 
@@ -124,8 +114,8 @@ Result<HttpResponse> draw(const Answered<proto::PathReply>& answer,
   for (const proto::ResolvedPoint& point : reply.via) targets.push_back(point.xyz);
   auto response = draw_line(answer.adjacency->mesh(), "path", reply.points, reply.from.xyz,
                             std::move(targets), format, cancel);
-  if (response && reply.reachable) response->set_header("Geo-Length", as_text(reply.length));
-  add_cache_header(response, answer.cache_hit);
+  if (response && reply.reachable) response->set_header("Geo-Length", header_number(reply.length));
+  if (response) add_cache_header(*response, answer.cache_hit);
   return response;
 }
 
@@ -134,7 +124,7 @@ Result<HttpResponse> draw(const Answered<proto::TraceReply>& answer,
   const proto::TraceReply& reply = answer.reply;
   auto response = draw_line(answer.adjacency->mesh(), "trace", reply.points, reply.from.xyz,
                             {reply.to.xyz}, format, cancel);
-  if (response) response->set_header("Geo-Length", as_text(reply.length));
+  if (response) response->set_header("Geo-Length", header_number(reply.length));
   return response;
 }
 
@@ -145,10 +135,10 @@ Result<HttpResponse> draw(const Answered<proto::IsolinesReply>& answer, const pr
   for (const Isoline& isoline : answer.reply.isolines) {
     std::vector<Vec3> points = isoline.points;
     if (isoline.closed) points.push_back(points.front());
-    parts.push_back(line("level " + as_text(isoline.level), std::move(points)));
+    parts.push_back(line("level " + header_number(isoline.level), std::move(points)));
   }
   Result<HttpResponse> response = glb_reply(parts);
-  add_cache_header(response, answer.cache_hit);
+  if (response) add_cache_header(*response, answer.cache_hit);
   return response;
 }
 

@@ -26,12 +26,6 @@ struct Numbers {
   std::optional<double> max = {};  // the greatest finite one
 };
 
-std::string as_text(double value) {
-  std::string text;
-  proto::append_number(text, value);
-  return text;
-}
-
 std::string as_text(const Shape& shape) {
   std::string text;
   for (const std::uint64_t side : shape) {
@@ -59,7 +53,7 @@ HttpResponse array_reply(const Numbers& numbers, Format format) {
   response.set_body(std::move(bytes), std::string(proto::media_type_of(format)));
   response.set_header("Geo-Dtype", std::string(proto::dtype_of(type)));
   response.set_header("Geo-Shape", as_text(numbers.shape));
-  if (numbers.max) response.set_header("Geo-Max", as_text(*numbers.max));
+  if (numbers.max) response.set_header("Geo-Max", header_number(*numbers.max));
   return response;
 }
 
@@ -100,7 +94,7 @@ HttpResponse encode_as_json(const Reply& reply, const proto::ReplyFormat& format
 }
 
 HttpResponse with_cache_header(HttpResponse response, std::optional<bool> hit) {
-  if (hit) response.set_header("Geo-Cache", *hit ? "hit" : "miss");
+  add_cache_header(response, hit);
   return response;
 }
 
@@ -120,11 +114,21 @@ HttpResponse encode_line(Reply reply, const proto::ReplyFormat& format, bool has
   } else {
     response = array_reply(coordinates, format.format);
   }
-  if (has_length) response.set_header("Geo-Length", as_text(reply.length));
+  if (has_length) response.set_header("Geo-Length", header_number(reply.length));
   return response;
 }
 
 }  // namespace
+
+std::string header_number(double value) {
+  std::string text;
+  proto::append_number(text, value);
+  return text;
+}
+
+void add_cache_header(HttpResponse& response, std::optional<bool> hit) {
+  if (hit) response.set_header("Geo-Cache", *hit ? "hit" : "miss");
+}
 
 HttpResponse json_reply(std::string json, int status) {
   HttpResponse response;

@@ -2,6 +2,7 @@
 // NumPy's files and frames. What has to be drawn is draw_reply.h's.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "proto/query_replies.h"
@@ -12,6 +13,11 @@
 namespace geodesic::server {
 
 [[nodiscard]] HttpResponse json_reply(std::string json, int status = 200);
+
+// A number as a header has it: as many digits as read back to the same value.
+[[nodiscard]] std::string header_number(double value);
+// Geo-Cache, where there is something to say.
+void add_cache_header(HttpResponse& response, std::optional<bool> hit);
 
 // As JSON; as a little-endian array, bare or with NumPy's header (distances with
 // shape (count), path points with shape (count, 3), a table with shape (rows,

@@ -150,9 +150,7 @@ Result<HttpResponse> Routes::answer_any_query(const Query& query) {
 }
 
 // What it says holds for ever, but an engine may become better.
-std::string Routes::query_cache_policy() const {
-  return access_.is_on() ? "private, max-age=86400" : "public, max-age=86400";
-}
+std::string Routes::query_cache_policy() const { return access_.audience() + ", max-age=86400"; }
 
 HttpResponse Routes::query(Call& call, std::string_view action) {
   auto parameters = call.parameters();
