@@ -48,25 +48,29 @@ void tag(const HttpRequest& request, HttpResponse& response) {
   response.content_type.clear();
 }
 
+bool is_lower_hex(std::string_view text) {
+  return text.find_first_not_of("0123456789abcdef") == text.npos;
+}
+
+}  // namespace
+
+bool admits_gzip(const HttpRequest& request) {
+  const std::string* const accepted = request.header("Accept-Encoding");
+  return accepted != nullptr && admits_gzip(*accepted);
+}
+
 void pack(const HttpRequest& request, HttpResponse& response) {
   if (!is_text(response.content_type) || response.stream) return;
   // What is small now may be large another time.
   add_to_list(response, "Vary", "Accept-Encoding");
-  if (!response.body || response.body->size() <= kLeastPacked) return;
-  const std::string* const accepted = request.header("Accept-Encoding");
-  if (accepted == nullptr || !admits_gzip(*accepted)) return;
+  if (!response.body || response.body->size() <= kLeastPacked || !admits_gzip(request)) return;
+  if (header_of(response, "Content-Encoding") != nullptr) return;  // done already
   response.body = std::make_shared<const std::string>(gzip(*response.body));
   response.set_header("Content-Encoding", "gzip");
   if (const std::string* const tag = header_of(response, "ETag")) {
     response.set_header("ETag", packed_tag(*tag));
   }
 }
-
-bool is_lower_hex(std::string_view text) {
-  return text.find_first_not_of("0123456789abcdef") == text.npos;
-}
-
-}  // namespace
 
 void finish_reply(const HttpRequest& request, HttpResponse& response) {
   if (response.status >= 400) response.set_header("Cache-Control", "no-store");

@@ -11,10 +11,16 @@
 
 namespace geodesic::server {
 
-// Text of more than 1 kB is packed for those who take it; what is binary stays bare. A
-// reply to GET or HEAD that has no tag of its own gets one of its bytes, and is a 304
-// for those who have them; one that does not say how long it holds must be asked for
-// again each time (`no-cache`). Errors are not kept at all.
+// Whether the client takes gzip.
+[[nodiscard]] bool admits_gzip(const HttpRequest& request);
+
+// Packs text of more than 1 kB for those who take it, unless it is packed; what is
+// binary stays bare.
+void pack(const HttpRequest& request, HttpResponse& response);
+
+// Packs what is to be packed. A reply to GET or HEAD that has no tag of its own gets one of its
+// bytes, and is a 304 for those who have them; one that does not say how long it holds must be
+// asked for again each time (`no-cache`). Errors are not kept at all.
 void finish_reply(const HttpRequest& request, HttpResponse& response);
 
 // Server-Timing: the stages that took time, in milliseconds.

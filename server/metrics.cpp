@@ -11,6 +11,11 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <tuple>
+#include <utility>
 
 namespace geodesic::server {
 namespace {
@@ -29,9 +34,9 @@ const Histogram::BucketBoundaries kSeconds{0.0001, 0.00025, 0.0005, 0.001, 0.002
                                            0.01,   0.025,   0.05,   0.1,   0.25,   0.5,
                                            1,      2.5,     5,      10,    30,     60};
 
-std::string known_method(std::string_view method) {
+std::string_view known_method(std::string_view method) {
   for (const std::string_view known : {"GET", "HEAD", "POST", "PUT", "DELETE", "OPTIONS"}) {
-    if (method == known) return std::string(method);
+    if (method == known) return method;
   }
   return "other";
 }
@@ -82,6 +87,10 @@ void follow(Counter& counter, std::uint64_t now) {
 }  // namespace
 
 struct Metrics::Families {
+  struct PerRoute {
+    Counter& requests;
+    Histogram& seconds;
+  };
   struct Cache {
     Gauge &bytes, &budget, &entries;
     Counter &hits, &misses, &evictions, &waits, &makes;
@@ -231,6 +240,21 @@ struct Metrics::Families {
                        .Register(registry)
                        .Add({});
 
+  // The library's own search by labels is too slow for every request.
+  const PerRoute& of(std::string_view method, std::string_view route, int status) {
+    const std::lock_guard lock(routes_mutex);
+    const auto found = routes.find(std::tuple(method, route, status));
+    if (found != routes.end()) return found->second;
+    std::string by(method);
+    std::string where(route);
+    const PerRoute made{
+        requests.Add({{"method", by}, {"route", where}, {"status", std::to_string(status)}}),
+        request_seconds.Add({{"method", by}, {"route", where}}, kSeconds)};
+    return routes.emplace(std::tuple(std::move(by), std::move(where), status), made).first->second;
+  }
+  std::mutex routes_mutex;
+  std::map<std::tuple<std::string, std::string, int>, PerRoute, std::less<>> routes;
+
   Cache cache(const char* name) {
     const prometheus::Labels labels{{"cache", name}};
     return {cache_bytes.Add(labels),
@@ -282,11 +306,11 @@ Metrics::~Metrics() = default;
 
 void Metrics::request(std::string_view method, std::string_view route, int status, double seconds,
                       std::uint64_t bytes_in, std::uint64_t bytes_out) {
-  const std::string by = known_method(method);
-  const std::string where = route.empty() ? "none" : std::string(route);
-  families_->requests.Add({{"method", by}, {"route", where}, {"status", std::to_string(status)}})
-      .Increment();
-  families_->request_seconds.Add({{"method", by}, {"route", where}}, kSeconds).Observe(seconds);
+  const std::string_view by = known_method(method);
+  const std::string_view where = route.empty() ? "none" : route;
+  const Families::PerRoute& of = families_->of(by, where, status);
+  of.requests.Increment();
+  of.seconds.Observe(seconds);
   families_->received.Increment(static_cast<double>(bytes_in));
   families_->sent.Increment(static_cast<double>(bytes_out));
 }

@@ -17,6 +17,7 @@
 #include "server/draw_reply.h"
 #include "server/encode_reply.h"
 #include "server/entity_tag.h"
+#include "server/finish_reply.h"
 #include "server/routes.h"
 #include "server/timed.h"
 
@@ -40,8 +41,8 @@ Result<Caller> hurried(const Caller& caller, proto::Parameters& parameters) {
   return hurried;
 }
 
-// The tag of the reply to a GET: over all that decides its bytes.
-std::string tag_of(const Routes::Query& query, proto::Format format) {
+// All that decides the bytes of the reply to a GET.
+std::string identity_of(const Routes::Query& query, proto::Format format) {
   std::vector<std::pair<std::string_view, std::string_view>> parameters;
   for (const auto& [name, value] : query.reader->query) {
     if (name != "format" && name != "deadline_ms") parameters.emplace_back(name, value);
@@ -50,19 +51,24 @@ std::string tag_of(const Routes::Query& query, proto::Format format) {
   std::stable_sort(parameters.begin(), parameters.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   // A NUL is in none of them.
-  std::string key = GEODESIC_VERSION;
+  std::string identity = query.mesh;
   for (const std::string_view part :
-       {std::string_view(query.mesh), query.action, proto::name_of(format)}) {
-    key += '\0';
-    key += part;
+       {std::string_view(GEODESIC_VERSION), query.action, proto::name_of(format)}) {
+    identity += '\0';
+    identity += part;
   }
   for (const auto& [name, value] : parameters) {
-    key += '\0';
-    key += name;
-    key += '\0';
-    key += value;
+    identity += '\0';
+    identity += name;
+    identity += '\0';
+    identity += value;
   }
-  return entity_tag(key);
+  return identity;
+}
+
+// A reply is kept as it is sent.
+std::string kept_as(const Routes::Query& query, const std::string& identity) {
+  return admits_gzip(*query.reader) ? identity + '\0' + "gzip" : identity;
 }
 
 }  // namespace
@@ -81,14 +87,10 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
   if (auto known = query.parameters.check_all_known(); !known) {
     return fail(std::move(known.error()));
   }
-  const std::string tag = query.reader != nullptr ? tag_of(query, format->format) : "";
-  if (!tag.empty() && catalog_.contains(query.mesh) && has_already(*query.reader, tag)) {
-    HttpResponse response = not_modified(tag);
-    response.set_header("Cache-Control", query_cache_policy());
-    return response;
-  }
-  if (!tag.empty()) {
-    if (auto kept = kept_reply(query.mesh, tag)) return std::move(*kept);
+  const std::string identity =
+      query.reader != nullptr ? identity_of(query, format->format) : std::string();
+  if (!identity.empty()) {
+    if (auto known = known_reply(query, identity)) return std::move(*known);
   }
   auto answer = queries_.answer(query.mesh, request, *caller);
   if (!answer) return fail(std::move(answer.error()));
@@ -108,35 +110,47 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
     const Timed encoding(*caller, Stage::encode);
     response = encode(std::move(*answer), *format);
   }
-  if (!tag.empty()) {
-    response->set_header("ETag", tag);
-    keep_reply(query.mesh, tag, *response);
+  if (!identity.empty()) {
+    response->set_header("ETag", entity_tag(identity));
+    add_to_list(*response, "Vary", "Accept");
+    pack(*query.reader, *response);
+    keep_reply(query, identity, *response);
     response->set_header("Cache-Control", query_cache_policy());
   }
   return response;
 }
 
-// The same question again needs neither a compute slot nor encoding.
-std::optional<HttpResponse> Routes::kept_reply(const std::string& mesh, const std::string& tag) {
-  const auto kept = replies_.find(mesh + tag);
-  // Only of a mesh that is there: and it counts as used, as if it had been asked itself.
-  if (!kept || !catalog_.use(mesh)) return std::nullopt;
-  HttpResponse response = *kept;
-  for (auto& [name, value] : response.headers) {
-    if (name == "Geo-Cache") value = "hit";
+// The same question again needs neither a compute slot nor encoding and packing; nor
+// does one whose answer the client has.
+std::optional<HttpResponse> Routes::known_reply(const Query& query, const std::string& identity) {
+  if (!catalog_.contains(query.mesh)) return std::nullopt;
+  const auto kept = replies_.find(kept_as(query, identity));
+  const bool conditional = query.reader->header("If-None-Match") != nullptr;
+  HttpResponse response;
+  if (const std::string tag = conditional ? entity_tag(identity) : "";
+      conditional && has_already(*query.reader, tag)) {
+    response = not_modified(tag);
+  } else if (kept && catalog_.use(query.mesh)) {  // it counts as used, as if asked itself
+    response = *kept;
+    for (auto& [name, value] : response.headers) {
+      if (name == "Geo-Cache") value = "hit";
+    }
+  } else {
+    return std::nullopt;
   }
   response.set_header("Cache-Control", query_cache_policy());
   return response;
 }
 
-void Routes::keep_reply(const std::string& mesh, const std::string& tag,
+void Routes::keep_reply(const Query& query, const std::string& identity,
                         const HttpResponse& reply) {
   // One large reply is not worth many small ones.
   constexpr std::uint64_t kShare = 16;
   if (!reply.body || reply.body->size() > config_->reply_cache_bytes / kShare) return;
-  (void)replies_.get_or_create(mesh + tag, [&]() -> Result<std::shared_ptr<const HttpResponse>> {
-    return std::make_shared<const HttpResponse>(reply);
-  });
+  (void)replies_.get_or_create(kept_as(query, identity),
+                               [&]() -> Result<std::shared_ptr<const HttpResponse>> {
+                                 return std::make_shared<const HttpResponse>(reply);
+                               });
 }
 
 Result<HttpResponse> Routes::answer_any_query(const Query& query) {

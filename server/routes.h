@@ -95,9 +95,9 @@ class Routes {
   [[nodiscard]] Result<HttpResponse> answer_query(const Query& query);
   [[nodiscard]] Result<HttpResponse> answer_any_query(const Query& query);
   [[nodiscard]] std::string query_cache_policy() const;
-  [[nodiscard]] std::optional<HttpResponse> kept_reply(const std::string& mesh,
-                                                       const std::string& tag);
-  void keep_reply(const std::string& mesh, const std::string& tag, const HttpResponse& reply);
+  [[nodiscard]] std::optional<HttpResponse> known_reply(const Query& query,
+                                                        const std::string& identity);
+  void keep_reply(const Query& query, const std::string& identity, const HttpResponse& reply);
   [[nodiscard]] HttpResponse batch(Call& call);
   [[nodiscard]] std::string answer_line(const std::string& mesh, std::string_view text,
                                         const HttpRequest& request, const Caller& caller);

@@ -4,10 +4,12 @@
     throughput.py BUILD [--seconds N] [--rounds N] [--slack X]
 
 Each question is asked of both servers in turn, round after round, by wrk (where it
-is installed) and by a client of our own; the ratio is that of the medians. Then one
-question is asked at 70 % of the rate that our own client saw, and the spread of the
-answers' times is looked at. Exit status 1 if a bound is missed by more than the
-slack.
+is installed) and by a client of our own; the ratio is that of the medians. Then each
+server is asked at 70 % of the rate that our own client saw of it, in many short
+windows, and the spread of the answers' times is looked at: the median over the
+windows, since one pause of a shared machine is more than 1 % of a second. The bare
+handler's spread says what the machine itself does. Exit status 1 if a bound is missed
+by more than the slack.
 """
 
 import argparse
@@ -81,6 +83,16 @@ def compare(client, questions, seconds, rounds):
     return [statistics.median(rate) for rate in rates]
 
 
+def spread(client, port, target, rate, windows):
+    """p99 over p50 at 70 % of that rate: the median over the windows, and the window
+    that has it."""
+    found = []
+    for _ in range(windows):
+        window = client.ask(port, target, 0.7 * rate, 0.7)
+        found.append((window["p99_ms"] / window["p50_ms"], window["p50_ms"], window["p99_ms"]))
+    return sorted(found)[windows // 2]
+
+
 def main():
     """Runs it."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -119,10 +131,13 @@ def main():
                     ours, theirs = compare(client, pair, arguments.seconds, arguments.rounds)
                     print(f"{what}, {size} bytes, {name}: {ours:.0f}/s, bare {theirs:.0f}/s")
                     checks.at_least("of the bare handler's", 100 * ours / theirs, bound)
-                rate = own(service.port, target, arguments.seconds)
-                spread = own.ask(service.port, target, 0.7 * rate, arguments.seconds)
-                print(f"{what} at 70 %, {0.7 * rate:.0f}/s: {spread}")
-                checks.at_most("p99 over p50", spread["p99_ms"] / spread["p50_ms"], 5, "")
+                for name, (port, path) in zip(("bare", "ours"), reversed(pair)):
+                    rate = own(port, path, arguments.seconds)
+                    share, p50, p99 = spread(own, port, path, rate, 5 * arguments.rounds)
+                    print(f"{what} at 70 %, {name}: {0.7 * rate:.0f}/s, p50 {p50} ms, p99 {p99} ms")
+                    if name == "bare":
+                        print(f"  p99 over p50: {share:.1f}")
+                checks.at_most("p99 over p50", share, 5, "")
     sys.exit(checks.failed != 0)
 
 

@@ -108,6 +108,13 @@ TEST_CASE("JsonIsPackedForThoseWhoTakeItAndArraysNever") {
   CHECK(packed.body->size() < plain.body->size());
   CHECK(gunzipped(*packed.body) == *plain.body);
   CHECK(header_of(plain, "Content-Encoding").empty());
+  // Packed once for all who ask the same, and still bare for the others.
+  const HttpResponse again =
+      plane.service.ask("GET", target, {}, {{"Accept-Encoding", "gzip, deflate"}});
+  CHECK(again.body == packed.body);
+  CHECK(header_of(again, "Content-Encoding") == "gzip");
+  CHECK(header_of(again, "Geo-Cache") == "hit");
+  CHECK(plane.service.get(target).body == plain.body);
   const HttpResponse small = plane.service.ask("GET", plane.base + "/nearest?point=v:0", {},
                                                {{"Accept-Encoding", "gzip"}});
   CHECK(header_of(small, "Content-Encoding").empty());
