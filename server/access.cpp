@@ -48,7 +48,7 @@ Scopes needed_scopes(std::string_view method, std::string_view path) {
   constexpr std::array<std::string_view, 6> open{"/",      "/openapi.json", "/openapi.yaml",
                                                  "/livez", "/readyz",       "/v1/methods"};
   if (gets && (std::find(open.begin(), open.end(), path) != open.end() || is_below(path, "/docs") ||
-               is_below(path, "/problems"))) {
+               is_below(path, "/assets") || is_below(path, "/problems"))) {
     return {};
   }
   if (is_below(path, "/metrics") || is_below(path, "/debug")) return Scope::admin;

@@ -3,6 +3,7 @@
 #include "server/http_tls.h"
 #include "server/s3_location.h"
 #include "server/tokens.h"
+#include "server/viewer_files.h"
 
 namespace geodesic::server {
 
@@ -16,6 +17,11 @@ std::vector<std::string> problems_of(const Config& config, const Environment& en
   if (!config.tls_cert.empty() && !config.tls_key.empty()) {
     if (const auto pair = TlsContext::load(config.tls_cert, config.tls_key); !pair) {
       problems.push_back("tls-cert, tls-key: " + pair.error().detail);
+    }
+  }
+  if (!config.viewer.empty()) {
+    if (const auto viewer = ViewerFiles::load(config.viewer); !viewer) {
+      problems.push_back(viewer.error().detail);
     }
   }
   if (config.store.empty()) {

@@ -66,6 +66,8 @@ std::span<const Option> options() {
              "refuse: an upload over that is answered 507; evict: meshes used longest ago go"},
       Option{"samples", Kind::text, &Config::samples, "DIR",
              "Directory of mesh files uploaded at the start; empty: none"},
+      Option{"viewer", Kind::text, &Config::viewer, "DIR",
+             "Directory of the built viewer, served at /; empty: a plain page"},
       Option{"io-threads", Kind::whole_number, &Config::io_threads, "N",
              "Threads for requests, started at once; more come as requests wait", 1, max_threads},
       Option{"max-connections", Kind::whole_number, &Config::max_connections, "N",

@@ -25,6 +25,7 @@ struct Config {
   std::uint64_t store_max_bytes = 0;        // 0: no limit
   std::string store_when_full = "refuse";   // or evict
   std::string samples;                      // empty: none
+  std::string viewer;                       // empty: a plain page instead
 
   std::string tls_cert;  // empty: plain HTTP
   std::string tls_key;

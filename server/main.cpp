@@ -31,6 +31,7 @@
 #include "server/routes.h"
 #include "server/store_monitor.h"
 #include "server/tokens.h"
+#include "server/viewer_files.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
@@ -136,6 +137,15 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
     for (const std::string& warning : loaded->warnings()) spdlog::warn("tokens: {}", warning);
     tokens = std::move(*loaded);
   }
+  ViewerFiles viewer;
+  if (!config.viewer.empty()) {
+    auto loaded = ViewerFiles::load(config.viewer);
+    if (!loaded) {
+      spdlog::critical("{}", loaded.error().detail);
+      return 1;
+    }
+    viewer = std::move(*loaded);
+  }
   Metrics metrics(GEODESIC_VERSION);
   ComputePool pool(config.compute_threads, queue_limits(config));
   pool.observe_waits([&](StageTimes::Duration waited) { metrics.queued(waited.count()); });
@@ -143,6 +153,7 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
   FieldQueries queries(catalog, pool, config.field_cache_bytes, metrics);
   Routes routes(config, catalog, queries, pool, metrics);
   routes.access().set_tokens(std::move(tokens));
+  routes.set_viewer(std::move(viewer));
   if (!config.samples.empty()) add_samples(config.samples, catalog);
 
   const std::uint64_t connections = allow_connections(config.max_connections);

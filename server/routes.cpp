@@ -134,6 +134,10 @@ HttpResponse Routes::dispatch(Call& call) {
     call.route = route;
     return call.is("GET") ? reply() : call.not_allowed("GET, HEAD");
   };
+  if (auto file = viewer_.find(call.request)) {
+    call.route = call.request.path;
+    return call.is("GET") ? std::move(*file) : call.not_allowed("GET, HEAD");
+  }
   if (call.request.path == "/") {
     return reads("/", [] { return text_reply(start_page(), "text/html; charset=utf-8"); });
   }

@@ -23,6 +23,7 @@
 #include "server/lru_cache.h"
 #include "server/mesh_catalog.h"
 #include "server/metrics.h"
+#include "server/viewer_files.h"
 
 namespace geodesic::server {
 
@@ -46,6 +47,9 @@ class Routes {
   // Who may do what; without tokens, everybody everything.
   [[nodiscard]] Access& access() { return access_; }
   [[nodiscard]] const Access& access() const { return access_; }
+
+  // What is served at `/` instead of the plain page. To be called before any request.
+  void set_viewer(ViewerFiles viewer) { viewer_ = std::move(viewer); }
 
   // How many connections are open, for the metrics. To be called before any request.
   void count_connections(std::function<std::uint64_t()> count) { connections_ = std::move(count); }
@@ -112,6 +116,7 @@ class Routes {
 
   Current<Config> config_;
   Access access_;
+  ViewerFiles viewer_;
   const CrossOrigin cross_origin_;
   LruCache<HttpResponse> replies_;  // to GET, by mesh and tag
   MeshCatalog& catalog_;

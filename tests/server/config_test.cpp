@@ -142,6 +142,7 @@ TEST_CASE("help, version and the table list what there is") {
                            "admin-listen",
                            "store",
                            "samples",
+                           "viewer",
                            "io-threads",
                            "compute-threads",
                            "queue",
