@@ -113,15 +113,16 @@ Arrival PointArrivals::over_base(std::uint32_t p, std::uint32_t q, const Unfolde
   const double dq = field_.distance[q];
   // One front of all sources, straight whichever they are.
   if (field_.method == Method::fast_marching) return arrive_plane_wave(dp, dq, apex);
-  if (!field_.same_source(p, q)) return arrive_along_sides(dp, dq, apex);
-  switch (field_.method) {
-    case Method::dijkstra:
-      return arrive_along_sides(dp, dq, apex);
-    case Method::novotni:
-      return arrive_without_cases(dp, dq, apex);
-    default:
-      return arrive(dp, dq, apex);
+  if (!field_.same_source(p, q) || field_.method == Method::dijkstra) {
+    return arrive_along_sides(dp, dq, apex);
   }
+  // Circles around the virtual source have no offset in them.
+  const double offset =
+      field_.sources[field_.nearest_source.empty() ? 0 : field_.nearest_source[p]].offset;
+  const auto rule = field_.method == Method::novotni ? arrive_without_cases : arrive;
+  Arrival arrival = rule(dp - offset, dq - offset, apex);
+  arrival.distance += offset;
+  return arrival;
 }
 
 StepBack PointArrivals::from_sources_in_face(const SurfacePoint& place) const {

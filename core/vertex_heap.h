@@ -30,6 +30,8 @@ class VertexHeap {
 
   [[nodiscard]] bool empty() const { return entries_.empty(); }
   [[nodiscard]] bool accepted(std::uint32_t vertex) const { return position_[vertex] == kAccepted; }
+  // The entry that `pop` would remove. Not when empty.
+  [[nodiscard]] const Entry& least() const { return entries_.front(); }
   // The entries left, in no useful order.
   [[nodiscard]] std::span<const Entry> entries() const { return entries_; }
 

@@ -19,7 +19,8 @@
 
 namespace geodesic::detail {
 
-// Runs one source's wave into `distance` and `parents`, which it finds unreached.
+// Runs one source's wave into `distance` and `parents`, which it finds unreached;
+// without the source's offset, of which the rule's virtual sources know nothing.
 // It goes no further from vertices that are clearly nearer to an earlier source
 // (`earlier`, empty for none). Tells every vertex it accepted; others stay unreached.
 // `waves` is how many there are of them, of which this is the one of that number.
@@ -36,11 +37,12 @@ Result<void> run_wave(const Adjacency& adjacency, const Source& source, std::uin
   // for a few edges into the other's.
   const double overlap = 3 * adjacency.report().mean_edge;
   const auto worthwhile = [&](std::uint32_t v) {
-    return earlier.empty() || distance[v] < earlier[v] + overlap;
+    return earlier.empty() || distance[v] + source.offset < earlier[v] + overlap;
   };
+  max -= source.offset;
 
   Wavefront<VertexHeap, kArrive> front(adjacency, heap, distance, parents);
-  const std::vector<std::uint32_t> first_ring = front.start(source, number);
+  const std::vector<std::uint32_t> first_ring = front.start({source.point, 0}, number);
   for (const std::uint32_t v : first_ring) {
     targets.accept(v);
     if (worthwhile(v)) front.spread_from(v);
@@ -51,11 +53,8 @@ Result<void> run_wave(const Adjacency& adjacency, const Source& source, std::uin
   bool cancelled = false;
   while (!heap.empty() && !targets.done() && !cancelled) {
     cancelled = poll.cancelled(done++, total);
+    if (heap.least().key > max) break;
     const VertexHeap::Entry next = heap.pop();
-    if (next.key > max) {
-      forget(next.vertex);
-      break;
-    }
     targets.accept(next.vertex);
     accepted(next.vertex);
     if (worthwhile(next.vertex)) front.spread_from(next.vertex);
@@ -90,8 +89,9 @@ Result<void> run_waves(const Adjacency& adjacency, const FieldLimits& limits, Fi
                           [&](std::uint32_t v) { visited.push_back(v); });
     if (!wave) return wave;
     for (const std::uint32_t v : visited) {
-      if (scratch.distance[v] < field.distance[v]) {
-        field.distance[v] = scratch.distance[v];
+      const double delayed = scratch.distance[v] + field.sources[s].offset;
+      if (delayed < field.distance[v]) {
+        field.distance[v] = delayed;
         field.parents[v] = scratch.parents[v];
         field.nearest_source[v] = s;
       }
@@ -134,6 +134,9 @@ Result<Field> waves_field(Method method, const Adjacency& adjacency,
         run_wave<kArrive>(adjacency, sources[0], 0, 1, {}, limits.max, targets, scratch.heap,
                           field.distance, field.parents, poll, [](std::uint32_t) {});
     if (!wave) return fail(wave.error());
+    if (sources[0].offset != 0) {
+      for (double& d : field.distance) d += sources[0].offset;
+    }
   } else if (auto waves = run_waves<kArrive>(adjacency, limits, field, scratch, poll); !waves) {
     return fail(waves.error());
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "server/http_head.h"
+
 namespace geodesic::server {
 
 namespace {
@@ -11,8 +13,6 @@ namespace {
 // than this of either, or of trailers, is an attempt to keep us busy.
 constexpr std::size_t max_line = 256;
 constexpr std::size_t max_trailers = 4096;
-
-bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
 
 }  // namespace
 

@@ -56,6 +56,11 @@ struct HeadError {
 [[nodiscard]] Result<std::vector<std::pair<std::string, std::string>>> parse_query(
     std::string_view text);
 
+// What no line of HTTP may hold within it.
+[[nodiscard]] inline bool is_control(char c) {
+  return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+}
+
 [[nodiscard]] bool equals_ignoring_case(std::string_view a, std::string_view b);
 
 }  // namespace geodesic::server

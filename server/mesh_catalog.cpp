@@ -50,10 +50,6 @@ Result<std::shared_ptr<const Adjacency>> prepare(std::shared_ptr<const Mesh> mes
   return std::make_shared<const Adjacency>(std::move(*adjacency));
 }
 
-tl::unexpected<Error> unknown_mesh() {
-  return fail(ErrorCode::mesh_unknown, "no mesh of this id is stored");
-}
-
 }  // namespace
 
 MeshCatalog::MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimits& limits,

@@ -17,10 +17,6 @@ constexpr std::uint64_t kMetadataCacheBytes = std::uint64_t{32} << 20;
 constexpr std::uint64_t kExpectedMetadataBytes = std::uint64_t{64} << 20;
 constexpr std::chrono::seconds kScanInterval(60);
 
-tl::unexpected<Error> unknown_mesh() {
-  return fail(ErrorCode::mesh_unknown, "no mesh of this id is stored");
-}
-
 std::int64_t seconds_now() { return static_cast<std::int64_t>(std::time(nullptr)); }
 
 }  // namespace

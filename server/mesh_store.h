@@ -35,6 +35,11 @@
 
 namespace geodesic::server {
 
+// The error that names no mesh: nothing of that id is stored.
+[[nodiscard]] inline tl::unexpected<Error> unknown_mesh() {
+  return fail(ErrorCode::mesh_unknown, "no mesh of this id is stored");
+}
+
 class MeshStore {
  public:
   // Takes over a storage and lists what is in it.

@@ -107,6 +107,41 @@ TEST_CASE("EveryMethodStaysBetweenTheStraightLineAndTheWayAlongEdges") {
 
 // Symmetry and the triangle inequality, for those whose distances are the lengths
 // of shortest paths in something: the surface, or a graph on it.
+// Sources beside one another: the waves of most end at once, in each other's.
+TEST_CASE("WhereToStopChangesNoValueOfManySourcesCloseTogether") {
+  const Surface surface(shapes::plane(30, 30));
+  const auto vertex_count = static_cast<std::uint32_t>(surface.mesh().vertex_count());
+  std::vector<Source> sources;
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    for (std::uint32_t j = 0; j < 6; ++j) {
+      sources.push_back({surface.at(30 * (10 + i) + 10 + j), 0.01 * i});
+    }
+  }
+  for (const Promise& promise : kPromises) {
+    CAPTURE(promise.name);
+    const Field whole = surface.field_by(promise.method, sources);
+    for (const std::uint32_t target : {0U, 30U * 12U + 12U, 30U * 20U + 20U, 899U}) {
+      CAPTURE(target);
+      const std::vector<std::uint32_t> targets{surface.vertex(target)};
+      FieldLimits near;
+      near.targets = targets;
+      const Field field = surface.field_by(promise.method, sources, near);
+      CHECK(field.distance[targets[0]] ==
+            doctest::Approx(whole.distance[targets[0]]).epsilon(1e-12));
+      FieldLimits below;
+      below.max = whole.distance[targets[0]] / 2;
+      const Field part = surface.field_by(promise.method, sources, below);
+      for (std::uint32_t v = 0; v < vertex_count; ++v) {
+        if (whole.distance[v] <= below.max) {
+          REQUIRE(part.distance[v] == doctest::Approx(whole.distance[v]).epsilon(1e-12));
+        } else {
+          REQUIRE(part.distance[v] > below.max);
+        }
+      }
+    }
+  }
+}
+
 TEST_CASE("ShortestPathsOfASpaceMakeAMetric") {
   for (std::uint32_t number = 100; number < 140; ++number) {
     CAPTURE(number);
