@@ -96,7 +96,13 @@ Result<std::vector<PointRequest>> Parameters::points(std::string_view name) {
 
 Result<PointRequest> Parameters::point(std::string_view name) {
   auto all = points(name);
-  if (!all) return fail(std::move(all.error()));
+  if (!all) {
+    // The only one there can be has no number.
+    std::string& where = all.error().parameter;
+    const std::string first = std::string(name) + "[0]";
+    if (where.starts_with(first)) where.erase(name.size(), first.size() - name.size());
+    return fail(std::move(all.error()));
+  }
   if (all->size() != 1) {
     return fail(ErrorCode::bad_syntax,
                 all->empty() ? "this parameter is missing" : "this parameter takes one point",

@@ -101,7 +101,7 @@ TEST_CASE("PointsOutOfRange") {
   problem("/distance?from=v:0&from=v:18446744073709551615", 422, "index_out_of_range", "from[1]");
   problem("/distance?from=v:0&at=f:198,1,0", 422, "index_out_of_range", "at[0]");
   problem("/path?from=v:0&to=v:4294967296", 422, "index_out_of_range", "to");
-  problem("/path?from=f:0,0.7,0.7&to=v:1", 422, "value_out_of_range", "from[0]");
+  problem("/path?from=f:0,0.7,0.7&to=v:1", 422, "value_out_of_range", "from");
   problem("/nearest?point=p:1e300,0,0", 422, "value_out_of_range", "point[0]");
   check_problem(plane.service.ask("POST", plane.base + "/nearest",
                                   R"({"point":{"xyz":[0,0,2],"max_snap":1}})"),

@@ -1,0 +1,53 @@
+/**
+ * Points as clients say them, and their two forms on the wire: the grammar of URLs, which
+ * makes queries that browsers can cache, and JSON, which can say all.
+ */
+import type { Xyz } from './contract.js';
+
+/** A point; a bare number is a source vertex, a text is the grammar of URLs (`v:12`). */
+export type Point =
+  | number
+  | string
+  | { readonly vertex: number }
+  | { readonly face: number; readonly bary: Xyz }
+  | { readonly xyz: Xyz; readonly max_snap?: number }
+  | { readonly ray: { readonly origin: Xyz; readonly direction: Xyz } };
+
+/** A point that may carry the distance that its front starts with, in mesh units. */
+export type Source =
+  | number
+  | string
+  | (Exclude<Point, number | string> & { readonly offset?: number });
+
+export type OneOrMore<T> = T | readonly T[];
+
+/** The point in a URL; undefined where the grammar of URLs cannot say the same. */
+export function pointInUrl(point: Source): string | undefined {
+  if (typeof point === 'string') return point;
+  if (typeof point === 'number') return `v:${point}`;
+  if (point.offset !== undefined) return undefined;
+  if ('vertex' in point) return `v:${point.vertex}`;
+  if ('face' in point) return faceInUrl(point.face, point.bary);
+  if ('xyz' in point) {
+    return point.max_snap === undefined ? `p:${point.xyz.join(',')}` : undefined;
+  }
+  return `ray:${[...point.ray.origin, ...point.ray.direction].join(',')}`;
+}
+
+/** The point in JSON. */
+export function pointInJson(point: Source): unknown {
+  return typeof point === 'number' ? { vertex: point } : point;
+}
+
+/**
+ * A URL has two weights and the third is the rest, so weights that do not add up to 1 go
+ * as JSON, for the server to refuse them rather than for us to mend them.
+ */
+function faceInUrl(face: number, bary: Xyz): string | undefined {
+  const [first, second, third] = bary;
+  if (bary.length !== 3 || first === undefined || second === undefined || third === undefined) {
+    return undefined;
+  }
+  if (!(Math.abs(first + second + third - 1) < 1e-12)) return undefined;
+  return `f:${face},${first},${second}`;
+}

@@ -1,0 +1,196 @@
+/**
+ * What each query takes, with the contract's names, and the value that it resolves to.
+ * Lengths are in mesh units throughout.
+ */
+import type { Isoline, Method, PathPoint, ResolvedPoint, Sample, Schemas, Xyz } from './contract.js';
+import type { OneOrMore, Point, Source } from './points.js';
+
+/** What one call may have beside its parameters. */
+export interface CallOptions {
+  /** Ends the call; the server then stops computing. */
+  signal?: AbortSignal | undefined;
+}
+
+export interface QueryOptions extends CallOptions {
+  /** Milliseconds after which the server gives up: GeodesicError `deadline`, status 504. */
+  deadlineMs?: number | undefined;
+}
+
+interface ByMethod {
+  /** How distances are computed; the server's default is `wavefront`. */
+  method?: Method;
+  /** Only with the method `steiner`. */
+  points_per_edge?: Schemas['PointsPerEdge'];
+}
+
+interface InDigits {
+  /** Significant digits of numbers in JSON; all without it. */
+  precision?: Schemas['Precision'];
+}
+
+export interface DistanceQuery extends ByMethod {
+  from: OneOrMore<Source>;
+  /** What is farther counts as unreached. */
+  max?: number;
+  /** Say with each distance which source it is from. */
+  labels?: boolean;
+}
+
+export interface DistancesAtQuery extends DistanceQuery, InDigits {
+  at: OneOrMore<Point>;
+}
+
+export interface PathQuery extends ByMethod, InDigits {
+  from: Point;
+  to: Point;
+  via?: OneOrMore<Point>;
+  refine?: Schemas['Refine'];
+  /** Only with the method `steiner`. */
+  tolerance?: Schemas['Tolerance'];
+}
+
+export interface TableQuery extends ByMethod {
+  from: OneOrMore<Point>;
+  /** The columns; without it the rows again. */
+  to?: OneOrMore<Point>;
+  max?: number;
+}
+
+/** Exactly one of `levels`, `step` and `count`. */
+export interface IsolinesQuery extends ByMethod, InDigits {
+  from: OneOrMore<Source>;
+  levels?: OneOrMore<number>;
+  step?: number;
+  count?: number;
+  max?: number;
+}
+
+export interface NearestQuery extends InDigits {
+  point: OneOrMore<Point>;
+}
+
+/** Exactly one of `direction` and `angle` (radians). */
+export interface TraceQuery extends InDigits {
+  from: Point;
+  direction?: Xyz | string;
+  angle?: number;
+  length: number;
+}
+
+export interface SamplesQuery extends ByMethod, InDigits {
+  count: number;
+  from?: OneOrMore<Source>;
+}
+
+/** How a picture is drawn; see the contract. */
+export interface Drawing {
+  /** Pixels; 1200 without it. */
+  width?: Schemas['Side'];
+  /** Pixels; 900 without it. */
+  height?: Schemas['Side'];
+  /** A side (`top`) or `AZIMUTH,ELEVATION` in degrees. */
+  view?: Schemas['View'];
+  colormap?: Schemas['ColourMap'];
+  stripes?: Schemas['Stripes'];
+}
+
+type Of<Name extends string, Query> = { of: Name } & Omit<Query, 'precision'>;
+type FieldQuery = Omit<DistanceQuery, 'labels'>;
+
+export type PictureQuery = Drawing &
+  (Of<'distance', FieldQuery> | Of<'path', PathQuery> | Of<'trace', TraceQuery>);
+
+export type GlbQuery =
+  | { of: 'geometry' }
+  | ((
+      | Of<'distance', FieldQuery>
+      | Of<'path', PathQuery>
+      | Of<'isolines', IsolinesQuery>
+      | Of<'trace', TraceQuery>
+    ) & { colormap?: Schemas['ColourMap'] });
+
+type Bare =
+  | Of<'distance', FieldQuery & { at?: OneOrMore<Point> }>
+  | Of<'path', PathQuery>
+  | Of<'table', TableQuery>
+  | Of<'trace', TraceQuery>;
+export type ArrayFormat = 'f32' | 'f64' | 'u16' | 'npy';
+/** A query whose reply is one bare array; `u16` is for `distance` and `table` only. */
+export type ArrayQuery = Bare & { format: ArrayFormat };
+/** A query whose reply is a frame. */
+export type FrameQuery = Bare | Of<'distance', DistanceQuery & { at?: OneOrMore<Point> }> | { of: 'geometry' };
+
+/** Milliseconds that the server spent in each stage, of those that took any. */
+export type Timing = Partial<
+  Record<'queue' | 'load' | 'prepare' | 'solve' | 'trace' | 'encode', number>
+>;
+
+/** What replies to queries have in common. */
+export interface Told {
+  timing: Timing;
+  /** Whether the distance field was there already; null where none is kept. */
+  cache: 'hit' | 'miss' | null;
+}
+
+export type Precision = 'f32' | 'f64';
+export type Floats<P extends Precision> = P extends 'f64' ? Float64Array : Float32Array;
+
+/** A distance a source vertex, +Infinity where unreached. */
+export interface Field<P extends Precision = 'f32'> extends Told {
+  mesh: string;
+  method: Method;
+  from: ResolvedPoint[];
+  /** Length: the mesh's `vertices`. Mesh units. */
+  values: Floats<P>;
+  /** The place in `from` of each vertex's nearest source; UNREACHED where there is none. */
+  labels?: Uint32Array;
+  reached: number;
+  /** The greatest finite distance; null when nothing was reached. */
+  max: number | null;
+  /** The source vertex where that is. */
+  farthest: number | null;
+}
+
+export type DistancesAt = Schemas['DistanceReply'] & Told;
+export type Path = Schemas['PathReply'] & Told;
+export type Isolines = Schemas['IsolinesReply'] & Told;
+export type Nearest = Schemas['NearestReply'] & Told;
+export type Trace = Schemas['TraceReply'] & Told;
+export type Samples = Schemas['SamplesReply'] & Told;
+export type { Isoline, PathPoint, Sample };
+
+/** Distances from each row's point to each column's, row after row; +Infinity where unreached. */
+export interface Table extends Told {
+  mesh: string;
+  method: Method;
+  rows: ResolvedPoint[];
+  columns: ResolvedPoint[];
+  /** Length: rows times columns. Mesh units. */
+  distances: Float64Array;
+}
+
+/** What the server computes on, in source-vertex and source-face order. */
+export interface Geometry<P extends Precision = 'f32'> {
+  /** x, y, z of each vertex, in mesh units. */
+  positions: Floats<P>;
+  /** Three vertices a face. */
+  triangles: Uint32Array;
+}
+
+/** For each query: what it takes and what it resolves to. */
+export interface Queries {
+  distance: { takes: DistanceQuery; gives: Field };
+  distancesAt: { takes: DistancesAtQuery; gives: DistancesAt };
+  path: { takes: PathQuery; gives: Path };
+  table: { takes: TableQuery; gives: Table };
+  isolines: { takes: IsolinesQuery; gives: Isolines };
+  nearest: { takes: NearestQuery; gives: Nearest };
+  trace: { takes: TraceQuery; gives: Trace };
+  samples: { takes: SamplesQuery; gives: Samples };
+  picture: { takes: PictureQuery; gives: Blob };
+  glb: { takes: GlbQuery; gives: ArrayBuffer };
+  prepare: { takes: object; gives: Schemas['Mesh'] };
+}
+
+/** A query as a value, for `job`: its name and its parameters. */
+export type Ask<Name extends keyof Queries> = { query: Name } & Queries[Name]['takes'];

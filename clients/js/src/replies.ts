@@ -1,0 +1,114 @@
+/** Replies to queries as values: JSON as it is, binary as typed arrays. */
+import { countOf, viewAs, type Shaped } from './arrays.js';
+import type { Method, ResolvedPoint } from './contract.js';
+import { decodeFrame, type Frame } from './frame.js';
+import { decodeNpy } from './npy.js';
+import type { Field, Floats, Geometry, Precision, Table, Timing, Told } from './queries.js';
+import type { Reply } from './transport.js';
+
+/** A bare array with what its headers say. */
+export interface BareArray extends Shaped, Told {
+  /** The greatest finite distance; null where the reply does not say. Mesh units. */
+  max: number | null;
+  /** The length of a path or a trace; null where the reply does not say. Mesh units. */
+  length: number | null;
+}
+
+/** A decoded frame with what its headers say. */
+export type ToldFrame = Frame & Told;
+
+/** The stages and milliseconds of a `Server-Timing` header. */
+export function parseTiming(header: string | null): Timing {
+  const timing: Record<string, number> = {};
+  for (const entry of header?.split(',') ?? []) {
+    const [name, ...details] = entry.split(';').map((part) => part.trim());
+    const milliseconds = details.find((part) => part.startsWith('dur='));
+    if (name && milliseconds) timing[name] = Number(milliseconds.slice(4));
+  }
+  return timing;
+}
+
+export function told(reply: Reply): Told {
+  const cache = reply.headers.get('Geo-Cache');
+  return {
+    timing: parseTiming(reply.headers.get('Server-Timing')),
+    cache: cache === 'hit' || cache === 'miss' ? cache : null,
+  };
+}
+
+export function jsonOf<T>(reply: Reply): T {
+  return JSON.parse(new TextDecoder().decode(reply.body)) as T;
+}
+
+export function jsonAnswer<T>(reply: Reply): T & Told {
+  return { ...jsonOf<T>(reply), ...told(reply) };
+}
+
+/** Numbers in the precision asked for; float64 comes without a copy. */
+function floats<P extends Precision>(values: Float64Array, precision: P): Floats<P> {
+  return (precision === 'f64' ? values : new Float32Array(values)) as Floats<P>;
+}
+
+export function fieldOf<P extends Precision>(reply: Reply, precision: P): Field<P> {
+  const { header, arrays } = decodeFrame(reply.body);
+  const field: Field<P> = {
+    mesh: header['mesh'] as string,
+    method: header['method'] as Method,
+    from: header['from'] as ResolvedPoint[],
+    values: floats(arrays['distances'] as Float64Array, precision),
+    reached: header['reached'] as number,
+    max: header['max'] as number | null,
+    farthest: header['farthest'] as number | null,
+    ...told(reply),
+  };
+  if (arrays['labels']) field.labels = arrays['labels'] as Uint32Array;
+  return field;
+}
+
+export function tableOf(reply: Reply): Table {
+  const { header, arrays } = decodeFrame(reply.body);
+  return {
+    mesh: header['mesh'] as string,
+    method: header['method'] as Method,
+    rows: header['rows'] as ResolvedPoint[],
+    columns: header['columns'] as ResolvedPoint[],
+    distances: arrays['distances'] as Float64Array,
+    ...told(reply),
+  };
+}
+
+export function geometryOf<P extends Precision>(reply: Reply, precision: P): Geometry<P> {
+  const { arrays } = decodeFrame(reply.body);
+  return {
+    positions: floats(arrays['positions'] as Float64Array, precision),
+    triangles: arrays['triangles'] as Uint32Array,
+  };
+}
+
+export function frameOf(reply: Reply): ToldFrame {
+  return { ...decodeFrame(reply.body), ...told(reply) };
+}
+
+export function arrayOf(reply: Reply): BareArray {
+  const number = (name: string) => {
+    const text = reply.headers.get(name);
+    return text === null ? null : Number(text);
+  };
+  return {
+    ...shapedOf(reply),
+    max: number('Geo-Max'),
+    length: number('Geo-Length'),
+    ...told(reply),
+  };
+}
+
+function shapedOf(reply: Reply): Shaped {
+  if (reply.headers.get('Content-Type') === 'application/x-npy') return decodeNpy(reply.body);
+  const dtype = reply.headers.get('Geo-Dtype') ?? '';
+  const shape = (reply.headers.get('Geo-Shape') ?? '').split(',').filter(Boolean).map(Number);
+  return { dtype, shape, data: viewAs(reply.body, dtype, 0, countOf(shape)) };
+}
+
+export function blobOf(reply: Reply): Blob {
+  return new Blob([reply.body], { type: reply.headers.get('Content-Type') ?? '' });
+}

@@ -1,0 +1,107 @@
+/**
+ * For pages that draw with three.js: a field onto a geometry, a path and isolines as lines.
+ * Positions are those of the server's geometry, in mesh units.
+ */
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Line,
+  LineBasicMaterial,
+  LineSegments,
+  type Material,
+} from 'three';
+import type { Isoline, MeshPart, Xyz } from './contract.js';
+
+type Values = Float32Array | Float64Array | Uint32Array | Uint16Array;
+
+/**
+ * The slice of an array per source vertex that belongs to one part, a view. `itemSize` is
+ * numbers a vertex: 1 for a field, 3 for positions.
+ */
+export function verticesOf<A extends Values>(values: A, part: MeshPart, itemSize = 1): A {
+  const start = part.first_vertex * itemSize;
+  return values.subarray(start, start + part.vertex_count * itemSize) as A;
+}
+
+/**
+ * Puts one number a vertex on a geometry as the attribute `name`, for a shader. A field of
+ * the same length takes the place of the one before, without a new buffer on the GPU.
+ * Float64 becomes float32, labels stay exact. Throws RangeError if the geometry has another
+ * number of vertices.
+ */
+export function setField(geometry: BufferGeometry, values: Values, name = 'field'): BufferAttribute {
+  const count = geometry.getAttribute('position')?.count;
+  if (count !== values.length) {
+    throw new RangeError(`${values.length} values for a geometry of ${count ?? 0} vertices`);
+  }
+  // A copy, since the next field is written over it.
+  const wanted = values instanceof Float64Array ? new Float32Array(values) : values.slice();
+  const before = geometry.getAttribute(name);
+  if (
+    before instanceof BufferAttribute &&
+    before.array.constructor === wanted.constructor &&
+    before.array.length === wanted.length
+  ) {
+    before.array.set(wanted);
+    before.needsUpdate = true;
+    return before;
+  }
+  const attribute = new BufferAttribute(wanted, 1);
+  geometry.setAttribute(name, attribute);
+  return attribute;
+}
+
+/** A path, a trace, their frame's `points`, or positions: whatever has a line's points. */
+export type LinePoints =
+  | { readonly points: readonly { readonly xyz: Xyz }[] }
+  | { readonly arrays: { readonly points?: unknown } }
+  | readonly Xyz[]
+  | Float32Array
+  | Float64Array;
+
+/** x, y, z of each point of a line. */
+export function linePositions(line: LinePoints): Float32Array {
+  if (line instanceof Float32Array) return line;
+  if (line instanceof Float64Array) return new Float32Array(line);
+  if ('arrays' in line) return linePositions(line.arrays.points as Float64Array);
+  const points = 'points' in line ? line.points.map((point) => point.xyz) : line;
+  const positions = new Float32Array(points.length * 3);
+  points.forEach((xyz, index) => positions.set(xyz, index * 3));
+  return positions;
+}
+
+/** A path or a trace as a line; a path that does not reach is a line without points. */
+export function pathToLine(
+  path: LinePoints,
+  material: Material = new LineBasicMaterial({ color: 0xff3030 }),
+): Line<BufferGeometry, Material> {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(linePositions(path), 3));
+  return new Line(geometry, material);
+}
+
+/**
+ * Isolines as segments of one object, so that a thousand of them are one draw call. Each
+ * point has its line's level in the attribute `level`.
+ */
+export function isolinesToSegments(
+  isolines: { readonly isolines: readonly Isoline[] } | readonly Isoline[],
+  material: Material = new LineBasicMaterial({ color: 0x202020 }),
+): LineSegments<BufferGeometry, Material> {
+  const lines = 'isolines' in isolines ? isolines.isolines : isolines;
+  const positions: number[] = [];
+  const levels: number[] = [];
+  for (const { level, closed, points } of lines) {
+    const segments = closed ? points.length : points.length - 1;
+    for (let index = 0; index < segments; ++index) {
+      for (const point of [points[index], points[(index + 1) % points.length]]) {
+        positions.push(...(point as number[]));
+        levels.push(level);
+      }
+    }
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(new Float32Array(positions), 3));
+  geometry.setAttribute('level', new BufferAttribute(new Float32Array(levels), 1));
+  return new LineSegments(geometry, material);
+}

@@ -1,0 +1,106 @@
+/** Requests to one server: its address, its token, and its errors as exceptions. */
+import { errorOf, GeodesicError, NetworkError } from './errors.js';
+import { withRetries, type RetryRules } from './retry.js';
+
+/** A request before it is sent. */
+export interface Call {
+  method: 'GET' | 'HEAD' | 'POST' | 'PUT' | 'DELETE' | (string & {});
+  /** From the server's root, percent-encoded, with the query: `/v1/status`. */
+  path: string;
+  headers?: Record<string, string>;
+  body?: Blob | ArrayBuffer | Uint8Array | string;
+  /** Whether to send it twice does no harm; without it, whether the HTTP method says so. */
+  idempotent?: boolean;
+  /** Whether 429 and 503 are tried again too; true without it. */
+  retry?: boolean;
+  signal?: AbortSignal | undefined;
+}
+
+/** A reply that has arrived whole. */
+export interface Reply {
+  status: number;
+  headers: Headers;
+  body: ArrayBuffer;
+}
+
+/** One try at a request, by whatever means. Rejects with NetworkError or the abort's reason. */
+export type Sender = (url: string, call: Call, headers: Record<string, string>) => Promise<Reply>;
+
+export interface TransportOptions extends RetryRules {
+  token?: string | undefined;
+  fetch?: typeof fetch | undefined;
+}
+
+const IDEMPOTENT = new Set(['GET', 'HEAD', 'PUT', 'DELETE', 'OPTIONS']);
+
+export class Transport {
+  readonly #base: string;
+  readonly #options: TransportOptions;
+
+  constructor(baseUrl: string, options: TransportOptions) {
+    // A server behind a proxy may have a path of its own.
+    this.#base = new URL(baseUrl).href.replace(/[?#].*$/s, '').replace(/\/+$/, '');
+    this.#options = options;
+  }
+
+  url(path: string): string {
+    return this.#base + path;
+  }
+
+  /** Sends a call and reads the whole reply. Throws GeodesicError for status 400 and above. */
+  async exchange(call: Call, sender: Sender = this.#fetchWhole): Promise<Reply> {
+    return this.#retried(call, async () => {
+      const reply = await sender(this.url(call.path), call, this.#headers(call));
+      if (reply.status >= 400) throw errorOf(reply.status, reply.headers, reply.body);
+      return reply;
+    });
+  }
+
+  /** Sends a call; the reply's body is yet to be read. Throws as `exchange` does. */
+  async open(call: Call): Promise<Response> {
+    return this.#retried(call, async () => {
+      const response = await this.#fetch(this.url(call.path), call, this.#headers(call));
+      if (response.status < 400) return response;
+      const body = await reading(call, this.url(call.path), () => response.arrayBuffer());
+      throw errorOf(response.status, response.headers, body);
+    });
+  }
+
+  #retried<T>(call: Call, attempt: () => Promise<T>): Promise<T> {
+    const rules = call.retry === false ? { ...this.#options, retries: 0 } : this.#options;
+    return withRetries(rules, call.idempotent ?? IDEMPOTENT.has(call.method), call.signal, attempt);
+  }
+
+  #headers(call: Call): Record<string, string> {
+    const token = this.#options.token;
+    return token === undefined
+      ? { ...call.headers }
+      : { Authorization: `Bearer ${token}`, ...call.headers };
+  }
+
+  readonly #fetchWhole: Sender = async (url, call, headers) => {
+    const response = await this.#fetch(url, call, headers);
+    const body = await reading(call, url, () => response.arrayBuffer());
+    return { status: response.status, headers: response.headers, body };
+  };
+
+  #fetch(url: string, call: Call, headers: Record<string, string>): Promise<Response> {
+    // Looked up at each call, so that a page may replace it (a service worker, a test).
+    const send = this.#options.fetch ?? globalThis.fetch;
+    const init: RequestInit = { method: call.method, headers };
+    if (call.body !== undefined) init.body = call.body as BodyInit;
+    if (call.signal) init.signal = call.signal;
+    return reading(call, url, () => send(url, init));
+  }
+}
+
+/** Whatever fails under way is a NetworkError, but for an abort. */
+export async function reading<T>(call: Call, url: string, act: () => Promise<T>): Promise<T> {
+  try {
+    return await act();
+  } catch (cause) {
+    call.signal?.throwIfAborted();
+    if (cause instanceof GeodesicError || cause instanceof NetworkError) throw cause;
+    throw new NetworkError(url, cause);
+  }
+}
