@@ -1,0 +1,77 @@
+"""Geodesic distances and shortest paths on triangle meshes, by a geodesicd server.
+
+    import geodesicd
+
+    with geodesicd.Client("http://localhost:8080") as client:
+        mesh = client.upload("bunny.glb")          # or (vertices, faces), trimesh, PyVista, meshio
+        field = mesh.distance(0)                   # (vertices,) float64, mesh units
+        path = mesh.path(0, (0.1, 0.2, 0.3))       # path.points (n, 3), path.length
+
+:class:`AsyncClient` is the same with ``await``. :func:`serve` starts a server on this machine.
+"""
+
+from .async_client import AsyncClient, AsyncMesh
+from .client import Client, Mesh
+from .errors import (
+    ConnectionFailed,
+    DeadlineExceeded,
+    GeodesicError,
+    JobCancelled,
+    NotAllowed,
+    NotFound,
+    Overloaded,
+)
+from .flows import Retries
+from .glb import glb_bytes
+from .local_server import LocalServer, serve
+from .metadata import Metadata, Part
+from .points import OnFace, Point, PointLike, PointsLike, Ray, Vertex, Xyz
+from .results import (
+    Answer,
+    BatchReply,
+    Geometry,
+    Isoline,
+    LabelledDistances,
+    Path,
+    Samples,
+    SurfacePoint,
+    Trace,
+)
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Answer",
+    "AsyncClient",
+    "AsyncMesh",
+    "BatchReply",
+    "Client",
+    "ConnectionFailed",
+    "DeadlineExceeded",
+    "GeodesicError",
+    "Geometry",
+    "Isoline",
+    "JobCancelled",
+    "LabelledDistances",
+    "LocalServer",
+    "Mesh",
+    "Metadata",
+    "NotAllowed",
+    "NotFound",
+    "OnFace",
+    "Overloaded",
+    "Part",
+    "Path",
+    "Point",
+    "PointLike",
+    "PointsLike",
+    "Ray",
+    "Retries",
+    "Samples",
+    "SurfacePoint",
+    "Trace",
+    "Vertex",
+    "Xyz",
+    "glb_bytes",
+    "serve",
+]

@@ -1,0 +1,274 @@
+"""The asynchronous client: the synchronous one with ``await`` before each call. Cancelling a
+task that waits for a query with ``progress`` cancels the job, too.
+
+    async with geodesicd.AsyncClient("http://localhost:8080") as client:
+        mesh = await client.upload("bunny.glb")
+        field = await mesh.distance(0)
+"""
+
+from __future__ import annotations
+
+import asyncio
+import functools
+import ssl
+from collections.abc import Callable, Coroutine
+from types import TracebackType
+from typing import (
+    Any,
+    Concatenate,
+    Generic,
+    Literal,
+    ParamSpec,
+    Self,
+    TypeVar,
+    overload,
+)
+
+import httpx
+import numpy as np
+from numpy.typing import DTypeLike
+
+from . import batches, connection, queries, service
+from .client import _single, bound_signature
+from .errors import error_of
+from .flows import Flow, Progress, Request, Retries, Send, Step, Watch, with_retries
+from .mesh_input import body_of
+from .metadata import Metadata
+from .points import PointsLike
+from .results import FloatArray, LabelledDistances
+from .wire import Body, Reply
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+class Query(Generic[P, T]):
+    """A method of :class:`AsyncMesh` made of a query, as in the synchronous client."""
+
+    def __init__(self, flow: Callable[Concatenate[str, P], Flow[T]]) -> None:
+        self._flow = flow
+        self.__doc__ = flow.__doc__
+
+    @overload
+    def __get__(self, mesh: None, owner: type) -> Self: ...
+    @overload
+    def __get__(self, mesh: AsyncMesh, owner: type) -> Callable[P, Coroutine[Any, Any, T]]: ...
+    def __get__(
+        self, mesh: AsyncMesh | None, owner: type
+    ) -> Self | Callable[P, Coroutine[Any, Any, T]]:
+        """The method, bound to a mesh."""
+        if mesh is None:
+            return self
+        client, identity = mesh.client, mesh.id
+
+        @functools.wraps(self._flow)
+        async def call(*arguments: P.args, **named: P.kwargs) -> T:
+            return await client.run(self._flow(identity, *arguments, **named))
+
+        call.__signature__ = bound_signature(self._flow)  # type: ignore[attr-defined]
+        return call
+
+
+class AsyncMesh(Metadata):
+    """A mesh on the server, as :class:`~geodesicd.Mesh`; its queries are awaited."""
+
+    def __init__(self, client: AsyncClient, metadata: dict[str, Any]) -> None:
+        super().__init__(metadata)
+        self.client = client
+
+    regions = Query(queries.regions)
+    distance_at = Query(queries.distance_at)
+    path = Query(queries.path)
+    paths = Query(batches.paths)
+    table = Query(queries.table)
+    isolines = Query(queries.isolines)
+    samples = Query(queries.samples)
+    trace = Query(queries.trace)
+    nearest = Query(queries.nearest)
+    picture = Query(queries.picture)
+    batch = Query(batches.batch)
+    query = Query(queries.query)
+    geometry = Query(queries.geometry)
+    geometry_glb = Query(queries.geometry_glb)
+    source = Query(queries.source)
+    delete = Query(service.delete)
+
+    @overload
+    async def distance(
+        self,
+        sources: PointsLike,
+        *,
+        labels: Literal[False] = False,
+        max: float | None = None,
+        dtype: DTypeLike = np.float64,
+        quantised: bool = False,
+        method: str | None = None,
+        points_per_edge: int | None = None,
+        deadline: float | None = None,
+        progress: Progress | None = None,
+    ) -> FloatArray: ...
+    @overload
+    async def distance(
+        self,
+        sources: PointsLike,
+        *,
+        labels: Literal[True],
+        max: float | None = None,
+        method: str | None = None,
+        points_per_edge: int | None = None,
+        deadline: float | None = None,
+        progress: Progress | None = None,
+    ) -> LabelledDistances: ...
+    async def distance(
+        self, sources: PointsLike, *, labels: bool = False, **options: Any
+    ) -> FloatArray | LabelledDistances:
+        """The distance field, as :meth:`geodesicd.Mesh.distance`: (vertices,), mesh units."""
+        if labels:
+            return await self.regions(sources, **options)
+        return await self.client.run(queries.distance(self.id, sources, **options))
+
+    async def prepare(self, progress: Progress | None = None) -> Self:
+        """Has the server build now what queries need, so that the first is quick."""
+        self._read(await self.client.run(service.prepare(self.id, progress)))
+        return self
+
+    async def refresh(self) -> Self:
+        """Reads the metadata anew: ``state`` and ``prepared`` change."""
+        self._read(await self.client.run(service.metadata(self.id)))
+        return self
+
+
+class AsyncClient:
+    """A connection to a server; takes what :class:`~geodesicd.Client` takes."""
+
+    def __init__(
+        self,
+        url: str | None = None,
+        *,
+        token: str | None = None,
+        timeout: float | None = 300.0,
+        retries: Retries | None = None,
+        verify: bool | ssl.SSLContext = True,
+        connections: int = 20,
+    ) -> None:
+        options = connection.options(url, token, timeout, verify, connections)
+        self._http = httpx.AsyncClient(**options)
+        self._retries = retries or Retries()
+
+    @property
+    def url(self) -> str:
+        """Where the server is."""
+        return str(self._http.base_url).rstrip("/")
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        await self.close()
+
+    async def close(self) -> None:
+        """Closes its connections."""
+        await self._http.aclose()
+
+    async def upload(
+        self, mesh: Any, *, progress: Progress | None = None, probe: bool = True
+    ) -> AsyncMesh:
+        """Uploads a mesh, as :meth:`geodesicd.Client.upload`."""
+        # Reading and hashing a large file is not to hold up everything else.
+        body = await asyncio.to_thread(body_of, mesh)
+        return AsyncMesh(self, await self.run(service.upload(body, progress, probe=probe)))
+
+    async def mesh(self, id: str) -> AsyncMesh:
+        """A mesh that the server has.
+
+        Raises:
+            NotFound: it has not.
+        """
+        return AsyncMesh(self, await self.run(service.metadata(id)))
+
+    async def meshes(self, *, page_size: int = 1000) -> list[AsyncMesh]:
+        """All meshes that the server has, in the order of their ids."""
+        return [AsyncMesh(self, one) for one in await self.run(service.meshes(page_size))]
+
+    async def status(self) -> dict[str, Any]:
+        """Version, limits, load and caches, as ``/v1/status`` has them."""
+        return await self.run(service.status())
+
+    async def methods(self) -> list[dict[str, Any]]:
+        """The methods, as :meth:`geodesicd.Client.methods`."""
+        return await self.run(service.methods())
+
+    async def fetch(
+        self,
+        method: str,
+        target: str,
+        *,
+        headers: dict[str, str] | None = None,
+        body: bytes | None = None,
+    ) -> Reply:
+        """A request of one's own, as :meth:`geodesicd.Client.fetch`."""
+        request = Request(method, target, headers or {}, body, idempotent=method != "POST")
+        reply: Reply = await self.run(_single(Send(request)))
+        return reply
+
+    async def run(self, flow: Flow[T]) -> T:
+        """Carries out a flow, to its result."""
+        steps = with_retries(flow, self._retries)
+        try:
+            step = next(steps)
+            while True:
+                try:
+                    outcome = await self._carry_out(step)
+                except BaseException as error:
+                    step = steps.throw(error)
+                else:
+                    step = steps.send(outcome)
+        except StopIteration as end:
+            value: T = end.value
+            return value
+
+    async def _carry_out(self, step: Step) -> Reply | None:
+        if isinstance(step, Send):
+            return await self._send(step.request)
+        if isinstance(step, Watch):
+            await self._watch(step)
+        else:
+            await asyncio.sleep(step.seconds)
+        return None
+
+    async def _opened(self, request: Request) -> httpx.Response:
+        built = self._http.build_request(
+            request.method, request.target, **connection.content(request, asynchronous=True)
+        )
+        return await self._http.send(built, stream=True)
+
+    async def _send(self, request: Request) -> Reply:
+        try:
+            response = await self._opened(request)
+            try:
+                body = Body(request.method, response.headers)
+                async for chunk in response.aiter_bytes():
+                    body.feed(chunk)
+            finally:
+                await response.aclose()
+        except httpx.TransportError as error:
+            raise connection.failure(error, request) from error
+        return Reply(response.status_code, response.headers, body.finish())
+
+    async def _watch(self, step: Watch) -> None:
+        try:
+            response = await self._opened(step.request)
+            try:
+                if response.status_code >= 400:
+                    raise error_of(response.status_code, response.headers, await response.aread())
+                async for line in response.aiter_lines():
+                    step.on_line(line)
+            finally:
+                await response.aclose()
+        except httpx.TransportError as error:
+            raise connection.failure(error, step.request) from error

@@ -1,0 +1,111 @@
+"""Many queries in one request: a line of JSON each, answered in their order, each with a
+status of its own."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from . import wire
+from .encoding import as_points, body_json
+from .errors import error_of_problem, refusal
+from .flows import Flow, Progress, Request, ask
+from .points import PointLike
+from .queries import Refine
+from .results import BatchReply, Path
+from .wire import Reply
+
+# Well below the server's own limit on a body (8 MiB unless it is set otherwise).
+_LARGEST = 4 << 20
+
+
+def batch(
+    mesh: str, queries: Iterable[Mapping[str, Any]], *, progress: Progress | None = None
+) -> Flow[list[BatchReply]]:
+    """Many queries in one request, over one connection.
+
+    Args:
+        queries: each a mapping with ``"query"`` (``"distance"``, ``"path"``, ``"table"``,
+            ``"isolines"``, ``"samples"``, ``"trace"`` or ``"nearest"``) and that query's
+            parameters as a JSON body has them; points may be as everywhere here.
+
+    Returns:
+        One reply a query, in their order: the query's JSON or its error. One that fails
+        harms no other.
+    """
+    lines = [
+        json.dumps(_line(query), allow_nan=False, separators=(",", ":")).encode() + b"\n"
+        for query in queries
+    ]
+    replies: list[BatchReply] = []
+    for body in _bodies(lines):
+        # Several requests only where one would be larger than the server takes.
+        base, part = len(replies) / max(1, len(lines)), body.count(b"\n") / max(1, len(lines))
+        request = Request(
+            "POST",
+            f"/v1/meshes/{mesh}/batch",
+            {"Content-Type": "application/x-ndjson", "Accept": "application/x-ndjson"},
+            body,
+        )
+        replies += yield from ask(request, _decode, _scaled(progress, base, part))
+    return replies
+
+
+def paths(
+    mesh: str,
+    pairs: Iterable[tuple[PointLike, PointLike]],
+    *,
+    refine: Refine = "none",
+    method: str | None = None,
+    progress: Progress | None = None,
+) -> Flow[list[Path]]:
+    """The shortest paths of many pairs (source, target) in one request. Pairs that share a
+    source cost one field if they follow each other.
+
+    Raises:
+        GeodesicError: the first pair that the server refuses; ``parameter`` begins with
+            ``pairs[i]``.
+    """
+    queries = [
+        {"query": "path", "from": source, "to": target, "refine": refine, "method": method}
+        for source, target in pairs
+    ]
+    found = []
+    for number, answer in enumerate((yield from batch(mesh, queries, progress=progress))):
+        if answer.reply is None:
+            error = answer.error or error_of_problem({"status": answer.status})
+            raise refusal(error, f"pairs[{number}]")
+        found.append(wire.path_of_json(answer.reply))
+    return found
+
+
+def _line(query: Mapping[str, Any]) -> dict[str, Any]:
+    return body_json(as_points(query))
+
+
+def _bodies(lines: list[bytes]) -> Iterator[bytes]:
+    gathered: list[bytes] = []
+    size = 0
+    for line in lines:
+        if gathered and size + len(line) > _LARGEST:
+            yield b"".join(gathered)
+            gathered, size = [], 0
+        gathered.append(line)
+        size += len(line)
+    if gathered:
+        yield b"".join(gathered)
+
+
+def _scaled(progress: Progress | None, base: float, part: float) -> Progress | None:
+    return None if progress is None else lambda done: progress(base + part * done)
+
+
+def _decode(reply: Reply) -> list[BatchReply]:
+    answers = []
+    for line in reply.body.splitlines():
+        answer = json.loads(line)
+        problem = answer.get("problem")
+        error = None if problem is None else error_of_problem(problem)
+        answers.append(BatchReply(answer["status"], answer.get("reply"), error, answer.get("id")))
+    return answers

@@ -1,0 +1,328 @@
+"""The synchronous client.
+
+    with geodesicd.Client("http://localhost:8080") as client:
+        mesh = client.upload("bunny.glb")
+        field = mesh.distance(0)
+
+A client may be used by several threads at once.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import ssl
+import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import (
+    Any,
+    Concatenate,
+    Generic,
+    Literal,
+    ParamSpec,
+    Self,
+    TypeVar,
+    overload,
+)
+
+import httpx
+import numpy as np
+from numpy.typing import DTypeLike
+
+from . import batches, connection, queries, service
+from .errors import error_of
+from .flows import Flow, Progress, Request, Retries, Send, Step, Watch, with_retries
+from .mesh_input import body_of
+from .metadata import Metadata
+from .points import PointsLike
+from .results import FloatArray, LabelledDistances
+from .wire import Body, Reply
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+def bound_signature(flow: Callable[..., Any]) -> inspect.Signature:
+    """A query's signature as a method has it: without the mesh's id, and with the result that
+    the flow returns."""
+    return inspect.signature(flow).replace(
+        parameters=list(inspect.signature(flow).parameters.values())[1:]
+    )
+
+
+class Query(Generic[P, T]):
+    """A method of :class:`Mesh` made of a query: ``mesh.path(0, 9)`` runs
+    ``queries.path(mesh.id, 0, 9)``, with the same parameters and documentation."""
+
+    def __init__(self, flow: Callable[Concatenate[str, P], Flow[T]]) -> None:
+        self._flow = flow
+        self.__doc__ = flow.__doc__
+
+    @overload
+    def __get__(self, mesh: None, owner: type) -> Self: ...
+    @overload
+    def __get__(self, mesh: Mesh, owner: type) -> Callable[P, T]: ...
+    def __get__(self, mesh: Mesh | None, owner: type) -> Self | Callable[P, T]:
+        """The method, bound to a mesh."""
+        if mesh is None:
+            return self
+        client, identity = mesh.client, mesh.id
+
+        @functools.wraps(self._flow)
+        def call(*arguments: P.args, **named: P.kwargs) -> T:
+            return client.run(self._flow(identity, *arguments, **named))
+
+        call.__signature__ = bound_signature(self._flow)  # type: ignore[attr-defined]
+        return call
+
+
+class Mesh(Metadata):
+    """A mesh on the server: its metadata as attributes, and queries on it. Made by
+    :meth:`Client.upload` and :meth:`Client.mesh`."""
+
+    def __init__(self, client: Client, metadata: dict[str, Any]) -> None:
+        super().__init__(metadata)
+        self.client = client
+
+    regions = Query(queries.regions)
+    distance_at = Query(queries.distance_at)
+    path = Query(queries.path)
+    paths = Query(batches.paths)
+    table = Query(queries.table)
+    isolines = Query(queries.isolines)
+    samples = Query(queries.samples)
+    trace = Query(queries.trace)
+    nearest = Query(queries.nearest)
+    picture = Query(queries.picture)
+    batch = Query(batches.batch)
+    query = Query(queries.query)
+    geometry = Query(queries.geometry)
+    geometry_glb = Query(queries.geometry_glb)
+    source = Query(queries.source)
+    delete = Query(service.delete)
+
+    @overload
+    def distance(
+        self,
+        sources: PointsLike,
+        *,
+        labels: Literal[False] = False,
+        max: float | None = None,
+        dtype: DTypeLike = np.float64,
+        quantised: bool = False,
+        method: str | None = None,
+        points_per_edge: int | None = None,
+        deadline: float | None = None,
+        progress: Progress | None = None,
+    ) -> FloatArray: ...
+    @overload
+    def distance(
+        self,
+        sources: PointsLike,
+        *,
+        labels: Literal[True],
+        max: float | None = None,
+        method: str | None = None,
+        points_per_edge: int | None = None,
+        deadline: float | None = None,
+        progress: Progress | None = None,
+    ) -> LabelledDistances: ...
+    def distance(
+        self, sources: PointsLike, *, labels: bool = False, **options: Any
+    ) -> FloatArray | LabelledDistances:
+        """The distance field: from the nearest of the sources to every source vertex.
+
+        Args:
+            sources: points, which may carry offsets.
+            labels: also say which source is nearest; the same as :meth:`regions`.
+            max: what is farther counts as unreached; mesh units.
+            dtype: float64 or float32, which is half to send.
+            quantised: send 2 bytes a vertex; float32 in steps of the greatest distance / 65534.
+            method: how distances are computed; ``client.methods()`` lists them.
+            points_per_edge: for ``method="steiner"`` only.
+            deadline: seconds, after which DeadlineExceeded is raised.
+            progress: called with the part that is done, from 0 to 1.
+
+        Returns:
+            (vertices,) distances, infinite where unreached; with ``labels`` a pair of them and
+            of (vertices,) int64 places in ``sources``, -1 where unreached.
+
+        Raises:
+            GeodesicError: the server refuses it, or cannot be reached.
+        """
+        if labels:
+            return self.regions(sources, **options)
+        return self.client.run(queries.distance(self.id, sources, **options))
+
+    def prepare(self, progress: Progress | None = None) -> Self:
+        """Has the server build now what queries need, so that the first is quick."""
+        self._read(self.client.run(service.prepare(self.id, progress)))
+        return self
+
+    def refresh(self) -> Self:
+        """Reads the metadata anew: ``state`` and ``prepared`` change."""
+        self._read(self.client.run(service.metadata(self.id)))
+        return self
+
+
+class Client:
+    """A connection to a server.
+
+    Args:
+        url: where it is; without it $GEODESICD_URL, else http://127.0.0.1:8080.
+        token: its bearer token, if the server asks for one.
+        timeout: seconds of silence after which ConnectionFailed is raised; None: never.
+        retries: when to ask again; ``Retries(attempts=1)``: never.
+        verify: as httpx has it: False, or an SSL context of one's own.
+        connections: most at once.
+    """
+
+    def __init__(
+        self,
+        url: str | None = None,
+        *,
+        token: str | None = None,
+        timeout: float | None = 300.0,
+        retries: Retries | None = None,
+        verify: bool | ssl.SSLContext = True,
+        connections: int = 20,
+    ) -> None:
+        options = connection.options(url, token, timeout, verify, connections)
+        self._http = httpx.Client(**options)
+        self._retries = retries or Retries()
+
+    @property
+    def url(self) -> str:
+        """Where the server is."""
+        return str(self._http.base_url).rstrip("/")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Closes its connections."""
+        self._http.close()
+
+    def upload(self, mesh: Any, *, progress: Progress | None = None, probe: bool = True) -> Mesh:
+        """Uploads a mesh, unless the server has it already.
+
+        Args:
+            mesh: a path to a .glb, .gltf or .drc file; the bytes of one; a pair (vertices
+                (n, 3), faces (m, 3)); or a mesh of trimesh, PyVista (PolyData) or meshio.
+                Positions of arrays are rounded to float32.
+            progress: called with the part that is done, from 0 to 1: the first half is sending,
+                the second the server's work.
+            probe: ask first, by its digest, whether the server has it.
+
+        Raises:
+            TypeError, ValueError, OSError: it is no mesh, or cannot be read.
+            GeodesicError: the server refuses it, or cannot be reached.
+        """
+        return Mesh(self, self.run(service.upload(body_of(mesh), progress, probe=probe)))
+
+    def mesh(self, id: str) -> Mesh:
+        """A mesh that the server has.
+
+        Raises:
+            NotFound: it has not.
+        """
+        return Mesh(self, self.run(service.metadata(id)))
+
+    def meshes(self, *, page_size: int = 1000) -> list[Mesh]:
+        """All meshes that the server has, in the order of their ids."""
+        return [Mesh(self, one) for one in self.run(service.meshes(page_size))]
+
+    def status(self) -> dict[str, Any]:
+        """Version, limits, load and caches, as ``/v1/status`` has them."""
+        return self.run(service.status())
+
+    def methods(self) -> list[dict[str, Any]]:
+        """The methods: ``name``, ``paper``, ``exact``, ``cost`` and ``parameters`` of each."""
+        return self.run(service.methods())
+
+    def fetch(
+        self,
+        method: str,
+        target: str,
+        *,
+        headers: dict[str, str] | None = None,
+        body: bytes | None = None,
+    ) -> Reply:
+        """A request of one's own, for what has no method here.
+
+        Raises:
+            GeodesicError: the reply is an error.
+        """
+        request = Request(method, target, headers or {}, body, idempotent=method != "POST")
+        reply: Reply = self.run(_single(Send(request)))
+        return reply
+
+    def run(self, flow: Flow[T]) -> T:
+        """Carries out a flow, to its result."""
+        steps = with_retries(flow, self._retries)
+        try:
+            step = next(steps)
+            while True:
+                try:
+                    outcome = self._carry_out(step)
+                except BaseException as error:
+                    step = steps.throw(error)
+                else:
+                    step = steps.send(outcome)
+        except StopIteration as end:
+            value: T = end.value
+            return value
+
+    def _carry_out(self, step: Step) -> Reply | None:
+        if isinstance(step, Send):
+            return self._send(step.request)
+        if isinstance(step, Watch):
+            self._watch(step)
+        else:
+            time.sleep(step.seconds)
+        return None
+
+    def _opened(self, request: Request) -> httpx.Response:
+        built = self._http.build_request(
+            request.method, request.target, **connection.content(request, asynchronous=False)
+        )
+        return self._http.send(built, stream=True)
+
+    def _send(self, request: Request) -> Reply:
+        try:
+            response = self._opened(request)
+            try:
+                body = Body(request.method, response.headers)
+                for chunk in response.iter_bytes():
+                    body.feed(chunk)
+            finally:
+                response.close()
+        except httpx.TransportError as error:
+            raise connection.failure(error, request) from error
+        return Reply(response.status_code, response.headers, body.finish())
+
+    def _watch(self, step: Watch) -> None:
+        try:
+            response = self._opened(step.request)
+            try:
+                if response.status_code >= 400:
+                    raise error_of(response.status_code, response.headers, response.read())
+                for line in response.iter_lines():
+                    step.on_line(line)
+            finally:
+                response.close()
+        except httpx.TransportError as error:
+            raise connection.failure(error, step.request) from error
+
+
+def _single(step: Step) -> Flow[Any]:
+    return (yield step)

@@ -1,0 +1,372 @@
+"""The command ``geodesic``: what the client does, from a shell. ``geodesic COMMAND --help``
+tells each one's arguments. Exit status: 0 done, 1 refused or failed, 2 asked wrongly, 130
+interrupted."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import signal
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from . import __version__
+from .client import Client, Mesh
+from .errors import GeodesicError
+from .local_server import serve
+from .results import Float64
+
+# Results go to standard output, for pipes; everything else is for people.
+people = Console(stderr=True)
+results = Console(highlight=False, soft_wrap=True)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command; its exit status."""
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    run: Callable[[argparse.Namespace], int] = options.run
+    try:
+        return run(options)
+    except KeyboardInterrupt:
+        people.print("interrupted")
+        return 130
+    except BrokenPipeError:  # the reader of a pipe has gone, as head does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except (GeodesicError, OSError, ValueError, TypeError, RuntimeError, ImportError) as error:
+        people.print(
+            f"geodesic: {error}", style="red", markup=False, highlight=False, soft_wrap=True
+        )
+        return 1
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="geodesic", description="Geodesic distances and shortest paths on triangle meshes."
+    )
+    parser.add_argument("--version", action="version", version=f"geodesic {__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    def command(name: str, run: Callable[[argparse.Namespace], int], help: str) -> Any:
+        made = commands.add_parser(name, help=help, description=help)
+        made.set_defaults(run=run)
+        return made
+
+    upload = command("upload", _upload, "Upload mesh files and print their ids.")
+    _connection(upload)
+    upload.add_argument("file", nargs="+", type=Path, help="a .glb, .gltf or .drc file")
+
+    listing = command("list", _list, "List the server's meshes.")
+    _connection(listing)
+    listing.add_argument("--json", action="store_true", help="all metadata, as JSON")
+
+    distance = command("distance", _distance, "Save a distance field, or print distances.")
+    _query(distance)
+    distance.add_argument("--at", action="append", default=[], metavar="POINT", help="only there")
+    distance.add_argument("--max", type=float, help="what is farther counts as unreached")
+    distance.add_argument("-o", "--output", type=Path, help="a .npy file, or .csv; else printed")
+
+    path = command("path", _path, "Find the shortest path between two points.")
+    _query(path, several=False)
+    path.add_argument("--to", required=True, metavar="POINT", help="where it ends")
+    path.add_argument("--via", action="append", default=[], metavar="POINT", help="on the way")
+    path.add_argument("--refine", choices=["none", "shortest"], default="shortest")
+    path.add_argument(
+        "-o", "--output", type=Path, help="a .csv, .npy, .json or .glb file; else the length only"
+    )
+
+    table = command("table", _table, "Print all distances among points, as CSV.")
+    _query(table)
+    table.add_argument("--to", action="append", metavar="POINT", help="a column; else the rows")
+
+    plot = command("plot", _plot, "Draw a field with isolines and a path.")
+    _query(plot)
+    plot.add_argument("--to", metavar="POINT", help="draw the path there from the first source")
+    plot.add_argument("--via", action="append", default=[], metavar="POINT", help="on the way")
+    plot.add_argument("-o", "--output", type=Path, help="a .png, .svg or .pdf; else on screen")
+    plot.add_argument("--isolines", type=int, default=12, metavar="N", help="0: none")
+    plot.add_argument("--view", help="front, back, left, right, top, bottom, corner or AZ,EL")
+    plot.add_argument("--up", choices=["y", "z"], default="y", help="which axis is up")
+    plot.add_argument("--colormap", default="viridis", help="one of matplotlib's")
+
+    from .bench import command as bench
+
+    bench.arguments(command("bench", bench.run, "Load a server and measure it."))
+
+    server = command("serve", _serve, "Run a server on this machine until Ctrl-C.")
+    server.add_argument("file", nargs="*", type=Path, help="meshes to upload at the start")
+    server.add_argument("--server", metavar="FILE", help="its program; else $GEODESICD, or PATH")
+    server.add_argument("--listen", default="127.0.0.1:8080", metavar="HOST:PORT")
+    server.add_argument("--store", type=Path, help="keep meshes in this folder")
+    return parser
+
+
+def _connection(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--url", help="the server; else $GEODESICD_URL, or http://127.0.0.1:8080")
+    parser.add_argument("--token", help="else $GEODESICD_TOKEN")
+
+
+def _query(parser: argparse.ArgumentParser, several: bool = True) -> None:
+    _connection(parser)
+    parser.add_argument("mesh", help="a file, which is uploaded if need be, or a mesh's id")
+    parser.add_argument(
+        "--from",
+        dest="sources",
+        action="append" if several else "store",
+        required=True,
+        metavar="POINT",
+        help="a vertex (12), v:12, f:FACE,W0,W1, p:X,Y,Z or ray:OX,OY,OZ,DX,DY,DZ"
+        + ("; repeat for several" if several else ""),
+    )
+    parser.add_argument("--method", help="wavefront, exact, …")
+
+
+def connect(options: argparse.Namespace) -> Client:
+    """A client as the options say."""
+    return Client(options.url, token=options.token or os.environ.get("GEODESICD_TOKEN"))
+
+
+@contextmanager
+def bar(what: str) -> Iterator[Callable[[float], None]]:
+    """A progress bar, on a terminal only; a function that moves it, from 0 to 1."""
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:>3.0f}%"),
+    )
+    with Progress(
+        *columns,
+        TimeElapsedColumn(),
+        console=people,
+        transient=True,
+        disable=not people.is_terminal,
+    ) as progress:
+        task = progress.add_task(what, total=1.0)
+        yield lambda part: progress.update(task, completed=part)
+
+
+def _mesh(client: Client, name: str) -> Mesh:
+    """A mesh by its id, or a file's."""
+    if re.fullmatch(r"[0-9a-f]{64}", name) and not Path(name).exists():
+        return client.mesh(name)
+    with bar(f"uploading {Path(name).name}") as progress:
+        return client.upload(Path(name), progress=progress)
+
+
+@contextmanager
+def mesh_of(options: argparse.Namespace) -> Iterator[Mesh]:
+    """The mesh that the options name, on a connection that is closed at the end."""
+    with connect(options) as client:
+        yield _mesh(client, options.mesh)
+
+
+def point(text: str) -> int | str:
+    """A point as it is written on a command line: a number is a vertex."""
+    return int(text) if text.isdigit() else text
+
+
+def _points(texts: Sequence[str]) -> list[Any]:
+    return [point(text) for text in texts]
+
+
+def _upload(options: argparse.Namespace) -> int:
+    with connect(options) as client:
+        for file in options.file:
+            mesh = _mesh(client, str(file))
+            for warning in mesh.warnings:
+                people.print(f"{file}: {warning}", style="yellow", markup=False)
+            results.print(mesh.id)
+    return 0
+
+
+def _list(options: argparse.Namespace) -> int:
+    with connect(options) as client:
+        meshes = client.meshes()
+        if options.json:
+            found = [client.fetch("GET", f"/v1/meshes/{mesh.id}").json() for mesh in meshes]
+            print(json.dumps(found, indent=2))
+            return 0
+    table = Table(box=None, pad_edge=False)
+    for column in ("id", "name", "vertices", "faces", "format", "bytes"):
+        numbers = column in ("vertices", "faces", "bytes")
+        table.add_column(column, justify="right" if numbers else "left", no_wrap=True)
+    for mesh in meshes:
+        name = next((part.name for part in mesh.parts if part.name), "")
+        row = (mesh.id, name, mesh.vertices, mesh.faces, mesh.format, mesh.bytes)
+        if results.is_terminal:
+            table.add_row(
+                mesh.id[:16], name, *(f"{v:,}" if isinstance(v, int) else v for v in row[2:])
+            )
+        else:
+            print(*row, sep="\t")
+    if results.is_terminal:
+        results.print(table)
+    return 0
+
+
+def _distance(options: argparse.Namespace) -> int:
+    with mesh_of(options) as mesh, bar("distances") as progress:
+        asked: dict[str, Any] = {"max": options.max, "method": options.method, "progress": progress}
+        sources = _points(options.sources)
+        if options.at:
+            field = mesh.distance_at(sources, _points(options.at), **asked)
+        else:
+            field = mesh.distance(sources, **asked)
+    if options.output is None:
+        print("\n".join(_number(value) for value in field))
+        return 0
+    if options.output.suffix == ".csv":
+        numbered = np.column_stack([np.arange(len(field)), field])
+        np.savetxt(
+            options.output, numbered, ["%d", "%.17g"], ",", header="index,distance", comments=""
+        )
+    else:
+        _require(options.output, (".npy",))
+        np.save(options.output, field)
+    reached = field[np.isfinite(field)]
+    farthest = f", the farthest {reached.max():.6g}" if len(reached) else ""
+    people.print(f"{options.output}: {len(reached):,} of {len(field):,} reached{farthest}")
+    return 0
+
+
+def _number(value: float) -> str:
+    """As few digits as read back to the same number."""
+    return np.format_float_positional(value, trim="-")
+
+
+def _save_csv(file: Path, rows: Float64, header: str, kinds: list[str]) -> None:
+    np.savetxt(file, rows, kinds, ",", header=header, comments="")
+
+
+def _require(file: Path, endings: tuple[str, ...]) -> None:
+    if file.suffix not in endings:
+        raise ValueError(f"{file} should end with {' or '.join(endings)}")
+
+
+def _path(options: argparse.Namespace) -> int:
+    endings = (".csv", ".npy", ".json", ".glb")
+    if options.output is not None:
+        _require(options.output, endings)
+    asked = {
+        "from": point(options.sources),
+        "to": point(options.to),
+        "via": _points(options.via),
+        "method": options.method,
+        "refine": options.refine,
+    }
+    with mesh_of(options) as mesh, bar("path") as progress:
+        path = mesh.path(
+            asked["from"],
+            asked["to"],
+            via=asked["via"],
+            method=options.method,
+            refine=options.refine,
+            progress=progress,
+        )
+        if options.output is not None and options.output.suffix == ".glb":
+            options.output.write_bytes(mesh.query("path", asked, format="glb").data)
+    if not path.reachable:
+        people.print("geodesic: there is no path", style="red")
+        return 1
+    print(_number(path.length))
+    if options.output is not None:
+        _save_path(options.output, path)
+    return 0
+
+
+def _save_path(file: Path, path: Any) -> None:
+    if file.suffix == ".csv":
+        rows = np.column_stack([path.points, path.faces, path.along])
+        _save_csv(file, rows, "x,y,z,face,along", ["%.17g"] * 3 + ["%d", "%.17g"])
+    elif file.suffix == ".npy":
+        np.save(file, path.points)
+    elif file.suffix == ".json":
+        document = {
+            "length": path.length,
+            "points": path.points.tolist(),
+            "faces": path.faces.tolist(),
+            "bary": [None if np.isnan(b).any() else b.tolist() for b in path.bary],
+        }
+        file.write_text(json.dumps(document) + "\n", encoding="utf-8")
+
+
+def _table(options: argparse.Namespace) -> int:
+    with mesh_of(options) as mesh, bar("table") as progress:
+        sources, targets = options.sources, options.to or options.sources
+        table = mesh.table(
+            _points(sources), _points(targets), method=options.method, progress=progress
+        )
+    quoted = [f'"{name}"' if "," in name else name for name in targets]
+    print(",".join(["", *quoted]))
+    for name, row in zip(sources, table, strict=True):
+        first = f'"{name}"' if "," in name else name
+        print(",".join([first, *(_number(value) for value in row)]))
+    return 0
+
+
+def _plot(options: argparse.Namespace) -> int:
+    from .plot import plot
+
+    view: Any = options.view
+    if view is not None and "," in view:
+        azimuth, _, elevation = view.partition(",")
+        view = (float(azimuth), float(elevation))
+    with mesh_of(options) as mesh, bar("distances") as progress:
+        title = None if re.fullmatch("[0-9a-f]{64}", options.mesh) else Path(options.mesh).name
+        figure = plot(
+            mesh,
+            _points(options.sources),
+            target=None if options.to is None else point(options.to),
+            via=_points(options.via),
+            method=options.method,
+            isolines=options.isolines,
+            view=view,
+            up=options.up,
+            colormap=options.colormap,
+            title=title,
+            progress=progress,
+        )
+    if options.output is not None:
+        figure.savefig(options.output)
+        people.print(f"{options.output}")
+        return 0
+    from .plot import show
+
+    show(figure)
+    return 0
+
+
+def _serve(options: argparse.Namespace) -> int:
+    server = serve(options.server, store=options.store, listen=options.listen)
+
+    def interrupt(number: int, frame: Any) -> None:
+        raise KeyboardInterrupt
+
+    # Whoever stops this process wants the server to stop with it.
+    signal.signal(signal.SIGTERM, interrupt)
+    signal.signal(signal.SIGINT, interrupt)
+    try:
+        url = server.start()
+        with Client(url) as client:
+            for file in options.file:
+                mesh = _mesh(client, str(file))
+                print(f"{mesh.id}  {file}", file=sys.stderr)
+        print(f"listening on {url}", flush=True)
+        return server.wait()
+    finally:
+        server.stop()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,81 @@
+"""A query's parameters as a request: in a URL, which caches can keep, or in a JSON body."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+from urllib.parse import urlencode
+
+import numpy as np
+
+from .flows import Request
+from .points import Point, point_of, points_of
+
+_LONGEST_URL = 4000  # what proxies and logs bear; longer ones are asked in a body
+
+
+def encode(mesh: str, query: str, parameters: Mapping[str, Any]) -> Request:
+    """A query as GET, which caches can keep, or as POST if a URL cannot say it. Parameters that
+    are None, and empty lists, are left out."""
+    given = {k: v for k, v in parameters.items() if v is not None and not _is_empty(v)}
+    where = f"/v1/meshes/{mesh}/{query}"
+    texts = [
+        (name, _text(one))
+        for name, value in given.items()
+        for one in (value if isinstance(value, list) else [value])
+    ]
+    if all(text is not None for _, text in texts):
+        target = f"{where}?{urlencode(texts, safe=':,')}"
+        if len(target) <= _LONGEST_URL:
+            return Request("GET", target)
+    return Request("POST", where, {"Content-Type": "application/json"}, _bytes(body_json(given)))
+
+
+def body_json(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """A query's parameters as its JSON body has them."""
+    return {
+        name: [_json(one) for one in value] if isinstance(value, list | tuple) else _json(value)
+        for name, value in parameters.items()
+        if value is not None and not _is_empty(value)
+    }
+
+
+def _is_empty(value: Any) -> bool:
+    return isinstance(value, list) and not value
+
+
+def _text(value: Any) -> str | None:
+    if isinstance(value, Point):
+        return value.text()
+    if isinstance(value, bool):
+        return "1" if value else "0"
+    if isinstance(value, tuple):
+        return ",".join(repr(number) for number in value)
+    if isinstance(value, np.generic):
+        return repr(value.item())
+    return value if isinstance(value, str) else repr(value)
+
+
+def _json(value: Any) -> Any:
+    if isinstance(value, Point):
+        return value.json()
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _bytes(document: Any) -> bytes:
+    return json.dumps(document, allow_nan=False, separators=(",", ":")).encode()
+
+
+_POINTS = ("from", "to", "at", "via", "point")
+
+
+def as_points(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Parameters by the contract's names, with all that are points as points."""
+    found = dict(parameters)
+    for name in _POINTS:
+        if (value := found.get(name)) is not None:
+            found[name] = points_of(value) if isinstance(value, list) else point_of(value)
+    if "direction" in found:
+        found["direction"] = tuple(found["direction"])
+    return found

@@ -1,0 +1,181 @@
+"""What can go wrong: every refusal of the server as an exception that carries all that
+the server said, and subclasses for what a program handles differently."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+
+class GeodesicError(Exception):
+    """A request that did not get what it asked for.
+
+    Attributes:
+        status: the HTTP status; 0 if no reply came.
+        code: one of the server's closed set of codes, such as ``"mesh_unknown"``.
+        detail: one sentence for a person.
+        parameter: the offending parameter, such as ``"from[2]"``, or None.
+        limit: the bound that was exceeded, or None.
+        actual: by what it was exceeded, or None.
+        request_id: finds the request in the server's log; None if no reply came.
+        retry_after: seconds after which the server wants to be asked again, or None.
+    """
+
+    def __init__(
+        self,
+        status: int,
+        code: str,
+        detail: str,
+        *,
+        parameter: str | None = None,
+        limit: int | None = None,
+        actual: int | None = None,
+        request_id: str | None = None,
+        retry_after: float | None = None,
+    ) -> None:
+        self.status = status
+        self.code = code
+        self.detail = detail
+        self.parameter = parameter
+        self.limit = limit
+        self.actual = actual
+        self.request_id = request_id
+        self.retry_after = retry_after
+        super().__init__(self._sentence())
+
+    def _sentence(self) -> str:
+        text = f"{self.code}: {self.detail}"
+        notes = []
+        if self.parameter is not None:
+            notes.append(f"parameter {self.parameter}")
+        if self.limit is not None:
+            notes.append(f"limit {self.limit}")
+        if self.actual is not None:
+            notes.append(f"actual {self.actual}")
+        if self.request_id is not None:
+            notes.append(f"request {self.request_id}")
+        return f"{text} ({', '.join(notes)})" if notes else text
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Exceptions cross process pools by pickle, which would call __init__ with the sentence.
+        return (type(self)._rebuilt, (dict(self.__dict__),))
+
+    @classmethod
+    def _rebuilt(cls, fields: dict[str, Any]) -> GeodesicError:
+        error = cls.__new__(cls)
+        error.__dict__.update(fields)
+        error.args = (error._sentence(),)
+        return error
+
+
+class NotFound(GeodesicError):
+    """404: no such mesh, job or route."""
+
+
+class NotAllowed(GeodesicError):
+    """401 or 403: no valid token, or one without the scope that this needs."""
+
+
+class Overloaded(GeodesicError):
+    """429 or 503, still after all retries: too much to do, or about to stop."""
+
+
+class DeadlineExceeded(GeodesicError):
+    """504: the time that ``deadline`` allowed was over."""
+
+
+class JobCancelled(GeodesicError):
+    """The job whose result was awaited was cancelled, here or by someone else."""
+
+
+class ConnectionFailed(GeodesicError):
+    """No reply: the server is not there, hung up, or was silent for too long.
+
+    ``sent`` tells whether the request may have reached it.
+    """
+
+    def __init__(self, detail: str, *, sent: bool, timeout: bool = False) -> None:
+        self.sent = sent
+        self.timeout = timeout
+        super().__init__(0, "connection_failed", detail)
+
+
+def error_of(status: int, headers: Mapping[str, str], body: bytes | bytearray) -> GeodesicError:
+    """The exception for an error reply, be it a problem document or, from something between,
+    any other body."""
+    problem: dict[str, Any] = {}
+    if headers.get("content-type", "").startswith("application/problem+json"):
+        try:
+            decoded = json.loads(body)
+        except ValueError:
+            decoded = None
+        if isinstance(decoded, dict):
+            problem = decoded
+    return error_of_problem(
+        {"status": status, "request_id": headers.get("x-request-id"), **problem},
+        retry_after=seconds_of(headers.get("retry-after")),
+    )
+
+
+def error_of_problem(
+    problem: Mapping[str, Any], *, retry_after: float | None = None
+) -> GeodesicError:
+    """The exception for a problem document, such as a batch has for a line."""
+    status = int(problem.get("status", 0))
+    code = str(problem.get("code") or f"http_{status}")
+    kind = GeodesicError
+    if code == "job_cancelled":
+        kind = JobCancelled
+    elif status == 404:
+        kind = NotFound
+    elif status in (401, 403):
+        kind = NotAllowed
+    elif status in (429, 503):
+        kind = Overloaded
+    elif status == 504:
+        kind = DeadlineExceeded
+    return kind(
+        status,
+        code,
+        str(problem.get("detail") or problem.get("title") or f"the reply has status {status}"),
+        parameter=problem.get("parameter"),
+        limit=problem.get("limit"),
+        actual=problem.get("actual"),
+        request_id=problem.get("request_id"),
+        retry_after=retry_after,
+    )
+
+
+def refusal(error: GeodesicError, where: str) -> GeodesicError:
+    """The same error, of one line of a batch: ``parameter`` tells which."""
+    parameter = where if error.parameter is None else f"{where}.{error.parameter}"
+    return type(error)(
+        error.status,
+        error.code,
+        error.detail,
+        parameter=parameter,
+        limit=error.limit,
+        actual=error.actual,
+        request_id=error.request_id,
+    )
+
+
+def seconds_of(retry_after: str | None) -> float | None:
+    """A Retry-After header in seconds: it is a number or, from a proxy, a date."""
+    if retry_after is None:
+        return None
+    try:
+        return max(0.0, float(retry_after))
+    except ValueError:
+        pass
+    from datetime import UTC, datetime
+    from email.utils import parsedate_to_datetime
+
+    try:
+        date = parsedate_to_datetime(retry_after)
+    except ValueError:
+        return None
+    if date.tzinfo is None:
+        date = date.replace(tzinfo=UTC)
+    return max(0.0, (date - datetime.now(UTC)).total_seconds())

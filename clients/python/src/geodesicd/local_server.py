@@ -1,0 +1,181 @@
+"""A server of one's own on this machine, for as long as a block runs.
+
+with geodesicd.serve() as client:
+    field = client.upload("bunny.glb").distance(0)
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import os
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+
+from .async_client import AsyncClient
+from .client import Client
+
+
+def find_server(binary: str | os.PathLike[str] | None = None) -> Path:
+    """The server's program: the argument, else $GEODESICD, else ``geodesicd`` on PATH.
+
+    Raises:
+        FileNotFoundError: there is none.
+    """
+    named = binary or os.environ.get("GEODESICD")
+    if named:
+        found = shutil.which(os.fspath(named))
+        if found is None:
+            raise FileNotFoundError(f"no program at {os.fspath(named)}")
+        return Path(found)
+    found = shutil.which("geodesicd")
+    if found is None:
+        raise FileNotFoundError(
+            "the server was not found: name it, set $GEODESICD or put geodesicd on PATH"
+        )
+    return Path(found)
+
+
+class LocalServer:
+    """A running ``geodesicd`` on a free port of this machine. As a context manager, ``with``
+    gives a :class:`Client` and ``async with`` an :class:`AsyncClient`; both stop the server at
+    the end."""
+
+    def __init__(
+        self,
+        binary: str | os.PathLike[str] | None = None,
+        *,
+        store: str | os.PathLike[str] | None = None,
+        flags: Sequence[str] = (),
+        listen: str = "127.0.0.1:0",
+    ) -> None:
+        self._binary = find_server(binary)
+        self._store = store
+        self._flags = list(flags)
+        self._listen = listen
+        self._folder: Path | None = None
+        self._process: subprocess.Popen[bytes] | None = None
+        self._client: Client | None = None
+        self._async_client: AsyncClient | None = None
+        self.url = ""
+
+    def start(self) -> str:
+        """Starts it and waits until it listens; its URL.
+
+        Raises:
+            RuntimeError: it did not start; the message ends with its log.
+        """
+        if self._process is not None:
+            return self.url
+        self._folder = Path(tempfile.mkdtemp(prefix="geodesicd-"))
+        store = Path(self._store) if self._store is not None else self._folder / "store"
+        command = [str(self._binary), "--listen", self._listen, "--store", str(store)]
+        # Variables meant for some other server are none of this one's business.
+        clean = {k: v for k, v in os.environ.items() if not k.startswith("GEODESICD")}
+        with self._log_file().open("wb") as log:
+            self._process = subprocess.Popen(
+                [*command, *self._flags],
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                env=clean,
+                # Ctrl-C is for us, who stop it in order, once what runs has been cancelled.
+                start_new_session=True,
+            )
+        atexit.register(self.stop)
+        while True:
+            ended = self._process.poll() is not None
+            if listening := re.search(r"^listening on (https?://\S+)", self.log(), re.MULTILINE):
+                self.url = listening[1]
+                return self.url
+            if ended:
+                log_end = self.log()[-2000:]
+                self.stop()
+                raise RuntimeError(f"the server did not start:\n{log_end}")
+            time.sleep(0.02)
+
+    def stop(self) -> None:
+        """Stops it (SIGTERM, which lets running requests finish) and removes its temporary
+        files. It changes nothing to do so again."""
+        atexit.unregister(self.stop)
+        if self._process is not None:
+            self._process.send_signal(signal.SIGTERM)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._process.wait(30)
+            self._process.kill()
+            self._process.wait()
+            self._process = None
+        if self._folder is not None:
+            shutil.rmtree(self._folder, ignore_errors=True)
+            self._folder = None
+
+    def wait(self) -> int:
+        """Waits until it ends of itself; its exit status."""
+        return 0 if self._process is None else self._process.wait()
+
+    def log(self) -> str:
+        """What it has written so far."""
+        return self._log_file().read_text(encoding="utf-8", errors="replace")
+
+    def _log_file(self) -> Path:
+        if self._folder is None:
+            raise RuntimeError("the server is not running")
+        return self._folder / "log"
+
+    def __enter__(self) -> Client:
+        self._client = Client(self.start())
+        return self._client
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._client is not None:
+            self._client.close()
+            self._client = None
+        self.stop()
+
+    async def __aenter__(self) -> AsyncClient:
+        self._async_client = AsyncClient(self.start())
+        return self._async_client
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._async_client is not None:
+            await self._async_client.close()
+            self._async_client = None
+        self.stop()
+
+
+def serve(
+    binary: str | os.PathLike[str] | None = None,
+    *,
+    store: str | os.PathLike[str] | None = None,
+    flags: Sequence[str] = (),
+    listen: str = "127.0.0.1:0",
+) -> LocalServer:
+    """A local server for a ``with`` block, which gives a client of it.
+
+    Args:
+        binary: the server's program; without it $GEODESICD, else ``geodesicd`` on PATH.
+        store: the folder of its meshes; without it a temporary one, removed at the end.
+        flags: more flags for it, such as ``["--compute-threads", "2"]``.
+        listen: HOST:PORT; port 0 is any free one.
+
+    Raises:
+        FileNotFoundError: there is no such program. RuntimeError: it did not start.
+    """
+    return LocalServer(binary, store=store, flags=flags, listen=listen)

@@ -1,0 +1,110 @@
+"""What can be uploaded: a file, its bytes, arrays, or a mesh of trimesh, PyVista or meshio.
+Those libraries are never imported here: an object of theirs is known by its module."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .glb import glb_bytes
+
+_CHUNK = 1 << 18
+
+
+class UploadBody:
+    """Bytes to send, which are read a piece at a time and can be read again for a retry.
+
+    Attributes:
+        length: in bytes.
+        digest: their SHA-256 in hexadecimal, a mesh's id.
+    """
+
+    def __init__(self, source: bytes | Path) -> None:
+        self._source = source
+        self.progress: Callable[[float], None] | None = None
+        digest = hashlib.sha256()
+        self.length = 0
+        for chunk in self._pieces():
+            digest.update(chunk)
+            self.length += len(chunk)
+        self.digest = digest.hexdigest()
+
+    def _pieces(self) -> Iterator[bytes]:
+        if isinstance(self._source, Path):
+            with self._source.open("rb") as file:
+                while chunk := file.read(_CHUNK):
+                    yield chunk
+        else:
+            for start in range(0, len(self._source), _CHUNK):
+                yield self._source[start : start + _CHUNK]
+
+    def chunks(self) -> Iterator[bytes]:
+        """The bytes from the first on, telling ``progress`` which part has been taken."""
+        sent = 0
+        for chunk in self._pieces():
+            yield chunk
+            sent += len(chunk)
+            if self.progress is not None:
+                self.progress(sent / self.length)
+
+
+def body_of(mesh: Any) -> UploadBody:
+    """The bytes to upload.
+
+    Args:
+        mesh: a path to a .glb, .gltf or .drc file; the bytes of one; a pair (vertices (n, 3),
+            faces (m, 3)); or a mesh object of trimesh, PyVista or meshio.
+
+    Raises:
+        TypeError: none of these. ValueError: no triangles, or numbers out of range.
+        OSError: the file cannot be read.
+    """
+    if isinstance(mesh, str | os.PathLike):
+        return UploadBody(Path(os.fspath(mesh)))
+    if isinstance(mesh, bytes | bytearray | memoryview):
+        return UploadBody(bytes(mesh))
+    if isinstance(mesh, tuple) and len(mesh) == 2:
+        return UploadBody(glb_bytes(np.asarray(mesh[0]), np.asarray(mesh[1])))
+    library = {base.__module__.partition(".")[0] for base in type(mesh).__mro__}
+    if "trimesh" in library and hasattr(mesh, "faces"):
+        return UploadBody(glb_bytes(np.asarray(mesh.vertices), np.asarray(mesh.faces)))
+    if "pyvista" in library and hasattr(mesh, "triangulate"):
+        return UploadBody(glb_bytes(*_of_pyvista(mesh)))
+    if "meshio" in library and hasattr(mesh, "cells"):
+        return UploadBody(glb_bytes(*_of_meshio(mesh)))
+    raise TypeError(
+        f"cannot upload a {type(mesh).__module__}.{type(mesh).__qualname__}: give a path, bytes, "
+        "(vertices, faces), or a mesh of trimesh, PyVista or meshio"
+    )
+
+
+def _of_pyvista(mesh: Any) -> tuple[Any, Any]:
+    # Other data sets have a surface too, but with vertices in another order than theirs.
+    if type(mesh).__name__ != "PolyData":
+        raise TypeError(f"of PyVista only PolyData is a surface, not {type(mesh).__name__}; "
+                        "see extract_surface()")  # fmt: skip
+    triangles = mesh if mesh.is_all_triangles else mesh.triangulate()
+    faces = np.asarray(triangles.faces).reshape(-1, 4)[:, 1:]
+    return np.asarray(triangles.points), faces
+
+
+def _of_meshio(mesh: Any) -> tuple[Any, Any]:
+    faces = []
+    for block in mesh.cells:
+        corners = np.asarray(block.data)
+        if block.type == "triangle":
+            faces.append(corners)
+        elif block.type == "quad":  # a quad is two triangles, in its place
+            faces.append(corners[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3))
+    if not faces:
+        kinds = ", ".join(sorted({block.type for block in mesh.cells})) or "none"
+        raise ValueError(f"the meshio mesh has no triangles or quads; its cells: {kinds}")
+    points = np.asarray(mesh.points)
+    if points.shape[1] == 2:  # a flat mesh
+        points = np.column_stack([points, np.zeros(len(points))])
+    return points, np.concatenate(faces)

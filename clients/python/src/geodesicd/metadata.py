@@ -1,0 +1,83 @@
+"""What the server knows of a mesh without computing on it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .results import Float64
+
+
+@dataclass(frozen=True)
+class Part:
+    """One drawn instance of one primitive: a run of source vertices and faces.
+
+    ``field[part.first_vertex : part.first_vertex + part.vertex_count]`` are its values. glTF
+    indices are None for Draco files.
+    """
+
+    node: int | None
+    mesh: int | None
+    primitive: int | None
+    name: str
+    first_vertex: int
+    vertex_count: int
+    first_face: int
+    face_count: int
+
+
+class Metadata:
+    """A mesh's metadata as attributes.
+
+    Attributes:
+        id: the SHA-256 of the file, 64 hexadecimal digits.
+        bytes: the file's size.
+        format: ``"glb"``, ``"gltf"`` or ``"drc"``.
+        vertices, faces: how many source vertices and faces there are.
+        welded_vertices: vertices once those that share a position are one.
+        components, boundary_loops, edges_non_manifold, faces_degenerate: counts.
+        bbox: (2, 3) float64, least and greatest coordinates, mesh units.
+        area: square mesh units.
+        mean_edge: mesh units.
+        parts: the primitives, in source-vertex order.
+        warnings: what was ignored or is unusual, a sentence each.
+        state: ``"resident"`` in memory or ``"stored"``, when it was asked for.
+        prepared: whether what queries need was in memory then.
+    """
+
+    id: str
+    bytes: int
+    format: str
+    vertices: int
+    faces: int
+    welded_vertices: int
+    components: int
+    boundary_loops: int
+    edges_non_manifold: int
+    faces_degenerate: int
+    bbox: Float64
+    area: float
+    mean_edge: float
+    parts: tuple[Part, ...]
+    warnings: tuple[str, ...]
+    state: str
+    prepared: bool
+
+    def __init__(self, reply: Mapping[str, Any]) -> None:
+        self._read(reply)
+
+    def _read(self, reply: Mapping[str, Any]) -> None:
+        for name in Metadata.__annotations__:
+            setattr(self, name, reply[name])
+        box = reply["bbox"]
+        self.bbox = np.array([box["min"], box["max"]], dtype=np.float64)
+        self.parts = tuple(
+            Part(**{name: part[name] for name in Part.__annotations__}) for part in reply["parts"]
+        )
+        self.warnings = tuple(reply["warnings"])
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.id[:12]} {self.vertices} vertices {self.faces} faces>"

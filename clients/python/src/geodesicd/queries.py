@@ -1,0 +1,389 @@
+"""Every query on a mesh: its parameters as a request, and how its reply is read. The first
+parameter of each is the mesh's id; the methods of ``Mesh`` and ``AsyncMesh`` are made of these.
+
+All take ``method`` (how distances are computed; ``client.methods()`` lists them),
+``points_per_edge`` (for ``method="steiner"`` only), ``deadline`` (seconds, after which
+DeadlineExceeded is raised) and ``progress`` (called with the part that is done, from 0 to 1; the
+query is a job of the server's then, cancelled if the caller is interrupted). All raise
+GeodesicError. Lengths are in mesh units. Points are given as :mod:`geodesicd.points` says.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import DTypeLike
+
+from . import wire
+from .encoding import as_points, encode
+from .flows import Flow, Progress, Request, ask
+from .points import Point, PointLike, PointsLike, Triple, point_of, points_of, triple
+from .results import (
+    Answer,
+    FloatArray,
+    Geometry,
+    Isoline,
+    LabelledDistances,
+    Path,
+    Samples,
+    SurfacePoint,
+    Trace,
+)
+
+Refine: TypeAlias = Literal["none", "shortest"]
+
+
+def _milliseconds(seconds: float | None) -> int | None:
+    return None if seconds is None else max(1, math.ceil(seconds * 1000))
+
+
+def _bound(max: float | None) -> float | None:
+    """A bound as the server takes it: no bound is to leave it out."""
+    return None if max is None or max == math.inf else max
+
+
+def _format(dtype: DTypeLike) -> str:
+    wanted = np.dtype(dtype)
+    if wanted not in (np.dtype(np.float32), np.dtype(np.float64)):
+        raise ValueError(f"distances are float32 or float64, not {wanted}")
+    return "f32" if wanted == np.dtype(np.float32) else "f64"
+
+
+def distance(
+    mesh: str,
+    sources: PointsLike,
+    *,
+    max: float | None = None,
+    dtype: DTypeLike = np.float64,
+    quantised: bool = False,
+    method: str | None = None,
+    points_per_edge: int | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[FloatArray]:
+    """The distance field: from the nearest of the sources to every source vertex.
+
+    Args:
+        sources: points, which may carry offsets.
+        max: what is farther counts as unreached; mesh units.
+        dtype: float64 or float32, which is half to send.
+        quantised: send 2 bytes a vertex; float32 in steps of the greatest distance / 65534.
+
+    Returns:
+        (vertices,) distances, infinite where unreached.
+    """
+    parameters = {
+        "from": points_of(sources),
+        "max": _bound(max),
+        "method": method,
+        "points_per_edge": points_per_edge,
+        "deadline_ms": _milliseconds(deadline),
+        "format": "u16" if quantised else _format(dtype),
+    }
+    return ask(encode(mesh, "distance", parameters), wire.array, progress)
+
+
+def regions(
+    mesh: str,
+    sources: PointsLike,
+    *,
+    max: float | None = None,
+    method: str | None = None,
+    points_per_edge: int | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[LabelledDistances]:
+    """The distance field and, for each vertex, which source is nearest: a geodesic Voronoi
+    diagram.
+
+    Returns:
+        ``distances`` (vertices,) and ``labels`` (vertices,), places in ``sources``, -1 where
+        unreached.
+    """
+    parameters = {
+        "from": points_of(sources),
+        "max": _bound(max),
+        "labels": True,
+        "method": method,
+        "points_per_edge": points_per_edge,
+        "deadline_ms": _milliseconds(deadline),
+        "format": "frame",
+    }
+    return ask(encode(mesh, "distance", parameters), wire.labelled_of_frame, progress)
+
+
+def distance_at(
+    mesh: str,
+    sources: PointsLike,
+    at: PointsLike,
+    *,
+    max: float | None = None,
+    method: str | None = None,
+    points_per_edge: int | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[FloatArray]:
+    """From the nearest of the sources to some points only.
+
+    Returns:
+        (n,) float64, one a point of ``at``; infinite where unreached.
+    """
+    asked = points_of(at)
+    if not asked:  # to the server, no points are all vertices
+        raise ValueError("distance_at needs at least one point")
+    parameters = {
+        "from": points_of(sources),
+        "at": asked,
+        "max": _bound(max),
+        "method": method,
+        "points_per_edge": points_per_edge,
+        "deadline_ms": _milliseconds(deadline),
+        "format": "f64",
+    }
+    return ask(encode(mesh, "distance", parameters), wire.array, progress)
+
+
+def path(
+    mesh: str,
+    source: PointLike,
+    target: PointLike,
+    *,
+    via: PointsLike = (),
+    refine: Refine = "none",
+    method: str | None = None,
+    points_per_edge: int | None = None,
+    tolerance: float | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[Path]:
+    """The shortest path between two points. One that cannot be is no error:
+    ``reachable`` is false then.
+
+    Args:
+        via: points that it visits in this order.
+        refine: ``"shortest"`` pulls it straight until no path near it is shorter.
+        tolerance: for ``method="steiner"`` only, relative.
+    """
+    parameters = {
+        "from": point_of(source),
+        "via": _via(via),
+        "to": point_of(target),
+        "refine": refine,
+        "method": method,
+        "points_per_edge": points_per_edge,
+        "tolerance": tolerance,
+        "deadline_ms": _milliseconds(deadline),
+        "format": "frame",
+    }
+    return ask(encode(mesh, "path", parameters), wire.path_of_frame, progress)
+
+
+def _via(via: PointsLike) -> list[Point]:
+    return [] if isinstance(via, tuple) and not via else points_of(via)
+
+
+def table(
+    mesh: str,
+    sources: PointsLike,
+    targets: PointsLike | None = None,
+    *,
+    max: float | None = None,
+    dtype: DTypeLike = np.float64,
+    method: str | None = None,
+    points_per_edge: int | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[FloatArray]:
+    """Distances from each of several points to each of several others (without ``targets``: to
+    each of the same).
+
+    Returns:
+        (sources, targets) distances, infinite where unreached.
+    """
+    parameters = {
+        "from": points_of(sources),
+        "to": None if targets is None else points_of(targets),
+        "max": _bound(max),
+        "method": method,
+        "points_per_edge": points_per_edge,
+        "deadline_ms": _milliseconds(deadline),
+        "format": _format(dtype),
+    }
+    return ask(encode(mesh, "table", parameters), wire.array, progress)
+
+
+def isolines(
+    mesh: str,
+    sources: PointsLike,
+    *,
+    levels: Sequence[float] | FloatArray | None = None,
+    step: float | None = None,
+    count: int | None = None,
+    max: float | None = None,
+    method: str | None = None,
+    points_per_edge: int | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[list[Isoline]]:
+    """Lines of equal distance, ascending by level. Exactly one of ``levels`` (mesh units),
+    ``step`` (mesh units) and ``count`` says which levels; ``max`` is the farthest."""
+    parameters = {
+        "from": points_of(sources),
+        "levels": None if levels is None else list(levels),
+        "step": step,
+        "count": count,
+        "max": _bound(max),
+        "method": method,
+        "points_per_edge": points_per_edge,
+        "deadline_ms": _milliseconds(deadline),
+    }
+    return ask(encode(mesh, "isolines", parameters), wire.isolines_of_json, progress)
+
+
+def samples(
+    mesh: str,
+    count: int,
+    *,
+    covered: PointsLike = (),
+    method: str | None = None,
+    points_per_edge: int | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[Samples]:
+    """Farthest-point sampling: ``count`` vertices, each the farthest from all before it and
+    from the ``covered`` points."""
+    parameters = {
+        "count": count,
+        "from": _via(covered),
+        "method": method,
+        "points_per_edge": points_per_edge,
+        "deadline_ms": _milliseconds(deadline),
+    }
+    return ask(encode(mesh, "samples", parameters), wire.samples_of_json, progress)
+
+
+def trace(
+    mesh: str,
+    start: PointLike,
+    length: float,
+    *,
+    direction: Triple | None = None,
+    angle: float | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[Trace]:
+    """A straightest geodesic: straight ahead from ``start`` for ``length`` (mesh units), by a
+    ``direction`` in space, (3,), projected onto the surface, or by an ``angle`` (radians, from
+    the first side of the start's face)."""
+    parameters = {
+        "from": point_of(start),
+        "direction": None if direction is None else triple(direction, "direction"),
+        "angle": angle,
+        "length": length,
+        "deadline_ms": _milliseconds(deadline),
+        "format": "frame",
+    }
+    return ask(encode(mesh, "trace", parameters), wire.trace_of_frame, progress)
+
+
+def nearest(
+    mesh: str,
+    points: PointsLike,
+    *,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[list[SurfacePoint]]:
+    """Where on the surface points are: the closest points of places in space, the first hits
+    of rays."""
+    parameters = {"point": points_of(points), "deadline_ms": _milliseconds(deadline)}
+    return ask(encode(mesh, "nearest", parameters), wire.nearest_of_json, progress)
+
+
+def picture(
+    mesh: str,
+    sources: PointsLike,
+    target: PointLike | None = None,
+    *,
+    via: PointsLike = (),
+    width: int | None = None,
+    height: int | None = None,
+    view: str | tuple[float, float] | None = None,
+    colormap: str | None = None,
+    stripes: int | None = None,
+    refine: Refine | None = None,
+    method: str | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[bytes]:
+    """A PNG drawn by the server: the field of the sources or, with ``target``, the path there
+    from the one source.
+
+    Args:
+        width, height: pixels, 64 to 2048.
+        view: ``"front"``, ``"back"``, ``"left"``, ``"right"``, ``"top"``, ``"bottom"``,
+            ``"corner"`` or (azimuth, elevation) in degrees.
+        colormap: ``"viridis"``, ``"magma"`` or ``"turbo"``.
+        stripes: into how many bands isolines divide the field; 0 for none.
+    """
+    parameters: dict[str, Any] = {
+        "from": points_of(sources),
+        "method": method,
+        "width": width,
+        "height": height,
+        "view": view if view is None or isinstance(view, str) else f"{view[0]:g},{view[1]:g}",
+        "colormap": colormap,
+        "stripes": stripes,
+        "deadline_ms": _milliseconds(deadline),
+        "format": "png",
+    }
+    query = "distance"
+    if target is not None:
+        query = "path"
+        if len(parameters["from"]) != 1:
+            raise ValueError("a path has one source")
+        parameters["from"] = parameters["from"][0]
+        parameters.update(to=point_of(target), via=_via(via), refine=refine)
+    return ask(encode(mesh, query, parameters), lambda reply: bytes(reply.body), progress)
+
+
+def query(
+    mesh: str,
+    name: str,
+    parameters: Mapping[str, Any],
+    *,
+    format: str = "json",
+    progress: Progress | None = None,
+) -> Flow[Answer]:
+    """Any query with the contract's own words, in any of its formats.
+
+    Args:
+        name: ``"distance"``, ``"path"``, ``"table"``, ``"isolines"``, ``"samples"``,
+            ``"trace"`` or ``"nearest"``.
+        parameters: by the contract's names, such as ``{"from": 0, "to": [9, (1, 2, 3)]}``.
+        format: ``"json"``, ``"f32"``, ``"f64"``, ``"u16"``, ``"npy"``, ``"frame"``, ``"glb"``
+            or ``"png"``.
+    """
+    given = {**as_points(parameters), "format": format}
+    return ask(encode(mesh, name, given), lambda reply: wire.answer(reply, format), progress)
+
+
+def geometry(mesh: str) -> Flow[Geometry]:
+    """What the server computes on: ``positions`` (vertices, 3) and ``triangles`` (faces, 3),
+    in the numbering of the file."""
+    request = Request("GET", f"/v1/meshes/{mesh}/geometry?format=frame")
+    return ask(request, wire.geometry_of_frame)
+
+
+def geometry_glb(mesh: str) -> Flow[bytes]:
+    """The same as the bytes of a .glb file, positions rounded to float32."""
+    request = Request("GET", f"/v1/meshes/{mesh}/geometry?format=glb")
+    return ask(request, lambda reply: bytes(reply.body))
+
+
+def source(mesh: str) -> Flow[bytes]:
+    """The uploaded file's bytes."""
+    request = Request("GET", f"/v1/meshes/{mesh}/source")
+    return ask(request, lambda reply: bytes(reply.body))

@@ -1,0 +1,206 @@
+"""What queries return: plain records of NumPy arrays. Lengths are in mesh units, indices are
+those of the uploaded file, and what cannot be reached is infinitely far away."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import GeodesicError
+
+FloatArray: TypeAlias = NDArray[np.floating[Any]]
+Float64: TypeAlias = NDArray[np.float64]
+Index: TypeAlias = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class SurfacePoint:
+    """A point found on the surface. It can be given wherever a point is asked for.
+
+    Attributes:
+        face: its source face; -1 at a vertex that is in no face.
+        bary: (3,) the weights of that face's corners; NaN where ``face`` is -1.
+        xyz: (3,) its place, mesh units.
+        snap_distance: from what was asked to what was found, mesh units.
+        vertex: the source vertex, when it is one, else None.
+        ray_distance: of a ray's hit, its distance from the ray's origin, else None.
+    """
+
+    face: int
+    bary: Float64
+    xyz: Float64
+    snap_distance: float
+    vertex: int | None = None
+    ray_distance: float | None = None
+
+    def text(self) -> str | None:
+        """As in a URL."""
+        if self.vertex is not None:
+            return f"v:{self.vertex}"
+        return f"f:{self.face},{float(self.bary[0])!r},{float(self.bary[1])!r}"
+
+    def json(self) -> Any:
+        """As in a JSON body."""
+        if self.vertex is not None:
+            return {"vertex": self.vertex}
+        return {"face": self.face, "bary": self.bary.tolist()}
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """A geodesic polyline from ``source`` to ``target``.
+
+    Attributes:
+        points: (n, 3) float64, mesh units; empty when not reachable.
+        faces: (n,) int64, the source face of the segment that leaves each point; -1 for none.
+        bary: (n, 3) float64, each point's weights in that face; NaN where there is none.
+        length: mesh units; infinite when not reachable.
+        reachable: whether there is a path at all.
+        source, via, target: the points asked for, as found on the surface.
+        method: how distances were computed.
+        refine: ``"none"`` or ``"shortest"``.
+    """
+
+    points: Float64
+    faces: Index
+    bary: Float64
+    length: float
+    reachable: bool
+    source: SurfacePoint
+    via: tuple[SurfacePoint, ...]
+    target: SurfacePoint
+    method: str
+    refine: str
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    @property
+    def along(self) -> Float64:
+        """(n,) the length of the path up to each point, mesh units."""
+        if len(self.points) == 0:
+            return np.empty(0)
+        steps = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """A straightest geodesic: points, faces and bary as of a :class:`Path`.
+
+    Attributes:
+        end: why it ends: ``"length"``, ``"boundary"``, ``"vertex"`` or ``"non_manifold"``.
+        direction_at_end: (3,) where it was heading, of length 1.
+    """
+
+    points: Float64
+    faces: Index
+    bary: Float64
+    length: float
+    end: str
+    direction_at_end: Float64
+    source: SurfacePoint
+    target: SurfacePoint
+
+
+@dataclass(frozen=True, eq=False)
+class Isoline:
+    """A line on which the distance is ``level``.
+
+    Attributes:
+        level: mesh units.
+        closed: whether one more segment leads from the last point to the first.
+        length: mesh units, that segment included.
+        points: (n, 3) float64, the first not repeated.
+    """
+
+    level: float
+    closed: bool
+    length: float
+    points: Float64
+
+    @property
+    def polyline(self) -> Float64:
+        """(n or n + 1, 3) the points, with the first once more at the end of a closed line."""
+        if self.closed:
+            return np.concatenate([self.points, self.points[:1]])
+        return self.points
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Vertices spread evenly, in the order in which they were chosen.
+
+    Attributes:
+        vertices: (k,) int64, source vertices.
+        points: (k, 3) float64, their places, mesh units.
+        radii: (k,) float64, each one's distance from all before it, when it was chosen;
+            infinite when nothing before it was on its component.
+        covering_radius: no vertex in a face is farther from its nearest sample.
+    """
+
+    vertices: Index
+    points: Float64
+    radii: Float64
+    covering_radius: float
+
+    def __len__(self) -> int:
+        return len(self.vertices)
+
+
+class Geometry(NamedTuple):
+    """What the server computes on, in the numbering of the file.
+
+    Attributes:
+        positions: (vertices, 3) float64, mesh units.
+        triangles: (faces, 3) int64; welded vertices are named by the first of them.
+    """
+
+    positions: Float64
+    triangles: Index
+
+
+class LabelledDistances(NamedTuple):
+    """A distance field with the nearest source of each vertex.
+
+    Attributes:
+        distances: (vertices,), mesh units; infinite where unreached.
+        labels: (vertices,) int64, the place of the nearest source among those asked for; -1
+            where unreached.
+    """
+
+    distances: FloatArray
+    labels: Index
+
+
+@dataclass(frozen=True)
+class BatchReply:
+    """The answer to one line of a batch: a ``reply`` as the query alone would have in JSON, or
+    an ``error``. ``id`` is the line's own, if it had one."""
+
+    status: int
+    reply: dict[str, Any] | None
+    error: GeodesicError | None
+    id: str | int | float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """A reply in the contract's own words.
+
+    Attributes:
+        document: the JSON, also of a frame; None if there is none.
+        arrays: a frame's by name, lengths in mesh units; ``"array"`` of a bare one, as it came.
+        data: the body of a picture or a .glb file, else empty.
+        media_type: the reply's.
+        max: the greatest finite distance of a bare array of distances, mesh units, else None.
+    """
+
+    document: dict[str, Any] | None
+    arrays: dict[str, NDArray[Any]]
+    data: bytes
+    media_type: str
+    max: float | None

@@ -1,0 +1,77 @@
+"""The calls that are no queries: uploading, listing and deleting meshes, and what the server
+says of itself."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .errors import NotAllowed, NotFound
+from .flows import Flow, Progress, Request, Send, ask
+from .mesh_input import UploadBody
+from .wire import Reply
+
+
+def upload(
+    body: UploadBody, progress: Progress | None = None, *, probe: bool = True
+) -> Flow[dict[str, Any]]:
+    """Sends a mesh; its metadata. ``probe`` asks first, by the digest, whether the server has it
+    already. ``progress``: the first half is sending, the second the server's work on it."""
+    where = f"/v1/meshes/{body.digest}"
+    if probe:
+        try:
+            yield Send(Request("HEAD", where))
+        except (NotFound, NotAllowed):
+            pass  # a token may allow to upload and not to ask
+        else:
+            known = yield from metadata(body.digest)
+            if progress is not None:
+                progress(1.0)
+            return known
+    sending = Request("PUT", where, {"Content-Type": "application/octet-stream"}, body)
+    if progress is None:
+        return (yield from ask(sending, _object))
+    body.progress = lambda sent: progress(sent / 2)
+    return (yield from ask(sending, _object, lambda done: progress(0.5 + done / 2)))
+
+
+def _object(reply: Reply) -> dict[str, Any]:
+    document: dict[str, Any] = reply.json()
+    return document
+
+
+def metadata(mesh: str) -> Flow[dict[str, Any]]:
+    """A mesh's metadata."""
+    return ask(Request("GET", f"/v1/meshes/{mesh}"), _object)
+
+
+def meshes(page_size: int = 1000) -> Flow[list[dict[str, Any]]]:
+    """The metadata of all meshes, in the order of their ids, asked for by the page."""
+    found: list[dict[str, Any]] = []
+    cursor: str | None = None
+    while True:
+        after = "" if cursor is None else f"&cursor={cursor}"
+        page = yield from ask(Request("GET", f"/v1/meshes?limit={page_size}{after}"), _object)
+        found += page["meshes"]
+        cursor = page["next"]
+        if cursor is None:
+            return found
+
+
+def prepare(mesh: str, progress: Progress | None = None) -> Flow[dict[str, Any]]:
+    """Builds now what queries need, so that the first is quick; the mesh's metadata then."""
+    return ask(Request("POST", f"/v1/meshes/{mesh}/prepare"), _object, progress)
+
+
+def delete(mesh: str) -> Flow[None]:
+    """Deletes a mesh."""
+    return ask(Request("DELETE", f"/v1/meshes/{mesh}"), lambda reply: None)
+
+
+def status() -> Flow[dict[str, Any]]:
+    """Version, limits, load and caches, as ``/v1/status`` has them."""
+    return ask(Request("GET", "/v1/status"), _object)
+
+
+def methods() -> Flow[list[dict[str, Any]]]:
+    """The methods: ``name``, ``paper``, ``exact``, ``cost`` and ``parameters`` of each."""
+    return ask(Request("GET", "/v1/methods"), lambda reply: list(reply.json()["methods"]))

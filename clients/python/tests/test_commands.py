@@ -1,0 +1,199 @@
+"""The command ``geodesic`` as it is installed, against a real server; and its pictures."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import pty
+import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+import geodesicd
+from geodesicd.plot import plot
+from geodesicd.raster import Camera, render
+
+
+def geodesic(
+    server: geodesicd.LocalServer, *arguments: str | Path, status: int = 0
+) -> subprocess.CompletedProcess[str]:
+    run = subprocess.run(
+        [Path(sys.executable).parent / "geodesic", *arguments],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        env={**os.environ, "GEODESICD_URL": server.url},
+    )
+    assert run.returncode == status, run.stderr
+    assert "Traceback" not in run.stderr
+    return run
+
+
+def test_upload_and_list(server: geodesicd.LocalServer, samples: Path) -> None:
+    both = geodesic(server, "upload", samples / "plane.glb", samples / "plane.drc").stdout.split()
+    listed = geodesic(server, "list").stdout.splitlines()
+    rows = {line.split("\t")[0]: line.split("\t")[1:] for line in listed}
+    assert rows[both[0]] == ["plane", "10000", "19602", "glb", "355840"]
+    assert rows[both[1]][3] == "drc"
+    metadata = json.loads(geodesic(server, "list", "--json").stdout)
+    assert {one["id"] for one in metadata} == set(rows)
+
+
+def test_distance(server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path) -> None:
+    file = tmp_path / "field.npy"
+    run = geodesic(server, "distance", plane.id, "--from", "0", "-o", file, "--max", "50")
+    np.testing.assert_array_equal(np.load(file), plane.distance(0, max=50))
+    assert "reached" in run.stderr
+    at = geodesic(server, "distance", plane.id, "--from", "p:10,10,5", "--at", "9", "--at", "0")
+    np.testing.assert_allclose(
+        [float(line) for line in at.stdout.split()], plane.distance_at("p:10,10,5", [9, 0])
+    )
+    geodesic(server, "distance", plane.id, "--from", "0", "-o", tmp_path / "field.csv")
+    rows = np.loadtxt(tmp_path / "field.csv", delimiter=",", skiprows=1)
+    np.testing.assert_array_equal(rows[:, 1], plane.distance(0))
+
+
+def test_path(server: geodesicd.LocalServer, samples: Path, tmp_path: Path) -> None:
+    mesh = samples / "plane_three_holes.glb"
+    for ending in ("csv", "npy", "json", "glb"):
+        file = tmp_path / f"path.{ending}"
+        run = geodesic(server, "path", mesh, "--from", "0", "--to", "9999", "-o", file)
+        assert float(run.stdout) == pytest.approx(151.835, rel=1e-5)
+        assert file.stat().st_size > 100
+    rows = np.loadtxt(tmp_path / "path.csv", delimiter=",", skiprows=1)
+    np.testing.assert_allclose(rows[:, :3], np.load(tmp_path / "path.npy"))
+    document = json.loads((tmp_path / "path.json").read_text())
+    assert len(document["points"]) == len(rows)
+    assert (tmp_path / "path.glb").read_bytes().startswith(b"glTF")
+
+
+def test_table(server: geodesicd.LocalServer, plane: geodesicd.Mesh) -> None:
+    run = geodesic(server, "table", plane.id, "--from", "0", "--from", "p:99,0,0")
+    lines = run.stdout.splitlines()
+    assert lines[0] == ',0,"p:99,0,0"'
+    assert [float(cell) for cell in lines[1].split(",")] == [0, 0, 99]
+
+
+def test_what_is_wrong_is_said(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
+) -> None:
+    refused = geodesic(server, "path", plane.id, "--from", "0", "--to", "77777", status=1)
+    assert "index_out_of_range" in refused.stderr
+    assert "limit 9999" in refused.stderr
+    geodesic(server, "path", "nowhere.glb", "--from", "0", "--to", "1", status=1)
+    geodesic(server, "distance", "0" * 64, "--from", "0", status=1)
+    geodesic(server, "path", plane.id, "--from", "0", status=2)
+    (tmp_path / "broken.glb").write_bytes(b"glTF nonsense")
+    assert "mesh_invalid" in geodesic(server, "upload", tmp_path / "broken.glb", status=1).stderr
+
+
+def test_a_field_is_drawn(
+    server: geodesicd.LocalServer, holes: geodesicd.Mesh, tmp_path: Path
+) -> None:
+    file = tmp_path / "field.png"
+    geodesic(server, "plot", holes.id, "--from", "0", "--to", "9999", "-o", file)
+    picture = imread(file)
+    assert picture.shape == (1125, 1500, 4)
+    # The plane with its holes: colours of the field, white holes, and the path's red.
+    red = (picture[..., 0] > 0.75) & (picture[..., 1] < 0.25) & (picture[..., 2] < 0.5)
+    assert 500 < red.sum() < 20000
+    white = (picture[..., :3] > 0.99).all(axis=2)
+    assert 0.4 < white.mean() < 0.8
+
+
+def test_what_is_behind_is_hidden(client: geodesicd.Client, samples: Path) -> None:
+    knot = client.upload(samples / "torus_knot.glb")
+    geometry = knot.geometry()
+    camera = Camera.looking(geometry.positions, 35, 25, "y", 400, 300)
+    seen = render(camera, geometry)
+    shown = seen.shows(camera, geometry.positions)
+    # From outside, about half of a closed surface faces away, and some of the rest is covered;
+    # what is on the rim counts as seen.
+    assert 0.3 < shown.mean() < 0.6
+    _, depth = camera.project(geometry.positions)
+    assert shown[depth.argmax()]
+    assert not shown[depth.argmin()]
+    field = knot.distance(0)
+    values = seen.interpolate(geometry.triangles, field)
+    assert np.nanmin(values) >= 0
+    assert np.nanmax(values) <= field.max()
+    assert np.isnan(values[0, 0])
+
+
+def test_a_mesh_with_an_unreached_part_is_drawn(client: geodesicd.Client) -> None:
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [5, 0, 0], [6, 0, 0], [5, 1, 0]])
+    mesh = client.upload((vertices, np.array([[0, 1, 2], [3, 4, 5]])))
+    figure = plot(mesh, 0, target=4, size=(4, 3), dpi=80)
+    figure.canvas.draw()
+    assert "out of reach" in figure.axes[0].get_title()
+    colours = figure.axes[0].images[0].get_array()
+    assert colours is not None
+    seen = np.asarray(colours)[np.asarray(colours)[..., 3] > 0][:, :3]
+    grey = np.ptp(seen, axis=1) < 1e-9
+    assert grey.mean() == pytest.approx(0.5, abs=0.05)
+
+
+def test_on_a_terminal_progress_is_shown(
+    server: geodesicd.LocalServer, samples: Path, tmp_path: Path
+) -> None:
+    program = str(Path(sys.executable).parent / "geodesic")
+    environment = {**os.environ, "GEODESICD_URL": server.url, "TERM": "xterm-256color"}
+    for arguments, shown in (
+        (["distance", str(samples / "saddle.glb"), "--from", "0", "--method", "exact",
+          "-o", str(tmp_path / "f.npy")], ("uploading saddle.glb", "distances", "100%")),
+        (["list"], ("saddle", "14,400")),
+        (["bench", "--seconds", "2", "--vertices", "400"], ("geodesic bench", "replies", "p99")),
+    ):  # fmt: skip
+        ours, theirs = pty.openpty()
+        with subprocess.Popen(
+            [program, *arguments], stdout=theirs, stderr=theirs, stdin=theirs, env=environment
+        ) as process:
+            os.close(theirs)
+            written = b""
+            with contextlib.suppress(OSError):  # Linux's way of telling the end
+                while data := os.read(ours, 4096):
+                    written += data
+            os.close(ours)
+        text = written.decode()
+        assert process.returncode == 0, text
+        assert all(word in text for word in shown), text
+
+
+def test_serve_runs_until_it_is_stopped(samples: Path) -> None:
+    command = [str(Path(sys.executable).parent / "geodesic"), "serve", "--listen", "127.0.0.1:0"]
+    process = subprocess.Popen(
+        [*command, str(samples / "plane.glb")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    listening = re.fullmatch(r"listening on (\S+)\n", process.stdout.readline())
+    assert listening
+    with geodesicd.Client(listening[1]) as client:
+        assert client.meshes()[0].vertices == 10000
+        process.send_signal(signal.SIGTERM)
+        _, told = process.communicate(timeout=60)
+        assert process.returncode == 130
+        assert "Traceback" not in told
+    with (
+        geodesicd.Client(listening[1], retries=geodesicd.Retries(attempts=1)) as client,
+        pytest.raises(geodesicd.ConnectionFailed),
+    ):
+        client.status()
+
+
+def test_a_server_that_does_not_start_says_why(tmp_path: Path) -> None:
+    (tmp_path / "store").write_text("a file where a folder should be")
+    with pytest.raises(RuntimeError, match="did not start"):
+        geodesicd.serve(store=tmp_path / "store").start()
+    with pytest.raises(FileNotFoundError):
+        geodesicd.serve("/nowhere/geodesicd")

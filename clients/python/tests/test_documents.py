@@ -1,0 +1,137 @@
+"""What is written down runs: the README's snippets, the examples and the notebook."""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import nbformat
+import numpy as np
+import pytest
+from nbclient import NotebookClient
+
+import geodesicd
+
+HERE = Path(__file__).parents[1]
+
+
+def run_example(name: str, *arguments: str) -> dict[str, str]:
+    """Runs an example; what it prints, by the first word of each line."""
+    run = subprocess.run(
+        [sys.executable, str(HERE / "examples" / f"{name}.py"), *arguments],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert run.returncode == 0, run.stderr
+    return dict(line.split(" ", 1) for line in run.stdout.splitlines())
+
+
+def test_tape() -> None:
+    told = run_example("tape")
+    # A polygon inside a great circle, on faces that bulge towards the sphere.
+    assert 2 * np.pi * 0.998 < float(told["girth"].split()[0]) < 2 * np.pi
+    assert float(told["chords"]) == pytest.approx(4 * 2**0.5, rel=1e-3)
+    assert told["closed"] == "True"
+
+
+def test_terrain_route(tmp_path: Path) -> None:
+    told = run_example("terrain_route", str(tmp_path / "profile.csv"))
+    route, over = (float(told[name].split()[0]) for name in ("route", "straight"))
+    assert 110 < route < 0.85 * over
+    profile = np.loadtxt(tmp_path / "profile.csv", delimiter=",", skiprows=1)
+    assert profile[-1, 0] == pytest.approx(route, rel=1e-4)
+
+
+def test_remesh_seeds() -> None:
+    told = run_example("remesh_seeds", "80")
+    covering = float(told["seeds"].split()[-1])
+    assert float(told["farthest"].split()[-1]) == pytest.approx(covering, abs=1e-3)
+    assert float(told["least"].split()[-1]) >= covering * 0.99
+    assert told["triangles"] == "156 Euler 2"  # a sphere again: 2 * 80 - 4 triangles
+
+
+def test_voronoi_colouring(tmp_path: Path) -> None:
+    told = run_example("voronoi_colouring", str(tmp_path / "regions.png"), "12")
+    assert told["regions"].endswith("of 10242")
+    assert (tmp_path / "regions.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_notebook_runs_and_has_no_outputs(tmp_path: Path) -> None:
+    notebook = nbformat.read(HERE / "tour.ipynb", as_version=4)
+    nbformat.validate(notebook)
+    code = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    assert all(not cell.outputs and cell.execution_count is None for cell in code)
+    NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    kinds = {kind for cell in code for output in cell.outputs for kind in output.get("data", {})}
+    assert "image/png" in kinds
+    last = "".join(output.get("text", "") for output in code[-1].outputs)
+    assert "stopped" in last
+
+
+def snippets() -> list[tuple[str, str]]:
+    text = (HERE / "README.md").read_text(encoding="utf-8")
+    return re.findall(r"```(python|sh)\n(.*?)```", text, re.DOTALL)
+
+
+def test_the_readmes_python(samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """All in one name space, in turn. A line with ``# value`` at its end prints that value."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("plane_three_holes.glb", "torus_knot.glb"):
+        (tmp_path / name).write_bytes((samples / name).read_bytes())
+    names: dict[str, object] = {}
+    checked = 0
+    server = geodesicd.serve()
+    monkeypatch.setenv("GEODESICD_URL", server.start())
+    try:
+        for kind, code in snippets():
+            if kind != "python":
+                continue
+            lines = code.splitlines()
+            for statement in ast.parse(code).body:
+                source = "\n".join(lines[statement.lineno - 1 : statement.end_lineno])
+                comment = re.search(r"  # = (.+)$", source)
+                if isinstance(statement, ast.Expr) and comment:
+                    value = eval(source, names)
+                    assert repr(value) == comment[1], source
+                    checked += 1
+                else:
+                    exec(source, names)
+    finally:
+        connected = names.get("client")
+        if isinstance(connected, geodesicd.Client):
+            connected.close()
+        server.stop()
+    assert checked >= 5
+
+
+def test_the_readmes_commands(server: geodesicd.LocalServer, samples: Path, tmp_path: Path) -> None:
+    (tmp_path / "plane_three_holes.glb").write_bytes(
+        (samples / "plane_three_holes.glb").read_bytes()
+    )
+    binaries = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    environment = {**os.environ, "GEODESICD_URL": server.url, "PATH": binaries}
+    checked = 0
+    for kind, code in snippets():
+        if kind != "sh":
+            continue
+        for command, told in re.findall(r"^\$ (.+)\n((?:(?!\$ ).*\n)*)", code, re.MULTILINE):
+            if command.startswith(("pip ", "locust ", "geodesic serve")):
+                continue  # installing is tests/clients/python_test.sh's; the others do not end
+            run = subprocess.run(
+                command, shell=True, cwd=tmp_path, env=environment, capture_output=True,
+                text=True, timeout=120, check=False,
+            )  # fmt: skip
+            assert run.returncode == 0, run.stderr
+            if told:
+                # Another compiler may round the last digit otherwise.
+                numbers = [float(word) for word in told.split()]
+                printed = [float(word) for word in run.stdout.split()]
+                assert printed == pytest.approx(numbers, rel=1e-12), command
+                checked += 1
+    assert checked >= 2

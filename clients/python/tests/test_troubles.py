@@ -1,0 +1,236 @@
+"""What goes wrong between a client and a server: refusals that pass, connections that break,
+jobs that are cancelled, and a field of a million vertices in little memory."""
+
+from __future__ import annotations
+
+import asyncio
+import http.server
+import threading
+import time
+import tracemalloc
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import httpx
+import numpy as np
+import pytest
+
+import geodesicd
+from geodesicd.bench.mixes import hills
+from geodesicd.errors import seconds_of
+from geodesicd.flows import EventReader
+
+
+@contextmanager
+def trouble_before(server: str, troubles: list[Any]) -> Iterator[tuple[str, list[str]]]:
+    """A proxy before a real server that makes trouble first: a status with headers, or None for
+    hanging up. Gives its URL and what it was asked."""
+    asked: list[str] = []
+
+    class Proxy(http.server.BaseHTTPRequestHandler):
+        def _pass_on(self) -> None:
+            asked.append(self.command)
+            body = self.rfile.read(int(self.headers.get("Content-Length", 0)))
+            if troubles:
+                trouble = troubles.pop(0)
+                self.close_connection = True
+                if trouble is None:
+                    return
+                status, headers = trouble
+                self.send_response(status)
+                for name, value in headers.items():
+                    self.send_header(name, value)
+                self.send_header("Content-Length", "0")
+                self.end_headers()
+                return
+            reply = httpx.request(self.command, server + self.path, content=body, timeout=60)
+            self.send_response(reply.status_code)
+            for name in ("content-type", "geo-shape", "geo-dtype", "location"):
+                if name in reply.headers:
+                    self.send_header(name, reply.headers[name])
+            length = (
+                reply.headers["content-length"] if self.command == "HEAD" else len(reply.content)
+            )
+            self.send_header("Content-Length", str(length))
+            self.end_headers()
+            self.wfile.write(reply.content)
+
+        do_GET = do_HEAD = do_PUT = do_POST = _pass_on
+
+        def log_message(self, *_: Any) -> None:
+            pass
+
+    proxy = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Proxy)
+    thread = threading.Thread(target=proxy.serve_forever)
+    thread.start()
+    try:
+        yield f"http://127.0.0.1:{proxy.server_port}", asked
+    finally:
+        proxy.shutdown()
+        thread.join()
+        proxy.server_close()
+
+
+def test_refusals_that_pass_are_waited_out(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh
+) -> None:
+    troubles: list[Any] = [(503, {"Retry-After": "0"}), (429, {"Retry-After": "0"}), None]
+    with trouble_before(server.url, troubles) as (url, asked), geodesicd.Client(url) as client:
+        assert client.mesh(plane.id).vertices == 10000
+    assert asked == ["GET"] * 4
+
+
+def test_the_time_that_the_server_names_is_honoured(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    slept: list[float] = []
+    monkeypatch.setattr(time, "sleep", slept.append)
+    with (
+        trouble_before(server.url, [(503, {"Retry-After": "7"})]) as (url, _),
+        geodesicd.Client(url) as client,
+    ):
+        client.mesh(plane.id)
+    waits = [seconds for seconds in slept if seconds >= 1]
+    assert len(waits) == 1
+    assert 7 <= waits[0] <= 7.2
+
+
+def test_too_long_a_wait_is_an_error_at_once(server: geodesicd.LocalServer) -> None:
+    with (
+        trouble_before(server.url, [(503, {"Retry-After": "3600"})]) as (url, asked),
+        geodesicd.Client(url) as client,
+        pytest.raises(geodesicd.Overloaded) as caught,
+    ):
+        client.status()
+    assert caught.value.retry_after == 3600
+    assert len(asked) == 1
+
+
+def test_an_upload_is_sent_again_in_full(server: geodesicd.LocalServer) -> None:
+    data = geodesicd.glb_bytes(*hills(300, 8))
+    # HEAD passes with 404, then PUT is cut, then refused, then taken.
+    troubles: list[Any] = [(404, {}), None, (503, {"Retry-After": "0"})]
+    with trouble_before(server.url, troubles) as (url, asked), geodesicd.Client(url) as client:
+        assert client.upload(data).bytes == len(data)
+    assert asked == ["HEAD", "PUT", "PUT", "PUT"]
+
+
+def test_no_server_is_said_so() -> None:
+    with (
+        geodesicd.Client("http://127.0.0.1:1", retries=geodesicd.Retries(attempts=2)) as client,
+        pytest.raises(geodesicd.ConnectionFailed) as caught,
+    ):
+        client.status()
+    assert not caught.value.sent
+    assert caught.value.status == 0
+
+
+def test_silence_ends_and_is_not_asked_again(terrain: geodesicd.Mesh) -> None:
+    with geodesicd.Client(terrain.client.url, timeout=0.05) as hasty:
+        mesh = geodesicd.Mesh.__new__(geodesicd.Mesh)
+        mesh.__dict__.update(vars(terrain) | {"client": hasty})
+        with pytest.raises(geodesicd.ConnectionFailed) as caught:
+            mesh.table(list(range(100)), method="chen_han")
+    assert caught.value.timeout
+
+
+def test_a_deadline_is_kept(terrain: geodesicd.Mesh) -> None:
+    with pytest.raises(geodesicd.DeadlineExceeded) as caught:
+        terrain.table(list(range(100)), method="chen_han", deadline=0.05)
+    assert caught.value.code == "deadline"
+
+
+def test_progress_rises_to_one(terrain: geodesicd.Mesh) -> None:
+    told: list[float] = []
+    field = terrain.distance(3, method="exact", progress=told.append)
+    assert told[0] == 0
+    assert told == sorted(told)
+    assert told[-1] == 1
+    assert len(told) > 3
+    np.testing.assert_array_equal(field, terrain.distance(3, method="exact"))
+    assert terrain.client.status()["jobs"]["ended"] == 0  # none is left lying about
+
+
+def jobs(client: geodesicd.Client) -> int:
+    counts = client.status()["jobs"]
+    return int(counts["queued"] + counts["running"] + counts["ended"])
+
+
+def test_an_interrupt_cancels_the_job(terrain: geodesicd.Mesh) -> None:
+    during: list[int] = []
+
+    def interrupt(part: float) -> None:
+        during.append(jobs(terrain.client))
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        terrain.table(list(range(200)), method="chen_han", progress=interrupt)
+    assert during == [1]
+    end = time.monotonic() + 60
+    while terrain.client.status()["compute"]["running"] and time.monotonic() < end:
+        time.sleep(0.05)
+    assert terrain.client.status()["compute"]["running"] == 0
+    assert terrain.client.status()["jobs"]["running"] == 0
+
+
+def test_cancelling_a_task_cancels_the_job(terrain: geodesicd.Mesh) -> None:
+    async def ask() -> None:
+        async with geodesicd.AsyncClient(terrain.client.url) as client:
+            mesh = await client.mesh(terrain.id)
+            begun = asyncio.Event()
+            task = asyncio.create_task(
+                mesh.table(
+                    list(range(200, 400)), method="chen_han", progress=lambda part: begun.set()
+                )
+            )
+            await begun.wait()
+            task.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await task
+            for _ in range(600):
+                counts = (await client.status())["jobs"]
+                if counts["queued"] + counts["running"] == 0:
+                    return
+                await asyncio.sleep(0.1)
+            raise AssertionError("the job goes on")
+
+    asyncio.run(ask())
+
+
+def test_a_job_that_fails_raises_its_error(plane: geodesicd.Mesh) -> None:
+    with pytest.raises(geodesicd.GeodesicError) as caught:
+        plane.path(0, 77777, progress=lambda part: None)
+    assert caught.value.parameter == "to"
+
+
+def test_a_field_of_a_million_vertices_is_in_memory_once(client: geodesicd.Client) -> None:
+    mesh = client.upload(hills(1000, 1))
+    assert mesh.vertices == 1_000_000
+    mesh.distance_at(0, 1)  # what is imported and connected once is not to be counted
+    tracemalloc.start()
+    try:
+        field = mesh.distance(0)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert field.nbytes == 8_000_000
+    assert np.isfinite(field).all()
+    assert peak < field.nbytes * 1.1
+    assert not field.flags.owndata  # a view of what came
+    mesh.delete()
+
+
+def test_retry_after_may_be_a_date() -> None:
+    assert seconds_of("3") == 3
+    assert seconds_of("Wed, 21 Oct 2015 07:28:00 GMT") == 0
+    later = seconds_of("Wed, 21 Oct 2099 07:28:00 GMT")
+    assert later is not None
+    assert later > 1e9
+    assert seconds_of("soon") is None
+
+
+def test_events_are_read_as_the_standard_says() -> None:
+    reader = EventReader()
+    lines = [": a comment", "", "event: progress", "data: one", "data:two", "id: 3", "", "data: x"]
+    assert [reader.feed(line) for line in lines] == [None] * 6 + ["one\ntwo", None]
