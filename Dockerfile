@@ -17,10 +17,11 @@ WORKDIR /src
 COPY Makefile ./
 COPY scripts scripts
 COPY cmake cmake
-RUN make setup
+RUN GEODESICD_NO_BROWSER=1 make setup
 COPY . .
-RUN make build CMAKE_FLAGS="-DGEODESIC_TESTS=OFF -DGEODESIC_BENCH=OFF" \
+RUN GEODESICD_NO_BROWSER=1 make build CMAKE_FLAGS="-DGEODESIC_TESTS=OFF -DGEODESIC_BENCH=OFF" \
  && mkdir /out \
+ && scripts/build_viewer \
  && strip -o /out/geodesicd build/release/geodesicd \
  && build/release/make_samples /out/samples \
  && scripts/runtime_packages build/release/geodesicd >/out/packages
@@ -37,13 +38,15 @@ RUN apt-get update -qq \
  && install -d -o geodesicd -g geodesicd /var/lib/geodesicd
 COPY --from=build /out/geodesicd /usr/local/bin/geodesicd
 COPY --from=build /out/samples /usr/local/share/geodesicd/samples
+COPY --from=build /src/clients/web/viewer/dist /usr/local/share/geodesicd/viewer
 
 # By number, so that an orchestrator can tell that this is not root.
 USER 10001
 # As variables, so that flags and a configuration of one's own can override them.
 ENV GEODESICD_LISTEN=0.0.0.0:8080 \
     GEODESICD_STORE=/var/lib/geodesicd \
-    GEODESICD_SAMPLES=/usr/local/share/geodesicd/samples
+    GEODESICD_SAMPLES=/usr/local/share/geodesicd/samples \
+    GEODESICD_VIEWER=/usr/local/share/geodesicd/viewer
 EXPOSE 8080
 VOLUME /var/lib/geodesicd
 HEALTHCHECK --interval=10s --timeout=3s --start-period=10s \

@@ -21,7 +21,8 @@ build: setup ## build everything for release, in build/release
 	@cmake --preset release -Wno-dev --log-level=WARNING $(CMAKE_FLAGS)
 	@cmake --build --preset release --parallel $(JOBS)
 
-run: build ## start the server with sample meshes; Ctrl-C stops it
+run: build ## start the server with the viewer and sample meshes; Ctrl-C stops it
+	@scripts/build_viewer
 	@scripts/run_server
 
 test: setup ## build and run all tests, then again under the sanitizers

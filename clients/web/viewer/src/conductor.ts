@@ -1,0 +1,294 @@
+/**
+ * Keeps the results in step with the state: whatever changes there, the questions that it
+ * touches are asked, and no others. A field is never asked for because a target moves.
+ */
+import type { Path } from 'geodesicd-client';
+import type { Access } from './access.ts';
+import type { Connection } from './connection.ts';
+import { troubleOf } from './messages.ts';
+import { Newest } from './newest.ts';
+import type { Notices } from './notices.ts';
+import {
+  computing, fieldKey, fieldQuestion, Questions, type FieldQuestion, type PathQuestion,
+} from './questions.ts';
+import { errorAgainst, type KnownField, type Results } from './results.ts';
+import type { Arrow, Measure, Spot, State, Store } from './state.ts';
+
+export class Conductor {
+  readonly #questions: Questions;
+  readonly #field = new Newest<FieldQuestion>((asked, signal) => this.#askField(asked, signal));
+  readonly #exact = new Newest<FieldQuestion>((asked, signal) => this.#askExact(asked, signal));
+  readonly #apart = new Newest<FieldQuestion>((asked, signal) => this.#askApart(asked, signal));
+  readonly #path = new Newest<PathQuestion>((asked, signal) => this.#askPath(asked, signal));
+  readonly #trace = new Newest<{ mesh: string; arrow: Arrow }>((asked, signal) => this.#askTrace(asked, signal));
+  readonly #measures = new Newest<readonly Measure[]>((asked, signal) => this.#askMeasures(asked, signal));
+  readonly #trials = new Newest<State>((asked, signal) => this.#askTrials(asked, signal));
+  readonly #paths = new Map<Measure, Path>();
+
+  constructor(
+    private readonly access: Access,
+    private readonly state: Store<State>,
+    private readonly results: Store<Results>,
+    private readonly notices: Notices,
+    private readonly connection: Connection,
+  ) {
+    this.#questions = new Questions(() => access.client, results, notices);
+    state.listen((now, before) => this.#follow(now, before));
+    results.listen((now, before) => {
+      // A path by a long method waits for its field; so does the choice among several sources.
+      if (now.field !== before.field) this.#wantPath(this.state.value, false);
+      if (now.surface !== before.surface && now.surface) this.askAgain();
+    });
+    connection.onBack(() => this.askAgain());
+  }
+
+  /** Asks for whatever the state wants and the results lack. */
+  askAgain(): void {
+    const now = this.state.value;
+    this.#wantField(now, false);
+    this.#wantPath(now, false);
+    this.#wantTrace(now);
+    this.#wantMeasures(now);
+  }
+
+  get busy(): boolean {
+    return [this.#field, this.#exact, this.#apart, this.#path, this.#trace, this.#measures, this.#trials].some(({ busy }) => busy);
+  }
+
+  /** Stops everything that is under way, as its reader wishes. */
+  stop(): void {
+    this.cancel();
+    this.#backToShown();
+  }
+
+  /** What is chosen is what is seen: after a cancelled field the method of the one that stays. */
+  #backToShown(): void {
+    const { field } = this.results.value;
+    if (field && field.method !== this.state.value.method) this.state.set({ method: field.method });
+  }
+
+  /** Without a change of the state. */
+  cancel(): void {
+    for (const running of [this.#field, this.#exact, this.#apart, this.#path, this.#trace, this.#measures, this.#trials]) running.cancel();
+  }
+
+  /** Tries every method on the present sources, for the list of methods. */
+  compare(): void {
+    this.#trials.ask(this.state.value, true);
+  }
+
+  #follow(now: State, before: State): void {
+    if (now.mesh !== before.mesh) {
+      this.cancel();
+      this.#paths.clear();
+      this.results.set({ field: null, error: null, apart: null, trials: {}, path: null, pathMs: null, trace: null, measured: [] });
+      return; // whoever loads the mesh sets the surface, and then all is asked
+    }
+    const byOther = now.method !== before.method || now.pointsPerEdge !== before.pointsPerEdge;
+    const fromOther = now.sources !== before.sources;
+    if (fromOther) {
+      this.#trials.cancel();
+      this.results.set({ trials: {} });
+    }
+    if (byOther || fromOther || now.show !== before.show) this.#wantField(now, byOther || this.#questions.isLong(before.method));
+    if (byOther || fromOther || now.via !== before.via || now.target !== before.target || now.refine !== before.refine) {
+      this.#wantPath(now, byOther);
+    }
+    if (now.arrow !== before.arrow) this.#wantTrace(now);
+    if (now.measures !== before.measures) this.#wantMeasures(now);
+  }
+
+  #wantField(now: State, interrupt: boolean): void {
+    const question = fieldQuestion(now);
+    if (!this.results.value.methods.length) return; // asked once it is known which are long
+    if (!question || !this.results.value.surface) {
+      this.#field.cancel();
+      this.#exact.cancel();
+      return this.results.set({ field: null, error: null });
+    }
+    if (this.results.value.field?.key !== fieldKey(question)) {
+      const kept = this.#questions.kept(question);
+      if (kept) {
+        this.#field.cancel();
+        this.#show(kept);
+      } else this.#field.ask(question, interrupt);
+    }
+    const divided = now.show === 'regions' && now.sources.length > 1 && !this.#questions.isLong(now.method);
+    if (divided) this.#apart.ask(question);
+    else this.#apart.cancel();
+    const exact = this.#exactOf(question);
+    if (now.show !== 'error') this.#exact.cancel();
+    else if (exact) this.#exact.ask(exact, interrupt);
+  }
+
+  /** The same question for the exact method. */
+  #exactOf(question: FieldQuestion): FieldQuestion | null {
+    const method = this.results.value.methods.find(({ exact }) => exact)?.name;
+    return method ? { ...question, method } : null;
+  }
+
+  async #askField(asked: FieldQuestion, signal: AbortSignal): Promise<void> {
+    await this.#attempt(signal, async () => {
+      const stop = () => {
+        this.#field.cancel();
+        this.#backToShown();
+      };
+      this.#show(await this.#questions.field(asked, signal, stop));
+    });
+  }
+
+  #show(field: KnownField): void {
+    const same = field.key === this.results.value.field?.key;
+    this.results.set({ field, error: null, ...(same ? {} : { apart: null }) });
+    this.#note(field);
+    this.#noteError(field);
+  }
+
+  /** Each source's field by itself; until they are here, regions have the labels' coarser borders. */
+  async #askApart(asked: FieldQuestion, signal: AbortSignal): Promise<void> {
+    await this.#attempt(signal, async () => {
+      const apart: KnownField[] = [];
+      for (const source of asked.sources) {
+        const own = { ...asked, sources: [source] };
+        apart.push(await this.#questions.field(own, signal, () => this.#apart.cancel()));
+      }
+      const present = fieldQuestion(this.state.value);
+      if (present && fieldKey(present) === fieldKey(asked)) this.results.set({ apart });
+    });
+  }
+
+  async #askExact(asked: FieldQuestion, signal: AbortSignal): Promise<void> {
+    await this.#attempt(signal, async () => {
+      const exact = await this.#questions.field(asked, signal, () => {
+        this.#exact.cancel();
+        this.state.set({ show: 'distance' });
+      });
+      this.#note(exact);
+      const { field } = this.results.value;
+      if (field) this.#noteError(field);
+    });
+  }
+
+  /** Puts the error on show, if the exact field of the same sources is here. */
+  #noteError(field: KnownField): void {
+    const question = fieldQuestion(this.state.value);
+    const exactly = question && this.#exactOf(question);
+    const exact = exactly && this.#questions.kept(exactly);
+    if (!exact || fieldKey(question) !== field.key) return;
+    const error = errorAgainst(field.values, exact.values);
+    this.results.set({ error });
+    this.#note(field, error);
+  }
+
+  /** What a field tells of its method, into the list of methods. */
+  #note({ method, ms }: KnownField, error?: { mean: number; most: number }): void {
+    const before = this.results.value.trials[method];
+    const trial = {
+      ms: ms ?? before?.ms ?? null,
+      mean: error?.mean ?? before?.mean ?? null,
+      most: error?.most ?? before?.most ?? null,
+    };
+    this.results.set({ trials: { ...this.results.value.trials, [method]: trial } });
+  }
+
+  async #askTrials(asked: State, signal: AbortSignal): Promise<void> {
+    const question = fieldQuestion(asked);
+    const exactly = question && this.#exactOf(question);
+    if (!question || !exactly) return;
+    const { methods } = this.results.value;
+    const stop = () => this.#trials.cancel();
+    const progress = this.notices.begin('Comparing all methods', stop);
+    await this.#attempt(signal, async () => {
+      const exact = await this.#questions.field(exactly, signal, stop);
+      for (const [index, { name }] of methods.entries()) {
+        progress.say('Comparing all methods', index / methods.length);
+        const field = await this.#questions.field({ ...question, method: name }, signal, stop);
+        this.#note(field, errorAgainst(field.values, exact.values));
+      }
+    });
+    progress.end();
+  }
+
+  #wantPath(now: State, interrupt: boolean): void {
+    const { mesh, sources, target, via, method, pointsPerEdge, refine } = now;
+    const { surface, field, methods } = this.results.value;
+    if (!methods.length) return;
+    if (!mesh || !target || !sources.length || !surface) {
+      this.#path.cancel();
+      return this.results.set({ path: null, pathMs: null });
+    }
+    const present = field?.key === fieldKey(fieldQuestion(now)!);
+    if (!present && (sources.length > 1 || this.#questions.isLong(method))) return; // asked once it has come
+    const starts = this.#nearest(now, via[0] ?? target);
+    this.#path.ask({ mesh, from: starts[0]!, starts, via, to: target, method, pointsPerEdge, refine }, interrupt);
+  }
+
+  /** The sources of which one is nearest to a spot: one, or those that meet in its face. */
+  #nearest({ sources }: State, spot: Spot): readonly Spot[] {
+    const { field, surface } = this.results.value;
+    if (sources.length === 1 || !field?.labels || !surface) return sources.slice(0, 1);
+    const labels = new Set(surface.cornersOf(spot.face).map((vertex) => field.labels![vertex]!));
+    const starts = [...labels].map((label) => sources[label]).filter((start) => start !== undefined);
+    return starts.length ? starts : sources.slice(0, 1);
+  }
+
+  async #askPath(asked: PathQuestion, signal: AbortSignal): Promise<void> {
+    await this.#attempt(signal, async () => {
+      const path = await this.#questions.path(asked, signal, () => this.#path.cancel());
+      if (!this.state.value.target) return;
+      this.results.set({ path, pathMs: computing(path.timing) });
+    });
+  }
+
+  #wantTrace({ mesh, arrow }: State): void {
+    if (mesh && arrow && this.results.value.surface) this.#trace.ask({ mesh, arrow });
+    else {
+      this.#trace.cancel();
+      this.results.set({ trace: null });
+    }
+  }
+
+  async #askTrace({ mesh, arrow }: { mesh: string; arrow: Arrow }, signal: AbortSignal): Promise<void> {
+    await this.#attempt(signal, async () => {
+      const { from, direction, length } = arrow;
+      const trace = await this.access.client.trace(mesh, { from, direction, length }, { signal });
+      if (this.state.value.arrow) this.results.set({ trace });
+    });
+  }
+
+  #wantMeasures({ measures }: State): void {
+    const measured = measures.map((measure) => this.#paths.get(measure) ?? null);
+    this.results.set({ measured });
+    const { surface, methods } = this.results.value;
+    if (surface && methods.length && measured.includes(null)) this.#measures.ask(measures);
+  }
+
+  /** Takes a path that is there already into the list, so that it is not asked again. */
+  keep(measure: Measure, path: Path): void {
+    this.#paths.set(measure, path);
+  }
+
+  async #askMeasures(asked: readonly Measure[], signal: AbortSignal): Promise<void> {
+    const { mesh, pointsPerEdge } = this.state.value;
+    if (!mesh) return;
+    await this.#attempt(signal, async () => {
+      for (const measure of asked) {
+        if (this.#paths.has(measure)) continue;
+        const question = { ...measure, mesh, starts: [measure.from], pointsPerEdge };
+        this.#paths.set(measure, await this.#questions.path(question, signal, () => this.#measures.cancel()));
+        const { measures } = this.state.value;
+        this.results.set({ measured: measures.map((each) => this.#paths.get(each) ?? null) });
+      }
+    });
+  }
+
+  /** Errors are told; an abort is somebody's wish; a lost server is the connection's matter. */
+  async #attempt(signal: AbortSignal, run: () => Promise<void>): Promise<void> {
+    try {
+      await run();
+    } catch (error) {
+      if (signal.aborted || this.connection.explains(error)) return;
+      this.notices.trouble(troubleOf(error), this.access.remedy(error));
+    }
+  }
+}

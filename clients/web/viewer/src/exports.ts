@@ -1,0 +1,150 @@
+/**
+ * What leaves the page as a file: the view with its labels and legend as PNG, the path as
+ * GLB, JSON or CSV, the field as NPY, the list of measures as CSV.
+ */
+import type { Path } from 'geodesicd-client';
+import type { Access } from './access.ts';
+import { colourAt } from './colour_maps.ts';
+import { legendOf } from './legend.ts';
+import { letterOf, type Overlay } from './overlay.ts';
+import type { ExportKind } from './parts.ts';
+import { methodOf } from './questions.ts';
+import type { Results } from './results.ts';
+import type { Stage } from './stage.ts';
+import type { Spot, State } from './state.ts';
+import { Surface } from './surface.ts';
+
+export interface Exporting {
+  readonly access: Access;
+  readonly stage: Stage;
+  readonly overlay: Overlay;
+  readonly state: State;
+  readonly results: Results;
+}
+
+/** Makes the file and hands it to the browser. Rejects as the client does. */
+export async function exported(kind: ExportKind, from: Exporting): Promise<void> {
+  const { results } = from;
+  if (!results.surface) return;
+  const name = Surface.nameOf(results.surface.about).replaceAll(' ', '_');
+  const file = await MAKERS[kind](from);
+  if (file) save(file, kind === 'png' ? `${name}.png` : `${name}.${kind}`);
+}
+
+const MAKERS: Record<ExportKind, (from: Exporting) => Promise<Blob | null>> = {
+  png: picture,
+  'path.glb': async ({ access, state, results }) => {
+    if (!results.path || !state.mesh) return null;
+    const { from, via, to, refine } = results.path;
+    const query = { from: spotIn(from), via: via.map(spotIn), to: spotIn(to), refine, ...methodOf(state) };
+    return new Blob([await access.client.glb(state.mesh, { of: 'path', ...query })], { type: 'model/gltf-binary' });
+  },
+  'path.json': async ({ results: { path } }) => {
+    if (!path) return null;
+    const { timing: _timing, cache: _cache, ...answered } = path;
+    return text(JSON.stringify(answered, null, 1), 'application/json');
+  },
+  'path.csv': async ({ results: { path } }) => (path ? text(pathCsv(path), 'text/csv') : null),
+  'field.npy': async ({ access, state }) => {
+    // As the server writes it: float64, more than the page keeps.
+    const query = { from: state.sources, ...methodOf(state), format: 'npy' };
+    const reply = await access.client.request({
+      method: 'POST',
+      path: `/v1/meshes/${state.mesh}/distance`,
+      headers: { 'Content-Type': 'application/json' },
+      body: JSON.stringify(query),
+      idempotent: true,
+    });
+    return new Blob([reply.body], { type: 'application/x-npy' });
+  },
+  'measures.csv': async ({ state, results }) => {
+    const rows = state.measures.map(({ method, refine, via }, index) => {
+      const path = results.measured[index];
+      return [letterOf(index), path?.length ?? '', method, refine ? 'shortest' : 'none', via.length].join(',');
+    });
+    return text(['measure,length,method,refine,via', ...rows, ''].join('\n'), 'text/csv');
+  },
+};
+
+function spotIn({ face, bary }: { face: number | null; bary: readonly number[] | null }): Spot {
+  return { face: face!, bary: bary as unknown as Spot['bary'] };
+}
+
+/** A row a point: x, y, z and the distance walked, in mesh units; then face and weights. */
+export function pathCsv({ points }: Path): string {
+  let walked = 0;
+  const rows = points.map(({ xyz, face, bary }, index) => {
+    const before = points[index - 1]?.xyz;
+    if (before) walked += Math.hypot(...xyz.map((part, axis) => part - before[axis]!));
+    return [...xyz, walked, face ?? '', ...(bary ?? ['', '', ''])].join(',');
+  });
+  return ['x,y,z,distance,face,w0,w1,w2', ...rows, ''].join('\n');
+}
+
+function text(content: string, type: string): Blob {
+  return new Blob([content], { type });
+}
+
+function save(file: Blob, name: string): void {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(file);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+/** The page's background, the canvas, the labels and the legend on one picture. */
+async function picture({ stage, overlay, state, results }: Exporting): Promise<Blob | null> {
+  const view = stage.picture();
+  const sheet = document.createElement('canvas');
+  sheet.width = view.width;
+  sheet.height = view.height;
+  const pen = sheet.getContext('2d')!;
+  const scale = view.width / stage.size.width;
+  const style = getComputedStyle(document.body);
+  pen.fillStyle = style.getPropertyValue('--ground');
+  pen.fillRect(0, 0, sheet.width, sheet.height);
+  pen.drawImage(view, 0, 0);
+  pen.scale(scale, scale);
+  pen.textBaseline = 'middle';
+  const font = (size: number, weight = 400) => { pen.font = `${weight} ${size}px system-ui, sans-serif`; };
+
+  pen.textAlign = 'center';
+  for (const { text: said, x, y, strong } of overlay.texts) {
+    font(strong ? 13 : 12, strong ? 700 : 500);
+    const width = pen.measureText(said).width + 12;
+    pen.fillStyle = 'rgba(16, 19, 26, 0.82)';
+    pen.beginPath();
+    pen.roundRect(x - width / 2, y - 32, width, 20, 6);
+    pen.fill();
+    pen.fillStyle = '#ffffff';
+    pen.fillText(said, x, y - 21.5);
+  }
+
+  const legend = legendOf(state, results);
+  if (legend) {
+    const [left, top, width] = [24, stage.size.height - 64, 260];
+    pen.fillStyle = style.getPropertyValue('--text');
+    pen.textAlign = 'left';
+    font(13, 600);
+    pen.fillText(legend.title, left, top - 14);
+    font(12);
+    const afterTitle = left + width - pen.measureText(legend.note).width;
+    pen.fillText(legend.note, afterTitle, top - 14);
+    for (let x = 0; legend.map && x < width; x++) {
+      pen.fillStyle = `rgb(${colourAt(legend.map, x / (width - 1)).join(' ')})`;
+      pen.fillRect(left + x, top, 1.5, 12);
+    }
+    legend.ticks.forEach(({ at, text: said, colour }, index) => {
+      const x = legend.map ? left + at * width : left + index * 30;
+      if (colour) {
+        pen.fillStyle = colour;
+        pen.fillRect(x, top, 24, 12);
+      }
+      pen.fillStyle = style.getPropertyValue('--text');
+      pen.textAlign = !legend.map || at < 0.03 ? 'left' : at > 0.97 ? 'right' : 'center';
+      pen.fillText(said, x, top + 24);
+    });
+  }
+  return new Promise((resolve) => sheet.toBlob(resolve, 'image/png'));
+}

@@ -1,0 +1,111 @@
+/**
+ * The state as the URL's fragment and back: short names, points as FACE,W0,W1, nothing
+ * that has its usual value. What a link says wrongly is left out, never an error.
+ */
+import { MOST_SOURCES, START, type Arrow, type Measure, type Spot, type State } from './state.ts';
+
+/** Rounds weights so that the link is short and says the same point as the page. */
+export function spotOf(face: number, first: number, second: number): Spot {
+  const a = Math.round(Math.min(1, Math.max(0, first)) * 1e6);
+  const b = Math.min(1e6 - a, Math.round(Math.min(1, Math.max(0, second)) * 1e6));
+  return { face, bary: [a / 1e6, b / 1e6, (1e6 - a - b) / 1e6] };
+}
+
+export function spotText({ face, bary }: Spot): string {
+  return `${face},${bary[0]},${bary[1]}`;
+}
+
+function spotIn(text: string | null | undefined): Spot | null {
+  const parts = numbersIn(text, 3);
+  if (!parts || !Number.isInteger(parts[0]) || parts[0]! < 0) return null;
+  const [face, first, second] = parts as [number, number, number];
+  if (first < 0 || second < 0 || first + second > 1 + 1e-9) return null;
+  return spotOf(face, first, second);
+}
+
+function numbersIn(text: string | null | undefined, count: number): number[] | null {
+  const parts = text?.split(',').map(Number) ?? [];
+  return parts.length === count && parts.every(Number.isFinite) ? parts : null;
+}
+
+function numberIn(text: string | null, least: number, most: number): number | null {
+  const value = text === null ? NaN : Number(text);
+  return value >= least && value <= most ? value : null;
+}
+
+const short = (value: number) => Number(value.toPrecision(7));
+
+function arrowText({ from, direction, length }: Arrow): string {
+  return [spotText(from), direction.map((part) => Number(part.toFixed(5))).join(','), short(length)].join(';');
+}
+
+function arrowIn(text: string | null): Arrow | null {
+  const [start, towards, far] = text?.split(';') ?? [];
+  const from = spotIn(start);
+  const direction = numbersIn(towards, 3) as [number, number, number] | null;
+  const length = Number(far);
+  if (!from || !direction || !direction.some((part) => part !== 0) || !(length > 0)) return null;
+  return { from, direction, length };
+}
+
+function measureText({ from, via, to, method, refine }: Measure): string {
+  return [method, refine ? 1 : 0, ...[from, ...via, to].map(spotText)].join(';');
+}
+
+function measureIn(text: string): Measure | null {
+  const [method, refine, ...places] = text.split(';');
+  const spots = places.map(spotIn);
+  if (!method || spots.length < 2 || spots.some((spot) => !spot)) return null;
+  const [from, ...rest] = spots as Spot[];
+  const to = rest.pop()!;
+  return { from: from!, via: rest, to, method, refine: refine === '1' };
+}
+
+/** The fragment, without its `#`. */
+export function linkOf(state: State): string {
+  const all = new URLSearchParams();
+  if (state.mesh) all.set('mesh', state.mesh);
+  for (const spot of state.sources) all.append('from', spotText(spot));
+  for (const spot of state.via) all.append('via', spotText(spot));
+  if (state.target) all.set('to', spotText(state.target));
+  if (state.arrow) all.set('arrow', arrowText(state.arrow));
+  for (const measure of state.measures) all.append('kept', measureText(measure));
+  if (state.method !== START.method) all.set('method', state.method);
+  if (state.pointsPerEdge !== null) all.set('points_per_edge', `${state.pointsPerEdge}`);
+  if (state.refine) all.set('refine', 'shortest');
+  if (state.show !== START.show) all.set('show', state.show);
+  if (state.colours !== START.colours) all.set('colours', state.colours);
+  if (state.lines !== START.lines) all.set('lines', `${state.lines}`);
+  if (!state.ticks) all.set('ticks', '0');
+  if (state.up) all.set('up', state.up);
+  if (state.camera) all.set('camera', state.camera.map((part) => Number(part.toFixed(4))).join(','));
+  // Commas and semicolons may stand in a fragment; a link is for people's eyes, too.
+  return all.toString().replaceAll('%2C', ',').replaceAll('%3B', ';');
+}
+
+/** The state that a fragment says, with or without its `#`. */
+export function stateIn(fragment: string): State {
+  const all = new URLSearchParams(fragment.replace(/^#/, ''));
+  const spots = (name: string) => all.getAll(name).map(spotIn).filter((spot) => spot !== null);
+  const mesh = all.get('mesh');
+  const show = all.get('show');
+  const up = all.get('up');
+  return {
+    ...START,
+    mesh: mesh && /^[0-9a-f]{64}(~[0-9a-z]+)?$/.test(mesh) ? mesh : null,
+    sources: spots('from').slice(0, MOST_SOURCES),
+    via: spots('via'),
+    target: spotIn(all.get('to')),
+    arrow: arrowIn(all.get('arrow')),
+    measures: all.getAll('kept').map(measureIn).filter((measure) => measure !== null),
+    method: all.get('method') ?? START.method,
+    pointsPerEdge: numberIn(all.get('points_per_edge'), 1, 64),
+    refine: all.get('refine') === 'shortest',
+    show: show === 'regions' || show === 'error' ? show : START.show,
+    colours: all.get('colours') === 'turbo' ? 'turbo' : START.colours,
+    lines: Math.round(numberIn(all.get('lines'), 0, 100) ?? START.lines),
+    ticks: all.get('ticks') !== '0',
+    up: up === 'x' || up === 'y' || up === 'z' ? up : null,
+    camera: numbersIn(all.get('camera'), 6),
+  };
+}

@@ -1,0 +1,60 @@
+/** The panel's part for how the surface is painted. */
+import { element } from './element.ts';
+import { tickText } from './numbers.ts';
+import { choice, part } from './panel.ts';
+import type { Parts } from './parts.ts';
+import { lineStepOf } from './surface_view.ts';
+
+export function lookPart({ state, results }: Parts): HTMLElement {
+  const show = choice(
+    'What colours show',
+    [
+      { value: 'distance', label: 'Distance' },
+      { value: 'regions', label: 'Regions', title: 'Which source is nearest; needs two' },
+      { value: 'error', label: 'Error', title: 'Of the method, against the exact one' },
+    ] as const,
+    (value) => state.set({ show: value }),
+  );
+  const colours = choice(
+    'Colour map',
+    [
+      { value: 'viridis', label: 'Viridis' },
+      { value: 'turbo', label: 'Turbo' },
+    ] as const,
+    (value) => state.set({ colours: value }),
+  );
+  const lines = element('input', { type: 'range', id: 'lines', min: '0', max: '60', step: '1' });
+  lines.oninput = () => state.set({ lines: Number(lines.value) });
+  const apart = element('output', null);
+  const ticks = element('input', { type: 'checkbox', id: 'ticks' });
+  ticks.onchange = () => state.set({ ticks: ticks.checked });
+  const root = part(
+    'Surface',
+    true,
+    show.root,
+    colours.root,
+    element('div', { className: 'labelled' }, element('label', { htmlFor: 'lines' }, 'Isolines'), apart),
+    lines,
+    element('label', { className: 'check', htmlFor: 'ticks' }, ticks, 'Distances along the path'),
+  );
+  const follow = () => {
+    const now = state.value;
+    const { field } = results.value;
+    show.set(now.show);
+    show.enable('regions', now.sources.length > 1);
+    show.enable('error', now.sources.length > 0);
+    colours.set(now.colours);
+    lines.value = `${now.lines}`;
+    ticks.checked = now.ticks;
+    const step = lineStepOf(field?.max ?? 0, now.lines);
+    apart.textContent = now.lines === 0 ? 'none' : step > 0 ? `every ${tickText(step)}` : '';
+  };
+  state.listen((now, before) => {
+    // With one source left there are no regions to show.
+    if (now.show === 'regions' && now.sources.length < 2 && before.sources.length > 1) state.set({ show: 'distance' });
+    else follow();
+  });
+  results.listen((now, before) => now.field !== before.field && follow());
+  follow();
+  return root;
+}

@@ -1,0 +1,257 @@
+/**
+ * What lies on the surface: markers of the points, the path, the arrow with its straightest
+ * geodesic, the kept measures, and distances along them as labels on the page.
+ */
+import { Vector3 } from 'three';
+import type { Path } from 'geodesicd-client';
+import { REGION_COLOURS } from './colour_maps.ts';
+import { element } from './element.ts';
+import { Marker, REACH, type MarkerKind } from './marker.ts';
+import { lengthText, roundStep, tickText } from './numbers.ts';
+import type { Picking } from './picking.ts';
+import type { Results } from './results.ts';
+import type { Stage } from './stage.ts';
+import type { Spot, State } from './state.ts';
+import type { Surface } from './surface.ts';
+import { ThickLine } from './thick_line.ts';
+
+/** A marker that a pointer can hold, and what of the state it stands for. */
+export interface Handle {
+  readonly kind: 'source' | 'target' | 'via' | 'arrow' | 'tip';
+  readonly index: number;
+}
+
+type AddMarker = (kind: MarkerKind, place: Vector3, handle: Handle | null, colour?: string) => void;
+
+interface Label {
+  readonly text: string;
+  readonly place: Vector3;
+  readonly strong: boolean;
+}
+
+/** Drawn units from an arrow's start to its handle, in parts of the distance to the eye. */
+export const ARROW = 0.085;
+
+/** CSS pixels that two labels are apart at least, in one of the two ways. */
+const APART = { x: 46, y: 24 };
+
+const DARK = '#10131a';
+
+export class Overlay {
+  readonly #path = new ThickLine({ core: '#ffffff', casing: DARK, width: 3.6, order: 20 });
+  readonly #trace = new ThickLine({ core: '#c77dff', casing: '#2b0a4d', width: 3.2, order: 16 });
+  readonly #shaft = new ThickLine({ core: '#b455ff', casing: '#ffffff', width: 4, order: 24 });
+  readonly #kept: ThickLine[] = [];
+  readonly #layer = element('div', { className: 'labels', aria: { hidden: 'true' } });
+  #markers: { handle: Handle | null; marker: Marker }[] = [];
+  #labels: { label: Label; tag: HTMLElement }[] = [];
+  #state: State | null = null;
+  #surface: Surface | null = null;
+
+  constructor(
+    private readonly stage: Stage,
+    private readonly picking: Picking,
+  ) {
+    document.body.append(this.#layer);
+    stage.add(this.#path, this.#trace, this.#shaft);
+    stage.beforeFrame(() => this.#beforeFrame());
+    stage.onResize((width, height) => this.#markers.forEach(({ marker }) => marker.fit(width, height)));
+  }
+
+  follow(state: State, before: State | null, results: Results, resultsBefore: Results | null): void {
+    this.#state = state;
+    this.#surface = results.surface;
+    const other = results.surface !== resultsBefore?.surface;
+    const moved =
+      other || state.sources !== before?.sources || state.via !== before.via || state.target !== before.target ||
+      state.arrow !== before.arrow || state.show !== before.show || results.trace !== resultsBefore?.trace;
+    if (moved) this.#placeMarkers(state, results);
+    const relabel = state.ticks !== before?.ticks || results.measured !== resultsBefore?.measured;
+    const surface = results.surface;
+    if (other || results.path !== resultsBefore?.path) this.#path.setPoints(pointsOf(surface, results.path));
+    if (other || results.trace !== resultsBefore?.trace) this.#trace.setPoints(pointsOf(surface, results.trace));
+    if (other || results.measured !== resultsBefore?.measured) this.#placeMeasures(results);
+    if (other || relabel || results.path !== resultsBefore?.path) this.#label(state, results);
+    this.stage.wake();
+  }
+
+  /** The handle under a pointer at a place on the page, the nearest first. */
+  handleAt(x: number, y: number, touch: boolean): Handle | null {
+    let nearest: Handle | null = null;
+    let distance = touch ? REACH.touch : REACH.mouse;
+    for (const { handle, marker } of this.#markers) {
+      const at = handle && this.stage.onPage(marker.position);
+      if (!at) continue;
+      const away = Math.hypot(at.x - x, at.y - y);
+      if (away < distance) [nearest, distance] = [handle, away];
+    }
+    return nearest;
+  }
+
+  hold(handle: Handle | null): void {
+    for (const each of this.#markers) {
+      each.marker.held = handle !== null && each.handle?.kind === handle.kind && each.handle.index === handle.index;
+    }
+    this.stage.wake();
+  }
+
+  /** Where the arrow starts, and the plane's normal there, as drawn. */
+  arrowPlane(): { start: Vector3; normal: Vector3 } | null {
+    const arrow = this.#state?.arrow;
+    if (!arrow || !this.#surface?.has(arrow.from)) return null;
+    return { start: this.#surface.placeOf(arrow.from), normal: this.#surface.normalOf(arrow.from.face) };
+  }
+
+  /** The labels that are shown, for an export that draws them. */
+  get texts(): { text: string; x: number; y: number; strong: boolean }[] {
+    return this.#labels.flatMap(({ label, tag }) => {
+      const at = tag.hidden || tag.classList.contains('behind') ? null : this.stage.onPage(label.place);
+      return at ? [{ text: label.text, strong: label.strong, ...at }] : [];
+    });
+  }
+
+  #placeMarkers(state: State, { surface, trace }: Results): void {
+    // Markers stay while their points move: to make one is to make its shaders.
+    const spare = this.#markers;
+    this.#markers = [];
+    const add = (kind: MarkerKind, place: Vector3, handle: Handle | null, colour?: string) => {
+      const same = spare.findIndex(
+        (each) =>
+          each.marker.kind === kind && each.marker.colour === colour &&
+          each.handle?.kind === handle?.kind && each.handle?.index === handle?.index,
+      );
+      const [kept] = same < 0 ? [] : spare.splice(same, 1);
+      const marker = kept?.marker ?? new Marker(kind, colour);
+      marker.position.copy(place);
+      this.#markers.push({ handle, marker });
+      if (kept) return;
+      marker.fit(this.stage.size.width, this.stage.size.height);
+      this.stage.add(marker);
+    };
+    if (surface) this.#placeAll(state, surface, trace, add);
+    for (const { marker } of spare) {
+      this.stage.remove(marker);
+      marker.dispose();
+    }
+  }
+
+  #placeAll(state: State, surface: Surface, trace: Results['trace'], add: AddMarker): void {
+    const at = (kind: 'source' | 'target' | 'via' | 'arrow', spot: Spot, index: number, colour?: string) => {
+      if (surface.has(spot)) add(kind, surface.placeOf(spot), { kind, index }, colour);
+    };
+    const regions = state.show === 'regions' && state.sources.length > 1;
+    state.sources.forEach((spot, index) => at('source', spot, index, regions ? REGION_COLOURS[index] : undefined));
+    state.via.forEach((spot, index) => at('via', spot, index));
+    if (state.target) at('target', state.target, 0);
+    if (state.arrow) {
+      at('arrow', state.arrow.from, 0);
+      add('arrow', new Vector3(), { kind: 'tip', index: 0 });
+      if (trace) add('end', new Vector3(...(surface.drawn([trace.to]) as unknown as [number, number, number])), null);
+    }
+  }
+
+  #placeMeasures({ surface, measured }: Results): void {
+    for (const line of this.#kept.splice(0)) {
+      this.stage.remove(line);
+      line.dispose();
+    }
+    for (const path of measured) {
+      const line = new ThickLine({ core: '#ffe08a', casing: DARK, width: 2.2, order: 12 });
+      line.setPoints(pointsOf(surface, path));
+      this.#kept.push(line);
+      this.stage.add(line);
+    }
+  }
+
+  #label(state: State, { surface, path, measured }: Results): void {
+    const labels: Label[] = [];
+    if (surface && path?.reachable && state.ticks) labels.push(...ticksAlong(surface, path));
+    measured.forEach((kept, index) => {
+      if (!surface || !kept?.reachable) return;
+      const [place] = placesAlong(surface, kept, [kept.length! / 2]);
+      if (place) labels.push({ text: `${letterOf(index)} ${lengthText(kept.length!)}`, place, strong: true });
+    });
+    // Tags are used again: the path changes with every movement of a pointer.
+    while (this.#labels.length > labels.length) this.#labels.pop()!.tag.remove();
+    this.#labels = labels.map((label, index) => {
+      const tag = this.#labels[index]?.tag ?? this.#layer.appendChild(element('span'));
+      if (tag.textContent !== label.text) tag.textContent = label.text;
+      tag.classList.toggle('strong', label.strong);
+      return { label, tag };
+    });
+  }
+
+  #beforeFrame(): void {
+    this.#aim();
+    const taken: { x: number; y: number }[] = [];
+    // Where labels are close the strong ones stand, and of the others the first.
+    const inOrder = [...this.#labels].sort((a, b) => Number(b.label.strong) - Number(a.label.strong));
+    for (const { label, tag } of inOrder) {
+      const at = this.stage.onPage(label.place);
+      tag.hidden = !at || taken.some(({ x, y }) => Math.abs(x - at.x) < APART.x && Math.abs(y - at.y) < APART.y);
+      if (!at || tag.hidden) continue;
+      taken.push(at);
+      tag.style.transform = `translate(${at.x.toFixed(1)}px, ${at.y.toFixed(1)}px) translate(-50%, -160%)`;
+      tag.classList.toggle('behind', this.picking.hides(label.place, this.stage.camera));
+    }
+  }
+
+  /** The arrow has one length on the screen, however near one is. */
+  #aim(): void {
+    const arrow = this.#state?.arrow;
+    const tip = this.#markers.find(({ handle }) => handle?.kind === 'tip')?.marker;
+    const plane = this.arrowPlane();
+    if (!arrow || !tip || !plane) return this.#shaft.setPoints(new Float32Array());
+    const { start, normal } = plane;
+    const length = ARROW * start.distanceTo(this.stage.camera.position);
+    const direction = new Vector3(...arrow.direction).projectOnPlane(normal).normalize();
+    tip.position.copy(start).addScaledVector(direction, length);
+    tip.updateMatrixWorld();
+    this.#shaft.setPoints(new Float32Array([...start.toArray(), ...tip.position.toArray()]));
+  }
+}
+
+/** A, B, …, Z, A1, … for the list of measures. */
+export function letterOf(index: number): string {
+  const letter = String.fromCharCode(65 + (index % 26));
+  return index < 26 ? letter : `${letter}${Math.floor(index / 26)}`;
+}
+
+function pointsOf(surface: Surface | null, line: { points: Path['points'] } | null): Float32Array {
+  return surface && line ? surface.drawn(line.points) : new Float32Array();
+}
+
+/** Labels at round distances, about six of them, and one at the end. */
+function ticksAlong(surface: Surface, path: Path): Label[] {
+  const length = path.length!;
+  if (!(length > 0)) return [];
+  const step = roundStep(length / 6);
+  const levels: number[] = [];
+  for (let n = 1; n * step < length - 0.35 * step; n++) levels.push(n * step);
+  const places = placesAlong(surface, path, [...levels, length]);
+  return places.map((place, index) => {
+    const last = index === levels.length;
+    return { text: last ? lengthText(length) : tickText(levels[index]!), place, strong: last };
+  });
+}
+
+/** The places on a path at ascending lengths (mesh units) from its beginning. */
+export function placesAlong(surface: Surface, { points }: Path, levels: readonly number[]): Vector3[] {
+  const drawn = surface.drawn(points);
+  const at = (index: number) => new Vector3().fromArray(drawn, 3 * index);
+  const places: Vector3[] = [];
+  let walked = 0;
+  let next = 0;
+  for (let i = 1; i < points.length && next < levels.length; i++) {
+    const from = at(i - 1);
+    const to = at(i);
+    const part = from.distanceTo(to) * surface.radius;
+    while (next < levels.length && (levels[next]! <= walked + part || i === points.length - 1)) {
+      const along = part > 0 ? Math.min(1, (levels[next]! - walked) / part) : 1;
+      places.push(new Vector3().lerpVectors(from, to, along));
+      next++;
+    }
+    walked += part;
+  }
+  return places;
+}

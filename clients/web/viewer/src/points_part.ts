@@ -1,0 +1,116 @@
+/** The panel's part for points: what the next click places, and what stands where. */
+import { REGION_COLOURS } from './colour_maps.ts';
+import { element, icon } from './element.ts';
+import { lengthText } from './numbers.ts';
+import { choice } from './panel.ts';
+import type { Parts } from './parts.ts';
+import { MOST_SOURCES, type Spot, type State, type Tool } from './state.ts';
+
+const CROSS = 'M6 6l8 8M14 6l-8 8';
+
+export const TOOLS: readonly { value: Tool; label: string; icon: string; title: string }[] = [
+  { value: 'source', label: 'Source', icon: 'M10 10m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0M10 3v2M10 15v2M3 10h2M15 10h2', title: 'Where distances begin (1)' },
+  { value: 'add', label: 'Add', icon: 'M10 5v10M5 10h10', title: 'One more source (2, or Shift and click)' },
+  { value: 'target', label: 'Target', icon: 'M10 10m-6 0a6 6 0 1 0 12 0a6 6 0 1 0-12 0M10 10m-1.6 0a1.6 1.6 0 1 0 3.2 0a1.6 1.6 0 1 0-3.2 0', title: 'Where the path ends (3)' },
+  { value: 'via', label: 'Via', icon: 'M3 14c4 0 3-8 7-8s3 8 7 8', title: 'Where the path passes (4)' },
+  { value: 'arrow', label: 'Straight', icon: 'M4 16L16 4M9 4h7v7', title: 'Straight ahead on the surface (5)' },
+];
+
+/** What a click does now, in words. */
+export function hintOf({ tool, sources, target, arrow, mesh }: State): string | null {
+  if (!mesh) return 'Drop a mesh here: .glb, .gltf or .drc';
+  if (tool === 'source' && !sources.length) return 'Click the surface to place a source';
+  if (tool === 'target' && sources.length && !target) return 'Now click a target, then drag it';
+  if (tool === 'add') return 'Click to add a source';
+  if (tool === 'via') return 'Click where the path should pass';
+  if (tool === 'arrow' && !arrow) return 'Click where to go straight ahead from';
+  if (tool === 'arrow') return 'Drag the arrow’s head to turn it';
+  return null;
+}
+
+export function pointsPart({ state, actions }: Parts): HTMLElement {
+  const tools = choice('What a click places', TOOLS, (tool) => state.set({ tool }));
+  const list = element('ul', { className: 'points' });
+  const clear = element('button', { type: 'button', className: 'quiet', onclick: actions.clear }, 'Clear points');
+  const root = element('section', { className: 'points-part' }, element('h2', { className: 'out-of-sight' }, 'Points'), tools.root, list, clear);
+
+  const without = (spots: readonly Spot[], index: number) => spots.filter((_, other) => other !== index);
+  const row = (kind: string, name: string, remove: () => void, region?: string) => {
+    const made = element(
+      'li',
+      { className: `point ${kind}${region ? ' region' : ''}` },
+      element('i', { aria: { hidden: 'true' } }),
+      name,
+      element('button', { type: 'button', className: 'remove', onclick: remove, aria: { label: `Remove ${name}` } }, icon(CROSS)),
+    );
+    if (region) made.style.setProperty('--region', region);
+    return made;
+  };
+  const show = (now: State) => {
+    tools.set(now.tool);
+    tools.enable('add', now.sources.length > 0 && now.sources.length < MOST_SOURCES);
+    const several = now.sources.length > 1;
+    const rows = [
+      ...now.sources.map((_, index) =>
+        row(
+          'source',
+          several ? `Source ${index + 1}` : 'Source',
+          () => state.set({ sources: without(state.value.sources, index) }),
+          several && now.show === 'regions' ? REGION_COLOURS[index] : undefined,
+        ),
+      ),
+      ...now.via.map((_, index) =>
+        row('via', now.via.length > 1 ? `Via ${index + 1}` : 'Via', () => state.set({ via: without(state.value.via, index) })),
+      ),
+    ];
+    if (now.target) rows.push(row('target', 'Target', () => state.set({ target: null })));
+    if (now.arrow) rows.push(row('arrow', 'Arrow', () => state.set({ arrow: null })));
+    list.replaceChildren(...rows);
+    clear.hidden = rows.length === 0;
+  };
+  state.listen((now, before) => {
+    // Only numbers count: while a point is dragged, its row stays, and the focus in it.
+    const counts = (of: State) => [of.tool, of.show, of.sources.length, of.via.length, !!of.target, !!of.arrow].join();
+    if (counts(now) !== counts(before)) show(now);
+  });
+  show(state.value);
+  return root;
+}
+
+/** The part for a straightest geodesic: how far, and where it ended. */
+export function arrowPart({ state, results }: Parts): HTMLElement {
+  const slider = element('input', { type: 'range', min: '0', max: '1000', id: 'ahead' });
+  const value = element('output', null);
+  const said = element('p', { className: 'facts' });
+  const root = element(
+    'section',
+    { className: 'arrow-part', hidden: true },
+    element('div', { className: 'labelled' }, element('label', { htmlFor: 'ahead' }, 'Straight ahead for'), value),
+    slider,
+    said,
+  );
+  // Squared, so that short lengths can be told apart; at most around the mesh four times.
+  const most = () => 25 * (results.value.surface?.radius ?? 1);
+  slider.oninput = () => {
+    const { arrow } = state.value;
+    if (arrow) state.set({ arrow: { ...arrow, length: Math.max(1e-3, (Number(slider.value) / 1000) ** 2) * most() } });
+  };
+  const WHY = {
+    length: 'Ends at its full length',
+    boundary: 'Ends at the boundary',
+    vertex: 'Ends at a vertex where faces meet in nothing else',
+    non_manifold: 'Ends where more than two faces meet',
+  };
+  const show = () => {
+    const { arrow } = state.value;
+    const { trace } = results.value;
+    root.hidden = !arrow;
+    if (!arrow) return;
+    slider.value = `${1000 * Math.sqrt(Math.min(1, arrow.length / most()))}`;
+    value.textContent = lengthText(arrow.length);
+    said.textContent = trace ? `${WHY[trace.end]}, after ${lengthText(trace.length)}` : '';
+  };
+  state.listen((now, before) => now.arrow !== before.arrow && show());
+  results.listen((now, before) => (now.trace !== before.trace || now.surface !== before.surface) && show());
+  return root;
+}

@@ -1,0 +1,51 @@
+/** The panel's part for the answer: how long the path is, by which method, in what time. */
+import { element } from './element.ts';
+import { lengthText, timeText } from './numbers.ts';
+import type { Parts } from './parts.ts';
+import { nameOf } from './questions.ts';
+
+export function resultPart({ state, results, actions }: Parts): HTMLElement {
+  const big = element('output', { className: 'big', id: 'length' });
+  const unit = element('span', { className: 'unit' });
+  const sub = element('p', { className: 'facts' });
+  const keep = element('button', { type: 'button', onclick: actions.keep, title: 'Into the list of measures (K)' }, 'Keep');
+  const root = element(
+    'section',
+    { className: 'result', hidden: true },
+    element('h2', null, 'Shortest path'),
+    element('div', { className: 'row' }, element('div', { className: 'number' }, big, unit), keep),
+    sub,
+  );
+  const show = () => {
+    const { target, sources } = state.value;
+    const { path, pathMs } = results.value;
+    root.hidden = !target;
+    keep.hidden = !path?.reachable;
+    if (!target) return;
+    if (!sources.length) {
+      big.textContent = '–';
+      unit.textContent = '';
+      sub.textContent = 'Place a source: the path begins there.';
+    } else if (!path) {
+      big.textContent = '…';
+      unit.textContent = '';
+      sub.textContent = '';
+    } else if (!path.reachable) {
+      big.textContent = '∞';
+      unit.textContent = '';
+      sub.textContent = 'The target lies on another component: no path leads there.';
+    } else {
+      big.textContent = lengthText(path.length!);
+      unit.textContent = 'units';
+      const said = [nameOf(path.method)];
+      if (path.refine === 'shortest') said.push('pulled straight');
+      if (path.via.length) said.push(path.via.length === 1 ? 'via 1 point' : `via ${path.via.length} points`);
+      if (pathMs !== null) said.push(timeText(pathMs));
+      sub.textContent = said.join(' · ');
+    }
+  };
+  state.listen((now, before) => (now.target !== before.target || now.sources !== before.sources) && show());
+  results.listen((now, before) => now.path !== before.path && show());
+  show();
+  return root;
+}

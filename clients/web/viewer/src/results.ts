@@ -1,0 +1,82 @@
+/**
+ * What the server has answered to the state: the mesh, the field, the path. Never in the
+ * link; always to be had again from it.
+ */
+import type { MeshMetadata, MethodInfo, Path, Trace } from 'geodesicd-client';
+import type { Surface } from './surface.ts';
+
+/** A distance a source vertex (mesh units, +Infinity where unreached), as it was answered. */
+export interface KnownField {
+  readonly values: Float32Array;
+  /** The place among the sources of each vertex's nearest; only with several sources. */
+  readonly labels: Uint32Array | null;
+  readonly max: number;
+  /** Of the server's computing, in milliseconds; null where it had the field already. */
+  readonly ms: number | null;
+  readonly method: string;
+  /** What was asked, to tell whether it still is the state's. */
+  readonly key: string;
+}
+
+/** The relative error of a field against the exact one, a number a vertex. */
+export interface FieldError {
+  readonly values: Float32Array;
+  readonly mean: number;
+  readonly most: number;
+}
+
+/** What is known of one method for the present sources. */
+export interface Trial {
+  readonly ms: number | null;
+  readonly mean: number | null;
+  readonly most: number | null;
+}
+
+export interface Results {
+  readonly meshes: readonly MeshMetadata[];
+  readonly methods: readonly MethodInfo[];
+  readonly surface: Surface | null;
+  readonly field: KnownField | null;
+  readonly error: FieldError | null;
+  /** Of several sources, each one's own field, for crisp borders between regions. */
+  readonly apart: readonly KnownField[] | null;
+  readonly trials: Readonly<Record<string, Trial>>;
+  readonly path: Path | null;
+  /** Of the last path: the server's computing, in milliseconds. */
+  readonly pathMs: number | null;
+  readonly trace: Trace | null;
+  /** The paths of the list's measures, in their order; null while one is awaited. */
+  readonly measured: readonly (Path | null)[];
+}
+
+export const NOTHING: Results = {
+  meshes: [],
+  methods: [],
+  surface: null,
+  field: null,
+  error: null,
+  apart: null,
+  trials: {},
+  path: null,
+  pathMs: null,
+  trace: null,
+  measured: [],
+};
+
+/** The error of `values` against `exact`, both a distance a vertex; where either is unreached it is 0. */
+export function errorAgainst(values: Float32Array, exact: Float32Array): FieldError {
+  const errors = new Float32Array(values.length);
+  let sum = 0;
+  let count = 0;
+  let most = 0;
+  for (let i = 0; i < values.length; i++) {
+    const truth = exact[i]!;
+    if (!(truth > 0 && truth < Infinity && values[i]! < Infinity)) continue;
+    const error = Math.abs(values[i]! - truth) / truth;
+    errors[i] = error;
+    sum += error;
+    count++;
+    if (error > most) most = error;
+  }
+  return { values: errors, mean: count ? sum / count : 0, most };
+}

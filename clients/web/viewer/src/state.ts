@@ -1,0 +1,117 @@
+/**
+ * What the page shows, as one plain value: the link reproduces exactly this. A store
+ * holds it; whoever changes it says which parts, and all who listen are told at once.
+ * Points are places on faces of the file, so they stay exact through any link.
+ */
+
+/** A place on a source face, by the weights of its corners. */
+export interface Spot {
+  readonly face: number;
+  readonly bary: readonly [number, number, number];
+}
+
+export type Xyz = readonly [number, number, number];
+export type Tool = 'source' | 'add' | 'target' | 'via' | 'arrow';
+export type Axis = 'x' | 'y' | 'z';
+export type Show = 'distance' | 'regions' | 'error';
+
+/** A straightest geodesic: from where, whither (mesh axes, any length), how far (mesh units). */
+export interface Arrow {
+  readonly from: Spot;
+  readonly direction: Xyz;
+  readonly length: number;
+}
+
+/** A path that was kept in the list. Its length is asked for anew when a link brings it. */
+export interface Measure {
+  readonly from: Spot;
+  readonly via: readonly Spot[];
+  readonly to: Spot;
+  readonly method: string;
+  readonly refine: boolean;
+}
+
+export interface State {
+  readonly mesh: string | null;
+  readonly sources: readonly Spot[];
+  readonly via: readonly Spot[];
+  readonly target: Spot | null;
+  readonly arrow: Arrow | null;
+  readonly measures: readonly Measure[];
+  readonly method: string;
+  /** Points that the method `steiner` adds inside each edge; null for its default. */
+  readonly pointsPerEdge: number | null;
+  readonly refine: boolean;
+  readonly show: Show;
+  readonly colours: 'viridis' | 'turbo';
+  /** About how many isolines; 0 for none. */
+  readonly lines: number;
+  /** Whether distances stand along the path. */
+  readonly ticks: boolean;
+  readonly tool: Tool;
+  /** Which of the mesh's axes is up; null for the page's guess. */
+  readonly up: Axis | null;
+  /** Position and target of the camera, in units of the mesh's radius about its middle. */
+  readonly camera: readonly number[] | null;
+}
+
+/** The shader has a colour for so many regions. */
+export const MOST_SOURCES = 8;
+
+export const START: State = {
+  mesh: null,
+  sources: [],
+  via: [],
+  target: null,
+  arrow: null,
+  measures: [],
+  method: 'wavefront',
+  pointsPerEdge: null,
+  refine: false,
+  show: 'distance',
+  colours: 'viridis',
+  lines: 24,
+  ticks: true,
+  tool: 'source',
+  up: null,
+  camera: null,
+};
+
+/** What a new mesh takes away: all that stands on the old one. */
+export const WITHOUT_POINTS = {
+  sources: [],
+  via: [],
+  target: null,
+  arrow: null,
+  measures: [],
+  show: 'distance',
+  tool: 'source',
+} as const satisfies Partial<State>;
+
+/** Holds one plain value; whoever listens is told of each change, after it. */
+export class Store<T extends object> {
+  #value: T;
+  readonly #listeners: ((value: T, before: T) => void)[] = [];
+
+  constructor(value: T) {
+    this.#value = value;
+  }
+
+  get value(): T {
+    return this.#value;
+  }
+
+  /** Sets some parts; the listeners are called in the order in which they came. */
+  set(parts: Partial<T>): void {
+    const before = this.#value;
+    const names = Object.keys(parts) as (keyof T)[];
+    if (names.every((name) => parts[name] === before[name])) return;
+    this.#value = { ...before, ...parts };
+    const now = this.#value;
+    for (const listener of this.#listeners) listener(now, before);
+  }
+
+  listen(listener: (value: T, before: T) => void): void {
+    this.#listeners.push(listener);
+  }
+}

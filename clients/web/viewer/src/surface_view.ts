@@ -1,0 +1,119 @@
+/**
+ * The mesh on the stage, painted with what the results say: distances, regions of the
+ * nearest source, or the error against the exact method. A new field floods the surface.
+ */
+import { BufferAttribute, Mesh, type BufferGeometry } from 'three';
+import { setField } from 'geodesicd-client/three';
+import { FieldMaterial } from './field_material.ts';
+import { roundStep } from './numbers.ts';
+import type { KnownField, Results } from './results.ts';
+import { wantsMotion, type Stage } from './stage.ts';
+import type { State } from './state.ts';
+
+const FLOOD = 650; // milliseconds from the source to the farthest vertex
+
+/** Between isolines of about this many up to `max`, round; 0 for none. */
+export function lineStepOf(max: number, lines: number): number {
+  return lines > 0 && max > 0 ? roundStep(max / lines) : 0;
+}
+
+export class SurfaceView {
+  readonly #material = new FieldMaterial();
+  readonly #mesh = new Mesh<BufferGeometry, FieldMaterial>(undefined, this.#material);
+  #shown: KnownField | null = null;
+  #floodFrom: number | null = null;
+  /** Set while a source is dragged: the field then just is there. */
+  still = false;
+
+  constructor(private readonly stage: Stage) {
+    stage.beforeFrame((now) => this.#flood(now));
+  }
+
+  setClay(colour: string): void {
+    this.#material.setClay(colour);
+    this.stage.wake();
+  }
+
+  follow(state: State, before: State | null, results: Results, resultsBefore: Results | null): void {
+    const { surface, field, error, apart } = results;
+    if (surface && surface !== resultsBefore?.surface) {
+      this.stage.remove(this.#mesh);
+      this.#mesh.geometry = surface.geometry;
+      this.stage.add(this.#mesh);
+      this.#shown = null;
+    }
+    if (!surface) return void this.stage.remove(this.#mesh);
+    const repaint =
+      field !== this.#shown ||
+      error !== resultsBefore?.error ||
+      apart !== resultsBefore?.apart ||
+      state.show !== before?.show ||
+      state.colours !== before.colours ||
+      state.lines !== before.lines;
+    if (!repaint) return;
+    if (!field) {
+      this.#shown = null;
+      this.#material.reveal(-1);
+      return this.stage.wake();
+    }
+    const { geometry } = surface;
+    if (field !== this.#shown) {
+      setField(geometry, field.values);
+      this.#startFlood(this.#shown === null || !this.still);
+    }
+    this.#shown = field;
+    const step = lineStepOf(field.max, state.lines);
+    const byRegion = state.show === 'regions' && field.labels;
+    const byError = state.show === 'error' && error;
+    if (byRegion) putRegions(geometry, field.labels!, apart);
+    // One buffer for both where they are the same; never the field's for the error.
+    if (byError) {
+      if (geometry.getAttribute('shade') === geometry.getAttribute('field')) geometry.deleteAttribute('shade');
+      setField(geometry, error.values, 'shade');
+    } else geometry.setAttribute('shade', geometry.getAttribute('field'));
+    if (byRegion) this.#material.paint('regions', field.max, step);
+    else if (byError) this.#material.paint('magma', Math.max(error.most, 1e-12), step);
+    else this.#material.paint(state.colours, field.max, step);
+    this.stage.wake();
+  }
+
+  #startFlood(animate: boolean): void {
+    if (!animate || !wantsMotion()) {
+      this.#floodFrom = null;
+      this.#material.reveal(Infinity);
+    } else this.#floodFrom = performance.now();
+  }
+
+  #flood(now: number): boolean {
+    if (this.#floodFrom === null || !this.#shown) return false;
+    const part = Math.max(0, now - this.#floodFrom) / FLOOD;
+    if (part >= 1) {
+      this.#floodFrom = null;
+      this.#material.reveal(Infinity);
+      return false;
+    }
+    const eased = 1 - (1 - part) ** 2.2;
+    const { max } = this.#shown;
+    this.#material.reveal(eased * 1.06 * max, 0.03 * max);
+    return true;
+  }
+}
+
+/**
+ * Eight numbers a vertex, of which the least says the region: the distances from each of
+ * the sources, or without them 0 for the label's and 1 for the others. The shader finds
+ * the border inside faces.
+ */
+function putRegions(geometry: BufferGeometry, labels: Uint32Array, apart: readonly KnownField[] | null): void {
+  for (const half of [0, 1]) {
+    const weights = new Float32Array(4 * labels.length).fill(apart ? 1e30 : 1);
+    for (let k = 4 * half; k < 4 * half + 4; k++) {
+      const values = apart?.[k]?.values;
+      for (let v = 0; v < labels.length; v++) {
+        if (values) weights[4 * v + k - 4 * half] = Math.min(values[v]!, 1e30);
+        else if (!apart && labels[v] === k) weights[4 * v + k - 4 * half] = 0;
+      }
+    }
+    geometry.setAttribute(`regions${half}`, new BufferAttribute(weights, 4));
+  }
+}

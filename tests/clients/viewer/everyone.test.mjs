@@ -1,0 +1,116 @@
+// The page for everyone: axe's rules in every state and theme, phones and their fingers,
+// readers who want no motion.
+import assert from 'node:assert/strict';
+import { readFile } from 'node:fs/promises';
+import { after, before, test } from 'node:test';
+import { axe, difference, launch, openMesh, pathLength, picture, ready, statistics, until } from './browser.mjs';
+import { Service } from './service.mjs';
+
+let browser, service, plane;
+before(async () => {
+  service = await new Service().start();
+  browser = await launch();
+  plane = await service.sample('plane');
+});
+after(async () => {
+  await browser.close();
+  await service.end();
+});
+
+const FULL =
+  '&from=9700,0.3,0.3&from=300,0.2,0.2&via=4000,0.2,0.5&to=19000,0.25,0.25&arrow=8000,0.3,0.3;1,0.4,0;40' +
+  '&kept=wavefront;0;9700,0.3,0.3;19000,0.25,0.25&show=regions';
+const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
+const ON_PHONE = { x: 0, y: 130, width: 390, height: 280 };
+
+/** What axe finds that is serious or worse. */
+async function faultsFound(page) {
+  await page.evaluate(await readFile(axe, 'utf8'));
+  const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ['violations'] }));
+  return violations
+    .filter(({ impact }) => impact === 'serious' || impact === 'critical')
+    .map(({ id, nodes }) => `${id}: ${nodes.map(({ target, failureSummary }) => `${target} ${failureSummary}`).join('; ')}`);
+}
+
+for (const colorScheme of ['light', 'dark']) {
+  test(`axe finds nothing serious in ${colorScheme}: empty-handed, with everything, with its dialogue`, async () => {
+    const page = await openMesh(browser, service, plane, '', { colorScheme });
+    assert.deepEqual(await faultsFound(page), [], 'at first');
+    await page.context().close();
+    const full = await openMesh(browser, service, plane, FULL, { colorScheme });
+    await pathLength(full);
+    await full.getByText('Export', { exact: true }).click();
+    await picture(full, `40-everything-${colorScheme}`);
+    assert.deepEqual(await faultsFound(full), [], 'with everything');
+    await full.keyboard.press('?');
+    assert.deepEqual(await faultsFound(full), [], 'with its dialogue');
+    assert.deepEqual(full.faults, []);
+    await full.context().close();
+  });
+}
+
+test('dark and light: as the system says, and by the switch', async () => {
+  const page = await openMesh(browser, service, plane, '', { colorScheme: 'dark' });
+  const dark = await picture(page, '41-dark');
+  await page.getByRole('button', { name: 'Dark or light' }).click();
+  const light = await picture(page, '42-light');
+  assert.ok((await difference(browser, dark, light)) > 0.5);
+  await page.reload();
+  await ready(page);
+  assert.ok((await difference(browser, light, await picture(page, '43-light-again'))) < 0.01, 'the switch is remembered');
+  await page.context().close();
+});
+
+test('on a phone: a sheet below, fingers place and drag', async () => {
+  const page = await openMesh(browser, service, plane, '', PHONE);
+  const clay = await picture(page, '44-phone', ON_PHONE);
+  await page.touchscreen.tap(150, 250);
+  await page.waitForSelector('.legend:not([hidden])');
+  await page.touchscreen.tap(240, 330);
+  const first = await pathLength(page);
+  const path = await picture(page, '45-phone-path', ON_PHONE);
+  assert.ok((await difference(browser, clay, path)) > 0.05);
+  assert.ok((await statistics(browser, path)).colourful > 0.05);
+  // A finger that drags the target, as the browser sends it.
+  const finger = await page.context().newCDPSession(page);
+  const touch = (type, ...points) =>
+    finger.send('Input.dispatchTouchEvent', { type, touchPoints: points.map(([x, y]) => ({ x, y })) });
+  await touch('touchStart', [240, 330]);
+  for (let step = 1; step <= 8; step++) await touch('touchMove', [240 - 5 * step, 330 - 12 * step]);
+  await touch('touchEnd');
+  await pathLength(page, first);
+  // Elsewhere two fingers zoom.
+  const before = await picture(page, '46-phone-dragged', ON_PHONE);
+  await touch('touchStart', [60, 500 - 200], [330, 300]);
+  for (let step = 1; step <= 6; step++) await touch('touchMove', [60 + 12 * step, 300], [330 - 12 * step, 300]);
+  await touch('touchEnd');
+  assert.ok((await difference(browser, before, await picture(page, '47-phone-zoomed', ON_PHONE))) > 0.02);
+  assert.equal(await page.locator('.point').count(), 2, 'two fingers place nothing');
+  // Folded, the sheet leaves its head.
+  const height = () => page.locator('.panel').evaluate((panel) => panel.getBoundingClientRect().height);
+  const unfolded = await height();
+  await page.getByRole('button', { name: 'Panel' }).tap();
+  await until(async () => (await height()) < unfolded / 3, 'folded');
+  await picture(page, '48-phone-folded', ON_PHONE);
+  // Whatever a finger meets is large enough.
+  await page.getByRole('button', { name: 'Panel' }).tap();
+  const small = await page.evaluate(() =>
+    [...document.querySelectorAll('button, select, summary, .choice label, .methods label, .check')]
+      .map((each) => ({ name: each.textContent.trim() || each.ariaLabel, box: each.getBoundingClientRect() }))
+      .filter(({ box }) => box.width > 0 && (box.height < 43.5 || box.width < 43.5))
+      .map(({ name, box }) => `${name}: ${box.width} x ${box.height}`),
+  );
+  assert.deepEqual(small, []);
+  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), true, 'nothing hangs over');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test('who wants no motion sees the field at once', async () => {
+  const page = await openMesh(browser, service, plane, '', { reducedMotion: 'reduce' });
+  await page.mouse.click(430, 380);
+  await page.waitForSelector('.legend:not([hidden])');
+  const seen = await statistics(browser, await picture(page, '49-no-motion'));
+  assert.ok(seen.colourful > 0.1);
+  await page.context().close();
+});

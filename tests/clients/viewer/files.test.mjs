@@ -1,0 +1,178 @@
+// What goes into the page and out of it: dropped files, broken ones, links, exports.
+import assert from 'node:assert/strict';
+import { readFile, writeFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { difference, launch, newPage, openMesh, pathLength, picture, ready, statistics, until } from './browser.mjs';
+import { Service } from './service.mjs';
+import { wavyMesh } from './wavy_mesh.mjs';
+
+let browser, service, plane;
+before(async () => {
+  service = await new Service().start();
+  browser = await launch();
+  plane = await service.sample('plane');
+});
+after(async () => {
+  await browser.close();
+  await service.end();
+});
+
+/** Drops a file on the page, as a file manager does. */
+async function drop(page, name, bytes) {
+  const held = await page.evaluateHandle(
+    ([text, called]) => {
+      const data = new DataTransfer();
+      data.items.add(new File([Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0))], called));
+      return data;
+    },
+    [bytes.toString('base64'), name],
+  );
+  await page.dispatchEvent('body', 'dragover', { dataTransfer: held });
+  assert.ok(await page.locator('.drop-zone').isVisible(), 'the page says that it may be dropped');
+  await page.dispatchEvent('body', 'drop', { dataTransfer: held });
+}
+
+test('a dropped file is uploaded and shown', async () => {
+  const page = await openMesh(browser, service, plane);
+  const was = await picture(page, '20-before-drop');
+  await drop(page, 'waves.glb', wavyMesh(60));
+  await until(async () => (await page.locator('#mesh option:checked').textContent()) === 'waves', 'the mesh in the list');
+  await ready(page);
+  const now = await picture(page, '21-dropped');
+  assert.ok((await difference(browser, was, now)) > 0.02);
+  assert.match(await page.textContent('.mesh-part .facts'), /3,600 vertices · 6,962 faces · 1 boundary/);
+  // The same again is known by its digest: nothing is sent.
+  const asked = page.asked.length;
+  await page.selectOption('#mesh', plane);
+  await ready(page);
+  await drop(page, 'again.glb', wavyMesh(60));
+  await until(async () => (await page.locator('#mesh option:checked').textContent()) === 'waves', 'the mesh again');
+  await ready(page);
+  assert.ok(page.asked.slice(asked).every((url) => !url.endsWith('/v1/meshes')), 'no second upload');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test('a broken file is explained, and what was there stays', async () => {
+  const page = await openMesh(browser, service, plane);
+  const was = await picture(page, '22-before-broken');
+  await drop(page, 'holiday.jpg', Buffer.from('this is no mesh'));
+  const trouble = page.locator('.trouble');
+  await trouble.waitFor();
+  assert.match(await trouble.textContent(), /no mesh that the server can read.*\.glb.*holiday\.jpg/s);
+  // Half a GLB is a mesh file, but a broken one: another text.
+  const whole = wavyMesh(20);
+  await trouble.getByRole('button', { name: 'Close this message' }).click();
+  await drop(page, 'half.glb', whole.subarray(0, whole.length / 2));
+  await trouble.waitFor();
+  await picture(page, '23-broken');
+  assert.match(await trouble.textContent(), /mesh in this file is broken.*half\.glb/s);
+  await trouble.getByRole('button', { name: 'Close this message' }).click();
+  assert.ok((await difference(browser, was, await picture(page, '24-after-broken'))) < 0.001);
+  assert.equal(await page.locator('#mesh option:checked').textContent().then((text) => text.startsWith('plane')), true);
+  // The browser itself reports refused requests; the page has no other fault.
+  assert.deepEqual(page.faults.filter((text) => !/Failed to load resource.*(415|422)/.test(text)), []);
+  await page.context().close();
+});
+
+/** The page's address once it has not changed for a while: the link follows the view at rest. */
+async function lastUrl(page) {
+  for (let url = page.url(); ; url = page.url()) {
+    await page.waitForTimeout(1500);
+    if (page.url() === url) return url;
+  }
+}
+
+const POINTS = '&from=9700,0.3,0.3&via=4000,0.2,0.5&to=19000,0.25,0.25';
+
+test('a link reproduces the mesh, the points, the method and the view', async () => {
+  const page = await openMesh(browser, service, plane, `${POINTS}&method=fast_marching&refine=shortest&colours=turbo&lines=12`);
+  const length = await pathLength(page);
+  assert.equal(
+    Number(length),
+    Number(
+      (
+        await service.json(
+          `/v1/meshes/${plane}/path?from=f:9700,0.3,0.3&via=f:4000,0.2,0.5&to=f:19000,0.25,0.25&method=fast_marching&refine=shortest`,
+        )
+      ).length.toPrecision(4),
+    ),
+  );
+  // Turned by hand, so that the camera is in the link, too.
+  await page.mouse.move(60, 60);
+  await page.mouse.down();
+  await page.mouse.move(180, 130, { steps: 8 });
+  await page.mouse.up();
+  const seen = await picture(page, '25-linked');
+  const link = await lastUrl(page);
+  assert.match(link, /camera=/);
+  await page.reload();
+  await ready(page);
+  assert.equal(await pathLength(page), length);
+  const again = await picture(page, '26-reloaded');
+  assert.ok((await difference(browser, seen, again)) < 0.01, `the same view: ${await difference(browser, seen, again)}`);
+  assert.ok(await page.getByLabel('Fast marching').isChecked());
+  assert.ok(await page.getByLabel('Turbo').isChecked());
+  assert.ok(await page.getByLabel('Pull the path straight').isChecked());
+  // Elsewhere it is the same, too.
+  const other = await newPage(browser);
+  await other.goto(link);
+  await ready(other);
+  assert.equal(await pathLength(other), length);
+  assert.ok((await difference(browser, again, await picture(other, '27-elsewhere'))) < 0.001);
+  assert.deepEqual([...page.faults, ...other.faults], []);
+  await page.context().close();
+  await other.context().close();
+});
+
+test('a link to a mesh that is not there, or to points that are not on it, is explained', async () => {
+  const page = await newPage(browser);
+  await page.goto(`${service.url}#mesh=${'0'.repeat(64)}`);
+  await ready(page, 'failed');
+  assert.match(await page.locator('.trouble').textContent(), /not on the server.*Drop its file again/s);
+  await page.selectOption('#mesh', plane);
+  await ready(page);
+  assert.equal(await page.locator('.trouble').count(), 0, 'what is over is not shown any more');
+  await page.context().close();
+  const other = await openMesh(browser, service, plane, '&from=999999,0.3,0.3');
+  assert.match(await other.locator('.trouble').textContent(), /not on the mesh/);
+  assert.deepEqual(other.faults, []);
+  await other.context().close();
+});
+
+test('everything can be taken along, in the formats that others read', async () => {
+  const page = await openMesh(browser, service, plane, POINTS);
+  const length = Number(await pathLength(page));
+  await page.keyboard.press('k');
+  await page.getByText('Export', { exact: true }).click();
+  const saved = async (button) => {
+    const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: button }).click()]);
+    return { name: download.suggestedFilename(), bytes: await readFile(await download.path()) };
+  };
+  const json = await saved('Path · JSON');
+  assert.equal(json.name, 'plane.path.json');
+  const path = JSON.parse(json.bytes);
+  assert.equal(Number(path.length.toPrecision(4)), length);
+  const csv = (await saved('Path · CSV')).bytes.toString().trim().split('\n');
+  assert.equal(csv[0], 'x,y,z,distance,face,w0,w1,w2');
+  assert.equal(csv.length, path.points.length + 1);
+  assert.ok(Math.abs(Number(csv.at(-1).split(',')[3]) / path.length - 1) < 1e-9, 'its last distance is its length');
+  const glb = (await saved('Path · GLB')).bytes;
+  assert.equal(glb.subarray(0, 4).toString(), 'glTF');
+  const document = JSON.parse(glb.subarray(20, 20 + glb.readUInt32LE(12)));
+  assert.equal(document.accessors[document.meshes[0].primitives[0].attributes.POSITION].count, path.points.length);
+  const npy = (await saved('Field · NPY')).bytes;
+  assert.equal(npy.subarray(1, 6).toString(), 'NUMPY');
+  assert.match(npy.subarray(10, 10 + npy.readUInt16LE(8)).toString(), /'<f8'.*\(10000,\)/);
+  const measures = (await saved('Save as CSV')).bytes.toString().trim().split('\n');
+  assert.deepEqual(measures[1].split(',').slice(2), ['wavefront', 'none', '1']);
+  const png = await saved('View · PNG');
+  const seen = await statistics(browser, png.bytes);
+  assert.deepEqual([seen.width, seen.height], [1200, 760]);
+  assert.ok(seen.colourful > 0.1, 'the field is on the picture');
+  const { VIEWER_PICTURES } = process.env;
+  if (VIEWER_PICTURES) await writeFile(join(VIEWER_PICTURES, '28-exported.png'), png.bytes);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
