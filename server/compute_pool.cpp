@@ -93,7 +93,10 @@ Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& c
   if (!queue_.empty()) {
     const Clock::duration wait = expected_wait(caller.client);
     const bool too_late = caller.deadline && Clock::now() + wait > *caller.deadline;
-    if (too_late || (bounds_wait_of(caller) && wait > limits_.wait)) {
+    // An estimate may fall short: who would hardly make it had better know now than after
+    // waiting.
+    const bool too_long = bounds_wait_of(caller) && wait + wait / 4 > limits_.wait;
+    if (too_late || too_long) {
       return refuse(Error{ErrorCode::overloaded,
                           too_late ? "the queue is longer than the request's deadline allows"
                                    : "the queue of computations is too long",
