@@ -15,6 +15,8 @@ function(geodesic_add_doctest target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "TSAN" "" "")
   target_link_libraries(${target} PRIVATE doctest_main)
   geodesic_precompile(${target} <doctest/doctest.h>)
+  # What is tested is in the libraries; tests themselves are compiled more often than run.
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   add_test(NAME ${target} COMMAND ${target})
   add_dependencies(doctest_executables ${target})
   set(labels doctest)
