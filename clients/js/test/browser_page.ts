@@ -6,7 +6,8 @@
 import assert from 'node:assert/strict';
 import { spawn, spawnSync } from 'node:child_process';
 import { once } from 'node:events';
-import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { mkdtempSync, readFileSync } from 'node:fs';
+import { rm } from 'node:fs/promises';
 import { createServer } from 'node:http';
 import type { AddressInfo } from 'node:net';
 import { tmpdir } from 'node:os';
@@ -71,7 +72,7 @@ export async function openPage(script: string, server: string): Promise<unknown>
   const child = spawn(
     browser!,
     [...flags, ...drawing, '--remote-debugging-port=0', `${url}?server=${encodeURIComponent(server)}`],
-    { stdio: 'ignore' },
+    { stdio: 'ignore', detached: true }, // a group, with the processes it starts
   );
   const over = once(child, 'exit');
   try {
@@ -79,8 +80,9 @@ export async function openPage(script: string, server: string): Promise<unknown>
     early.catch(() => undefined);
     return await Promise.race([found, early]);
   } finally {
-    child.kill('SIGKILL');
+    if (child.exitCode === null) process.kill(-child.pid!, 'SIGKILL');
     await over;
-    rmSync(profile, { recursive: true, force: true, maxRetries: 10, retryDelay: 100 });
+    // What was killed may still be writing for a moment.
+    await rm(profile, { recursive: true, force: true, maxRetries: 50, retryDelay: 100 });
   }
 }
