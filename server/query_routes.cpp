@@ -66,9 +66,13 @@ std::string identity_of(const Routes::Query& query, proto::Format format) {
   return identity;
 }
 
-// A reply is kept as it is sent.
+// A reply is kept as it is sent. A long question is known by its tag, lest the questions
+// take more memory than the replies.
 std::string kept_as(const Routes::Query& query, const std::string& identity) {
-  return admits_gzip(*query.reader) ? identity + '\0' + "gzip" : identity;
+  constexpr std::size_t kLongest = 512;
+  std::string key = identity.size() <= kLongest ? identity : query.mesh + entity_tag(identity);
+  if (admits_gzip(*query.reader)) key.append(1, '\0').append("gzip");
+  return key;
 }
 
 }  // namespace

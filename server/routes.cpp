@@ -57,8 +57,8 @@ HttpResponse text_reply(std::string_view text, std::string type) {
   return response;
 }
 
-// What a kept reply takes, its headers by a guess.
-std::size_t bytes_of(const HttpResponse& reply) { return reply.body->size() + 1024; }
+// What a kept reply takes, its headers and its key by a guess.
+std::size_t bytes_of(const HttpResponse& reply) { return reply.body->size() + 2048; }
 
 }  // namespace
 

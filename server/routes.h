@@ -118,7 +118,7 @@ class Routes {
   Access access_;
   ViewerFiles viewer_;
   const CrossOrigin cross_origin_;
-  LruCache<HttpResponse> replies_;  // to GET, by mesh and tag
+  LruCache<HttpResponse> replies_;  // to GET, by mesh and question
   MeshCatalog& catalog_;
   FieldQueries& queries_;
   ComputePool& pool_;

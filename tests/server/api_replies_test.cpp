@@ -125,6 +125,19 @@ TEST_CASE("JsonIsPackedForThoseWhoTakeItAndArraysNever") {
   CHECK(array.body->size() == 960);
 }
 
+TEST_CASE("ALongQuestionIsKnownAgainToo") {
+  PlaneService plane;
+  std::string target = plane.base + "/distance?at=v:1";
+  for (int i = 0; i < 100; ++i) target += "&from=v:" + std::to_string(i);
+  const HttpResponse first = plane.service.get(target + "&at=v:100");
+  const HttpResponse other = plane.service.get(target + "&at=v:101");
+  REQUIRE(first.status == 200);
+  CHECK(plane.service.get(target + "&at=v:100").body == first.body);
+  CHECK(plane.service.get(target + "&at=v:101").body == other.body);
+  CHECK(*first.body != *other.body);
+  CHECK(header_of(first, "ETag") != header_of(other, "ETag"));
+}
+
 TEST_CASE("PagesOfOtherOriginsMayCallAndRead") {
   PlaneService plane;
   const HttpResponse reply = plane.service.ask("GET", plane.base + "/distance?from=v:0", {},
