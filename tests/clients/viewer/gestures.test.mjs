@@ -34,11 +34,13 @@ async function drag(page, [x, y], [toX, toY], steps = 20) {
 
 test('a sample is drawn at once, in clay, and a hint says what to do', async () => {
   const page = await newPage(browser);
-  const begun = Date.now();
   await page.goto(service.url);
   await ready(page);
-  const took = Date.now() - begun;
-  console.log(`first picture after ${took} ms`);
+  const took = await page.evaluate(() => {
+    const [{ loadEventEnd }] = performance.getEntriesByType('navigation');
+    return Math.round(performance.getEntriesByName('geodesicd:picture')[0].startTime - loadEventEnd);
+  });
+  console.log(`first picture ${took} ms after the page's load, in a browser that has just started`);
   assert.ok(took < 30_000, `${took} ms`);
   const seen = await statistics(browser, await picture(page, '01-first-picture'));
   assert.ok(seen.still < 0.85, 'there is more than the background');

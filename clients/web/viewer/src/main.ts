@@ -30,6 +30,7 @@ import { NOTHING, type Results } from './results.ts';
 import { shortcuts } from './shortcuts.ts';
 import { Stage } from './stage.ts';
 import { Store, WITHOUT_POINTS, type State } from './state.ts';
+import type { Surface } from './surface.ts';
 import { SurfaceView } from './surface_view.ts';
 import { ThemeSwitch } from './theme.ts';
 
@@ -250,18 +251,28 @@ function start(): void {
     const { mesh, camera } = state.value;
     if (!mesh) return;
     document.body.dataset['state'] = 'loading';
-    if (results.value.surface?.id !== mesh && !(await meshes.load(mesh))) {
+    const present = results.value.surface;
+    if (present?.id === mesh) dropForeignPoints(present);
+    else if (!(await meshes.load(mesh, dropForeignPoints))) {
       if (state.value.mesh === mesh) document.body.dataset['state'] = 'failed';
       return;
     }
     const surface = results.value.surface!;
-    dropForeignPoints();
     look(camera);
     document.title = `${surfaceName()} · geodesicd`;
+    const drawn = nextPicture();
     await picking.take(surface);
+    await drawn;
+    document.body.dataset['state'] = 'ready';
+  }
+
+  /** Resolves when what is on the stage now has been drawn: two frames on. */
+  function nextPicture(): Promise<void> {
     stage.wake();
-    // Ready: two frames from now it has been drawn.
-    requestAnimationFrame(() => requestAnimationFrame(() => { document.body.dataset['state'] = 'ready'; }));
+    return new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => {
+      performance.mark('geodesicd:picture'); // to be measured from outside
+      resolve();
+    })));
   }
 
   function surfaceName(): string {
@@ -269,8 +280,7 @@ function start(): void {
   }
 
   /** A link may have been mended by hand: points that the mesh does not have are told and left out. */
-  function dropForeignPoints(): void {
-    const surface = results.value.surface!;
+  function dropForeignPoints(surface: Surface): void {
     const { sources, via, target, arrow, measures } = state.value;
     const all = [...sources, ...via, target, arrow?.from].filter((spot) => spot != null);
     if (all.every((spot) => surface.has(spot))) return;

@@ -47,8 +47,11 @@ export class Meshes {
     return rich[0]?.id ?? this.results.value.meshes[0]?.id ?? null;
   }
 
-  /** Puts a mesh into the results; whatever goes wrong is told. Answers whether it is there. */
-  async load(id: string): Promise<boolean> {
+  /**
+   * Puts a mesh into the results; whatever goes wrong is told. Answers whether it is there.
+   * `before` sees it first: with it in the results, questions about it are asked.
+   */
+  async load(id: string, before: (surface: Surface) => void): Promise<boolean> {
     this.#loading?.abort();
     const loading = (this.#loading = new AbortController());
     const { signal } = loading;
@@ -60,8 +63,10 @@ export class Meshes {
         this.access.client.geometry(id, { values: 'f64', signal }),
       ]);
       if (signal.aborted) return false;
+      const surface = new Surface(about, positions, triangles);
+      before(surface);
       this.results.value.surface?.dispose();
-      this.results.set({ surface: new Surface(about, positions, triangles) });
+      this.results.set({ surface });
       this.#add(about);
       return true;
     } catch (error) {

@@ -2,7 +2,10 @@
  * The canvas with its camera and light: draws when something has changed and never
  * otherwise, so a page that lies in a background costs nothing.
  */
-import { PerspectiveCamera, Quaternion, Scene, Spherical, Vector3, WebGLRenderer, type Object3D } from 'three';
+import {
+  BufferAttribute, BufferGeometry, Mesh, PerspectiveCamera, Quaternion, Scene, Spherical, Vector3, WebGLRenderer,
+  type Material, type Object3D,
+} from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Axis } from './state.ts';
 
@@ -128,6 +131,17 @@ export class Stage {
     for (const run of this.#beforeFrame) again = run(now) === true || again;
     if (this.scene.children.length) this.#renderer.render(this.scene, this.camera);
     if (again) this.wake();
+  }
+
+  /** Lets a material's shaders be compiled while the mesh is still on its way. */
+  warm(material: Material): void {
+    const speck = new BufferGeometry();
+    speck.setAttribute('position', new BufferAttribute(new Float32Array(9), 3));
+    speck.setAttribute('normal', new BufferAttribute(new Float32Array(9), 3));
+    const mesh = new Mesh(speck, material);
+    mesh.frustumCulled = false;
+    this.#renderer.render(new Scene().add(mesh), this.camera);
+    speck.dispose();
   }
 
   /** The view as it is now, for an export: drawn anew, since what was shown is not kept. */

@@ -27,6 +27,7 @@ export class SurfaceView {
 
   constructor(private readonly stage: Stage) {
     stage.beforeFrame((now) => this.#flood(now));
+    stage.warm(this.#material);
   }
 
   setClay(colour: string): void {
