@@ -79,8 +79,36 @@ def snippets() -> list[tuple[str, str]]:
     return re.findall(r"```(python|sh)\n(.*?)```", text, re.DOTALL)
 
 
+def run_python(code: str, names: dict[str, object]) -> int:
+    """Runs a snippet. A line with ``# = value`` at its end has that value; how many there were."""
+    checked = 0
+    lines = code.splitlines()
+    for statement in ast.parse(code).body:
+        source = "\n".join(lines[statement.lineno - 1 : statement.end_lineno])
+        comment = re.search(r"  # = (.+)$", source)
+        if isinstance(statement, ast.Expr) and comment:
+            value = eval(source, names)
+            assert repr(value) == comment[1], source
+            checked += 1
+        else:
+            exec(source, names)
+    return checked
+
+
+def test_the_projects_readme(
+    server: geodesicd.LocalServer, samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The snippet of the README at the top, but for the server's address."""
+    (tmp_path / "build").mkdir()
+    (tmp_path / "build" / "samples").symlink_to(samples)
+    monkeypatch.chdir(tmp_path)
+    text = (HERE.parents[1] / "README.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    assert run_python(code.replace("http://localhost:8080", server.url), {}) == 3
+
+
 def test_the_readmes_python(samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """All in one name space, in turn. A line with ``# value`` at its end prints that value."""
+    """All in one name space, in turn."""
     monkeypatch.chdir(tmp_path)
     for name in ("plane_three_holes.glb", "torus_knot.glb"):
         (tmp_path / name).write_bytes((samples / name).read_bytes())
@@ -92,16 +120,7 @@ def test_the_readmes_python(samples: Path, tmp_path: Path, monkeypatch: pytest.M
         for kind, code in snippets():
             if kind != "python":
                 continue
-            lines = code.splitlines()
-            for statement in ast.parse(code).body:
-                source = "\n".join(lines[statement.lineno - 1 : statement.end_lineno])
-                comment = re.search(r"  # = (.+)$", source)
-                if isinstance(statement, ast.Expr) and comment:
-                    value = eval(source, names)
-                    assert repr(value) == comment[1], source
-                    checked += 1
-                else:
-                    exec(source, names)
+            checked += run_python(code, names)
     finally:
         connected = names.get("client")
         if isinstance(connected, geodesicd.Client):
