@@ -120,6 +120,13 @@ void meet_face(const RTCIntersectFunctionNArguments* arguments) {
   end = std::min(end, static_cast<float>(search.reach() + kRayMargin));
 }
 
+// Embree asks this while it builds the hierarchy, and leaves off at a false.
+bool goes_on(void* user, double done) {
+  const Cancel& cancel = *static_cast<const Cancel*>(user);
+  cancel.report(std::clamp(done, 0.0, 1.0));
+  return !cancel.requested();
+}
+
 bool count_memory(void* user, ssize_t bytes, bool /*after*/) {
   static_cast<std::atomic<std::int64_t>*>(user)->fetch_add(bytes);
   return true;
@@ -160,9 +167,24 @@ struct ClosestPointIndex::Scene {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   std::atomic<std::int64_t> memory{0};
+  bool is_whole = false;  // not cancelled halfway
 };
 
 ClosestPointIndex::ClosestPointIndex(std::shared_ptr<const Adjacency> adjacency)
+    : ClosestPointIndex(std::move(adjacency), Cancel()) {}
+
+Result<std::shared_ptr<const ClosestPointIndex>> ClosestPointIndex::build(
+    std::shared_ptr<const Adjacency> adjacency, const Cancel& cancel) {
+  std::shared_ptr<const ClosestPointIndex> index(
+      new ClosestPointIndex(std::move(adjacency), cancel));
+  if (!index->scene_->is_whole) {
+    return fail(ErrorCode::cancelled, "the computation was cancelled");
+  }
+  return index;
+}
+
+ClosestPointIndex::ClosestPointIndex(std::shared_ptr<const Adjacency> adjacency,
+                                     const Cancel& cancel)
     : adjacency_(std::move(adjacency)),
       scene_(std::make_unique<Scene>(adjacency_->mesh(), adjacency_->mesh().box())) {
   // One thread: core has no threads of its own.
@@ -180,8 +202,12 @@ ClosestPointIndex::ClosestPointIndex(std::shared_ptr<const Adjacency> adjacency)
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene_->scene, geometry);
   rtcReleaseGeometry(geometry);
+  rtcSetSceneProgressMonitorFunction(scene_->scene, goes_on, const_cast<Cancel*>(&cancel));
   rtcCommitScene(scene_->scene);
-  if (rtcGetDeviceError(scene_->device) != RTC_ERROR_NONE) throw std::bad_alloc();
+  rtcSetSceneProgressMonitorFunction(scene_->scene, nullptr, nullptr);
+  const RTCError error = rtcGetDeviceError(scene_->device);
+  scene_->is_whole = error == RTC_ERROR_NONE;
+  if (!scene_->is_whole && error != RTC_ERROR_CANCELLED) throw std::bad_alloc();
 }
 
 ClosestPointIndex::~ClosestPointIndex() = default;

@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "core/adjacency.h"
+#include "core/cancel.h"
+#include "core/error.h"
 #include "core/surface_point.h"
 #include "core/vec3.h"
 
@@ -28,6 +30,9 @@ struct RayHit {
 class ClosestPointIndex {
  public:
   explicit ClosestPointIndex(std::shared_ptr<const Adjacency> adjacency);
+  // Errors: cancelled.
+  [[nodiscard]] static Result<std::shared_ptr<const ClosestPointIndex>> build(
+      std::shared_ptr<const Adjacency> adjacency, const Cancel& cancel);
   ~ClosestPointIndex();
   ClosestPointIndex(const ClosestPointIndex&) = delete;
   ClosestPointIndex& operator=(const ClosestPointIndex&) = delete;
@@ -51,6 +56,7 @@ class ClosestPointIndex {
 
  private:
   struct Scene;
+  ClosestPointIndex(std::shared_ptr<const Adjacency> adjacency, const Cancel& cancel);
   std::shared_ptr<const Adjacency> adjacency_;
   std::unique_ptr<Scene> scene_;
 };

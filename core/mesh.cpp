@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <string>
 #include <tuple>
 
 #include "core/hilbert_order.h"
+#include "core/polled_fill.h"
+#include "core/polled_sort.h"
 
 namespace geodesic {
 namespace {
@@ -23,10 +26,10 @@ double flushed(double coordinate) {
   return std::abs(coordinate) < Mesh::kMinCoordinate ? 0.0 : coordinate + 0.0;
 }
 
-Result<Box> checked_box(const TriangleSoup& soup) {
+Result<Box> checked_box(const TriangleSoup& soup, Poll& poll) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Box box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-  for (std::size_t i = 0; i < soup.positions.size(); ++i) {
+  for (std::size_t i = 0; i < soup.positions.size() && !poll.cancelled(); ++i) {
     const Vec3 p = soup.positions[i];
     // Written so that NaN fails it.
     const bool usable = std::abs(p.x) <= Mesh::kMaxCoordinate &&
@@ -42,8 +45,8 @@ Result<Box> checked_box(const TriangleSoup& soup) {
   return box;
 }
 
-Result<void> check_indices(const TriangleSoup& soup) {
-  for (std::size_t f = 0; f < soup.faces.size(); ++f) {
+Result<void> check_indices(const TriangleSoup& soup, Poll& poll) {
+  for (std::size_t f = 0; f < soup.faces.size() && !poll.cancelled(); ++f) {
     for (const std::uint32_t v : soup.faces[f]) {
       if (v >= soup.positions.size()) {
         return fail(ErrorCode::index_out_of_range, "face " + std::to_string(f) + " names vertex " +
@@ -58,34 +61,40 @@ Result<void> check_indices(const TriangleSoup& soup) {
 // Source vertices along the Hilbert curve, those at the same position side by
 // side. Ties of the curve are broken by position and number, never by hashing,
 // so that no choice of coordinates makes this slower than a sort.
-std::vector<std::uint32_t> curve_order(const std::vector<Vec3>& positions, const Box& box) {
+std::vector<std::uint32_t> curve_order(const std::vector<Vec3>& positions, const Box& box,
+                                       Poll& poll) {
   const Vec3 size = box.max - box.min;
   const double longest = std::max({size.x, size.y, size.z});
   const double scale = longest > 0 ? 1023.0 / longest : 0.0;
   const auto cell = [scale](double offset) { return static_cast<std::uint32_t>(offset * scale); };
 
-  std::vector<std::uint64_t> keyed(positions.size());
-  for (std::size_t i = 0; i < positions.size(); ++i) {
+  std::vector<std::uint64_t> keyed;
+  polled_assign(keyed, positions.size(), std::uint64_t{0}, poll);
+  for (std::size_t i = 0; i < keyed.size() && !poll.cancelled(); ++i) {
     const Vec3 offset = positions[i] - box.min;
     const std::uint64_t key = hilbert_index(cell(offset.x), cell(offset.y), cell(offset.z));
     keyed[i] = (key << 32U) | i;
   }
-  std::sort(keyed.begin(), keyed.end());
+  if (poll.stopped()) return {};
+  {
+    std::vector<std::uint64_t> spare;
+    polled_sort(keyed, 0, keyed.size(), std::less<>(), spare, poll);
+  }
 
-  std::vector<std::uint32_t> order(positions.size());
+  std::vector<std::uint32_t> order;
+  polled_assign(order, keyed.size(), std::uint32_t{0}, poll);
+  if (poll.stopped()) return {};
   for (std::size_t i = 0; i < keyed.size(); ++i) order[i] = static_cast<std::uint32_t>(keyed[i]);
   const auto by_position = [&](std::uint32_t a, std::uint32_t b) {
     const Vec3 p = positions[a];
     const Vec3 q = positions[b];
     return std::tie(p.x, p.y, p.z, a) < std::tie(q.x, q.y, q.z, b);
   };
-  for (std::size_t begin = 0; begin < keyed.size();) {
+  std::vector<std::uint32_t> spare;
+  for (std::size_t begin = 0; begin < keyed.size() && !poll.cancelled();) {
     std::size_t end = begin + 1;
     while (end < keyed.size() && (keyed[end] >> 32U) == (keyed[begin] >> 32U)) ++end;
-    if (end - begin > 1) {
-      std::sort(order.begin() + static_cast<std::ptrdiff_t>(begin),
-                order.begin() + static_cast<std::ptrdiff_t>(end), by_position);
-    }
+    if (end - begin > 1) polled_sort(order, begin, end, by_position, spare, poll);
     begin = end;
   }
   return order;
@@ -93,7 +102,9 @@ std::vector<std::uint32_t> curve_order(const std::vector<Vec3>& positions, const
 
 }  // namespace
 
-Result<Mesh> Mesh::build(const TriangleSoup& soup) {
+Result<Mesh> Mesh::build(const TriangleSoup& soup) { return build(soup, Cancel()); }
+
+Result<Mesh> Mesh::build(const TriangleSoup& soup, const Cancel& cancel) {
   if (soup.faces.empty()) return fail(ErrorCode::no_triangles, "the mesh has no triangles");
   if (soup.positions.size() > kMaxVertices) {
     return fail_limit(ErrorCode::too_many_vertices, "too many vertices", kMaxVertices,
@@ -102,79 +113,102 @@ Result<Mesh> Mesh::build(const TriangleSoup& soup) {
   if (soup.faces.size() > kMaxFaces) {
     return fail_limit(ErrorCode::too_many_faces, "too many faces", kMaxFaces, soup.faces.size());
   }
-  if (auto indices = check_indices(soup); !indices) return fail(indices.error());
+  Poll poll(cancel);
+  if (auto indices = check_indices(soup, poll); !indices) return fail(indices.error());
   Mesh mesh;
-  if (auto box = checked_box(soup); box) {
+  if (auto box = checked_box(soup, poll); box) {
     mesh.box_ = *box;
   } else {
     return fail(box.error());
   }
-
-  // Weld, and number the vertices along the curve.
-  std::vector<Vec3> flushed_positions(soup.positions.size());
-  std::transform(soup.positions.begin(), soup.positions.end(), flushed_positions.begin(),
-                 [](Vec3 p) {
-                   return Vec3{flushed(p.x), flushed(p.y), flushed(p.z)};
-                 });
-  const std::vector<std::uint32_t> order = curve_order(flushed_positions, mesh.box_);
-  mesh.vertex_of_source_.resize(soup.positions.size());
-  mesh.positions_.reserve(soup.positions.size());
-  mesh.source_of_vertex_.reserve(soup.positions.size());
-  for (const std::uint32_t source : order) {
-    const Vec3 p = flushed_positions[source];
-    if (mesh.positions_.empty() || !(mesh.positions_.back() == p)) {
-      mesh.positions_.push_back(p);
-      mesh.source_of_vertex_.push_back(source);
-    }
-    mesh.vertex_of_source_[source] = static_cast<std::uint32_t>(mesh.positions_.size() - 1);
+  // About what part of the time each step takes.
+  cancel.report(0.05);
+  if (!poll.ask()) mesh.weld(soup, poll);
+  cancel.report(0.6);
+  if (!poll.ask()) mesh.order_faces(soup, poll);
+  cancel.report(0.9);
+  if (!poll.ask()) mesh.measure(poll);
+  if (poll.ask()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  if (mesh.faces_.empty()) {
+    return fail(ErrorCode::mesh_invalid, "every face has two corners at the same position");
   }
-  mesh.positions_.shrink_to_fit();
-  mesh.source_of_vertex_.shrink_to_fit();
+  return mesh;
+}
 
-  // Faces in the order of their first vertex on the curve (a counting sort).
+// Numbers the vertices along the curve, those at the same position as one.
+void Mesh::weld(const TriangleSoup& soup, Poll& poll) {
+  const std::size_t count = soup.positions.size();
+  std::vector<Vec3> flushed_positions;
+  polled_assign(flushed_positions, count, Vec3{}, poll);
+  for (std::size_t i = 0; i < flushed_positions.size() && !poll.cancelled(); ++i) {
+    const Vec3 p = soup.positions[i];
+    flushed_positions[i] = {flushed(p.x), flushed(p.y), flushed(p.z)};
+  }
+  if (poll.stopped()) return;
+  const std::vector<std::uint32_t> order = curve_order(flushed_positions, box_, poll);
+  polled_assign(vertex_of_source_, count, kNone, poll);
+  if (poll.stopped()) return;
+  positions_.reserve(count);
+  source_of_vertex_.reserve(count);
+  for (const std::uint32_t source : order) {
+    if (poll.cancelled()) return;
+    const Vec3 p = flushed_positions[source];
+    if (positions_.empty() || !(positions_.back() == p)) {
+      positions_.push_back(p);
+      source_of_vertex_.push_back(source);
+    }
+    vertex_of_source_[source] = static_cast<std::uint32_t>(positions_.size() - 1);
+  }
+  positions_.shrink_to_fit();
+  source_of_vertex_.shrink_to_fit();
+}
+
+// Faces in the order of their first vertex on the curve (a counting sort).
+void Mesh::order_faces(const TriangleSoup& soup, Poll& poll) {
   const auto welded = [&](std::size_t source_face) {
     const Triangle& t = soup.faces[source_face];
-    return Triangle{mesh.vertex_of_source_[t[0]], mesh.vertex_of_source_[t[1]],
-                    mesh.vertex_of_source_[t[2]]};
+    return Triangle{vertex_of_source_[t[0]], vertex_of_source_[t[1]], vertex_of_source_[t[2]]};
   };
   const auto has_surface = [](const Triangle& t) {
     return t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
   };
-  std::vector<std::uint32_t> begin(mesh.positions_.size() + 1, 0);
+  std::vector<std::uint32_t> begin;
+  polled_assign(begin, positions_.size() + 1, std::uint32_t{0}, poll);
+  polled_assign(face_of_source_, soup.faces.size(), kNone, poll);
   for (std::size_t f = 0; f < soup.faces.size(); ++f) {
+    if (poll.cancelled()) return;
     const Triangle t = welded(f);
     if (has_surface(t)) {
       ++begin[std::min({t[0], t[1], t[2]}) + 1];
     } else {
-      mesh.dropped_.push_back({static_cast<std::uint32_t>(f), t});
+      dropped_.push_back({static_cast<std::uint32_t>(f), t});
     }
   }
-  if (mesh.dropped_.size() == soup.faces.size()) {
-    return fail(ErrorCode::mesh_invalid, "every face has two corners at the same position");
-  }
   for (std::size_t v = 1; v < begin.size(); ++v) begin[v] += begin[v - 1];
-  mesh.faces_.resize(soup.faces.size() - mesh.dropped_.size());
-  mesh.source_of_face_.resize(mesh.faces_.size());
-  mesh.face_of_source_.assign(soup.faces.size(), kNone);
+  polled_assign(faces_, soup.faces.size() - dropped_.size(), Triangle{}, poll);
+  polled_assign(source_of_face_, soup.faces.size() - dropped_.size(), kNone, poll);
   for (std::size_t f = 0; f < soup.faces.size(); ++f) {
+    if (poll.cancelled()) return;
     const Triangle t = welded(f);
     if (!has_surface(t)) continue;
     const std::uint32_t face = begin[std::min({t[0], t[1], t[2]})]++;
-    mesh.faces_[face] = t;
-    mesh.source_of_face_[face] = static_cast<std::uint32_t>(f);
-    mesh.face_of_source_[f] = face;
+    faces_[face] = t;
+    source_of_face_[face] = static_cast<std::uint32_t>(f);
+    face_of_source_[f] = face;
   }
+}
 
-  for (const Triangle& t : mesh.faces_) {
-    const Vec3 a = mesh.positions_[t[0]];
-    const Vec3 b = mesh.positions_[t[1]];
-    const Vec3 c = mesh.positions_[t[2]];
+void Mesh::measure(Poll& poll) {
+  for (const Triangle& t : faces_) {
+    if (poll.cancelled()) return;
+    const Vec3 a = positions_[t[0]];
+    const Vec3 b = positions_[t[1]];
+    const Vec3 c = positions_[t[2]];
     const double area2 = norm(cross(b - a, c - a));
     const double longest2 = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
-    mesh.area_ += 0.5 * area2;
-    if (area2 <= kZeroAreaRatio * longest2) ++mesh.zero_area_faces_;
+    area_ += 0.5 * area2;
+    if (area2 <= kZeroAreaRatio * longest2) ++zero_area_faces_;
   }
-  return mesh;
 }
 
 Triangle Mesh::dropped_face(std::uint32_t source_face) const {

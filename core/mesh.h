@@ -20,6 +20,7 @@
 #include <span>
 #include <vector>
 
+#include "core/cancel.h"
 #include "core/error.h"
 #include "core/triangle_soup.h"
 #include "core/vec3.h"
@@ -44,8 +45,9 @@ class Mesh {
 
   // Errors: mesh_invalid (a coordinate that is not finite or too large, or no
   // face with three different corners), index_out_of_range, no_triangles,
-  // too_many_vertices and too_many_faces (more than 32-bit indices hold).
+  // too_many_vertices and too_many_faces (more than 32-bit indices hold), cancelled.
   [[nodiscard]] static Result<Mesh> build(const TriangleSoup& soup);
+  [[nodiscard]] static Result<Mesh> build(const TriangleSoup& soup, const Cancel& cancel);
 
   [[nodiscard]] std::uint32_t vertex_count() const {
     return static_cast<std::uint32_t>(positions_.size());
@@ -95,6 +97,11 @@ class Mesh {
     std::uint32_t source_face;
     Triangle vertices;
   };
+
+  // The steps of building. Each leaves off when the poll says to stop.
+  void weld(const TriangleSoup& soup, Poll& poll);
+  void order_faces(const TriangleSoup& soup, Poll& poll);
+  void measure(Poll& poll);
 
   std::vector<Vec3> positions_;
   std::vector<Triangle> faces_;

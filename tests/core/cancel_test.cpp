@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/closest_point.h"
 #include "core/farthest_points.h"
 #include "core/isolines.h"
 #include "core/shapes.h"
@@ -109,6 +110,15 @@ std::vector<Named> all_computations() {
   all.push_back({"chen_han from two", solving(Method::chen_han, two, 20)});
   all.push_back({"adjacency", [](const Cancel& cancel) {
                    return without_value(Adjacency::build(terrain().mesh, cancel));
+                 }});
+  all.push_back({"mesh", [](const Cancel& cancel) {
+                   static const TriangleSoup soup = shapes::terrain(200, 6, 3);
+                   return without_value(Mesh::build(soup, cancel));
+                 }});
+  all.push_back({"closest points", [](const Cancel& cancel) {
+                   static const auto adjacency =
+                       std::make_shared<const Adjacency>(Adjacency::build(terrain().mesh));
+                   return without_value(ClosestPointIndex::build(adjacency, cancel));
                  }});
   all.push_back({"isolines", [](const Cancel& cancel) {
                    const std::vector<double> levels{20, 40, 60};
@@ -216,6 +226,14 @@ TEST_CASE("PreparationsAskAsOften") {
   Listener adjacency;
   REQUIRE(Adjacency::build(terrain().mesh, adjacency.cancel()));
   CHECK(adjacency.asked >= 5 * face_count() / kMost - 6);
+  Listener mesh;
+  REQUIRE(Mesh::build(shapes::terrain(200, 6, 3), mesh.cancel()));
+  // Faces are gone through four times; vertices four times, and sorted.
+  CHECK(mesh.asked >= (4 * face_count() + 7 * vertex_count()) / kMost - 12);
+  Listener index;
+  REQUIRE(ClosestPointIndex::build(
+      std::make_shared<const Adjacency>(Adjacency::build(terrain().mesh)), index.cancel()));
+  CHECK(index.asked >= face_count() / kMost);
 }
 
 // What is left on the edges is sorted after the last vertex is final.
