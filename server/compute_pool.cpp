@@ -81,7 +81,7 @@ Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& c
   if (draining_) return fail(ErrorCode::draining, "the server is about to stop");
   if (caller.deadline_over()) return fail(caller.why_stopped());
   const std::size_t own = queue_.size_of(caller.client);
-  if (limits_.jobs_of_client != 0 && own >= limits_.jobs_of_client) {
+  if (!caller.is_patient && limits_.jobs_of_client != 0 && own >= limits_.jobs_of_client) {
     return refuse(Error{ErrorCode::too_many_requests,
                         "too many computations of this client are waiting",
                         {},
@@ -106,7 +106,7 @@ Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& c
     }
   }
   // Jobs that a free worker is about to take do not count as waiting.
-  if (queue_.size() >= limits_.jobs + (counts_.slots - counts_.running)) {
+  if (!caller.is_patient && queue_.size() >= limits_.jobs + (counts_.slots - counts_.running)) {
     if (queue_.longest() > own + 1) {
       const std::shared_ptr<Job> displaced = queue_.take_from_longest();
       displaced->outcome = refuse(Error{ErrorCode::too_many_requests,

@@ -59,9 +59,9 @@ class ComputePool {
   struct QueueLimits {
     std::size_t jobs = 256;          // that may wait; 0: a job is taken only if a slot is free
     std::size_t jobs_of_client = 0;  // … of one client: `too_many_requests`. 0: no bound
-    // Longest wait; a job that waited, or would wait, longer is `overloaded`, unless its
-    // caller is patient. 0: no bound.
+    // Longest wait; a job that waited, or would wait, longer is `overloaded`. 0: no bound.
     std::chrono::milliseconds wait{0};
+    // None of these holds for callers that are patient, who are few.
   };
 
   // `slots` 0: as many as the machine has cores.

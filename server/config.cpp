@@ -21,7 +21,7 @@ namespace geodesic::server {
 
 namespace {
 
-enum class Kind { text, whole_number, bytes, address, level, when_full };
+enum class Kind { text, whole_number, bytes, address, level, when_full, decoder };
 
 using Member = std::variant<std::string Config::*, std::uint64_t Config::*, Address Config::*>;
 
@@ -91,6 +91,13 @@ std::span<const Option> options() {
              "Most vertices of a mesh", 1, max_index, follows},
       Option{"max-faces", Kind::whole_number, &Config::max_faces, "N", "Most faces of a mesh", 1,
              max_index, follows},
+      Option{"decoder", Kind::decoder, &Config::decoder, "WHERE",
+             "process: files are decoded in confined processes of their own; in-process: not"},
+      Option{"decoder-memory-bytes", Kind::bytes, &Config::decoder_memory_bytes, "BYTES",
+             "Memory for decoding one file; a small file gets less: 512MiB and 256 times its size",
+             std::uint64_t{64} << 20, no_bound, follows},
+      Option{"decoder-seconds", Kind::whole_number, &Config::decoder_seconds, "SECONDS",
+             "Time for decoding one file", 1, max_seconds, follows},
       Option{"mesh-cache-bytes", Kind::bytes, &Config::mesh_cache_bytes, "BYTES",
              "Memory for decoded meshes", 0, no_bound, follows},
       Option{"adjacency-cache-bytes", Kind::bytes, &Config::adjacency_cache_bytes, "BYTES",
@@ -156,6 +163,12 @@ Result<void> set_option(const Option& option, std::string_view text, std::string
     case Kind::when_full:
       if (text != "refuse" && text != "evict") {
         return refuse(fmt::format("'{}' is neither refuse nor evict", text));
+      }
+      config.*std::get<std::string Config::*>(option.member) = text;
+      return {};
+    case Kind::decoder:
+      if (text != "process" && text != "in-process") {
+        return refuse(fmt::format("'{}' is neither process nor in-process", text));
       }
       config.*std::get<std::string Config::*>(option.member) = text;
       return {};

@@ -44,6 +44,10 @@ struct Config {
   std::uint64_t max_vertices = 20'000'000;
   std::uint64_t max_faces = 40'000'000;
 
+  std::string decoder = "process";  // or in-process
+  std::uint64_t decoder_memory_bytes = std::uint64_t{4} << 30;
+  std::uint64_t decoder_seconds = 60;
+
   std::uint64_t mesh_cache_bytes = std::uint64_t{1} << 30;
   std::uint64_t adjacency_cache_bytes = std::uint64_t{2} << 30;
   std::uint64_t field_cache_bytes = std::uint64_t{1} << 30;

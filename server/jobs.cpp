@@ -127,13 +127,17 @@ Result<JobReport> Jobs::start(HttpRequest request) {
   const std::lock_guard lock(mutex_);
   forget_old();
   if (auto admitted = admit(job->client, bytes); !admitted) {
+    ++counts_.refused;
     return fail(std::move(admitted.error()));
   }
   if (threads_.size() < limits_.running && threads_.size() < waiting_.size() + running_ + 1) {
     try {
       threads_.emplace_back([this] { work(); });
     } catch (const std::system_error& error) {
-      if (threads_.empty()) return fail(ErrorCode::overloaded, "no thread for a job");
+      if (threads_.empty()) {
+        ++counts_.refused;
+        return fail(ErrorCode::overloaded, "no thread for a job");
+      }
       spdlog::warn("a job waits for another's thread: {}", error.what());
     }
   }
@@ -242,6 +246,9 @@ void Jobs::charge(Job& job, std::uint64_t bytes) {
 }
 
 void Jobs::end(Job& job, JobState state) {
+  ++(state == JobState::done     ? counts_.done
+     : state == JobState::failed ? counts_.failed
+                                 : counts_.cancelled);
   job.report.state = state;
   job.report.finished = std::chrono::system_clock::now();
   job.forgotten_at = Clock::now() + limits_.keep;
@@ -356,7 +363,12 @@ void Jobs::stop() {
 Jobs::Stats Jobs::stats() {
   const std::lock_guard lock(mutex_);
   forget_old();
-  return {waiting_.size(), running_, ended_.size(), bytes_};
+  Stats stats = counts_;
+  stats.queued = waiting_.size();
+  stats.running = running_;
+  stats.ended = ended_.size();
+  stats.bytes = bytes_;
+  return stats;
 }
 
 }  // namespace geodesic::server

@@ -78,6 +78,11 @@ class Jobs {
     std::uint64_t running = 0;
     std::uint64_t ended = 0;  // and not yet forgotten
     std::uint64_t bytes = 0;  // of requests that wait and replies that are kept
+    // Since the start.
+    std::uint64_t done = 0;
+    std::uint64_t failed = 0;
+    std::uint64_t cancelled = 0;
+    std::uint64_t refused = 0;  // not taken at all
   };
 
   Jobs(const Limits& limits, Handler handler);
@@ -148,6 +153,7 @@ class Jobs {
   std::uint64_t served_ = 0;
   std::size_t running_ = 0;  // threads in a handler
   std::uint64_t bytes_ = 0;
+  Stats counts_;  // only those since the start
   bool stopping_ = false;
   std::mutex join_mutex_;
   std::vector<std::thread> threads_;

@@ -20,6 +20,8 @@
 #include "server/check_config.h"
 #include "server/compute_pool.h"
 #include "server/config.h"
+#include "server/decoder_process.h"
+#include "server/decoder_processes.h"
 #include "server/field_queries.h"
 #include "server/http_server.h"
 #include "server/http_tls.h"
@@ -146,10 +148,19 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
     }
     viewer = std::move(*loaded);
   }
+  std::unique_ptr<DecoderProcesses> decoders;
+  if (config.decoder == "process") {
+    auto started = DecoderProcesses::start("/proc/self/exe", catalog_limits(config).decoder);
+    if (!started) {
+      spdlog::critical("{}", started.error().detail);
+      return 1;
+    }
+    decoders = std::move(*started);
+  }
   Metrics metrics(GEODESIC_VERSION);
   ComputePool pool(config.compute_threads, queue_limits(config));
   pool.observe_waits([&](StageTimes::Duration waited) { metrics.queued(waited.count()); });
-  MeshCatalog catalog(**store, pool, catalog_limits(config), metrics);
+  MeshCatalog catalog(**store, pool, catalog_limits(config), metrics, decoders.get());
   FieldQueries queries(catalog, pool, config.field_cache_bytes, metrics);
   Routes routes(config, catalog, queries, pool, metrics);
   routes.access().set_tokens(std::move(tokens));
@@ -208,6 +219,7 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (is_decoder_process(argc, argv)) return run_decoder_process();
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   try {
     const Reload::Read read = [arguments = std::vector<std::string>(argv + 1, argv + argc)] {

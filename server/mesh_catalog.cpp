@@ -26,26 +26,15 @@ std::size_t bytes_of(const std::shared_ptr<const ClosestPointIndex>& index) {
   return index->bytes();
 }
 
-struct Built {
-  proto::DecodedMesh decoded;
-  std::shared_ptr<const Mesh> mesh;
-};
+// About which part of an upload's time it takes to build the mesh, and of that to decode.
+constexpr double kBuilding = 0.5;
+constexpr double kDecoding = 0.4;
 
-Result<Built> build(const std::string& bytes, const proto::DecodeLimits& limits) {
-  auto decoded = proto::decode_mesh(as_bytes(bytes), limits);
-  if (!decoded) return fail(std::move(decoded.error()));
-  auto mesh = Mesh::build(decoded->soup);
-  if (!mesh) return fail(std::move(mesh.error()));
-  decoded->soup = {};  // the mesh has it all
-  return Built{std::move(*decoded), std::make_shared<const Mesh>(std::move(*mesh))};
-}
-
-// Of an upload's time, the part before its adjacency is prepared.
-constexpr double kDecoding = 0.5;
+Cancel cancel_of(const Caller& caller) { return Cancel(std::cref(caller), caller.progress); }
 
 Result<std::shared_ptr<const Adjacency>> prepare(std::shared_ptr<const Mesh> mesh,
                                                  const Caller& caller) {
-  auto adjacency = Adjacency::build(std::move(mesh), Cancel(std::cref(caller), caller.progress));
+  auto adjacency = Adjacency::build(std::move(mesh), cancel_of(caller));
   if (!adjacency) return fail(std::move(adjacency.error()));
   return std::make_shared<const Adjacency>(std::move(*adjacency));
 }
@@ -53,10 +42,11 @@ Result<std::shared_ptr<const Adjacency>> prepare(std::shared_ptr<const Mesh> mes
 }  // namespace
 
 MeshCatalog::MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimits& limits,
-                         Metrics& metrics)
+                         Metrics& metrics, DecoderProcesses* decoders)
     : store_(store),
       pool_(pool),
       metrics_(metrics),
+      decoders_(decoders),
       decode_limits_(limits.decode),
       meshes_(limits.mesh_cache_bytes, [](const Mesh& mesh) { return mesh.bytes(); }),
       prepared_(limits.adjacency_cache_bytes,
@@ -67,6 +57,7 @@ MeshCatalog::MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimit
 
 void MeshCatalog::set_limits(const CatalogLimits& limits) {
   decode_limits_.set(limits.decode);
+  if (decoders_ != nullptr) decoders_->set_limits(limits.decoder);
   meshes_.set_budget(limits.mesh_cache_bytes);
   prepared_.set_budget(limits.adjacency_cache_bytes);
 }
@@ -111,16 +102,28 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const Caller& ca
   return *upload->value;
 }
 
+Result<MeshCatalog::Built> MeshCatalog::build(const std::string& bytes, const Caller& caller) {
+  const auto limits = decode_limits_.get();
+  auto decoded = decoders_ != nullptr ? decoders_->decode(bytes, *limits, caller)
+                                      : proto::decode_mesh(as_bytes(bytes), *limits);
+  if (!decoded) return fail(std::move(decoded.error()));
+  const Caller rest = caller.part(kDecoding, 1);
+  auto mesh = Mesh::build(decoded->soup, cancel_of(rest));
+  if (!mesh) return fail(std::move(mesh.error()));
+  decoded->soup = {};  // the mesh has it all
+  return Built{std::move(*decoded), std::make_shared<const Mesh>(std::move(*mesh))};
+}
+
 // Runs on a compute worker. The description tells of the topology, so the adjacency
 // is made, and kept by who can use it.
 Result<MeshCatalog::Described> MeshCatalog::describe(const std::string& id,
                                                      const std::string& bytes,
                                                      const Caller& caller) {
   auto built =
-      step("decode", Stage::load, caller, [&] { return build(bytes, *decode_limits_.get()); });
+      step("decode", Stage::load, caller, [&] { return build(bytes, caller.part(0, kBuilding)); });
   if (!built) return fail(std::move(built.error()));
   const auto prepared = step("prepare", Stage::prepare, caller,
-                             [&] { return prepare(built->mesh, caller.part(kDecoding, 1)); });
+                             [&] { return prepare(built->mesh, caller.part(kBuilding, 1)); });
   if (!prepared) return fail(prepared.error());
   auto adjacency = *prepared;
   std::string description =
@@ -175,8 +178,8 @@ Result<std::shared_ptr<const Mesh>> MeshCatalog::load_mesh(const std::string& id
         if (!bytes) return fail(bytes.error());
         return pool_.run(
             [&](Worker&) -> Result<std::shared_ptr<const Mesh>> {
-              auto built = step("decode", Stage::load, caller,
-                                [&] { return build(*bytes, *decode_limits_.get()); });
+              auto built =
+                  step("decode", Stage::load, caller, [&] { return build(*bytes, caller); });
               if (!built) return fail(std::move(built.error()));
               return built->mesh;
             },
@@ -222,10 +225,10 @@ Result<std::shared_ptr<const ClosestPointIndex>> MeshCatalog::closest_points(con
       [&] {
         return pool_.run(
             [&](Worker&) -> Result<std::shared_ptr<const Prepared>> {
-              return step("index", Stage::prepare, caller, [&] {
-                return std::make_shared<const Prepared>(
-                    std::make_shared<const ClosestPointIndex>(*mesh));
-              });
+              auto index = step("index", Stage::prepare, caller,
+                                [&] { return ClosestPointIndex::build(*mesh, cancel_of(caller)); });
+              if (!index) return fail(std::move(index.error()));
+              return std::make_shared<const Prepared>(std::move(*index));
             },
             caller);
       },

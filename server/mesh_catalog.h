@@ -26,6 +26,7 @@
 #include "server/caller.h"
 #include "server/compute_pool.h"
 #include "server/current.h"
+#include "server/decoder_processes.h"
 #include "server/lru_cache.h"
 #include "server/mesh_store.h"
 #include "server/metrics.h"
@@ -37,6 +38,7 @@ struct CatalogLimits {
   proto::DecodeLimits decode;
   std::uint64_t mesh_cache_bytes = std::uint64_t{1} << 30;
   std::uint64_t adjacency_cache_bytes = std::uint64_t{2} << 30;
+  DecoderProcesses::Limits decoder;
 };
 
 class MeshCatalog {
@@ -47,7 +49,9 @@ class MeshCatalog {
     bool created;          // false: it was known already
   };
 
-  MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimits& limits, Metrics& metrics);
+  // Without `decoders`, files are decoded in this process.
+  MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimits& limits, Metrics& metrics,
+              DecoderProcesses* decoders = nullptr);
 
   // For meshes to come; what is over a cache's new budget goes at once.
   void set_limits(const CatalogLimits& limits);
@@ -77,6 +81,9 @@ class MeshCatalog {
   [[nodiscard]] Result<std::shared_ptr<const ClosestPointIndex>> closest_points(
       const std::string& id, const Caller& caller);
 
+  [[nodiscard]] DecoderProcesses::Stats decoder_stats() const {
+    return decoders_ != nullptr ? decoders_->stats() : DecoderProcesses::Stats{};
+  }
   [[nodiscard]] CacheStats mesh_cache() const { return meshes_.stats(); }
   [[nodiscard]] CacheStats adjacency_cache() const { return prepared_.stats(); }
   [[nodiscard]] std::vector<CacheEntry> cached_meshes(std::size_t most) const {
@@ -96,6 +103,12 @@ class MeshCatalog {
     std::string description;  // JSON
   };
 
+  struct Built {
+    proto::DecodedMesh decoded;  // without its soup
+    std::shared_ptr<const Mesh> mesh;
+  };
+
+  [[nodiscard]] Result<Built> build(const std::string& bytes, const Caller& caller);
   [[nodiscard]] Result<Described> describe(const std::string& id, const std::string& bytes,
                                            const Caller& caller);
   // Does one step in making a mesh usable, and notes how long it took.
@@ -113,6 +126,7 @@ class MeshCatalog {
   MeshStore& store_;
   ComputePool& pool_;
   Metrics& metrics_;
+  DecoderProcesses* const decoders_;
   Current<proto::DecodeLimits> decode_limits_;
   LruCache<Mesh> meshes_;
   LruCache<Prepared> prepared_;

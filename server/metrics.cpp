@@ -130,24 +130,60 @@ struct Metrics::Families {
                                         .Name("geodesicd_mesh_duration_seconds")
                                         .Help("Making a mesh usable, by step")
                                         .Register(registry);
-  Family<Gauge>& jobs = BuildGauge()
-                            .Name("geodesicd_compute_jobs")
-                            .Help("Jobs that run or wait for a compute slot")
-                            .Register(registry);
-  Gauge& running = jobs.Add({{"state", "running"}});
-  Gauge& waiting = jobs.Add({{"state", "queued"}});
+  Family<Gauge>& computations = BuildGauge()
+                                    .Name("geodesicd_compute_jobs")
+                                    .Help("Computations that run or wait for a compute slot")
+                                    .Register(registry);
+  Gauge& running = computations.Add({{"state", "running"}});
+  Gauge& waiting = computations.Add({{"state", "queued"}});
   Gauge& slots = BuildGauge()
                      .Name("geodesicd_compute_slots")
-                     .Help("Jobs that can run at once")
+                     .Help("Computations that can run at once")
                      .Register(registry)
                      .Add({});
   Family<Counter>& ended = BuildCounter()
                                .Name("geodesicd_compute_jobs_total")
-                               .Help("Jobs that ended, by how")
+                               .Help("Computations that ended, by how")
                                .Register(registry);
   Counter& finished = ended.Add({{"outcome", "finished"}});
   Counter& rejected = ended.Add({{"outcome", "rejected"}});
   Counter& given_up = ended.Add({{"outcome", "given_up"}});
+  Family<Gauge>& jobs = BuildGauge()
+                            .Name("geodesicd_jobs")
+                            .Help("Jobs (Prefer: respond-async), by state; ended: still kept")
+                            .Register(registry);
+  Gauge& jobs_queued = jobs.Add({{"state", "queued"}});
+  Gauge& jobs_running = jobs.Add({{"state", "running"}});
+  Gauge& jobs_ended = jobs.Add({{"state", "ended"}});
+  Gauge& job_bytes = BuildGauge()
+                         .Name("geodesicd_job_bytes")
+                         .Help("Bytes of jobs' requests that wait and replies that are kept")
+                         .Register(registry)
+                         .Add({});
+  Family<Counter>& jobs_total = BuildCounter()
+                                    .Name("geodesicd_jobs_total")
+                                    .Help("Jobs that ended or were not taken, by how")
+                                    .Register(registry);
+  Counter& jobs_done = jobs_total.Add({{"outcome", "done"}});
+  Counter& jobs_failed = jobs_total.Add({{"outcome", "failed"}});
+  Counter& jobs_cancelled = jobs_total.Add({{"outcome", "cancelled"}});
+  Counter& jobs_refused = jobs_total.Add({{"outcome", "refused"}});
+  Gauge& decoders = BuildGauge()
+                        .Name("geodesicd_decoders")
+                        .Help("Processes that decode a file")
+                        .Register(registry)
+                        .Add({});
+  Family<Counter>& decodes = BuildCounter()
+                                 .Name("geodesicd_decodes_total")
+                                 .Help(
+                                     "Files decoded in processes of their own, by how that "
+                                     "ended; refused: the file has a fault")
+                                 .Register(registry);
+  Counter& decoded = decodes.Add({{"outcome", "decoded"}});
+  Counter& decode_refused = decodes.Add({{"outcome", "refused"}});
+  Counter& decode_crashed = decodes.Add({{"outcome", "crashed"}});
+  Counter& decode_overtime = decodes.Add({{"outcome", "overtime"}});
+  Counter& decode_cancelled = decodes.Add({{"outcome", "cancelled"}});
   Family<Gauge>& cache_bytes =
       BuildGauge().Name("geodesicd_cache_bytes").Help("Bytes held by a cache").Register(registry);
   Family<Gauge>& cache_budget = BuildGauge()
@@ -333,6 +369,20 @@ std::string Metrics::text(const Present& present) {
   follow(f.finished, present.pool.finished);
   follow(f.rejected, present.pool.rejected);
   follow(f.given_up, present.pool.given_up);
+  f.jobs_queued.Set(static_cast<double>(present.jobs.queued));
+  f.jobs_running.Set(static_cast<double>(present.jobs.running));
+  f.jobs_ended.Set(static_cast<double>(present.jobs.ended));
+  f.job_bytes.Set(static_cast<double>(present.jobs.bytes));
+  follow(f.jobs_done, present.jobs.done);
+  follow(f.jobs_failed, present.jobs.failed);
+  follow(f.jobs_cancelled, present.jobs.cancelled);
+  follow(f.jobs_refused, present.jobs.refused);
+  f.decoders.Set(static_cast<double>(present.decoders.running));
+  follow(f.decoded, present.decoders.decoded);
+  follow(f.decode_refused, present.decoders.refused);
+  follow(f.decode_crashed, present.decoders.crashed);
+  follow(f.decode_overtime, present.decoders.overtime);
+  follow(f.decode_cancelled, present.decoders.cancelled);
   read_cache(f.meshes, present.meshes);
   read_cache(f.adjacency, present.adjacency);
   read_cache(f.fields, present.fields);

@@ -12,6 +12,8 @@
 #include <string_view>
 
 #include "server/compute_pool.h"
+#include "server/decoder_processes.h"
+#include "server/jobs.h"
 #include "server/lru_cache.h"
 #include "server/store_budget.h"
 
@@ -24,6 +26,8 @@ class Metrics {
     ComputePool::Stats pool;
     CacheStats meshes, adjacency, fields, replies;
     StoreStats store;
+    Jobs::Stats jobs;
+    DecoderProcesses::Stats decoders;
     std::uint64_t connections = 0;  // open on the API's listener
     bool ready = true;
   };

@@ -22,6 +22,7 @@ CatalogLimits catalog_limits(const Config& config) {
   limits.decode.max_faces = config.max_faces;
   limits.mesh_cache_bytes = config.mesh_cache_bytes;
   limits.adjacency_cache_bytes = config.adjacency_cache_bytes;
+  limits.decoder = {config.decoder_memory_bytes, std::chrono::seconds(config.decoder_seconds)};
   return limits;
 }
 

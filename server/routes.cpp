@@ -199,6 +199,8 @@ std::string Routes::metrics_text() {
   present.fields = queries_.field_cache();
   present.replies = replies_.stats();
   present.store = catalog_.store_stats();
+  present.jobs = jobs_.stats();
+  present.decoders = catalog_.decoder_stats();
   present.connections = connections_ ? connections_() : 0;
   present.ready = !draining_ && catalog_.store_health();
   return metrics_.text(present);

@@ -247,6 +247,26 @@ TEST_CASE("AnErrorIsTheRequestsOwn") {
   }
 }
 
+TEST_CASE("MetricsCountJobsByHowTheyEnded") {
+  JobService jobs;
+  const auto shows = [&](const std::string& line) {
+    const std::string text = *jobs.service.get("/metrics").body;
+    return text.find("\n" + line + "\n") != std::string::npos;
+  };
+  CHECK(shows("geodesicd_jobs_total{outcome=\"done\"} 0"));
+  jobs.wait(jobs.begin("GET", jobs.base + "/path?from=v:0&to=v:9"));
+  jobs.wait(jobs.begin("GET", jobs.base + "/path?from=v:0&to=v:999999"));
+  const std::string cancelled = jobs.begin_for_ever();
+  CHECK(jobs.service.ask("DELETE", cancelled).status == 204);
+  jobs.wait_until_idle();
+  CHECK(shows("geodesicd_jobs_total{outcome=\"done\"} 1"));
+  CHECK(shows("geodesicd_jobs_total{outcome=\"failed\"} 1"));
+  CHECK(shows("geodesicd_jobs_total{outcome=\"cancelled\"} 1"));
+  CHECK(shows("geodesicd_jobs_total{outcome=\"refused\"} 0"));
+  CHECK(shows("geodesicd_jobs{state=\"ended\"} 3"));
+  CHECK(shows("geodesicd_jobs{state=\"running\"} 0"));
+}
+
 TEST_CASE("UnknownJobs") {
   JobService jobs;
   const std::string unknown = "/v1/jobs/" + std::string(32, '0');

@@ -88,6 +88,25 @@ TEST_CASE("a full queue is refused at once") {
   CHECK(pool.stats().running == 0);
 }
 
+TEST_CASE("a patient caller waits however full the queue is") {
+  Gate gate;
+  ComputePool pool(1, ComputePool::QueueLimits{1, 1, 1ms});
+  std::vector<std::future<Result<int>>> callers;
+  const auto call = [&](bool is_patient) {
+    Caller caller;
+    caller.client = "one and the same";
+    caller.is_patient = is_patient;
+    return std::async(std::launch::async, [&, caller] { return pool.run(gate.job(), caller); });
+  };
+  callers.push_back(call(true));
+  wait_until([&] { return pool.stats().running == 1; });
+  for (int i = 0; i < 3; ++i) callers.push_back(call(true));
+  wait_until([&] { return pool.stats().queued == 3; });
+  CHECK(call(false).get().error().code == ErrorCode::too_many_requests);
+  gate.open();
+  for (auto& caller : callers) CHECK(caller.get() == 1);
+}
+
 TEST_CASE("without a queue, a free slot is taken and a busy one refused") {
   Gate gate;
   ComputePool pool(1, 0);

@@ -1,0 +1,232 @@
+#include "server/decoded_frame.h"
+
+#include <cstring>
+#include <limits>
+#include <type_traits>
+#include <vector>
+
+namespace geodesic::server {
+namespace {
+
+// One description of what is in a frame serves all three: measuring, writing, reading.
+class Measure {
+ public:
+  void bytes(const void* /*data*/, std::size_t count) { size_ += count; }
+  void resize(const auto& /*values*/, std::uint64_t /*count*/, std::size_t /*each*/) {}
+  [[nodiscard]] std::size_t size() const { return size_; }
+
+ private:
+  std::size_t size_ = 0;
+};
+
+class Write {
+ public:
+  explicit Write(std::byte* to) : to_(to) {}
+  void bytes(const void* data, std::size_t count) {
+    if (count != 0) std::memcpy(to_, data, count);
+    to_ += count;
+  }
+  void resize(const auto& /*values*/, std::uint64_t /*count*/, std::size_t /*each*/) {}
+
+ private:
+  std::byte* to_;
+};
+
+// Who has read past the end reads zeros from then on.
+class Read {
+ public:
+  explicit Read(std::span<const std::byte> from) : from_(from) {}
+  void bytes(void* data, std::size_t count) {
+    failed_ = failed_ || count > from_.size();
+    if (count == 0) return;
+    if (failed_) {
+      std::memset(data, 0, count);
+      return;
+    }
+    std::memcpy(data, from_.data(), count);
+    from_ = from_.subspan(count);
+  }
+  // Takes memory for no more than there can be.
+  template <class Values>
+  void resize(Values& values, std::uint64_t count, std::size_t each) {
+    failed_ = failed_ || count > from_.size() / each;
+    values.resize(failed_ ? 0 : count);
+  }
+  // So many elements, no more than there can be, each written once.
+  template <class Values>
+  void assign(Values& values, std::uint64_t count) {
+    using Element = typename Values::value_type;
+    failed_ = failed_ || count > from_.size() / sizeof(Element);
+    values.clear();
+    if (failed_) return;
+    const auto* first = reinterpret_cast<const Element*>(from_.data());
+    if (reinterpret_cast<std::uintptr_t>(first) % alignof(Element) == 0) {
+      values.assign(first, first + count);
+      from_ = from_.subspan(count * sizeof(Element));
+    } else {
+      values.resize(count);
+      bytes(values.data(), count * sizeof(Element));
+    }
+  }
+  void fail() { failed_ = true; }
+  [[nodiscard]] bool is_complete() const { return !failed_ && from_.empty(); }
+
+ private:
+  std::span<const std::byte> from_;
+  bool failed_ = false;
+};
+
+template <class Archive, class Value>
+void field(Archive& archive,
+           Value& value) requires std::is_arithmetic_v<std::remove_const_t<Value>> {
+  archive.bytes(&value, sizeof(value));
+}
+
+template <class Archive, class Value>
+void field(Archive& archive, Value& value) requires std::is_enum_v<std::remove_const_t<Value>> {
+  // As wide as a number, so that arrays that follow lie where they can be read at once.
+  auto number = static_cast<std::uint64_t>(value);
+  field(archive, number);
+  if constexpr (std::is_same_v<Archive, Read>) {
+    using Enum = std::remove_const_t<Value>;
+    if (number > std::numeric_limits<std::underlying_type_t<Enum>>::max()) archive.fail();
+    value = static_cast<Enum>(number);
+  }
+}
+
+// Text, and arrays of numbers or of structures of numbers without gaps.
+template <class Archive, class Values>
+void array(Archive& archive, Values& values) {
+  using Element = typename std::remove_const_t<Values>::value_type;
+  static_assert(std::is_trivially_copyable_v<Element>);
+  std::uint64_t count = values.size();
+  field(archive, count);
+  if constexpr (std::is_same_v<Archive, Read>) {
+    archive.assign(values, count);
+  } else {
+    archive.bytes(values.data(), values.size() * sizeof(Element));
+  }
+}
+
+template <class Archive, class Value>
+void optional(Archive& archive, Value& value) {
+  std::uint8_t has = value.has_value() ? 1 : 0;
+  auto inner = value.value_or(0);
+  field(archive, has);
+  field(archive, inner);
+  if constexpr (std::is_same_v<Archive, Read>) {
+    if (has == 1) value = inner;
+  }
+}
+
+// A part or a warning takes no less than its counts and numbers do.
+constexpr std::size_t kLeastOfPart = 8 * sizeof(std::uint64_t);
+constexpr std::size_t kLeastOfText = sizeof(std::uint64_t);
+
+template <class Archive, class Part>
+void part_fields(Archive& archive, Part& part) {
+  field(archive, part.node);
+  field(archive, part.mesh);
+  field(archive, part.primitive);
+  array(archive, part.name);
+  field(archive, part.first_vertex);
+  field(archive, part.vertex_count);
+  field(archive, part.first_face);
+  field(archive, part.face_count);
+}
+
+template <class Archive, class Mesh>
+void mesh_fields(Archive& archive, Mesh& mesh) {
+  field(archive, mesh.format);
+  array(archive, mesh.soup.positions);
+  array(archive, mesh.soup.faces);
+  std::uint64_t parts = mesh.parts.size();
+  field(archive, parts);
+  archive.resize(mesh.parts, parts, kLeastOfPart);
+  for (auto& part : mesh.parts) part_fields(archive, part);
+  std::uint64_t warnings = mesh.warnings.size();
+  field(archive, warnings);
+  archive.resize(mesh.warnings, warnings, kLeastOfText);
+  for (auto& warning : mesh.warnings) array(archive, warning);
+}
+
+template <class Archive, class Problem>
+void error_fields(Archive& archive, Problem& error) {
+  field(archive, error.code);
+  array(archive, error.detail);
+  array(archive, error.parameter);
+  optional(archive, error.limit);
+  optional(archive, error.actual);
+}
+
+template <class Archive, class Order>
+void order_fields(Archive& archive, Order& order) {
+  field(archive, order.limits.max_vertices);
+  field(archive, order.limits.max_faces);
+  field(archive, order.limits.max_nodes);
+  field(archive, order.limits.max_gltf_objects);
+  field(archive, order.limits.max_json_depth);
+  field(archive, order.limits.max_json_values);
+  field(archive, order.file_bytes);
+  field(archive, order.memory_bytes);
+  field(archive, order.cpu_seconds);
+}
+
+template <class Archive>
+void frame_fields(Archive& archive, const Decoded& decoded) {
+  const std::uint64_t is_mesh = decoded ? 1 : 0;
+  field(archive, is_mesh);
+  if (decoded) {
+    mesh_fields(archive, *decoded);
+  } else {
+    error_fields(archive, decoded.error());
+  }
+}
+
+}  // namespace
+
+std::string write_order(const DecodeOrder& order) {
+  Measure measure;
+  order_fields(measure, order);
+  std::string bytes(measure.size(), '\0');
+  Write write(reinterpret_cast<std::byte*>(bytes.data()));
+  order_fields(write, order);
+  return bytes;
+}
+
+std::optional<DecodeOrder> read_order(std::string_view bytes) {
+  Read read({reinterpret_cast<const std::byte*>(bytes.data()), bytes.size()});
+  DecodeOrder order;
+  order_fields(read, order);
+  if (!read.is_complete()) return std::nullopt;
+  return order;
+}
+
+std::size_t frame_size(const Decoded& decoded) {
+  Measure measure;
+  frame_fields(measure, decoded);
+  return measure.size();
+}
+
+void write_frame(const Decoded& decoded, std::span<std::byte> frame) {
+  Write write(frame.data());
+  frame_fields(write, decoded);
+}
+
+std::optional<Decoded> read_frame(std::span<const std::byte> frame) {
+  Read read(frame);
+  std::uint64_t is_mesh = 0;
+  field(read, is_mesh);
+  if (is_mesh == 1) {
+    proto::DecodedMesh mesh;
+    mesh_fields(read, mesh);
+    if (!read.is_complete() || mesh.format > proto::MeshFormat::drc) return std::nullopt;
+    return mesh;
+  }
+  Error error;
+  error_fields(read, error);
+  if (!read.is_complete() || error.code > ErrorCode::internal) return std::nullopt;
+  return fail(std::move(error));
+}
+
+}  // namespace geodesic::server

@@ -1,0 +1,113 @@
+#include "server/decoder_process.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <span>
+#include <utility>
+
+#include "core/shapes.h"
+#include "proto/encode_mesh.h"
+#include "server/confine_process.h"
+#include "server/decoded_frame.h"
+#include "server/local_message.h"
+
+namespace geodesic::server {
+namespace {
+
+constexpr std::size_t kMostOrder = 65536;
+
+// Memory of a file, until the process ends.
+std::span<std::byte> mapped(int fd, std::size_t size, int protection, int flags) {
+  void* data = ::mmap(nullptr, size, protection, flags, fd, 0);
+  if (data == MAP_FAILED) return {};
+  return {static_cast<std::byte*>(data), size};
+}
+
+Decoded out_of_memory(const DecodeOrder& order) {
+  Error error{
+      ErrorCode::too_large, "decoding the file takes more memory than is allowed", {}, {}, {}};
+  error.limit = order.memory_bytes;
+  return fail(std::move(error));
+}
+
+Decoded decoded_by(Decode& decode, const DecodeOrder& order, int file) {
+  const auto bytes = mapped(file, order.file_bytes, PROT_READ, MAP_PRIVATE | MAP_POPULATE);
+  if (bytes.empty() && order.file_bytes != 0) return out_of_memory(order);
+  try {
+    return decode(bytes, order.limits);
+  } catch (const std::bad_alloc&) {
+    return out_of_memory(order);
+  }
+}
+
+// False if there is no room for it.
+bool hand_over(const Decoded& decoded, int frame_fd, int reply) {
+  const std::uint64_t size = frame_size(decoded);
+  if (::ftruncate(frame_fd, static_cast<off_t>(size)) != 0) return false;
+  const auto frame = mapped(frame_fd, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE);
+  if (frame.empty()) return false;
+  write_frame(decoded, frame);
+  return send_message(reply, {reinterpret_cast<const char*>(&size), sizeof(size)});
+}
+
+// In the copy. The kernel sends SIGIO, which ends a process, once the other end of the
+// socket is closed: by whoever has lost patience, or because the server is no more.
+void serve(const LocalMessage& message, Decode& decode, const Confinement& confinement) {
+  const int file = message.fds[0].get();
+  const int frame = message.fds[1].get();
+  const int reply = message.fds[2].get();
+  const auto order = read_order(message.bytes);
+  if (!order || ::fcntl(reply, F_SETOWN, ::getpid()) != 0 ||
+      ::fcntl(reply, F_SETFL, O_ASYNC) != 0) {
+    return;
+  }
+  if (!confinement.enter({order->memory_bytes, order->cpu_seconds})) {
+    (void)hand_over(fail(ErrorCode::internal, "a decoder process cannot be confined here"), frame,
+                    reply);
+    return;
+  }
+  const Decoded decoded = decoded_by(decode, *order, file);
+  if (!hand_over(decoded, frame, reply)) (void)hand_over(out_of_memory(*order), frame, reply);
+}
+
+}  // namespace
+
+bool is_decoder_process(int argc, const char* const* argv) {
+  return argc == 2 && argv[1] == kDecoderArgument;
+}
+
+int run_decoder_process(Decode& decode) {
+  // It ends with its server, not by a signal to all processes of a terminal.
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_IGN);
+  std::signal(SIGCHLD, SIG_IGN);  // nobody waits for the copies
+  if (::chdir("/") != 0) return 1;
+  // When memory runs out, better a decoder than the server.
+  if (std::FILE* score = std::fopen("/proc/self/oom_score_adj", "w")) {
+    std::fputs("1000", score);
+    std::fclose(score);
+  }
+  const Confinement confinement;
+  // What the first decoding does once is done once for all copies. These bytes are ours.
+  const auto square = proto::encode_glb(shapes::plane(2, 2), "square");
+  if (!proto::decode_mesh(square, {})) return 1;
+  while (const auto message = receive_message(kDecoderSocket, kMostOrder)) {
+    if (message->fds.size() != 3) continue;
+    // If there can be no copy, its server sees the socket for the reply closed.
+    if (::fork() != 0) continue;
+    ::close(kDecoderSocket);
+    serve(*message, decode, confinement);
+    ::_exit(0);
+  }
+  return 0;
+}
+
+}  // namespace geodesic::server

@@ -1,0 +1,263 @@
+// Files are decoded in processes of their own as they are in this one, and whatever a
+// decoder does, it does to itself.
+#include "server/decoder_processes.h"
+
+#include <doctest/doctest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "core/shapes.h"
+#include "proto/encode_mesh.h"
+#include "server/confine_process.h"
+
+using namespace geodesic;
+using namespace geodesic::server;
+using namespace std::chrono_literals;
+
+namespace {
+
+DecoderProcesses::Limits short_limits() {
+  DecoderProcesses::Limits limits;
+  limits.memory_bytes = std::uint64_t{256} << 20;
+  limits.time = 60s;
+  return limits;
+}
+
+std::string knot_file() {
+  const std::vector<std::byte> bytes = proto::encode_glb(shapes::torus_knot(200, 20, 0.4), "knot");
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+Decoded decoded_here(std::string_view bytes) {
+  return proto::decode_mesh({reinterpret_cast<const std::byte*>(bytes.data()), bytes.size()}, {});
+}
+
+std::vector<std::byte> frame_of(const Decoded& decoded) {
+  std::vector<std::byte> frame(frame_size(decoded));
+  write_frame(decoded, frame);
+  return frame;
+}
+
+// The decoders of this test: the one that waits for orders, and its copies.
+std::vector<pid_t> decoder_pids() {
+  const auto program = std::filesystem::canonical(ROGUE_DECODER);
+  std::vector<pid_t> pids;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    std::error_code error;
+    const auto exe = std::filesystem::read_symlink(entry.path() / "exe", error);
+    if (!error && exe == program) pids.push_back(std::stoi(entry.path().filename().string()));
+  }
+  return pids;
+}
+
+bool soon(auto&& holds) {
+  const auto end = std::chrono::steady_clock::now() + 60s;
+  while (!holds()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(1ms);
+  }
+  return true;
+}
+
+std::unique_ptr<DecoderProcesses> started(const DecoderProcesses::Limits& limits) {
+  // Those of the test before may still be on their way out.
+  REQUIRE(soon([] { return decoder_pids().empty(); }));
+  auto processes = DecoderProcesses::start(ROGUE_DECODER, limits);
+  REQUIRE(processes);
+  return std::move(*processes);
+}
+
+}  // namespace
+
+TEST_CASE("AFileIsDecodedAsInThisProcess") {
+  const auto processes = started(short_limits());
+  const std::string file = knot_file();
+  const Decoded there = processes->decode(file, {}, {});
+  const Decoded here = decoded_here(file);
+  REQUIRE(there);
+  REQUIRE(here);
+  CHECK(there->soup.positions.size() == 4000);
+  CHECK(frame_of(there) == frame_of(here));
+  CHECK(processes->stats().decoded == 1);
+  CHECK(processes->stats().running == 0);
+}
+
+TEST_CASE("AFilesFaultIsToldAsInThisProcess") {
+  const auto processes = started(short_limits());
+  const std::string file = knot_file();
+  proto::DecodeLimits few;
+  few.max_vertices = 100;
+  const Decoded there = processes->decode(file, few, {});
+  REQUIRE_FALSE(there);
+  CHECK(there.error().code == ErrorCode::too_many_vertices);
+  CHECK(there.error().limit == 100);
+  CHECK(there.error().actual == 4000);
+  for (const std::string& bad : {file.substr(0, 100), std::string("{"), std::string()}) {
+    CHECK(frame_of(processes->decode(bad, {}, {})) == frame_of(decoded_here(bad)));
+  }
+  CHECK(processes->stats().refused == 5);  // one of them tried the processes out
+}
+
+TEST_CASE("WhateverADecoderDoesItDoesToItself") {
+  const auto processes = started(short_limits());
+  std::vector<std::string_view> deeds{"crash", "end"};
+  // Sanitizers need system calls of their own, so nothing is confined with them.
+  if (Confinement::can_confine()) {
+    for (const char* deed : {"open", "connect", "fork", "run", "kill", "code"}) {
+      deeds.emplace_back(deed);
+    }
+  }
+  for (const std::string_view deed : deeds) {
+    CAPTURE(deed);
+    const Decoded refused = processes->decode(deed, {}, {});
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().code == ErrorCode::mesh_invalid);
+    CHECK(refused.error().detail == "the decoder crashed on this file");
+    CHECK(processes->decode(knot_file(), {}, {}));
+  }
+  CHECK(processes->stats().crashed == deeds.size());
+  CHECK(processes->stats().decoded == deeds.size());
+}
+
+TEST_CASE("AFileThatTakesTooMuchMemoryIsRefused") {
+  if (!Confinement::can_confine()) return;
+  const auto processes = started(short_limits());
+  const Decoded refused = processes->decode("balloon", {}, {});
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::too_large);
+  CHECK(refused.error().limit == short_limits().memory_bytes);
+  CHECK(processes->decode(knot_file(), {}, {}));
+}
+
+TEST_CASE("AFileThatTakesTooLongIsRefusedAndItsDecoderKilled") {
+  DecoderProcesses::Limits limits = short_limits();
+  limits.time = 1s;
+  const auto processes = started(limits);
+  const Decoded refused = processes->decode("hang", {}, {});
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::mesh_invalid);
+  CHECK(processes->stats().overtime == 1);
+  CHECK(soon([] { return decoder_pids().size() == 1; }));
+}
+
+TEST_CASE("ADecoderIsKilledOnceNobodyWantsItsAnswer") {
+  const auto processes = started(short_limits());
+  std::atomic<bool> gone{false};
+  std::thread leaving([&] {
+    CHECK(soon([] { return decoder_pids().size() == 2; }));
+    gone = true;
+  });
+  const Decoded refused = processes->decode("hang", {}, Caller([&] { return gone.load(); }));
+  leaving.join();
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::cancelled);
+  CHECK(processes->stats().cancelled == 1);
+  CHECK(soon([] { return decoder_pids().size() == 1; }));
+  Caller hurried;
+  hurried.deadline = Caller::Clock::now() + 20ms;
+  CHECK(processes->decode("hang", {}, hurried).error().code == ErrorCode::deadline);
+}
+
+TEST_CASE("WhenTheDecoderProcessIsKilledAnotherIsStarted") {
+  const auto processes = started(short_limits());
+  // The copy that was made to try it out has to end yet.
+  REQUIRE(soon([] { return decoder_pids().size() == 1; }));
+  const std::vector<pid_t> pids = decoder_pids();
+  REQUIRE(::kill(pids[0], SIGKILL) == 0);
+  for (int i = 0; i < 3; ++i) CHECK(processes->decode(knot_file(), {}, {}));
+  CHECK(decoder_pids() != pids);
+}
+
+TEST_CASE("NoDecoderOutlivesItsServer") {
+  { const auto processes = started(short_limits()); }
+  CHECK(soon([] { return decoder_pids().empty(); }));
+}
+
+TEST_CASE("ManyDecodeAtOnce") {
+  const auto processes = started(short_limits());
+  const std::string file = knot_file();
+  std::atomic<int> went{0};
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 8; ++t) {
+    threads.emplace_back([&, t] {
+      for (int i = 0; i < 10; ++i) {
+        const Decoded decoded = processes->decode(t == 0 ? std::string("crash") : file, {}, {});
+        if (decoded.has_value() == (t != 0)) ++went;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK(went == 80);
+  CHECK(processes->stats().crashed == 10);
+}
+
+TEST_CASE("AProgramThatIsNoDecoderIsFoundOutAtTheStart") {
+  for (const char* program : {"/nowhere/at/all", "/bin/true"}) {
+    CAPTURE(program);
+    const auto processes = DecoderProcesses::start(program, short_limits());
+    REQUIRE_FALSE(processes);
+    CHECK(processes.error().code == ErrorCode::internal);
+    CHECK(processes.error().detail.find("--decoder in-process") != std::string::npos);
+  }
+}
+
+TEST_CASE("FramesSurviveTheWay") {
+  proto::DecodedMesh mesh;
+  mesh.format = proto::MeshFormat::drc;
+  mesh.soup.positions = {{1, 2, 3}, {-0.0, 1e300, 5}, {7, 8, 9}};
+  mesh.soup.faces = {{0, 1, 2}, {2, 1, 0}};
+  mesh.parts = {{-1, -1, -1, "", 0, 1, 0, 1}, {3, 4, 5, "n\xc3\xa4me", 1, 2, 1, 1}};
+  mesh.warnings = {"", "one"};
+  const std::vector<std::byte> frame = frame_of(mesh);
+  const auto read = read_frame(frame);
+  REQUIRE(read);
+  REQUIRE(*read);
+  CHECK((*read)->parts[1].name == "n\xc3\xa4me");
+  CHECK((*read)->warnings == mesh.warnings);
+  CHECK((*read)->format == proto::MeshFormat::drc);
+  CHECK(frame_of(*read) == frame);
+
+  const Error error{ErrorCode::too_large, "detail", "from[2]", 5, {}};
+  const auto failed = read_frame(frame_of(fail(error)));
+  REQUIRE(failed);
+  CHECK(failed->error().code == error.code);
+  CHECK(failed->error().detail == error.detail);
+  CHECK(failed->error().parameter == error.parameter);
+  CHECK(failed->error().limit == 5);
+  CHECK_FALSE(failed->error().actual);
+}
+
+TEST_CASE("AFrameIsTakenForNothingThatItIsNot") {
+  const std::vector<std::byte> frame = frame_of(decoded_here(knot_file()));
+  for (std::size_t size = 0; size < frame.size(); size += 1 + size / 50) {
+    CHECK_FALSE(read_frame({frame.data(), size}));
+  }
+  std::vector<std::byte> longer = frame;
+  longer.push_back(std::byte{0});
+  CHECK_FALSE(read_frame(longer));
+  // Counts that lie, wherever they are: no crash, and no more memory than the frame has.
+  std::mt19937 random(3);
+  std::size_t taken = 0;
+  for (int i = 0; i < 3000; ++i) {
+    std::vector<std::byte> damaged = frame;
+    const std::size_t head = 64;
+    const std::size_t tail = damaged.size() - 200;
+    for (int k = 0; k < 3; ++k) {
+      const std::size_t at = random() % 2 == 0 ? random() % head : tail + random() % 200;
+      damaged[at] = static_cast<std::byte>(random());
+    }
+    const auto read = read_frame(damaged);
+    if (read) ++taken;
+  }
+  CHECK(taken < 3000);
+}
