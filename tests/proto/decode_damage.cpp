@@ -9,9 +9,12 @@
 
 #include "gltf_fixture.h"
 #include "proto/encode_mesh.h"
+#include "tests/fixtures/mutations.h"
 
 using namespace geodesic;
 using namespace geodesic::proto;
+using fixtures::misplaced;
+using fixtures::mutated;
 
 namespace {
 
@@ -70,48 +73,6 @@ bool survives(const Bytes& bytes) {
   }) && std::ranges::all_of(mesh->soup.faces, [count](const auto& face) {
     return face[0] < count && face[1] < count && face[2] < count;
   });
-}
-
-Bytes mutated(Bytes bytes, std::mt19937& random) {
-  const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
-  const std::size_t edits = 1 + below(4);
-  for (std::size_t i = 0; i < edits && !bytes.empty(); ++i) {
-    const std::size_t at = below(bytes.size());
-    const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(at);
-    const std::size_t run = std::min(bytes.size() - at, 1 + below(8));
-    switch (below(5)) {
-      case 0:
-        bytes[at] ^= static_cast<std::byte>(1u << below(8));
-        break;
-      case 1:
-        bytes[at] = static_cast<std::byte>(below(256));
-        break;
-      case 2:
-        bytes.erase(begin, begin + static_cast<std::ptrdiff_t>(run));
-        break;
-      case 3: {
-        const Bytes copy(begin, begin + static_cast<std::ptrdiff_t>(run));
-        bytes.insert(begin, copy.begin(), copy.end());
-        break;
-      }
-      default:
-        std::fill(begin, begin + static_cast<std::ptrdiff_t>(run),
-                  below(2) == 0 ? std::byte{0xFF} : std::byte{0});
-    }
-  }
-  return bytes;
-}
-
-// One value of a JSON document replaced by something that does not belong there.
-json misplaced(json document, std::mt19937& random) {
-  const auto flat = document.flatten();
-  auto it = flat.begin();
-  std::advance(it, static_cast<std::ptrdiff_t>(random() % flat.size()));
-  static const json odd[] = {-1,         0,    1,       7,      255, 4294967297,    1e300,
-                             0.5,        true, nullptr, "VEC2", "",  json::array(), json::object(),
-                             2147483647, 5126};
-  document[json::json_pointer(it.key())] = odd[random() % std::size(odd)];
-  return document;
 }
 
 }  // namespace

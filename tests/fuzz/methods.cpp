@@ -1,0 +1,76 @@
+// All methods on a tiny mesh, held against one another: two exact ones that share
+// nothing, and what each of the others promises.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/solve_field.h"
+#include "core/trace_path.h"
+#include "tests/fuzz/small_soup.h"
+
+namespace geodesic::fuzz {
+namespace {
+
+// Relative to a distance, and to the size of the mesh.
+constexpr double kRounding = 1e-7;
+constexpr double kOfSize = 1e-9;
+
+Field field_of(Method method, const Adjacency& adjacency, const Source& source) {
+  SolveScratch scratch;
+  auto field = solve_field(method, {}, adjacency, {&source, 1}, {}, scratch, Cancel());
+  expect(field.has_value(), "every mesh has a field");
+  return std::move(*field);
+}
+
+}  // namespace
+
+void fuzz_methods(Input input) {
+  Reader reader(input);
+  const std::uint8_t which = reader.byte();
+  const TriangleSoup soup = small_soup(reader);
+  auto built = Mesh::build(soup);
+  if (!built) return;
+  const auto mesh = std::make_shared<const Mesh>(std::move(*built));
+  const Adjacency adjacency = Adjacency::build(mesh);
+  const double size = distance(mesh->box().min, mesh->box().max);
+  const std::uint32_t vertex = mesh->faces()[which % mesh->face_count()][which / 64U % 3U];
+  const Source source{point_at_vertex(adjacency, vertex), 0};
+
+  const Field exact = field_of(Method::exact, adjacency, source);
+  const Field other = field_of(Method::chen_han, adjacency, source);
+  const Field edges = field_of(Method::dijkstra, adjacency, source);
+  const double slack = kOfSize * size;
+  for (std::uint32_t v = 0; v < mesh->vertex_count(); ++v) {
+    const double d = exact.distance[v];
+    expect(!std::isnan(d), "a distance is a number");
+    expect((d == kUnreached) == (edges.distance[v] == kUnreached), "what has a way is reached");
+    expect((d == kUnreached) == (other.distance[v] == kUnreached), "by both exact methods");
+    if (d == kUnreached) continue;
+    expect(std::abs(d - other.distance[v]) <= kRounding * d + slack, "exact methods agree");
+    expect(d <= edges.distance[v] * (1 + kRounding) + slack, "no farther than along edges");
+    expect(d >= distance(mesh->positions()[v], mesh->positions()[vertex]) * (1 - kRounding) - slack,
+           "no nearer than straight");
+    const auto path = trace_path(adjacency, exact, point_at_vertex(adjacency, v));
+    expect(path.has_value(), "what is reached has a path");
+    expect(std::abs(path->length - d) <= kRounding * d + slack, "as long as its distance");
+  }
+  for (const Method method :
+       {Method::wavefront, Method::novotni, Method::fast_marching, Method::steiner}) {
+    const Field field = field_of(method, adjacency, source);
+    for (std::uint32_t v = 0; v < mesh->vertex_count(); ++v) {
+      const double d = field.distance[v];
+      expect(!std::isnan(d) && d >= 0, "a distance is not negative");
+      expect((d == kUnreached) == (exact.distance[v] == kUnreached), "what has a way is reached");
+      if (d == kUnreached) continue;
+      const auto path = trace_path(adjacency, field, point_at_vertex(adjacency, v));
+      expect(path.has_value(), "what is reached has a path");
+      expect(path->length >= exact.distance[v] * (1 - kRounding) - slack,
+             "no path is shorter than the shortest");
+    }
+  }
+}
+
+}  // namespace geodesic::fuzz

@@ -1,0 +1,99 @@
+// Requests as clients write them: JSON bodies, URL queries, and points.
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "proto/parameters.h"
+#include "proto/point_request.h"
+#include "proto/query_requests.h"
+#include "server/http_head.h"
+#include "tests/fuzz/targets.h"
+
+namespace geodesic::fuzz {
+namespace {
+
+std::string_view text_of(Input input) {
+  return {reinterpret_cast<const char*>(input.data()), input.size()};
+}
+
+void check_error(const Error& error) {
+  expect(error.code != ErrorCode::internal, "an error is the client's");
+  expect(!error.detail.empty(), "an error says what is wrong");
+}
+
+void check_point(const proto::PointRequest& point) {
+  expect(std::isfinite(point.offset) && point.offset >= 0, "an offset is a length");
+  if (const auto* face = std::get_if<proto::FaceRequest>(&point.where)) {
+    double sum = 0;
+    for (const double weight : face->bary) {
+      expect(weight >= 0, "weights are not negative");
+      sum += weight;
+    }
+    expect(std::abs(sum - 1) < 1e-6, "weights add up to one");
+  }
+  if (const auto* ray = std::get_if<proto::RayRequest>(&point.where)) {
+    const Vec3 d = ray->direction;
+    expect(d.x != 0 || d.y != 0 || d.z != 0, "a ray has a direction");
+  }
+}
+
+template <class Request>
+void parse(const auto& parameters_of) {
+  auto parameters = parameters_of();
+  if (!parameters) return check_error(parameters.error());
+  Request request{};
+  const auto parsed = proto::parse_request(*parameters, request);
+  if (!parsed) return check_error(parsed.error());
+  const auto format = proto::parse_format(*parameters, nullptr, proto::formats_of(request));
+  if (!format) return check_error(format.error());
+  if (const auto known = parameters->check_all_known(); !known) check_error(known.error());
+}
+
+void parse_all(const auto& parameters_of) {
+  parse<proto::DistanceRequest>(parameters_of);
+  parse<proto::PathRequest>(parameters_of);
+  parse<proto::TableRequest>(parameters_of);
+  parse<proto::IsolinesRequest>(parameters_of);
+  parse<proto::SamplesRequest>(parameters_of);
+  parse<proto::TraceRequest>(parameters_of);
+  parse<proto::NearestRequest>(parameters_of);
+}
+
+}  // namespace
+
+void fuzz_requests(Input input) {
+  const std::string_view text = text_of(input);
+  parse_all([&] { return proto::Parameters::from_json(text); });
+  parse_all([&]() -> Result<proto::Parameters> {
+    auto query = server::parse_query(text);
+    if (!query) return fail(std::move(query.error()));
+    return proto::Parameters::from_query(*query);
+  });
+}
+
+void fuzz_points(Input input) {
+  const std::string_view text = text_of(input);
+  const auto point = proto::parse_point(text, "from[3]");
+  if (!point) {
+    check_error(point.error());
+    expect(point.error().parameter == "from[3]", "an error names its parameter");
+  } else {
+    check_point(*point);
+    expect(point->parameter == "from[3]", "a point knows its parameter");
+  }
+  // A text is the same point in JSON.
+  const auto in_json = proto::parse_json_point(nlohmann::json(std::string(text)), "from[3]");
+  expect(in_json.has_value() == point.has_value(), "JSON takes the URL's text");
+  const auto value = nlohmann::json::parse(text, nullptr, false);
+  if (value.is_discarded()) return;
+  const auto structured = proto::parse_json_point(value, "to");
+  if (structured) {
+    check_point(*structured);
+  } else {
+    check_error(structured.error());
+  }
+}
+
+}  // namespace geodesic::fuzz

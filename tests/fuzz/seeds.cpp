@@ -1,0 +1,158 @@
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/shapes.h"
+#include "proto/encode_mesh.h"
+#include "server/decoded_frame.h"
+#include "tests/fuzz/targets.h"
+#include "tests/proto/gltf_fixture.h"
+
+namespace geodesic::fuzz {
+namespace {
+
+using nlohmann::json;
+using proto::Bytes;
+using proto::GltfFixture;
+
+std::string text_of(const Bytes& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+std::vector<std::pair<std::string, TriangleSoup>> small_shapes() {
+  return {{"plane", shapes::plane(4, 3)},           {"sphere", shapes::icosphere(1)},
+          {"knot", shapes::torus_knot(12, 3, 0.3)}, {"saddle", shapes::saddle(5, 2)},
+          {"terrain", shapes::terrain(6, 2, 1)},    {"square", shapes::plane(2, 2)}};
+}
+
+// Strips, fans, points and lines, with indices of each width and without.
+GltfFixture with_every_mode() {
+  GltfFixture file;
+  const auto corners = file.positions({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 2, 2, 1, 3, 1, 0});
+  const auto bytes = file.accessor(
+      file.view(proto::bytes_of(std::vector<std::uint8_t>{0, 1, 2, 3, 4, 5})), 5121, 6, "SCALAR");
+  const auto words = file.accessor(
+      file.view(proto::bytes_of(std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5})), 5125, 6, "SCALAR");
+  std::vector<json> primitives;
+  for (int mode = 0; mode <= 6; ++mode) {
+    primitives.push_back(GltfFixture::primitive(corners, mode));
+    primitives.push_back(GltfFixture::primitive(corners, mode, bytes));
+    primitives.push_back(GltfFixture::primitive(corners, mode, words));
+  }
+  file.mesh(primitives);
+  file.node({{"mesh", 0}, {"matrix", {1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 2, 0, 5, 6, 7, 1}}});
+  return file;
+}
+
+GltfFixture with_sparse_and_quantised() {
+  auto file = proto::one_triangle();
+  const auto strip = file.positions({0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0});
+  const auto places = file.view(proto::bytes_of(std::vector<std::uint8_t>{1}));
+  const auto values = file.view(proto::bytes_of(std::vector<float>{3, 3, 3}));
+  file.document["accessors"][strip]["sparse"] = {
+      {"count", 1},
+      {"indices", {{"bufferView", places}, {"componentType", 5121}}},
+      {"values", {{"bufferView", values}}}};
+  const auto quantised = file.accessor(
+      file.view(proto::bytes_of(std::vector<std::int16_t>{0, 0, 0, 0, 9, 0, 0, 0, 0, 9, 0, 0}), 8),
+      5122, 3, "VEC3");
+  file.document["extensionsUsed"] = {"KHR_mesh_quantization"};
+  file.document["extensionsRequired"] = {"KHR_mesh_quantization"};
+  file.mesh({GltfFixture::primitive(strip, 5), GltfFixture::primitive(quantised)});
+  file.node({{"mesh", 1}, {"children", {0}}, {"scale", {1, 2, 3}}, {"rotation", {0, 0, 1, 0}}});
+  file.document["scenes"] = json::array({{{"nodes", {1}}}});
+  file.document["scene"] = 0;
+  return file;
+}
+
+GltfFixture with_draco() {
+  GltfFixture file;
+  const TriangleSoup soup = shapes::icosphere(1);
+  const auto position = file.add(
+      "accessors", {{"componentType", 5126}, {"count", soup.positions.size()}, {"type", "VEC3"}});
+  json primitive = GltfFixture::primitive(position);
+  primitive["extensions"]["KHR_draco_mesh_compression"] = {
+      {"bufferView", file.view(proto::encode_drc(soup, 11).value())},
+      {"attributes", {{"POSITION", 0}}}};
+  file.document["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+  file.mesh({primitive});
+  file.node({{"mesh", 0}});
+  return file;
+}
+
+}  // namespace
+
+std::vector<std::string> gltf_seeds() {
+  std::vector<std::string> seeds;
+  for (const auto& [name, soup] : small_shapes()) {
+    seeds.push_back(text_of(proto::encode_glb(soup, name)));
+  }
+  for (const GltfFixture& file :
+       {proto::one_triangle(), with_every_mode(), with_sparse_and_quantised(), with_draco()}) {
+    seeds.push_back(text_of(file.glb()));
+    seeds.push_back(text_of(file.gltf()));
+  }
+  return seeds;
+}
+
+std::vector<std::string> draco_seeds() {
+  std::vector<std::string> seeds;
+  for (const auto& [name, soup] : small_shapes()) {
+    for (const int bits : {0, 8, 14}) {
+      if (auto file = proto::encode_drc(soup, bits)) seeds.push_back(text_of(*file));
+    }
+  }
+  return seeds;
+}
+
+std::vector<std::string> mesh_seeds() {
+  using namespace std::string_literals;
+  return {
+      // Vertices and faces as small_soup.h reads them.
+      "\x05\x01\x00\x10\x01\x21\x02\x33\x03\x44\x00\x15\x01\x26\x00\x01\x02\x02\x01\x03\x04\x05\x06"s,
+      "\x13\x00\x00\x00\x01\x00\x02\x00\x08\x00\x09\x00\x0a\x00\x10\x00\x11\x00\x12\x00"s,
+      "\x15\x02\x70\x71\x72\x73\x74\x75\x76\x77\x78\x79\x7a\x7b\x7c\x7d\x7e\x7f\x01\x02\x03"s,
+      std::string(60, '\x07'),
+  };
+}
+
+std::vector<std::string> request_seeds() {
+  return {
+      R"({"from":"v:0","to":{"face":4,"bary":[0.2,0.3,0.5]},"method":"exact","refine":"shortest"})",
+      R"({"from":[{"vertex":1,"offset":2.5},"p:1,2,3"],"max":9.5,"labels":true,"format":"frame"})",
+      R"({"from":["v:0"],"levels":[1,2,3],"precision":6})",
+      R"({"from":"v:0","direction":[1,0,0],"length":3})",
+      R"({"point":[{"ray":{"origin":[0,0,9],"direction":[0,0,-1]}}]})",
+      "from=v:0&to=v:9&via=f:1,0.2,0.3&refine=none&precision=6",
+      "from=v:0&from=p:1,2,3&at=v:1&max=2e3&method=steiner&points_per_edge=5",
+      "from=v%3A0&count=10&step=0.5&angle=1.5&length=2",
+  };
+}
+
+std::vector<std::string> point_seeds() {
+  return {"v:12",
+          "f:40,0.2,0.3",
+          "p:1,-2.5e3,3",
+          "ray:0,0,9,0,0,-1",
+          R"({"vertex":12,"offset":1})",
+          R"({"face":40,"bary":[0.2,0.3,0.5]})",
+          R"({"xyz":[1,2,3],"max_snap":0.1})",
+          R"({"ray":{"origin":[0,0,9],"direction":[0,0,-1]}})"};
+}
+
+std::vector<std::string> frame_seeds() {
+  std::vector<std::string> seeds;
+  const auto add = [&](const server::Decoded& decoded) {
+    Bytes frame(server::frame_size(decoded));
+    server::write_frame(decoded, frame);
+    seeds.push_back(text_of(frame));
+  };
+  for (const std::string& file : gltf_seeds()) {
+    add(proto::decode_mesh(proto::bytes_of(file), {}));
+  }
+  add(fail_limit(ErrorCode::too_large, "too large", 5, 6, "from"));
+  seeds.push_back(server::write_order({}));
+  return seeds;
+}
+
+}  // namespace geodesic::fuzz
