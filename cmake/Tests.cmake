@@ -7,19 +7,23 @@
 add_custom_target(doctest_executables)
 add_custom_target(tsan_executables)
 
-# geodesic_add_doctest(TARGET [TSAN])
+# geodesic_add_doctest(TARGET [TSAN] [RELEASE_ONLY])
 #
 # Makes ctest run the executable TARGET, which has tests written with doctest, as a
-# whole. TSAN: it tests concurrency.
+# whole. TSAN: it tests concurrency. RELEASE_ONLY: it measures how well the code does
+# that other tests go through, and no sanitizer looks at it.
 function(geodesic_add_doctest target)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "TSAN" "" "")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "TSAN;RELEASE_ONLY" "" "")
   target_link_libraries(${target} PRIVATE doctest_main)
   geodesic_precompile(${target} <doctest/doctest.h>)
   # What is tested is in the libraries; tests themselves are compiled more often than run.
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   add_test(NAME ${target} COMMAND ${target})
-  add_dependencies(doctest_executables ${target})
-  set(labels doctest)
+  set(labels measure)
+  if(NOT arg_RELEASE_ONLY)
+    add_dependencies(doctest_executables ${target})
+    set(labels doctest)
+  endif()
   if(arg_TSAN)
     add_dependencies(tsan_executables ${target})
     list(APPEND labels tsan)
