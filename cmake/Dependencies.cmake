@@ -13,6 +13,7 @@ find_package(PNG REQUIRED)
 find_package(CURL 7.87 REQUIRED)  # the first to sign x-amz-content-sha256
 find_package(pugixml REQUIRED)
 find_package(prometheus-cpp REQUIRED CONFIG)
+find_package(meshoptimizer REQUIRED)
 find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
 
 # geodesic_draco: the shared library where there is one, the static one otherwise.

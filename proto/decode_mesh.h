@@ -15,6 +15,7 @@
 
 #include "core/error.h"
 #include "core/triangle_soup.h"
+#include "proto/findings.h"
 
 namespace geodesic::proto {
 
@@ -50,7 +51,7 @@ struct DecodedMesh {
   MeshFormat format = MeshFormat::glb;
   TriangleSoup soup;  // in source-vertex order, node transforms applied
   std::vector<MeshPart> parts;
-  std::vector<std::string> warnings;  // what was ignored, one sentence each
+  std::vector<Finding> findings;  // what was ignored or taken otherwise
 };
 
 // Which format the bytes claim to be; `format_unknown` when none.

@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "proto/gltf_instancing.h"
+
 namespace geodesic::proto {
 namespace {
 
@@ -49,8 +51,9 @@ std::vector<std::size_t> roots_of(const GltfDocument& document) {
 
 }  // namespace
 
-Result<std::vector<GltfInstance>> find_instances(const GltfDocument& document,
-                                                 std::uint64_t max_nodes) {
+Result<std::vector<GltfInstance>> find_instances(const GltfDocument& document, GltfBuffers& buffers,
+                                                 std::uint64_t max_nodes,
+                                                 std::uint64_t max_absent) {
   if (const auto node = find_cycle(document)) {
     return fail(ErrorCode::mesh_invalid,
                 "node " + std::to_string(*node) + " is among its own descendants.");
@@ -75,7 +78,17 @@ Result<std::vector<GltfInstance>> find_instances(const GltfDocument& document,
     pending.pop_back();
     const GltfNode& node = document.nodes[visit.node];
     const GltfTransform to_world = visit.parent.after(node.to_parent);
-    if (node.mesh) instances.push_back({visit.node, *node.mesh, to_world});
+    if (node.mesh && node.instancing) {
+      const auto placed =
+          read_instancing(document, buffers, visit.node, max_nodes - visits, max_absent);
+      if (!placed) return fail(placed.error());
+      visits += placed->size();
+      for (const GltfTransform& to_node : *placed) {
+        instances.push_back({visit.node, *node.mesh, to_world.after(to_node)});
+      }
+    } else if (node.mesh) {
+      instances.push_back({visit.node, *node.mesh, to_world});
+    }
     within = push(node.children, to_world);
   }
   if (!within) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "proto/gltf_buffers.h"
 #include "proto/gltf_document.h"
 
 namespace geodesic::proto {
@@ -19,10 +20,13 @@ struct GltfInstance {
 };
 
 // Of the default scene, else scene 0, else all nodes that are nobody's child.
-// A node with several parents is drawn for each of them.
+// A node with several parents is drawn for each of them, and one that draws its
+// mesh in instances (EXT_mesh_gpu_instancing) for each of these, in their order.
 // Errors: mesh_invalid (a cycle, naming a node), too_large (more than `max_nodes`
-// visits).
+// visits, instances counted), those of `read_instancing`.
 [[nodiscard]] Result<std::vector<GltfInstance>> find_instances(const GltfDocument& document,
-                                                               std::uint64_t max_nodes);
+                                                               GltfBuffers& buffers,
+                                                               std::uint64_t max_nodes,
+                                                               std::uint64_t max_absent);
 
 }  // namespace geodesic::proto

@@ -36,7 +36,8 @@ ordered_json parts_of(const DecodedMesh& decoded) {
 // What the client should know of its own mesh, in words.
 ordered_json warnings_of(const DecodedMesh& decoded, const Mesh& mesh,
                          const TopologyReport& topology) {
-  ordered_json warnings = decoded.warnings;
+  ordered_json warnings = ordered_json::array();
+  for (const Finding& finding : decoded.findings) warnings.push_back(finding.text);
   const auto warn = [&](std::uint64_t count, const char* one, const char* many,
                         const char* meaning) {
     if (count == 0) return;

@@ -2,6 +2,9 @@
 // open to any change before `glb()` or `gltf()` writes it down.
 #pragma once
 
+#include <doctest/doctest.h>
+
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -144,5 +147,33 @@ inline GltfFixture one_triangle() {
 }
 
 inline Result<DecodedMesh> decode(const Bytes& bytes) { return decode_mesh(bytes, DecodeLimits{}); }
+
+// What a valid file decodes to, as GLB and as glTF alike.
+inline DecodedMesh decoded(const GltfFixture& fixture) {
+  auto mesh = decode(fixture.glb());
+  if (!mesh) FAIL(mesh.error().detail);
+  auto same = decode(fixture.gltf());
+  if (!same) FAIL(same.error().detail);
+  CHECK(same->soup.positions == mesh->soup.positions);
+  CHECK(same->soup.faces == mesh->soup.faces);
+  CHECK(mesh->format == MeshFormat::glb);
+  CHECK(same->format == MeshFormat::gltf);
+  return *mesh;
+}
+
+inline bool warns_of(const DecodedMesh& mesh, const std::string& what) {
+  return std::ranges::any_of(mesh.findings, [&](const Finding& finding) {
+    return finding.text.find(what) != std::string::npos;
+  });
+}
+
+inline void check_close(const std::vector<Vec3>& got, const std::vector<Vec3>& expected,
+                        double tolerance = 1e-12) {
+  REQUIRE(got.size() == expected.size());
+  for (std::size_t i = 0; i < got.size(); ++i) {
+    CAPTURE(i);
+    CHECK(distance(got[i], expected[i]) < tolerance);
+  }
+}
 
 }  // namespace geodesic::proto
