@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <tuple>
 
@@ -91,9 +92,33 @@ std::vector<std::uint32_t> curve_order(const std::vector<Vec3>& positions, const
   return order;
 }
 
+// For each source vertex the first of those that are to become one with it because
+// a face has both as corners at the same position.
+std::vector<std::uint32_t> joined_in_faces(const TriangleSoup& soup,
+                                           const std::vector<Vec3>& positions) {
+  std::vector<std::uint32_t> first(positions.size());
+  std::iota(first.begin(), first.end(), 0U);
+  const auto find = [&](std::uint32_t v) {
+    while (first[v] != v) v = first[v] = first[first[v]];
+    return v;
+  };
+  for (const auto& face : soup.faces) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::uint32_t a = face[c];
+      const std::uint32_t b = face[(c + 1) % 3];
+      if (a == b || !(positions[a] == positions[b])) continue;
+      const std::uint32_t one = find(a);
+      const std::uint32_t other = find(b);
+      first[std::max(one, other)] = std::min(one, other);
+    }
+  }
+  for (std::uint32_t v = 0; v < first.size(); ++v) first[v] = find(v);
+  return first;
+}
+
 }  // namespace
 
-Result<Mesh> Mesh::build(const TriangleSoup& soup) {
+Result<Mesh> Mesh::build(const TriangleSoup& soup, Weld weld) {
   if (soup.faces.empty()) return fail(ErrorCode::no_triangles, "the mesh has no triangles");
   if (soup.positions.size() > kMaxVertices) {
     return fail_limit(ErrorCode::too_many_vertices, "too many vertices", kMaxVertices,
@@ -120,13 +145,27 @@ Result<Mesh> Mesh::build(const TriangleSoup& soup) {
   mesh.vertex_of_source_.resize(soup.positions.size());
   mesh.positions_.reserve(soup.positions.size());
   mesh.source_of_vertex_.reserve(soup.positions.size());
-  for (const std::uint32_t source : order) {
-    const Vec3 p = flushed_positions[source];
-    if (mesh.positions_.empty() || !(mesh.positions_.back() == p)) {
-      mesh.positions_.push_back(p);
-      mesh.source_of_vertex_.push_back(source);
+  if (weld == Weld::by_position) {
+    for (const std::uint32_t source : order) {
+      const Vec3 p = flushed_positions[source];
+      if (mesh.positions_.empty() || !(mesh.positions_.back() == p)) {
+        mesh.positions_.push_back(p);
+        mesh.source_of_vertex_.push_back(source);
+      }
+      mesh.vertex_of_source_[source] = static_cast<std::uint32_t>(mesh.positions_.size() - 1);
     }
-    mesh.vertex_of_source_[source] = static_cast<std::uint32_t>(mesh.positions_.size() - 1);
+  } else {
+    const std::vector<std::uint32_t> first = joined_in_faces(soup, flushed_positions);
+    // The first of those joined has the least number, so the curve comes to it first.
+    for (const std::uint32_t source : order) {
+      if (first[source] == source) {
+        mesh.vertex_of_source_[source] = static_cast<std::uint32_t>(mesh.positions_.size());
+        mesh.positions_.push_back(flushed_positions[source]);
+        mesh.source_of_vertex_.push_back(source);
+      } else {
+        mesh.vertex_of_source_[source] = mesh.vertex_of_source_[first[source]];
+      }
+    }
   }
   mesh.positions_.shrink_to_fit();
   mesh.source_of_vertex_.shrink_to_fit();
@@ -169,12 +208,15 @@ Result<Mesh> Mesh::build(const TriangleSoup& soup) {
     const Vec3 a = mesh.positions_[t[0]];
     const Vec3 b = mesh.positions_[t[1]];
     const Vec3 c = mesh.positions_[t[2]];
-    const double area2 = norm(cross(b - a, c - a));
-    const double longest2 = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
-    mesh.area_ += 0.5 * area2;
-    if (area2 <= kZeroAreaRatio * longest2) ++mesh.zero_area_faces_;
+    mesh.area_ += 0.5 * norm(cross(b - a, c - a));
+    if (is_without_area(a, b, c)) ++mesh.zero_area_faces_;
   }
   return mesh;
+}
+
+bool Mesh::is_without_area(Vec3 a, Vec3 b, Vec3 c) {
+  const double longest2 = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
+  return norm(cross(b - a, c - a)) <= kZeroAreaRatio * longest2;
 }
 
 Triangle Mesh::dropped_face(std::uint32_t source_face) const {

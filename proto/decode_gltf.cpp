@@ -25,10 +25,11 @@ namespace {
 class Assembly {
  public:
   Assembly(const GltfDocument& document, GltfBuffers& buffers, const DecodeLimits& limits,
-           std::uint64_t file_bytes)
+           const ImportOptions& options, std::uint64_t file_bytes)
       : document_(document),
         buffers_(buffers),
         limits_(limits),
+        options_(options),
         file_bytes_(file_bytes),
         geometries_(document, buffers, file_bytes, findings_) {
     // Faces refer to vertices by 32 bits.
@@ -37,12 +38,12 @@ class Assembly {
   }
 
   Result<DecodedMesh> run() {
-    auto instances = find_instances(document_, buffers_, limits_.max_nodes, file_bytes_);
+    auto instances = find_instances(document_, buffers_, options_, limits_.max_nodes, file_bytes_);
     if (!instances) return fail(std::move(instances.error()));
     for (const GltfInstance& instance : *instances) {
       if (const auto counted = count(instance); !counted) return fail(counted.error());
     }
-    if (room_.faces == 0) return fail(ErrorCode::no_triangles, "The scene has no triangles.");
+    if (room_.faces == 0) return fail(no_triangles());
     DecodedMesh mesh;
     mesh.soup.positions.resize(room_.vertices);
     mesh.soup.faces.resize(room_.faces);
@@ -64,6 +65,12 @@ class Assembly {
     std::uint64_t vertex = 0;
     std::uint64_t face = 0;
   };
+
+  [[nodiscard]] Error no_triangles() const {
+    const char* detail =
+        options_.node ? "The node draws no triangles." : "The scene has no triangles.";
+    return {ErrorCode::no_triangles, detail, {}, {}, {}};
+  }
 
   Result<void> count(const GltfInstance& instance) {
     const GltfNode& node = document_.nodes[instance.node];
@@ -199,6 +206,7 @@ class Assembly {
   const GltfDocument& document_;
   GltfBuffers& buffers_;
   const DecodeLimits& limits_;
+  const ImportOptions& options_;
   std::uint64_t file_bytes_;
   Findings findings_;
   GltfGeometries geometries_;
@@ -211,7 +219,7 @@ class Assembly {
 }  // namespace
 
 Result<DecodedMesh> decode_gltf(std::span<const std::byte> bytes, MeshFormat format,
-                                const DecodeLimits& limits) {
+                                const DecodeLimits& limits, const ImportOptions& options) {
   auto container = format == MeshFormat::glb ? open_glb(bytes) : open_gltf(bytes);
   if (!container) return fail(std::move(container.error()));
   if (const auto shape = check_json_shape(container->json, limits); !shape) {
@@ -222,7 +230,7 @@ Result<DecodedMesh> decode_gltf(std::span<const std::byte> bytes, MeshFormat for
   // What all accessors of the largest mesh can need: positions and indices of 4 bytes.
   const std::uint64_t max_decompressed = 12 * (limits.max_vertices + limits.max_faces);
   GltfBuffers buffers(*document, container->binary, container->has_binary, max_decompressed);
-  auto mesh = Assembly(*document, buffers, limits, bytes.size()).run();
+  auto mesh = Assembly(*document, buffers, limits, options, bytes.size()).run();
   if (!mesh) return mesh;
   mesh->format = format;
   if (container->trailing_bytes != 0) {

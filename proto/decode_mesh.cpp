@@ -1,11 +1,10 @@
-#include "proto/decode_mesh.h"
-
 #include <exception>
 #include <new>
 #include <stdexcept>
 #include <utility>
 
 #include "proto/decode_gltf.h"
+#include "proto/decode_mesh.h"
 #include "proto/draco_codec.h"
 
 namespace geodesic::proto {
@@ -52,12 +51,30 @@ Result<MeshFormat> sniff_format(std::span<const std::byte> bytes) {
               "The bytes are neither GLB nor glTF nor a Draco bitstream.");
 }
 
-Result<DecodedMesh> decode_mesh(std::span<const std::byte> bytes, const DecodeLimits& limits) {
+namespace {
+
+Result<DecodedMesh> decode_as(MeshFormat format, std::span<const std::byte> bytes,
+                              const DecodeLimits& limits, const ImportOptions& options) {
+  if (format == MeshFormat::glb || format == MeshFormat::gltf) {
+    return decode_gltf(bytes, format, limits, options);
+  }
+  if (options.scene || options.node) {
+    return fail(ErrorCode::value_out_of_range, "Only glTF files have scenes and nodes.",
+                options.scene ? "scene" : "node");
+  }
+  return decode_drc(bytes, limits);
+}
+
+}  // namespace
+
+Result<DecodedMesh> decode_mesh(std::span<const std::byte> bytes, const DecodeLimits& limits,
+                                const ImportOptions& options) {
   const auto format = sniff_format(bytes);
   if (!format) return fail(format.error());
   try {
-    return *format == MeshFormat::drc ? decode_drc(bytes, limits)
-                                      : decode_gltf(bytes, *format, limits);
+    auto mesh = decode_as(*format, bytes, limits, options);
+    if (mesh) place(mesh->soup, options);
+    return mesh;
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::too_large, "Decoding the mesh needs more memory than there is.");
   } catch (const std::length_error&) {

@@ -16,6 +16,7 @@
 #include "core/error.h"
 #include "core/triangle_soup.h"
 #include "proto/findings.h"
+#include "proto/import_options.h"
 
 namespace geodesic::proto {
 
@@ -64,9 +65,14 @@ struct DecodedMesh {
 // file's corners in order, under mirroring transforms as well. Draco's vertices
 // are in decoded order.
 //
+// Of `options`, `scene`, `node`, `up` and `scale` are carried out; welding is for who
+// builds the mesh.
+//
 // Errors: format_unknown, mesh_invalid, no_triangles, index_out_of_range,
-// too_many_vertices, too_many_faces, external_uri, extension_required, too_large.
+// too_many_vertices, too_many_faces, external_uri, extension_required, too_large,
+// value_out_of_range (a scene or node that the file does not have).
 [[nodiscard]] Result<DecodedMesh> decode_mesh(std::span<const std::byte> bytes,
-                                              const DecodeLimits& limits);
+                                              const DecodeLimits& limits,
+                                              const ImportOptions& options = {});
 
 }  // namespace geodesic::proto

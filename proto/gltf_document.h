@@ -121,8 +121,9 @@ struct GltfDocument {
   std::vector<GltfMesh> meshes;
   std::vector<GltfNode> nodes;
   std::vector<std::vector<std::size_t>> scenes;  // root nodes of each
-  std::optional<std::size_t> scene;              // the default one
-  bool has_rtc_center = false;                   // CESIUM_RTC: all positions are relative to it
+  std::vector<std::string> scene_names;
+  std::optional<std::size_t> scene;  // the default one
+  bool has_rtc_center = false;       // CESIUM_RTC: all positions are relative to it
 };
 
 }  // namespace geodesic::proto

@@ -271,7 +271,8 @@ class Reduction {
     for (std::size_t i = 0; i < out_.scenes; ++i) {
       json& scene = root["scenes"][i];
       if (!checks_.references(scene, "nodes", out_.nodes, GltfPlace{"scene", i})) return false;
-      keep_members(scene, {"nodes"});
+      name(scene);
+      keep_members(scene, {"name", "nodes"});
     }
     const auto it = root.find("scene");
     if (it == root.end()) return true;

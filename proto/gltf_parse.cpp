@@ -142,7 +142,10 @@ Result<GltfDocument> convert(const tinygltf::Model& model, ReducedGltf reduced) 
   for (const auto& [node, instancing] : reduced.instancing) {
     document.nodes[node].instancing = instancing;
   }
-  for (const auto& scene : model.scenes) document.scenes.push_back(references(scene.nodes));
+  for (const auto& scene : model.scenes) {
+    document.scenes.push_back(references(scene.nodes));
+    document.scene_names.push_back(shortened(scene.name));
+  }
   document.scene = reference(model.defaultScene);
   return document;
 }

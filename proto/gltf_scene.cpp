@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "proto/gltf_instancing.h"
+#include "proto/number.h"
 
 namespace geodesic::proto {
 namespace {
@@ -36,7 +37,22 @@ std::optional<std::size_t> find_cycle(const GltfDocument& document) {
   return std::nullopt;
 }
 
-std::vector<std::size_t> roots_of(const GltfDocument& document) {
+// Which of `count` the text means, by index or by name.
+template <class NameOf>
+std::optional<std::size_t> chosen(const std::string& text, std::size_t count,
+                                  const NameOf& name_of) {
+  if (const auto index = parse_whole(text)) {
+    if (*index >= count) return std::nullopt;
+    return static_cast<std::size_t>(*index);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (name_of(i) == text) return i;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::size_t> roots_of(const GltfDocument& document, std::optional<std::size_t> scene) {
+  if (scene) return document.scenes[*scene];
   if (!document.scenes.empty()) return document.scenes[document.scene.value_or(0)];
   std::vector<bool> is_child(document.nodes.size(), false);
   for (const GltfNode& node : document.nodes) {
@@ -52,8 +68,23 @@ std::vector<std::size_t> roots_of(const GltfDocument& document) {
 }  // namespace
 
 Result<std::vector<GltfInstance>> find_instances(const GltfDocument& document, GltfBuffers& buffers,
+                                                 const ImportOptions& options,
                                                  std::uint64_t max_nodes,
                                                  std::uint64_t max_absent) {
+  std::optional<std::size_t> scene;
+  if (options.scene) {
+    scene = chosen(*options.scene, document.scenes.size(),
+                   [&](std::size_t i) { return document.scene_names[i]; });
+    if (!scene) {
+      return fail(ErrorCode::value_out_of_range, "The file has no such scene.", "scene");
+    }
+  }
+  std::optional<std::size_t> only;
+  if (options.node) {
+    only = chosen(*options.node, document.nodes.size(),
+                  [&](std::size_t i) { return document.nodes[i].name; });
+    if (!only) return fail(ErrorCode::value_out_of_range, "The file has no such node.", "node");
+  }
   if (const auto node = find_cycle(document)) {
     return fail(ErrorCode::mesh_invalid,
                 "node " + std::to_string(*node) + " is among its own descendants.");
@@ -61,24 +92,31 @@ Result<std::vector<GltfInstance>> find_instances(const GltfDocument& document, G
   struct Visit {
     std::size_t node;
     GltfTransform parent;
+    bool is_wanted;
   };
   std::vector<Visit> pending;
   std::uint64_t visits = 0;
   // Last first, so that the first is on top. Counted before memory is taken.
-  const auto push = [&](const std::vector<std::size_t>& nodes, const GltfTransform& parent) {
+  const auto push = [&](const std::vector<std::size_t>& nodes, const GltfTransform& parent,
+                        bool is_wanted) {
     visits += nodes.size();
     if (visits > max_nodes) return false;
-    for (std::size_t i = nodes.size(); i-- > 0;) pending.push_back({nodes[i], parent});
+    for (std::size_t i = nodes.size(); i-- > 0;) pending.push_back({nodes[i], parent, is_wanted});
     return true;
   };
-  bool within = push(roots_of(document), GltfTransform{});
+  bool within = push(roots_of(document, scene), GltfTransform{}, !only);
+  bool is_met = !only;
   std::vector<GltfInstance> instances;
   while (within && !pending.empty()) {
     const Visit visit = pending.back();
     pending.pop_back();
     const GltfNode& node = document.nodes[visit.node];
     const GltfTransform to_world = visit.parent.after(node.to_parent);
-    if (node.mesh && node.instancing) {
+    const bool is_wanted = visit.is_wanted || visit.node == only;
+    is_met = is_met || is_wanted;
+    if (!is_wanted || !node.mesh) {
+      // nothing to draw here
+    } else if (node.instancing) {
       const auto placed =
           read_instancing(document, buffers, visit.node, max_nodes - visits, max_absent);
       if (!placed) return fail(placed.error());
@@ -86,13 +124,16 @@ Result<std::vector<GltfInstance>> find_instances(const GltfDocument& document, G
       for (const GltfTransform& to_node : *placed) {
         instances.push_back({visit.node, *node.mesh, to_world.after(to_node)});
       }
-    } else if (node.mesh) {
+    } else {
       instances.push_back({visit.node, *node.mesh, to_world});
     }
-    within = push(node.children, to_world);
+    within = push(node.children, to_world, is_wanted);
   }
   if (!within) {
     return fail_limit(ErrorCode::too_large, "The scene has too many nodes.", max_nodes, visits);
+  }
+  if (!is_met) {
+    return fail(ErrorCode::value_out_of_range, "The scene does not contain this node.", "node");
   }
   return instances;
 }

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "proto/gltf_buffers.h"
 #include "proto/gltf_document.h"
+#include "proto/import_options.h"
 
 namespace geodesic::proto {
 
@@ -19,13 +20,17 @@ struct GltfInstance {
   GltfTransform to_world;
 };
 
-// Of the default scene, else scene 0, else all nodes that are nobody's child.
+// Of the scene that the options name, else the default scene, else scene 0, else
+// all nodes that are nobody's child; of these only what the node that the options
+// name and its descendants draw. A name is that of the first that has it.
 // A node with several parents is drawn for each of them, and one that draws its
 // mesh in instances (EXT_mesh_gpu_instancing) for each of these, in their order.
 // Errors: mesh_invalid (a cycle, naming a node), too_large (more than `max_nodes`
-// visits, instances counted), those of `read_instancing`.
+// visits, instances counted), value_out_of_range (`scene` or `node` is not there),
+// those of `read_instancing`.
 [[nodiscard]] Result<std::vector<GltfInstance>> find_instances(const GltfDocument& document,
                                                                GltfBuffers& buffers,
+                                                               const ImportOptions& options,
                                                                std::uint64_t max_nodes,
                                                                std::uint64_t max_absent);
 

@@ -90,7 +90,7 @@ void add_samples(const std::string& folder, MeshCatalog& catalog) {
   for (const auto& file : files) {
     std::ifstream in(file, std::ios::binary);
     std::string bytes((std::istreambuf_iterator<char>(in)), {});
-    const auto upload = catalog.add(std::move(bytes), {});
+    const auto upload = catalog.add(std::move(bytes), {}, {});
     if (upload) {
       spdlog::info("sample {}: {}", file.filename().string(), upload->id);
     } else {

@@ -86,7 +86,8 @@ class Routes {
   [[nodiscard]] std::string metrics_text();
   [[nodiscard]] std::string cache_report() const;
   [[nodiscard]] HttpResponse add_mesh(Call& call);
-  [[nodiscard]] HttpResponse put_mesh(Call& call);
+  [[nodiscard]] static Result<void> check_own_digest(const Call& call,
+                                                     const proto::ImportOptions& options);
   [[nodiscard]] HttpResponse list_meshes(Call& call);
   [[nodiscard]] HttpResponse mesh_metadata(Call& call);
   [[nodiscard]] HttpResponse mesh_source(Call& call);
