@@ -1,11 +1,16 @@
+#include "proto/decode_mesh.h"
+
 #include <exception>
 #include <new>
 #include <stdexcept>
 #include <utility>
 
 #include "proto/decode_gltf.h"
-#include "proto/decode_mesh.h"
+#include "proto/decode_obj.h"
+#include "proto/decode_ply.h"
+#include "proto/decode_stl.h"
 #include "proto/draco_codec.h"
+#include "proto/ply_header.h"
 
 namespace geodesic::proto {
 namespace {
@@ -36,6 +41,12 @@ std::string_view name_of(MeshFormat format) {
       return "gltf";
     case MeshFormat::drc:
       return "drc";
+    case MeshFormat::obj:
+      return "obj";
+    case MeshFormat::ply:
+      return "ply";
+    case MeshFormat::stl:
+      return "stl";
   }
   return "";
 }
@@ -47,8 +58,11 @@ Result<MeshFormat> sniff_format(std::span<const std::byte> bytes) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first != std::string_view::npos && text[first] == '{') return MeshFormat::gltf;
+  if (is_ply(text)) return MeshFormat::ply;
+  if (is_stl(bytes)) return MeshFormat::stl;
+  if (is_obj(bytes)) return MeshFormat::obj;
   return fail(ErrorCode::format_unknown,
-              "The bytes are neither GLB nor glTF nor a Draco bitstream.");
+              "The bytes are none of GLB, glTF, Draco, OBJ, PLY and STL.");
 }
 
 namespace {
@@ -62,6 +76,9 @@ Result<DecodedMesh> decode_as(MeshFormat format, std::span<const std::byte> byte
     return fail(ErrorCode::value_out_of_range, "Only glTF files have scenes and nodes.",
                 options.scene ? "scene" : "node");
   }
+  if (format == MeshFormat::obj) return decode_obj(bytes, limits);
+  if (format == MeshFormat::ply) return decode_ply(bytes, limits);
+  if (format == MeshFormat::stl) return decode_stl(bytes, limits);
   return decode_drc(bytes, limits);
 }
 

@@ -1,5 +1,5 @@
 // Bytes of a mesh file to triangles. The format is found from the bytes alone:
-// GLB, glTF (JSON with embedded data) or a Draco bitstream.
+// GLB, glTF (JSON with embedded data), a Draco bitstream, OBJ, PLY or STL.
 //
 // The bytes are hostile: nothing outside them is ever opened, every count is
 // checked against the bytes present and against `DecodeLimits` before memory is
@@ -20,9 +20,9 @@
 
 namespace geodesic::proto {
 
-enum class MeshFormat : std::uint8_t { glb, gltf, drc };
+enum class MeshFormat : std::uint8_t { glb, gltf, drc, obj, ply, stl };
 
-// "glb", "gltf" or "drc".
+// "glb", "gltf", "drc", "obj", "ply" or "stl".
 [[nodiscard]] std::string_view name_of(MeshFormat format);
 
 struct DecodeLimits {
@@ -63,7 +63,8 @@ struct DecodedMesh {
 // vertices of each primitive's POSITION accessor. Those of points and lines count
 // too, but only triangles, strips and fans make faces and parts. Faces keep the
 // file's corners in order, under mirroring transforms as well. Draco's vertices
-// are in decoded order.
+// are in decoded order, those of OBJ and PLY in the order of the file, those of STL
+// three a facet.
 //
 // Of `options`, `scene`, `node`, `up` and `scale` are carried out; welding is for who
 // builds the mesh.

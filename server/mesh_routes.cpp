@@ -23,6 +23,8 @@ constexpr std::uint64_t kPageMost = 1000;
 std::string_view media_type_of(std::string_view format) {
   if (format == "glb") return "model/gltf-binary";
   if (format == "gltf") return "model/gltf+json";
+  if (format == "obj") return "model/obj";
+  if (format == "stl") return "model/stl";
   return "application/octet-stream";
 }
 

@@ -270,7 +270,8 @@ TEST_CASE("the format is found from the bytes") {
   CHECK(sniff_format(one_triangle().glb()) == MeshFormat::glb);
   CHECK(sniff_format(one_triangle().gltf()) == MeshFormat::gltf);
   CHECK(sniff_format(bytes_of("DRACO")) == MeshFormat::drc);
-  for (const char* other : {"", "glT", "ply\n", "[1]", "solid", "\x89PNG"}) {
+  for (const char* other :
+       {"", "glT", "plyers\n", "[1]", "solid", "\x89PNG", "v", "# v 1 2 3", "vase 1"}) {
     const auto format = sniff_format(bytes_of(other));
     REQUIRE_FALSE(format.has_value());
     CHECK(format.error().code == ErrorCode::format_unknown);

@@ -216,8 +216,9 @@ class Client:
         """Uploads a mesh, unless the server has it already.
 
         Args:
-            mesh: a path to a .glb, .gltf or .drc file; the bytes of one; a pair (vertices
-                (n, 3), faces (m, 3)); or a mesh of trimesh, PyVista (PolyData) or meshio.
+            mesh: a path to a .glb, .gltf, .drc, .obj, .ply or .stl file; the bytes of one; a
+                pair (vertices (n, 3), faces (m, 3)); or a mesh of trimesh, PyVista (PolyData)
+                or meshio.
                 Positions of arrays are rounded to float32.
             progress: called with the part that is done, from 0 to 1: the first half is sending,
                 the second the server's work.
