@@ -13,6 +13,7 @@
 
 #include "proto/gltf_buffers.h"
 #include "proto/gltf_container.h"
+#include "proto/gltf_faults.h"
 #include "proto/gltf_fill.h"
 #include "proto/gltf_geometry.h"
 #include "proto/gltf_morph.h"
@@ -38,12 +39,17 @@ class Assembly {
   }
 
   Result<DecodedMesh> run() {
-    auto instances = find_instances(document_, buffers_, options_, limits_.max_nodes, file_bytes_);
+    auto instances = find_instances(document_, buffers_, options_, limits_, file_bytes_);
     if (!instances) return fail(std::move(instances.error()));
     for (const GltfInstance& instance : *instances) {
       if (const auto counted = count(instance); !counted) return fail(counted.error());
     }
-    if (room_.faces == 0) return fail(no_triangles());
+    if (room_.faces == 0) {
+      if (const auto sound = find_fault(document_, buffers_, file_bytes_); !sound) {
+        return fail(sound.error());
+      }
+      return fail(no_triangles());
+    }
     DecodedMesh mesh;
     mesh.soup.positions.resize(room_.vertices);
     mesh.soup.faces.resize(room_.faces);

@@ -52,6 +52,9 @@ const char* unusable(const GltfAccessor& accessor, GltfUse use) {
         return nullptr;
       }
       return " can't hold rotations: it is not a VEC4 of float32 or signed 8 or 16 bits.";
+    case GltfUse::any:
+      if (size_of_component(type) != 0) return nullptr;
+      return " has no `componentType` that glTF knows.";
   }
   return nullptr;
 }

@@ -45,6 +45,7 @@ enum class GltfUse : std::uint8_t {
   indices,   // SCALAR of unsigned 8, 16 or 32 bits
   vector,    // VEC3 of float32
   rotation,  // VEC4 of float32, or of signed 8 or 16 bits, normalised
+  any,       // whatever glTF allows
 };
 
 // Elements of an accessor, sparse ones resolved. `max_absent`: how many elements

@@ -64,6 +64,8 @@ struct GltfAccessor {
   int components = 1;  // 1 for SCALAR … 16 for MAT4
   bool normalized = false;
   std::optional<GltfSparse> sparse;
+  std::vector<double> min;  // as said, one a component; or empty
+  std::vector<double> max;
 };
 
 struct GltfDraco {

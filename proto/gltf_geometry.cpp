@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "proto/draco_codec.h"
+#include "proto/gltf_faults.h"
 
 namespace geodesic::proto {
 namespace {
@@ -90,6 +91,9 @@ Result<GltfGeometry> GltfGeometries::read(const GltfPrimitive& primitive, const 
   auto positions =
       read_accessor(document_, buffers_, *primitive.position, GltfUse::position, file_bytes_);
   if (!positions) return fail(std::move(positions.error()));
+  if (const auto bounds = check_bounds(document_, *primitive.position, *positions); !bounds) {
+    return fail(bounds.error());
+  }
   geometry.positions = std::move(*positions);
   if (!draws_triangles(primitive)) return geometry;
   if (primitive.mode == gltf_triangles && corners % 3 != 0) {

@@ -170,12 +170,24 @@ class Reduction {
           std::ranges::count(types, type->get_ref<const std::string&>()) == 0) {
         return checks_.invalid(place.text() + " has no `type` that glTF knows.");
       }
+      if (accessor.contains("byteOffset") && !accessor.contains("bufferView")) {
+        return checks_.invalid(place.text() + " has a `byteOffset` but no `bufferView`.");
+      }
+      for (const char* bound : {"min", "max"}) {
+        if (!checks_.numbers(accessor, bound, components_of(*type), place)) return false;
+      }
       if (accessor.contains("sparse") && !sparse(accessor["sparse"], place)) return false;
       if (!accessor.contains("bufferView")) accessor["bufferView"] = out_.absent_view;
       keep_members(accessor, {"bufferView", "byteOffset", "componentType", "normalized", "count",
-                              "type", "sparse"});
+                              "type", "sparse", "min", "max"});
     }
     return true;
+  }
+
+  static std::size_t components_of(const std::string& type) {
+    if (type == "SCALAR") return 1;
+    const auto side = static_cast<std::size_t>(type.back() - '0');
+    return type.starts_with("MAT") ? side * side : side;
   }
 
   bool sparse(json& sparse, const GltfPlace& place) {
@@ -208,6 +220,11 @@ class Reduction {
         if (!primitive((*primitives)[j], GltfPlace{"mesh", i, j})) return false;
       }
       out_.primitives += primitives->size();
+      for (const json& one : *primitives) {
+        if (size_of(one, "targets") == size_of(primitives->front(), "targets")) continue;
+        return checks_.invalid(GltfPlace{"mesh", i}.text() +
+                               ": its primitives have different numbers of morph targets.");
+      }
       if (!checks_.any_numbers(mesh, "weights", GltfPlace{"mesh", i})) return false;
       keep_members(mesh, {"name", "primitives", "weights"});
     }
@@ -257,13 +274,25 @@ class Reduction {
           !checks_.numbers(node, "scale", 3, place)) {
         return false;
       }
-      if (!checks_.any_numbers(node, "weights", place)) return false;
+      if (!checks_.any_numbers(node, "weights", place) || !placement(node, place)) return false;
       if (node.contains("skin")) node["skin"] = 0;  // that there is one is all that counts
       if (!take_instancing(node, i, out_.accessors, checks_, out_.instancing)) return false;
       keep_members(node, {"name", "mesh", "children", "matrix", "translation", "rotation", "scale",
                           "skin", "weights"});
     }
     return true;
+  }
+
+  bool placement(const json& node, const GltfPlace& place) {
+    if (node.contains("matrix") &&
+        (node.contains("translation") || node.contains("rotation") || node.contains("scale"))) {
+      return checks_.invalid(place.text() + " has a `matrix` and parts of one.");
+    }
+    const auto rotation = node.find("rotation");
+    if (rotation == node.end()) return true;
+    const bool good = std::ranges::all_of(
+        *rotation, [](const json& value) { return std::abs(value.get<double>()) <= 1.001; });
+    return good || checks_.invalid(place.text() + ": `rotation` is no unit quaternion.");
   }
 
   bool scenes(json& root) {

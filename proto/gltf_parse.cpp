@@ -56,6 +56,8 @@ GltfAccessor convert(const tinygltf::Accessor& from, std::size_t absent_view) {
   accessor.component_type = from.componentType;
   accessor.components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(from.type));
   accessor.normalized = from.normalized;
+  accessor.min = from.minValues;
+  accessor.max = from.maxValues;
   if (from.sparse.isSparse) {
     const auto& sparse = from.sparse;
     accessor.sparse = GltfSparse{static_cast<std::uint64_t>(sparse.count),

@@ -1,5 +1,6 @@
 #include "proto/gltf_scene.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,8 +11,10 @@
 namespace geodesic::proto {
 namespace {
 
-// A node that is its own ancestor, wherever it is in the document.
-std::optional<std::size_t> find_cycle(const GltfDocument& document) {
+// A node that is its own ancestor, wherever it is in the document; otherwise all
+// nodes, children before their parents, in `order`.
+std::optional<std::size_t> find_cycle(const GltfDocument& document,
+                                      std::vector<std::size_t>& order) {
   enum class Mark : std::uint8_t { unseen, on_path, done };
   std::vector<Mark> marks(document.nodes.size(), Mark::unseen);
   std::vector<std::pair<std::size_t, std::size_t>> path;  // node, its next child
@@ -24,6 +27,7 @@ std::optional<std::size_t> find_cycle(const GltfDocument& document) {
       const auto& children = document.nodes[node].children;
       if (next == children.size()) {
         marks[node] = Mark::done;
+        order.push_back(node);
         path.pop_back();
         continue;
       }
@@ -35,6 +39,54 @@ std::optional<std::size_t> find_cycle(const GltfDocument& document) {
     }
   }
   return std::nullopt;
+}
+
+// What drawing a node and its descendants comes to. A node drawn for several parents
+// counts each time, so few nodes may come to more than any number holds.
+struct Weight {
+  double visits = 0;
+  double vertices = 0;
+};
+
+std::vector<Weight> weigh(const GltfDocument& document, const std::vector<std::size_t>& order) {
+  std::vector<Weight> weights(document.nodes.size());
+  for (const std::size_t i : order) {
+    const GltfNode& node = document.nodes[i];
+    Weight& weight = weights[i];
+    weight.visits = 1;
+    if (node.mesh) {
+      for (const GltfPrimitive& primitive : document.meshes[*node.mesh].primitives) {
+        if (!primitive.position) continue;
+        weight.vertices += static_cast<double>(document.accessors[*primitive.position].count);
+      }
+    }
+    for (const std::size_t child : node.children) {
+      weight.visits += weights[child].visits;
+      weight.vertices += weights[child].vertices;
+    }
+  }
+  return weights;
+}
+
+// Before a list of all that is drawn is made, which would be long.
+Result<void> check_weight(const std::vector<Weight>& weights, const std::vector<std::size_t>& roots,
+                          std::optional<std::size_t> only, const DecodeLimits& limits) {
+  Weight sum;
+  for (const std::size_t root : roots) {
+    sum.visits += weights[root].visits;
+    sum.vertices += weights[root].vertices;
+  }
+  if (only) sum.vertices = weights[*only].vertices;
+  const auto whole = [](double value) { return static_cast<std::uint64_t>(std::min(value, 1e18)); };
+  if (whole(sum.visits) > limits.max_nodes) {
+    return fail_limit(ErrorCode::too_large, "The scene has too many nodes.", limits.max_nodes,
+                      whole(sum.visits));
+  }
+  if (whole(sum.vertices) > limits.max_vertices) {
+    return fail_limit(ErrorCode::too_many_vertices, "The mesh has too many vertices.",
+                      limits.max_vertices, whole(sum.vertices));
+  }
+  return {};
 }
 
 // Which of `count` the text means, by index or by name.
@@ -69,7 +121,7 @@ std::vector<std::size_t> roots_of(const GltfDocument& document, std::optional<st
 
 Result<std::vector<GltfInstance>> find_instances(const GltfDocument& document, GltfBuffers& buffers,
                                                  const ImportOptions& options,
-                                                 std::uint64_t max_nodes,
+                                                 const DecodeLimits& limits,
                                                  std::uint64_t max_absent) {
   std::optional<std::size_t> scene;
   if (options.scene) {
@@ -85,7 +137,8 @@ Result<std::vector<GltfInstance>> find_instances(const GltfDocument& document, G
                   [&](std::size_t i) { return document.nodes[i].name; });
     if (!only) return fail(ErrorCode::value_out_of_range, "The file has no such node.", "node");
   }
-  if (const auto node = find_cycle(document)) {
+  std::vector<std::size_t> order;
+  if (const auto node = find_cycle(document, order)) {
     return fail(ErrorCode::mesh_invalid,
                 "node " + std::to_string(*node) + " is among its own descendants.");
   }
@@ -100,11 +153,15 @@ Result<std::vector<GltfInstance>> find_instances(const GltfDocument& document, G
   const auto push = [&](const std::vector<std::size_t>& nodes, const GltfTransform& parent,
                         bool is_wanted) {
     visits += nodes.size();
-    if (visits > max_nodes) return false;
+    if (visits > limits.max_nodes) return false;
     for (std::size_t i = nodes.size(); i-- > 0;) pending.push_back({nodes[i], parent, is_wanted});
     return true;
   };
-  bool within = push(roots_of(document, scene), GltfTransform{}, !only);
+  const auto roots = roots_of(document, scene);
+  if (const auto light = check_weight(weigh(document, order), roots, only, limits); !light) {
+    return fail(light.error());
+  }
+  bool within = push(roots, GltfTransform{}, !only);
   bool is_met = !only;
   std::vector<GltfInstance> instances;
   while (within && !pending.empty()) {
@@ -118,7 +175,7 @@ Result<std::vector<GltfInstance>> find_instances(const GltfDocument& document, G
       // nothing to draw here
     } else if (node.instancing) {
       const auto placed =
-          read_instancing(document, buffers, visit.node, max_nodes - visits, max_absent);
+          read_instancing(document, buffers, visit.node, limits.max_nodes - visits, max_absent);
       if (!placed) return fail(placed.error());
       visits += placed->size();
       for (const GltfTransform& to_node : *placed) {
@@ -130,7 +187,8 @@ Result<std::vector<GltfInstance>> find_instances(const GltfDocument& document, G
     within = push(node.children, to_world, is_wanted);
   }
   if (!within) {
-    return fail_limit(ErrorCode::too_large, "The scene has too many nodes.", max_nodes, visits);
+    return fail_limit(ErrorCode::too_large, "The scene has too many nodes.", limits.max_nodes,
+                      visits);
   }
   if (!is_met) {
     return fail(ErrorCode::value_out_of_range, "The scene does not contain this node.", "node");

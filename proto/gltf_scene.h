@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "proto/decode_mesh.h"
 #include "proto/gltf_buffers.h"
 #include "proto/gltf_document.h"
 #include "proto/import_options.h"
@@ -26,12 +27,12 @@ struct GltfInstance {
 // A node with several parents is drawn for each of them, and one that draws its
 // mesh in instances (EXT_mesh_gpu_instancing) for each of these, in their order.
 // Errors: mesh_invalid (a cycle, naming a node), too_large (more than `max_nodes`
-// visits, instances counted), value_out_of_range (`scene` or `node` is not there),
-// those of `read_instancing`.
+// visits, instances counted), too_many_vertices (as far as nodes and accessors tell),
+// value_out_of_range (`scene` or `node` is not there), those of `read_instancing`.
 [[nodiscard]] Result<std::vector<GltfInstance>> find_instances(const GltfDocument& document,
                                                                GltfBuffers& buffers,
                                                                const ImportOptions& options,
-                                                               std::uint64_t max_nodes,
+                                                               const DecodeLimits& limits,
                                                                std::uint64_t max_absent);
 
 }  // namespace geodesic::proto
