@@ -128,6 +128,12 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const proto::Imp
   return *upload->value;
 }
 
+Result<std::string> MeshCatalog::pack(std::string_view document, const proto::NamedFiles& files,
+                                      const Caller& caller) {
+  return pool_.run(
+      [&](Worker&) { return proto::pack_gltf(document, files, *decode_limits_.get()); }, caller);
+}
+
 // Runs on a compute worker. The description tells of the topology, so the adjacency
 // is made, and kept by who can use it.
 Result<MeshCatalog::Described> MeshCatalog::describe(const std::string& id,

@@ -11,6 +11,7 @@
 #include "server/call.h"
 #include "server/encode_reply.h"
 #include "server/mesh_store.h"
+#include "server/multipart.h"
 #include "server/routes.h"
 #include "server/sha256.h"
 
@@ -61,6 +62,7 @@ HttpResponse Routes::add_mesh(Call& call) {
   const auto options = proto::read_import_options(parameters);
   if (!options) return call.problem(options.error());
   if (auto known = parameters.check_all_known(); !known) return call.problem(known.error());
+  if (const auto joined = join_parts(call); !joined) return call.problem(joined.error());
   if (call.is("PUT")) {
     if (const auto own = check_own_digest(call, *options); !own) return call.problem(own.error());
   }
@@ -69,6 +71,42 @@ HttpResponse Routes::add_mesh(Call& call) {
   HttpResponse response = json_reply(upload->metadata, upload->created ? 201 : 200);
   response.set_header("Location", "/v1/meshes/" + upload->id);
   return response;
+}
+
+Result<void> Routes::join_parts(Call& call) {
+  const std::string* type = call.request.header("Content-Type");
+  if (type == nullptr || !is_multipart(*type)) return {};
+  const auto boundary = multipart_boundary(*type);
+  if (!boundary) {
+    return fail(ErrorCode::bad_syntax, "the content type has no boundary", "Content-Type");
+  }
+  const auto parts = read_multipart(call.request.body, *boundary);
+  if (!parts) return fail(parts.error());
+  const Part* document = nullptr;
+  proto::NamedFiles files;
+  for (const Part& part : *parts) {
+    if (part.filename.empty()) continue;  // a field of the form
+    const bool is_document = part.filename.ends_with(".gltf") || part.filename.ends_with(".GLTF");
+    if (is_document && document != nullptr) {
+      return fail(ErrorCode::bad_syntax, "more than one part is a .gltf file", "body");
+    }
+    if (is_document) document = &part;
+    if (!files.emplace(part.filename, part.bytes).second) {
+      return fail(ErrorCode::bad_syntax, "two parts are files of the same name", "body");
+    }
+  }
+  if (document == nullptr && files.size() != 1) {
+    return fail(ErrorCode::bad_syntax, "one part is to be a .gltf file, the others its buffers",
+                "body");
+  }
+  if (document == nullptr) {
+    call.request.body = std::string(files.begin()->second);
+    return {};
+  }
+  auto packed = catalog_.pack(document->bytes, files, call.request.caller);
+  if (!packed) return fail(std::move(packed.error()));
+  call.request.body = std::move(*packed);
+  return {};
 }
 
 // A mesh is put under the digest of its bytes, or under the whole id that the options
