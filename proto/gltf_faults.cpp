@@ -143,8 +143,6 @@ Result<void> find_fault(const GltfDocument& document, GltfBuffers& buffers,
     if (!accessor.view && !accessor.sparse) continue;  // zeros, or Draco's
     const auto elements = read_accessor(document, buffers, i, GltfUse::any, file_bytes);
     if (auto fault = fault_in(elements)) return fail(std::move(*fault));
-    if (!elements) continue;
-    if (auto bounds = check_bounds(document, i, *elements); !bounds) return bounds;
   }
   std::vector<bool> is_child(document.nodes.size(), false);
   for (const GltfNode& node : document.nodes) {

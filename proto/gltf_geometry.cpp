@@ -91,8 +91,10 @@ Result<GltfGeometry> GltfGeometries::read(const GltfPrimitive& primitive, const 
   auto positions =
       read_accessor(document_, buffers_, *primitive.position, GltfUse::position, file_bytes_);
   if (!positions) return fail(std::move(positions.error()));
-  if (const auto bounds = check_bounds(document_, *primitive.position, *positions); !bounds) {
-    return fail(bounds.error());
+  if (!check_bounds(document_, *primitive.position, *positions)) {
+    findings_.add("bounds_differ", name,
+                  "has other positions than the `min` and `max` of its accessor say, which are "
+                  "not used");
   }
   geometry.positions = std::move(*positions);
   if (!draws_triangles(primitive)) return geometry;
