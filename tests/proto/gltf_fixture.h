@@ -176,4 +176,28 @@ inline void check_close(const std::vector<Vec3>& got, const std::vector<Vec3>& e
   }
 }
 
+inline void check_refused(const Bytes& bytes, ErrorCode code, const std::string& named,
+                          const DecodeLimits& limits = {}) {
+  const auto mesh = decode_mesh(bytes, limits);
+  REQUIRE_FALSE(mesh.has_value());
+  CAPTURE(mesh.error().detail);
+  CHECK(name_of(mesh.error().code) == name_of(code));
+  CHECK(mesh.error().detail.find(named) != std::string::npos);
+}
+
+inline void check_refused(const GltfFixture& f, ErrorCode code, const std::string& named,
+                          const DecodeLimits& limits = {}) {
+  check_refused(f.glb(), code, named, limits);
+  check_refused(f.gltf(), code, named, limits);
+}
+
+// One triangle with one property set to something else.
+inline GltfFixture spoiled(const char* pointer, const json& value) {
+  auto f = one_triangle();
+  f.document[json::json_pointer(pointer)] = value;
+  return f;
+}
+
+inline constexpr auto invalid = ErrorCode::mesh_invalid;
+
 }  // namespace geodesic::proto
