@@ -43,6 +43,9 @@ class BackTrace {
 
   // At most so many faces are unfolded for a trace.
   static constexpr int kMostFaces = 12;
+  // A virtual source nearer than this part of the best path would be of two sources.
+  static constexpr double kLeastOfBest = 0.9;
+  static constexpr double kLeastOverOneFace = 0.7;  // across a square, between its sides: 0.71
 
   // `distance` has an entry per vertex, kUnreached where there is none yet; `stops` are
   // the faces that have a source in them, ascending. All must outlive this object.
@@ -137,9 +140,6 @@ class BackTrace {
     }
     return nearest;
   }
-
-  static constexpr double kLeastOfBest = 0.9;
-  static constexpr double kLeastOverOneFace = 0.7;  // across a square, between its sides: 0.71
 
   Triangulation surface_;
   std::span<const double> distance_;

@@ -163,41 +163,60 @@ void BackTracedFront::accept(std::uint32_t vertex) {
 
 void BackTracedFront::settle() {
   // None of them is seen by the others: the result is that of tracing all at once.
-  std::array<double, kTogether> traced_to{};
-  for (std::size_t i = 0; i < pending_count_; ++i) traced_to[i] = traced(pending_[i]);
+  std::array<double, kTogether> best{};
+  std::array<std::size_t, kTogether> lane{};
+  TraceLanes& lanes = lanes_;
+  lanes.count = 0;
   for (std::size_t i = 0; i < pending_count_; ++i) {
-    distance_[pending_[i]] = traced_to[i];
-    scratch_.estimate[pending_[i]] = traced_to[i];
+    lane[i] = lanes.count;
+    best[i] = begin_trace(pending_[i], lanes);
+  }
+  if (stops_.empty()) {
+    trace_lanes(surface_, distance_, takes_, vectors_, lanes);
+  } else {
+    const BackTrace trace(surface_, distance_, stops_, takes_);
+    for (std::size_t i = 0; i < lanes.count; ++i)
+      lanes.best[i] = trace.least(lanes.start(i), lanes.best[i]);
+  }
+  for (std::size_t i = 0; i < pending_count_; ++i) {
+    const bool in_lane = lane[i] < (i + 1 < pending_count_ ? lane[i + 1] : lanes.count);
+    best[i] = doubted(pending_[i], in_lane ? lanes.best[lane[i]] : best[i]);
+  }
+  for (std::size_t i = 0; i < pending_count_; ++i) {
+    distance_[pending_[i]] = best[i];
+    scratch_.estimate[pending_[i]] = best[i];
   }
   pending_count_ = 0;
 }
 
-double BackTracedFront::traced(std::uint32_t vertex) const {
+// The best of what needs no trace, and the trace, if there is one, in the next lane.
+double BackTracedFront::begin_trace(std::uint32_t vertex, TraceLanes& lanes) const {
   const Halfedge base = scratch_.base[vertex];
   const FaceRecord& face = surface_.faces[face_of(base)];
   const std::uint32_t c = corner_of(base);
-  const std::uint32_t apex = previous_corner(c);
-  const SeenFrom seen = seen_from(face, apex);
+  const SeenFrom seen = seen_from(face, previous_corner(c));
   const double by_right = distance_[seen.right] + seen.to_right.x;
   const double by_left =
       distance_[seen.left] + std::sqrt(std::max(face.length2(next_corner(c)), 0.0));
-  double best = std::min({distance_[vertex], by_right, by_left});
+  const double best = std::min({distance_[vertex], by_right, by_left});
   // At a pinched vertex only one end may have a distance.
   if (!(std::max(by_right, by_left) < kUnreached) || !(seen.to_right.x > 0)) return best;
-
-  const BackTrace trace(surface_, distance_, stops_, takes_);
   const Arrival arrival = arrive(distance_[seen.right], distance_[seen.left], face.apex_over(c));
-  if (arrival.which == Fig4::a) {
-    const Vec2 aim = seen.to_right + arrival.crossing * (seen.to_left - seen.to_right);
-    best = trace.least({base, seen.right, seen.left, seen.to_right, seen.to_left, aim}, best);
-  } else {
-    best = round_a_vertex(vertex, arrival.which == Fig4::b ? seen.right : seen.left, best);
+  if (arrival.which != Fig4::a) {
+    return round_a_vertex(vertex, arrival.which == Fig4::b ? seen.right : seen.left, best);
   }
-  const double base_length = std::sqrt(std::max(face.length2(c), 0.0));
-  if (best > scratch_.estimate[vertex] + kSuspicious * base_length) {
-    best = over_other_faces(vertex, base, best);
-  }
+  const Vec2 aim = seen.to_right + arrival.crossing * (seen.to_left - seen.to_right);
+  lanes.set(lanes.count++, {base, seen.right, seen.left, seen.to_right, seen.to_left, aim}, best);
   return best;
+}
+
+// A distance above what the front expected needs a second look.
+double BackTracedFront::doubted(std::uint32_t vertex, double best) const {
+  const Halfedge base = scratch_.base[vertex];
+  const double base2 = surface_.faces[face_of(base)].length2(corner_of(base));
+  const double above = best - scratch_.estimate[vertex];
+  if (!(above > 0) || !(above * above > kSuspicious * kSuspicious * base2)) return best;
+  return over_other_faces(vertex, base, best);
 }
 
 // The way to the vertex seems to bend at another one. On either side of that one, the

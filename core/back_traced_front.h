@@ -9,6 +9,7 @@
 
 #include "core/adjacency.h"
 #include "core/back_trace.h"
+#include "core/back_trace_lanes.h"
 #include "core/field.h"
 #include "core/sight.h"
 #include "core/triangulation.h"
@@ -60,13 +61,14 @@ class BackTracedFront {
 
  private:
   // So many vertices are traced back together.
-  static constexpr std::size_t kTogether = 8;
+  static constexpr std::size_t kTogether = TraceLanes::kLanes;
 
   void lower(std::uint32_t vertex, double estimate, Halfedge base);
   void see(std::uint32_t vertex, double straight);
   void spread_along_edges(std::uint32_t vertex);
   [[nodiscard]] bool is_pending(std::uint32_t vertex) const;
-  [[nodiscard]] double traced(std::uint32_t vertex) const;
+  [[nodiscard]] double begin_trace(std::uint32_t vertex, TraceLanes& lanes) const;
+  [[nodiscard]] double doubted(std::uint32_t vertex, double best) const;
   [[nodiscard]] double round_a_vertex(std::uint32_t vertex, std::uint32_t bend, double best) const;
   [[nodiscard]] double over_other_faces(std::uint32_t vertex, Halfedge base, double best) const;
 
@@ -79,6 +81,8 @@ class BackTracedFront {
   std::vector<std::uint32_t> in_sight_;  // those that have a distance from `see`
   std::array<std::uint32_t, kTogether> pending_{};
   std::size_t pending_count_ = 0;
+  Vectors vectors_ = best_vectors();
+  TraceLanes lanes_;
 };
 
 }  // namespace geodesic

@@ -21,9 +21,10 @@ using Halfedge = std::uint32_t;
 [[nodiscard]] constexpr Halfedge halfedge(std::uint32_t face, std::uint32_t corner) {
   return 4 * face + corner;
 }
-[[nodiscard]] constexpr std::uint32_t next_corner(std::uint32_t c) { return c == 2 ? 0 : c + 1; }
+// Without a branch: which way a search turns is anybody's guess.
+[[nodiscard]] constexpr std::uint32_t next_corner(std::uint32_t c) { return (1U << c) & 3U; }
 [[nodiscard]] constexpr std::uint32_t previous_corner(std::uint32_t c) {
-  return c == 0 ? 2 : c - 1;
+  return (0x12U >> (2 * c)) & 3U;
 }
 
 struct alignas(64) FaceRecord {
