@@ -41,8 +41,14 @@ class BackTrace {
   // Which lengths to take: of paths on the surface only, or from virtual sources too.
   enum class Takes : std::uint8_t { paths, virtual_sources };
 
-  // At most so many faces are unfolded for a trace.
+  // At most so many faces are unfolded for a trace. Paths alone come as near to the truth
+  // when they look further: 0.008 % on scans over 20 faces, 0.014 % over 16.
   static constexpr int kMostFaces = 12;
+  static constexpr int kMostFacesForPaths = 20;
+  [[nodiscard]] static constexpr int most_faces(Takes takes) {
+    return takes == Takes::paths ? kMostFacesForPaths : kMostFaces;
+  }
+
   // A virtual source nearer than this part of the best path would be of two sources.
   static constexpr double kLeastOfBest = 0.9;
   static constexpr double kLeastOverOneFace = 0.7;  // across a square, between its sides: 0.71
@@ -67,7 +73,7 @@ class BackTrace {
     bool beyond_is_surface = true;
     bool beyond_is_source = false;
     int faces = 0;
-    for (; faces < kMostFaces; ++faces) {
+    for (const int most = most_faces(takes_); faces < most; ++faces) {
       Halfedge across = surface_.ring(edge);
       if (across == edge) {
         beyond_is_surface = false;

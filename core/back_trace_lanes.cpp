@@ -139,7 +139,7 @@ GEODESIC_INLINE void meet_circles(const Flags& beyond_is_surface, State& s) {
 }
 
 // The same steps as in BackTrace::least, each for all lanes.
-GEODESIC_INLINE void trace(const FaceRecord* faces, const double* distance, bool virtual_sources,
+GEODESIC_INLINE void trace(const FaceRecord* faces, const double* distance, BackTrace::Takes takes,
                            TraceLanes& lanes) {
   // Lanes without a trace do the same in the first face, with nobody to see it.
   PerLane<double> at_right{};
@@ -175,7 +175,7 @@ GEODESIC_INLINE void trace(const FaceRecord* faces, const double* distance, bool
   std::array<Halfedge, kLanes> edge_on_right{};
   std::array<std::uint32_t, kLanes> apex_vertex{};
   Ahead ahead{};
-  for (int step = 0; step < BackTrace::kMostFaces; ++step) {
+  for (int step = 0; step < BackTrace::most_faces(takes); ++step) {
     for (std::size_t i = 0; i < lanes.count; ++i) {
       // A lane at its end goes on with what it last read, to no effect.
       if (alive.of[i] == 0) continue;
@@ -228,27 +228,27 @@ GEODESIC_INLINE void trace(const FaceRecord* faces, const double* distance, bool
   for (std::size_t part = 0; part < kParts; ++part) {
     Flags surface;
     std::memcpy(&surface, beyond_is_surface.of + part * kWide, sizeof surface);
-    if (virtual_sources) meet_circles(surface, states[part]);
+    if (takes == BackTrace::Takes::virtual_sources) meet_circles(surface, states[part]);
     std::memcpy(lanes.best.data() + part * kWide, &states[part].best, sizeof(Reals));
   }
 }
 
-void trace_plain(const FaceRecord* faces, const double* distance, bool virtual_sources,
+void trace_plain(const FaceRecord* faces, const double* distance, BackTrace::Takes takes,
                  TraceLanes& lanes) {
-  trace(faces, distance, virtual_sources, lanes);
+  trace(faces, distance, takes, lanes);
 }
 
 #ifdef __x86_64__
 __attribute__((target("avx2"))) void trace_avx2(const FaceRecord* faces, const double* distance,
-                                                bool virtual_sources, TraceLanes& lanes) {
-  trace(faces, distance, virtual_sources, lanes);
+                                                BackTrace::Takes takes, TraceLanes& lanes) {
+  trace(faces, distance, takes, lanes);
 }
 
 __attribute__((target("avx512f,avx512vl,avx512dq"))) void trace_avx512(const FaceRecord* faces,
                                                                        const double* distance,
-                                                                       bool virtual_sources,
+                                                                       BackTrace::Takes takes,
                                                                        TraceLanes& lanes) {
-  trace(faces, distance, virtual_sources, lanes);
+  trace(faces, distance, takes, lanes);
 }
 #endif
 
@@ -267,18 +267,17 @@ Vectors best_vectors() {
 
 void trace_lanes(const Triangulation& surface, std::span<const double> distance,
                  BackTrace::Takes takes, Vectors vectors, TraceLanes& lanes) {
-  const bool virtual_sources = takes == BackTrace::Takes::virtual_sources;
   const FaceRecord* faces = surface.faces.data();
 #ifdef __x86_64__
   if (vectors == Vectors::avx512) {
-    return trace_avx512(faces, distance.data(), virtual_sources, lanes);
+    return trace_avx512(faces, distance.data(), takes, lanes);
   }
   if (vectors == Vectors::avx2) {
-    return trace_avx2(faces, distance.data(), virtual_sources, lanes);
+    return trace_avx2(faces, distance.data(), takes, lanes);
   }
 #endif
   (void)vectors;
-  trace_plain(faces, distance.data(), virtual_sources, lanes);
+  trace_plain(faces, distance.data(), takes, lanes);
 }
 
 }  // namespace geodesic

@@ -10,22 +10,11 @@
 #include "core/adjacency.h"
 #include "core/back_trace.h"
 #include "core/back_trace_lanes.h"
+#include "core/back_traced_scratch.h"
 #include "core/field.h"
-#include "core/sight.h"
 #include "core/triangulation.h"
-#include "core/vertex_heap.h"
 
 namespace geodesic {
-
-// Memory that a query works in, kept for the next query on the same thread.
-struct BackTracedScratch {
-  VertexHeap heap;
-  std::vector<double> distance;  // of one of several waves; kUnreached between waves
-  std::vector<double> estimate;  // by the paper's rule, what the order follows
-  std::vector<Halfedge> base;    // the edge opposite the vertex that the estimate is over
-  std::vector<std::uint8_t> is_target;
-  std::vector<Wedge> wedges;
-};
 
 class BackTracedFront {
  public:
@@ -43,6 +32,13 @@ class BackTracedFront {
   // By how much a vertex may come after others that are farther.
   [[nodiscard]] double lag() const;
 
+  // The vertex is likely to be the next. (Inlined by force: GCC takes out calls of
+  // functions that do nothing but fetch.)
+  __attribute__((always_inline)) void expect(std::uint32_t vertex) const {
+    for (const std::uint32_t corner : surface_.corners(vertex)) {
+      __builtin_prefetch(&surface_.faces[face_of(corner)]);
+    }
+  }
   // The vertex has been taken from the heap. It gets its distance with the next few.
   void accept(std::uint32_t vertex);
   // Every triangle at an accepted vertex with exactly two accepted ones gives its third

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/back_traced_front.h"
 #include "core/relax_edges.h"
 #include "core/vertex_front.h"
 #include "core/waves.h"

@@ -12,7 +12,7 @@
 #include <span>
 
 #include "core/adjacency.h"
-#include "core/back_traced_front.h"
+#include "core/back_traced_scratch.h"
 #include "core/cancel.h"
 #include "core/error.h"
 #include "core/field.h"

@@ -4,6 +4,8 @@
 // A Front has
 //   start(source, number)   considers the vertices next to the source, or accepts them
 //                           and returns them;
+//   expect(v)               v is likely to be the next to be accepted: its faces, which lie
+//                           anywhere in memory, can be fetched meanwhile;
 //   accept(v)               the vertex v was taken from the heap;
 //   spread_from(v)          puts vertices into the heap;
 //   settle()                what was accepted and has no final distance gets it;
@@ -61,6 +63,7 @@ Result<void> run_wave(Front& front, const Adjacency& adjacency, const Source& so
     cancelled = poll.cancelled(done++, total);
     if (heap.least().key > last) break;
     const VertexHeap::Entry next = heap.pop();
+    if (!heap.empty()) front.expect(heap.least().vertex);
     targets.accept(next.vertex);
     accepted(next.vertex);
     front.accept(next.vertex);
