@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/intrinsic_delaunay.h"
 #include "core/polled_fill.h"
 
 namespace geodesic {
@@ -47,7 +48,12 @@ Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cance
                           &Adjacency::count_components, &Adjacency::count_boundary_loops}) {
     (adjacency.*step)(poll);
     if (poll.ask()) return fail(ErrorCode::cancelled, "the computation was cancelled");
-    cancel.report(++done / 6.0);
+    cancel.report(++done / 7.0);
+  }
+  auto delaunay = IntrinsicDelaunay::build(adjacency.triangulation(), cancel);
+  if (!delaunay) return fail(std::move(delaunay.error()));
+  if (delaunay->flips() != 0) {
+    adjacency.delaunay_ = std::make_shared<const IntrinsicDelaunay>(std::move(*delaunay));
   }
   return adjacency;
 }
@@ -249,6 +255,10 @@ void Adjacency::count_boundary_loops(Poll& poll) {
   }
 }
 
+Triangulation Adjacency::delaunay() const {
+  return delaunay_ ? delaunay_->triangulation() : triangulation();
+}
+
 Halfedge Adjacency::find_edge(std::uint32_t a, std::uint32_t b) const {
   for (const std::uint32_t corner : corners(a)) {
     const std::uint32_t f = face_of(corner);
@@ -262,7 +272,7 @@ Halfedge Adjacency::find_edge(std::uint32_t a, std::uint32_t b) const {
 std::size_t Adjacency::bytes() const {
   return sizeof(Adjacency) + faces_.capacity() * sizeof(FaceRecord) +
          sizeof(std::uint32_t) * (corner_begin_.capacity() + corners_.capacity()) +
-         pinched_.capacity() / 8;
+         pinched_.capacity() / 8 + (delaunay_ ? delaunay_->bytes() : 0);
 }
 
 }  // namespace geodesic

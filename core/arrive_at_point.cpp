@@ -37,7 +37,8 @@ bool has_windows(Method method) { return method == Method::exact || method == Me
 
 // Methods whose fields say nothing of where a vertex's distance came from.
 bool has_no_parents(Method method) {
-  return method == Method::fast_marching || method == Method::steiner || has_windows(method);
+  return method == Method::fast_marching || method == Method::steiner ||
+         method == Method::back_traced || has_windows(method);
 }
 
 // Squared distance between two points of a face; differences of weights add up to

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <tuple>
 
@@ -100,11 +101,38 @@ std::vector<std::uint32_t> curve_order(const std::vector<Vec3>& positions, const
   return order;
 }
 
+// For each source vertex the first of those that are to become one with it because
+// a face has both as corners at the same position.
+std::vector<std::uint32_t> joined_in_faces(const TriangleSoup& soup,
+                                           const std::vector<Vec3>& positions, Poll& poll) {
+  std::vector<std::uint32_t> first(positions.size());
+  std::iota(first.begin(), first.end(), 0U);
+  const auto find = [&](std::uint32_t v) {
+    while (first[v] != v) v = first[v] = first[first[v]];
+    return v;
+  };
+  for (const auto& face : soup.faces) {
+    if (poll.cancelled()) break;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::uint32_t a = face[c];
+      const std::uint32_t b = face[(c + 1) % 3];
+      if (a == b || !(positions[a] == positions[b])) continue;
+      const std::uint32_t one = find(a);
+      const std::uint32_t other = find(b);
+      first[std::max(one, other)] = std::min(one, other);
+    }
+  }
+  for (std::uint32_t v = 0; v < first.size(); ++v) first[v] = find(v);
+  return first;
+}
+
 }  // namespace
 
-Result<Mesh> Mesh::build(const TriangleSoup& soup) { return build(soup, Cancel()); }
+Result<Mesh> Mesh::build(const TriangleSoup& soup, Weld weld) {
+  return build(soup, weld, Cancel());
+}
 
-Result<Mesh> Mesh::build(const TriangleSoup& soup, const Cancel& cancel) {
+Result<Mesh> Mesh::build(const TriangleSoup& soup, Weld weld, const Cancel& cancel) {
   if (soup.faces.empty()) return fail(ErrorCode::no_triangles, "the mesh has no triangles");
   if (soup.positions.size() > kMaxVertices) {
     return fail_limit(ErrorCode::too_many_vertices, "too many vertices", kMaxVertices,
@@ -123,7 +151,7 @@ Result<Mesh> Mesh::build(const TriangleSoup& soup, const Cancel& cancel) {
   }
   // About what part of the time each step takes.
   cancel.report(0.05);
-  if (!poll.ask()) mesh.weld(soup, poll);
+  if (!poll.ask()) mesh.weld(soup, weld, poll);
   cancel.report(0.6);
   if (!poll.ask()) mesh.order_faces(soup, poll);
   cancel.report(0.9);
@@ -136,7 +164,7 @@ Result<Mesh> Mesh::build(const TriangleSoup& soup, const Cancel& cancel) {
 }
 
 // Numbers the vertices along the curve, those at the same position as one.
-void Mesh::weld(const TriangleSoup& soup, Poll& poll) {
+void Mesh::weld(const TriangleSoup& soup, Weld weld, Poll& poll) {
   const std::size_t count = soup.positions.size();
   std::vector<Vec3> flushed_positions;
   polled_assign(flushed_positions, count, Vec3{}, poll);
@@ -150,14 +178,23 @@ void Mesh::weld(const TriangleSoup& soup, Poll& poll) {
   if (poll.stopped()) return;
   positions_.reserve(count);
   source_of_vertex_.reserve(count);
+  // Those to become one follow one another, or else the first of them, which has the
+  // least number and so comes first on the curve, is known.
+  const std::vector<std::uint32_t> first = weld == Weld::off
+                                               ? joined_in_faces(soup, flushed_positions, poll)
+                                               : std::vector<std::uint32_t>();
   for (const std::uint32_t source : order) {
     if (poll.cancelled()) return;
     const Vec3 p = flushed_positions[source];
-    if (positions_.empty() || !(positions_.back() == p)) {
+    const bool is_new = weld == Weld::off ? first[source] == source
+                                          : positions_.empty() || !(positions_.back() == p);
+    if (is_new) {
       positions_.push_back(p);
       source_of_vertex_.push_back(source);
     }
-    vertex_of_source_[source] = static_cast<std::uint32_t>(positions_.size() - 1);
+    vertex_of_source_[source] = is_new || weld != Weld::off
+                                    ? static_cast<std::uint32_t>(positions_.size() - 1)
+                                    : vertex_of_source_[first[source]];
   }
   positions_.shrink_to_fit();
   source_of_vertex_.shrink_to_fit();
@@ -204,11 +241,14 @@ void Mesh::measure(Poll& poll) {
     const Vec3 a = positions_[t[0]];
     const Vec3 b = positions_[t[1]];
     const Vec3 c = positions_[t[2]];
-    const double area2 = norm(cross(b - a, c - a));
-    const double longest2 = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
-    area_ += 0.5 * area2;
-    if (area2 <= kZeroAreaRatio * longest2) ++zero_area_faces_;
+    area_ += 0.5 * norm(cross(b - a, c - a));
+    if (is_without_area(a, b, c)) ++zero_area_faces_;
   }
+}
+
+bool Mesh::is_without_area(Vec3 a, Vec3 b, Vec3 c) {
+  const double longest2 = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
+  return norm(cross(b - a, c - a)) <= kZeroAreaRatio * longest2;
 }
 
 Triangle Mesh::dropped_face(std::uint32_t source_face) const {

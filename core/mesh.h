@@ -4,7 +4,8 @@
 // Two numberings live side by side. *Source* vertices and faces are those of
 // the client's file, and the only ones a client ever sees. *Mesh* vertices and
 // faces (just "vertex" and "face" in core) differ in three ways:
-//   - source vertices at the same position are welded into one vertex;
+//   - source vertices at the same position are welded into one vertex, unless the
+//     client wants only what its file joins;
 //   - vertices follow a space-filling curve, and faces their vertices, so that
 //     what is near on the surface is near in memory whatever the file's order;
 //   - source faces that welding leaves with two equal corners are dropped: they
@@ -36,6 +37,14 @@ struct Box {
   Vec3 max;
 };
 
+// What `Mesh::build` makes one vertex of.
+enum class Weld : std::uint8_t {
+  by_position,  // source vertices at the same position
+  // Nothing, so that faces are joined by the indices of the file alone; but corners
+  // of one face at the same position become one even so, for an edge has a length.
+  off,
+};
+
 class Mesh {
  public:
   // Coordinates beyond this are refused: the engine multiplies four lengths.
@@ -46,8 +55,9 @@ class Mesh {
   // Errors: mesh_invalid (a coordinate that is not finite or too large, or no
   // face with three different corners), index_out_of_range, no_triangles,
   // too_many_vertices and too_many_faces (more than 32-bit indices hold), cancelled.
-  [[nodiscard]] static Result<Mesh> build(const TriangleSoup& soup);
-  [[nodiscard]] static Result<Mesh> build(const TriangleSoup& soup, const Cancel& cancel);
+  [[nodiscard]] static Result<Mesh> build(const TriangleSoup& soup, Weld weld = Weld::by_position);
+  [[nodiscard]] static Result<Mesh> build(const TriangleSoup& soup, Weld weld,
+                                          const Cancel& cancel);
 
   [[nodiscard]] std::uint32_t vertex_count() const {
     return static_cast<std::uint32_t>(positions_.size());
@@ -79,12 +89,21 @@ class Mesh {
   [[nodiscard]] std::uint32_t source_of_face(std::uint32_t face) const {
     return source_of_face_[face];
   }
+  struct DroppedFace {
+    std::uint32_t source_face;
+    Triangle vertices;
+  };
+  // Ascending by source face.
+  [[nodiscard]] std::span<const DroppedFace> dropped_faces() const { return dropped_; }
   // The vertices of a source face that was dropped (two or three are equal).
   [[nodiscard]] Triangle dropped_face(std::uint32_t source_face) const;
 
   [[nodiscard]] std::uint32_t dropped_face_count() const {
     return static_cast<std::uint32_t>(dropped_.size());
   }
+  // Whether these are the corners of a face that counts as one without area: its
+  // height is no more than rounding would leave of zero.
+  [[nodiscard]] static bool is_without_area(Vec3 a, Vec3 b, Vec3 c);
   [[nodiscard]] std::uint32_t zero_area_face_count() const { return zero_area_faces_; }
   [[nodiscard]] const Box& box() const { return box_; }
   [[nodiscard]] double area() const { return area_; }
@@ -93,13 +112,8 @@ class Mesh {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  struct DroppedFace {
-    std::uint32_t source_face;
-    Triangle vertices;
-  };
-
   // The steps of building. Each leaves off when the poll says to stop.
-  void weld(const TriangleSoup& soup, Poll& poll);
+  void weld(const TriangleSoup& soup, Weld weld, Poll& poll);
   void order_faces(const TriangleSoup& soup, Poll& poll);
   void measure(Poll& poll);
 

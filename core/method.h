@@ -14,6 +14,13 @@ enum class Method : std::uint8_t {
   steiner,        // Kanai, Suzuki 2001
   exact,          // Mitchell, Mount, Papadimitriou 1987; Surazhsky et al. 2005
   chen_han,       // Chen, Han 1996; Xin, Wang 2009
+  back_traced,    // the paper's wavefront, looking back; "auto" to clients
+};
+
+// What distances may be relative to the true ones.
+enum class Bound : std::uint8_t {
+  none,   // as near as can be, on either side
+  upper,  // not below: the lengths of paths
 };
 
 struct MethodOptions {
@@ -22,6 +29,8 @@ struct MethodOptions {
   // steiner: a path is refined until a round shortens it by less than this part of
   // its length.
   double tolerance = 1e-4;
+  // back_traced
+  Bound bound = Bound::none;
 
   [[nodiscard]] friend bool operator==(const MethodOptions&, const MethodOptions&) = default;
 };

@@ -1,6 +1,6 @@
 #include "core/novotni.h"
 
-#include "core/waves.h"
+#include "core/paper_waves.h"
 
 namespace geodesic {
 

@@ -25,6 +25,9 @@ Result<Field> solve_field(Method method, const MethodOptions& options, const Adj
     case Method::steiner:
       return steiner_field(adjacency, sources, options.points_per_edge, limits, scratch.wavefront,
                            cancel);
+    case Method::back_traced:
+      return back_traced_field(adjacency, sources, limits, options.bound, scratch.back_traced,
+                               cancel);
   }
   return fail(ErrorCode::internal, "a method without an implementation");
 }

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "core/adjacency.h"
+#include "core/back_traced_wavefront.h"
 #include "core/cancel.h"
 #include "core/chen_han.h"
 #include "core/error.h"
@@ -21,6 +22,7 @@ struct SolveScratch {
   FastMarchingScratch fast_marching;
   ChenHanScratch chen_han;
   ExactScratch exact;
+  BackTracedScratch back_traced;
 };
 
 // The distances from the nearest of the sources by `method`. With no source

@@ -6,6 +6,7 @@
 #include <unordered_set>
 
 #include "core/arrive_at_point.h"
+#include "core/down_edges.h"
 
 namespace geodesic {
 namespace {
@@ -62,12 +63,14 @@ class Tracer {
   }
 
   // Steps 2 to 4 from a vertex. A front of `fast_marching` may have come to it from
-  // beyond the base of an obtuse face, before its neighbours.
+  // beyond the base of an obtuse face, before its neighbours; one of `back_traced` over
+  // faces that are not the mesh's.
   StepBack from_vertex(std::uint32_t vertex) {
     const StepBack step = arrivals_.by_parents(vertex);
     const bool blocked = step.to == StepBack::To::edge && !may_enter(step.face);
-    if (field_.method == Method::fast_marching && (blocked || step.to == StepBack::To::nowhere)) {
-      const std::vector<StepBack> steps = arrivals_.to_lesser_vertex(vertex);
+    if (by_distance_alone() && (blocked || step.to == StepBack::To::nowhere)) {
+      std::vector<StepBack> steps = arrivals_.to_lesser_vertex(vertex);
+      if (steps.empty()) steps = down_edges(adjacency_, field_, vertex);
       if (steps.empty()) return {};
       for (std::size_t i = 0; i + 1 < steps.size(); ++i) walk(steps[i]);
       return steps.back();
@@ -96,6 +99,11 @@ class Tracer {
     }
     if (best.to != StepBack::To::nowhere) return best;
     return arrivals_.to_end_of_side(arrived.face, corner_of(arrived.base), arrived.bary);
+  }
+
+  // Approximate distances without a word of where they came from.
+  [[nodiscard]] bool by_distance_alone() const {
+    return field_.method == Method::fast_marching || field_.method == Method::back_traced;
   }
 
   // In the graph of `steiner` every step leads to a lesser distance as it is.

@@ -1,100 +1,68 @@
-// Two passes over the instances of the scene. The first resolves each primitive
-// once and adds up vertices and faces against the limits; only then is memory
-// taken, once, and the second pass writes positions and faces into it.
+// Two passes over the instances of the scene. The first finds each primitive's
+// geometry once and adds up vertices and faces against the limits; only then is
+// memory taken, once, and the second pass writes positions and faces into it.
 //
 // Faces keep the order and the corners of the file, under mirroring transforms
 // too: a client's face and its corners must mean the same here as there.
 #include "proto/decode_gltf.h"
 
 #include <algorithm>
-#include <map>
-#include <memory>
-#include <optional>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
-#include "proto/draco_codec.h"
-#include "proto/gltf_accessor.h"
 #include "proto/gltf_buffers.h"
 #include "proto/gltf_container.h"
+#include "proto/gltf_faults.h"
 #include "proto/gltf_fill.h"
+#include "proto/gltf_geometry.h"
+#include "proto/gltf_morph.h"
 #include "proto/gltf_parse.h"
 #include "proto/gltf_scene.h"
 
 namespace geodesic::proto {
 namespace {
 
-// A primitive with its bytes found and its counts known.
-struct Resolved {
-  std::uint64_t vertices = 0;
-  std::uint64_t faces = 0;
-  GltfElements positions;
-  std::optional<GltfElements> indices;
-  std::shared_ptr<const TriangleSoup> draco;  // instead of the two above
-};
-
-bool draws_triangles(const GltfPrimitive& primitive) { return primitive.mode >= gltf_triangles; }
-
-std::uint64_t faces_of(int mode, std::uint64_t corners) {
-  if (mode == gltf_triangles) return corners / 3;
-  return corners < 3 ? 0 : corners - 2;
-}
-
-std::string name_of_primitive(std::size_t mesh, std::size_t primitive) {
-  return "mesh " + std::to_string(mesh) + ", primitive " + std::to_string(primitive);
-}
-
-// One sentence for each kind of thing that was ignored: where it was first seen
-// and how often.
-class Ignored {
- public:
-  void add(const std::string& where, const char* what) {
-    auto [it, is_new] = first_.try_emplace(what, where, 0);
-    if (!is_new) ++it->second.second;
-  }
-
-  [[nodiscard]] std::vector<std::string> sentences() const {
-    std::vector<std::string> sentences;
-    for (const auto& [what, seen] : first_) {
-      std::string sentence = seen.first + " " + what;
-      if (seen.second > 0) sentence += " (and " + std::to_string(seen.second) + " more)";
-      sentences.push_back(sentence + ".");
-    }
-    return sentences;
-  }
-
- private:
-  std::map<std::string, std::pair<std::string, std::uint64_t>> first_;
-};
-
 class Assembly {
  public:
   Assembly(const GltfDocument& document, GltfBuffers& buffers, const DecodeLimits& limits,
-           std::uint64_t file_bytes)
-      : document_(document), buffers_(buffers), limits_(limits), file_bytes_(file_bytes) {
+           const ImportOptions& options, std::uint64_t file_bytes)
+      : document_(document),
+        buffers_(buffers),
+        limits_(limits),
+        options_(options),
+        file_bytes_(file_bytes),
+        geometries_(document, buffers, file_bytes, findings_) {
     // Faces refer to vertices by 32 bits.
-    limits_.max_vertices = std::min<std::uint64_t>(limits_.max_vertices, 0xFFFFFFFF);
-    resolved_.resize(document.meshes.size());
+    room_.max_vertices = std::min<std::uint64_t>(limits.max_vertices, 0xFFFFFFFF);
+    room_.max_faces = limits.max_faces;
   }
 
   Result<DecodedMesh> run() {
-    auto instances = find_instances(document_, limits_.max_nodes);
+    auto instances = find_instances(document_, buffers_, options_, limits_, file_bytes_);
     if (!instances) return fail(std::move(instances.error()));
     for (const GltfInstance& instance : *instances) {
       if (const auto counted = count(instance); !counted) return fail(counted.error());
     }
-    if (faces_ == 0) return fail(ErrorCode::no_triangles, "The scene has no triangles.");
+    if (room_.faces == 0) {
+      if (const auto sound = find_fault(document_, buffers_, file_bytes_); !sound) {
+        return fail(sound.error());
+      }
+      return fail(no_triangles());
+    }
     DecodedMesh mesh;
-    mesh.soup.positions.resize(vertices_);
-    mesh.soup.faces.resize(faces_);
+    mesh.soup.positions.resize(room_.vertices);
+    mesh.soup.faces.resize(room_.faces);
     mesh.parts.reserve(parts_);
     Cursor cursor;
     for (const GltfInstance& instance : *instances) {
       if (const auto done = write(instance, mesh, cursor); !done) return fail(done.error());
     }
-    mesh.warnings = ignored_.sentences();
+    if (document_.has_rtc_center) {
+      findings_.add("rtc_center_not_added", "The scene",
+                    "is placed by CESIUM_RTC: positions stay relative to its center");
+    }
+    mesh.findings = findings_.done();
     return mesh;
   }
 
@@ -104,124 +72,55 @@ class Assembly {
     std::uint64_t face = 0;
   };
 
-  // Errors of a primitive's parts name the primitive too.
-  static tl::unexpected<Error> in_primitive(Error error, std::size_t mesh, std::size_t primitive) {
-    if (error.detail.starts_with("The ")) error.detail[0] = 't';  // amid the sentence now
-    error.detail = name_of_primitive(mesh, primitive) + ": " + error.detail;
-    return fail(std::move(error));
+  [[nodiscard]] Error no_triangles() const {
+    const char* detail =
+        options_.node ? "The node draws no triangles." : "The scene has no triangles.";
+    return {ErrorCode::no_triangles, detail, {}, {}, {}};
   }
 
   Result<void> count(const GltfInstance& instance) {
     const GltfNode& node = document_.nodes[instance.node];
     const std::string node_name = "node " + std::to_string(instance.node);
-    if (node.has_skin) ignored_.add(node_name, "has a skin, which is not applied");
-    if (node.is_instanced) {
-      ignored_.add(node_name, "is drawn once: EXT_mesh_gpu_instancing is not applied");
+    if (node.has_skin) {
+      findings_.add("skin_at_bind_pose", node_name,
+                    "has a skin, which is not applied: its vertices are where the file has them, "
+                    "at bind pose, moved by the node's transform");
     }
-    const auto& primitives = document_.meshes[instance.mesh].primitives;
-    auto& resolved = resolved_[instance.mesh];
-    if (resolved.empty()) resolved.resize(primitives.size());
-    for (std::size_t i = 0; i < primitives.size(); ++i) {
+    const GltfMesh& mesh = document_.meshes[instance.mesh];
+    for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
       if (++visits_ > limits_.max_nodes) {
         return fail_limit(ErrorCode::too_large, "The scene draws too many primitives.",
                           limits_.max_nodes, visits_);
       }
-      if (!primitives[i].position) {
-        ignored_.add(name_of_primitive(instance.mesh, i), "has no POSITION and is left out");
-        continue;
+      const auto geometry = geometries_.find(instance.mesh, i, room_);
+      if (!geometry) return fail(geometry.error());
+      if (*geometry == nullptr) continue;
+      if (const auto within = room_.check((*geometry)->vertices, (*geometry)->faces); !within) {
+        return within;
       }
-      if (!resolved[i]) {
-        auto result = resolve(instance.mesh, i);
-        if (!result) return in_primitive(std::move(result.error()), instance.mesh, i);
-        resolved[i] = std::move(*result);
+      room_.vertices += (*geometry)->vertices;
+      room_.faces += (*geometry)->faces;
+      if (draws_triangles(mesh.primitives[i])) ++parts_;
+      if (const auto within = count_targets(node, mesh, instance.mesh, i, (*geometry)->vertices);
+          !within) {
+        return within;
       }
-      if (const auto within = add(resolved[i]->vertices, resolved[i]->faces); !within) {
-        return fail(within.error());
-      }
-      if (draws_triangles(primitives[i])) ++parts_;
     }
     return {};
   }
 
-  Result<void> add(std::uint64_t vertices, std::uint64_t faces) {
-    if (const auto within = check(vertices, faces); !within) return within;
-    vertices_ += vertices;
-    faces_ += faces;
-    return {};
-  }
-
-  Result<void> check(std::uint64_t more_vertices, std::uint64_t more_faces) const {
-    if (more_vertices > limits_.max_vertices - vertices_) {
-      return fail_limit(ErrorCode::too_many_vertices, "The mesh has too many vertices.",
-                        limits_.max_vertices, vertices_ + more_vertices);
-    }
-    if (more_faces > limits_.max_faces - faces_) {
-      return fail_limit(ErrorCode::too_many_faces, "The mesh has too many faces.",
-                        limits_.max_faces, faces_ + more_faces);
-    }
-    return {};
-  }
-
-  Result<Resolved> resolve(std::size_t mesh, std::size_t index) {
-    const GltfPrimitive& primitive = document_.meshes[mesh].primitives[index];
-    const std::string name = name_of_primitive(mesh, index);
-    if (primitive.has_targets) ignored_.add(name, "has morph targets, which are not applied");
-    if (!draws_triangles(primitive)) {
-      ignored_.add(name, "draws points or lines: its vertices are kept, but it has no faces");
-    }
-    return primitive.draco ? resolve_draco(primitive, name) : resolve_plain(primitive, name);
-  }
-
-  Result<Resolved> resolve_plain(const GltfPrimitive& primitive, const std::string& name) {
-    // Against the limits first: a sparse accessor is copied when it is read.
-    const std::uint64_t vertices = document_.accessors[*primitive.position].count;
-    const std::uint64_t corners =
-        primitive.indices ? document_.accessors[*primitive.indices].count : vertices;
-    const std::uint64_t faces = draws_triangles(primitive) ? faces_of(primitive.mode, corners) : 0;
-    if (const auto within = check(vertices, faces); !within) return fail(within.error());
-
-    Resolved resolved;
-    resolved.vertices = vertices;
-    resolved.faces = faces;
-    auto positions =
-        read_accessor(document_, buffers_, *primitive.position, GltfUse::position, file_bytes_);
-    if (!positions) return fail(std::move(positions.error()));
-    resolved.positions = std::move(*positions);
-    if (!draws_triangles(primitive)) return resolved;
-    if (primitive.mode == gltf_triangles && corners % 3 != 0) {
-      ignored_.add(name, "has corners that make up no whole triangle, which are left out");
-    }
-    if (primitive.indices) {
-      auto indices =
-          read_accessor(document_, buffers_, *primitive.indices, GltfUse::indices, file_bytes_);
-      if (!indices) return fail(std::move(indices.error()));
-      resolved.indices = std::move(*indices);
-    }
-    return resolved;
-  }
-
-  Result<Resolved> resolve_draco(const GltfPrimitive& primitive, const std::string& name) {
-    const GltfAccessor& accessor = document_.accessors[*primitive.position];
-    const auto key =
-        std::tuple(primitive.draco->view, primitive.draco->position_id, accessor.normalized);
-    auto& soup = draco_[key];
-    if (soup == nullptr) {
-      const auto bytes = buffers_.view(primitive.draco->view);
-      if (!bytes) return fail(bytes.error());
-      auto decoded =
-          decode_draco(*bytes, {limits_.max_vertices - vertices_, limits_.max_faces - faces_},
-                       DracoPosition{primitive.draco->position_id, accessor.normalized});
-      if (!decoded) return fail(std::move(decoded.error()));
-      soup = std::make_shared<const TriangleSoup>(std::move(*decoded));
-    }
-    if (soup->positions.size() != accessor.count) {
-      ignored_.add(name, "has another number of vertices than its accessor says");
-    }
-    Resolved resolved;
-    resolved.vertices = soup->positions.size();
-    resolved.faces = draws_triangles(primitive) ? soup->faces.size() : 0;
-    resolved.draco = soup;
-    return resolved;
+  // Many targets may share one accessor: their work is not bounded by the bytes.
+  Result<void> count_targets(const GltfNode& node, const GltfMesh& mesh, std::size_t mesh_index,
+                             std::size_t index, std::uint64_t vertices) {
+    const GltfPrimitive& primitive = mesh.primitives[index];
+    if (primitive.targets.empty()) return {};
+    findings_.add("morph_at_default_weights", name_of_primitive(mesh_index, index),
+                  "has morph targets, which are taken at their default weights");
+    morphed_ += vertices * active_targets(node, mesh, primitive).size();
+    const std::uint64_t most = 16 * limits_.max_vertices;
+    if (morphed_ <= most) return {};
+    return fail_limit(ErrorCode::too_large, "The morph targets move too many vertices.", most,
+                      morphed_);
   }
 
   Result<void> write(const GltfInstance& instance, DecodedMesh& mesh, Cursor& cursor) {
@@ -229,61 +128,73 @@ class Assembly {
     const GltfMesh& source = document_.meshes[instance.mesh];
     for (std::size_t i = 0; i < source.primitives.size(); ++i) {
       const GltfPrimitive& primitive = source.primitives[i];
-      const auto& resolved = resolved_[instance.mesh][i];
-      if (!resolved) continue;
+      const GltfGeometry* geometry = geometries_.found(instance.mesh, i);
+      if (geometry == nullptr) continue;
       const std::span<Vec3> positions =
-          std::span(mesh.soup.positions).subspan(cursor.vertex, resolved->vertices);
+          std::span(mesh.soup.positions).subspan(cursor.vertex, geometry->vertices);
       const std::span<Face> faces =
-          std::span(mesh.soup.faces).subspan(cursor.face, resolved->faces);
+          std::span(mesh.soup.faces).subspan(cursor.face, geometry->faces);
       const auto base = static_cast<std::uint32_t>(cursor.vertex);
-      const auto done = resolved->draco != nullptr
-                            ? write_draco(*resolved, instance, positions, faces, base)
-                            : write_plain(*resolved, primitive, instance, positions, faces, base);
+      auto done = write_positions(*geometry, primitive, instance, positions);
+      if (done) done = write_faces(*geometry, primitive, positions.size(), faces, base);
       if (!done) return in_primitive(done.error(), instance.mesh, i);
       if (draws_triangles(primitive)) {
-        mesh.parts.push_back(
-            {static_cast<std::int64_t>(instance.node), static_cast<std::int64_t>(instance.mesh),
-             static_cast<std::int64_t>(i), node.name.empty() ? source.name : node.name,
-             cursor.vertex, resolved->vertices, cursor.face, resolved->faces});
+        MeshPart part{static_cast<std::int64_t>(instance.node),
+                      static_cast<std::int64_t>(instance.mesh),
+                      static_cast<std::int64_t>(i),
+                      node.name.empty() ? source.name : node.name,
+                      cursor.vertex,
+                      geometry->vertices,
+                      cursor.face,
+                      geometry->faces};
+        mesh.parts.push_back(std::move(part));
       }
-      cursor.vertex += resolved->vertices;
-      cursor.face += resolved->faces;
+      cursor.vertex += geometry->vertices;
+      cursor.face += geometry->faces;
     }
     return {};
   }
 
-  static Result<void> write_plain(const Resolved& resolved, const GltfPrimitive& primitive,
-                                  const GltfInstance& instance, std::span<Vec3> positions,
-                                  std::span<Face> faces, std::uint32_t base) {
-    if (const auto bad = fill_positions(resolved.positions, instance.to_world, positions)) {
-      return not_finite(*bad, *primitive.position, instance.node);
+  Result<void> write_positions(const GltfGeometry& geometry, const GltfPrimitive& primitive,
+                               const GltfInstance& instance, std::span<Vec3> out) {
+    const auto targets =
+        active_targets(document_.nodes[instance.node], document_.meshes[instance.mesh], primitive);
+    // Targets move positions in the primitive's own space.
+    const GltfTransform first = targets.empty() ? instance.to_world : GltfTransform{};
+    const auto bad = geometry.draco != nullptr
+                         ? fill_positions(geometry.draco->positions, first, out)
+                         : fill_positions(geometry.positions, first, out);
+    if (bad) return not_finite(*bad, *primitive.position, instance.node);
+    if (targets.empty()) return {};
+    if (auto added = add_targets(document_, buffers_, targets, file_bytes_, out); !added) {
+      return added;
     }
-    if (!resolved.indices) {
-      fill_faces(primitive.mode, base, faces);
+    if (const auto still_bad = fill_positions(std::span<const Vec3>(out), instance.to_world, out)) {
+      return not_finite({still_bad->element, false}, *primitive.position, instance.node);
+    }
+    return {};
+  }
+
+  static Result<void> write_faces(const GltfGeometry& geometry, const GltfPrimitive& primitive,
+                                  std::uint64_t vertices, std::span<Face> out, std::uint32_t base) {
+    if (geometry.draco != nullptr) {
+      for (std::size_t f = 0; f < out.size(); ++f) {
+        const Face& face = geometry.draco->faces[f];
+        out[f] = {base + face[0], base + face[1], base + face[2]};
+      }
       return {};
     }
-    const auto bad = fill_faces(*resolved.indices, primitive.mode, base, positions.size(), faces);
+    if (!geometry.indices) {
+      fill_faces(primitive.mode, base, out);
+      return {};
+    }
+    const auto bad = fill_faces(*geometry.indices, primitive.mode, base, vertices, out);
     if (!bad) return {};
     std::string detail = "accessor " + std::to_string(*primitive.indices) + ": index " +
                          std::to_string(bad->element) + " is " + std::to_string(bad->value) +
-                         ", but there are " + std::to_string(positions.size()) + " vertices.";
+                         ", but there are " + std::to_string(vertices) + " vertices.";
     if (bad->is_restart) detail += " (glTF does not allow the primitive restart value.)";
     return fail(ErrorCode::index_out_of_range, std::move(detail));
-  }
-
-  static Result<void> write_draco(const Resolved& resolved, const GltfInstance& instance,
-                                  std::span<Vec3> positions, std::span<Face> faces,
-                                  std::uint32_t base) {
-    if (const auto bad = fill_positions(resolved.draco->positions, instance.to_world, positions)) {
-      return fail(ErrorCode::mesh_invalid,
-                  "the transform of node " + std::to_string(instance.node) + " puts vertex " +
-                      std::to_string(bad->element) + " where no number reaches.");
-    }
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-      const Face& face = resolved.draco->faces[f];
-      faces[f] = {base + face[0], base + face[1], base + face[2]};
-    }
-    return {};
   }
 
   static tl::unexpected<Error> not_finite(const BadPosition& bad, std::size_t accessor,
@@ -300,22 +211,21 @@ class Assembly {
 
   const GltfDocument& document_;
   GltfBuffers& buffers_;
-  DecodeLimits limits_;
+  const DecodeLimits& limits_;
+  const ImportOptions& options_;
   std::uint64_t file_bytes_;
-  std::vector<std::vector<std::optional<Resolved>>> resolved_;  // by mesh and primitive
-  std::map<std::tuple<std::size_t, std::uint32_t, bool>, std::shared_ptr<const TriangleSoup>>
-      draco_;
-  Ignored ignored_;
-  std::uint64_t vertices_ = 0;
-  std::uint64_t faces_ = 0;
+  Findings findings_;
+  GltfGeometries geometries_;
+  GltfRoom room_;
   std::uint64_t visits_ = 0;
+  std::uint64_t morphed_ = 0;
   std::size_t parts_ = 0;
 };
 
 }  // namespace
 
 Result<DecodedMesh> decode_gltf(std::span<const std::byte> bytes, MeshFormat format,
-                                const DecodeLimits& limits) {
+                                const DecodeLimits& limits, const ImportOptions& options) {
   auto container = format == MeshFormat::glb ? open_glb(bytes) : open_gltf(bytes);
   if (!container) return fail(std::move(container.error()));
   if (const auto shape = check_json_shape(container->json, limits); !shape) {
@@ -323,13 +233,18 @@ Result<DecodedMesh> decode_gltf(std::span<const std::byte> bytes, MeshFormat for
   }
   const auto document = parse_gltf(container->json, limits);
   if (!document) return fail(document.error());
-  GltfBuffers buffers(*document, container->binary, container->has_binary);
-  auto mesh = Assembly(*document, buffers, limits, bytes.size()).run();
+  // What all accessors of the largest mesh can need: positions and indices of 4 bytes.
+  const std::uint64_t max_decompressed = 12 * (limits.max_vertices + limits.max_faces);
+  GltfBuffers buffers(*document, container->binary, container->has_binary, max_decompressed);
+  auto mesh = Assembly(*document, buffers, limits, options, bytes.size()).run();
   if (!mesh) return mesh;
   mesh->format = format;
   if (container->trailing_bytes != 0) {
-    mesh->warnings.push_back(std::to_string(container->trailing_bytes) +
-                             " bytes after the end of the GLB are ignored.");
+    mesh->findings.push_back({"trailing_bytes",
+                              container->trailing_bytes,
+                              {},
+                              std::to_string(container->trailing_bytes) +
+                                  " bytes after the end of the GLB are ignored."});
   }
   return mesh;
 }

@@ -6,12 +6,14 @@
 
 #include "core/error.h"
 #include "proto/decode_mesh.h"
+#include "proto/import_options.h"
 
 namespace geodesic::proto {
 
 // `format` is `glb` or `gltf`, as `sniff_format` found it. Errors: see
 // `decode_mesh`. Throws what memory allocation throws.
 [[nodiscard]] Result<DecodedMesh> decode_gltf(std::span<const std::byte> bytes, MeshFormat format,
-                                              const DecodeLimits& limits);
+                                              const DecodeLimits& limits,
+                                              const ImportOptions& options);
 
 }  // namespace geodesic::proto

@@ -6,7 +6,11 @@
 #include <utility>
 
 #include "proto/decode_gltf.h"
+#include "proto/decode_obj.h"
+#include "proto/decode_ply.h"
+#include "proto/decode_stl.h"
 #include "proto/draco_codec.h"
+#include "proto/ply_header.h"
 
 namespace geodesic::proto {
 namespace {
@@ -37,6 +41,12 @@ std::string_view name_of(MeshFormat format) {
       return "gltf";
     case MeshFormat::drc:
       return "drc";
+    case MeshFormat::obj:
+      return "obj";
+    case MeshFormat::ply:
+      return "ply";
+    case MeshFormat::stl:
+      return "stl";
   }
   return "";
 }
@@ -48,16 +58,40 @@ Result<MeshFormat> sniff_format(std::span<const std::byte> bytes) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first != std::string_view::npos && text[first] == '{') return MeshFormat::gltf;
+  if (is_ply(text)) return MeshFormat::ply;
+  if (is_stl(bytes)) return MeshFormat::stl;
+  if (is_obj(bytes)) return MeshFormat::obj;
   return fail(ErrorCode::format_unknown,
-              "The bytes are neither GLB nor glTF nor a Draco bitstream.");
+              "The bytes are none of GLB, glTF, Draco, OBJ, PLY and STL.");
 }
 
-Result<DecodedMesh> decode_mesh(std::span<const std::byte> bytes, const DecodeLimits& limits) {
+namespace {
+
+Result<DecodedMesh> decode_as(MeshFormat format, std::span<const std::byte> bytes,
+                              const DecodeLimits& limits, const ImportOptions& options) {
+  if (format == MeshFormat::glb || format == MeshFormat::gltf) {
+    return decode_gltf(bytes, format, limits, options);
+  }
+  if (options.scene || options.node) {
+    return fail(ErrorCode::value_out_of_range, "Only glTF files have scenes and nodes.",
+                options.scene ? "scene" : "node");
+  }
+  if (format == MeshFormat::obj) return decode_obj(bytes, limits);
+  if (format == MeshFormat::ply) return decode_ply(bytes, limits);
+  if (format == MeshFormat::stl) return decode_stl(bytes, limits);
+  return decode_drc(bytes, limits);
+}
+
+}  // namespace
+
+Result<DecodedMesh> decode_mesh(std::span<const std::byte> bytes, const DecodeLimits& limits,
+                                const ImportOptions& options) {
   const auto format = sniff_format(bytes);
   if (!format) return fail(format.error());
   try {
-    return *format == MeshFormat::drc ? decode_drc(bytes, limits)
-                                      : decode_gltf(bytes, *format, limits);
+    auto mesh = decode_as(*format, bytes, limits, options);
+    if (mesh) place(mesh->soup, options);
+    return mesh;
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::too_large, "Decoding the mesh needs more memory than there is.");
   } catch (const std::length_error&) {

@@ -1,5 +1,5 @@
 // Bytes of a mesh file to triangles. The format is found from the bytes alone:
-// GLB, glTF (JSON with embedded data) or a Draco bitstream.
+// GLB, glTF (JSON with embedded data), a Draco bitstream, OBJ, PLY or STL.
 //
 // The bytes are hostile: nothing outside them is ever opened, every count is
 // checked against the bytes present and against `DecodeLimits` before memory is
@@ -15,12 +15,14 @@
 
 #include "core/error.h"
 #include "core/triangle_soup.h"
+#include "proto/findings.h"
+#include "proto/import_options.h"
 
 namespace geodesic::proto {
 
-enum class MeshFormat : std::uint8_t { glb, gltf, drc };
+enum class MeshFormat : std::uint8_t { glb, gltf, drc, obj, ply, stl };
 
-// "glb", "gltf" or "drc".
+// "glb", "gltf", "drc", "obj", "ply" or "stl".
 [[nodiscard]] std::string_view name_of(MeshFormat format);
 
 struct DecodeLimits {
@@ -50,7 +52,7 @@ struct DecodedMesh {
   MeshFormat format = MeshFormat::glb;
   TriangleSoup soup;  // in source-vertex order, node transforms applied
   std::vector<MeshPart> parts;
-  std::vector<std::string> warnings;  // what was ignored, one sentence each
+  std::vector<Finding> findings;  // what was ignored or taken otherwise
 };
 
 // Which format the bytes claim to be; `format_unknown` when none.
@@ -61,11 +63,17 @@ struct DecodedMesh {
 // vertices of each primitive's POSITION accessor. Those of points and lines count
 // too, but only triangles, strips and fans make faces and parts. Faces keep the
 // file's corners in order, under mirroring transforms as well. Draco's vertices
-// are in decoded order.
+// are in decoded order, those of OBJ and PLY in the order of the file, those of STL
+// three a facet.
+//
+// Of `options`, `scene`, `node`, `up` and `scale` are carried out; welding is for who
+// builds the mesh.
 //
 // Errors: format_unknown, mesh_invalid, no_triangles, index_out_of_range,
-// too_many_vertices, too_many_faces, external_uri, extension_required, too_large.
+// too_many_vertices, too_many_faces, external_uri, extension_required, too_large,
+// value_out_of_range (a scene or node that the file does not have).
 [[nodiscard]] Result<DecodedMesh> decode_mesh(std::span<const std::byte> bytes,
-                                              const DecodeLimits& limits);
+                                              const DecodeLimits& limits,
+                                              const ImportOptions& options = {});
 
 }  // namespace geodesic::proto

@@ -1,5 +1,7 @@
 #include "proto/gltf_accessor.h"
 
+#include <algorithm>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -28,6 +30,34 @@ bool is_index_type(int type) {
 }
 
 std::string name_of_accessor(std::size_t index) { return "accessor " + std::to_string(index); }
+
+// What keeps an accessor from a use, as the rest of a sentence; null if nothing.
+const char* unusable(const GltfAccessor& accessor, GltfUse use) {
+  const int type = accessor.component_type;
+  const bool is_float = type == gltf_float32;
+  switch (use) {
+    case GltfUse::indices:
+      if (accessor.components == 1 && is_index_type(type)) return nullptr;
+      return " can't hold indices: it is not a SCALAR of unsigned integers.";
+    case GltfUse::position:
+      if (accessor.components == 3 && type != gltf_uint32 && size_of_component(type) != 0) {
+        return nullptr;
+      }
+      return " can't hold positions: it is not a VEC3 of float32, 8 or 16 bits.";
+    case GltfUse::vector:
+      if (accessor.components == 3 && is_float) return nullptr;
+      return " can't hold translations or scales: it is not a VEC3 of float32.";
+    case GltfUse::rotation:
+      if (accessor.components == 4 && (is_float || type == gltf_int8 || type == gltf_int16)) {
+        return nullptr;
+      }
+      return " can't hold rotations: it is not a VEC4 of float32 or signed 8 or 16 bits.";
+    case GltfUse::any:
+      if (size_of_component(type) != 0) return nullptr;
+      return " has no `componentType` that glTF knows.";
+  }
+  return nullptr;
+}
 
 // `count` elements of `size` bytes from `offset` in a view, `stride` apart.
 // The operands are below 2^53 and 252 < 2^8, so nothing overflows.
@@ -100,20 +130,34 @@ Result<GltfElements> resolve_sparse(GltfBuffers& buffers, const GltfSparse& spar
 
 }  // namespace
 
+double GltfElements::number(std::uint64_t element, int which) const {
+  const auto read = [&]<class T>(T) {
+    const auto value = static_cast<double>(component<T>(element, which));
+    if (!normalized) return value;
+    return std::max(value / static_cast<double>(std::numeric_limits<T>::max()), -1.0);
+  };
+  switch (component_type) {
+    case gltf_int8:
+      return read(std::int8_t{});
+    case gltf_uint8:
+      return read(std::uint8_t{});
+    case gltf_int16:
+      return read(std::int16_t{});
+    case gltf_uint16:
+      return read(std::uint16_t{});
+    case gltf_uint32:
+      return read(std::uint32_t{});
+    default:
+      return component<float>(element, which);
+  }
+}
+
 Result<GltfElements> read_accessor(const GltfDocument& document, GltfBuffers& buffers,
                                    std::size_t index, GltfUse use, std::uint64_t max_absent) {
   const GltfAccessor& accessor = document.accessors[index];
   const std::string name = name_of_accessor(index);
-  if (use == GltfUse::indices &&
-      (accessor.components != 1 || !is_index_type(accessor.component_type))) {
-    return fail(ErrorCode::mesh_invalid,
-                name + " can't hold indices: it is not a SCALAR of unsigned integers.");
-  }
-  if (use == GltfUse::position &&
-      (accessor.components != 3 || accessor.component_type == gltf_uint32 ||
-       size_of_component(accessor.component_type) == 0)) {
-    return fail(ErrorCode::mesh_invalid,
-                name + " can't hold positions: it is not a VEC3 of float32, 8 or 16 bits.");
+  if (const char* wanted = unusable(accessor, use); wanted != nullptr) {
+    return fail(ErrorCode::mesh_invalid, name + wanted);
   }
   const std::uint64_t size =
       size_of_component(accessor.component_type) * static_cast<std::uint64_t>(accessor.components);

@@ -33,12 +33,19 @@ struct GltfElements {
                 sizeof(T));
     return value;
   }
+
+  // Component `which` as a number, integers divided by their greatest when they are
+  // normalised (glTF 2.0, section 3.11). For what is read once, not per vertex.
+  [[nodiscard]] double number(std::uint64_t element, int which) const;
 };
 
 // What a caller is able to use.
 enum class GltfUse : std::uint8_t {
   position,  // VEC3 of float32, or of 8 or 16 bits (KHR_mesh_quantization)
   indices,   // SCALAR of unsigned 8, 16 or 32 bits
+  vector,    // VEC3 of float32
+  rotation,  // VEC4 of float32, or of signed 8 or 16 bits, normalised
+  any,       // whatever glTF allows
 };
 
 // Elements of an accessor, sparse ones resolved. `max_absent`: how many elements

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 namespace geodesic::proto {
 namespace {
@@ -52,11 +53,12 @@ std::optional<std::vector<std::byte>> decode_base64(std::string_view text) {
 }
 
 GltfBuffers::GltfBuffers(const GltfDocument& document, std::span<const std::byte> binary,
-                         bool has_binary)
+                         bool has_binary, std::uint64_t max_decompressed)
     : document_(document),
       binary_(binary),
       has_binary_(has_binary),
-      decoded_(document.buffers.size()) {}
+      decoded_(document.buffers.size()),
+      decompressed_left_(max_decompressed) {}
 
 Result<std::span<const std::byte>> GltfBuffers::buffer(std::size_t index) {
   const GltfBuffer& buffer = document_.buffers[index];
@@ -96,26 +98,47 @@ Result<std::span<const std::byte>> GltfBuffers::buffer(std::size_t index) {
   return bytes.first(buffer.byte_length);
 }
 
+Result<std::span<const std::byte>> GltfBuffers::part(std::size_t index, std::uint64_t offset,
+                                                     std::uint64_t length,
+                                                     const std::string& name) {
+  const auto bytes = buffer(index);
+  if (!bytes) return fail(bytes.error());
+  // Both are below 2^53 (gltf_json.cpp): the sum does not overflow.
+  if (offset + length > bytes->size()) {
+    return fail(ErrorCode::mesh_invalid,
+                name + " reaches to byte " + std::to_string(offset + length) + " of " +
+                    name_of_buffer(index) + ", which has " + std::to_string(bytes->size()) + ".");
+  }
+  return bytes->subspan(offset, length);
+}
+
+Result<std::span<const std::byte>> GltfBuffers::decompressed(std::size_t index) {
+  const GltfBufferView& view = document_.views[index];
+  const std::string name = "bufferView " + std::to_string(index);
+  if (const auto it = decompressed_.find(index); it != decompressed_.end()) return it->second;
+  const GltfMeshopt& meshopt = *view.meshopt;
+  const auto bytes =
+      part(meshopt.buffer, meshopt.offset, meshopt.length, name + ": its compressed data");
+  if (!bytes) return fail(bytes.error());
+  if (!is_known_meshopt(*bytes, meshopt.layout)) {
+    // Too new for us: a file may have the plain bytes as well.
+    if (const auto plain = part(view.buffer, view.offset, view.length, name)) return *plain;
+  }
+  auto plain = decode_meshopt(*bytes, meshopt.layout, decompressed_left_, name);
+  if (!plain) return fail(std::move(plain.error()));
+  if (view.length > plain->size()) {
+    return fail(ErrorCode::mesh_invalid, name + " claims " + std::to_string(view.length) +
+                                             " bytes, but its compressed data decodes to " +
+                                             std::to_string(plain->size()) + ".");
+  }
+  decompressed_left_ -= plain->size();
+  return decompressed_.emplace(index, std::move(*plain)).first->second;
+}
+
 Result<std::span<const std::byte>> GltfBuffers::view(std::size_t index) {
   const GltfBufferView& view = document_.views[index];
-  const auto bytes = buffer(view.buffer);
-  if (!bytes) {
-    if (!view.compressed_by.empty()) {  // the buffer is the place for a decoder to write to
-      return fail(ErrorCode::extension_required, "bufferView " + std::to_string(index) +
-                                                     " is compressed by " + view.compressed_by +
-                                                     ", which is not supported.");
-    }
-    return fail(bytes.error());
-  }
-  // Both are below 2^53 (gltf_json.cpp): the sum does not overflow.
-  if (view.offset + view.length > bytes->size()) {
-    return fail(ErrorCode::mesh_invalid, "bufferView " + std::to_string(index) +
-                                             " reaches to byte " +
-                                             std::to_string(view.offset + view.length) + " of " +
-                                             name_of_buffer(view.buffer) + ", which has " +
-                                             std::to_string(bytes->size()) + ".");
-  }
-  return bytes->subspan(view.offset, view.length);
+  if (view.meshopt) return decompressed(index);
+  return part(view.buffer, view.offset, view.length, "bufferView " + std::to_string(index));
 }
 
 }  // namespace geodesic::proto

@@ -56,6 +56,10 @@ Result<GltfContainer> open_glb(std::span<const std::byte> bytes) {
                                                " bytes, but " + std::to_string(bytes.size() - at) +
                                                " are left.");
     }
+    if (size % 4 != 0) {
+      return fail(ErrorCode::mesh_invalid,
+                  name + " has " + std::to_string(size) + " bytes, which is no multiple of 4.");
+    }
     const auto content = bytes.subspan(at, size);
     at += size;
     if (chunk == 0 && type != json_chunk) {
@@ -68,6 +72,9 @@ Result<GltfContainer> open_glb(std::span<const std::byte> bytes) {
     } else if (chunk == 1 && type == binary_chunk) {
       container.binary = content;
       container.has_binary = true;
+    } else if (type == json_chunk || type == binary_chunk) {
+      return fail(ErrorCode::mesh_invalid,
+                  name + " is a JSON or BIN chunk, which is not to be there.");
     }  // chunks of other types are to be ignored
   }
   if (container.json.empty()) {

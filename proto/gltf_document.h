@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "proto/gltf_transform.h"
+#include "proto/meshopt_codec.h"
 
 namespace geodesic::proto {
 
@@ -20,12 +21,20 @@ struct GltfBuffer {
   std::optional<std::string> uri;  // none: the binary chunk of a GLB
 };
 
+// Where the compressed bytes of a buffer view are, and what they decode to.
+struct GltfMeshopt {
+  std::size_t buffer = 0;
+  std::uint64_t offset = 0;
+  std::uint64_t length = 0;
+  MeshoptLayout layout;
+};
+
 struct GltfBufferView {
   std::size_t buffer = 0;
   std::uint64_t offset = 0;
   std::uint64_t length = 0;
-  std::uint64_t stride = 0;   // bytes from one element to the next; 0: tightly packed
-  std::string compressed_by;  // a meshopt extension: the bytes are only a fallback
+  std::uint64_t stride = 0;            // bytes from one element to the next; 0: tightly packed
+  std::optional<GltfMeshopt> meshopt;  // then the bytes above are only a fallback
 };
 
 struct GltfSparse {
@@ -55,6 +64,8 @@ struct GltfAccessor {
   int components = 1;  // 1 for SCALAR … 16 for MAT4
   bool normalized = false;
   std::optional<GltfSparse> sparse;
+  std::vector<double> min;  // as said, one a component; or empty
+  std::vector<double> max;
 };
 
 struct GltfDraco {
@@ -78,12 +89,21 @@ struct GltfPrimitive {
   std::optional<std::size_t> position;
   std::optional<std::size_t> indices;
   std::optional<GltfDraco> draco;
-  bool has_targets = false;
+  // Of each morph target the accessor of what it adds to the positions, if it does.
+  std::vector<std::optional<std::size_t>> targets;
 };
 
 struct GltfMesh {
   std::string name;
+  std::vector<double> weights;  // of its primitives' targets; what is missing is 0
   std::vector<GltfPrimitive> primitives;
+};
+
+// The accessors of EXT_mesh_gpu_instancing; at least one is there.
+struct GltfInstancing {
+  std::optional<std::size_t> translation;
+  std::optional<std::size_t> rotation;
+  std::optional<std::size_t> scale;
 };
 
 struct GltfNode {
@@ -92,7 +112,8 @@ struct GltfNode {
   std::vector<std::size_t> children;
   GltfTransform to_parent;
   bool has_skin = false;
-  bool is_instanced = false;  // EXT_mesh_gpu_instancing
+  std::vector<double> weights;               // instead of its mesh's, when there are any
+  std::optional<GltfInstancing> instancing;  // how its mesh is drawn
 };
 
 struct GltfDocument {
@@ -102,7 +123,9 @@ struct GltfDocument {
   std::vector<GltfMesh> meshes;
   std::vector<GltfNode> nodes;
   std::vector<std::vector<std::size_t>> scenes;  // root nodes of each
-  std::optional<std::size_t> scene;              // the default one
+  std::vector<std::string> scene_names;
+  std::optional<std::size_t> scene;  // the default one
+  bool has_rtc_center = false;       // CESIUM_RTC: all positions are relative to it
 };
 
 }  // namespace geodesic::proto

@@ -6,7 +6,9 @@ namespace geodesic::proto {
 namespace {
 
 // Of all others the geometry might depend on them.
-constexpr std::string_view implemented[] = {draco_extension, "KHR_mesh_quantization"};
+constexpr std::string_view implemented[] = {draco_extension,         instancing_extension,
+                                            meshopt_extensions[0],   meshopt_extensions[1],
+                                            "KHR_mesh_quantization", rtc_extension};
 
 constexpr std::string_view irrelevant[] = {
     "ADOBE_materials_clearcoat_specular",

@@ -9,6 +9,7 @@ namespace geodesic::proto {
 
 inline constexpr std::string_view draco_extension = "KHR_draco_mesh_compression";
 inline constexpr std::string_view instancing_extension = "EXT_mesh_gpu_instancing";
+inline constexpr std::string_view rtc_extension = "CESIUM_RTC";
 inline constexpr std::string_view meshopt_extensions[] = {"EXT_meshopt_compression",
                                                           "KHR_meshopt_compression"};
 

@@ -9,130 +9,32 @@
 #include <utility>
 
 #include "proto/gltf_extensions.h"
+#include "proto/gltf_json_checks.h"
+#include "proto/gltf_json_extensions.h"
 
 namespace geodesic::proto {
 namespace {
 
 using nlohmann::json;
 
-constexpr std::uint64_t max_bytes = std::uint64_t{1} << 53;  // whole numbers in a double
-constexpr std::uint64_t max_int = 0x7FFFFFFF;                // what tinygltf keeps in an int
-
-// "accessor 3", made only when there is something to say.
-struct Place {
-  const char* kind;
-  std::size_t index;
-  std::optional<std::size_t> primitive = {};
-
-  [[nodiscard]] std::string text() const {
-    std::string text = std::string(kind) + " " + std::to_string(index);
-    if (primitive) text += ", primitive " + std::to_string(*primitive);
-    return text;
-  }
-};
-
-// Text of a stranger's, fit for a message: short and of plain letters.
-std::string quotable(const std::string& text) {
-  std::string plain = text.substr(0, 64);
-  for (char& c : plain) {
-    if (c < 0x20 || c > 0x7E) c = '?';
-  }
-  return plain;
-}
-
-// The walk over the document. A check that fails keeps its error in `fault_`
+// The walk over the document. A check that fails keeps its error in `checks_`
 // and returns false, and so does every caller.
 class Reduction {
  public:
   explicit Reduction(const DecodeLimits& limits) : limits_(limits) {}
 
   Result<ReducedGltf> run(json root) {
-    if (!asset(root) || !extensions(root) || !arrays(root) || !buffers(root)) return failed();
+    if (!asset(root) || !extensions(root) || !arrays(root) || !buffers(root))
+      return checks_.failed();
     if (!views(root) || !accessors(root) || !meshes(root) || !nodes(root) || !scenes(root)) {
-      return failed();
+      return checks_.failed();
     }
-    keep(root, {"asset", "scene", "scenes", "nodes", "meshes", "accessors", "bufferViews"});
+    keep_members(root, {"asset", "scene", "scenes", "nodes", "meshes", "accessors", "bufferViews"});
     out_.json = root.dump(-1, ' ', false, json::error_handler_t::replace);
     return std::move(out_);
   }
 
  private:
-  tl::unexpected<Error> failed() { return fail(std::move(fault_)); }
-
-  bool invalid(const std::string& detail) { return fault(ErrorCode::mesh_invalid, detail); }
-
-  bool fault(ErrorCode code, const std::string& detail) {
-    fault_ = Error{code, detail, {}, {}, {}};
-    return false;
-  }
-
-  static void keep(json& object, std::initializer_list<const char*> keys) {
-    for (auto it = object.begin(); it != object.end();) {
-      const bool wanted = std::ranges::any_of(keys, [&](const char* k) { return it.key() == k; });
-      it = wanted ? std::next(it) : object.erase(it);
-    }
-  }
-
-  static void set_extensions(json& object, json kept) {
-    object.erase("extensions");
-    if (!kept.empty()) object["extensions"] = std::move(kept);
-  }
-
-  // A property that is a whole number of [low, high], or absent if it may be.
-  bool whole(json& object, const char* key, std::uint64_t low, std::uint64_t high,
-             const Place& place, bool required = false) {
-    const auto it = object.find(key);
-    if (it == object.end()) {
-      return !required || invalid(place.text() + " has no `" + key + "`.");
-    }
-    if (it->is_number_float()) {  // 10.0 is a whole number too
-      const double value = it->get<double>();
-      if (value >= 0 && value < static_cast<double>(max_bytes) && value == std::floor(value)) {
-        *it = static_cast<std::uint64_t>(value);
-      }
-    }
-    if (!it->is_number_unsigned() || it->get<std::uint64_t>() < low ||
-        it->get<std::uint64_t>() > high) {
-      return invalid(place.text() + ": `" + key + "` is not a whole number from " +
-                     std::to_string(low) + " to " + std::to_string(high) + ".");
-    }
-    return true;
-  }
-
-  // A property that is an index into an array of `size` elements.
-  bool reference(json& object, const char* key, std::size_t size, const Place& place,
-                 bool required = false) {
-    const auto it = object.find(key);
-    if (it == object.end() && !required) return true;
-    if (size == 0) {
-      return invalid(place.text() + ": `" + key + "` refers to what the file does not have.");
-    }
-    return whole(object, key, 0, size - 1, place, required);
-  }
-
-  bool references(json& object, const char* key, std::size_t size, const Place& place) {
-    const auto it = object.find(key);
-    if (it == object.end()) return true;
-    if (!it->is_array()) return invalid(place.text() + ": `" + key + "` is not an array.");
-    for (const json& item : *it) {
-      if (!item.is_number_unsigned() || item.get<std::uint64_t>() >= size) {
-        return invalid(place.text() + ": `" + key + "` refers to what the file does not have.");
-      }
-    }
-    return true;
-  }
-
-  bool numbers(const json& object, const char* key, std::size_t count, const Place& place) {
-    const auto it = object.find(key);
-    if (it == object.end()) return true;
-    const bool good =
-        it->is_array() && it->size() == count && std::ranges::all_of(*it, [](const json& v) {
-          return v.is_number() && std::isfinite(v.get<double>());
-        });
-    return good || invalid(place.text() + ": `" + key + "` is not an array of " +
-                           std::to_string(count) + " numbers.");
-  }
-
   // The name is for people; a wrong type is no reason to refuse a mesh.
   static void name(json& object) {
     if (const auto it = object.find("name"); it != object.end() && !it->is_string()) {
@@ -140,34 +42,33 @@ class Reduction {
     }
   }
 
-  static json* member(json& object, std::string_view key) {
-    const auto it = object.find(key);
-    return it != object.end() && it->is_object() ? &*it : nullptr;
-  }
-
   bool asset(json& root) {
-    if (!root.is_object()) return invalid("The glTF's JSON is not an object.");
-    const json* asset = member(root, "asset");
+    if (!root.is_object()) return checks_.invalid("The glTF's JSON is not an object.");
+    const json* asset = object_member(root, "asset");
     if (asset == nullptr || !asset->contains("version") || !(*asset)["version"].is_string()) {
-      return invalid("The glTF has no `asset.version`.");
+      return checks_.invalid("The glTF has no `asset.version`.");
     }
     const auto& version = (*asset)["version"].get_ref<const std::string&>();
     if (!version.starts_with("2.")) {
-      return invalid("The glTF is of version " + quotable(version) + "; only 2.x is read.");
+      return checks_.invalid("The glTF is of version " + quotable(version) + "; only 2.x is read.");
     }
     root["asset"] = {{"version", "2.0"}};
     return true;
   }
 
   bool extensions(json& root) {
+    if (const json* used = object_member(root, "extensions")) {
+      out_.has_rtc_center = used->contains(rtc_extension);
+    }
     const auto it = root.find("extensionsRequired");
     if (it == root.end()) return true;
-    if (!it->is_array()) return invalid("`extensionsRequired` is not an array.");
+    if (!it->is_array()) return checks_.invalid("`extensionsRequired` is not an array.");
     for (const json& item : *it) {
-      if (!item.is_string()) return invalid("`extensionsRequired` holds what is not a string.");
+      if (!item.is_string())
+        return checks_.invalid("`extensionsRequired` holds what is not a string.");
       const auto& extension = item.get_ref<const std::string&>();
       if (!is_accepted_extension(extension)) {
-        return fault(
+        return checks_.fault(
             ErrorCode::extension_required,
             "The file requires the extension " + quotable(extension) + ", which is not supported.");
       }
@@ -181,12 +82,12 @@ class Reduction {
     for (const char* key : {"buffers", "bufferViews", "accessors", "meshes", "nodes", "scenes"}) {
       const auto it = root.find(key);
       if (it == root.end()) continue;
-      if (!it->is_array()) return invalid(std::string(key) + " is not an array.");
+      if (!it->is_array()) return checks_.invalid(std::string(key) + " is not an array.");
       if (!counted(it->size())) return false;
       for (std::size_t i = 0; i < it->size(); ++i) {
         if (!(*it)[i].is_object()) {
-          return invalid(std::string(key) + ": element " + std::to_string(i) +
-                         " is not an object.");
+          return checks_.invalid(std::string(key) + ": element " + std::to_string(i) +
+                                 " is not an object.");
         }
       }
     }
@@ -196,12 +97,11 @@ class Reduction {
   bool counted(std::size_t more) {
     objects_ += more;
     if (objects_ <= limits_.max_gltf_objects) return true;
-    fault_ = Error{ErrorCode::too_large,
-                   "The glTF lists too many nodes, accessors and the like.",
-                   {},
-                   limits_.max_gltf_objects,
-                   objects_};
-    return false;
+    return checks_.fault(Error{ErrorCode::too_large,
+                               "The glTF lists too many nodes, accessors and the like.",
+                               {},
+                               limits_.max_gltf_objects,
+                               objects_});
   }
 
   static std::size_t size_of(const json& root, const char* key) {
@@ -213,12 +113,12 @@ class Reduction {
     buffer_count_ = size_of(root, "buffers");
     for (std::size_t i = 0; i < buffer_count_; ++i) {
       json& item = root["buffers"][i];
-      const Place place{"buffer", i};
-      if (!whole(item, "byteLength", 1, max_bytes, place, true)) return false;
+      const GltfPlace place{"buffer", i};
+      if (!checks_.whole(item, "byteLength", 1, gltf_max_bytes, place, true)) return false;
       GltfBuffer buffer;
       buffer.byte_length = item["byteLength"].get<std::uint64_t>();
       if (const auto it = item.find("uri"); it != item.end()) {
-        if (!it->is_string()) return invalid(place.text() + ": `uri` is not a string.");
+        if (!it->is_string()) return checks_.invalid(place.text() + ": `uri` is not a string.");
         buffer.uri = std::move(it->get_ref<std::string&>());
       }
       out_.buffers.push_back(std::move(buffer));
@@ -230,25 +130,19 @@ class Reduction {
     out_.absent_view = size_of(root, "bufferViews");
     for (std::size_t i = 0; i < out_.absent_view; ++i) {
       json& view = root["bufferViews"][i];
-      const Place place{"bufferView", i};
-      if (!reference(view, "buffer", buffer_count_, place, true) ||
-          !whole(view, "byteOffset", 0, max_bytes, place) ||
-          !whole(view, "byteLength", 1, max_bytes, place, true) ||
-          !whole(view, "byteStride", 4, 252, place)) {
+      const GltfPlace place{"bufferView", i};
+      if (!checks_.reference(view, "buffer", buffer_count_, place, true) ||
+          !checks_.whole(view, "byteOffset", 0, gltf_max_bytes, place) ||
+          !checks_.whole(view, "byteLength", 1, gltf_max_bytes, place, true) ||
+          !checks_.whole(view, "byteStride", 4, 252, place)) {
         return false;
       }
       if (const auto it = view.find("byteStride");
           it != view.end() && it->get<std::uint64_t>() % 4 != 0) {
-        return invalid(place.text() + ": `byteStride` is not a multiple of 4.");
+        return checks_.invalid(place.text() + ": `byteStride` is not a multiple of 4.");
       }
-      json kept = json::object();
-      if (json* extensions = member(view, "extensions")) {
-        for (const auto extension : meshopt_extensions) {
-          if (extensions->contains(extension)) kept[std::string(extension)] = json::object();
-        }
-      }
-      set_extensions(view, std::move(kept));
-      keep(view, {"buffer", "byteOffset", "byteLength", "byteStride", "extensions"});
+      if (!take_meshopt(view, i, buffer_count_, checks_, out_.meshopt)) return false;
+      keep_members(view, {"buffer", "byteOffset", "byteLength", "byteStride"});
     }
     if (!root.contains("bufferViews")) root["bufferViews"] = json::array();
     root["bufferViews"].push_back({{"buffer", 0}, {"byteLength", 1}});
@@ -259,45 +153,57 @@ class Reduction {
     out_.accessors = size_of(root, "accessors");
     for (std::size_t i = 0; i < out_.accessors; ++i) {
       json& accessor = root["accessors"][i];
-      const Place place{"accessor", i};
-      if (!reference(accessor, "bufferView", out_.absent_view, place) ||
-          !whole(accessor, "byteOffset", 0, max_bytes, place) ||
-          !whole(accessor, "componentType", gltf_int8, gltf_float32, place, true) ||
-          !whole(accessor, "count", 1, max_bytes, place, true)) {
+      const GltfPlace place{"accessor", i};
+      if (!checks_.reference(accessor, "bufferView", out_.absent_view, place) ||
+          !checks_.whole(accessor, "byteOffset", 0, gltf_max_bytes, place) ||
+          !checks_.whole(accessor, "componentType", gltf_int8, gltf_float32, place, true) ||
+          !checks_.whole(accessor, "count", 1, gltf_max_bytes, place, true)) {
         return false;
       }
       if (const auto it = accessor.find("normalized"); it != accessor.end() && !it->is_boolean()) {
-        return invalid(place.text() + ": `normalized` is neither true nor false.");
+        return checks_.invalid(place.text() + ": `normalized` is neither true nor false.");
       }
       static constexpr std::string_view types[] = {"SCALAR", "VEC2", "VEC3", "VEC4",
                                                    "MAT2",   "MAT3", "MAT4"};
       const auto type = accessor.find("type");
       if (type == accessor.end() || !type->is_string() ||
           std::ranges::count(types, type->get_ref<const std::string&>()) == 0) {
-        return invalid(place.text() + " has no `type` that glTF knows.");
+        return checks_.invalid(place.text() + " has no `type` that glTF knows.");
+      }
+      if (accessor.contains("byteOffset") && !accessor.contains("bufferView")) {
+        return checks_.invalid(place.text() + " has a `byteOffset` but no `bufferView`.");
+      }
+      for (const char* bound : {"min", "max"}) {
+        if (!checks_.numbers(accessor, bound, components_of(*type), place)) return false;
       }
       if (accessor.contains("sparse") && !sparse(accessor["sparse"], place)) return false;
       if (!accessor.contains("bufferView")) accessor["bufferView"] = out_.absent_view;
-      keep(accessor,
-           {"bufferView", "byteOffset", "componentType", "normalized", "count", "type", "sparse"});
+      keep_members(accessor, {"bufferView", "byteOffset", "componentType", "normalized", "count",
+                              "type", "sparse", "min", "max"});
     }
     return true;
   }
 
-  bool sparse(json& sparse, const Place& place) {
-    if (!sparse.is_object() || member(sparse, "indices") == nullptr ||
-        member(sparse, "values") == nullptr) {
-      return invalid(place.text() + ": `sparse` lacks its indices or values.");
+  static std::size_t components_of(const std::string& type) {
+    if (type == "SCALAR") return 1;
+    const auto side = static_cast<std::size_t>(type.back() - '0');
+    return type.starts_with("MAT") ? side * side : side;
+  }
+
+  bool sparse(json& sparse, const GltfPlace& place) {
+    if (!sparse.is_object() || object_member(sparse, "indices") == nullptr ||
+        object_member(sparse, "values") == nullptr) {
+      return checks_.invalid(place.text() + ": `sparse` lacks its indices or values.");
     }
     json& indices = sparse["indices"];
     json& values = sparse["values"];
-    keep(sparse, {"count", "indices", "values"});
-    return whole(sparse, "count", 1, max_int, place, true) &&
-           reference(indices, "bufferView", out_.absent_view, place, true) &&
-           whole(indices, "byteOffset", 0, max_int, place) &&
-           whole(indices, "componentType", gltf_uint8, gltf_uint32, place, true) &&
-           reference(values, "bufferView", out_.absent_view, place, true) &&
-           whole(values, "byteOffset", 0, max_int, place);
+    keep_members(sparse, {"count", "indices", "values"});
+    return checks_.whole(sparse, "count", 1, gltf_max_int, place, true) &&
+           checks_.reference(indices, "bufferView", out_.absent_view, place, true) &&
+           checks_.whole(indices, "byteOffset", 0, gltf_max_int, place) &&
+           checks_.whole(indices, "componentType", gltf_uint8, gltf_uint32, place, true) &&
+           checks_.reference(values, "bufferView", out_.absent_view, place, true) &&
+           checks_.whole(values, "byteOffset", 0, gltf_max_int, place);
   }
 
   bool meshes(json& root) {
@@ -307,48 +213,50 @@ class Reduction {
       name(mesh);
       const auto primitives = mesh.find("primitives");
       if (primitives == mesh.end() || !primitives->is_array()) {
-        return invalid(Place{"mesh", i}.text() + " has no array of `primitives`.");
+        return checks_.invalid(GltfPlace{"mesh", i}.text() + " has no array of `primitives`.");
       }
       if (!counted(primitives->size())) return false;
       for (std::size_t j = 0; j < primitives->size(); ++j) {
-        if (!primitive((*primitives)[j], Place{"mesh", i, j})) return false;
+        if (!primitive((*primitives)[j], GltfPlace{"mesh", i, j})) return false;
       }
       out_.primitives += primitives->size();
-      keep(mesh, {"name", "primitives"});
+      for (const json& one : *primitives) {
+        if (size_of(one, "targets") == size_of(primitives->front(), "targets")) continue;
+        return checks_.invalid(GltfPlace{"mesh", i}.text() +
+                               ": its primitives have different numbers of morph targets.");
+      }
+      if (!checks_.any_numbers(mesh, "weights", GltfPlace{"mesh", i})) return false;
+      keep_members(mesh, {"name", "primitives", "weights"});
     }
     return true;
   }
 
-  bool primitive(json& primitive, const Place& place) {
-    if (!primitive.is_object()) return invalid(place.text() + " is not an object.");
-    json* attributes = member(primitive, "attributes");
-    if (attributes == nullptr) return invalid(place.text() + " has no `attributes`.");
-    if (!reference(*attributes, "POSITION", out_.accessors, place) ||
-        !reference(primitive, "indices", out_.accessors, place) ||
-        !whole(primitive, "mode", gltf_points, gltf_triangle_fan, place)) {
+  bool primitive(json& primitive, const GltfPlace& place) {
+    if (!primitive.is_object()) return checks_.invalid(place.text() + " is not an object.");
+    json* attributes = object_member(primitive, "attributes");
+    if (attributes == nullptr) return checks_.invalid(place.text() + " has no `attributes`.");
+    if (!checks_.reference(*attributes, "POSITION", out_.accessors, place) ||
+        !checks_.reference(primitive, "indices", out_.accessors, place) ||
+        !checks_.whole(primitive, "mode", gltf_points, gltf_triangle_fan, place)) {
       return false;
     }
-    keep(*attributes, {"POSITION"});
-    if (const auto it = primitive.find("targets"); it != primitive.end()) {
-      const bool some = it->is_array() && !it->empty();
-      *it = some ? json::array({json::object()}) : json::array();
-    }
-    json kept = json::object();
-    if (json* extensions = member(primitive, "extensions")) {
-      if (const auto it = extensions->find(draco_extension); it != extensions->end()) {
-        json* ids = it->is_object() ? member(*it, "attributes") : nullptr;
-        if (ids == nullptr) return invalid(place.text() + ": its Draco data has no `attributes`.");
-        if (!reference(*it, "bufferView", out_.absent_view, place, true) ||
-            !whole(*ids, "POSITION", 0, max_int, place, attributes->contains("POSITION"))) {
-          return false;
-        }
-        keep(*it, {"bufferView", "attributes"});
-        keep(*ids, {"POSITION"});
-        kept[std::string(draco_extension)] = std::move(*it);
+    keep_members(*attributes, {"POSITION"});
+    if (primitive.contains("targets") && !targets(primitive["targets"], place)) return false;
+    if (!reduce_draco(primitive, place, out_.absent_view, checks_)) return false;
+    keep_members(primitive, {"attributes", "indices", "mode", "targets", "extensions"});
+    return true;
+  }
+
+  bool targets(json& targets, const GltfPlace& place) {
+    if (!targets.is_array()) return checks_.invalid(place.text() + ": `targets` is not an array.");
+    if (!counted(targets.size())) return false;
+    for (json& target : targets) {
+      if (!target.is_object()) {
+        return checks_.invalid(place.text() + ": one of its `targets` is not an object.");
       }
+      if (!checks_.reference(target, "POSITION", out_.accessors, place)) return false;
+      keep_members(target, {"POSITION"});
     }
-    set_extensions(primitive, std::move(kept));
-    keep(primitive, {"attributes", "indices", "mode", "targets", "extensions"});
     return true;
   }
 
@@ -356,46 +264,56 @@ class Reduction {
     out_.nodes = size_of(root, "nodes");
     for (std::size_t i = 0; i < out_.nodes; ++i) {
       json& node = root["nodes"][i];
-      const Place place{"node", i};
+      const GltfPlace place{"node", i};
       name(node);
-      if (!reference(node, "mesh", out_.meshes, place) ||
-          !references(node, "children", out_.nodes, place) || !numbers(node, "matrix", 16, place) ||
-          !numbers(node, "translation", 3, place) || !numbers(node, "rotation", 4, place) ||
-          !numbers(node, "scale", 3, place)) {
+      if (!checks_.reference(node, "mesh", out_.meshes, place) ||
+          !checks_.references(node, "children", out_.nodes, place) ||
+          !checks_.numbers(node, "matrix", 16, place) ||
+          !checks_.numbers(node, "translation", 3, place) ||
+          !checks_.numbers(node, "rotation", 4, place) ||
+          !checks_.numbers(node, "scale", 3, place)) {
         return false;
       }
+      if (!checks_.any_numbers(node, "weights", place) || !placement(node, place)) return false;
       if (node.contains("skin")) node["skin"] = 0;  // that there is one is all that counts
-      json kept = json::object();
-      if (json* extensions = member(node, "extensions")) {
-        if (extensions->contains(instancing_extension)) {
-          kept[std::string(instancing_extension)] = json::object();
-        }
-      }
-      set_extensions(node, std::move(kept));
-      keep(node, {"name", "mesh", "children", "matrix", "translation", "rotation", "scale", "skin",
-                  "extensions"});
+      if (!take_instancing(node, i, out_.accessors, checks_, out_.instancing)) return false;
+      keep_members(node, {"name", "mesh", "children", "matrix", "translation", "rotation", "scale",
+                          "skin", "weights"});
     }
     return true;
+  }
+
+  bool placement(const json& node, const GltfPlace& place) {
+    if (node.contains("matrix") &&
+        (node.contains("translation") || node.contains("rotation") || node.contains("scale"))) {
+      return checks_.invalid(place.text() + " has a `matrix` and parts of one.");
+    }
+    const auto rotation = node.find("rotation");
+    if (rotation == node.end()) return true;
+    const bool good = std::ranges::all_of(
+        *rotation, [](const json& value) { return std::abs(value.get<double>()) <= 1.001; });
+    return good || checks_.invalid(place.text() + ": `rotation` is no unit quaternion.");
   }
 
   bool scenes(json& root) {
     out_.scenes = size_of(root, "scenes");
     for (std::size_t i = 0; i < out_.scenes; ++i) {
       json& scene = root["scenes"][i];
-      if (!references(scene, "nodes", out_.nodes, Place{"scene", i})) return false;
-      keep(scene, {"nodes"});
+      if (!checks_.references(scene, "nodes", out_.nodes, GltfPlace{"scene", i})) return false;
+      name(scene);
+      keep_members(scene, {"name", "nodes"});
     }
     const auto it = root.find("scene");
     if (it == root.end()) return true;
     if (!it->is_number_unsigned() || it->get<std::uint64_t>() >= out_.scenes) {
-      return invalid("`scene` refers to a scene that the file does not have.");
+      return checks_.invalid("`scene` refers to a scene that the file does not have.");
     }
     return true;
   }
 
   const DecodeLimits& limits_;
   ReducedGltf out_;
-  Error fault_;
+  GltfChecks checks_;
   std::size_t buffer_count_ = 0;
   std::uint64_t objects_ = 0;
 };

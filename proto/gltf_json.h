@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,8 +20,12 @@
 namespace geodesic::proto {
 
 struct ReducedGltf {
-  std::string json;                 // for tinygltf: structure only
-  std::vector<GltfBuffer> buffers;  // taken out of it
+  std::string json;  // for tinygltf: structure only
+  // Taken out of it: buffers, and the extensions of views and nodes, by index.
+  std::vector<GltfBuffer> buffers;
+  std::map<std::size_t, GltfMeshopt> meshopt;
+  std::map<std::size_t, GltfInstancing> instancing;
+  bool has_rtc_center = false;
   // An accessor without a buffer view refers to this one, one past the file's
   // own: tinygltf refuses such accessors where Draco or sparse ones have them.
   std::size_t absent_view = 0;

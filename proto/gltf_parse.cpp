@@ -44,9 +44,6 @@ GltfBufferView convert(const tinygltf::BufferView& from) {
   view.offset = from.byteOffset;
   view.length = from.byteLength;
   view.stride = from.byteStride;
-  for (const auto extension : meshopt_extensions) {
-    if (from.extensions.contains(std::string(extension))) view.compressed_by = extension;
-  }
   return view;
 }
 
@@ -59,6 +56,8 @@ GltfAccessor convert(const tinygltf::Accessor& from, std::size_t absent_view) {
   accessor.component_type = from.componentType;
   accessor.components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(from.type));
   accessor.normalized = from.normalized;
+  accessor.min = from.minValues;
+  accessor.max = from.maxValues;
   if (from.sparse.isSparse) {
     const auto& sparse = from.sparse;
     accessor.sparse = GltfSparse{static_cast<std::uint64_t>(sparse.count),
@@ -75,7 +74,10 @@ GltfPrimitive convert(const tinygltf::Primitive& from) {
   GltfPrimitive primitive;
   primitive.mode = from.mode;
   primitive.indices = reference(from.indices);
-  primitive.has_targets = !from.targets.empty();
+  for (const auto& target : from.targets) {
+    const auto it = target.find("POSITION");
+    primitive.targets.push_back(it == target.end() ? std::nullopt : reference(it->second));
+  }
   if (const auto it = from.attributes.find("POSITION"); it != from.attributes.end()) {
     primitive.position = reference(it->second);
   }
@@ -110,14 +112,16 @@ std::vector<std::size_t> references(const std::vector<int>& from) {
 Result<GltfDocument> convert(const tinygltf::Model& model, ReducedGltf reduced) {
   GltfDocument document;
   document.buffers = std::move(reduced.buffers);
+  document.has_rtc_center = reduced.has_rtc_center;
   for (std::size_t i = 0; i < reduced.absent_view; ++i) {
     document.views.push_back(convert(model.bufferViews[i]));
   }
+  for (const auto& [view, meshopt] : reduced.meshopt) document.views[view].meshopt = meshopt;
   for (const auto& accessor : model.accessors) {
     document.accessors.push_back(convert(accessor, reduced.absent_view));
   }
   for (const auto& from : model.meshes) {
-    GltfMesh mesh{shortened(from.name), {}};
+    GltfMesh mesh{shortened(from.name), from.weights, {}};
     for (const auto& primitive : from.primitives) mesh.primitives.push_back(convert(primitive));
     document.meshes.push_back(std::move(mesh));
   }
@@ -133,10 +137,17 @@ Result<GltfDocument> convert(const tinygltf::Model& model, ReducedGltf reduced) 
                   references(from.children),
                   *transform,
                   from.skin >= 0,
-                  from.extensions.contains(std::string(instancing_extension))};
+                  from.weights,
+                  {}};
     document.nodes.push_back(std::move(node));
   }
-  for (const auto& scene : model.scenes) document.scenes.push_back(references(scene.nodes));
+  for (const auto& [node, instancing] : reduced.instancing) {
+    document.nodes[node].instancing = instancing;
+  }
+  for (const auto& scene : model.scenes) {
+    document.scenes.push_back(references(scene.nodes));
+    document.scene_names.push_back(shortened(scene.name));
+  }
   document.scene = reference(model.defaultScene);
   return document;
 }

@@ -7,7 +7,10 @@
 #include <vector>
 
 #include "core/error.h"
+#include "proto/decode_mesh.h"
+#include "proto/gltf_buffers.h"
 #include "proto/gltf_document.h"
+#include "proto/import_options.h"
 
 namespace geodesic::proto {
 
@@ -18,11 +21,18 @@ struct GltfInstance {
   GltfTransform to_world;
 };
 
-// Of the default scene, else scene 0, else all nodes that are nobody's child.
-// A node with several parents is drawn for each of them.
+// Of the scene that the options name, else the default scene, else scene 0, else
+// all nodes that are nobody's child; of these only what the node that the options
+// name and its descendants draw. A name is that of the first that has it.
+// A node with several parents is drawn for each of them, and one that draws its
+// mesh in instances (EXT_mesh_gpu_instancing) for each of these, in their order.
 // Errors: mesh_invalid (a cycle, naming a node), too_large (more than `max_nodes`
-// visits).
+// visits, instances counted), too_many_vertices (as far as nodes and accessors tell),
+// value_out_of_range (`scene` or `node` is not there), those of `read_instancing`.
 [[nodiscard]] Result<std::vector<GltfInstance>> find_instances(const GltfDocument& document,
-                                                               std::uint64_t max_nodes);
+                                                               GltfBuffers& buffers,
+                                                               const ImportOptions& options,
+                                                               const DecodeLimits& limits,
+                                                               std::uint64_t max_absent);
 
 }  // namespace geodesic::proto

@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "proto/mesh_findings.h"
+
 namespace geodesic::proto {
 namespace {
 
@@ -12,6 +14,34 @@ using nlohmann::ordered_json;
 // Names come from the file: what is not UTF-8 is replaced, never an exception.
 std::string dumped(const ordered_json& value) {
   return value.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+ordered_json report_of(const DecodedMesh& decoded, const Adjacency& adjacency) {
+  ordered_json report = ordered_json::array();
+  for (const Finding& finding : decoded.findings) {
+    ordered_json examples = ordered_json::array();
+    for (const std::string& where : finding.examples) examples.push_back({{"where", where}});
+    report.push_back({{"code", finding.code},
+                      {"count", finding.count},
+                      {"examples", std::move(examples)},
+                      {"text", finding.text}});
+  }
+  for (const MeshFinding& finding : examine(adjacency)) {
+    ordered_json examples = ordered_json::array();
+    for (const MeshExample& example : finding.examples) {
+      examples.push_back(
+          {{example.of == MeshExample::Of::face     ? "face"
+            : example.of == MeshExample::Of::vertex ? "vertex"
+                                                    : "vertices",
+            example.of == MeshExample::Of::vertices ? ordered_json(example.numbers)
+                                                    : ordered_json(example.numbers.front())}});
+    }
+    report.push_back({{"code", finding.code},
+                      {"count", finding.count},
+                      {"examples", std::move(examples)},
+                      {"text", finding.text}});
+  }
+  return report;
 }
 
 ordered_json number_or_null(std::int64_t value) {
@@ -36,7 +66,8 @@ ordered_json parts_of(const DecodedMesh& decoded) {
 // What the client should know of its own mesh, in words.
 ordered_json warnings_of(const DecodedMesh& decoded, const Mesh& mesh,
                          const TopologyReport& topology) {
-  ordered_json warnings = decoded.warnings;
+  ordered_json warnings = ordered_json::array();
+  for (const Finding& finding : decoded.findings) warnings.push_back(finding.text);
   const auto warn = [&](std::uint64_t count, const char* one, const char* many,
                         const char* meaning) {
     if (count == 0) return;
@@ -61,13 +92,17 @@ ordered_json warnings_of(const DecodedMesh& decoded, const Mesh& mesh,
 
 }  // namespace
 
-std::string describe_mesh(std::string_view id, std::uint64_t bytes, const DecodedMesh& decoded,
-                          const Mesh& mesh, const TopologyReport& topology) {
+std::string describe_mesh(std::string_view id, std::uint64_t bytes, const ImportOptions& options,
+                          const DecodedMesh& decoded, const Adjacency& adjacency) {
+  const Mesh& mesh = adjacency.mesh();
+  const TopologyReport& topology = adjacency.report();
+  const std::string import = canonical_text(options);
   const Box& box = mesh.box();
   const ordered_json description{
       {"id", id},
       {"bytes", bytes},
       {"format", name_of(decoded.format)},
+      {"import", import.empty() ? ordered_json::object() : ordered_json::parse(import)},
       {"vertices", mesh.source_vertex_count()},
       {"faces", mesh.source_face_count()},
       {"welded_vertices", mesh.vertex_count()},
@@ -81,8 +116,20 @@ std::string describe_mesh(std::string_view id, std::uint64_t bytes, const Decode
       {"mean_edge", topology.mean_edge},
       {"parts", parts_of(decoded)},
       {"warnings", warnings_of(decoded, mesh, topology)},
+      {"report", report_of(decoded, adjacency)},
       {"unit", "mesh"}};
   return dumped(description);
+}
+
+Result<ImportOptions> import_options_of(const std::string& description) {
+  const auto object = ordered_json::parse(description, nullptr, /*allow_exceptions=*/false);
+  const auto import = object.is_object() ? object.find("import") : object.end();
+  if (import != object.end() && import->is_object()) {
+    if (auto parameters = Parameters::from_json(import->dump())) {
+      if (auto options = read_import_options(*parameters)) return options;
+    }
+  }
+  return fail(ErrorCode::store_corrupt, "the stored description of the mesh cannot be read");
 }
 
 Result<std::string> with_state(const std::string& description, bool resident, bool prepared) {

@@ -8,15 +8,18 @@
 
 #include "core/adjacency.h"
 #include "core/error.h"
-#include "core/mesh.h"
 #include "proto/decode_mesh.h"
+#include "proto/import_options.h"
 
 namespace geodesic::proto {
 
-// The part that never changes, as a JSON object.
+// The part that never changes, as a JSON object. Of `decoded` all but the soup.
 [[nodiscard]] std::string describe_mesh(std::string_view id, std::uint64_t bytes,
-                                        const DecodedMesh& decoded, const Mesh& mesh,
-                                        const TopologyReport& topology);
+                                        const ImportOptions& options, const DecodedMesh& decoded,
+                                        const Adjacency& adjacency);
+
+// The options that such an object tells of. Errors: store_corrupt.
+[[nodiscard]] Result<ImportOptions> import_options_of(const std::string& description);
 
 // That object with `state` and `prepared` added. Errors: store_corrupt.
 [[nodiscard]] Result<std::string> with_state(const std::string& description, bool resident,

@@ -14,6 +14,17 @@ std::vector<MethodParameter> steiner_parameters() {
            "a path is refined until a round shortens it by less than this part of its length"}};
 }
 
+std::vector<MethodParameter> back_traced_parameters() {
+  return {{"bound",
+           true,
+           0,
+           1,
+           0,
+           false,
+           "upper: no distance is below the true one, each is the length of a path",
+           {"none", "upper"}}};
+}
+
 }  // namespace
 
 std::span<const MethodInfo> all_methods() {
@@ -68,6 +79,10 @@ std::span<const MethodInfo> all_methods() {
        true,
        "O(n^2 log n) at worst",
        {}},
+      {Method::back_traced, "auto",
+       "Tang et al. 2007 on the intrinsic Delaunay triangulation (Bobenko, Springborn 2007), each "
+       "vertex computed again by tracing its way back over a dozen faces",
+       false, "O(n log n)", back_traced_parameters()},
   };
   return methods;
 }
@@ -95,6 +110,7 @@ std::string field_key(const MethodChoice& choice) {
     key += ',';
     key += std::to_string(choice.options.points_per_edge);
   }
+  if (choice.options.bound == Bound::upper) key += ",upper";
   return key;
 }
 

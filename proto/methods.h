@@ -14,7 +14,8 @@ namespace geodesic::proto {
 using geodesic::Method;
 using geodesic::MethodOptions;
 
-// A parameter that some methods have and others refuse; bounds are inclusive.
+// A parameter that some methods have and others refuse: a number with inclusive bounds,
+// or one of a few words.
 struct MethodParameter {
   std::string_view name;
   bool whole;  // else any number
@@ -23,6 +24,8 @@ struct MethodParameter {
   double standard;  // without it
   bool paths_only;  // distances do not depend on it, and queries for them refuse it
   std::string_view meaning;
+  // Of a word; then `standard` is the place of one of them, and there are no bounds.
+  std::vector<std::string_view> choices = {};
 };
 
 struct MethodInfo {

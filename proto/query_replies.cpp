@@ -253,6 +253,15 @@ std::string methods_json() {
   for (const MethodInfo& info : all_methods()) {
     ordered_json parameters = ordered_json::array();
     for (const MethodParameter& parameter : info.parameters) {
+      if (!parameter.choices.empty()) {
+        parameters.push_back({{"name", parameter.name},
+                              {"type", "choice"},
+                              {"choices", parameter.choices},
+                              {"default", parameter.choices[std::size_t(parameter.standard)]},
+                              {"for", parameter.paths_only ? "paths" : "all"},
+                              {"meaning", parameter.meaning}});
+        continue;
+      }
       parameters.push_back({{"name", parameter.name},
                             {"type", parameter.whole ? "integer" : "number"},
                             {"minimum", bound(parameter, parameter.minimum)},

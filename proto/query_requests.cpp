@@ -17,6 +17,20 @@ enum class Purpose : std::uint8_t { distances, paths };
 void set_option(MethodOptions& options, std::string_view name, double value) {
   if (name == "points_per_edge") options.points_per_edge = static_cast<std::uint32_t>(value);
   if (name == "tolerance") options.tolerance = value;
+  if (name == "bound") options.bound = value == 0 ? Bound::none : Bound::upper;
+}
+
+// The place of the given word among the choices.
+Result<double> read_choice(Parameters& parameters, const MethodParameter& parameter) {
+  const auto given = parameters.text(parameter.name);
+  if (!given) return fail(given.error());
+  if (!*given) return parameter.standard;
+  const auto it = std::find(parameter.choices.begin(), parameter.choices.end(), **given);
+  if (it == parameter.choices.end()) {
+    return fail(ErrorCode::value_out_of_range, "not one of the choices; see /v1/methods",
+                std::string(parameter.name));
+  }
+  return static_cast<double>(it - parameter.choices.begin());
 }
 
 Result<void> read_method(Parameters& parameters, Purpose purpose, MethodChoice& choice) {
@@ -28,7 +42,11 @@ Result<void> read_method(Parameters& parameters, Purpose purpose, MethodChoice& 
   for (const MethodParameter& parameter : info_of(*method).parameters) {
     if (parameter.paths_only && purpose != Purpose::paths) continue;
     double value = parameter.standard;
-    if (parameter.whole) {
+    if (!parameter.choices.empty()) {
+      const auto given = read_choice(parameters, parameter);
+      if (!given) return fail(given.error());
+      value = *given;
+    } else if (parameter.whole) {
       const auto given = parameters.whole(parameter.name);
       if (!given) return fail(given.error());
       if (*given) value = static_cast<double>(**given);

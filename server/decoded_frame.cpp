@@ -3,6 +3,7 @@
 #include <cstring>
 #include <limits>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace geodesic::server {
@@ -119,8 +120,9 @@ void optional(Archive& archive, Value& value) {
   }
 }
 
-// A part or a warning takes no less than its counts and numbers do.
+// A part, a finding and a text take no less than their counts and numbers do.
 constexpr std::size_t kLeastOfPart = 8 * sizeof(std::uint64_t);
+constexpr std::size_t kLeastOfFinding = 4 * sizeof(std::uint64_t);
 constexpr std::size_t kLeastOfText = sizeof(std::uint64_t);
 
 template <class Archive, class Part>
@@ -135,6 +137,17 @@ void part_fields(Archive& archive, Part& part) {
   field(archive, part.face_count);
 }
 
+template <class Archive, class Finding>
+void finding_fields(Archive& archive, Finding& finding) {
+  array(archive, finding.code);
+  field(archive, finding.count);
+  std::uint64_t examples = finding.examples.size();
+  field(archive, examples);
+  archive.resize(finding.examples, examples, kLeastOfText);
+  for (auto& example : finding.examples) array(archive, example);
+  array(archive, finding.text);
+}
+
 template <class Archive, class Mesh>
 void mesh_fields(Archive& archive, Mesh& mesh) {
   field(archive, mesh.format);
@@ -144,10 +157,10 @@ void mesh_fields(Archive& archive, Mesh& mesh) {
   field(archive, parts);
   archive.resize(mesh.parts, parts, kLeastOfPart);
   for (auto& part : mesh.parts) part_fields(archive, part);
-  std::uint64_t warnings = mesh.warnings.size();
-  field(archive, warnings);
-  archive.resize(mesh.warnings, warnings, kLeastOfText);
-  for (auto& warning : mesh.warnings) array(archive, warning);
+  std::uint64_t findings = mesh.findings.size();
+  field(archive, findings);
+  archive.resize(mesh.findings, findings, kLeastOfFinding);
+  for (auto& finding : mesh.findings) finding_fields(archive, finding);
 }
 
 template <class Archive, class Problem>
@@ -159,6 +172,27 @@ void error_fields(Archive& archive, Problem& error) {
   optional(archive, error.actual);
 }
 
+template <class Archive, class Text>
+void optional_text(Archive& archive, Text& text) {
+  std::uint64_t has = text.has_value() ? 1 : 0;
+  auto inner = text.value_or(std::string());
+  field(archive, has);
+  array(archive, inner);
+  if constexpr (std::is_same_v<Archive, Read>) {
+    if (has == 1) text = std::move(inner);
+  }
+}
+
+template <class Archive, class Options>
+void option_fields(Archive& archive, Options& options) {
+  optional_text(archive, options.scene);
+  optional_text(archive, options.node);
+  field(archive, options.weld_tolerance);
+  field(archive, options.weld);
+  field(archive, options.up);
+  field(archive, options.scale);
+}
+
 template <class Archive, class Order>
 void order_fields(Archive& archive, Order& order) {
   field(archive, order.limits.max_vertices);
@@ -167,6 +201,7 @@ void order_fields(Archive& archive, Order& order) {
   field(archive, order.limits.max_gltf_objects);
   field(archive, order.limits.max_json_depth);
   field(archive, order.limits.max_json_values);
+  option_fields(archive, order.options);
   field(archive, order.file_bytes);
   field(archive, order.memory_bytes);
   field(archive, order.cpu_seconds);
@@ -220,7 +255,7 @@ std::optional<Decoded> read_frame(std::span<const std::byte> frame) {
   if (is_mesh == 1) {
     proto::DecodedMesh mesh;
     mesh_fields(read, mesh);
-    if (!read.is_complete() || mesh.format > proto::MeshFormat::drc) return std::nullopt;
+    if (!read.is_complete() || mesh.format > proto::MeshFormat::stl) return std::nullopt;
     return mesh;
   }
   Error error;

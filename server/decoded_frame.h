@@ -13,11 +13,13 @@
 
 #include "core/error.h"
 #include "proto/decode_mesh.h"
+#include "proto/import_options.h"
 
 namespace geodesic::server {
 
 struct DecodeOrder {
   proto::DecodeLimits limits;
+  proto::ImportOptions options;
   std::uint64_t file_bytes = 0;
   std::uint64_t memory_bytes = 0;
   std::uint64_t cpu_seconds = 0;

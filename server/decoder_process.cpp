@@ -43,7 +43,7 @@ Decoded decoded_by(Decode& decode, const DecodeOrder& order, int file) {
   const auto bytes = mapped(file, order.file_bytes, PROT_READ, MAP_PRIVATE | MAP_POPULATE);
   if (bytes.empty() && order.file_bytes != 0) return out_of_memory(order);
   try {
-    return decode(bytes, order.limits);
+    return decode(bytes, order.limits, order.options);
   } catch (const std::bad_alloc&) {
     return out_of_memory(order);
   }

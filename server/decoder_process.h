@@ -20,7 +20,8 @@ inline constexpr int kDecoderSocket = 3;
 // in `main`, which then returns what `run_decoder_process` does.
 [[nodiscard]] bool is_decoder_process(int argc, const char* const* argv);
 
-using Decode = Decoded(std::span<const std::byte> bytes, const proto::DecodeLimits& limits);
+using Decode = Decoded(std::span<const std::byte> bytes, const proto::DecodeLimits& limits,
+                       const proto::ImportOptions& options);
 
 // Serves orders until the other end of the socket is closed. An order (decoded_frame.h)
 // comes with three files: the mesh file, an empty memory file for the frame, and a

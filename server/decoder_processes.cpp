@@ -78,7 +78,7 @@ Result<std::unique_ptr<DecoderProcesses>> DecoderProcesses::start(std::string pr
                                                                   const Limits& limits) {
   std::unique_ptr<DecoderProcesses> processes(new DecoderProcesses(std::move(program)));
   processes->limits_ = limits;
-  const Decoded tried = processes->decode("no mesh", {}, {});
+  const Decoded tried = processes->decode("no mesh", {}, {}, {});
   if (tried.error().code != ErrorCode::format_unknown) {
     return fail(ErrorCode::internal, "mesh files cannot be decoded in processes of their own (" +
                                          tried.error().detail +
@@ -155,7 +155,7 @@ bool DecoderProcesses::send(std::string_view order, int file, int frame, int rep
 }
 
 Decoded DecoderProcesses::decode(std::string_view bytes, const proto::DecodeLimits& limits,
-                                 const Caller& caller) {
+                                 const proto::ImportOptions& options, const Caller& caller) {
   const auto no_process = [] {
     return fail(ErrorCode::overloaded, "there is no process to decode the file");
   };
@@ -163,7 +163,7 @@ Decoded DecoderProcesses::decode(std::string_view bytes, const proto::DecodeLimi
   const Limits own = this->limits();
   const UniqueFd file = memory_file("mesh");
   if (!file || !write_all(file.get(), bytes)) return no_process();
-  const DecodeOrder order{limits, bytes.size(), memory_for(bytes.size(), own.memory_bytes),
+  const DecodeOrder order{limits, options, bytes.size(), memory_for(bytes.size(), own.memory_bytes),
                           static_cast<std::uint64_t>(own.time.count()) + 1};
   // Twice if the process that makes the copies was killed meanwhile.
   for (int tries = 0; tries < 2; ++tries) {

@@ -57,7 +57,7 @@ class DecoderProcesses {
   DecoderProcesses& operator=(const DecoderProcesses&) = delete;
 
   [[nodiscard]] Decoded decode(std::string_view bytes, const proto::DecodeLimits& limits,
-                               const Caller& caller);
+                               const proto::ImportOptions& options, const Caller& caller);
 
   [[nodiscard]] Stats stats() const;
 

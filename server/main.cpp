@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -83,7 +84,8 @@ void add_samples(const std::string& folder, MeshCatalog& catalog) {
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     const auto extension = entry.path().extension();
-    if (extension == ".glb" || extension == ".gltf" || extension == ".drc") {
+    constexpr std::array kExtensions{".glb", ".gltf", ".drc", ".obj", ".ply", ".stl"};
+    if (std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end()) {
       files.push_back(entry.path());
     }
   }
@@ -92,7 +94,7 @@ void add_samples(const std::string& folder, MeshCatalog& catalog) {
   for (const auto& file : files) {
     std::ifstream in(file, std::ios::binary);
     std::string bytes((std::istreambuf_iterator<char>(in)), {});
-    const auto upload = catalog.add(std::move(bytes), {});
+    const auto upload = catalog.add(std::move(bytes), {}, {});
     if (upload) {
       spdlog::info("sample {}: {}", file.filename().string(), upload->id);
     } else {

@@ -2,8 +2,10 @@
 
 #include <functional>
 #include <span>
+#include <string>
 #include <utility>
 
+#include "core/weld.h"
 #include "proto/mesh_metadata.h"
 #include "server/sha256.h"
 
@@ -62,8 +64,9 @@ void MeshCatalog::set_limits(const CatalogLimits& limits) {
   prepared_.set_budget(limits.adjacency_cache_bytes);
 }
 
-Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const Caller& caller) {
-  const std::string id = sha256_hex(bytes);
+Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const proto::ImportOptions& options,
+                                             const Caller& caller) {
+  const std::string id = mesh_id(sha256_hex(bytes), proto::canonical_text(options));
   const auto stored = store_.is_stored(id);
   if (!stored) return fail(stored.error());
   if (*stored) {
@@ -79,7 +82,8 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const Caller& ca
   const auto upload = uploads_.get_or_create(
       id,
       [&]() -> Result<std::shared_ptr<const Upload>> {
-        auto described = pool_.run([&](Worker&) { return describe(id, bytes, caller); }, caller);
+        auto described =
+            pool_.run([&](Worker&) { return describe(id, bytes, options, caller); }, caller);
         if (!described) return fail(std::move(described.error()));
         auto complete = proto::with_state(described->description, true, true);
         if (!complete) return fail(std::move(complete.error()));
@@ -102,32 +106,52 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const Caller& ca
   return *upload->value;
 }
 
-Result<MeshCatalog::Built> MeshCatalog::build(const std::string& bytes, const Caller& caller) {
+Result<MeshCatalog::Built> MeshCatalog::build(const std::string& bytes,
+                                              const proto::ImportOptions& options,
+                                              const Caller& caller) {
   const auto limits = decode_limits_.get();
-  auto decoded = decoders_ != nullptr ? decoders_->decode(bytes, *limits, caller)
-                                      : proto::decode_mesh(as_bytes(bytes), *limits);
+  auto decoded = decoders_ != nullptr ? decoders_->decode(bytes, *limits, options, caller)
+                                      : proto::decode_mesh(as_bytes(bytes), *limits, options);
   if (!decoded) return fail(std::move(decoded.error()));
   const Caller rest = caller.part(kDecoding, 1);
-  auto mesh = Mesh::build(decoded->soup, cancel_of(rest));
+  if (options.weld_tolerance > 0) {
+    const auto moved = weld_within(decoded->soup, options.weld_tolerance, cancel_of(caller));
+    if (!moved) return fail(moved.error());
+    if (*moved > 0) {
+      decoded->findings.push_back(
+          {"vertices_moved",
+           *moved,
+           {},
+           std::to_string(*moved) + " vertices were moved onto others within the tolerance."});
+    }
+  }
+  auto mesh = Mesh::build(decoded->soup, options.weld, cancel_of(rest));
   if (!mesh) return fail(std::move(mesh.error()));
   decoded->soup = {};  // the mesh has it all
   return Built{std::move(*decoded), std::make_shared<const Mesh>(std::move(*mesh))};
+}
+
+Result<std::string> MeshCatalog::pack(std::string_view document, const proto::NamedFiles& files,
+                                      const Caller& caller) {
+  return pool_.run(
+      [&](Worker&) { return proto::pack_gltf(document, files, *decode_limits_.get()); }, caller);
 }
 
 // Runs on a compute worker. The description tells of the topology, so the adjacency
 // is made, and kept by who can use it.
 Result<MeshCatalog::Described> MeshCatalog::describe(const std::string& id,
                                                      const std::string& bytes,
+                                                     const proto::ImportOptions& options,
                                                      const Caller& caller) {
-  auto built =
-      step("decode", Stage::load, caller, [&] { return build(bytes, caller.part(0, kBuilding)); });
+  auto built = step("decode", Stage::load, caller,
+                    [&] { return build(bytes, options, caller.part(0, kBuilding)); });
   if (!built) return fail(std::move(built.error()));
   const auto prepared = step("prepare", Stage::prepare, caller,
                              [&] { return prepare(built->mesh, caller.part(kBuilding, 1)); });
   if (!prepared) return fail(prepared.error());
   auto adjacency = *prepared;
   std::string description =
-      proto::describe_mesh(id, bytes.size(), built->decoded, *built->mesh, adjacency->report());
+      proto::describe_mesh(id, bytes.size(), options, built->decoded, *adjacency);
   return Described{std::move(built->mesh), std::move(adjacency), std::move(description)};
 }
 
@@ -142,11 +166,22 @@ Result<std::string> MeshCatalog::metadata(const std::string& id, const Caller& c
   return proto::with_state(**stored, meshes_.peek(id), prepared_.peek(adjacency_key(id)));
 }
 
+Result<proto::ImportOptions> MeshCatalog::options_of(const std::string& id) {
+  if (!has_options(id)) return proto::ImportOptions{};
+  const auto description = store_.get_metadata(id);
+  if (!description) return fail(description.error());
+  // Cut off between the two files, an upload has left bytes of which nobody knows how
+  // they were to be read.
+  if (!*description) return unknown_mesh();
+  return proto::import_options_of(**description);
+}
+
 // An upload that was cut off between the two files has left the bytes alone.
 Result<std::string> MeshCatalog::described_anew(const std::string& id, const Caller& caller) {
+  if (has_options(id)) return unknown_mesh();
   const auto bytes = store_.get_source(id);
   if (!bytes) return fail(bytes.error());
-  auto described = pool_.run([&](Worker&) { return describe(id, *bytes, caller); }, caller);
+  auto described = pool_.run([&](Worker&) { return describe(id, *bytes, {}, caller); }, caller);
   if (!described) return fail(std::move(described.error()));
   if (auto put = store_.put_metadata(id, described->description); !put) return fail(put.error());
   return std::move(described->description);
@@ -176,10 +211,12 @@ Result<std::shared_ptr<const Mesh>> MeshCatalog::load_mesh(const std::string& id
       [&]() -> Result<std::shared_ptr<const Mesh>> {
         const auto bytes = step("read", Stage::load, caller, [&] { return store_.get_source(id); });
         if (!bytes) return fail(bytes.error());
+        const auto options = options_of(id);
+        if (!options) return fail(options.error());
         return pool_.run(
             [&](Worker&) -> Result<std::shared_ptr<const Mesh>> {
-              auto built =
-                  step("decode", Stage::load, caller, [&] { return build(*bytes, caller); });
+              auto built = step("decode", Stage::load, caller,
+                                [&] { return build(*bytes, *options, caller); });
               if (!built) return fail(std::move(built.error()));
               return built->mesh;
             },

@@ -23,6 +23,8 @@
 #include "core/error.h"
 #include "core/mesh.h"
 #include "proto/decode_mesh.h"
+#include "proto/import_options.h"
+#include "proto/pack_gltf.h"
 #include "server/caller.h"
 #include "server/compute_pool.h"
 #include "server/current.h"
@@ -57,7 +59,12 @@ class MeshCatalog {
   void set_limits(const CatalogLimits& limits);
 
   // Decodes, checks and stores a file. On any error nothing of it remains.
-  [[nodiscard]] Result<Upload> add(std::string bytes, const Caller& caller);
+  [[nodiscard]] Result<Upload> add(std::string bytes, const proto::ImportOptions& options,
+                                   const Caller& caller);
+  // A glTF document and the files with its buffers as one GLB, to be added. In a compute
+  // slot. Errors: those of `pack_gltf`; overloaded, draining, cancelled.
+  [[nodiscard]] Result<std::string> pack(std::string_view document, const proto::NamedFiles& files,
+                                         const Caller& caller);
   // The metadata as JSON, with its present state. Errors: mesh_unknown.
   [[nodiscard]] Result<std::string> metadata(const std::string& id, const Caller& caller);
   // The uploaded bytes. Errors: mesh_unknown and the store's.
@@ -108,9 +115,13 @@ class MeshCatalog {
     std::shared_ptr<const Mesh> mesh;
   };
 
-  [[nodiscard]] Result<Built> build(const std::string& bytes, const Caller& caller);
+  [[nodiscard]] Result<Built> build(const std::string& bytes, const proto::ImportOptions& options,
+                                    const Caller& caller);
   [[nodiscard]] Result<Described> describe(const std::string& id, const std::string& bytes,
+                                           const proto::ImportOptions& options,
                                            const Caller& caller);
+  // How a stored mesh is to be read. Errors: mesh_unknown and the store's.
+  [[nodiscard]] Result<proto::ImportOptions> options_of(const std::string& id);
   // Does one step in making a mesh usable, and notes how long it took.
   template <class Work>
   [[nodiscard]] auto step(std::string_view name, Stage stage, const Caller& caller, Work&& work) {

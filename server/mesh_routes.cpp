@@ -6,9 +6,12 @@
 #include <string_view>
 #include <utility>
 
+#include "proto/import_options.h"
 #include "proto/parameters.h"
 #include "server/call.h"
 #include "server/encode_reply.h"
+#include "server/mesh_store.h"
+#include "server/multipart.h"
 #include "server/routes.h"
 #include "server/sha256.h"
 
@@ -21,6 +24,8 @@ constexpr std::uint64_t kPageMost = 1000;
 std::string_view media_type_of(std::string_view format) {
   if (format == "glb") return "model/gltf-binary";
   if (format == "gltf") return "model/gltf+json";
+  if (format == "obj") return "model/obj";
+  if (format == "stl") return "model/stl";
   return "application/octet-stream";
 }
 
@@ -33,7 +38,7 @@ HttpResponse Routes::one_mesh(Call& call) {
   const bool plain = call.segments.size() == 3;
   if (plain) {
     if (call.is("GET")) return mesh_metadata(call);
-    if (call.is("PUT")) return put_mesh(call);
+    if (call.is("PUT")) return add_mesh(call);
     if (call.is("DELETE")) return delete_mesh(call);
     return call.not_allowed("GET, HEAD, PUT, DELETE");
   }
@@ -53,25 +58,72 @@ HttpResponse Routes::one_mesh(Call& call) {
 }
 
 HttpResponse Routes::add_mesh(Call& call) {
-  if (auto known = proto::Parameters::from_query(call.request.query).check_all_known(); !known) {
-    return call.problem(known.error());
+  auto parameters = proto::Parameters::from_query(call.request.query);
+  const auto options = proto::read_import_options(parameters);
+  if (!options) return call.problem(options.error());
+  if (auto known = parameters.check_all_known(); !known) return call.problem(known.error());
+  if (const auto joined = join_parts(call); !joined) return call.problem(joined.error());
+  if (call.is("PUT")) {
+    if (const auto own = check_own_digest(call, *options); !own) return call.problem(own.error());
   }
-  const auto upload = catalog_.add(std::move(call.request.body), call.request.caller);
+  const auto upload = catalog_.add(std::move(call.request.body), *options, call.request.caller);
   if (!upload) return call.problem(upload.error());
   HttpResponse response = json_reply(upload->metadata, upload->created ? 201 : 200);
   response.set_header("Location", "/v1/meshes/" + upload->id);
   return response;
 }
 
-HttpResponse Routes::put_mesh(Call& call) {
+Result<void> Routes::join_parts(Call& call) {
+  const std::string* type = call.request.header("Content-Type");
+  if (type == nullptr || !is_multipart(*type)) return {};
+  const auto boundary = multipart_boundary(*type);
+  if (!boundary) {
+    return fail(ErrorCode::bad_syntax, "the content type has no boundary", "Content-Type");
+  }
+  const auto parts = read_multipart(call.request.body, *boundary);
+  if (!parts) return fail(parts.error());
+  const Part* document = nullptr;
+  proto::NamedFiles files;
+  for (const Part& part : *parts) {
+    if (part.filename.empty()) continue;  // a field of the form
+    const bool is_document = part.filename.ends_with(".gltf") || part.filename.ends_with(".GLTF");
+    if (is_document && document != nullptr) {
+      return fail(ErrorCode::bad_syntax, "more than one part is a .gltf file", "body");
+    }
+    if (is_document) document = &part;
+    if (!files.emplace(part.filename, part.bytes).second) {
+      return fail(ErrorCode::bad_syntax, "two parts are files of the same name", "body");
+    }
+  }
+  if (document == nullptr && files.size() != 1) {
+    return fail(ErrorCode::bad_syntax, "one part is to be a .gltf file, the others its buffers",
+                "body");
+  }
+  if (document == nullptr) {
+    call.request.body = std::string(files.begin()->second);
+    return {};
+  }
+  auto packed = catalog_.pack(document->bytes, files, call.request.caller);
+  if (!packed) return fail(std::move(packed.error()));
+  call.request.body = std::move(*packed);
+  return {};
+}
+
+// A mesh is put under the digest of its bytes, or under the whole id that the options
+// give it.
+Result<void> Routes::check_own_digest(const Call& call, const proto::ImportOptions& options) {
   if (!is_mesh_id(call.id)) {
-    return call.problem(ErrorCode::digest_mismatch,
-                        "a mesh is put under the SHA-256 of its bytes, in lower-case hexadecimal");
+    return fail(ErrorCode::digest_mismatch,
+                "a mesh is put under the SHA-256 of its bytes, in lower-case hexadecimal");
   }
-  if (sha256_hex(call.request.body) != call.id) {
-    return call.problem(ErrorCode::digest_mismatch, "the bytes have another SHA-256 than the URL");
+  const std::string digest = sha256_hex(call.request.body);
+  if (digest != source_digest(call.id)) {
+    return fail(ErrorCode::digest_mismatch, "the bytes have another SHA-256 than the URL");
   }
-  return add_mesh(call);
+  if (has_options(call.id) && call.id != mesh_id(digest, proto::canonical_text(options))) {
+    return fail(ErrorCode::digest_mismatch, "the options have another digest than the URL");
+  }
+  return {};
 }
 
 HttpResponse Routes::list_meshes(Call& call) {

@@ -12,6 +12,9 @@ namespace geodesic::server {
 namespace {
 
 constexpr std::string_view kHexDigits = "0123456789abcdef";
+constexpr std::size_t kDigestSize = 64;
+constexpr std::size_t kOptionsDigestSize = 12;
+constexpr char kOptionsMark = '~';
 constexpr std::uint64_t kMetadataCacheBytes = std::uint64_t{32} << 20;
 // Descriptions have no budget of their own; this is far above any real one.
 constexpr std::uint64_t kExpectedMetadataBytes = std::uint64_t{64} << 20;
@@ -22,8 +25,24 @@ std::int64_t seconds_now() { return static_cast<std::int64_t>(std::time(nullptr)
 }  // namespace
 
 bool is_mesh_id(std::string_view id) {
-  return id.size() == 64 && id.find_first_not_of(kHexDigits) == std::string_view::npos;
+  const auto is_hex = [](std::string_view digits) {
+    return digits.find_first_not_of(kHexDigits) == std::string_view::npos;
+  };
+  if (id.size() == kDigestSize) return is_hex(id);
+  return id.size() == kDigestSize + 1 + kOptionsDigestSize && id[kDigestSize] == kOptionsMark &&
+         is_hex(source_digest(id)) && is_hex(id.substr(kDigestSize + 1));
 }
+
+std::string mesh_id(std::string_view sha256, std::string_view options) {
+  std::string id(sha256);
+  if (!options.empty())
+    id.append(1, kOptionsMark).append(sha256_hex(options), 0, kOptionsDigestSize);
+  return id;
+}
+
+std::string_view source_digest(std::string_view id) { return id.substr(0, kDigestSize); }
+
+bool has_options(std::string_view id) { return id.size() > kDigestSize; }
 
 // Room reserved for an upload under way; given back at the end, when what was
 // written counts by itself.
@@ -68,7 +87,7 @@ Result<T> MeshStore::counted(Result<T> result) {
 Result<void> MeshStore::put(std::string_view id, std::string_view bytes,
                             std::string_view metadata) {
   if (!is_mesh_id(id)) return unknown_mesh();
-  if (sha256_hex(bytes) != id) {
+  if (sha256_hex(bytes) != source_digest(id)) {
     return fail(ErrorCode::digest_mismatch, "the bytes do not have the given SHA-256");
   }
   const auto stored = is_stored(id);
@@ -135,7 +154,7 @@ Result<std::string> MeshStore::get_source(std::string_view id) {
   if (!*known) return unknown_mesh();
   auto bytes = counted(storage_->read(ObjectKind::source, id, index_.bytes_of(id).value_or(0)));
   if (!bytes) return fail(std::move(bytes.error()));
-  if (*bytes && sha256_hex(**bytes) == id) return std::move(**bytes);
+  if (*bytes && sha256_hex(**bytes) == source_digest(id)) return std::move(**bytes);
   return read_again_or_quarantine(id);
 }
 
@@ -146,7 +165,7 @@ Result<std::string> MeshStore::read_again_or_quarantine(std::string_view id) {
   if (!index_.contains(id)) return unknown_mesh();
   auto bytes = counted(storage_->read(ObjectKind::source, id, index_.bytes_of(id).value_or(0)));
   if (!bytes) return fail(std::move(bytes.error()));
-  if (*bytes && sha256_hex(**bytes) == id) return std::move(**bytes);
+  if (*bytes && sha256_hex(**bytes) == source_digest(id)) return std::move(**bytes);
   if (!*bytes && storage_->is_shared()) {  // another process has removed it
     forget(id);
     return unknown_mesh();

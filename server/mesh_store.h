@@ -1,4 +1,6 @@
 // Uploaded files, addressed by the SHA-256 of their bytes, with a description each.
+// What one file gives when it is read with other options than the defaults is another
+// mesh: its id has the options' digest behind that of the bytes, and its own copy.
 //
 // What is kept where is the storage's business (object_storage.h); here is what
 // holds for any: bytes are checked against their digest whenever they are read, a
@@ -46,11 +48,10 @@ class MeshStore {
   [[nodiscard]] static Result<std::unique_ptr<MeshStore>> open(
       std::unique_ptr<ObjectStorage> storage, const StoreBudget& budget);
 
-  // Stores `bytes` and `metadata` under `id`, which must be the SHA-256 of the
-  // bytes (`digest_mismatch` otherwise; `mesh_unknown` if it is not 64 lower-case
-  // hexadecimal digits). Already stored: the bytes are kept, the metadata is
-  // replaced. May evict other meshes. `store_full` over the budget. After an error
-  // nothing of this put remains, as far as the storage can be reached.
+  // Stores `bytes` and `metadata` under `id`, which must begin with the SHA-256 of
+  // the bytes (`digest_mismatch` otherwise; `mesh_unknown` if it is no id). Already stored: the
+  // bytes are kept, the metadata is replaced. May evict other meshes. `store_full` over the budget.
+  // After an error nothing of this put remains, as far as the storage can be reached.
   [[nodiscard]] Result<void> put(std::string_view id, std::string_view bytes,
                                  std::string_view metadata);
 
@@ -134,7 +135,15 @@ class MeshStore {
   std::atomic<std::uint64_t> failures_{0};
 };
 
-// Whether `id` is 64 lower-case hexadecimal digits.
+// Whether `id` is 64 lower-case hexadecimal digits, alone or followed by `~` and 12.
 [[nodiscard]] bool is_mesh_id(std::string_view id);
+
+// The id of a file of that SHA-256, read with the options of that canonical text,
+// which is empty for the defaults.
+[[nodiscard]] std::string mesh_id(std::string_view sha256, std::string_view options);
+
+// Of an id: the SHA-256 of its bytes, and whether it has options.
+[[nodiscard]] std::string_view source_digest(std::string_view id);
+[[nodiscard]] bool has_options(std::string_view id);
 
 }  // namespace geodesic::server

@@ -86,7 +86,10 @@ class Routes {
   [[nodiscard]] std::string metrics_text();
   [[nodiscard]] std::string cache_report() const;
   [[nodiscard]] HttpResponse add_mesh(Call& call);
-  [[nodiscard]] HttpResponse put_mesh(Call& call);
+  [[nodiscard]] static Result<void> check_own_digest(const Call& call,
+                                                     const proto::ImportOptions& options);
+  // A body of several parts becomes the one file that they are.
+  [[nodiscard]] Result<void> join_parts(Call& call);
   [[nodiscard]] HttpResponse list_meshes(Call& call);
   [[nodiscard]] HttpResponse mesh_metadata(Call& call);
   [[nodiscard]] HttpResponse mesh_source(Call& call);

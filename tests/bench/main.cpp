@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "core/shapes.h"
+#include "tests/bench/frontier.h"
 #include "tests/bench/run_mesh.h"
 
 using namespace geodesic;
@@ -155,15 +156,23 @@ int main(int argc, char** argv) {
 
   CLI::App app("What a distance field costs, and how right it is, mesh by mesh");
   bool quick = false;
+  bool frontier = false;
   std::string json_file;
   std::vector<std::string> only;
   bench::RunOptions options;
   app.add_flag("--quick", quick,
                "only the meshes from formulas, without those of a million vertices");
+  app.add_flag("--frontier", frontier,
+               "what the engine aims at, cell by cell, with a verdict each; nothing else");
   app.add_option("--mesh", only, "only the meshes of these names");
   app.add_option("--peers", options.peers, "folder of the peers' Python environments");
   app.add_option("--json", json_file, "also write the figures to this file, as JSON");
   CLI11_PARSE(app, count, arguments.data());
+
+  if (frontier) {
+    bench::print_frontier({quick});
+    return 0;
+  }
 
   std::vector<MeshResult> meshes;
   for (const Subject& subject : subjects(quick)) {

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kNotKnown = std::numeric_limits<double>::infinity();
 
-// A cylinder without lids, `around` x `along` vertices: with many around and few
-// along, every triangle is a sliver.
+}  // namespace
+
 TriangleSoup cylinder(std::uint32_t around, std::uint32_t along, double length) {
   TriangleSoup soup;
   for (std::uint32_t j = 0; j < along; ++j) {
@@ -40,8 +40,6 @@ TriangleSoup stretched(TriangleSoup soup, double factor) {
   for (Vec3& p : soup.positions) p.x *= factor;
   return soup;
 }
-
-}  // namespace
 
 Holes holes_of_the_paper(Scale scale) {
   if (scale == Scale::small) {

@@ -41,6 +41,11 @@ struct Holes {
                                         const std::vector<shapes::Hole>& holes,
                                         shapes::Diagonal diagonal = shapes::Diagonal::rising);
 
+// A cylinder without lids, `around` x `along` vertices: with many around and few
+// along, every triangle is a sliver.
+[[nodiscard]] TriangleSoup cylinder(std::uint32_t around, std::uint32_t along, double length);
+[[nodiscard]] TriangleSoup stretched(TriangleSoup soup, double factor);
+
 // Meshes from formulas, flat ones first.
 [[nodiscard]] std::vector<Subject> formula_subjects(Scale scale);
 

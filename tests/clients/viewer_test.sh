@@ -29,7 +29,7 @@ install() { # FOLDER
 }
 install "$viewer"
 # The client's types come from the API's document; its sources are bundled as they are.
-if [ ! -d "$client/src/generated" ]; then
+if [ ! "$client/src/generated/contract.ts" -nt "$here/../../proto/openapi.yaml" ]; then
   install "$client"
   (cd "$client" && npm run generate)
 fi

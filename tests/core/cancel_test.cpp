@@ -113,7 +113,7 @@ std::vector<Named> all_computations() {
                  }});
   all.push_back({"mesh", [](const Cancel& cancel) {
                    static const TriangleSoup soup = shapes::terrain(200, 6, 3);
-                   return without_value(Mesh::build(soup, cancel));
+                   return without_value(Mesh::build(soup, Weld::by_position, cancel));
                  }});
   all.push_back({"closest points", [](const Cancel& cancel) {
                    static const auto adjacency =
@@ -227,7 +227,7 @@ TEST_CASE("PreparationsAskAsOften") {
   REQUIRE(Adjacency::build(terrain().mesh, adjacency.cancel()));
   CHECK(adjacency.asked >= 5 * face_count() / kMost - 6);
   Listener mesh;
-  REQUIRE(Mesh::build(shapes::terrain(200, 6, 3), mesh.cancel()));
+  REQUIRE(Mesh::build(shapes::terrain(200, 6, 3), Weld::by_position, mesh.cancel()));
   // Faces are gone through four times; vertices four times, and sorted.
   CHECK(mesh.asked >= (4 * face_count() + 7 * vertex_count()) / kMost - 12);
   Listener index;

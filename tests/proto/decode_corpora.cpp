@@ -14,7 +14,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
+#include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "proto/decode_mesh.h"
@@ -86,10 +89,30 @@ void check_is_valid(const DecodedMesh& mesh) {
   CHECK(faces == mesh.soup.faces.size());
 }
 
-// The extensions that the decoder is known to refuse.
-bool needs_refused_extension(const std::string& detail) {
-  return detail.find("meshopt_compression") != std::string::npos ||
-         detail.find("CESIUM_RTC") != std::string::npos;
+// Whether a message says where in the file the fault is.
+bool names_a_place(const std::string& detail) {
+  static constexpr std::string_view places[] = {"accessor", "buffer",  "node",      "mesh ",
+                                                "scene",    "chunk",   "extension", "JSON",
+                                                "GLB",      "version", "The bytes"};
+  return std::ranges::any_of(
+      places, [&](std::string_view place) { return detail.find(place) != std::string::npos; });
+}
+
+bool is_about_bounds_alone(const json& errors) {
+  return std::ranges::all_of(errors, [](const json& error) {
+    const auto& text = error.get_ref<const std::string&>();
+    return text.starts_with("ACCESSOR_MIN_MISMATCH") || text.starts_with("ACCESSOR_MAX_MISMATCH");
+  });
+}
+
+// Faces, where of parts with the same node, mesh and primitive one counts.
+std::size_t faces_of_first_instances(const DecodedMesh& mesh) {
+  std::set<std::tuple<std::int64_t, std::int64_t, std::int64_t>> seen;
+  std::size_t faces = 0;
+  for (const MeshPart& part : mesh.parts) {
+    if (seen.emplace(part.node, part.mesh, part.primitive).second) faces += part.face_count;
+  }
+  return faces;
 }
 
 }  // namespace
@@ -100,7 +123,6 @@ TEST_CASE("valid glTF files agree with the oracle in triangles, area and boundin
   const json oracle = read_json(*corpora / "gltf-good.json");
   int agreed = 0;
   int instancing = 0;
-  std::map<std::string, int> refused;
   for (const auto& path : files_below(*corpora / "gltf-good")) {
     const std::string key = fs::relative(path, *corpora).string();
     CAPTURE(key);
@@ -118,14 +140,20 @@ TEST_CASE("valid glTF files agree with the oracle in triangles, area and boundin
         CHECK(mesh.error().detail.find("has no data") != std::string::npos);
         continue;
       }
-      CHECK(mesh.error().code == ErrorCode::extension_required);
-      CHECK(needs_refused_extension(mesh.error().detail));
-      ++refused[mesh.error().detail];
+      FAIL_CHECK("refused");
       continue;
     }
     check_is_valid(*mesh);
     if (!oracle.contains(key) || oracle[key].contains("error")) continue;
     const json& expected = oracle[key];
+    if (expected["gpuInstancingNodes"] != 0) {
+      // The oracle draws instances once: what is there more than once is compared
+      // by the number of its faces.
+      ++instancing;
+      CHECK(faces_of_first_instances(*mesh) == expected["triangles"].get<std::size_t>());
+      CHECK(mesh->soup.faces.size() >= expected["triangles"].get<std::size_t>());
+      continue;
+    }
     CHECK(mesh->soup.faces.size() == expected["triangles"].get<std::size_t>());
     CHECK(area_of(mesh->soup) == doctest::Approx(expected["area"].get<double>()).epsilon(1e-5));
     constexpr double inf = std::numeric_limits<double>::infinity();
@@ -139,18 +167,10 @@ TEST_CASE("valid glTF files agree with the oracle in triangles, area and boundin
     const auto vec3 = [](const json& v) { return Vec3{v[0], v[1], v[2]}; };
     CHECK(distance(low, vec3(expected["min"])) <= tolerance);
     CHECK(distance(high, vec3(expected["max"])) <= tolerance);
-    if (expected["gpuInstancingNodes"] != 0) {
-      ++instancing;
-      CHECK(std::ranges::any_of(mesh->warnings, [](const std::string& warning) {
-        return warning.find("EXT_mesh_gpu_instancing") != std::string::npos;
-      }));
-    }
     ++agreed;
   }
   CHECK(agreed > 0);
-  MESSAGE(agreed << " glTF files agree, of which " << instancing
-                 << " draw GPU instances once, with a warning");
-  for (const auto& [why, count] : refused) MESSAGE(count << " refused: " << why);
+  MESSAGE(agreed << " glTF files agree, and " << instancing << " with GPU instances");
 }
 
 TEST_CASE("valid Draco files agree with the oracle in points and faces") {
@@ -185,6 +205,7 @@ TEST_CASE("bad and hostile files end soon, in an error or a valid mesh") {
   using clock = std::chrono::steady_clock;
   std::map<std::string, int> outcomes;
   double slowest = 0;
+  const json faults = read_json(*corpora / "bad.json");
   for (const auto& path : files_below(*corpora / "bad")) {
     const std::string key = fs::relative(path, *corpora).string();
     CAPTURE(key);
@@ -198,6 +219,13 @@ TEST_CASE("bad and hostile files end soon, in an error or a valid mesh") {
       MESSAGE(key << ": "
                   << (mesh ? "accepted"
                            : std::string(name_of(mesh.error().code)) + ": " + mesh.error().detail));
+    }
+    if (faults.contains(key) && faults[key]["geometry_related"].get<bool>()) {
+      CAPTURE(faults[key]["errors"].dump());
+      // Bounds that are not those of the positions are common and change nothing: said,
+      // but no reason to refuse.
+      CHECK(mesh.has_value() == is_about_bounds_alone(faults[key]["errors"]));
+      if (!mesh) CHECK(names_a_place(mesh.error().detail));
     }
     if (mesh) {
       check_is_valid(*mesh);

@@ -61,7 +61,7 @@ TEST_CASE("a GLB gives back the positions and faces it was made of") {
   REQUIRE(mesh.has_value());
   CHECK(mesh->soup.positions == soup.positions);
   CHECK(mesh->soup.faces == soup.faces);
-  CHECK(mesh->warnings.empty());
+  CHECK(mesh->findings.empty());
   REQUIRE(mesh->parts.size() == 1);
   CHECK(mesh->parts[0].name == "patch");
   CHECK(mesh->parts[0].vertex_count == 400);
@@ -195,7 +195,7 @@ TEST_CASE("a primitive compressed by Draco is decoded, transformed and drawn twi
     CHECK(mesh->soup.positions[25 + i] == alone->soup.positions[i] + Vec3{0, 0, 8});
   }
   CHECK(mesh->soup.faces[32][0] == alone->soup.faces[0][0] + 25);
-  CHECK(mesh->warnings.empty());
+  CHECK(mesh->findings.empty());
 
   f.document["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]["attributes"]
             ["POSITION"] = 7;

@@ -2,6 +2,9 @@
 // open to any change before `glb()` or `gltf()` writes it down.
 #pragma once
 
+#include <doctest/doctest.h>
+
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -144,5 +147,57 @@ inline GltfFixture one_triangle() {
 }
 
 inline Result<DecodedMesh> decode(const Bytes& bytes) { return decode_mesh(bytes, DecodeLimits{}); }
+
+// What a valid file decodes to, as GLB and as glTF alike.
+inline DecodedMesh decoded(const GltfFixture& fixture) {
+  auto mesh = decode(fixture.glb());
+  if (!mesh) FAIL(mesh.error().detail);
+  auto same = decode(fixture.gltf());
+  if (!same) FAIL(same.error().detail);
+  CHECK(same->soup.positions == mesh->soup.positions);
+  CHECK(same->soup.faces == mesh->soup.faces);
+  CHECK(mesh->format == MeshFormat::glb);
+  CHECK(same->format == MeshFormat::gltf);
+  return *mesh;
+}
+
+inline bool warns_of(const DecodedMesh& mesh, const std::string& what) {
+  return std::ranges::any_of(mesh.findings, [&](const Finding& finding) {
+    return finding.text.find(what) != std::string::npos;
+  });
+}
+
+inline void check_close(const std::vector<Vec3>& got, const std::vector<Vec3>& expected,
+                        double tolerance = 1e-12) {
+  REQUIRE(got.size() == expected.size());
+  for (std::size_t i = 0; i < got.size(); ++i) {
+    CAPTURE(i);
+    CHECK(distance(got[i], expected[i]) < tolerance);
+  }
+}
+
+inline void check_refused(const Bytes& bytes, ErrorCode code, const std::string& named,
+                          const DecodeLimits& limits = {}) {
+  const auto mesh = decode_mesh(bytes, limits);
+  REQUIRE_FALSE(mesh.has_value());
+  CAPTURE(mesh.error().detail);
+  CHECK(name_of(mesh.error().code) == name_of(code));
+  CHECK(mesh.error().detail.find(named) != std::string::npos);
+}
+
+inline void check_refused(const GltfFixture& f, ErrorCode code, const std::string& named,
+                          const DecodeLimits& limits = {}) {
+  check_refused(f.glb(), code, named, limits);
+  check_refused(f.gltf(), code, named, limits);
+}
+
+// One triangle with one property set to something else.
+inline GltfFixture spoiled(const char* pointer, const json& value) {
+  auto f = one_triangle();
+  f.document[json::json_pointer(pointer)] = value;
+  return f;
+}
+
+inline constexpr auto invalid = ErrorCode::mesh_invalid;
 
 }  // namespace geodesic::proto

@@ -75,7 +75,7 @@ TEST_CASE("BudgetsSmallerThanTwoMeshesStillAnswerEverything") {
   const TemporaryFolder folder;
   Config config;
   config.mesh_cache_bytes = 200'000;
-  config.adjacency_cache_bytes = 500'000;
+  config.adjacency_cache_bytes = 800'000;
   config.field_cache_bytes = 30'000;
   Service service(folder.path(), config);
   std::vector<std::string> ids;

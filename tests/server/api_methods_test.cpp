@@ -53,12 +53,33 @@ TEST_CASE("FieldsOfDifferentMethodsAreKeptApart") {
   CHECK(straight["distances"][22] == doctest::Approx(std::hypot(10, 1)));
 }
 
+TEST_CASE("AFieldFromAboveIsNotTheOneThatIsNearest") {
+  PlaneService plane;
+  const std::string mesh = plane.add(shapes::terrain(30, 6, 2));
+  const json exact = body_of(plane.service.get(mesh + "/distance?from=v:0&method=exact"));
+  const json nearest = body_of(plane.service.get(mesh + "/distance?from=v:0&method=auto"));
+  const HttpResponse reply = plane.service.get(mesh + "/distance?from=v:0&method=auto&bound=upper");
+  CHECK(header_of(reply, "Geo-Cache") == "miss");
+  const json upper = body_of(reply);
+  bool differ = false;
+  for (std::size_t v = 0; v < exact["distances"].size(); ++v) {
+    const double truth = exact["distances"][v];
+    CHECK(upper["distances"][v] >= doctest::Approx(truth).epsilon(1e-9));
+    CHECK(upper["distances"][v] <= doctest::Approx(truth).epsilon(0.03));
+    CHECK(nearest["distances"][v] == doctest::Approx(truth).epsilon(0.03));
+    differ = differ || nearest["distances"][v] != upper["distances"][v];
+  }
+  CHECK(differ);
+}
+
 TEST_CASE("ParametersThatAMethodDoesNotHaveAreRefused") {
   PlaneService plane;
   plane.check_refused("/distance?from=v:0&points_per_edge=3", 400, "unknown_parameter",
                       "points_per_edge");
   plane.check_refused("/distance?from=v:0&method=wavefront&points_per_edge=3", 400,
                       "unknown_parameter", "points_per_edge");
+  plane.check_refused("/distance?from=v:0&method=exact&bound=upper", 400, "unknown_parameter",
+                      "bound");
   plane.check_refused("/path?from=v:0&to=v:1&method=dijkstra&tolerance=0.1", 400,
                       "unknown_parameter", "tolerance");
   plane.check_refused("/nearest?point=v:0&method=dijkstra", 400, "unknown_parameter", "method");
@@ -74,6 +95,13 @@ TEST_CASE("EveryMethodParameterHasItsBounds") {
       const std::string path =
           "/path?from=v:0&to=v:50&method=" + method["name"].get<std::string>() + "&" + name + "=";
       CHECK_FALSE(parameter["meaning"].get<std::string>().empty());
+      if (parameter["type"] == "choice") {
+        for (const std::string choice : parameter["choices"]) {
+          CHECK(plane.ask(path + choice)["reachable"] == true);
+        }
+        plane.check_refused(path + "x", 422, "value_out_of_range", name);
+        continue;
+      }
       for (const std::string bound : {"minimum", "default"}) {
         CHECK(plane.ask(path + parameter[bound].dump())["reachable"] == true);
       }

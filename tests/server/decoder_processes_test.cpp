@@ -82,7 +82,7 @@ std::unique_ptr<DecoderProcesses> started(const DecoderProcesses::Limits& limits
 TEST_CASE("AFileIsDecodedAsInThisProcess") {
   const auto processes = started(short_limits());
   const std::string file = knot_file();
-  const Decoded there = processes->decode(file, {}, {});
+  const Decoded there = processes->decode(file, {}, {}, {});
   const Decoded here = decoded_here(file);
   REQUIRE(there);
   REQUIRE(here);
@@ -97,13 +97,13 @@ TEST_CASE("AFilesFaultIsToldAsInThisProcess") {
   const std::string file = knot_file();
   proto::DecodeLimits few;
   few.max_vertices = 100;
-  const Decoded there = processes->decode(file, few, {});
+  const Decoded there = processes->decode(file, few, {}, {});
   REQUIRE_FALSE(there);
   CHECK(there.error().code == ErrorCode::too_many_vertices);
   CHECK(there.error().limit == 100);
   CHECK(there.error().actual == 4000);
   for (const std::string& bad : {file.substr(0, 100), std::string("{"), std::string()}) {
-    CHECK(frame_of(processes->decode(bad, {}, {})) == frame_of(decoded_here(bad)));
+    CHECK(frame_of(processes->decode(bad, {}, {}, {})) == frame_of(decoded_here(bad)));
   }
   CHECK(processes->stats().refused == 5);  // one of them tried the processes out
 }
@@ -119,11 +119,11 @@ TEST_CASE("WhateverADecoderDoesItDoesToItself") {
   }
   for (const std::string_view deed : deeds) {
     CAPTURE(deed);
-    const Decoded refused = processes->decode(deed, {}, {});
+    const Decoded refused = processes->decode(deed, {}, {}, {});
     REQUIRE_FALSE(refused);
     CHECK(refused.error().code == ErrorCode::mesh_invalid);
     CHECK(refused.error().detail == "the decoder crashed on this file");
-    CHECK(processes->decode(knot_file(), {}, {}));
+    CHECK(processes->decode(knot_file(), {}, {}, {}));
   }
   CHECK(processes->stats().crashed == deeds.size());
   CHECK(processes->stats().decoded == deeds.size());
@@ -132,18 +132,18 @@ TEST_CASE("WhateverADecoderDoesItDoesToItself") {
 TEST_CASE("AFileThatTakesTooMuchMemoryIsRefused") {
   if (!Confinement::can_confine()) return;
   const auto processes = started(short_limits());
-  const Decoded refused = processes->decode("balloon", {}, {});
+  const Decoded refused = processes->decode("balloon", {}, {}, {});
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ErrorCode::too_large);
   CHECK(refused.error().limit == short_limits().memory_bytes);
-  CHECK(processes->decode(knot_file(), {}, {}));
+  CHECK(processes->decode(knot_file(), {}, {}, {}));
 }
 
 TEST_CASE("AFileThatTakesTooLongIsRefusedAndItsDecoderKilled") {
   DecoderProcesses::Limits limits = short_limits();
   limits.time = 1s;
   const auto processes = started(limits);
-  const Decoded refused = processes->decode("hang", {}, {});
+  const Decoded refused = processes->decode("hang", {}, {}, {});
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ErrorCode::mesh_invalid);
   CHECK(processes->stats().overtime == 1);
@@ -157,7 +157,7 @@ TEST_CASE("ADecoderIsKilledOnceNobodyWantsItsAnswer") {
     CHECK(soon([] { return decoder_pids().size() == 2; }));
     gone = true;
   });
-  const Decoded refused = processes->decode("hang", {}, Caller([&] { return gone.load(); }));
+  const Decoded refused = processes->decode("hang", {}, {}, Caller([&] { return gone.load(); }));
   leaving.join();
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ErrorCode::cancelled);
@@ -165,7 +165,7 @@ TEST_CASE("ADecoderIsKilledOnceNobodyWantsItsAnswer") {
   CHECK(soon([] { return decoder_pids().size() == 1; }));
   Caller hurried;
   hurried.deadline = Caller::Clock::now() + 20ms;
-  CHECK(processes->decode("hang", {}, hurried).error().code == ErrorCode::deadline);
+  CHECK(processes->decode("hang", {}, {}, hurried).error().code == ErrorCode::deadline);
 }
 
 TEST_CASE("WhenTheDecoderProcessIsKilledAnotherIsStarted") {
@@ -174,7 +174,7 @@ TEST_CASE("WhenTheDecoderProcessIsKilledAnotherIsStarted") {
   REQUIRE(soon([] { return decoder_pids().size() == 1; }));
   const std::vector<pid_t> pids = decoder_pids();
   REQUIRE(::kill(pids[0], SIGKILL) == 0);
-  for (int i = 0; i < 3; ++i) CHECK(processes->decode(knot_file(), {}, {}));
+  for (int i = 0; i < 3; ++i) CHECK(processes->decode(knot_file(), {}, {}, {}));
   CHECK(decoder_pids() != pids);
 }
 
@@ -191,7 +191,7 @@ TEST_CASE("ManyDecodeAtOnce") {
   for (int t = 0; t < 8; ++t) {
     threads.emplace_back([&, t] {
       for (int i = 0; i < 10; ++i) {
-        const Decoded decoded = processes->decode(t == 0 ? std::string("crash") : file, {}, {});
+        const Decoded decoded = processes->decode(t == 0 ? std::string("crash") : file, {}, {}, {});
         if (decoded.has_value() == (t != 0)) ++went;
       }
     });
@@ -217,13 +217,14 @@ TEST_CASE("FramesSurviveTheWay") {
   mesh.soup.positions = {{1, 2, 3}, {-0.0, 1e300, 5}, {7, 8, 9}};
   mesh.soup.faces = {{0, 1, 2}, {2, 1, 0}};
   mesh.parts = {{-1, -1, -1, "", 0, 1, 0, 1}, {3, 4, 5, "n\xc3\xa4me", 1, 2, 1, 1}};
-  mesh.warnings = {"", "one"};
+  mesh.findings = {{"", 0, {}, ""}, {"code", 2, {"one", ""}, "text"}};
   const std::vector<std::byte> frame = frame_of(mesh);
   const auto read = read_frame(frame);
   REQUIRE(read);
   REQUIRE(*read);
   CHECK((*read)->parts[1].name == "n\xc3\xa4me");
-  CHECK((*read)->warnings == mesh.warnings);
+  CHECK((*read)->findings[1].examples == mesh.findings[1].examples);
+  CHECK((*read)->findings[1].text == "text");
   CHECK((*read)->format == proto::MeshFormat::drc);
   CHECK(frame_of(*read) == frame);
 

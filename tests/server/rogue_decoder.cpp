@@ -16,7 +16,8 @@ namespace {
 using namespace geodesic;
 using namespace geodesic::server;
 
-Decoded rogue(std::span<const std::byte> bytes, const proto::DecodeLimits& limits) {
+Decoded rogue(std::span<const std::byte> bytes, const proto::DecodeLimits& limits,
+              const proto::ImportOptions& options) {
   const std::string_view wish(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (wish == "crash") (void)::raise(SIGSEGV);
   if (wish == "end") ::_exit(0);
@@ -40,7 +41,7 @@ Decoded rogue(std::span<const std::byte> bytes, const proto::DecodeLimits& limit
     did = code == MAP_FAILED ? -1 : 0;
   }
   if (did >= 0) return fail(ErrorCode::internal, "nothing kept me from it");
-  return proto::decode_mesh(bytes, limits);
+  return proto::decode_mesh(bytes, limits, options);
 }
 
 }  // namespace

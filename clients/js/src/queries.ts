@@ -21,6 +21,8 @@ interface ByMethod {
   method?: Method;
   /** Only with the method `steiner`. */
   points_per_edge?: Schemas['PointsPerEdge'];
+  /** Only with the method `auto`. */
+  bound?: Schemas['Bound'];
 }
 
 interface InDigits {

@@ -10,7 +10,7 @@ import { jsonOf } from './replies.js';
 import type { Call, Reply, Sender, Transport } from './transport.js';
 import { senderWithProgress } from './upload_progress.js';
 
-/** The bytes of a `.glb`, `.gltf` with embedded data, or `.drc`. */
+/** The bytes of a `.glb`, `.gltf` with embedded data, `.drc`, `.obj`, `.ply` or `.stl`. */
 export type MeshData = Blob | ArrayBuffer | Uint8Array;
 
 export interface UploadOptions {

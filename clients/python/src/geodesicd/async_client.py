@@ -104,6 +104,7 @@ class AsyncMesh(Metadata):
         quantised: bool = False,
         method: str | None = None,
         points_per_edge: int | None = None,
+        bound: str | None = None,
         deadline: float | None = None,
         progress: Progress | None = None,
     ) -> FloatArray: ...
@@ -116,6 +117,7 @@ class AsyncMesh(Metadata):
         max: float | None = None,
         method: str | None = None,
         points_per_edge: int | None = None,
+        bound: str | None = None,
         deadline: float | None = None,
         progress: Progress | None = None,
     ) -> LabelledDistances: ...

@@ -113,6 +113,7 @@ class Mesh(Metadata):
         quantised: bool = False,
         method: str | None = None,
         points_per_edge: int | None = None,
+        bound: str | None = None,
         deadline: float | None = None,
         progress: Progress | None = None,
     ) -> FloatArray: ...
@@ -125,6 +126,7 @@ class Mesh(Metadata):
         max: float | None = None,
         method: str | None = None,
         points_per_edge: int | None = None,
+        bound: str | None = None,
         deadline: float | None = None,
         progress: Progress | None = None,
     ) -> LabelledDistances: ...
@@ -141,6 +143,7 @@ class Mesh(Metadata):
             quantised: send 2 bytes a vertex; float32 in steps of the greatest distance / 65534.
             method: how distances are computed; ``client.methods()`` lists them.
             points_per_edge: for ``method="steiner"`` only.
+            bound: for ``method="auto"`` only; "upper": no distance is below the true one.
             deadline: seconds, after which DeadlineExceeded is raised.
             progress: called with the part that is done, from 0 to 1.
 
@@ -216,8 +219,9 @@ class Client:
         """Uploads a mesh, unless the server has it already.
 
         Args:
-            mesh: a path to a .glb, .gltf or .drc file; the bytes of one; a pair (vertices
-                (n, 3), faces (m, 3)); or a mesh of trimesh, PyVista (PolyData) or meshio.
+            mesh: a path to a .glb, .gltf, .drc, .obj, .ply or .stl file; the bytes of one; a
+                pair (vertices (n, 3), faces (m, 3)); or a mesh of trimesh, PyVista (PolyData)
+                or meshio.
                 Positions of arrays are rounded to float32.
             progress: called with the part that is done, from 0 to 1: the first half is sending,
                 the second the server's work.

@@ -65,7 +65,9 @@ def _parser() -> argparse.ArgumentParser:
 
     upload = command("upload", _upload, "Upload mesh files and print their ids.")
     _connection(upload)
-    upload.add_argument("file", nargs="+", type=Path, help="a .glb, .gltf or .drc file")
+    upload.add_argument(
+        "file", nargs="+", type=Path, help="a .glb, .gltf, .drc, .obj, .ply or .stl file"
+    )
 
     listing = command("list", _list, "List the server's meshes.")
     _connection(listing)

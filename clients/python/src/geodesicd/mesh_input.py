@@ -57,8 +57,8 @@ def body_of(mesh: Any) -> UploadBody:
     """The bytes to upload.
 
     Args:
-        mesh: a path to a .glb, .gltf or .drc file; the bytes of one; a pair (vertices (n, 3),
-            faces (m, 3)); or a mesh object of trimesh, PyVista or meshio.
+        mesh: a path to a .glb, .gltf, .drc, .obj, .ply or .stl file; the bytes of one; a pair
+            (vertices (n, 3), faces (m, 3)); or a mesh object of trimesh, PyVista or meshio.
 
     Raises:
         TypeError: none of these. ValueError: no triangles, or numbers out of range.

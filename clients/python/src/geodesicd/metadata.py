@@ -35,7 +35,7 @@ class Metadata:
     Attributes:
         id: the SHA-256 of the file, 64 hexadecimal digits.
         bytes: the file's size.
-        format: ``"glb"``, ``"gltf"`` or ``"drc"``.
+        format: ``"glb"``, ``"gltf"``, ``"drc"``, ``"obj"``, ``"ply"`` or ``"stl"``.
         vertices, faces: how many source vertices and faces there are.
         welded_vertices: vertices once those that share a position are one.
         components, boundary_loops, edges_non_manifold, faces_degenerate: counts.

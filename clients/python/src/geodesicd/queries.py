@@ -2,9 +2,10 @@
 parameter of each is the mesh's id; the methods of ``Mesh`` and ``AsyncMesh`` are made of these.
 
 All take ``method`` (how distances are computed; ``client.methods()`` lists them),
-``points_per_edge`` (for ``method="steiner"`` only), ``deadline`` (seconds, after which
-DeadlineExceeded is raised) and ``progress`` (called with the part that is done, from 0 to 1; the
-query is a job of the server's then, cancelled if the caller is interrupted). All raise
+``points_per_edge`` (for ``method="steiner"`` only), ``bound`` (for ``method="auto"`` only),
+``deadline`` (seconds, after which DeadlineExceeded is raised) and ``progress`` (called with the
+part that is done, from 0 to 1; the query is a job of the server's then, cancelled if the caller
+is interrupted). All raise
 GeodesicError. Lengths are in mesh units. Points are given as :mod:`geodesicd.points` says.
 """
 
@@ -61,6 +62,7 @@ def distance(
     quantised: bool = False,
     method: str | None = None,
     points_per_edge: int | None = None,
+    bound: str | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[FloatArray]:
@@ -80,6 +82,7 @@ def distance(
         "max": _bound(max),
         "method": method,
         "points_per_edge": points_per_edge,
+        "bound": bound,
         "deadline_ms": _milliseconds(deadline),
         "format": "u16" if quantised else _format(dtype),
     }
@@ -93,6 +96,7 @@ def regions(
     max: float | None = None,
     method: str | None = None,
     points_per_edge: int | None = None,
+    bound: str | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[LabelledDistances]:
@@ -109,6 +113,7 @@ def regions(
         "labels": True,
         "method": method,
         "points_per_edge": points_per_edge,
+        "bound": bound,
         "deadline_ms": _milliseconds(deadline),
         "format": "frame",
     }
@@ -123,6 +128,7 @@ def distance_at(
     max: float | None = None,
     method: str | None = None,
     points_per_edge: int | None = None,
+    bound: str | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[FloatArray]:
@@ -140,6 +146,7 @@ def distance_at(
         "max": _bound(max),
         "method": method,
         "points_per_edge": points_per_edge,
+        "bound": bound,
         "deadline_ms": _milliseconds(deadline),
         "format": "f64",
     }
@@ -155,6 +162,7 @@ def path(
     refine: Refine = "none",
     method: str | None = None,
     points_per_edge: int | None = None,
+    bound: str | None = None,
     tolerance: float | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
@@ -174,6 +182,7 @@ def path(
         "refine": refine,
         "method": method,
         "points_per_edge": points_per_edge,
+        "bound": bound,
         "tolerance": tolerance,
         "deadline_ms": _milliseconds(deadline),
         "format": "frame",
@@ -194,6 +203,7 @@ def table(
     dtype: DTypeLike = np.float64,
     method: str | None = None,
     points_per_edge: int | None = None,
+    bound: str | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[FloatArray]:
@@ -209,6 +219,7 @@ def table(
         "max": _bound(max),
         "method": method,
         "points_per_edge": points_per_edge,
+        "bound": bound,
         "deadline_ms": _milliseconds(deadline),
         "format": _format(dtype),
     }
@@ -225,6 +236,7 @@ def isolines(
     max: float | None = None,
     method: str | None = None,
     points_per_edge: int | None = None,
+    bound: str | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[list[Isoline]]:
@@ -238,6 +250,7 @@ def isolines(
         "max": _bound(max),
         "method": method,
         "points_per_edge": points_per_edge,
+        "bound": bound,
         "deadline_ms": _milliseconds(deadline),
     }
     return ask(encode(mesh, "isolines", parameters), wire.isolines_of_json, progress)
@@ -250,6 +263,7 @@ def samples(
     covered: PointsLike = (),
     method: str | None = None,
     points_per_edge: int | None = None,
+    bound: str | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[Samples]:
@@ -260,6 +274,7 @@ def samples(
         "from": _via(covered),
         "method": method,
         "points_per_edge": points_per_edge,
+        "bound": bound,
         "deadline_ms": _milliseconds(deadline),
     }
     return ask(encode(mesh, "samples", parameters), wire.samples_of_json, progress)

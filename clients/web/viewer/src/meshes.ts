@@ -125,7 +125,7 @@ export class Meshes {
 /** Lets files be dropped anywhere on the page, and picked by `open`. */
 export function fileEntrance(take: (file: File) => void): { open(): void } {
   const input = document.createElement('input');
-  Object.assign(input, { type: 'file', accept: '.glb,.gltf,.drc,model/gltf-binary,model/gltf+json', hidden: true, tabIndex: -1 });
+  Object.assign(input, { type: 'file', accept: '.glb,.gltf,.drc,.obj,.ply,.stl,model/gltf-binary,model/gltf+json', hidden: true, tabIndex: -1 });
   input.setAttribute('aria-label', 'Mesh file');
   input.onchange = () => {
     const [file] = input.files ?? [];

@@ -27,7 +27,7 @@ export const MESSAGES: Record<ErrorCode, Message> = {
   request_timeout: { title: 'The upload was too slow', advice: 'The server stopped waiting for the rest. Try again with a better connection.' },
   length_required: { title: 'The length of the upload is missing', advice: 'Something between this page and the server takes it away; ask whoever runs the server.' },
   too_large: { title: 'This is larger than the server allows', advice: 'Use a smaller mesh, or fewer points.' },
-  format_unknown: { title: 'This file is no mesh that the server can read', advice: 'It takes .glb, .gltf with embedded data, and .drc.' },
+  format_unknown: { title: 'This file is no mesh that the server can read', advice: 'It takes .glb, .gltf with embedded data, .drc, .obj, .ply and .stl.' },
   mesh_invalid: { title: 'The mesh in this file is broken', advice: `The server found a fault in its data. ${ANOTHER_EXPORT}` },
   no_triangles: { title: 'There are no triangles in this file', advice: ANOTHER_EXPORT },
   too_many_vertices: { title: 'The mesh has too many vertices for this server', advice: 'Simplify it, or ask whoever runs the server for a higher limit.' },

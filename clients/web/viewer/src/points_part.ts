@@ -18,7 +18,7 @@ export const TOOLS: readonly { value: Tool; label: string; icon: string; title: 
 
 /** What a click does now, in words. */
 export function hintOf({ tool, sources, target, arrow, mesh }: State): string | null {
-  if (!mesh) return 'Drop a mesh here: .glb, .gltf or .drc';
+  if (!mesh) return 'Drop a mesh here: .glb, .gltf, .drc, .obj, .ply or .stl';
   if (tool === 'source' && !sources.length) return 'Click the surface to place a source';
   if (tool === 'target' && sources.length && !target) return 'Now click a target, then drag it';
   if (tool === 'add') return 'Click to add a source';

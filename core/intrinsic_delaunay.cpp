@@ -1,0 +1,212 @@
+#include "core/intrinsic_delaunay.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/polled_fill.h"
+
+namespace geodesic {
+namespace {
+
+// Angles that add up to pi but for rounding are as good either way; without this
+// margin, four vertices on one circle would be flipped to and fro.
+constexpr double kRounding = 1e-12;
+
+// A flip that leaves a face lower than this part of its longest side gains nothing
+// that rounding would not take away again.
+constexpr double kLeastHeight = 1e-14;
+
+// Flipping ends by itself; on scans each edge is flipped 0.2 times. Whatever rounding
+// makes of the slivers, it ends here.
+constexpr std::uint64_t kMostFlipsPerFace = 64;
+
+}  // namespace
+
+Result<IntrinsicDelaunay> IntrinsicDelaunay::build(const Triangulation& mesh,
+                                                   const Cancel& cancel) {
+  IntrinsicDelaunay result;
+  Poll poll(cancel);
+  result.faces_.assign(mesh.faces.begin(), mesh.faces.end());
+  if (!poll.ask()) result.flip_edges(poll);
+  if (result.flips_ != 0 && !poll.stopped()) {
+    result.fill_corners(mesh.corner_begin.size() - 1, poll);
+  } else {
+    result.corner_begin_.assign(mesh.corner_begin.begin(), mesh.corner_begin.end());
+    result.corners_.assign(mesh.all_corners.begin(), mesh.all_corners.end());
+  }
+  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  return result;
+}
+
+bool IntrinsicDelaunay::can_flip(const Triangulation& faces, Halfedge h) {
+  const Halfedge across = faces.ring(h);
+  if (across == h || faces.ring(across) != h || face_of(across) == face_of(h)) return false;
+  return faces.faces[face_of(h)].vertex[previous_corner(corner_of(h))] !=
+         faces.faces[face_of(across)].vertex[previous_corner(corner_of(across))];
+}
+
+namespace {
+
+// The two products whose sum is the excess.
+std::array<double, 2> cotangents(const Triangulation& faces, Halfedge h) {
+  const Halfedge across = faces.ring(h);
+  const FaceRecord& one = faces.faces[face_of(h)];
+  const FaceRecord& other = faces.faces[face_of(across)];
+  return {one.dot[previous_corner(corner_of(h))] * other.area2,
+          other.dot[previous_corner(corner_of(across))] * one.area2};
+}
+
+}  // namespace
+
+double IntrinsicDelaunay::excess(const Triangulation& faces, Halfedge h) {
+  const auto [one, other] = cotangents(faces, h);
+  return one + other;
+}
+
+double IntrinsicDelaunay::excess_rounding(const Triangulation& faces, Halfedge h) {
+  const auto [one, other] = cotangents(faces, h);
+  return kRounding * (std::abs(one) + std::abs(other));
+}
+
+void IntrinsicDelaunay::flip_edges(Poll& poll) {
+  const Triangulation faces{faces_, {}, {}};
+  std::vector<Halfedge> waiting;
+  const auto is_wanted = [&](Halfedge h) {
+    return faces.ring(h) != h && excess(faces, h) < -excess_rounding(faces, h);
+  };
+  for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      const Halfedge h = halfedge(f, c);
+      if (h < faces.ring(h) && is_wanted(h)) waiting.push_back(h);
+    }
+  }
+  const std::uint64_t most = kMostFlipsPerFace * faces_.size();
+  while (!waiting.empty() && flips_ < most && !poll.cancelled()) {
+    const Halfedge h = waiting.back();
+    waiting.pop_back();
+    if (!can_flip(faces, h) || !is_wanted(h)) continue;
+    const std::uint32_t f = face_of(h);
+    const std::uint32_t g = face_of(faces.ring(h));
+    if (!flip(h)) continue;
+    ++flips_;
+    // The new edge is side 1 of both; their other sides have a new angle opposite.
+    for (const Halfedge side : {halfedge(f, 0), halfedge(f, 2), halfedge(g, 0), halfedge(g, 2)}) {
+      if (is_wanted(side)) waiting.push_back(side);
+    }
+  }
+}
+
+// The edge a - b between the apexes c and d becomes the edge d - c:
+//
+//        c                  c
+//      / h \              / | \       face of h:      (a, d, c)
+//     a --- b     ->     a  |  b      face across:    (b, c, d)
+//      \   /              \ | /
+//        d                  d
+bool IntrinsicDelaunay::flip(Halfedge h) {
+  const auto ring = [this](Halfedge x) { return faces_[face_of(x)].ring[corner_of(x)]; };
+  const std::uint32_t f = face_of(h);
+  const Halfedge across = ring(h);
+  const std::uint32_t g = face_of(across);
+  const FaceRecord one = faces_[f];
+  const FaceRecord other = faces_[g];
+  // Corners of a, b and the apex in either face, whatever their windings.
+  const std::uint32_t a1 = corner_of(h);
+  const std::uint32_t b1 = next_corner(a1);
+  const std::uint32_t c1 = previous_corner(a1);
+  const bool opposed = other.vertex[corner_of(across)] != one.vertex[a1];
+  const std::uint32_t a2 = opposed ? next_corner(corner_of(across)) : corner_of(across);
+  const std::uint32_t b2 = opposed ? corner_of(across) : next_corner(corner_of(across));
+  const std::uint32_t d2 = previous_corner(corner_of(across));
+
+  // From the edge's length L: a and the apexes are at (dot / L, area2 / L) on either
+  // side, and the angles at a (and b) of both faces add up.
+  const double base2 = one.dot[a1] + one.dot[b1];
+  const double at_a = (one.dot[a1] * other.dot[a2] - one.area2 * other.area2) / base2;
+  const double at_b = (one.dot[b1] * other.dot[b2] - one.area2 * other.area2) / base2;
+  const double area_a = (one.dot[a1] * other.area2 + one.area2 * other.dot[a2]) / base2;
+  const double area_b = (one.dot[b1] * other.area2 + one.area2 * other.dot[b2]) / base2;
+  const double ac2 = one.dot[a1] + one.dot[c1];
+  const double bc2 = one.dot[b1] + one.dot[c1];
+  const double ad2 = other.dot[a2] + other.dot[d2];
+  const double bd2 = other.dot[b2] + other.dot[d2];
+  const double cd2 = ac2 + ad2 - 2 * at_a;
+  // Written so that what is not a number fails.
+  if (!(area_a > kLeastHeight * std::max({ac2, ad2, cd2})) ||
+      !(area_b > kLeastHeight * std::max({bc2, bd2, cd2}))) {
+    return false;
+  }
+
+  // Sides as halfedges before and after: c - a, a - d in the face of h; d - b, b - c
+  // in the other.
+  const auto side = [](std::uint32_t face, std::uint32_t apex) {
+    return halfedge(face, next_corner(apex));  // opposite a corner
+  };
+  struct Moved {
+    Halfedge from;
+    Halfedge to;
+    Halfedge next;
+  };
+  std::array<Moved, 4> moved{{{side(f, b1), halfedge(f, 2), 0},
+                              {side(g, b2), halfedge(f, 0), 0},
+                              {side(g, a2), halfedge(g, 2), 0},
+                              {side(f, a1), halfedge(g, 0), 0}}};
+  const auto now = [&](Halfedge old) {
+    for (const Moved& m : moved) {
+      if (m.from == old) return m.to;
+    }
+    return old;
+  };
+  // Whoever points at a moved side is found before anything is written.
+  std::array<Halfedge, 4> before{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    moved[i].next = now(ring(moved[i].from));
+    Halfedge p = moved[i].from;
+    while (ring(p) != moved[i].from) p = ring(p);
+    before[i] = now(p);
+  }
+  FaceRecord& left = faces_[f];
+  FaceRecord& right = faces_[g];
+  const std::uint32_t a = one.vertex[a1];
+  const std::uint32_t b = one.vertex[b1];
+  const std::uint32_t c = one.vertex[c1];
+  const std::uint32_t d = other.vertex[d2];
+  left.vertex = {a, d, c};
+  left.dot = {at_a, ad2 - at_a, ac2 - at_a};
+  left.area2 = area_a;
+  right.vertex = {b, c, d};
+  right.dot = {at_b, bc2 - at_b, bd2 - at_b};
+  right.area2 = area_b;
+  left.ring[1] = halfedge(g, 1);
+  right.ring[1] = halfedge(f, 1);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto set = [&](Halfedge from, Halfedge to) {
+      faces_[face_of(from)].ring[corner_of(from)] = to;
+    };
+    set(moved[i].to, moved[i].next);
+    set(before[i], moved[i].to);
+  }
+  return true;
+}
+
+void IntrinsicDelaunay::fill_corners(std::size_t vertex_count, Poll& poll) {
+  corner_begin_.assign(vertex_count + 1, 0);
+  for (const FaceRecord& record : faces_) {
+    if (poll.cancelled()) return;
+    for (const std::uint32_t v : record.vertex) ++corner_begin_[v + 1];
+  }
+  for (std::size_t v = 1; v <= vertex_count; ++v) corner_begin_[v] += corner_begin_[v - 1];
+  corners_.resize(3 * faces_.size());
+  std::vector<std::uint32_t> fill(corner_begin_.begin(), corner_begin_.end() - 1);
+  for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
+    for (std::uint32_t c = 0; c < 3; ++c) corners_[fill[faces_[f].vertex[c]]++] = halfedge(f, c);
+  }
+}
+
+std::size_t IntrinsicDelaunay::bytes() const {
+  return sizeof(IntrinsicDelaunay) + faces_.capacity() * sizeof(FaceRecord) +
+         sizeof(std::uint32_t) * (corner_begin_.capacity() + corners_.capacity());
+}
+
+}  // namespace geodesic

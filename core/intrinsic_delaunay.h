@@ -1,0 +1,61 @@
+// The intrinsic Delaunay triangulation of a surface: the same vertices and the same
+// distances over the surface, cut into other triangles, whose edges run straight over
+// the faces of the mesh. Bobenko and Springborn, "A discrete Laplace-Beltrami operator
+// for simplicial surfaces", Discrete and Computational Geometry 38, 2007, section 2;
+// Fisher, Springborn, Bobenko, Schroeder, "An algorithm for the construction of
+// intrinsic Delaunay triangulations", 2006: flip edges until each one's two opposite
+// angles add up to at most pi. No triangulation of these vertices has larger least
+// angles, so what is computed from triangle to triangle errs least on this one.
+//
+// Faces are numbered and glued as those of the mesh (face_record.h, adjacency.h), but two corners'
+// edge is not one of the mesh's, and two vertices may have several edges between them. No face has
+// the same vertex twice: an edge whose flip would lead there stays. So do edges of the boundary,
+// those of three faces or more, and those whose flip would leave a face without area.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/cancel.h"
+#include "core/error.h"
+#include "core/face_record.h"
+#include "core/triangulation.h"
+
+namespace geodesic {
+
+class IntrinsicDelaunay {
+ public:
+  // O(edges) on scans; deterministic. Errors: cancelled.
+  [[nodiscard]] static Result<IntrinsicDelaunay> build(const Triangulation& mesh,
+                                                       const Cancel& cancel);
+
+  // Valid while this object is.
+  [[nodiscard]] Triangulation triangulation() const { return {faces_, corner_begin_, corners_}; }
+
+  // Whether the edge of a halfedge may be flipped: it has two faces, and their apexes
+  // are two vertices.
+  [[nodiscard]] static bool can_flip(const Triangulation& faces, Halfedge h);
+  // The sum of the cotangents of the two angles opposite an edge of two faces, times
+  // twice the areas of both: negative where the angles add up to more than pi.
+  [[nodiscard]] static double excess(const Triangulation& faces, Halfedge h);
+  // How much of that may be rounding.
+  [[nodiscard]] static double excess_rounding(const Triangulation& faces, Halfedge h);
+
+  [[nodiscard]] std::uint64_t flips() const { return flips_; }
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  void flip_edges(Poll& poll);
+  // Whether it was flipped: not if that would leave a face without area.
+  bool flip(Halfedge h);
+  void fill_corners(std::size_t vertex_count, Poll& poll);
+
+  std::vector<FaceRecord> faces_;
+  std::vector<std::uint32_t> corner_begin_;  // vertex_count + 1
+  std::vector<std::uint32_t> corners_;
+  std::uint64_t flips_ = 0;
+};
+
+}  // namespace geodesic

@@ -1,0 +1,47 @@
+// The whole of wavefront_field, for any rule for a triangle's third vertex.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/wavefront.h"
+#include "core/wavefront_kernel.h"
+#include "core/waves.h"
+
+namespace geodesic::detail {
+
+template <Arrival (*kArrive)(double, double, const UnfoldedApex&)>
+Result<Field> waves_field(Method method, const Adjacency& adjacency,
+                          std::span<const Source> sources, const FieldLimits& limits,
+                          WavefrontScratch& scratch, const Cancel& cancel) {
+  const std::size_t vertex_count = adjacency.mesh().vertex_count();
+  Field field;
+  field.method = method;
+  field.sources.assign(sources.begin(), sources.end());
+  field.distance.assign(vertex_count, kUnreached);
+  field.parents.assign(vertex_count, {});
+  scratch.heap.reset(vertex_count);
+  Poll poll(cancel);
+  if (sources.size() == 1) {
+    Wavefront<VertexHeap, kArrive> front(adjacency, scratch.heap, field.distance, field.parents);
+    RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
+    auto wave = run_wave(front, adjacency, sources[0], 0, 1, {}, limits.max, targets, scratch.heap,
+                         poll, [](std::uint32_t) {});
+    if (!wave) return fail(wave.error());
+    if (sources[0].offset != 0) {
+      for (double& d : field.distance) d += sources[0].offset;
+    }
+  } else {
+    scratch.distance.assign(vertex_count, kUnreached);
+    scratch.parents.assign(vertex_count, {});
+    Wavefront<VertexHeap, kArrive> front(adjacency, scratch.heap, scratch.distance,
+                                         scratch.parents);
+    auto waves = run_waves(front, adjacency, limits, field, scratch.heap, scratch.is_target, poll);
+    if (!waves) return fail(waves.error());
+  }
+
+  field.count_reached();
+  return field;
+}
+
+}  // namespace geodesic::detail

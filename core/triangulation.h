@@ -1,0 +1,26 @@
+// Triangles glued along their edges, whatever surface they cut up: the faces of a mesh,
+// or those of its intrinsic Delaunay triangulation. A view; who made it owns the arrays.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/face_record.h"
+
+namespace geodesic {
+
+struct Triangulation {
+  std::span<const FaceRecord> faces;
+  std::span<const std::uint32_t> corner_begin;  // vertex_count + 1
+  std::span<const std::uint32_t> all_corners;
+
+  // The corners at a vertex, in ascending order.
+  [[nodiscard]] std::span<const std::uint32_t> corners(std::uint32_t vertex) const {
+    return all_corners.subspan(corner_begin[vertex],
+                               corner_begin[vertex + 1] - corner_begin[vertex]);
+  }
+  // The next halfedge on the same edge; itself on a boundary.
+  [[nodiscard]] Halfedge ring(Halfedge h) const { return faces[face_of(h)].ring[corner_of(h)]; }
+};
+
+}  // namespace geodesic

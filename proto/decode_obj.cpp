@@ -1,0 +1,129 @@
+#include "proto/decode_obj.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "proto/polygon_soup.h"
+#include "proto/text_tokens.h"
+
+namespace geodesic::proto {
+namespace {
+
+constexpr std::size_t sniffed_bytes = 65536;
+
+std::string_view text_of(std::span<const std::byte> bytes) {
+  std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  return text;
+}
+
+class ObjReader {
+ public:
+  ObjReader(std::string_view text, const DecodeLimits& limits) : tokens_(text), soup_(limits) {}
+
+  Result<DecodedMesh> run() {
+    do {
+      if (const auto read = line(tokens_.word_on_line()); !read) return fail(read.error());
+    } while (tokens_.next_line());
+    Findings findings = std::move(findings_);
+    auto soup = std::move(soup_).triangulated(findings);
+    if (!soup) return fail(std::move(soup.error()));
+    DecodedMesh mesh;
+    mesh.format = MeshFormat::obj;
+    MeshPart part;
+    part.name = name_;
+    part.vertex_count = soup->positions.size();
+    part.face_count = soup->faces.size();
+    mesh.parts.push_back(std::move(part));
+    mesh.soup = std::move(*soup);
+    mesh.findings = findings.done();
+    return mesh;
+  }
+
+ private:
+  Result<void> line(std::string_view keyword) {
+    if (keyword == "v") return vertex();
+    if (keyword == "f" || keyword == "fo") return face();
+    if (keyword == "o" && name_.empty()) {
+      name_ = std::string(tokens_.word_on_line().substr(0, 128));
+    } else if (keyword == "l" || keyword == "p") {
+      findings_.add("points_or_lines", tokens_.line(), "draws points or lines, which are left out");
+    } else if (keyword == "curv" || keyword == "curv2" || keyword == "surf") {
+      findings_.add("curved_left_out", tokens_.line(),
+                    "is a free-form curve or surface, which is left out");
+    }
+    return {};
+  }
+
+  [[nodiscard]] tl::unexpected<Error> invalid(const std::string& what) const {
+    return fail(ErrorCode::mesh_invalid, tokens_.line() + ": " + what);
+  }
+
+  Result<void> vertex() {
+    std::array<double, 3> xyz{};
+    for (double& coordinate : xyz) {
+      const auto value = finite_of_word(tokens_.word_on_line());
+      if (!value) return invalid("a vertex has three coordinates that are finite numbers.");
+      coordinate = *value;
+    }
+    return soup_.add_vertex({xyz[0], xyz[1], xyz[2]});
+  }
+
+  Result<void> face() {
+    corners_.clear();
+    for (auto word = tokens_.word_on_line(); !word.empty() && word[0] != '#';
+         word = tokens_.word_on_line()) {
+      const auto index = whole_of_word(word.substr(0, word.find('/')));
+      // From 1 on, or back from the last vertex so far.
+      const auto count = static_cast<std::int64_t>(soup_.vertex_count());
+      const std::int64_t vertex = !index ? -1 : *index < 0 ? count + *index : *index - 1;
+      if (!index || *index == 0 || vertex < 0 || vertex > 0xFFFFFFFF) {
+        return invalid("a corner of the face names no vertex: " + printable(word) + ".");
+      }
+      corners_.push_back(static_cast<std::uint32_t>(vertex));
+    }
+    if (corners_.size() < 3) {
+      return invalid("the face has " + std::to_string(corners_.size()) + " corners.");
+    }
+    return soup_.add_face(corners_);
+  }
+
+  // Text of a stranger's, fit for a message.
+  static std::string printable(std::string_view word) {
+    std::string plain(word.substr(0, 32));
+    for (char& c : plain) {
+      if (c < 0x20 || c > 0x7E) c = '?';
+    }
+    return plain;
+  }
+
+  TextTokens tokens_;
+  PolygonSoup soup_;
+  Findings findings_;
+  std::string name_;
+  std::vector<std::uint32_t> corners_;
+};
+
+}  // namespace
+
+bool is_obj(std::span<const std::byte> bytes) {
+  static constexpr std::string_view keywords[] = {"v", "vn", "vt", "vp",     "f",      "o",
+                                                  "g", "s",  "l",  "mtllib", "usemtl", "p"};
+  TextTokens tokens(text_of(bytes.first(std::min(bytes.size(), sniffed_bytes))));
+  do {
+    const auto keyword = tokens.word_on_line();
+    if (keyword.empty() || keyword[0] == '#') continue;
+    if (std::ranges::count(keywords, keyword) == 0) return false;
+    return keyword == "g" || keyword == "s" || !tokens.word_on_line().empty();
+  } while (tokens.next_line());
+  return false;
+}
+
+Result<DecodedMesh> decode_obj(std::span<const std::byte> bytes, const DecodeLimits& limits) {
+  return ObjReader(text_of(bytes), limits).run();
+}
+
+}  // namespace geodesic::proto

@@ -1,0 +1,34 @@
+// Morph targets (glTF 2.0, section 3.7.2.2) at their default weights: a position is
+// that of the primitive plus, for each target, its weight times what it adds.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/error.h"
+#include "core/vec3.h"
+#include "proto/gltf_buffers.h"
+#include "proto/gltf_document.h"
+
+namespace geodesic::proto {
+
+struct GltfMorphTarget {
+  double weight = 0;
+  std::size_t accessor = 0;
+};
+
+// The targets that move something: those that have positions and a weight. The
+// weights are the node's, else its mesh's; what is missing is 0.
+[[nodiscard]] std::vector<GltfMorphTarget> active_targets(const GltfNode& node,
+                                                          const GltfMesh& mesh,
+                                                          const GltfPrimitive& primitive);
+
+// Adds them to the positions, which are in the primitive's own space.
+// Errors: those of `read_accessor`, and mesh_invalid when a target has another
+// count.
+[[nodiscard]] Result<void> add_targets(const GltfDocument& document, GltfBuffers& buffers,
+                                       std::span<const GltfMorphTarget> targets,
+                                       std::uint64_t max_absent, std::span<Vec3> positions);
+
+}  // namespace geodesic::proto

@@ -1,0 +1,96 @@
+// Words and numbers of a text file, one after another, with the line they are on.
+// Numbers are read to the last bit and without locales; nothing is copied.
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace geodesic::proto {
+
+class TextTokens {
+ public:
+  explicit TextTokens(std::string_view text) : rest_(text) {}
+
+  // The next word, over the ends of lines; empty at the end of the text.
+  std::string_view word() {
+    while (!rest_.empty()) {
+      if (const auto found = word_on_line(); !found.empty()) return found;
+      next_line();
+    }
+    return {};
+  }
+
+  // The next word before the end of the line; empty at its end. A backslash before
+  // the end of a line joins the next one to it.
+  std::string_view word_on_line() {
+    for (;;) {
+      std::size_t begin = 0;
+      while (begin < rest_.size() && is_blank(rest_[begin])) ++begin;
+      rest_.remove_prefix(begin);
+      std::size_t end = 0;
+      while (end < rest_.size() && !is_blank(rest_[end]) && !is_line_end(rest_[end])) ++end;
+      const std::string_view found = rest_.substr(0, end);
+      rest_.remove_prefix(end);
+      const bool is_joined = found == "\\" && !rest_.empty() && is_line_end(rest_[0]);
+      if (!is_joined) return found;
+      next_line();
+    }
+  }
+
+  // Steps over what is left of the line. False at the end of the text.
+  bool next_line() {
+    const std::size_t end = rest_.find_first_of("\r\n");
+    if (end == std::string_view::npos) {
+      rest_ = {};
+      return false;
+    }
+    const bool two = rest_[end] == '\r' && end + 1 < rest_.size() && rest_[end + 1] == '\n';
+    rest_.remove_prefix(end + (two ? 2 : 1));
+    ++line_;
+    return !rest_.empty();
+  }
+
+  [[nodiscard]] std::string_view rest() const { return rest_; }
+  [[nodiscard]] std::string line() const { return "line " + std::to_string(line_); }
+
+ private:
+  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
+  static bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+
+  std::string_view rest_;
+  std::uint64_t line_ = 1;
+};
+
+// All of a word as a number that is finite, or nothing. A leading plus is allowed.
+[[nodiscard]] inline std::optional<double> finite_of_word(std::string_view word) {
+  if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
+  double value = 0;
+  const char* end = word.data() + word.size();
+  const auto [stop, error] = std::from_chars(word.data(), end, value);
+  // What is too small to be told from zero is zero; what is too large is a fault.
+  if (error == std::errc::result_out_of_range && stop == end) {
+    const bool is_small = word.find("e-") != std::string_view::npos ||
+                          word.find("E-") != std::string_view::npos || word.starts_with("0.") ||
+                          word.starts_with("-0.");
+    return is_small ? std::optional(0.0) : std::nullopt;
+  }
+  if (error != std::errc() || stop != end || word.empty() || !std::isfinite(value)) {
+    return std::nullopt;
+  }
+  return value;
+}
+
+// All of a word as a whole number, or nothing.
+[[nodiscard]] inline std::optional<std::int64_t> whole_of_word(std::string_view word) {
+  std::int64_t value = 0;
+  const char* end = word.data() + word.size();
+  const auto [stop, error] = std::from_chars(word.data(), end, value);
+  if (error != std::errc() || stop != end || word.empty()) return std::nullopt;
+  return value;
+}
+
+}  // namespace geodesic::proto

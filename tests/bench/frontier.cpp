@@ -1,0 +1,291 @@
+#include "tests/bench/frontier.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <optional>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/back_trace_lanes.h"
+#include "core/shorten_path.h"
+#include "tests/bench/edge_dijkstra.h"
+#include "tests/bench/errors.h"
+#include "tests/bench/frontier_meshes.h"
+#include "tests/bench/prepared.h"
+#include "tests/bench/processor_time.h"
+
+namespace geodesic::bench {
+namespace {
+
+constexpr std::size_t kRounds = 7;
+constexpr double kRightBelow = 1e-9;  // of an upper bound, below the true distance
+
+double median(std::vector<double> values) {
+  if (values.empty()) return std::nan("");
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+const char* verdict(bool reached) { return reached ? "yes" : "**no**"; }
+
+// A vertex in a face each, source vertex 0 first.
+std::vector<std::uint32_t> vertices_of(const Prepared& prepared, std::size_t count) {
+  std::mt19937 random(7);
+  std::vector<std::uint32_t> vertices{prepared.vertex(0)};
+  while (vertices.size() < count) {
+    const auto v = static_cast<std::uint32_t>(random() % prepared.mesh().vertex_count());
+    if (!prepared.adjacency().corners(v).empty()) vertices.push_back(v);
+  }
+  return vertices;
+}
+
+class Solver {
+ public:
+  Solver(Method method, Bound bound) : method_(method) { options_.bound = bound; }
+
+  Field operator()(const Prepared& prepared, std::uint32_t vertex, bool keep_details = false) {
+    const Source source{point_at_vertex(prepared.adjacency(), vertex), 0};
+    FieldLimits limits;
+    limits.keep_details = keep_details;
+    auto field = solve_field(method_, options_, prepared.adjacency(), {&source, 1}, limits,
+                             scratch_, Cancel());
+    if (!field) give_up(field.error().detail);
+    return std::move(*field);
+  }
+
+ private:
+  Method method_;
+  MethodOptions options_;
+  SolveScratch scratch_;
+};
+
+// Of one way to a field: its time in yardsticks and its errors over all sources.
+struct Measured {
+  double over_yardstick = 0;
+  double mean = 0;
+  double p999 = 0;
+  double max = 0;
+  double lowest = 0;  // the most below the true distance, not positive
+};
+
+void add_errors(const Field& field, std::span<const double> truth, std::size_t sources,
+                Measured& sum) {
+  const Errors errors = errors_of(field.distance, truth);
+  if (errors.unreached + errors.invented != 0) give_up("a vertex is reached by one method only");
+  sum.mean += errors.mean / static_cast<double>(sources);
+  sum.p999 = std::max(sum.p999, errors.p999);
+  sum.max = std::max(sum.max, errors.max);
+  for (std::size_t v = 0; v < truth.size(); ++v) {
+    if (!(truth[v] > 0) || !std::isfinite(truth[v])) continue;
+    sum.lowest = std::min(sum.lowest, field.distance[v] / truth[v] - 1);
+  }
+}
+
+struct MeshRow {
+  Measured automatic, upper, exact;
+  double prepare_over_yardstick = 0;
+  double yardstick_ms = 0;
+  double automatic_ms = 0;
+};
+
+MeshRow measure(const FrontierMesh& mesh, std::size_t source_count) {
+  MeshRow row;
+  const double begun = processor_ms();
+  const Prepared prepared(mesh.soup);
+  const double prepare_ms = processor_ms() - begun;
+  Solver automatic(Method::back_traced, Bound::none);
+  Solver upper(Method::back_traced, Bound::upper);
+  Solver exact(Method::exact, Bound::none);
+  const auto sources = vertices_of(prepared, source_count);
+  std::vector<double> exact_ms;
+  for (const std::uint32_t source : sources) {
+    const double start = processor_ms();
+    const Field truth = exact(prepared, source);
+    exact_ms.push_back(processor_ms() - start);
+    add_errors(automatic(prepared, source), truth.distance, sources.size(), row.automatic);
+    add_errors(upper(prepared, source), truth.distance, sources.size(), row.upper);
+  }
+  // One after the other, so that a machine that slows down does so for all alike.
+  EdgeDijkstra yardstick(prepared.adjacency());
+  std::vector<double> by_auto;
+  std::vector<double> by_upper;
+  std::vector<double> yardstick_ms;
+  std::vector<double> automatic_ms;
+  for (std::size_t round = 0; round < kRounds; ++round) {
+    const std::uint32_t source = sources[round % sources.size()];
+    const double y = processor_ms_of([&] { yardstick.run(source); });
+    const double a = processor_ms_of([&] { (void)automatic(prepared, source); });
+    const double u = processor_ms_of([&] { (void)upper(prepared, source); });
+    yardstick_ms.push_back(y);
+    automatic_ms.push_back(a);
+    by_auto.push_back(a / y);
+    by_upper.push_back(u / y);
+  }
+  row.yardstick_ms = median(yardstick_ms);
+  row.automatic_ms = median(automatic_ms);
+  row.automatic.over_yardstick = median(by_auto);
+  row.upper.over_yardstick = median(by_upper);
+  row.exact.over_yardstick = median(exact_ms) / row.yardstick_ms;
+  row.prepare_over_yardstick = prepare_ms / row.yardstick_ms;
+  return row;
+}
+
+void print_default(const FrontierMesh& mesh, const MeshRow& row) {
+  const Measured& m = row.automatic;
+  const Aim& aim = mesh.aim;
+  std::printf("| %s | %.4f %% | %.4f %% | %s | %.2f | %.1f | %s | %.3f %% | %s | %.2f %% | %s |\n",
+              mesh.title.c_str(), 100 * m.mean, 100 * aim.mean, verdict(m.mean <= aim.mean),
+              m.over_yardstick, aim.over_yardstick, verdict(m.over_yardstick <= aim.over_yardstick),
+              100 * m.p999, verdict(m.p999 < 0.002), 100 * m.max, verdict(m.max < 0.01));
+  std::fflush(stdout);
+}
+
+void print_upper(const FrontierMesh& mesh, const MeshRow& row) {
+  const Measured& m = row.upper;
+  std::printf("| %s | %.4f %% | %s | %.2f | %s | %.0e | %s |\n", mesh.title.c_str(), 100 * m.mean,
+              verdict(m.mean <= 0.00016), m.over_yardstick, verdict(m.over_yardstick <= 2.2),
+              -m.lowest, verdict(-m.lowest <= kRightBelow));
+}
+
+void print_exact(const FrontierMesh& mesh, const MeshRow& row) {
+  std::printf("| %s | %.1f | %.0f | %s | %.1f | %s |\n", mesh.title.c_str(),
+              row.exact.over_yardstick, mesh.aim.exact,
+              verdict(row.exact.over_yardstick <= mesh.aim.exact), row.prepare_over_yardstick,
+              verdict(row.prepare_over_yardstick <= 6));
+}
+
+// Row 7: paths by the default's field against the exact distances.
+void print_paths(const FrontierMesh& mesh, std::size_t sources, std::size_t targets) {
+  const Prepared prepared(mesh.soup);
+  Solver automatic(Method::back_traced, Bound::none);
+  Solver exact(Method::exact, Bound::none);
+  const auto vertices = vertices_of(prepared, sources * (targets + 1));
+  double longer = 0;
+  std::size_t much_longer = 0;
+  std::size_t pairs = 0;
+  std::vector<double> ms;
+  for (std::size_t s = 0; s < sources; ++s) {
+    const std::uint32_t source = vertices[s];
+    const Field truth = exact(prepared, source);
+    const Field field = automatic(prepared, source);
+    for (std::size_t t = 0; t < targets; ++t) {
+      const std::uint32_t target = vertices[sources + s * targets + t];
+      if (!(truth.distance[target] > 0) || truth.distance[target] == kUnreached) continue;
+      std::optional<Path> path;
+      ms.push_back(processor_ms_of([&] {
+        path =
+            trace_path(prepared.adjacency(), field, point_at_vertex(prepared.adjacency(), target));
+        if (!path) give_up("no path where there is a distance");
+        auto refined = shorten_path(prepared.adjacency(), *path, Cancel());
+        if (!refined) give_up(refined.error().detail);
+        path = std::move(*refined);
+      }));
+      const double off = path->length / truth.distance[target] - 1;
+      longer += off;
+      if (off > 1e-3) ++much_longer;
+      ++pairs;
+    }
+  }
+  const auto count = static_cast<double>(pairs);
+  const double share = static_cast<double>(much_longer) / count;
+  std::printf("| %s | %zu | %.4f %% | %s | %.2f %% | %s | %.3f | %s |\n", mesh.title.c_str(), pairs,
+              100 * longer / count, verdict(longer / count <= 5e-5), 100 * share,
+              verdict(share < 0.01), median(ms), verdict(median(ms) < 0.3));
+  std::fflush(stdout);
+}
+
+// Row 9: the same traces with each kind of instructions that this processor has.
+void print_vectors() {
+  const Prepared prepared(shapes::icosphere(6));
+  Solver exact(Method::exact, Bound::none);
+  const Field field = exact(prepared, 0);
+  const Triangulation faces = prepared.adjacency().delaunay();
+  std::vector<TraceLanes> batches;
+  for (std::uint32_t f = 0; f < faces.faces.size(); ++f) {
+    if (f % TraceLanes::kLanes == 0) batches.emplace_back();
+    const FaceRecord& face = faces.faces[f];
+    std::uint32_t c = 0;  // the farthest corner, as a front has it
+    for (std::uint32_t i = 1; i < 3; ++i) {
+      if (field.distance[face.vertex[i]] > field.distance[face.vertex[c]]) c = i;
+    }
+    const double length = std::sqrt(face.length2(c));
+    const Vec2 right{length, 0};
+    const Vec2 left{face.dot[c] / length, face.area2 / length};
+    batches.back().set(batches.back().count++,
+                       {halfedge(f, next_corner(c)), face.vertex[next_corner(c)],
+                        face.vertex[previous_corner(c)], right, left, 0.5 * (right + left)},
+                       kUnreached);
+  }
+  const auto ns = [&](Vectors vectors) {
+    std::vector<double> ms;
+    for (std::size_t round = 0; round < kRounds; ++round) {
+      ms.push_back(processor_ms_of([&] {
+        for (TraceLanes batch : batches) {
+          trace_lanes(faces, field.distance, BackTrace::Takes::virtual_sources, vectors, batch);
+        }
+      }));
+    }
+    return 1e6 * median(ms) / static_cast<double>(faces.faces.size());
+  };
+  const double plain = ns(Vectors::plain);
+  const double best = ns(best_vectors());
+  const char* name = best_vectors() == Vectors::avx512 ? "AVX-512"
+                     : best_vectors() == Vectors::avx2 ? "AVX2"
+                                                       : "none";
+  std::printf(
+      "\n### 9. Lanes\n\nA trace takes %.0f ns with this processor's vectors (%s), %.0f ns with "
+      "its "
+      "plain ones: %.2f times, at most 2.5: %s. Results have the same bits (core_tests).\n",
+      best, name, plain, plain / best, verdict(plain <= 2.5 * best));
+}
+
+}  // namespace
+
+void print_frontier(const FrontierOptions& options) {
+  const std::vector<FrontierMesh> meshes = frontier_meshes(options.quick);
+  std::vector<MeshRow> rows;
+  std::puts(
+      "### 1. The default, `method=auto`\n\n"
+      "y: times of the textbook edge Dijkstra.\n\n"
+      "| mesh | mean error | aim | | y | aim | | 99.9th percentile | below 0.2 % | maximum | "
+      "below 1 % |\n|---|--:|--:|---|--:|--:|---|--:|---|--:|---|");
+  for (const FrontierMesh& mesh : meshes) {
+    const std::size_t sources = mesh.large ? 1 : options.quick ? 2 : 5;
+    rows.push_back(measure(mesh, sources));
+    print_default(mesh, rows.back());
+  }
+  std::puts(
+      "\n### 2. `bound=upper`\n\n| mesh | mean error | at most 0.016 % | y | at most 2.2 | most "
+      "below the truth | 1e-9 |\n|---|--:|---|--:|---|--:|---|");
+  for (std::size_t i = 0; i < meshes.size(); ++i) print_upper(meshes[i], rows[i]);
+  std::puts(
+      "\n### 4 and 5. `exact`, and preparing\n\n| mesh | exact, y | aim | | weld, connect, order "
+      "and cut, y | at most 6 |\n|---|--:|--:|---|--:|---|");
+  for (std::size_t i = 0; i < meshes.size(); ++i) print_exact(meshes[i], rows[i]);
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    if (!meshes[i].shuffles_previous) continue;
+    const double ratio = rows[i].automatic_ms / rows[i - 1].automatic_ms;
+    std::printf("\nShuffled, a query takes %.2f times as long as in order, at most 1.1: %s.\n",
+                ratio, verdict(ratio <= 1.1));
+  }
+  std::puts(
+      "\n### 7. Paths by the default's field, refined\n\n| mesh | pairs | longer than the shortest "
+      "| at most 0.005 % | longer by 0.1 % | in less than 1 % | ms, median | below 0.3 "
+      "|\n|---|--:|--:|---|--:|---|--:|---|");
+  for (const FrontierMesh& mesh : meshes) {
+    if (mesh.is_scan) print_paths(mesh, options.quick ? 5 : 20, options.quick ? 20 : 50);
+  }
+  print_vectors();
+  std::puts(
+      "\n### 10. Fields\n\n8 bytes a vertex, without parents: at most 16, yes; 4 without parents: "
+      "**no**.\n\nRows 3 (`tolerance`), 6 (one pair without a field) and 8 (tables on all cores) "
+      "are "
+      "not offered: **no**.");
+}
+
+}  // namespace geodesic::bench

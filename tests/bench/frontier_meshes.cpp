@@ -1,0 +1,43 @@
+#include "tests/bench/frontier_meshes.h"
+
+#include <utility>
+
+#include "core/shapes.h"
+#include "tests/bench/subjects.h"
+
+namespace geodesic::bench {
+namespace {
+
+constexpr Aim kScan{2e-4, 2, 25};
+constexpr Aim kSphere{2e-4, 2, 50};
+constexpr Aim kStretched{3e-4, 2.5, 25};
+constexpr Aim kBumpy{5e-4, 3, 25};
+constexpr Aim kSlivers{2e-3, 3, 50};
+
+}  // namespace
+
+std::vector<FrontierMesh> frontier_meshes(bool quick) {
+  std::vector<FrontierMesh> meshes;
+  for (Subject& scan : scanned_subjects()) {
+    FrontierMesh stretch{scan.title + ", stretched", stretched(scan.soup, 8), kStretched};
+    meshes.push_back({scan.title, std::move(scan.soup), kScan, true});
+    meshes.push_back(std::move(stretch));
+  }
+  meshes.push_back({"icosphere of 163,842", shapes::icosphere(7), kSphere});
+  meshes.push_back({"terrain of 90,000", shapes::terrain(300, 20, 1), kBumpy});
+  // 0.003 by 0.5: 160 times as long as wide.
+  meshes.push_back({"cylinder of slivers", cylinder(2000, 20, 10), kSlivers});
+  const Holes holes = holes_of_the_paper(Scale::full);
+  meshes.push_back(
+      {"plane with holes", shapes::plane_with_holes(holes.side, holes.side, holes.three), kScan});
+  if (quick) return meshes;
+  meshes.push_back({"icosphere of 655,362", shapes::icosphere(8), kSphere, false, true});
+  FrontierMesh million{"terrain of 1,000,000", shapes::terrain(1000, 20, 1), kBumpy, false, true};
+  FrontierMesh other{
+      "the same, shuffled", shapes::shuffled(million.soup, 1), kBumpy, false, true, true};
+  meshes.push_back(std::move(million));
+  meshes.push_back(std::move(other));
+  return meshes;
+}
+
+}  // namespace geodesic::bench

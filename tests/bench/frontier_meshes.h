@@ -1,0 +1,30 @@
+// The meshes that the engine's frontier is measured on, and what it aims at on each.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/triangle_soup.h"
+
+namespace geodesic::bench {
+
+struct Aim {
+  double mean;            // of the default's relative error
+  double over_yardstick;  // of the default's time
+  double exact;           // of exact's time
+};
+
+struct FrontierMesh {
+  std::string title;
+  TriangleSoup soup;
+  Aim aim;
+  bool is_scan = false;
+  bool large = false;              // half a million vertices or more
+  bool shuffles_previous = false;  // the mesh before it, in another order
+};
+
+// With the scans, where the shared folder is there; says on stderr where not. `quick`:
+// those of at most 200,000 vertices.
+[[nodiscard]] std::vector<FrontierMesh> frontier_meshes(bool quick);
+
+}  // namespace geodesic::bench
