@@ -52,6 +52,10 @@ Result<std::vector<Vec3>> positions_of(const draco::Mesh& mesh,
           static_cast<std::size_t>(attribute.byte_offset()) + values * stride) {
     return fail(ErrorCode::mesh_invalid, "The Draco positions are not complete.");
   }
+  // Draco would read any byte as a bool, which is undefined; and no position is one.
+  if (attribute.data_type() == draco::DT_BOOL) {
+    return fail(ErrorCode::mesh_invalid, "The Draco positions are of a type that is not known.");
+  }
   const bool is_float = attribute.data_type() == draco::DT_FLOAT32;
   // ConvertValue divides by it only when the bitstream says so.
   const double scale =
