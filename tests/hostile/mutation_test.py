@@ -26,9 +26,9 @@ DEADLINE = 5.0  # seconds
 SMALL = 200_000
 CLIENTS = 2
 # Budgets so small that they are used up before memory is measured for the first time.
-FLAGS = ["--store-max-bytes", "8MiB", "--store-when-full", "evict", "--mesh-cache-bytes", "8MiB"]
-FLAGS += ["--adjacency-cache-bytes", "16MiB", "--field-cache-bytes", "8MiB"]
-FLAGS += ["--reply-cache-bytes", "4MiB", "--log-level", "error"]
+FLAGS = ["--store-max-bytes", "2MiB", "--store-when-full", "evict", "--mesh-cache-bytes", "256KiB"]
+FLAGS += ["--adjacency-cache-bytes", "512KiB", "--field-cache-bytes", "256KiB"]
+FLAGS += ["--reply-cache-bytes", "256KiB", "--log-level", "error"]
 
 
 def damaged(file, others, chance):
@@ -144,7 +144,7 @@ def main():
         for name, data in files.items():
             sound.upload(data, name)
         good = sound.by_status.get(201, 0) + sound.by_status.get(200, 0)
-        storm(service, files, max(count // 10, 10), "warming up")
+        storm(service, files, max(count // 10, 30), "warming up")
         before = resident(service)
         begun = time.monotonic()
         clients = storm(service, files, count, "in earnest")
