@@ -10,6 +10,7 @@
 #include "proto/decode_ply.h"
 #include "proto/decode_stl.h"
 #include "proto/draco_codec.h"
+#include "proto/one_part.h"
 #include "proto/ply_header.h"
 
 namespace geodesic::proto {
@@ -21,14 +22,7 @@ Result<DecodedMesh> decode_drc(std::span<const std::byte> bytes, const DecodeLim
   if (soup->faces.empty()) {
     return fail(ErrorCode::no_triangles, "The Draco data has no triangles.");
   }
-  DecodedMesh mesh;
-  mesh.format = MeshFormat::drc;
-  MeshPart part;
-  part.vertex_count = soup->positions.size();
-  part.face_count = soup->faces.size();
-  mesh.parts.push_back(std::move(part));
-  mesh.soup = std::move(*soup);
-  return mesh;
+  return mesh_of_one_part(MeshFormat::drc, std::move(*soup));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "proto/one_part.h"
 #include "proto/polygon_soup.h"
 #include "proto/text_tokens.h"
 
@@ -31,14 +32,7 @@ class ObjReader {
     Findings findings = std::move(findings_);
     auto soup = std::move(soup_).triangulated(findings);
     if (!soup) return fail(std::move(soup.error()));
-    DecodedMesh mesh;
-    mesh.format = MeshFormat::obj;
-    MeshPart part;
-    part.name = name_;
-    part.vertex_count = soup->positions.size();
-    part.face_count = soup->faces.size();
-    mesh.parts.push_back(std::move(part));
-    mesh.soup = std::move(*soup);
+    DecodedMesh mesh = mesh_of_one_part(MeshFormat::obj, std::move(*soup), name_);
     mesh.findings = findings.done();
     return mesh;
   }

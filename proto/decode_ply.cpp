@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "proto/one_part.h"
 #include "proto/ply_header.h"
 #include "proto/polygon_soup.h"
 #include "proto/text_tokens.h"
@@ -223,13 +224,7 @@ Result<DecodedMesh> decode_ply(std::span<const std::byte> bytes, const DecodeLim
                   : PlyReader(BinaryValues(data, header->encoding != native), limits)
                         .run(*header, findings);
   if (!soup) return fail(std::move(soup.error()));
-  DecodedMesh mesh;
-  mesh.format = MeshFormat::ply;
-  MeshPart part;
-  part.vertex_count = soup->positions.size();
-  part.face_count = soup->faces.size();
-  mesh.parts.push_back(std::move(part));
-  mesh.soup = std::move(*soup);
+  DecodedMesh mesh = mesh_of_one_part(MeshFormat::ply, std::move(*soup));
   mesh.findings = findings.done();
   return mesh;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "proto/one_part.h"
 #include "proto/text_tokens.h"
 
 namespace geodesic::proto {
@@ -153,14 +154,7 @@ Result<DecodedMesh> decode_stl(std::span<const std::byte> bytes, const DecodeLim
   for (std::uint32_t f = 0; f < soup->faces.size(); ++f) {
     soup->faces[f] = {3 * f, 3 * f + 1, 3 * f + 2};
   }
-  DecodedMesh mesh;
-  mesh.format = MeshFormat::stl;
-  MeshPart part;
-  part.vertex_count = soup->positions.size();
-  part.face_count = soup->faces.size();
-  mesh.parts.push_back(std::move(part));
-  mesh.soup = std::move(*soup);
-  return mesh;
+  return mesh_of_one_part(MeshFormat::stl, std::move(*soup));
 }
 
 }  // namespace geodesic::proto

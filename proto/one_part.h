@@ -1,0 +1,25 @@
+// The mesh of a file that knows no parts: one part, which is all of it.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "core/triangle_soup.h"
+#include "proto/decode_mesh.h"
+
+namespace geodesic::proto {
+
+[[nodiscard]] inline DecodedMesh mesh_of_one_part(MeshFormat format, TriangleSoup soup,
+                                                  std::string name = {}) {
+  DecodedMesh mesh;
+  mesh.format = format;
+  MeshPart part;
+  part.name = std::move(name);
+  part.vertex_count = soup.positions.size();
+  part.face_count = soup.faces.size();
+  mesh.parts.push_back(std::move(part));
+  mesh.soup = std::move(soup);
+  return mesh;
+}
+
+}  // namespace geodesic::proto
