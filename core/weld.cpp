@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/mesh.h"
+#include "core/polled_sort.h"
 
 namespace geodesic {
 namespace {
@@ -27,11 +28,13 @@ struct Cell {
 // tolerance apart, so chains are short.
 class Stayed {
  public:
-  Stayed(const std::vector<Vec3>& positions, double width) : width_(width) {
+  // Of no use if the poll says to stop.
+  Stayed(const std::vector<Vec3>& positions, double width, Poll& poll) : width_(width) {
     cells_.reserve(positions.size());
     for (const Vec3& p : positions) cells_.push_back(cell_of(p));
-    std::sort(cells_.begin(), cells_.end(),
-              [](const Cell& a, const Cell& b) { return std::is_lt(a <=> b); });
+    std::vector<Cell> spare;
+    polled_sort(cells_, 0, cells_.size(), is_before, spare, poll);
+    if (poll.stopped()) return;
     cells_.erase(std::unique(cells_.begin(), cells_.end()), cells_.end());
     first_.assign(cells_.size(), kNobody);
     next_.resize(positions.size());
@@ -65,14 +68,13 @@ class Stayed {
   }
 
  private:
+  static bool is_before(const Cell& a, const Cell& b) { return std::is_lt(a <=> b); }
   [[nodiscard]] Cell cell_of(Vec3 p) const {
     return {std::floor(p.x / width_), std::floor(p.y / width_), std::floor(p.z / width_)};
   }
   // Its place, or the end when no vertex is in it.
   [[nodiscard]] std::size_t find(const Cell& cell) const {
-    const auto it =
-        std::lower_bound(cells_.begin(), cells_.end(), cell,
-                         [](const Cell& a, const Cell& b) { return std::is_lt(a <=> b); });
+    const auto it = std::lower_bound(cells_.begin(), cells_.end(), cell, is_before);
     if (it == cells_.end() || !(*it == cell)) return cells_.size();
     return static_cast<std::size_t>(it - cells_.begin());
   }
@@ -91,11 +93,11 @@ Result<std::uint64_t> weld_within(TriangleSoup& soup, double tolerance, const Ca
     return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= Mesh::kMaxCoordinate;
   };
   if (!std::all_of(soup.positions.begin(), soup.positions.end(), is_usable)) return 0;
-  Stayed stayed(soup.positions, 2 * tolerance);
   Poll poll(cancel);
+  Stayed stayed(soup.positions, 2 * tolerance, poll);
   std::uint64_t moved = 0;
   for (std::size_t i = 0; i < soup.positions.size(); ++i) {
-    if (poll.cancelled(i, soup.positions.size())) {
+    if (poll.stopped() || poll.cancelled(i, soup.positions.size())) {
       return fail(ErrorCode::cancelled, "welding was told to stop");
     }
     Vec3& p = soup.positions[i];

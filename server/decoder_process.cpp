@@ -25,6 +25,10 @@ namespace {
 
 constexpr std::size_t kMostOrder = 65536;
 
+std::string_view number_bytes(const std::uint64_t& number) {
+  return {reinterpret_cast<const char*>(&number), sizeof(number)};
+}
+
 // Memory of a file, until the process ends.
 std::span<std::byte> mapped(int fd, std::size_t size, int protection, int flags) {
   void* data = ::mmap(nullptr, size, protection, flags, fd, 0);
@@ -56,7 +60,7 @@ bool hand_over(const Decoded& decoded, int frame_fd, int reply) {
   const auto frame = mapped(frame_fd, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE);
   if (frame.empty()) return false;
   write_frame(decoded, frame);
-  return send_message(reply, {reinterpret_cast<const char*>(&size), sizeof(size)});
+  return send_message(reply, number_bytes(size));
 }
 
 // In the copy. The kernel sends SIGIO, which ends a process, once the other end of the
@@ -101,8 +105,9 @@ int run_decoder_process(Decode& decode) {
   if (!proto::decode_mesh(square, {})) return 1;
   while (const auto message = receive_message(kDecoderSocket, kMostOrder)) {
     if (message->fds.size() != 3) continue;
-    // If there can be no copy, its server sees the socket for the reply closed.
-    if (::fork() != 0) continue;
+    const pid_t copy = ::fork();
+    if (copy < 0) (void)send_message(message->fds[2].get(), number_bytes(kNoCopy));
+    if (copy != 0) continue;
     ::close(kDecoderSocket);
     serve(*message, decode, confinement);
     ::_exit(0);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string_view>
 
@@ -15,6 +16,8 @@ namespace geodesic::server {
 // The argument that a program starts with to be one, and where it then finds its socket.
 inline constexpr std::string_view kDecoderArgument = "--decoder-process";
 inline constexpr int kDecoderSocket = 3;
+// Told in place of a frame's size when no copy could be made.
+inline constexpr std::uint64_t kNoCopy = 0;
 
 // Whether these are the arguments of a decoder process: to be asked before anything else
 // in `main`, which then returns what `run_decoder_process` does.

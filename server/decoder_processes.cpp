@@ -40,12 +40,18 @@ bool write_all(int fd, std::string_view bytes) {
   return true;
 }
 
+// Whether all of a file has been written to: holes would cost memory only who reads.
+bool is_without_holes(const struct stat& about) {
+  constexpr off_t kBlock = 512;  // stat's unit, whatever the file's own
+  return about.st_blocks >= about.st_size / kBlock;
+}
+
 // What a decoder has left in its file. Nothing that it still does can take memory away
 // under whoever reads here.
 std::optional<Decoded> frame_in(int fd) {
   struct stat about {};
   if (::fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW) != 0 || ::fstat(fd, &about) != 0 ||
-      about.st_size <= 0) {
+      about.st_size <= 0 || !is_without_holes(about)) {
     return std::nullopt;
   }
   const auto size = static_cast<std::size_t>(about.st_size);
@@ -54,6 +60,15 @@ std::optional<Decoded> frame_in(int fd) {
   auto decoded = read_frame({static_cast<const std::byte*>(data), size});
   ::munmap(data, size);
   return decoded;
+}
+
+tl::unexpected<Error> no_process() {
+  return fail(ErrorCode::overloaded, "there is no process to decode the file");
+}
+
+bool says_no_copy(std::string_view answer) {
+  return answer.size() == sizeof(kNoCopy) &&
+         std::memcmp(answer.data(), &kNoCopy, sizeof(kNoCopy)) == 0;
 }
 
 std::uint64_t memory_for(std::size_t file_bytes, std::uint64_t most) {
@@ -156,9 +171,6 @@ bool DecoderProcesses::send(std::string_view order, int file, int frame, int rep
 
 Decoded DecoderProcesses::decode(std::string_view bytes, const proto::DecodeLimits& limits,
                                  const proto::ImportOptions& options, const Caller& caller) {
-  const auto no_process = [] {
-    return fail(ErrorCode::overloaded, "there is no process to decode the file");
-  };
   const Running running(running_);
   const Limits own = this->limits();
   const UniqueFd file = memory_file("mesh");
@@ -199,6 +211,10 @@ std::optional<Decoded> DecoderProcesses::wait(int reply, int frame, const Limits
     }
   }
   const auto answer = receive_message(reply, sizeof(std::uint64_t));
+  if (answer && says_no_copy(answer->bytes)) {
+    spdlog::error("no decoder process: the one that waits for files cannot fork");
+    return no_process();
+  }
   auto decoded = answer ? frame_in(frame) : std::nullopt;
   if (decoded) ++(*decoded ? decoded_ : refused_);
   return decoded;

@@ -87,6 +87,7 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const proto::Imp
         if (!described) return fail(std::move(described.error()));
         auto complete = proto::with_state(described->description, true, true);
         if (!complete) return fail(std::move(complete.error()));
+        if (caller()) return fail(caller.why_stopped());  // from here on it is stored whole
         // Not in a compute slot: a slow store must not keep queries from theirs.
         if (auto put = store_.put(id, bytes, described->description); !put) {
           return fail(std::move(put.error()));

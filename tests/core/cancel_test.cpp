@@ -20,6 +20,7 @@
 #include "core/solve_field.h"
 #include "core/steiner_path.h"
 #include "core/trace_path.h"
+#include "core/weld.h"
 #include "core/window_table.h"
 
 using namespace geodesic;
@@ -103,6 +104,8 @@ std::vector<Named> all_computations() {
     all.push_back({name, solving(method, {one})});
     all.push_back({name + std::string(" from two"), solving(method, two)});
   }
+  all.push_back({"auto", solving(Method::back_traced, {one})});
+  all.push_back({"auto from two", solving(Method::back_traced, two)});
   // As much as the exact ones do of so many vertices in a second.
   all.push_back({"exact", solving(Method::exact, {one}, 60)});
   all.push_back({"exact from two", solving(Method::exact, two, 30)});
@@ -114,6 +117,10 @@ std::vector<Named> all_computations() {
   all.push_back({"mesh", [](const Cancel& cancel) {
                    static const TriangleSoup soup = shapes::terrain(200, 6, 3);
                    return without_value(Mesh::build(soup, Weld::by_position, cancel));
+                 }});
+  all.push_back({"welding", [](const Cancel& cancel) {
+                   TriangleSoup soup = shapes::terrain(200, 6, 3);
+                   return without_value(weld_within(soup, 0.1, cancel));
                  }});
   all.push_back({"closest points", [](const Cancel& cancel) {
                    static const auto adjacency =
@@ -230,6 +237,11 @@ TEST_CASE("PreparationsAskAsOften") {
   REQUIRE(Mesh::build(shapes::terrain(200, 6, 3), Weld::by_position, mesh.cancel()));
   // Faces are gone through four times; vertices four times, and sorted.
   CHECK(mesh.asked >= (4 * face_count() + 7 * vertex_count()) / kMost - 12);
+  Listener welding;
+  TriangleSoup soup = shapes::terrain(200, 6, 3);
+  REQUIRE(weld_within(soup, 0.1, welding.cancel()));
+  // Gone through once, sorted in runs that are then merged.
+  CHECK(welding.asked >= 2 * vertex_count() / kMost - 2);
   Listener index;
   REQUIRE(ClosestPointIndex::build(
       std::make_shared<const Adjacency>(Adjacency::build(terrain().mesh)), index.cancel()));

@@ -27,6 +27,7 @@ class Service:
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="load_"))
         self.port = self.admin_port = 0
         self.mesh = {}
+        self._run_ns = {}  # by process and thread, of those that have ended too
 
     def __enter__(self):
         command = [self._build / "geodesicd", "--listen", "127.0.0.1:0"]
@@ -90,6 +91,23 @@ class Service:
         """A number of /proc, such as Threads or VmRSS (in kB)."""
         status = pathlib.Path(f"/proc/{self._process.pid}/status").read_text(encoding="utf-8")
         return int(next(line for line in status.splitlines() if line.startswith(name)).split()[1])
+
+    def processor_seconds(self):
+        """What its threads and those of its decoders have taken since this was first asked."""
+        for process in self._processes():
+            for task in pathlib.Path(f"/proc/{process}/task").glob("*/schedstat"):
+                with contextlib.suppress(OSError, ValueError):  # it may end meanwhile
+                    self._run_ns[process, task.parent.name] = int(task.read_text().split()[0])
+        return sum(self._run_ns.values()) / 1e9
+
+    def _processes(self):
+        """It and all below it."""
+        found = [str(self._process.pid)]
+        for process in found:
+            for children in pathlib.Path(f"/proc/{process}/task").glob("*/children"):
+                with contextlib.suppress(OSError):
+                    found += children.read_text().split()
+        return found
 
 
 def quantile(values, share):

@@ -110,7 +110,7 @@ TEST_CASE("AFilesFaultIsToldAsInThisProcess") {
 
 TEST_CASE("WhateverADecoderDoesItDoesToItself") {
   const auto processes = started(short_limits());
-  std::vector<std::string_view> deeds{"crash", "end"};
+  std::vector<std::string_view> deeds{"crash", "end", "hole"};
   // Sanitizers need system calls of their own, so nothing is confined with them.
   if (Confinement::can_confine()) {
     for (const char* deed : {"open", "connect", "fork", "run", "kill", "code"}) {
@@ -209,6 +209,16 @@ TEST_CASE("AProgramThatIsNoDecoderIsFoundOutAtTheStart") {
     CHECK(processes.error().code == ErrorCode::internal);
     CHECK(processes.error().detail.find("--decoder in-process") != std::string::npos);
   }
+}
+
+TEST_CASE("WhereNoProcessCanBeMadeTheFileIsNotToBlame") {
+  const auto name = std::filesystem::temp_directory_path() /
+                    ("geodesicd_" + std::to_string(::getpid()) + "_without-fork");
+  std::filesystem::create_symlink(ROGUE_DECODER, name);
+  const auto processes = DecoderProcesses::start(name, short_limits());
+  std::filesystem::remove(name);
+  REQUIRE_FALSE(processes);
+  CHECK(processes.error().detail.find("no process to decode") != std::string::npos);
 }
 
 TEST_CASE("FramesSurviveTheWay") {

@@ -1,0 +1,120 @@
+#!/usr/bin/env python3
+"""stops.py BUILD: how much a server still computes for a client that has hung up.
+
+Each kind of work is begun on a terrain of a million vertices and its client closes the
+connection at some moment; then counts the processor time that the server and its decoders
+still take until they rest. That is what a stop costs others, and it does not depend on who
+else uses the machine. Exit status 1 if any took more than 50 ms."""
+
+import argparse
+import http.client
+import json
+import pathlib
+import random
+import sys
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+from decoder_overhead import grid  # noqa: E402
+from service import Checks, Service, describe  # noqa: E402
+
+BOUND_MS = 50.0
+REST = 0.1  # seconds without work that count as rest
+
+
+def begin(port, method, target, body=None):
+    """Sends a request and leaves its reply alone."""
+    connection = http.client.HTTPConnection("127.0.0.1", port)
+    connection.request(method, target, body)
+    return connection
+
+
+def until_at_rest(service):
+    """The processor time that is taken until there is a while without any."""
+    begun = last = service.processor_seconds()
+    resting_since = time.monotonic()
+    while time.monotonic() - resting_since < REST:
+        time.sleep(0.01)
+        now = service.processor_seconds()
+        if now - last > 2e-4:  # more than threads that look for news
+            resting_since = time.monotonic()
+        last = now
+    return last - begun
+
+
+def stops(service, work, rounds, longest):
+    """Processor times by when it was hung up: moments spread over `longest` seconds."""
+    times = {}
+    for turn in range(rounds):
+        method, target, body = work(turn)
+        connection = begin(service.port, method, target, body)
+        moment = longest * (turn + random.random()) / rounds
+        time.sleep(moment)
+        connection.close()
+        times[moment] = until_at_rest(service)
+    return times
+
+
+def took(service, work):
+    """How long the whole work takes when nobody hangs up."""
+    method, target, body = work(0)
+    begun = time.perf_counter()
+    connection = begin(service.port, method, target, body)
+    reply = connection.getresponse()
+    text = reply.read()
+    if reply.status >= 400:
+        raise RuntimeError(f"{target}: {reply.status}: {text[:500]!r}")
+    return time.perf_counter() - begun
+
+
+def kinds_of_work(mesh, side):
+    """Name, and what to ask for in a turn; each turn's is new to the server."""
+
+    def uploaded(query):
+        return lambda turn: ("POST", "/v1/meshes" + query, grid(side, 0.05 + 1e-4 * turn))
+
+    def asked(what, query):
+        def work(turn):
+            vertex = (turn * 7919 + 12345) % (side * side)
+            return "GET", f"/v1/meshes/{mesh}/{what}?from=v:{vertex}&{query}", None
+
+        return work
+
+    yield "upload", uploaded("?up=z"), None
+    yield "upload, welded within", uploaded("?weld=0.01"), None
+    for name in ("dijkstra", "wavefront", "auto", "novotni", "fast_marching", "steiner"):
+        yield name, asked("distance", f"format=f32&method={name}"), None
+    yield "exact", asked("distance", "format=f32&method=exact"), 10
+    yield "chen_han", asked("distance", "format=f32&method=chen_han"), 10
+    yield "path", asked("path", f"to=v:{side * side - 1}"), None
+    yield "isolines", asked("isolines", "count=50"), None
+
+
+def main():
+    """Prints a line a kind of work."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("build", type=pathlib.Path)
+    parser.add_argument("--rounds", type=int, default=12)
+    parser.add_argument("--side", type=int, default=1000, help="side of the terrain")
+    parser.add_argument("--only", help="one kind of work")
+    parser.add_argument("--within", type=float, help="seconds, in place of the whole work's")
+    args = parser.parse_args()
+    random.seed(4)
+    checks = Checks()
+    with Service(args.build, "--field-cache-bytes", "0") as service:
+        connection = begin(service.port, "POST", "/v1/meshes", grid(args.side, 0.05))
+        mesh = json.load(connection.getresponse())["id"]
+        for name, work, most in kinds_of_work(mesh, args.side):
+            if args.only not in (None, name):
+                continue
+            longest = args.within or most or took(service, work)
+            times = stops(service, work, args.rounds, longest)
+            worst = max(times, key=times.get)
+            print(f"{name}, hung up within {longest:.2f} s: {describe(list(times.values()))}")
+            checks.at_most(f"  at most, after {worst:.3f} s", 1000 * times[worst], BOUND_MS)
+    sys.exit(1 if checks.failed else 0)
+
+
+if __name__ == "__main__":
+    main()
