@@ -13,8 +13,9 @@ constexpr std::size_t max_chosen_name_bytes = 512;
 constexpr double least_scale = 1e-30;
 constexpr double most_scale = 1e30;
 
-tl::unexpected<Error> wrong(const char* parameter, const char* detail) {
-  return fail(ErrorCode::bad_syntax, detail, parameter);
+tl::unexpected<Error> wrong(const char* parameter, const char* detail,
+                            ErrorCode code = ErrorCode::bad_syntax) {
+  return fail(code, detail, parameter);
 }
 
 bool is_utf8(const std::string& text) {
@@ -45,9 +46,11 @@ Result<void> read_weld(Parameters& parameters, ImportOptions& options) {
     return {};
   }
   const auto tolerance = parse_finite(**text);
-  const bool good = tolerance && (*tolerance == 0 || (*tolerance >= Mesh::kMinCoordinate &&
-                                                      *tolerance <= Mesh::kMaxCoordinate));
-  if (!good) return wrong("weld", "a length in mesh units, or `off`, is wanted");
+  if (!tolerance) return wrong("weld", "a length in mesh units, or `off`, is wanted");
+  if (*tolerance != 0 &&
+      !(*tolerance >= Mesh::kMinCoordinate && *tolerance <= Mesh::kMaxCoordinate)) {
+    return wrong("weld", "nothing is welded over such a length", ErrorCode::value_out_of_range);
+  }
   options.weld_tolerance = *tolerance + 0.0;  // -0 is 0
   return {};
 }
@@ -71,14 +74,15 @@ Result<ImportOptions> read_import_options(Parameters& parameters) {
     } else if (**up == "z") {
       options.up = UpAxis::z;
     } else if (**up != "y") {
-      return wrong("up", "the axis x, y or z is wanted");
+      return wrong("up", "the axis x, y or z is wanted", ErrorCode::value_out_of_range);
     }
   }
   const auto scale = parameters.number("scale");
   if (!scale) return fail(scale.error());
   if (*scale) {
     if (!(**scale >= least_scale && **scale <= most_scale)) {
-      return wrong("scale", "a positive factor from 1e-30 to 1e30 is wanted");
+      return wrong("scale", "a positive factor from 1e-30 to 1e30 is wanted",
+                   ErrorCode::value_out_of_range);
     }
     options.scale = **scale;
   }

@@ -289,7 +289,13 @@ struct Metrics::Families {
     return routes.emplace(std::tuple(std::move(by), std::move(where), status), made).first->second;
   }
   std::mutex routes_mutex;
-  std::map<std::tuple<std::string, std::string, int>, PerRoute, std::less<>> routes;
+  // As std::less<>, which Clang 14 does not find for tuples of different types.
+  struct Before {
+    using is_transparent = void;
+    static std::tuple<std::string_view, std::string_view, int> view(const auto& key) { return key; }
+    bool operator()(const auto& a, const auto& b) const { return view(a) < view(b); }
+  };
+  std::map<std::tuple<std::string, std::string, int>, PerRoute, Before> routes;
 
   Cache cache(const char* name) {
     const prometheus::Labels labels{{"cache", name}};

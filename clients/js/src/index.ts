@@ -30,4 +30,10 @@ export type { OneOrMore, Point, Source } from './points.js';
 export type * from './queries.js';
 export { parseTiming, type BareArray, type ToldFrame } from './replies.js';
 export type { Call, Reply } from './transport.js';
-export { digestOf, type MeshData, type UploadJobOptions, type UploadOptions } from './upload.js';
+export {
+  digestOf,
+  type MeshData,
+  type Reading,
+  type UploadJobOptions,
+  type UploadOptions,
+} from './upload.js';

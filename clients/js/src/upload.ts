@@ -13,7 +13,22 @@ import { senderWithProgress } from './upload_progress.js';
 /** The bytes of a `.glb`, `.gltf` with embedded data, `.drc`, `.obj`, `.ply` or `.stl`. */
 export type MeshData = Blob | ArrayBuffer | Uint8Array;
 
+/** How a file is to be read. The same file read in two ways is two meshes. */
+export interface Reading {
+  /** Of a glTF file, by index or name; else its default scene. */
+  scene?: number | string | undefined;
+  /** Of a glTF file: what it and its children draw, and nothing else. */
+  node?: number | string | undefined;
+  /** Vertices at most so far apart become one; 0 without it, `'off'` for none. */
+  weld?: number | 'off' | undefined;
+  /** The axis that points up in the file; `'y'` without it, as in glTF. */
+  up?: 'x' | 'y' | 'z' | undefined;
+  /** All positions times this, such as 0.001 for millimetres that are to be metres. */
+  scale?: number | undefined;
+}
+
 export interface UploadOptions {
+  reading?: Reading | undefined;
   /** Told of the bytes that have left; once with all where the server had the mesh. */
   onProgress?: ((sentBytes: number, totalBytes: number) => void) | undefined;
   signal?: AbortSignal | undefined;
@@ -59,7 +74,9 @@ async function uploadBy(
   const total = data instanceof Blob ? data.size : data.byteLength;
   const id = options.digest === false ? undefined : await digestOf(data);
   signal?.throwIfAborted();
-  if (id !== undefined) {
+  const search = searchOf(options.reading ?? {});
+  // What id a file has that is read in a way of its own, the server tells.
+  if (id !== undefined && search === '') {
     const known = await lookUp(transport, id, signal);
     if (known) {
       onProgress?.(total, total);
@@ -68,13 +85,21 @@ async function uploadBy(
   }
   const call: Call = {
     method: id === undefined ? 'POST' : 'PUT',
-    path: id === undefined ? '/v1/meshes' : meshPath(id),
+    path: (id === undefined ? '/v1/meshes' : meshPath(id)) + search,
     headers: { 'Content-Type': 'application/octet-stream' },
     body: data,
     idempotent: true, // the same bytes are the same mesh, by POST too
     signal,
   };
   return jsonOf<MeshMetadata>(await send(call, onProgress && senderWithProgress(onProgress)));
+}
+
+function searchOf(reading: Reading): string {
+  const search = new URLSearchParams();
+  for (const [name, value] of Object.entries(reading)) {
+    if (value !== undefined) search.set(name, String(value));
+  }
+  return search.size === 0 ? '' : `?${search}`;
 }
 
 /**

@@ -52,7 +52,8 @@ export async function carryOut(
   if (call === 'request') return request(client, id, given);
   if (call === 'upload') {
     const send = job ? client.uploadJob.bind(client) : client.upload.bind(client);
-    return { json: await send(data as Uint8Array, parameters) };
+    const { digest, ...reading } = parameters;
+    return { json: await send(data as Uint8Array, { digest, reading }) };
   }
   if (call === 'list') {
     const meshes = [];

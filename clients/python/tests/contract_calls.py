@@ -51,11 +51,12 @@ class Call:
     def subject(self) -> geodesicd.Mesh:
         """The mesh without asking whether it is there: a token may not allow to."""
         known = dict.fromkeys(geodesicd.Metadata.__annotations__, 0)
-        empty: dict[str, Any] = {**known, "id": self.identity, "parts": [], "warnings": []}
+        lists: dict[str, Any] = {"parts": [], "warnings": [], "report": []}
+        empty = {**known, **lists, "id": self.identity, "import": {}}
         return geodesicd.Mesh(self.client, {**empty, "bbox": {"min": [0] * 3, "max": [0] * 3}})
 
-    def upload(self, digest: bool = True) -> Outcome:
-        mesh = self.client.upload(self.data, probe=digest, progress=self.progress)
+    def upload(self, digest: bool = True, **reading: Any) -> Outcome:
+        mesh = self.client.upload(self.data, probe=digest, progress=self.progress, **reading)
         return Outcome(document=as_json(mesh))
 
     def list(self, limit: int = 1000) -> Outcome:
@@ -198,6 +199,8 @@ def as_json(mesh: geodesicd.Mesh) -> dict[str, Any]:
     document["bbox"] = {"min": mesh.bbox[0].tolist(), "max": mesh.bbox[1].tolist()}
     document["parts"] = [vars(part) for part in mesh.parts]
     document["warnings"] = list(mesh.warnings)
+    document["import"] = document.pop("reading")
+    document["report"] = [vars(finding) for finding in mesh.report]
     return document | {"unit": "mesh"}
 
 

@@ -199,6 +199,8 @@ def test_arrays_that_are_no_mesh(vertices: object, faces: object, what: str) -> 
 def test_what_is_no_mesh_at_all(client: geodesicd.Client) -> None:
     with pytest.raises(TypeError, match="set"):
         client.upload({1})
+    with pytest.raises(TypeError, match="colour"):
+        client.upload(b"glTF", colour="red")  # type: ignore[call-arg]
     with pytest.raises(FileNotFoundError):
         client.upload("nowhere.glb")
 

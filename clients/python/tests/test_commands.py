@@ -47,6 +47,14 @@ def test_upload_and_list(server: geodesicd.LocalServer, samples: Path) -> None:
     assert {one["id"] for one in metadata} == set(rows)
 
 
+def test_upload_in_millimetres(server: geodesicd.LocalServer, samples: Path) -> None:
+    options = ("--scale", "0.001", "--up", "z", "--weld", "off", "--node", "plane")
+    mesh = geodesic(server, "upload", samples / "plane.glb", *options).stdout.strip()
+    assert "~" in mesh
+    far = geodesic(server, "distance", mesh, "--from", "0", "--at", "99").stdout
+    assert round(float(far), 9) == 0.099
+
+
 def test_distance(server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path) -> None:
     file = tmp_path / "field.npy"
     run = geodesic(server, "distance", plane.id, "--from", "0", "-o", file, "--max", "50")

@@ -24,7 +24,7 @@ from .errors import (
 from .flows import Retries
 from .glb import glb_bytes
 from .local_server import LocalServer, serve
-from .metadata import Metadata, Part
+from .metadata import Finding, Metadata, Part
 from .points import OnFace, Point, PointLike, PointsLike, Ray, Vertex, Xyz
 from .results import (
     Answer,
@@ -48,6 +48,7 @@ __all__ = [
     "Client",
     "ConnectionFailed",
     "DeadlineExceeded",
+    "Finding",
     "GeodesicError",
     "Geometry",
     "Isoline",

@@ -21,6 +21,7 @@ from typing import (
     ParamSpec,
     Self,
     TypeVar,
+    Unpack,
     overload,
 )
 
@@ -178,12 +179,18 @@ class AsyncClient:
         await self._http.aclose()
 
     async def upload(
-        self, mesh: Any, *, progress: Progress | None = None, probe: bool = True
+        self,
+        mesh: Any,
+        *,
+        progress: Progress | None = None,
+        probe: bool = True,
+        **reading: Unpack[service.Reading],
     ) -> AsyncMesh:
         """Uploads a mesh, as :meth:`geodesicd.Client.upload`."""
         # Reading and hashing a large file is not to hold up everything else.
         body = await asyncio.to_thread(body_of, mesh)
-        return AsyncMesh(self, await self.run(service.upload(body, progress, probe=probe)))
+        flow = service.upload(body, progress, probe=probe, reading=reading)
+        return AsyncMesh(self, await self.run(flow))
 
     async def mesh(self, id: str) -> AsyncMesh:
         """A mesh that the server has.

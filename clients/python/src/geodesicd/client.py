@@ -23,6 +23,7 @@ from typing import (
     ParamSpec,
     Self,
     TypeVar,
+    Unpack,
     overload,
 )
 
@@ -215,7 +216,14 @@ class Client:
         """Closes its connections."""
         self._http.close()
 
-    def upload(self, mesh: Any, *, progress: Progress | None = None, probe: bool = True) -> Mesh:
+    def upload(
+        self,
+        mesh: Any,
+        *,
+        progress: Progress | None = None,
+        probe: bool = True,
+        **reading: Unpack[service.Reading],
+    ) -> Mesh:
         """Uploads a mesh, unless the server has it already.
 
         Args:
@@ -226,12 +234,16 @@ class Client:
             progress: called with the part that is done, from 0 to 1: the first half is sending,
                 the second the server's work.
             probe: ask first, by its digest, whether the server has it.
+            reading: how the file is to be read, where it does not say it itself: ``scale=0.001``,
+                ``up="z"``, ``weld=1e-6`` (or ``"off"``), and of a glTF file ``scene=`` and
+                ``node=``, by index or name. The same file read in two ways is two meshes.
 
         Raises:
             TypeError, ValueError, OSError: it is no mesh, or cannot be read.
             GeodesicError: the server refuses it, or cannot be reached.
         """
-        return Mesh(self, self.run(service.upload(body_of(mesh), progress, probe=probe)))
+        flow = service.upload(body_of(mesh), progress, probe=probe, reading=reading)
+        return Mesh(self, self.run(flow))
 
     def mesh(self, id: str) -> Mesh:
         """A mesh that the server has.

@@ -13,7 +13,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack, cast
 
 import numpy as np
 from rich.console import Console
@@ -25,6 +25,7 @@ from .client import Client, Mesh
 from .errors import GeodesicError
 from .local_server import serve
 from .results import Float64
+from .service import Reading
 
 # Results go to standard output, for pipes; everything else is for people.
 people = Console(stderr=True)
@@ -68,6 +69,11 @@ def _parser() -> argparse.ArgumentParser:
     upload.add_argument(
         "file", nargs="+", type=Path, help="a .glb, .gltf, .drc, .obj, .ply or .stl file"
     )
+    upload.add_argument("--scene", help="of a glTF file: the scene to read, by index or name")
+    upload.add_argument("--node", help="of a glTF file: the node to read, by index or name")
+    upload.add_argument("--weld", metavar="DISTANCE", help='join vertices so near; "off": none')
+    upload.add_argument("--up", choices="xyz", help="the axis that points up in the file")
+    upload.add_argument("--scale", type=float, help="multiply all positions by this")
 
     listing = command("list", _list, "List the server's meshes.")
     _connection(listing)
@@ -158,12 +164,12 @@ def bar(what: str) -> Iterator[Callable[[float], None]]:
         yield lambda part: progress.update(task, completed=part)
 
 
-def _mesh(client: Client, name: str) -> Mesh:
+def _mesh(client: Client, name: str, **reading: Unpack[Reading]) -> Mesh:
     """A mesh by its id, or a file's."""
-    if re.fullmatch(r"[0-9a-f]{64}", name) and not Path(name).exists():
+    if re.fullmatch(r"[0-9a-f]{64}(~[0-9a-f]{12})?", name) and not Path(name).exists():
         return client.mesh(name)
     with bar(f"uploading {Path(name).name}") as progress:
-        return client.upload(Path(name), progress=progress)
+        return client.upload(Path(name), progress=progress, **reading)
 
 
 @contextmanager
@@ -183,9 +189,11 @@ def _points(texts: Sequence[str]) -> list[Any]:
 
 
 def _upload(options: argparse.Namespace) -> int:
+    asked = {name: getattr(options, name) for name in Reading.__annotations__}
+    reading = cast(Reading, {name: value for name, value in asked.items() if value is not None})
     with connect(options) as client:
         for file in options.file:
-            mesh = _mesh(client, str(file))
+            mesh = _mesh(client, str(file), **reading)
             for warning in mesh.warnings:
                 people.print(f"{file}: {warning}", style="yellow", markup=False)
             results.print(mesh.id)

@@ -10,6 +10,8 @@ import numpy as np
 
 from .results import Float64
 
+_IN_REPLY = {"reading": "import"}  # which is a keyword of Python
+
 
 @dataclass(frozen=True)
 class Part:
@@ -29,11 +31,26 @@ class Part:
     face_count: int
 
 
+@dataclass(frozen=True)
+class Finding:
+    """What was found when a file was read, and what it means for answers.
+
+    ``examples`` are the first few of ``count``: mappings that name vertices, faces or points, or
+    texts.
+    """
+
+    code: str
+    count: int
+    examples: list[Any]
+    text: str
+
+
 class Metadata:
     """A mesh's metadata as attributes.
 
     Attributes:
-        id: the SHA-256 of the file, 64 hexadecimal digits.
+        id: the SHA-256 of the file, 64 hexadecimal digits; ``~`` and 12 more behind it where it
+            was read in a way of its own.
         bytes: the file's size.
         format: ``"glb"``, ``"gltf"``, ``"drc"``, ``"obj"``, ``"ply"`` or ``"stl"``.
         vertices, faces: how many source vertices and faces there are.
@@ -42,8 +59,11 @@ class Metadata:
         bbox: (2, 3) float64, least and greatest coordinates, mesh units.
         area: square mesh units.
         mean_edge: mesh units.
+        reading: how the file was told to be read (``import`` in the contract), as far as it differs
+            from the defaults.
         parts: the primitives, in source-vertex order.
         warnings: what was ignored or is unusual, a sentence each.
+        report: what was welded, left out and kept, and what that means for answers.
         state: ``"resident"`` in memory or ``"stored"``, when it was asked for.
         prepared: whether what queries need was in memory then.
     """
@@ -61,8 +81,10 @@ class Metadata:
     bbox: Float64
     area: float
     mean_edge: float
+    reading: Mapping[str, Any]
     parts: tuple[Part, ...]
     warnings: tuple[str, ...]
+    report: tuple[Finding, ...]
     state: str
     prepared: bool
 
@@ -71,13 +93,17 @@ class Metadata:
 
     def _read(self, reply: Mapping[str, Any]) -> None:
         for name in Metadata.__annotations__:
-            setattr(self, name, reply[name])
+            setattr(self, name, reply[_IN_REPLY.get(name, name)])
         box = reply["bbox"]
         self.bbox = np.array([box["min"], box["max"]], dtype=np.float64)
         self.parts = tuple(
             Part(**{name: part[name] for name in Part.__annotations__}) for part in reply["parts"]
         )
         self.warnings = tuple(reply["warnings"])
+        self.report = tuple(
+            Finding(**{name: one[name] for name in Finding.__annotations__})
+            for one in reply["report"]
+        )
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.id[:12]} {self.vertices} vertices {self.faces} faces>"

@@ -3,7 +3,8 @@ says of itself."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal, TypedDict
+from urllib.parse import urlencode
 
 from .errors import NotAllowed, NotFound
 from .flows import Flow, Progress, Request, Send, ask
@@ -11,13 +12,33 @@ from .mesh_input import UploadBody
 from .wire import Reply
 
 
+class Reading(TypedDict, total=False):
+    """How a file is to be read. The same file read in two ways is two meshes."""
+
+    scene: int | str  # of a glTF file, by index or name; else its default scene
+    node: int | str  # of a glTF file: what it and its children draw, nothing else
+    weld: float | Literal["off"]  # join vertices at most so far apart; 0 without it
+    up: Literal["x", "y", "z"]  # the axis that points up in the file; y without it
+    scale: float  # all positions times this
+
+
 def upload(
-    body: UploadBody, progress: Progress | None = None, *, probe: bool = True
+    body: UploadBody,
+    progress: Progress | None = None,
+    *,
+    probe: bool = True,
+    reading: Reading | None = None,
 ) -> Flow[dict[str, Any]]:
     """Sends a mesh; its metadata. ``probe`` asks first, by the digest, whether the server has it
-    already. ``progress``: the first half is sending, the second the server's work on it."""
+    already, unless it is to be read in a way of its own. ``progress``: the first half is sending,
+    the second the server's work on it."""
+    reading = reading or {}
+    if unknown := reading.keys() - Reading.__annotations__.keys():
+        raise TypeError(f"upload() got an unexpected keyword argument {min(unknown)!r}")
     where = f"/v1/meshes/{body.digest}"
-    if probe:
+    if reading:
+        where += "?" + urlencode(reading)
+    elif probe:
         try:
             yield Send(Request("HEAD", where))
         except (NotFound, NotAllowed):
