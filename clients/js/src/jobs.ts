@@ -38,8 +38,11 @@ export async function exchangeAsJob(
   const accepted = await transport.exchange(asked, sender);
   if (accepted.status !== 202) return accepted; // out of the browser's cache, say
   const job = jsonOf<Job>(accepted);
+  // Whoever cancels means it; a result that is kept a while longer harms nobody.
   const forget = () =>
-    transport.exchange({ method: 'DELETE', path: pathOf(job) }).catch(() => undefined);
+    transport
+      .exchange({ method: 'DELETE', path: pathOf(job), retry: signal?.aborted ?? false })
+      .catch(() => undefined);
   try {
     signal?.throwIfAborted();
     await watch(transport, job, options);
@@ -47,7 +50,6 @@ export async function exchangeAsJob(
     const result: Call = { method: 'GET', path: `${pathOf(job)}/result`, signal };
     return await asItWas(transport, result);
   } finally {
-    // Awaited only where it cancels: a result that is kept a while longer harms nobody.
     const forgotten = forget();
     if (signal?.aborted) await forgotten;
   }
