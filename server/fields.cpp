@@ -5,6 +5,7 @@
 #include "core/arrive_at_point.h"
 #include "core/trace_path.h"
 #include "proto/number.h"
+#include "server/joint_caller.h"
 #include "server/timed.h"
 
 namespace geodesic::server {
@@ -96,33 +97,69 @@ Result<LruCache<Field>::Lookup> Fields::whole(const FieldQuestion& question, con
 Result<PointDistances> Fields::at_points(const FieldQuestion& question,
                                          std::span<const SurfacePoint> points, bool labels,
                                          const Caller& caller) {
-  const auto read = [&](SolveScratch& scratch, const Cancel& cancel) -> Result<PointDistances> {
-    const Adjacency& adjacency = *question.adjacency;
-    PointDistances result;
-    std::shared_ptr<const Field> field = cache_.find(key_of(question));
-    result.hit = field != nullptr;
-    if (!field) {
-      const std::vector<std::uint32_t> targets = vertices_about(adjacency, points);
-      const bool at_vertices =
-          std::all_of(points.begin(), points.end(),
-                      [](const SurfacePoint& point) { return point.at_vertex(); });
-      auto part = solve(question, {question.max, targets, !at_vertices}, scratch, cancel, caller);
-      if (!part) return fail(std::move(part.error()));
-      field = std::make_shared<const Field>(std::move(*part));
-    }
-    const PointArrivals arrivals(adjacency, *field);
-    result.distances.reserve(points.size());
-    Poll poll(cancel, 256);
-    for (const SurfacePoint& point : points) {
-      if (poll.cancelled()) return fail(ErrorCode::cancelled, "the client is gone");
-      const double found = arrivals.distance_at(point);
-      const double distance = found <= question.max ? found : kUnreached;
-      result.distances.push_back(distance);
-      if (labels) result.labels.push_back(label_at(adjacency, *field, point, distance));
-    }
-    return result;
+  return compute(
+      [&](SolveScratch& scratch, const Cancel& cancel) {
+        return read_points(question, points, vertices_about(*question.adjacency, points), labels,
+                           scratch, cancel, caller);
+      },
+      caller);
+}
+
+Result<PointDistances> Fields::table(const FieldQuestion& question,
+                                     std::span<const SurfacePoint> from,
+                                     std::span<const SurfacePoint> to, const Caller& caller) {
+  const std::vector<std::uint32_t> targets = vertices_about(*question.adjacency, to);
+  PointDistances table;
+  table.hit = true;
+  table.distances.resize(from.size() * to.size());
+  JointCaller joint(caller, from.size());
+  const auto compute_row = [&](Worker& worker, std::size_t row,
+                               const GiveWay& give_way) -> Result<void> {
+    JointCaller::Part part(joint, row);
+    FieldQuestion own = question;
+    own.sources = {Source{from[row], 0}};
+    const Cancel cancel([&] { return give_way() || caller(); }, part.caller().progress);
+    auto found = read_points(own, to, targets, false, scratch_[worker.slot], cancel, part.caller());
+    if (!found) return fail(std::move(found.error()));
+    std::copy(found->distances.begin(), found->distances.end(),
+              table.distances.begin() + static_cast<std::ptrdiff_t>(row * to.size()));
+    part.done(found->hit);
+    return {};
   };
-  return compute(read, caller);
+  if (auto all = pool_.run_each(from.size(), compute_row, caller); !all) {
+    return fail(std::move(all.error()));
+  }
+  table.hit = joint.all_hit();
+  return table;
+}
+
+Result<PointDistances> Fields::read_points(const FieldQuestion& question,
+                                           std::span<const SurfacePoint> points,
+                                           std::span<const std::uint32_t> targets, bool labels,
+                                           SolveScratch& scratch, const Cancel& cancel,
+                                           const Caller& caller) {
+  const Adjacency& adjacency = *question.adjacency;
+  PointDistances result;
+  std::shared_ptr<const Field> field = cache_.find(key_of(question));
+  result.hit = field != nullptr;
+  if (!field) {
+    const bool at_vertices = std::all_of(
+        points.begin(), points.end(), [](const SurfacePoint& point) { return point.at_vertex(); });
+    auto part = solve(question, {question.max, targets, !at_vertices}, scratch, cancel, caller);
+    if (!part) return fail(std::move(part.error()));
+    field = std::make_shared<const Field>(std::move(*part));
+  }
+  const PointArrivals arrivals(adjacency, *field);
+  result.distances.reserve(points.size());
+  Poll poll(cancel, 256);
+  for (const SurfacePoint& point : points) {
+    if (poll.cancelled()) return fail(ErrorCode::cancelled, "the client is gone");
+    const double found = arrivals.distance_at(point);
+    const double distance = found <= question.max ? found : kUnreached;
+    result.distances.push_back(distance);
+    if (labels) result.labels.push_back(label_at(adjacency, *field, point, distance));
+  }
+  return result;
 }
 
 }  // namespace geodesic::server

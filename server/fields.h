@@ -59,6 +59,13 @@ class Fields {
                                                  std::span<const SurfacePoint> points, bool labels,
                                                  const Caller& caller);
 
+  // The same from each of `from` apart, in as many compute slots as are free: a row
+  // each, one after the other. `question` has no sources; there are no labels.
+  [[nodiscard]] Result<PointDistances> table(const FieldQuestion& question,
+                                             std::span<const SurfacePoint> from,
+                                             std::span<const SurfacePoint> to,
+                                             const Caller& caller);
+
   // Runs `job(SolveScratch&, const Cancel&)`, which returns a Result, in a compute
   // slot. It is cancelled when the client is gone, and its progress is the caller's.
   template <class Job>
@@ -80,6 +87,13 @@ class Fields {
   }
 
  private:
+  // What at_points does, in the slot that `scratch` is of. `targets` decide the distances
+  // of the points.
+  [[nodiscard]] Result<PointDistances> read_points(const FieldQuestion& question,
+                                                   std::span<const SurfacePoint> points,
+                                                   std::span<const std::uint32_t> targets,
+                                                   bool labels, SolveScratch& scratch,
+                                                   const Cancel& cancel, const Caller& caller);
   [[nodiscard]] Result<Field> solve(const FieldQuestion& question, const FieldLimits& limits,
                                     SolveScratch& scratch, const Cancel& cancel,
                                     const Caller& caller);
