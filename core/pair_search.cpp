@@ -26,6 +26,9 @@ constexpr double kMarginPart = 0.01;
 // found within a length so much smaller is the shortest, too; else it was too little.
 constexpr double kAlongEdges = 1.07;
 
+// The part of the time that the path along edges takes.
+constexpr double kPathAlongEdges = 0.1;
+
 bool is_exact(Method method) { return method == Method::exact || method == Method::chen_han; }
 
 // The vertices that decide the distance of a point, and the first step of the path to it.
@@ -122,6 +125,9 @@ Result<Pair> pair_search(Method method, const MethodOptions& options, const Adja
   const auto guess = edge_path(adjacency, from.point, to, scratch.wavefront, cancel);
   if (!guess) return fail(guess.error());
   if (!*guess) return Pair{};
+  // A search may be too small to ask or tell on its own.
+  cancel.report(kPathAlongEdges);
+  if (cancel.requested()) return fail(ErrorCode::cancelled, "the computation was cancelled");
   if (is_exact(method)) return search.in_patch(adjacency, from, to, **guess);
   if (method == Method::dijkstra) {
     return search.by_field(adjacency, from, to, (1 + kRounding) * (*guess)->length);

@@ -60,6 +60,36 @@ std::uint32_t label_at(const Adjacency& adjacency, const Field& field, const Sur
   return path ? path->source : kNone;
 }
 
+// What the field says of the points, as far as `max`.
+Result<PointDistances> read_field(const Adjacency& adjacency, const Field& field, double max,
+                                  std::span<const SurfacePoint> points, bool labels,
+                                  const Cancel& cancel) {
+  PointDistances result;
+  const PointArrivals arrivals(adjacency, field);
+  result.distances.reserve(points.size());
+  Poll poll(cancel, 256);
+  for (const SurfacePoint& point : points) {
+    if (poll.cancelled()) return fail(ErrorCode::cancelled, "the client is gone");
+    const double found = arrivals.distance_at(point);
+    const double distance = found <= max ? found : kUnreached;
+    result.distances.push_back(distance);
+    if (labels) result.labels.push_back(label_at(adjacency, field, point, distance));
+  }
+  return result;
+}
+
+// Whether there can be anything in a search: below so many vertices a whole field takes
+// a few milliseconds.
+constexpr std::uint32_t kManyVertices = 5000;
+
+bool can_be_searched(const FieldQuestion& question) {
+  return question.sources.size() == 1 && searches_pairs(question.method.which) &&
+         question.adjacency->mesh().vertex_count() >= kManyVertices;
+}
+
+// So many searches take less than a field that stops at the last of the targets.
+constexpr std::size_t kFewTargets = 2;
+
 }  // namespace
 
 Fields::Fields(ComputePool& pool, std::uint64_t cache_bytes, Metrics& metrics)
@@ -94,9 +124,36 @@ Result<LruCache<Field>::Lookup> Fields::whole(const FieldQuestion& question, con
       caller);
 }
 
+bool Fields::is_to_be_searched(const FieldQuestion& question) {
+  if (!can_be_searched(question)) return false;
+  const std::string key = key_of(question);
+  return asked_.is_first(key) && cache_.find(key) == nullptr;
+}
+
+Result<Pair> Fields::search(const FieldQuestion& question, const SurfacePoint& to, bool with_path,
+                            SolveScratch& scratch, const Cancel& cancel, const Caller& caller) {
+  const Timed timed(caller, Stage::search);
+  return pair_search(question.method.which, question.method.options, *question.adjacency,
+                     question.sources.front(), to, with_path, scratch, cancel);
+}
+
 Result<PointDistances> Fields::at_points(const FieldQuestion& question,
                                          std::span<const SurfacePoint> points, bool labels,
                                          const Caller& caller) {
+  if (points.size() == 1 && can_be_searched(question)) {
+    if (!is_to_be_searched(question)) {
+      const auto field = whole(question, caller);
+      if (!field) return fail(field.error());
+      auto read = compute(
+          [&](SolveScratch&, const Cancel& cancel) {
+            return read_field(*question.adjacency, *field->value, question.max, points, labels,
+                              cancel);
+          },
+          caller);
+      if (read) read->hit = field->hit;
+      return read;
+    }
+  }
   return compute(
       [&](SolveScratch& scratch, const Cancel& cancel) {
         return read_points(question, points, vertices_about(*question.adjacency, points), labels,
@@ -138,26 +195,38 @@ Result<PointDistances> Fields::read_points(const FieldQuestion& question,
                                            std::span<const std::uint32_t> targets, bool labels,
                                            SolveScratch& scratch, const Cancel& cancel,
                                            const Caller& caller) {
-  const Adjacency& adjacency = *question.adjacency;
-  PointDistances result;
   std::shared_ptr<const Field> field = cache_.find(key_of(question));
-  result.hit = field != nullptr;
+  const bool hit = field != nullptr;
+  if (!field && points.size() <= kFewTargets && can_be_searched(question)) {
+    return search_points(question, points, scratch, cancel, caller);
+  }
   if (!field) {
     const bool at_vertices = std::all_of(
         points.begin(), points.end(), [](const SurfacePoint& point) { return point.at_vertex(); });
-    auto part = solve(question, {question.max, targets, !at_vertices}, scratch, cancel, caller);
+    FieldLimits limits;
+    limits.max = question.max;
+    limits.targets = targets;
+    limits.keep_details = !at_vertices;
+    auto part = solve(question, limits, scratch, cancel, caller);
     if (!part) return fail(std::move(part.error()));
     field = std::make_shared<const Field>(std::move(*part));
   }
-  const PointArrivals arrivals(adjacency, *field);
-  result.distances.reserve(points.size());
-  Poll poll(cancel, 256);
+  auto result = read_field(*question.adjacency, *field, question.max, points, labels, cancel);
+  if (result) result->hit = hit;
+  return result;
+}
+
+Result<PointDistances> Fields::search_points(const FieldQuestion& question,
+                                             std::span<const SurfacePoint> points,
+                                             SolveScratch& scratch, const Cancel& cancel,
+                                             const Caller& caller) {
+  PointDistances result;
   for (const SurfacePoint& point : points) {
-    if (poll.cancelled()) return fail(ErrorCode::cancelled, "the client is gone");
-    const double found = arrivals.distance_at(point);
-    const double distance = found <= question.max ? found : kUnreached;
-    result.distances.push_back(distance);
-    if (labels) result.labels.push_back(label_at(adjacency, *field, point, distance));
+    const auto pair = search(question, point, false, scratch, cancel, caller);
+    if (!pair) return fail(pair.error());
+    const bool is_within = pair->distance <= question.max;
+    result.distances.push_back(is_within ? pair->distance : kUnreached);
+    result.labels.push_back(result.distances.back() < kUnreached ? 0 : kNone);
   }
   return result;
 }
