@@ -15,6 +15,7 @@
 #include "tests/bench/edge_dijkstra.h"
 #include "tests/bench/errors.h"
 #include "tests/bench/frontier_meshes.h"
+#include "tests/bench/frontier_pairs.h"
 #include "tests/bench/prepared.h"
 #include "tests/bench/processor_time.h"
 
@@ -244,6 +245,21 @@ void print_vectors() {
       best, name, plain, plain / best, verdict(plain <= 2.5 * best));
 }
 
+// Row 10: what a cached field takes.
+void print_fields() {
+  const Prepared prepared(shapes::icosphere(5));
+  const auto bytes = [&](Method method) {
+    const Field field = Solver(method, Bound::none)(prepared, 0);
+    return static_cast<double>(field.bytes()) / static_cast<double>(field.distance.size());
+  };
+  const double with_parents = bytes(Method::wavefront);
+  const double without = bytes(Method::back_traced);
+  std::printf(
+      "\n### 10. Fields\n\n%.1f bytes a vertex with parents (`wavefront`), at most 16: %s; %.1f "
+      "without (`auto`), at most 4: %s.\n",
+      with_parents, verdict(std::floor(with_parents) <= 16), without, verdict(without <= 4));
+}
+
 }  // namespace
 
 void print_frontier(const FrontierOptions& options) {
@@ -273,6 +289,7 @@ void print_frontier(const FrontierOptions& options) {
     std::printf("\nShuffled, a query takes %.2f times as long as in order, at most 1.1: %s.\n",
                 ratio, verdict(ratio <= 1.1));
   }
+  print_pairs(meshes, options.quick);
   std::puts(
       "\n### 7. Paths by the default's field, refined\n\n| mesh | pairs | longer than the shortest "
       "| at most 0.005 % | longer by 0.1 % | in less than 1 % | ms, median | below 0.3 "
@@ -281,11 +298,10 @@ void print_frontier(const FrontierOptions& options) {
     if (mesh.is_scan) print_paths(mesh, options.quick ? 5 : 20, options.quick ? 20 : 50);
   }
   print_vectors();
+  print_fields();
   std::puts(
-      "\n### 10. Fields\n\n8 bytes a vertex, without parents: at most 16, yes; 4 without parents: "
-      "**no**.\n\nRows 3 (`tolerance`), 6 (one pair without a field) and 8 (tables on all cores) "
-      "are "
-      "not offered: **no**.");
+      "\nRow 8, tables on all cores, is measured by `tests/load/table_slots.py`. Row 3 "
+      "(`tolerance`) is not offered: **no**.");
 }
 
 }  // namespace geodesic::bench
