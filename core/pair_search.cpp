@@ -41,6 +41,25 @@ std::vector<std::uint32_t> vertices_about(const Adjacency& adjacency, const Surf
   return vertices;
 }
 
+// Beyond this part of the vertices, a search costs as much as the whole surface. (Fronts see
+// less than the straight lines say: at half of them the search is still well worth it.)
+constexpr double kMostOfTheSurface = 0.9;
+
+// Whether a way of that length may lead over most of the surface, by a sample of the
+// vertices: their order follows a curve through space, so one in so many is anywhere.
+bool is_most_within(const Mesh& mesh, const Path& guess, double longest) {
+  constexpr std::uint32_t kSample = 1000;
+  const Vec3 from = guess.points.front().position;
+  const Vec3 to = guess.points.back().position;
+  const std::uint32_t step = mesh.vertex_count() / kSample + 1;
+  std::uint32_t within = 0;
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); v += step) {
+    const Vec3 place = mesh.positions()[v];
+    if (distance(from, place) + distance(place, to) <= longest) ++within;
+  }
+  return within * step > kMostOfTheSurface * mesh.vertex_count();
+}
+
 class PairSearch {
  public:
   PairSearch(Method method, const MethodOptions& options, SolveScratch& scratch,
@@ -79,8 +98,11 @@ class PairSearch {
                         const Path& guess) {
     const auto shorter = shorten_path(adjacency, guess, cancel_);
     if (!shorter) return fail(shorter.error());
-    const auto patch =
-        SurfacePatch::cut(adjacency, from.point, to, (1 + kRounding) * shorter->length, cancel_);
+    const double longest = (1 + kRounding) * shorter->length;
+    if (is_most_within(adjacency.mesh(), guess, longest)) {
+      return by_field(adjacency, from, to, kUnreached);
+    }
+    const auto patch = SurfacePatch::cut(adjacency, from.point, to, longest, cancel_);
     if (!patch) return fail(patch.error());
     if (patch->is_whole()) return by_field(adjacency, from, to, kUnreached);
     auto pair = by_field(patch->adjacency(), {patch->inside(from.point), from.offset},
@@ -94,7 +116,7 @@ class PairSearch {
                           const Path& guess) {
     double margin = kMarginPart * guess.length + kMarginEdges * adjacency.report().mean_edge;
     double longest = guess.length / kAlongEdges;
-    while (margin < guess.length) {
+    while (!is_most_within(adjacency.mesh(), guess, longest + margin)) {
       auto pair = by_field(adjacency, from, to, longest + margin);
       if (!pair || pair->distance - from.offset <= longest + margin / 2) return pair;
       if (longest == guess.length) margin *= 2;
