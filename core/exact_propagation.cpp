@@ -16,12 +16,13 @@ constexpr double kNews = 1e-14;
 }  // namespace
 
 Propagation::Propagation(const Adjacency& adjacency, PropagationMemory& memory, Field& field,
-                         double max, bool keep_windows, Poll& poll)
+                         double max, double tolerance, bool keep_windows, Poll& poll)
     : adjacency_(adjacency),
       memory_(memory),
       frames_(memory.frames),
       field_(field),
-      max_(max),
+      max_(max * (1 + tolerance) * (1 + tolerance)),
+      tolerance_(tolerance),
       keep_windows_(keep_windows) {
   memory.frames.build(adjacency, poll);
   if (poll.stopped()) return;
@@ -36,6 +37,7 @@ Propagation::Propagation(const Adjacency& adjacency, PropagationMemory& memory, 
   memory.arrivals.assign(vertex_count, {kNone, 0});
   memory.bends.assign(frames_.bends().begin(), frames_.bends().end());
   memory.emitted.assign(vertex_count, kUnreached);
+  memory.above.assign(tolerance > 0 ? vertex_count : 0, 0);
 }
 
 bool Propagation::step() {
@@ -221,7 +223,7 @@ std::size_t Propagation::reach_apex(Halfedge h, std::span<Beam> beams) {
     for (std::size_t i = 0; i < beams.size(); ++i) try_beam(i);
   }
   const Beam& beam = beams[best];
-  lower(adjacency_.face(f).vertex[apex_corner], best_distance, memory_.roots[beam.root].source,
+  lower(adjacency_.face(f).vertex[apex_corner], best_distance, memory_.roots[beam.root],
         halfedge(f, apex_corner), std::clamp(beam.crossing, beam.begin, beam.end));
   return best;
 }
@@ -341,16 +343,23 @@ void Propagation::let_go(std::uint32_t e) {
   edge.let_go = true;
 }
 
-void Propagation::lower(std::uint32_t v, double distance, std::uint32_t source,
+void Propagation::lower(std::uint32_t v, double distance, const PseudoSource& root,
                         std::uint32_t corner, double crossing) {
   if (!(distance < field_.distance[v]) || distance > max_) return;
   if (field_.distance[v] == kUnreached) ++reached_;
   field_.distance[v] = distance;
-  if (!field_.nearest_source.empty()) field_.nearest_source[v] = source;
-  if (memory_.bends[v] == Bends::nowhere) return;
+  if (!field_.nearest_source.empty()) field_.nearest_source[v] = root.source;
+  if (tolerance_ > 0) memory_.above[v] = root.above;
+  if (memory_.bends[v] == Bends::nowhere && head_start(v) == 0) return;
   memory_.arrivals[v] = {corner, crossing};
   if (distance < memory_.emitted[v] * (1 - kNews)) {
     memory_.queue.push({distance, v, Waiting::What::vertex});
+  }
+}
+
+void Propagation::raise_to_paths(Poll& poll) {
+  for (std::uint32_t v = 0; v < memory_.above.size() && !poll.cancelled(); ++v) {
+    field_.distance[v] += memory_.above[v];
   }
 }
 
@@ -364,7 +373,7 @@ bool Propagation::mend(Poll& poll) {
       const double distance = field_.distance[from] + frame.length;
       if (!(distance < field_.distance[to] * (1 - kBroken)) || distance > max_) continue;
       memory_.bends[to] = Bends::everywhere;
-      lower(to, distance, nearest(from), kNone, 0);
+      lower(to, distance, {field_.distance[from], from, nearest(from), above(from)}, kNone, 0);
       any = true;
     }
   }

@@ -45,13 +45,13 @@ void Propagation::start_inside(const SurfacePoint& place, const Source& source,
                                std::uint32_t root) {
   const std::uint32_t f = place.face;
   const FaceFrame& frame = frames_.face(f);
-  const std::uint32_t number = memory_.roots[root].source;
+  const PseudoSource from = memory_.roots[root];
   const Vec3 at = position_of(adjacency_.mesh(), place);
   for (std::uint32_t c = 0; c < 3; ++c) {
     const double ahead = place.bary[next_corner(c)];
     const double behind = place.bary[previous_corner(c)];
     const std::uint32_t v = adjacency_.face(f).vertex[c];
-    lower(v, source.offset + distance(at, adjacency_.mesh().positions()[v]), number, halfedge(f, c),
+    lower(v, source.offset + distance(at, adjacency_.mesh().positions()[v]), from, halfedge(f, c),
           frames_.length(f, next_corner(c)) * (behind / (ahead + behind)));
   }
   for (std::uint32_t c = 0; c < 3; ++c) {
@@ -65,13 +65,36 @@ void Propagation::start_inside(const SurfacePoint& place, const Source& source,
   }
 }
 
+// By how much earlier than it was reached a vertex may send out windows on its own; 0
+// where that is not worth the windows. Let p be the part of its distance that it may be
+// early by, all in all: p of a distance is at most p / (1 - p) of that less p of it,
+// which is the tolerance.
+double Propagation::head_start(std::uint32_t v) const {
+  // The least that is worth it, of what it may be in all and of an edge. With less of the
+  // former, most of an older source's windows would be in the way of the new one's.
+  constexpr double kWorthOfAll = 0.05;
+  constexpr double kWorthOfSide = 1e-4;
+  if (!(tolerance_ > 0)) return 0;
+  const double all = tolerance_ / (1 + tolerance_) * field_.distance[v];
+  const double left = all - memory_.above[v];
+  return left > kWorthOfAll * all && left > kWorthOfSide * frames_.mean_shortest_side() ? left : 0;
+}
+
 void Propagation::bend_at(std::uint32_t v) {
-  const double distance = field_.distance[v];
+  double distance = field_.distance[v];
   if (!(distance < memory_.emitted[v])) return;
+  const double early = head_start(v);
+  if (early > 0) {
+    distance -= early;
+    field_.distance[v] = distance;
+    memory_.above[v] += early;
+  } else if (memory_.bends[v] == Bends::nowhere) {
+    return;
+  }
   memory_.emitted[v] = distance;
   const auto root = static_cast<std::uint32_t>(memory_.roots.size());
-  memory_.roots.push_back({distance, v, nearest(v)});
-  if (memory_.bends[v] == Bends::everywhere || memory_.arrivals[v].corner == kNone) {
+  memory_.roots.push_back({distance, v, nearest(v), above(v)});
+  if (early > 0 || memory_.bends[v] == Bends::everywhere || memory_.arrivals[v].corner == kNone) {
     send_everywhere(v, root);
   } else {
     send_beyond(v, root);
@@ -79,7 +102,7 @@ void Propagation::bend_at(std::uint32_t v) {
 }
 
 void Propagation::send_everywhere(std::uint32_t v, std::uint32_t root) {
-  for (const std::uint32_t corner : adjacency_.corners(v)) lower_along_sides(corner);
+  for (const std::uint32_t corner : adjacency_.corners(v)) lower_along_sides(corner, root);
   for (const std::uint32_t corner : adjacency_.corners(v)) {
     light_from_corner(corner, root, 0, std::numbers::pi);
   }
@@ -89,7 +112,7 @@ void Propagation::send_everywhere(std::uint32_t v, std::uint32_t root) {
 // turning from the way back, between pi and the whole angle less pi.
 void Propagation::send_beyond(std::uint32_t v, std::uint32_t root) {
   constexpr double kPi = std::numbers::pi;
-  for (const std::uint32_t corner : adjacency_.corners(v)) lower_along_sides(corner);
+  for (const std::uint32_t corner : adjacency_.corners(v)) lower_along_sides(corner, root);
   const ArrivalAtVertex arrival = memory_.arrivals[v];
   const std::uint32_t f = face_of(arrival.corner);
   const std::uint32_t c = corner_of(arrival.corner);
@@ -177,17 +200,17 @@ void Propagation::light(Halfedge from, std::uint32_t root, double begin, double 
 }
 
 // The ways along the two sides that meet in a corner.
-void Propagation::lower_along_sides(std::uint32_t corner) {
+void Propagation::lower_along_sides(std::uint32_t corner, std::uint32_t root) {
   const std::uint32_t f = face_of(corner);
   const std::uint32_t c = corner_of(corner);
   const std::uint32_t n = next_corner(c);
   const std::uint32_t p = previous_corner(c);
   const FaceRecord& face = adjacency_.face(f);
   const double distance = field_.distance[face.vertex[c]];
-  const std::uint32_t source = nearest(face.vertex[c]);
-  lower(face.vertex[n], distance + frames_.length(f, c), source, halfedge(f, n),
+  const PseudoSource from = memory_.roots[root];
+  lower(face.vertex[n], distance + frames_.length(f, c), from, halfedge(f, n),
         frames_.length(f, p));
-  lower(face.vertex[p], distance + frames_.length(f, p), source, halfedge(f, p), 0);
+  lower(face.vertex[p], distance + frames_.length(f, p), from, halfedge(f, p), 0);
 }
 
 }  // namespace geodesic::exact
