@@ -60,9 +60,12 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
     field.distance[v] = kUnreached;
     if (!field.nearest_source.empty()) field.nearest_source[v] = kNone;
   }
+  LitWindows lit;
+  if (keep_windows) lit = propagation.lit_windows(poll);
+  propagation.drop_windows(poll);
   if (keep_windows) {
-    field.windows = std::make_shared<const WindowTable>(adjacency.faces().size(),
-                                                        propagation.take_lit_windows(poll), poll);
+    field.windows =
+        std::make_shared<const WindowTable>(adjacency.faces().size(), std::move(lit), poll);
   }
   if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
   field.count_reached();

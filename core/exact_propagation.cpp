@@ -26,7 +26,8 @@ Propagation::Propagation(const Adjacency& adjacency, PropagationMemory& memory, 
       keep_windows_(keep_windows) {
   memory.frames.build(adjacency, poll);
   if (poll.stopped()) return;
-  memory.pool.reset();
+  memory.pool.reset(poll);
+  if (poll.stopped()) return;
   double least = kUnreached;
   for (const Source& source : field.sources) least = std::min(least, source.offset);
   memory.queue.reset(least, 0.25 * frames_.mean_shortest_side());
@@ -380,7 +381,12 @@ bool Propagation::mend(Poll& poll) {
   return any;
 }
 
-LitWindows Propagation::take_lit_windows(Poll& poll) {
+void Propagation::drop_windows(Poll& poll) {
+  memory_.edges.clear();
+  memory_.pool.reset(poll);
+}
+
+LitWindows Propagation::lit_windows(Poll& poll) const {
   LitWindows lit;
   for (std::uint32_t e = 0; e < memory_.edges.size() && !poll.stopped(); ++e) {
     const EdgeWindows& edge = memory_.edges[e];
@@ -398,8 +404,6 @@ LitWindows Propagation::take_lit_windows(Poll& poll) {
       }
     }
   }
-  memory_.pool.reset();
-  memory_.edges.clear();
   return lit;
 }
 

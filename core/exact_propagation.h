@@ -137,9 +137,12 @@ class Propagation {
   // most that part. The last thing to ask. Incomplete if the poll says to stop.
   void raise_to_paths(Poll& poll);
 
-  // The windows left, for each face that they light. Gives their memory back, so this
-  // is the last thing to ask. Not all of them if the poll says to stop.
-  [[nodiscard]] LitWindows take_lit_windows(Poll& poll);
+  // The windows left, for each face that they light. Not all of them if the poll says to
+  // stop.
+  [[nodiscard]] LitWindows lit_windows(Poll& poll) const;
+
+  // Gives the windows' memory back: the last thing to do. Not all if the poll says to stop.
+  void drop_windows(Poll& poll);
 
   // Vertices that have a distance, though perhaps not the final one.
   [[nodiscard]] std::uint64_t reached() const { return reached_; }
