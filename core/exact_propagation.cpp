@@ -35,7 +35,7 @@ Propagation::Propagation(const Adjacency& adjacency, PropagationMemory& memory, 
                 {nullptr, 0, 0, kUnreached, kUnreached, kUnreached, false}, poll);
   memory.roots.clear();
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
-  memory.arrivals.assign(vertex_count, {kNone, 0});
+  memory.arrivals.assign(vertex_count, {kNone, false, 0});
   memory.bends.assign(frames_.bends().begin(), frames_.bends().end());
   memory.emitted.assign(vertex_count, kUnreached);
   memory.above.assign(tolerance > 0 ? vertex_count : 0, 0);
@@ -225,7 +225,8 @@ std::size_t Propagation::reach_apex(Halfedge h, std::span<Beam> beams) {
   }
   const Beam& beam = beams[best];
   lower(adjacency_.face(f).vertex[apex_corner], best_distance, memory_.roots[beam.root],
-        halfedge(f, apex_corner), std::clamp(beam.crossing, beam.begin, beam.end));
+        {halfedge(f, apex_corner), beams.size() >= crowd_,
+         std::clamp(beam.crossing, beam.begin, beam.end)});
   return best;
 }
 
@@ -345,14 +346,15 @@ void Propagation::let_go(std::uint32_t e) {
 }
 
 void Propagation::lower(std::uint32_t v, double distance, const PseudoSource& root,
-                        std::uint32_t corner, double crossing) {
+                        const ArrivalAtVertex& arrival) {
   if (!(distance < field_.distance[v]) || distance > max_) return;
   if (field_.distance[v] == kUnreached) ++reached_;
   field_.distance[v] = distance;
   if (!field_.nearest_source.empty()) field_.nearest_source[v] = root.source;
   if (tolerance_ > 0) memory_.above[v] = root.above;
+  if (memory_.bends[v] == Bends::nowhere && !(tolerance_ > 0)) return;
+  memory_.arrivals[v] = arrival;
   if (memory_.bends[v] == Bends::nowhere && head_start(v) == 0) return;
-  memory_.arrivals[v] = {corner, crossing};
   if (distance < memory_.emitted[v] * (1 - kNews)) {
     memory_.queue.push({distance, v, Waiting::What::vertex});
   }
@@ -374,7 +376,8 @@ bool Propagation::mend(Poll& poll) {
       const double distance = field_.distance[from] + frame.length;
       if (!(distance < field_.distance[to] * (1 - kBroken)) || distance > max_) continue;
       memory_.bends[to] = Bends::everywhere;
-      lower(to, distance, {field_.distance[from], from, nearest(from), above(from)}, kNone, 0);
+      lower(to, distance, {field_.distance[from], from, nearest(from), above(from)},
+            {kNone, false, 0});
       any = true;
     }
   }

@@ -52,6 +52,7 @@ struct EdgeWindows {
 // the corner after that one.
 struct ArrivalAtVertex {
   std::uint32_t corner;
+  bool crowded;  // one of many windows on that side led there
   double crossing;
 };
 
@@ -117,6 +118,10 @@ class Propagation {
   Propagation(const Adjacency& adjacency, PropagationMemory& memory, Field& field, double max,
               double tolerance, bool keep_windows, Poll& poll);
 
+  // So many windows on an edge are a crowd, in which a vertex may become a source; for
+  // tests, which want it to happen on small meshes.
+  void set_crowd(std::size_t windows) { crowd_ = windows; }
+
   // Sends out a source's windows.
   void start(const Source& source, std::uint32_t number);
 
@@ -165,8 +170,8 @@ class Propagation {
   void join_at(EdgeWindows& edge, std::uint32_t i, double length);
   void settle(std::uint32_t e, double farthest);
   void let_go(std::uint32_t e);
-  void lower(std::uint32_t v, double distance, const PseudoSource& root, std::uint32_t corner,
-             double crossing);
+  void lower(std::uint32_t v, double distance, const PseudoSource& root,
+             const ArrivalAtVertex& arrival);
 
   // exact_pseudo_sources.cpp: windows out of vertices and sources.
   void start_inside(const SurfacePoint& place, const Source& source, std::uint32_t root);
@@ -194,6 +199,9 @@ class Propagation {
   double max_;
   double tolerance_;
   bool keep_windows_;
+  // A new pseudo-source behind so many spares most of them. Of fewer, as on slivers and flat
+  // parts, it makes more.
+  std::size_t crowd_ = 8;
   std::uint64_t propagated_ = 0;
   std::uint64_t reached_ = 0;
 };

@@ -51,8 +51,8 @@ void Propagation::start_inside(const SurfacePoint& place, const Source& source,
     const double ahead = place.bary[next_corner(c)];
     const double behind = place.bary[previous_corner(c)];
     const std::uint32_t v = adjacency_.face(f).vertex[c];
-    lower(v, source.offset + distance(at, adjacency_.mesh().positions()[v]), from, halfedge(f, c),
-          frames_.length(f, next_corner(c)) * (behind / (ahead + behind)));
+    lower(v, source.offset + distance(at, adjacency_.mesh().positions()[v]), from,
+          {halfedge(f, c), false, frames_.length(f, next_corner(c)) * (behind / (ahead + behind))});
   }
   for (std::uint32_t c = 0; c < 3; ++c) {
     const double above = place.bary[previous_corner(c)];
@@ -66,7 +66,8 @@ void Propagation::start_inside(const SurfacePoint& place, const Source& source,
 }
 
 // By how much earlier than it was reached a vertex may send out windows on its own; 0
-// where that is not worth the windows. Let p be the part of its distance that it may be
+// where that is not worth the windows: where there is no crowd to spare, or soon after an
+// older one. Let p be the part of its distance that it may be
 // early by, all in all: p of a distance is at most p / (1 - p) of that less p of it,
 // which is the tolerance.
 double Propagation::head_start(std::uint32_t v) const {
@@ -74,7 +75,7 @@ double Propagation::head_start(std::uint32_t v) const {
   // former, most of an older source's windows would be in the way of the new one's.
   constexpr double kWorthOfAll = 0.05;
   constexpr double kWorthOfSide = 1e-4;
-  if (!(tolerance_ > 0)) return 0;
+  if (!(tolerance_ > 0) || !memory_.arrivals[v].crowded) return 0;
   const double all = tolerance_ / (1 + tolerance_) * field_.distance[v];
   const double left = all - memory_.above[v];
   return left > kWorthOfAll * all && left > kWorthOfSide * frames_.mean_shortest_side() ? left : 0;
@@ -208,9 +209,9 @@ void Propagation::lower_along_sides(std::uint32_t corner, std::uint32_t root) {
   const FaceRecord& face = adjacency_.face(f);
   const double distance = field_.distance[face.vertex[c]];
   const PseudoSource from = memory_.roots[root];
-  lower(face.vertex[n], distance + frames_.length(f, c), from, halfedge(f, n),
-        frames_.length(f, p));
-  lower(face.vertex[p], distance + frames_.length(f, p), from, halfedge(f, p), 0);
+  lower(face.vertex[n], distance + frames_.length(f, c), from,
+        {halfedge(f, n), false, frames_.length(f, p)});
+  lower(face.vertex[p], distance + frames_.length(f, p), from, {halfedge(f, p), false, 0});
 }
 
 }  // namespace geodesic::exact
