@@ -74,7 +74,7 @@ double Propagation::head_start(std::uint32_t v) const {
   // The least that is worth it, of what it may be in all and of an edge. With less of the
   // former, most of an older source's windows would be in the way of the new one's.
   constexpr double kWorthOfAll = 0.05;
-  constexpr double kWorthOfSide = 1e-4;
+  constexpr double kWorthOfSide = 6e-4;
   if (!(tolerance_ > 0) || !memory_.arrivals[v].crowded) return 0;
   const double all = tolerance_ / (1 + tolerance_) * field_.distance[v];
   const double left = all - memory_.above[v];
