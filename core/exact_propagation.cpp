@@ -360,30 +360,6 @@ void Propagation::lower(std::uint32_t v, double distance, const PseudoSource& ro
   }
 }
 
-void Propagation::raise_to_paths(Poll& poll) {
-  for (std::uint32_t v = 0; v < memory_.above.size() && !poll.cancelled(); ++v) {
-    field_.distance[v] += memory_.above[v];
-  }
-}
-
-bool Propagation::mend(Poll& poll) {
-  constexpr double kBroken = 1e-11;
-  bool any = false;
-  for (std::uint32_t e = 0; e < frames_.edges().size() && !poll.cancelled(); ++e) {
-    const EdgeFrame& frame = frames_.edge(e);
-    for (const auto& [from, to] :
-         {std::pair{frame.tail, frame.head}, std::pair{frame.head, frame.tail}}) {
-      const double distance = field_.distance[from] + frame.length;
-      if (!(distance < field_.distance[to] * (1 - kBroken)) || distance > max_) continue;
-      memory_.bends[to] = Bends::everywhere;
-      lower(to, distance, {field_.distance[from], from, nearest(from), above(from)},
-            {kNone, false, 0});
-      any = true;
-    }
-  }
-  return any;
-}
-
 void Propagation::drop_windows(Poll& poll) {
   memory_.edges.clear();
   memory_.pool.reset(poll);

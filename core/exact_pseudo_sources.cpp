@@ -1,4 +1,5 @@
-// Where windows begin: at sources, and at the vertices where shortest paths bend.
+// Where windows begin: at sources, and at the vertices where shortest paths bend; and how
+// vertices come by their last distances.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -212,6 +213,30 @@ void Propagation::lower_along_sides(std::uint32_t corner, std::uint32_t root) {
   lower(face.vertex[n], distance + frames_.length(f, c), from,
         {halfedge(f, n), false, frames_.length(f, p)});
   lower(face.vertex[p], distance + frames_.length(f, p), from, {halfedge(f, p), false, 0});
+}
+
+void Propagation::raise_to_paths(Poll& poll) {
+  for (std::uint32_t v = 0; v < memory_.above.size() && !poll.cancelled(); ++v) {
+    field_.distance[v] += memory_.above[v];
+  }
+}
+
+bool Propagation::mend(Poll& poll) {
+  constexpr double kBroken = 1e-11;
+  bool any = false;
+  for (std::uint32_t e = 0; e < frames_.edges().size() && !poll.cancelled(); ++e) {
+    const EdgeFrame& frame = frames_.edge(e);
+    for (const auto& [from, to] :
+         {std::pair{frame.tail, frame.head}, std::pair{frame.head, frame.tail}}) {
+      const double distance = field_.distance[from] + frame.length;
+      if (!(distance < field_.distance[to] * (1 - kBroken)) || distance > max_) continue;
+      memory_.bends[to] = Bends::everywhere;
+      lower(to, distance, {field_.distance[from], from, nearest(from), above(from)},
+            {kNone, false, 0});
+      any = true;
+    }
+  }
+  return any;
 }
 
 }  // namespace geodesic::exact
