@@ -16,6 +16,10 @@ constexpr std::size_t kFacesInSight = 2000;
 // estimate was of two sources, or the trace took the wrong side of something.
 constexpr double kSuspicious = 0.01;
 
+// A front goes on from the distance of a vertex that is behind it by more than this
+// part of the edge between; seldom is one so old not settled.
+constexpr double kOldEnough = 0.1;
+
 // Faces round a vertex that a bend is unfolded over, before its angle is beyond pi.
 constexpr int kMostFacesRound = 12;
 
@@ -122,11 +126,23 @@ void BackTracedFront::spread_from(std::uint32_t v) {
     const bool ahead_accepted = scratch_.heap.accepted(ahead);
     if (ahead_accepted == scratch_.heap.accepted(behind)) continue;
     const std::uint32_t base = ahead_accepted ? c : previous_corner(c);
-    const Arrival arrival =
-        arrive(scratch_.estimate[face.vertex[base]],
-               scratch_.estimate[face.vertex[next_corner(base)]], face.apex_over(base));
+    const double of_other = seen_by(v, ahead_accepted ? ahead : behind, face.length2(base));
+    const double own = scratch_.estimate[v];
+    const Arrival arrival = arrive(ahead_accepted ? own : of_other, ahead_accepted ? of_other : own,
+                                   face.apex_over(base));
     lower(ahead_accepted ? behind : ahead, arrival.distance, halfedge(face_of(corner), base));
   }
+}
+
+// The distance of an accepted vertex, for a front that is at v: the one that it got, once
+// it is old enough for that, or else its estimate. How old says the estimate alone, so
+// that nothing depends on which vertices anywhere were accepted together.
+double BackTracedFront::seen_by(std::uint32_t v, std::uint32_t other, double base2) {
+  const double estimate = scratch_.estimate[other];
+  const double age = scratch_.estimate[v] - estimate;
+  if (!(age > 0) || !(age * age > kOldEnough * kOldEnough * base2)) return estimate;
+  if (is_pending(other)) settle();
+  return distance_[other];
 }
 
 // Where faces meet in nothing but the vertex, no triangle beyond it has two accepted
@@ -184,7 +200,6 @@ void BackTracedFront::settle() {
   }
   for (std::size_t i = 0; i < pending_count_; ++i) {
     distance_[pending_[i]] = best[i];
-    scratch_.estimate[pending_[i]] = best[i];
   }
   pending_count_ = 0;
 }

@@ -62,6 +62,7 @@ class BackTracedFront {
   void lower(std::uint32_t vertex, double estimate, Halfedge base);
   void see(std::uint32_t vertex, double straight);
   void spread_along_edges(std::uint32_t vertex);
+  [[nodiscard]] double seen_by(std::uint32_t v, std::uint32_t other, double base2);
   [[nodiscard]] bool is_pending(std::uint32_t vertex) const;
   [[nodiscard]] double begin_trace(std::uint32_t vertex, TraceLanes& lanes) const;
   [[nodiscard]] double doubted(std::uint32_t vertex, double best) const;

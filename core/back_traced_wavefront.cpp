@@ -37,8 +37,8 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
   if (sources.size() == 1) {
     BackTracedFront front(adjacency, takes, scratch, field.distance);
     RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
-    auto wave = detail::run_wave(front, adjacency, sources[0], 0, 1, {}, limits.max, targets,
-                                 scratch.heap, poll, [](std::uint32_t) {});
+    auto wave = detail::run_wave(front, adjacency, sources[0], 0, 1, {}, limits.max, limits.detour,
+                                 targets, scratch.heap, poll, [](std::uint32_t) {});
     if (!wave) return fail(wave.error());
     if (sources[0].offset != 0) {
       for (double& d : field.distance) d += sources[0].offset;
@@ -56,7 +56,8 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
         detail::run_waves(front, adjacency, limits, field, scratch.heap, scratch.is_target, poll);
     if (!waves) return fail(waves.error());
   }
-  relax_edges(adjacency, reach(limits, field), field, poll);
+  // Where a detour ended the front, what it left out is left out.
+  relax_edges(adjacency, reach(limits, field), !limits.detour.is_bounded(), field, poll);
   if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
   field.count_reached();
   return field;

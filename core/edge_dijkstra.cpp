@@ -11,8 +11,11 @@ namespace {
 
 class EdgeDijkstra {
  public:
-  EdgeDijkstra(const Adjacency& adjacency, Field& field, VertexHeap& heap)
-      : adjacency_(adjacency), field_(field), heap_(heap) {}
+  EdgeDijkstra(const Adjacency& adjacency, const Detour& detour, Field& field, VertexHeap& heap)
+      : adjacency_(adjacency),
+        detour_(field.sources.size() == 1 ? detour : Detour{}),
+        field_(field),
+        heap_(heap) {}
 
   void start(const Source& source, std::uint32_t number) {
     const Vec3 at = position_of(adjacency_.mesh(), source.point);
@@ -28,6 +31,10 @@ class EdgeDijkstra {
   }
 
   void spread_from(std::uint32_t v) {
+    if (detour_.is_bounded() && detour_.is_too_far(field_.distance[v] - field_.sources[0].offset,
+                                                   adjacency_.mesh().positions()[v])) {
+      return;
+    }
     const std::uint32_t source = field_.nearest_source.empty() ? 0 : field_.nearest_source[v];
     for (const std::uint32_t corner : adjacency_.corners(v)) {
       const FaceRecord& face = adjacency_.face(face_of(corner));
@@ -59,6 +66,7 @@ class EdgeDijkstra {
   }
 
   const Adjacency& adjacency_;
+  const Detour detour_;
   Field& field_;
   VertexHeap& heap_;
 };
@@ -73,7 +81,7 @@ Result<Field> edge_dijkstra_field(const Adjacency& adjacency, std::span<const So
   field.parents.assign(vertex_count, {});
   VertexHeap& heap = scratch.heap;
   heap.reset(vertex_count);
-  EdgeDijkstra front(adjacency, field, heap);
+  EdgeDijkstra front(adjacency, limits.detour, field, heap);
   Poll poll(cancel);
   auto settled = settle_vertices(front, heap, limits, scratch.is_target, poll, field);
   if (!settled) return fail(std::move(settled.error()));

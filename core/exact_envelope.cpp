@@ -83,6 +83,34 @@ double tie_between(const Duel& duel, double low, double high, double g_low) {
   return best;
 }
 
+// Where two windows are equally far, and how far.
+struct Tie {
+  double place;
+  double at_a;
+  double at_b;
+};
+
+// The one place between `low` and `high` where g changes sign. Over an overlap, which is
+// short against the distances, g is nearly straight: two secants mostly meet it.
+Tie find_tie(const Duel& duel, double low, double high, double g_low, double g_high) {
+  double left = low;
+  double right = high;
+  double g_left = g_low;
+  double g_right = g_high;
+  for (int i = 0; i < 4; ++i) {
+    const double place = left + (right - left) * (g_left / (g_left - g_right));
+    const double at_a = duel.a.at(place, duel.offset_a);
+    const double at_b = duel.b.at(place, duel.offset_b);
+    const double g = at_b - at_a;
+    if (std::abs(g) <= 0.1 * duel.tie) return {place, at_a, at_b};
+    const bool on_left = (g > 0) == (g_low > 0);
+    (on_left ? left : right) = place;
+    (on_left ? g_left : g_right) = g;
+  }
+  const double place = tie_between(duel, low, high, g_low);
+  return {place, duel.a.at(place, duel.offset_a), duel.b.at(place, duel.offset_b)};
+}
+
 // Whether one window is nearer in the middle of an interval at whose ends it is not,
 // and where. `sign` is 1 when that is the second, -1 when it is the first. A line
 // meets a hyperbola in two places at most, so the middle is between them.
@@ -177,9 +205,7 @@ void settle(const Duel& duel, Pieces& pieces) {
     pieces.add(duel.b, begin, end, at_begin, at_end);
   };
   if ((b_low && g_high > duel.tie) || (b_high && g_low > duel.tie)) {
-    const double tie = tie_between(duel, duel.low, duel.high, g_low);
-    const double at_tie_a = duel.a.at(tie, duel.offset_a);
-    const double at_tie_b = duel.b.at(tie, duel.offset_b);
+    const auto [tie, at_tie_a, at_tie_b] = find_tie(duel, duel.low, duel.high, g_low, g_high);
     if (b_low) {
       add_b(duel.low, tie, duel.at_low_b, at_tie_b);
       add_a(tie, duel.high, at_tie_a, duel.at_high_a);
@@ -231,13 +257,14 @@ bool cross_over(Window& left, const Window& right, PseudoSources roots, double l
                   right.at(left.end, offset_right),
                   kTie * left.at_end};
   const double g_low = duel.at_low_b - duel.at_low_a;
-  if (!(g_low > duel.tie && duel.at_high_b - duel.at_high_a < -duel.tie)) return false;
-  const double tie = tie_between(duel, duel.low, duel.high, g_low);
+  const double g_high = duel.at_high_b - duel.at_high_a;
+  if (!(g_low > duel.tie && g_high < -duel.tie)) return false;
+  const auto [tie, at_tie_left, at_tie_right] = find_tie(duel, duel.low, duel.high, g_low, g_high);
   Window after = right;
   after.begin = tie;
-  after.at_begin = right.at(tie, offset_right);
+  after.at_begin = at_tie_right;
   left.end = tie;
-  left.at_end = left.at(tie, offset_left);
+  left.at_end = at_tie_left;
   if (too_narrow(left, length, offset_left)) list.pop_back();
   push(list, after, roots, length);
   return true;

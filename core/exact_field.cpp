@@ -14,14 +14,18 @@ ExactScratch::~ExactScratch() = default;
 ExactScratch::ExactScratch(ExactScratch&&) noexcept = default;
 ExactScratch& ExactScratch::operator=(ExactScratch&&) noexcept = default;
 
-Result<Field> exact_field(const Adjacency& adjacency, std::span<const Source> sources,
-                          const FieldLimits& limits, ExactScratch& scratch, const Cancel& cancel) {
+namespace {
+
+Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
+                               std::span<const Source> sources, double tolerance, bool keep_windows,
+                               const FieldLimits& limits, ExactScratch& scratch,
+                               const Cancel& cancel) {
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
-  Field field = unreached_field(Method::exact, sources, vertex_count);
+  Field field = unreached_field(method, sources, vertex_count);
   // A step is a list of windows over an edge, not one vertex.
   Poll poll(cancel, 1024);
-  exact::Propagation propagation(adjacency, *scratch.memory, field, limits.max, limits.keep_details,
-                                 poll);
+  exact::Propagation propagation(adjacency, *scratch.memory, field, limits.max, tolerance,
+                                 keep_windows, poll);
   if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
   for (std::uint32_t s = 0; s < sources.size(); ++s) propagation.start(sources[s], s);
 
@@ -29,7 +33,8 @@ Result<Field> exact_field(const Adjacency& adjacency, std::span<const Source> so
   // True once every target's distance is final.
   const auto arrived = [&] {
     if (limits.targets.empty()) return false;
-    while (!targets.empty() && field.distance[targets.back()] < propagation.final_below()) {
+    while (!targets.empty() &&
+           propagation.path_length(targets.back()) < propagation.final_below()) {
       targets.pop_back();
     }
     return targets.empty();
@@ -43,6 +48,7 @@ Result<Field> exact_field(const Adjacency& adjacency, std::span<const Source> so
     }
   } while (!stopped && propagation.mend(poll));
 
+  propagation.raise_to_paths(poll);
   // What was not final when the last target was is farther than any of them.
   double farthest = limits.max;
   if (stopped) {
@@ -54,13 +60,31 @@ Result<Field> exact_field(const Adjacency& adjacency, std::span<const Source> so
     field.distance[v] = kUnreached;
     if (!field.nearest_source.empty()) field.nearest_source[v] = kNone;
   }
-  if (limits.keep_details) {
-    field.windows = std::make_shared<const WindowTable>(adjacency.faces().size(),
-                                                        propagation.take_lit_windows(poll), poll);
+  LitWindows lit;
+  if (keep_windows) lit = propagation.lit_windows(poll);
+  propagation.drop_windows(poll);
+  if (keep_windows) {
+    field.windows =
+        std::make_shared<const WindowTable>(adjacency.faces().size(), std::move(lit), poll);
   }
   if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
   field.count_reached();
   return field;
+}
+
+}  // namespace
+
+Result<Field> exact_field(const Adjacency& adjacency, std::span<const Source> sources,
+                          const FieldLimits& limits, ExactScratch& scratch, const Cancel& cancel) {
+  return field_by_windows(Method::exact, adjacency, sources, 0, limits.keep_details, limits,
+                          scratch, cancel);
+}
+
+Result<Field> field_within(double tolerance, const Adjacency& adjacency,
+                           std::span<const Source> sources, const FieldLimits& limits,
+                           ExactScratch& scratch, const Cancel& cancel) {
+  return field_by_windows(Method::back_traced, adjacency, sources, tolerance, false, limits,
+                          scratch, cancel);
 }
 
 }  // namespace geodesic

@@ -47,4 +47,13 @@ struct ExactScratch {
                                         const FieldLimits& limits, ExactScratch& scratch,
                                         const Cancel& cancel);
 
+// The same, but a distance may be above that of the shortest path by at most the part
+// `tolerance` of it, from 0, exact, to 1. Each is the length of a path on the surface. Where
+// the surface is rough or round, this costs a fraction: narrow windows that went past
+// a vertex on both sides are left behind (exact_propagation.h). Windows are not kept.
+// Errors: cancelled.
+[[nodiscard]] Result<Field> field_within(double tolerance, const Adjacency& adjacency,
+                                         std::span<const Source> sources, const FieldLimits& limits,
+                                         ExactScratch& scratch, const Cancel& cancel);
+
 }  // namespace geodesic

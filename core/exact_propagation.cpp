@@ -16,16 +16,18 @@ constexpr double kNews = 1e-14;
 }  // namespace
 
 Propagation::Propagation(const Adjacency& adjacency, PropagationMemory& memory, Field& field,
-                         double max, bool keep_windows, Poll& poll)
+                         double max, double tolerance, bool keep_windows, Poll& poll)
     : adjacency_(adjacency),
       memory_(memory),
       frames_(memory.frames),
       field_(field),
-      max_(max),
+      max_(max * (1 + tolerance) * (1 + tolerance)),
+      tolerance_(tolerance),
       keep_windows_(keep_windows) {
   memory.frames.build(adjacency, poll);
   if (poll.stopped()) return;
-  memory.pool.reset();
+  memory.pool.reset(poll);
+  if (poll.stopped()) return;
   double least = kUnreached;
   for (const Source& source : field.sources) least = std::min(least, source.offset);
   memory.queue.reset(least, 0.25 * frames_.mean_shortest_side());
@@ -33,9 +35,10 @@ Propagation::Propagation(const Adjacency& adjacency, PropagationMemory& memory, 
                 {nullptr, 0, 0, kUnreached, kUnreached, kUnreached, false}, poll);
   memory.roots.clear();
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
-  memory.arrivals.assign(vertex_count, {kNone, 0});
+  memory.arrivals.assign(vertex_count, {kNone, false, 0});
   memory.bends.assign(frames_.bends().begin(), frames_.bends().end());
   memory.emitted.assign(vertex_count, kUnreached);
+  memory.above.assign(tolerance > 0 ? vertex_count : 0, 0);
 }
 
 bool Propagation::step() {
@@ -221,8 +224,9 @@ std::size_t Propagation::reach_apex(Halfedge h, std::span<Beam> beams) {
     for (std::size_t i = 0; i < beams.size(); ++i) try_beam(i);
   }
   const Beam& beam = beams[best];
-  lower(adjacency_.face(f).vertex[apex_corner], best_distance, memory_.roots[beam.root].source,
-        halfedge(f, apex_corner), std::clamp(beam.crossing, beam.begin, beam.end));
+  lower(adjacency_.face(f).vertex[apex_corner], best_distance, memory_.roots[beam.root],
+        {halfedge(f, apex_corner), beams.size() >= crowd_,
+         std::clamp(beam.crossing, beam.begin, beam.end)});
   return best;
 }
 
@@ -341,37 +345,27 @@ void Propagation::let_go(std::uint32_t e) {
   edge.let_go = true;
 }
 
-void Propagation::lower(std::uint32_t v, double distance, std::uint32_t source,
-                        std::uint32_t corner, double crossing) {
+void Propagation::lower(std::uint32_t v, double distance, const PseudoSource& root,
+                        const ArrivalAtVertex& arrival) {
   if (!(distance < field_.distance[v]) || distance > max_) return;
   if (field_.distance[v] == kUnreached) ++reached_;
   field_.distance[v] = distance;
-  if (!field_.nearest_source.empty()) field_.nearest_source[v] = source;
-  if (memory_.bends[v] == Bends::nowhere) return;
-  memory_.arrivals[v] = {corner, crossing};
+  if (!field_.nearest_source.empty()) field_.nearest_source[v] = root.source;
+  if (tolerance_ > 0) memory_.above[v] = root.above;
+  if (memory_.bends[v] == Bends::nowhere && !(tolerance_ > 0)) return;
+  memory_.arrivals[v] = arrival;
+  if (memory_.bends[v] == Bends::nowhere && head_start(v) == 0) return;
   if (distance < memory_.emitted[v] * (1 - kNews)) {
     memory_.queue.push({distance, v, Waiting::What::vertex});
   }
 }
 
-bool Propagation::mend(Poll& poll) {
-  constexpr double kBroken = 1e-11;
-  bool any = false;
-  for (std::uint32_t e = 0; e < frames_.edges().size() && !poll.cancelled(); ++e) {
-    const EdgeFrame& frame = frames_.edge(e);
-    for (const auto& [from, to] :
-         {std::pair{frame.tail, frame.head}, std::pair{frame.head, frame.tail}}) {
-      const double distance = field_.distance[from] + frame.length;
-      if (!(distance < field_.distance[to] * (1 - kBroken)) || distance > max_) continue;
-      memory_.bends[to] = Bends::everywhere;
-      lower(to, distance, nearest(from), kNone, 0);
-      any = true;
-    }
-  }
-  return any;
+void Propagation::drop_windows(Poll& poll) {
+  memory_.edges.clear();
+  memory_.pool.reset(poll);
 }
 
-LitWindows Propagation::take_lit_windows(Poll& poll) {
+LitWindows Propagation::lit_windows(Poll& poll) const {
   LitWindows lit;
   for (std::uint32_t e = 0; e < memory_.edges.size() && !poll.stopped(); ++e) {
     const EdgeWindows& edge = memory_.edges[e];
@@ -389,8 +383,6 @@ LitWindows Propagation::take_lit_windows(Poll& poll) {
       }
     }
   }
-  memory_.pool.reset();
-  memory_.edges.clear();
   return lit;
 }
 

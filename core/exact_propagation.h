@@ -9,6 +9,14 @@
 //
 // Every distance here is the length of a real way from a source, so cutting off
 // what is farther than another distance is always right, in whatever order.
+//
+// With a tolerance, distances are those of a field with more sources than there are: a
+// vertex that is reached may become one, starting a little earlier than it was reached
+// (bend_at). What its windows then outrun is a crowd of narrow ones that came past it on
+// both sides. More sources only lower a field, so it is never above the true one; and
+// `above` says by how much it may be below: a distance and what it is above there make
+// the length of a real path. A vertex becomes a source only as far as that sum stays within
+// the tolerance.
 #pragma once
 
 #include <cstdint>
@@ -44,6 +52,7 @@ struct EdgeWindows {
 // the corner after that one.
 struct ArrivalAtVertex {
   std::uint32_t corner;
+  bool crowded;  // one of many windows on that side led there
   double crossing;
 };
 
@@ -90,6 +99,7 @@ struct PropagationMemory {
   std::vector<ArrivalAtVertex> arrivals;
   std::vector<Bends> bends;
   std::vector<double> emitted;  // the distance at which a vertex last sent out windows
+  std::vector<double> above;    // of the pseudo-source of a vertex's distance; with a tolerance
   std::vector<Beam> waiting;    // on an edge
   std::vector<Beam> beams;      // those of them that cross one face
   std::vector<Window> children;
@@ -99,11 +109,18 @@ struct PropagationMemory {
 
 class Propagation {
  public:
+  // Distances are exact, or above by at most the part `tolerance` of the true one; at most 1.
+  // Those that are not above `max` are found.
+  //
   // Fills `field.distance` and, when it has a place for each vertex,
   // `field.nearest_source`. All must outlive this object, which is of no use if the
   // poll says to stop.
   Propagation(const Adjacency& adjacency, PropagationMemory& memory, Field& field, double max,
-              bool keep_windows, Poll& poll);
+              double tolerance, bool keep_windows, Poll& poll);
+
+  // So many windows on an edge are a crowd, in which a vertex may become a source; for
+  // tests, which want it to happen on small meshes.
+  void set_crowd(std::size_t windows) { crowd_ = windows; }
 
   // Sends out a source's windows.
   void start(const Source& source, std::uint32_t number);
@@ -111,17 +128,26 @@ class Propagation {
   // Takes the next step; false when there is nothing left to do.
   [[nodiscard]] bool step();
 
-  // Distances below this are final.
-  [[nodiscard]] double final_below() const { return memory_.queue.now(); }
+  // Vertices with a path_length() below this have their final one.
+  [[nodiscard]] double final_below() const { return memory_.queue.now() / (1 + tolerance_); }
+  // The length of the path to a vertex that is known.
+  [[nodiscard]] double path_length(std::uint32_t v) const { return field_.distance[v] + above(v); }
 
   // Lets distances through along edges where no window came, as a last resort
   // against rounding. True when that sent out something new. Incomplete if the poll
   // says to stop.
   [[nodiscard]] bool mend(Poll& poll);
 
-  // The windows left, for each face that they light. Gives their memory back, so this
-  // is the last thing to ask. Not all of them if the poll says to stop.
-  [[nodiscard]] LitWindows take_lit_windows(Poll& poll);
+  // With a tolerance: makes the distances the lengths of paths, above the true ones by at
+  // most that part. The last thing to ask. Incomplete if the poll says to stop.
+  void raise_to_paths(Poll& poll);
+
+  // The windows left, for each face that they light. Not all of them if the poll says to
+  // stop.
+  [[nodiscard]] LitWindows lit_windows(Poll& poll) const;
+
+  // Gives the windows' memory back: the last thing to do. Not all if the poll says to stop.
+  void drop_windows(Poll& poll);
 
   // Vertices that have a distance, though perhaps not the final one.
   [[nodiscard]] std::uint64_t reached() const { return reached_; }
@@ -144,8 +170,8 @@ class Propagation {
   void join_at(EdgeWindows& edge, std::uint32_t i, double length);
   void settle(std::uint32_t e, double farthest);
   void let_go(std::uint32_t e);
-  void lower(std::uint32_t v, double distance, std::uint32_t source, std::uint32_t corner,
-             double crossing);
+  void lower(std::uint32_t v, double distance, const PseudoSource& root,
+             const ArrivalAtVertex& arrival);
 
   // exact_pseudo_sources.cpp: windows out of vertices and sources.
   void start_inside(const SurfacePoint& place, const Source& source, std::uint32_t root);
@@ -154,19 +180,28 @@ class Propagation {
   void send_beyond(std::uint32_t v, std::uint32_t root);
   void light_from_corner(std::uint32_t corner, std::uint32_t root, double first, double last);
   void light(Halfedge from, std::uint32_t root, double begin, double end, double x, double y);
-  void lower_along_sides(std::uint32_t corner);
+  void lower_along_sides(std::uint32_t corner, std::uint32_t root);
   [[nodiscard]] bool turn(std::uint32_t corner, bool over_next, double angle);
 
   [[nodiscard]] std::uint32_t nearest(std::uint32_t v) const {
     return field_.nearest_source.empty() ? 0 : field_.nearest_source[v];
   }
 
+  [[nodiscard]] double above(std::uint32_t v) const {
+    return tolerance_ > 0 ? memory_.above[v] : 0;
+  }
+  [[nodiscard]] double head_start(std::uint32_t v) const;
+
   const Adjacency& adjacency_;
   PropagationMemory& memory_;
   const Frames& frames_;
   Field& field_;
   double max_;
+  double tolerance_;
   bool keep_windows_;
+  // A new pseudo-source behind so many spares most of them. Of fewer, as on slivers and flat
+  // parts, it makes more.
+  std::size_t crowd_ = 8;
   std::uint64_t propagated_ = 0;
   std::uint64_t reached_ = 0;
 };

@@ -1,4 +1,5 @@
-// Where windows begin: at sources, and at the vertices where shortest paths bend.
+// Where windows begin: at sources, and at the vertices where shortest paths bend; and how
+// vertices come by their last distances.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -45,14 +46,14 @@ void Propagation::start_inside(const SurfacePoint& place, const Source& source,
                                std::uint32_t root) {
   const std::uint32_t f = place.face;
   const FaceFrame& frame = frames_.face(f);
-  const std::uint32_t number = memory_.roots[root].source;
+  const PseudoSource from = memory_.roots[root];
   const Vec3 at = position_of(adjacency_.mesh(), place);
   for (std::uint32_t c = 0; c < 3; ++c) {
     const double ahead = place.bary[next_corner(c)];
     const double behind = place.bary[previous_corner(c)];
     const std::uint32_t v = adjacency_.face(f).vertex[c];
-    lower(v, source.offset + distance(at, adjacency_.mesh().positions()[v]), number, halfedge(f, c),
-          frames_.length(f, next_corner(c)) * (behind / (ahead + behind)));
+    lower(v, source.offset + distance(at, adjacency_.mesh().positions()[v]), from,
+          {halfedge(f, c), false, frames_.length(f, next_corner(c)) * (behind / (ahead + behind))});
   }
   for (std::uint32_t c = 0; c < 3; ++c) {
     const double above = place.bary[previous_corner(c)];
@@ -65,13 +66,37 @@ void Propagation::start_inside(const SurfacePoint& place, const Source& source,
   }
 }
 
+// By how much earlier than it was reached a vertex may send out windows on its own; 0
+// where that is not worth the windows: where there is no crowd to spare, or soon after an
+// older one. Let p be the part of its distance that it may be
+// early by, all in all: p of a distance is at most p / (1 - p) of that less p of it,
+// which is the tolerance.
+double Propagation::head_start(std::uint32_t v) const {
+  // The least that is worth it, of what it may be in all and of an edge. With less of the
+  // former, most of an older source's windows would be in the way of the new one's.
+  constexpr double kWorthOfAll = 0.05;
+  constexpr double kWorthOfSide = 6e-4;
+  if (!(tolerance_ > 0) || !memory_.arrivals[v].crowded) return 0;
+  const double all = tolerance_ / (1 + tolerance_) * field_.distance[v];
+  const double left = all - memory_.above[v];
+  return left > kWorthOfAll * all && left > kWorthOfSide * frames_.mean_shortest_side() ? left : 0;
+}
+
 void Propagation::bend_at(std::uint32_t v) {
-  const double distance = field_.distance[v];
+  double distance = field_.distance[v];
   if (!(distance < memory_.emitted[v])) return;
+  const double early = head_start(v);
+  if (early > 0) {
+    distance -= early;
+    field_.distance[v] = distance;
+    memory_.above[v] += early;
+  } else if (memory_.bends[v] == Bends::nowhere) {
+    return;
+  }
   memory_.emitted[v] = distance;
   const auto root = static_cast<std::uint32_t>(memory_.roots.size());
-  memory_.roots.push_back({distance, v, nearest(v)});
-  if (memory_.bends[v] == Bends::everywhere || memory_.arrivals[v].corner == kNone) {
+  memory_.roots.push_back({distance, v, nearest(v), above(v)});
+  if (early > 0 || memory_.bends[v] == Bends::everywhere || memory_.arrivals[v].corner == kNone) {
     send_everywhere(v, root);
   } else {
     send_beyond(v, root);
@@ -79,7 +104,7 @@ void Propagation::bend_at(std::uint32_t v) {
 }
 
 void Propagation::send_everywhere(std::uint32_t v, std::uint32_t root) {
-  for (const std::uint32_t corner : adjacency_.corners(v)) lower_along_sides(corner);
+  for (const std::uint32_t corner : adjacency_.corners(v)) lower_along_sides(corner, root);
   for (const std::uint32_t corner : adjacency_.corners(v)) {
     light_from_corner(corner, root, 0, std::numbers::pi);
   }
@@ -89,7 +114,7 @@ void Propagation::send_everywhere(std::uint32_t v, std::uint32_t root) {
 // turning from the way back, between pi and the whole angle less pi.
 void Propagation::send_beyond(std::uint32_t v, std::uint32_t root) {
   constexpr double kPi = std::numbers::pi;
-  for (const std::uint32_t corner : adjacency_.corners(v)) lower_along_sides(corner);
+  for (const std::uint32_t corner : adjacency_.corners(v)) lower_along_sides(corner, root);
   const ArrivalAtVertex arrival = memory_.arrivals[v];
   const std::uint32_t f = face_of(arrival.corner);
   const std::uint32_t c = corner_of(arrival.corner);
@@ -177,17 +202,41 @@ void Propagation::light(Halfedge from, std::uint32_t root, double begin, double 
 }
 
 // The ways along the two sides that meet in a corner.
-void Propagation::lower_along_sides(std::uint32_t corner) {
+void Propagation::lower_along_sides(std::uint32_t corner, std::uint32_t root) {
   const std::uint32_t f = face_of(corner);
   const std::uint32_t c = corner_of(corner);
   const std::uint32_t n = next_corner(c);
   const std::uint32_t p = previous_corner(c);
   const FaceRecord& face = adjacency_.face(f);
   const double distance = field_.distance[face.vertex[c]];
-  const std::uint32_t source = nearest(face.vertex[c]);
-  lower(face.vertex[n], distance + frames_.length(f, c), source, halfedge(f, n),
-        frames_.length(f, p));
-  lower(face.vertex[p], distance + frames_.length(f, p), source, halfedge(f, p), 0);
+  const PseudoSource from = memory_.roots[root];
+  lower(face.vertex[n], distance + frames_.length(f, c), from,
+        {halfedge(f, n), false, frames_.length(f, p)});
+  lower(face.vertex[p], distance + frames_.length(f, p), from, {halfedge(f, p), false, 0});
+}
+
+void Propagation::raise_to_paths(Poll& poll) {
+  for (std::uint32_t v = 0; v < memory_.above.size() && !poll.cancelled(); ++v) {
+    field_.distance[v] += memory_.above[v];
+  }
+}
+
+bool Propagation::mend(Poll& poll) {
+  constexpr double kBroken = 1e-11;
+  bool any = false;
+  for (std::uint32_t e = 0; e < frames_.edges().size() && !poll.cancelled(); ++e) {
+    const EdgeFrame& frame = frames_.edge(e);
+    for (const auto& [from, to] :
+         {std::pair{frame.tail, frame.head}, std::pair{frame.head, frame.tail}}) {
+      const double distance = field_.distance[from] + frame.length;
+      if (!(distance < field_.distance[to] * (1 - kBroken)) || distance > max_) continue;
+      memory_.bends[to] = Bends::everywhere;
+      lower(to, distance, {field_.distance[from], from, nearest(from), above(from)},
+            {kNone, false, 0});
+      any = true;
+    }
+  }
+  return any;
 }
 
 }  // namespace geodesic::exact

@@ -23,6 +23,8 @@ struct PseudoSource {
   double offset;         // its own distance, mesh units
   std::uint32_t vertex;  // kNone: a source
   std::uint32_t source;  // the number of the source at the root of it all
+  // With a tolerance: the path there is longer than `offset` by this much.
+  double above = 0;
 };
 
 struct Window {

@@ -11,6 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/cancel.h"
 #include "core/exact_window.h"
 
 namespace geodesic::exact {
@@ -50,17 +51,19 @@ class WindowPool {
     }
   }
 
-  // Every block is free again. Keeps the first slabs for the next query.
-  void reset() {
+  // Every block is free again. Keeps the first slabs for the next query and gives the
+  // rest back to the system, unless the poll says to stop: hundreds of megabytes take it
+  // longer than a cancelled query may.
+  void reset(Poll& poll) {
     for (std::vector<Window*>& waiting : waiting_) waiting.clear();
     large_.clear();
-    if (slabs_.size() > kKeptSlabs) slabs_.resize(kKeptSlabs);
     slab_ = 0;
     left_ = 0;
+    while (slabs_.size() > kKeptSlabs && !poll.ask()) slabs_.pop_back();
   }
 
  private:
-  static constexpr std::uint32_t kSlab = 4096;
+  static constexpr std::uint32_t kSlab = 4096;   // a quarter of a megabyte
   static constexpr std::size_t kKeptSlabs = 64;  // 16 MB
 
   [[nodiscard]] static std::size_t class_of(std::uint32_t capacity) {

@@ -11,6 +11,7 @@
 #include "core/mesh.h"
 #include "core/method.h"
 #include "core/surface_point.h"
+#include "core/vec3.h"
 
 namespace geodesic {
 
@@ -20,6 +21,20 @@ inline constexpr double kUnreached = std::numeric_limits<double>::infinity();
 struct Source {
   SurfacePoint point;
   double offset = 0;  // mesh units, not negative
+};
+
+// What is too far out of the way to a target: no path to it that is no longer than
+// `longest` leads through a point at which this is so, for no path is shorter than the
+// straight line in space.
+struct Detour {
+  Vec3 target;
+  double longest = std::numeric_limits<double>::infinity();  // mesh units, without offset
+
+  [[nodiscard]] bool is_bounded() const { return longest < kUnreached; }
+
+  [[nodiscard]] bool is_too_far(double distance, Vec3 place) const {
+    return is_bounded() && distance + geodesic::distance(place, target) > longest;
+  }
 };
 
 // How far a field goes, and what it keeps.
@@ -32,6 +47,11 @@ struct FieldLimits {
   // Keep what paths and points inside faces need besides the vertices' distances:
   // the windows of an exact method, the points on edges of `steiner`.
   bool keep_details = true;
+  // When bounded: fronts need not go on from vertices that are too far out of the way to
+  // the targets. Others than these then read kUnreached, or more than their distance. For
+  // `wavefront`, `novotni`, `dijkstra` and `back_traced`, from one source; others go
+  // everywhere.
+  Detour detour;
 };
 
 class WindowTable;  // window_table.h

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 namespace geodesic {
 
@@ -31,6 +32,9 @@ struct MethodOptions {
   double tolerance = 1e-4;
   // back_traced
   Bound bound = Bound::none;
+  // back_traced: the largest relative error that a vertex's distance may have, from 0 to 1;
+  // it is above the true one then, whatever the bound. None: as it comes, and soonest.
+  std::optional<double> error_at_most = std::nullopt;
 
   [[nodiscard]] friend bool operator==(const MethodOptions&, const MethodOptions&) = default;
 };

@@ -25,8 +25,8 @@ Result<Field> waves_field(Method method, const Adjacency& adjacency,
   if (sources.size() == 1) {
     Wavefront<VertexHeap, kArrive> front(adjacency, scratch.heap, field.distance, field.parents);
     RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
-    auto wave = run_wave(front, adjacency, sources[0], 0, 1, {}, limits.max, targets, scratch.heap,
-                         poll, [](std::uint32_t) {});
+    auto wave = run_wave(front, adjacency, sources[0], 0, 1, {}, limits.max, limits.detour, targets,
+                         scratch.heap, poll, [](std::uint32_t) {});
     if (!wave) return fail(wave.error());
     if (sources[0].offset != 0) {
       for (double& d : field.distance) d += sources[0].offset;

@@ -13,7 +13,8 @@ constexpr double kRounding = 1e-12;
 
 }  // namespace
 
-void relax_edges(const Adjacency& adjacency, double max, Field& field, Poll& poll) {
+void relax_edges(const Adjacency& adjacency, double max, bool reaches_more, Field& field,
+                 Poll& poll) {
   std::vector<double>& distance = field.distance;
   std::vector<std::uint32_t> lowered;
   const auto relax = [&](std::uint32_t u, std::uint32_t v, double length2) {
@@ -22,6 +23,7 @@ void relax_edges(const Adjacency& adjacency, double max, Field& field, Poll& pol
     if (!(difference * difference > length2 * (1 + kRounding))) return;
     const double along = distance[u] + std::sqrt(std::max(length2, 0.0));
     if (!(along < distance[v]) || along > max) return;
+    if (distance[v] == kUnreached && !reaches_more) return;
     distance[v] = along;
     if (!field.nearest_source.empty()) field.nearest_source[v] = field.nearest_source[u];
     lowered.push_back(v);

@@ -26,6 +26,10 @@ Result<Field> solve_field(Method method, const MethodOptions& options, const Adj
       return steiner_field(adjacency, sources, options.points_per_edge, limits, scratch.wavefront,
                            cancel);
     case Method::back_traced:
+      if (options.error_at_most) {
+        return field_within(*options.error_at_most, adjacency, sources, limits, scratch.exact,
+                            cancel);
+      }
       return back_traced_field(adjacency, sources, limits, options.bound, scratch.back_traced,
                                cancel);
   }

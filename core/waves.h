@@ -32,18 +32,21 @@ namespace geodesic::detail {
 
 // Runs one source's wave, without the source's offset, of which the rule's virtual
 // sources know nothing. It goes no further from vertices that are clearly nearer to an
-// earlier source (`earlier`, empty for none). Tells every vertex it accepted; others
+// earlier source (`earlier`, empty for none), nor from those that are too much of a
+// detour. Tells every vertex it accepted; others
 // stay unreached. `waves` is how many there are of them, of which this is the one of
 // that number.
 template <class Front, class Accepted>
 Result<void> run_wave(Front& front, const Adjacency& adjacency, const Source& source,
                       std::uint32_t number, std::size_t waves, std::span<const double> earlier,
-                      double max, RemainingTargets& targets, VertexHeap& heap, Poll& poll,
-                      Accepted accepted) {
+                      double max, const Detour& detour, RemainingTargets& targets, VertexHeap& heap,
+                      Poll& poll, Accepted accepted) {
   // A vertex just inside this source's region needs its neighbours outside: go on
   // for a few edges into the other's.
   const double overlap = 3 * adjacency.report().mean_edge;
+  const std::span<const Vec3> positions = adjacency.mesh().positions();
   const auto worthwhile = [&](std::uint32_t v) {
+    if (detour.is_too_far(front.estimate(v), positions[v])) return false;
     return earlier.empty() || front.estimate(v) + source.offset < earlier[v] + overlap;
   };
   max -= source.offset;
@@ -96,7 +99,7 @@ Result<void> run_waves(Front& front, const Adjacency& adjacency, const FieldLimi
     RemainingTargets targets(limits.targets, vertex_count, marks);
     auto wave =
         run_wave(front, adjacency, field.sources[s], s, field.sources.size(), field.distance, max,
-                 targets, heap, poll, [&](std::uint32_t v) { visited.push_back(v); });
+                 {}, targets, heap, poll, [&](std::uint32_t v) { visited.push_back(v); });
     if (!wave) return wave;
     for (const std::uint32_t v : visited) {
       const double delayed = front.distance(v) + field.sources[s].offset;

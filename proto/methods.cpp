@@ -1,6 +1,8 @@
 #include "proto/methods.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 
 namespace geodesic::proto {
 
@@ -8,9 +10,9 @@ namespace {
 
 std::vector<MethodParameter> steiner_parameters() {
   const MethodOptions standard;
-  return {{"points_per_edge", true, 1, 64, static_cast<double>(standard.points_per_edge), false,
-           "points added inside each edge, evenly spaced"},
-          {"tolerance", false, 1e-12, 1, standard.tolerance, true,
+  return {{"points_per_edge", true, 1, 64, static_cast<double>(standard.points_per_edge),
+           Serves::all, "points added inside each edge, evenly spaced"},
+          {"tolerance", false, 1e-12, 1, standard.tolerance, Serves::paths,
            "a path is refined until a round shortens it by less than this part of its length"}};
 }
 
@@ -20,9 +22,12 @@ std::vector<MethodParameter> back_traced_parameters() {
            0,
            1,
            0,
-           false,
+           Serves::all,
            "upper: no distance is below the true one, each is the length of a path",
-           {"none", "upper"}}};
+           {"none", "upper"}},
+          {"tolerance", false, 0, 0.5, kNoStandard, Serves::distances,
+           "no vertex's distance is above the true one by more than this part of it, nor below; 0 "
+           "is exact. Without it there is no such promise"}};
 }
 
 }  // namespace
@@ -81,7 +86,8 @@ std::span<const MethodInfo> all_methods() {
        {}},
       {Method::back_traced, "auto",
        "Tang et al. 2007 on the intrinsic Delaunay triangulation (Bobenko, Springborn 2007), each "
-       "vertex computed again by tracing its way back over a dozen faces",
+       "vertex computed again by tracing its way back over a dozen faces. With a tolerance, that "
+       "of `exact`, with vertices as further sources",
        false, "O(n log n)", back_traced_parameters()},
   };
   return methods;
@@ -110,7 +116,15 @@ std::string field_key(const MethodChoice& choice) {
     key += ',';
     key += std::to_string(choice.options.points_per_edge);
   }
-  if (choice.options.bound == Bound::upper) key += ",upper";
+  if (choice.options.error_at_most) {
+    // Whatever the bound, these distances are never below.
+    key += ",within ";
+    std::array<char, 32> digits{};
+    const auto end = std::to_chars(digits.begin(), digits.end(), *choice.options.error_at_most);
+    key.append(digits.begin(), end.ptr);
+  } else if (choice.options.bound == Bound::upper) {
+    key += ",upper";
+  }
   return key;
 }
 

@@ -1,6 +1,8 @@
 // The geodesic methods that a client can ask for by name, and what each can be told.
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,6 +16,12 @@ namespace geodesic::proto {
 using geodesic::Method;
 using geodesic::MethodOptions;
 
+// What asks for a parameter: the queries that answer with paths, those that answer with
+// distances, or both. The others refuse it, for they do not depend on it.
+enum class Serves : std::uint8_t { all, paths, distances };
+
+inline constexpr double kNoStandard = std::numeric_limits<double>::quiet_NaN();
+
 // A parameter that some methods have and others refuse: a number with inclusive bounds,
 // or one of a few words.
 struct MethodParameter {
@@ -21,8 +29,9 @@ struct MethodParameter {
   bool whole;  // else any number
   double minimum;
   double maximum;
-  double standard;  // without it
-  bool paths_only;  // distances do not depend on it, and queries for them refuse it
+  // Without it; kNoStandard: then the method is not told.
+  double standard;
+  Serves serves;
   std::string_view meaning;
   // Of a word; then `standard` is the place of one of them, and there are no bounds.
   std::vector<std::string_view> choices = {};

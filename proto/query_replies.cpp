@@ -249,6 +249,11 @@ std::string methods_json() {
   const auto bound = [](const MethodParameter& parameter, double value) {
     return parameter.whole ? ordered_json(static_cast<std::uint64_t>(value)) : ordered_json(value);
   };
+  const auto users_of = [](const MethodParameter& parameter) {
+    return parameter.serves == Serves::all     ? "all"
+           : parameter.serves == Serves::paths ? "paths"
+                                               : "distances";
+  };
   ordered_json methods = ordered_json::array();
   for (const MethodInfo& info : all_methods()) {
     ordered_json parameters = ordered_json::array();
@@ -258,7 +263,7 @@ std::string methods_json() {
                               {"type", "choice"},
                               {"choices", parameter.choices},
                               {"default", parameter.choices[std::size_t(parameter.standard)]},
-                              {"for", parameter.paths_only ? "paths" : "all"},
+                              {"for", users_of(parameter)},
                               {"meaning", parameter.meaning}});
         continue;
       }
@@ -267,7 +272,7 @@ std::string methods_json() {
                             {"minimum", bound(parameter, parameter.minimum)},
                             {"maximum", bound(parameter, parameter.maximum)},
                             {"default", bound(parameter, parameter.standard)},
-                            {"for", parameter.paths_only ? "paths" : "all"},
+                            {"for", users_of(parameter)},
                             {"meaning", parameter.meaning}});
     }
     methods.push_back({{"name", info.name},

@@ -1,6 +1,7 @@
 #include "proto/query_requests.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,9 +15,18 @@ namespace {
 // by the others, not ignored.
 enum class Purpose : std::uint8_t { distances, paths };
 
-void set_option(MethodOptions& options, std::string_view name, double value) {
+bool serves(const MethodParameter& parameter, Purpose purpose) {
+  return parameter.serves == Serves::all ||
+         (parameter.serves == Serves::paths) == (purpose == Purpose::paths);
+}
+
+void set_option(MethodChoice& choice, std::string_view name, double value) {
+  MethodOptions& options = choice.options;
   if (name == "points_per_edge") options.points_per_edge = static_cast<std::uint32_t>(value);
-  if (name == "tolerance") options.tolerance = value;
+  if (name == "tolerance") {
+    if (choice.which == Method::steiner) options.tolerance = value;
+    if (choice.which == Method::back_traced) options.error_at_most = value + 0.0;  // -0 is 0
+  }
   if (name == "bound") options.bound = value == 0 ? Bound::none : Bound::upper;
 }
 
@@ -40,7 +50,7 @@ Result<void> read_method(Parameters& parameters, Purpose purpose, MethodChoice& 
   if (!method) return fail(method.error());
   choice.which = *method;
   for (const MethodParameter& parameter : info_of(*method).parameters) {
-    if (parameter.paths_only && purpose != Purpose::paths) continue;
+    if (!serves(parameter, purpose)) continue;
     double value = parameter.standard;
     if (!parameter.choices.empty()) {
       const auto given = read_choice(parameters, parameter);
@@ -55,12 +65,13 @@ Result<void> read_method(Parameters& parameters, Purpose purpose, MethodChoice& 
       if (!given) return fail(given.error());
       value = given->value_or(value);
     }
+    if (std::isnan(value)) continue;  // not given, and nothing instead
     if (!(value >= parameter.minimum && value <= parameter.maximum)) {
       return fail(ErrorCode::value_out_of_range,
                   "outside of what this method takes; see /v1/methods",
                   std::string(parameter.name));
     }
-    set_option(choice.options, parameter.name, value);
+    set_option(choice, parameter.name, value);
   }
   return {};
 }

@@ -1,44 +1,16 @@
 #include "server/compute_pool.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
-#include <exception>
-#include <new>
+
+#include "server/compute_crew.h"
+#include "server/run_guarded.h"
 
 namespace geodesic::server {
-
-// Guarded by the pool's mutex, except for `body`, which belongs to the worker
-// once the job has left the queue.
-struct ComputePool::Job {
-  std::function<void(Worker&)> body;
-  Clock::time_point queued = Clock::now();
-  Clock::duration waited{0};
-  std::condition_variable finished_signal;
-  bool finished = false;
-  Result<void> outcome;
-};
 
 namespace {
 
 std::size_t slots_or_cores(std::size_t slots) {
   return slots != 0 ? slots : std::max<std::size_t>(1, std::thread::hardware_concurrency());
-}
-
-Result<void> run_guarded(const std::function<void(Worker&)>& body, Worker& worker) {
-  try {
-    body(worker);
-    return {};
-  } catch (const std::bad_alloc&) {
-    // Memory is a resource like a free slot: the same job may do well later.
-    spdlog::error("a job ran out of memory");
-    return fail(ErrorCode::overloaded, "out of memory");
-  } catch (const std::exception& thrown) {
-    spdlog::error("a job threw: {}", thrown.what());
-  } catch (...) {
-    spdlog::error("a job threw something that is no exception");
-  }
-  return fail(ErrorCode::internal, "internal error");
 }
 
 }  // namespace
@@ -71,7 +43,7 @@ Result<void> ComputePool::refuse(Error error) {
 auto ComputePool::expected_wait(const std::string& client) const -> Clock::duration {
   // Each slot must end what it runs, half of which is over on average, and then
   // takes its part of the turns before ours.
-  if (counts_.running < counts_.slots) return Clock::duration(0);
+  if (busy() < counts_.slots) return Clock::duration(0);
   const auto turns = static_cast<Clock::rep>(queue_.turns_before(client));
   const auto slots = static_cast<Clock::rep>(counts_.slots);
   return usual_time_ * (2 * turns + slots) / (2 * slots);
@@ -106,7 +78,7 @@ Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& c
     }
   }
   // Jobs that a free worker is about to take do not count as waiting.
-  if (!caller.is_patient && queue_.size() >= limits_.jobs + (counts_.slots - counts_.running)) {
+  if (!caller.is_patient && queue_.size() >= limits_.jobs + (counts_.slots - busy())) {
     if (queue_.longest() > own + 1) {
       const std::shared_ptr<Job> displaced = queue_.take_from_longest();
       displaced->outcome = refuse(Error{ErrorCode::too_many_requests,
@@ -127,6 +99,7 @@ Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& c
     }
   }
   queue_.push(caller.client, job);
+  note_queue();
   job_ready_.notify_one();
   return {};
 }
@@ -134,10 +107,15 @@ Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& c
 Result<void> ComputePool::run_erased(std::function<void(Worker&)> body, const Caller& caller) {
   const auto job = std::make_shared<Job>();
   job->body = std::move(body);
-
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   if (auto admitted = admit(job, caller); !admitted) return admitted;
+  if (auto ran = wait_for(job, caller, lock); !ran) return ran;
+  if (caller.times) caller.times->add(Stage::queue, job->waited);
+  return std::move(job->outcome);
+}
 
+Result<void> ComputePool::wait_for(const std::shared_ptr<Job>& job, const Caller& caller,
+                                   Lock& lock) {
   constexpr std::chrono::milliseconds poll_interval{50};
   const bool is_wait_bounded = bounds_wait_of(caller);
   const Clock::time_point latest =
@@ -170,37 +148,56 @@ Result<void> ComputePool::run_erased(std::function<void(Worker&)> body, const Ca
       job->finished_signal.wait(lock, [&] { return job->finished; });
       break;
     }
+    note_queue();
     ++(reason->code == ErrorCode::overloaded ? counts_.rejected : counts_.given_up);
     return fail(std::move(*reason));
   }
-  if (caller.times) caller.times->add(Stage::queue, job->waited);
-  return std::move(job->outcome);
+  return {};
 }
 
 void ComputePool::work(std::size_t slot) {
   Worker worker{slot};
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   while (true) {
-    job_ready_.wait(lock, [&] { return draining_ || !queue_.empty(); });
-    if (queue_.empty()) return;  // draining, and nothing left
-    const std::shared_ptr<Job> job = queue_.pop();
+    std::shared_ptr<Crew> crew;
+    job_ready_.wait(lock, [&] {
+      crew = queue_.empty() ? crew_to_help() : nullptr;
+      return draining_ || !queue_.empty() || crew;
+    });
+    if (queue_.empty() && !crew) return;  // draining, and nothing left
     ++counts_.running;
-    const Clock::time_point begin = Clock::now();
-    job->waited = begin - job->queued;
+    if (crew) {
+      join_crew(crew, worker, lock);
+    } else {
+      const std::shared_ptr<Job> job = queue_.pop();
+      note_queue();
+      run_job(job, worker, lock);
+    }
+    --counts_.running;
+  }
+}
+
+void ComputePool::run_job(const std::shared_ptr<Job>& job, Worker& worker, Lock& lock) {
+  const Clock::time_point begin = Clock::now();
+  job->waited = begin - job->queued;
+  if (waited_) {
     lock.unlock();
-
-    if (waited_) waited_(job->waited);
-    Result<void> outcome = run_guarded(job->body, worker);
+    waited_(job->waited);
+    lock.lock();
+  }
+  if (job->crew) {
+    join_crew(job->crew, worker, lock);
+  } else {
+    lock.unlock();
+    Result<void> outcome = run_guarded([&] { job->body(worker); });
     const Clock::duration taken = Clock::now() - begin;
-
     lock.lock();
     usual_time_ += (taken - usual_time_) / 16;
-    --counts_.running;
     ++counts_.finished;
     job->outcome = std::move(outcome);
-    job->finished = true;
-    job->finished_signal.notify_one();
   }
+  job->finished = true;
+  job->finished_signal.notify_one();
 }
 
 void ComputePool::drain() {

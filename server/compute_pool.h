@@ -13,10 +13,16 @@
 //    is gone with `cancelled`.
 // A running job is never interrupted: it polls its caller through its own `Cancel`.
 //
+// A computation of many parts (`run_each`) queues for one slot as a job does. While it
+// has that one, slots that nobody waits for help it; as soon as somebody does, one of
+// them gives its part back for later, and between parts all look at the queue. So a
+// long table is done by all cores, and delays others no more than a single job.
+//
 // Each worker has a slot number, so that scratch memory can be kept per worker
 // and used without a lock.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
@@ -44,14 +50,18 @@ struct Worker {
   std::size_t slot;
 };
 
+// Whether a part of a computation is to end for now, because somebody waits for its slot.
+using GiveWay = std::function<bool()>;
+
 class ComputePool {
  public:
   struct Stats {
     std::uint64_t slots = 0;
     std::uint64_t running = 0;
+    std::uint64_t helping = 0;  // of these, what gives way to whoever waits
     std::uint64_t queued = 0;
     std::uint64_t clients = 0;   // that have jobs queued
-    std::uint64_t finished = 0;  // jobs run to their end since the start
+    std::uint64_t finished = 0;  // jobs, and parts, run to their end since the start
     std::uint64_t rejected = 0;  // for want of room or time, some after having queued
     std::uint64_t given_up = 0;  // taken back by their callers while queued
   };
@@ -102,6 +112,21 @@ class ComputePool {
     return std::move(*answer);
   }
 
+  // Runs `part(Worker&, std::size_t i, const GiveWay&)`, which returns Result<void>, for
+  // each i below `count`, several at once. Blocks until all are done, or until one has
+  // failed and those that run have ended; the error is that of the lowest i that failed.
+  // A part asks GiveWay as often as whether it is cancelled, and ends with `cancelled`
+  // where it says true: it is run again, so it must leave nothing behind that matters.
+  // Errors: those of `run`. Not to be called from within a job.
+  template <class Compute>
+  [[nodiscard]] Result<void> run_each(std::size_t count, Compute&& part, const Caller& caller) {
+    auto done = run_each_erased(count, std::ref(part), caller);
+    if (!done && done.error().code == ErrorCode::cancelled && caller.deadline_over()) {
+      return fail(caller.why_stopped());
+    }
+    return done;
+  }
+
   // Refuses new jobs (`draining`); those queued or running finish.
   // Returns when all workers have ended. Idempotent.
   void drain();
@@ -110,8 +135,12 @@ class ComputePool {
 
  private:
   struct Job;
+  struct Crew;
   using Clock = Caller::Clock;
+  using Lock = std::unique_lock<std::mutex>;
   Result<void> run_erased(std::function<void(Worker&)> body, const Caller& caller);
+  // Waits until a job that was admitted has run, or takes it back.
+  Result<void> wait_for(const std::shared_ptr<Job>& job, const Caller& caller, Lock& lock);
   // Takes a job into the queue, or says why not.
   Result<void> admit(const std::shared_ptr<Job>& job, const Caller& caller);
   // How long a job of this client's would wait, by what jobs took lately.
@@ -121,10 +150,31 @@ class ComputePool {
     return limits_.wait.count() != 0 && !caller.is_patient;
   }
   void work(std::size_t slot);
+  void run_job(const std::shared_ptr<Job>& job, Worker& worker, Lock& lock);
+
+  // compute_crew.cpp
+  using Part = std::function<Result<void>(Worker&, std::size_t, const GiveWay&)>;
+  Result<void> run_each_erased(std::size_t count, Part part, const Caller& caller);
+  // Works on a crew's parts until there are none left or the slot is wanted.
+  void join_crew(const std::shared_ptr<Crew>& crew, Worker& worker, Lock& lock);
+  void work_on_parts(Crew& crew, Worker& worker, Lock& lock);
+  // The crew that an idle worker should join; null when none needs one.
+  [[nodiscard]] std::shared_ptr<Crew> crew_to_help() const;
+  [[nodiscard]] bool must_give_way(Crew& crew);
+  // Jobs wait, and slots that are free or about to be do not suffice for them.
+  [[nodiscard]] bool is_slot_wanted() const {
+    return queue_.size() > counts_.slots - counts_.running + giving_way_;
+  }
+  // What runs and does not give way.
+  [[nodiscard]] std::uint64_t busy() const { return counts_.running - counts_.helping; }
+  void note_queue() { is_queue_empty_.store(queue_.empty(), std::memory_order_relaxed); }
 
   mutable std::mutex mutex_;
   std::condition_variable job_ready_;
   FairQueue<std::shared_ptr<Job>> queue_;
+  std::atomic<bool> is_queue_empty_{true};    // to be asked without the mutex
+  std::vector<std::shared_ptr<Crew>> crews_;  // that have a slot
+  std::size_t giving_way_ = 0;                // slots that will be free in a moment
   QueueLimits limits_;
   Clock::duration usual_time_{0};  // of a job: a moving average
   std::function<void(StageTimes::Duration)> waited_;

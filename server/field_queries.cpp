@@ -114,24 +114,12 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const std::string& mesh
   if (!columns) return fail(columns.error());
   if (request.to.empty()) reply.columns = reply.rows;
 
-  // A job a row: a long table leaves the slots to others in between.
-  answer.cache_hit = true;
-  reply.distances.reserve(rows->size() * columns->size());
-  const auto count = static_cast<double>(rows->size());
-  double done = 0;
-  for (const SurfacePoint& row : *rows) {
-    const FieldQuestion question{mesh,
-                                 place->adjacency(),
-                                 request.method,
-                                 {Source{row, 0}},
-                                 request.max.value_or(kEverywhere)};
-    const auto found =
-        fields_.at_points(question, *columns, false, caller.part(done / count, (done + 1) / count));
-    done += 1;
-    if (!found) return fail(found.error());
-    *answer.cache_hit &= found->hit;
-    reply.distances.insert(reply.distances.end(), found->distances.begin(), found->distances.end());
-  }
+  const FieldQuestion question{
+      mesh, place->adjacency(), request.method, {}, request.max.value_or(kEverywhere)};
+  auto table = fields_.table(question, *rows, *columns, caller);
+  if (!table) return fail(std::move(table.error()));
+  answer.cache_hit = table->hit;
+  reply.distances = std::move(table->distances);
   return answer;
 }
 

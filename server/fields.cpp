@@ -5,6 +5,7 @@
 #include "core/arrive_at_point.h"
 #include "core/trace_path.h"
 #include "proto/number.h"
+#include "server/joint_caller.h"
 #include "server/timed.h"
 
 namespace geodesic::server {
@@ -59,6 +60,36 @@ std::uint32_t label_at(const Adjacency& adjacency, const Field& field, const Sur
   return path ? path->source : kNone;
 }
 
+// What the field says of the points, as far as `max`.
+Result<PointDistances> read_field(const Adjacency& adjacency, const Field& field, double max,
+                                  std::span<const SurfacePoint> points, bool labels,
+                                  const Cancel& cancel) {
+  PointDistances result;
+  const PointArrivals arrivals(adjacency, field);
+  result.distances.reserve(points.size());
+  Poll poll(cancel, 256);
+  for (const SurfacePoint& point : points) {
+    if (poll.cancelled()) return fail(ErrorCode::cancelled, "the client is gone");
+    const double found = arrivals.distance_at(point);
+    const double distance = found <= max ? found : kUnreached;
+    result.distances.push_back(distance);
+    if (labels) result.labels.push_back(label_at(adjacency, field, point, distance));
+  }
+  return result;
+}
+
+// Whether there can be anything in a search: below so many vertices a whole field takes
+// a few milliseconds.
+constexpr std::uint32_t kManyVertices = 5000;
+
+bool can_be_searched(const FieldQuestion& question) {
+  return question.sources.size() == 1 && searches_pairs(question.method.which) &&
+         question.adjacency->mesh().vertex_count() >= kManyVertices;
+}
+
+// So many searches take less than a field that stops at the last of the targets.
+constexpr std::size_t kFewTargets = 2;
+
 }  // namespace
 
 Fields::Fields(ComputePool& pool, std::uint64_t cache_bytes, Metrics& metrics)
@@ -93,36 +124,111 @@ Result<LruCache<Field>::Lookup> Fields::whole(const FieldQuestion& question, con
       caller);
 }
 
+bool Fields::is_to_be_searched(const FieldQuestion& question) {
+  if (!can_be_searched(question)) return false;
+  const std::string key = key_of(question);
+  return asked_.is_first(key) && cache_.find(key) == nullptr;
+}
+
+Result<Pair> Fields::search(const FieldQuestion& question, const SurfacePoint& to, bool with_path,
+                            SolveScratch& scratch, const Cancel& cancel, const Caller& caller) {
+  const Timed timed(caller, Stage::search);
+  return pair_search(question.method.which, question.method.options, *question.adjacency,
+                     question.sources.front(), to, with_path, scratch, cancel);
+}
+
 Result<PointDistances> Fields::at_points(const FieldQuestion& question,
                                          std::span<const SurfacePoint> points, bool labels,
                                          const Caller& caller) {
-  const auto read = [&](SolveScratch& scratch, const Cancel& cancel) -> Result<PointDistances> {
-    const Adjacency& adjacency = *question.adjacency;
-    PointDistances result;
-    std::shared_ptr<const Field> field = cache_.find(key_of(question));
-    result.hit = field != nullptr;
-    if (!field) {
-      const std::vector<std::uint32_t> targets = vertices_about(adjacency, points);
-      const bool at_vertices =
-          std::all_of(points.begin(), points.end(),
-                      [](const SurfacePoint& point) { return point.at_vertex(); });
-      auto part = solve(question, {question.max, targets, !at_vertices}, scratch, cancel, caller);
-      if (!part) return fail(std::move(part.error()));
-      field = std::make_shared<const Field>(std::move(*part));
+  if (points.size() == 1 && can_be_searched(question)) {
+    if (!is_to_be_searched(question)) {
+      const auto field = whole(question, caller);
+      if (!field) return fail(field.error());
+      auto read = compute(
+          [&](SolveScratch&, const Cancel& cancel) {
+            return read_field(*question.adjacency, *field->value, question.max, points, labels,
+                              cancel);
+          },
+          caller);
+      if (read) read->hit = field->hit;
+      return read;
     }
-    const PointArrivals arrivals(adjacency, *field);
-    result.distances.reserve(points.size());
-    Poll poll(cancel, 256);
-    for (const SurfacePoint& point : points) {
-      if (poll.cancelled()) return fail(ErrorCode::cancelled, "the client is gone");
-      const double found = arrivals.distance_at(point);
-      const double distance = found <= question.max ? found : kUnreached;
-      result.distances.push_back(distance);
-      if (labels) result.labels.push_back(label_at(adjacency, *field, point, distance));
-    }
-    return result;
+  }
+  return compute(
+      [&](SolveScratch& scratch, const Cancel& cancel) {
+        return read_points(question, points, vertices_about(*question.adjacency, points), labels,
+                           scratch, cancel, caller);
+      },
+      caller);
+}
+
+Result<PointDistances> Fields::table(const FieldQuestion& question,
+                                     std::span<const SurfacePoint> from,
+                                     std::span<const SurfacePoint> to, const Caller& caller) {
+  const std::vector<std::uint32_t> targets = vertices_about(*question.adjacency, to);
+  PointDistances table;
+  table.hit = true;
+  table.distances.resize(from.size() * to.size());
+  JointCaller joint(caller, from.size());
+  const auto compute_row = [&](Worker& worker, std::size_t row,
+                               const GiveWay& give_way) -> Result<void> {
+    JointCaller::Part part(joint, row);
+    FieldQuestion own = question;
+    own.sources = {Source{from[row], 0}};
+    const Cancel cancel([&] { return give_way() || caller(); }, part.caller().progress);
+    auto found = read_points(own, to, targets, false, scratch_[worker.slot], cancel, part.caller());
+    if (!found) return fail(std::move(found.error()));
+    std::copy(found->distances.begin(), found->distances.end(),
+              table.distances.begin() + static_cast<std::ptrdiff_t>(row * to.size()));
+    part.done(found->hit);
+    return {};
   };
-  return compute(read, caller);
+  if (auto all = pool_.run_each(from.size(), compute_row, caller); !all) {
+    return fail(std::move(all.error()));
+  }
+  table.hit = joint.all_hit();
+  return table;
+}
+
+Result<PointDistances> Fields::read_points(const FieldQuestion& question,
+                                           std::span<const SurfacePoint> points,
+                                           std::span<const std::uint32_t> targets, bool labels,
+                                           SolveScratch& scratch, const Cancel& cancel,
+                                           const Caller& caller) {
+  std::shared_ptr<const Field> field = cache_.find(key_of(question));
+  const bool hit = field != nullptr;
+  if (!field && points.size() <= kFewTargets && can_be_searched(question)) {
+    return search_points(question, points, scratch, cancel, caller);
+  }
+  if (!field) {
+    const bool at_vertices = std::all_of(
+        points.begin(), points.end(), [](const SurfacePoint& point) { return point.at_vertex(); });
+    FieldLimits limits;
+    limits.max = question.max;
+    limits.targets = targets;
+    limits.keep_details = !at_vertices;
+    auto part = solve(question, limits, scratch, cancel, caller);
+    if (!part) return fail(std::move(part.error()));
+    field = std::make_shared<const Field>(std::move(*part));
+  }
+  auto result = read_field(*question.adjacency, *field, question.max, points, labels, cancel);
+  if (result) result->hit = hit;
+  return result;
+}
+
+Result<PointDistances> Fields::search_points(const FieldQuestion& question,
+                                             std::span<const SurfacePoint> points,
+                                             SolveScratch& scratch, const Cancel& cancel,
+                                             const Caller& caller) {
+  PointDistances result;
+  for (const SurfacePoint& point : points) {
+    const auto pair = search(question, point, false, scratch, cancel, caller);
+    if (!pair) return fail(pair.error());
+    const bool is_within = pair->distance <= question.max;
+    result.distances.push_back(is_within ? pair->distance : kUnreached);
+    result.labels.push_back(result.distances.back() < kUnreached ? 0 : kNone);
+  }
+  return result;
 }
 
 }  // namespace geodesic::server

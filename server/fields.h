@@ -16,8 +16,10 @@
 #include "core/cancel.h"
 #include "core/error.h"
 #include "core/field.h"
+#include "core/pair_search.h"
 #include "core/solve_field.h"
 #include "proto/methods.h"
+#include "server/asked_sources.h"
 #include "server/caller.h"
 #include "server/compute_pool.h"
 #include "server/lru_cache.h"
@@ -53,11 +55,29 @@ class Fields {
   [[nodiscard]] Result<LruCache<Field>::Lookup> whole(const FieldQuestion& question,
                                                       const Caller& caller);
 
-  // From a whole field that is there, or from one that stops at the points and is
-  // not kept.
+  // Whether the field is not there, and it is better to search for one target than to
+  // compute and keep it: for the first question about a source on a large mesh. The
+  // second one is told to take the whole field.
+  [[nodiscard]] bool is_to_be_searched(const FieldQuestion& question);
+
+  // The way from the question's only source to one point, and if wanted the path that a
+  // whole field would give. In the slot that `scratch` is of; keeps nothing.
+  [[nodiscard]] Result<Pair> search(const FieldQuestion& question, const SurfacePoint& to,
+                                    bool with_path, SolveScratch& scratch, const Cancel& cancel,
+                                    const Caller& caller);
+
+  // From a whole field that is there. Or else, for a single point, as is_to_be_searched
+  // says; for several from a field that stops at the points and is not kept.
   [[nodiscard]] Result<PointDistances> at_points(const FieldQuestion& question,
                                                  std::span<const SurfacePoint> points, bool labels,
                                                  const Caller& caller);
+
+  // The same from each of `from` apart, in as many compute slots as are free: a row
+  // each, one after the other. `question` has no sources; there are no labels.
+  [[nodiscard]] Result<PointDistances> table(const FieldQuestion& question,
+                                             std::span<const SurfacePoint> from,
+                                             std::span<const SurfacePoint> to,
+                                             const Caller& caller);
 
   // Runs `job(SolveScratch&, const Cancel&)`, which returns a Result, in a compute
   // slot. It is cancelled when the client is gone, and its progress is the caller's.
@@ -80,6 +100,19 @@ class Fields {
   }
 
  private:
+  static constexpr std::size_t kSourcesRemembered = 4096;
+
+  // The same without the case of one point, in the slot that `scratch` is of. `targets`
+  // decide the distances of the points.
+  [[nodiscard]] Result<PointDistances> read_points(const FieldQuestion& question,
+                                                   std::span<const SurfacePoint> points,
+                                                   std::span<const std::uint32_t> targets,
+                                                   bool labels, SolveScratch& scratch,
+                                                   const Cancel& cancel, const Caller& caller);
+  [[nodiscard]] Result<PointDistances> search_points(const FieldQuestion& question,
+                                                     std::span<const SurfacePoint> points,
+                                                     SolveScratch& scratch, const Cancel& cancel,
+                                                     const Caller& caller);
   [[nodiscard]] Result<Field> solve(const FieldQuestion& question, const FieldLimits& limits,
                                     SolveScratch& scratch, const Cancel& cancel,
                                     const Caller& caller);
@@ -88,6 +121,7 @@ class Fields {
   Metrics& metrics_;
   LruCache<Field> cache_;
   std::vector<SolveScratch> scratch_;  // one a compute slot
+  AskedSources asked_{kSourcesRemembered};
 };
 
 }  // namespace geodesic::server

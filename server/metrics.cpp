@@ -135,6 +135,7 @@ struct Metrics::Families {
                                     .Help("Computations that run or wait for a compute slot")
                                     .Register(registry);
   Gauge& running = computations.Add({{"state", "running"}});
+  Gauge& helping = computations.Add({{"state", "helping"}});  // gives way to whoever waits
   Gauge& waiting = computations.Add({{"state", "queued"}});
   Gauge& slots = BuildGauge()
                      .Name("geodesicd_compute_slots")
@@ -369,7 +370,8 @@ void Metrics::mesh_step(std::string_view step, double seconds) {
 
 std::string Metrics::text(const Present& present) {
   Families& f = *families_;
-  f.running.Set(static_cast<double>(present.pool.running));
+  f.running.Set(static_cast<double>(present.pool.running - present.pool.helping));
+  f.helping.Set(static_cast<double>(present.pool.helping));
   f.waiting.Set(static_cast<double>(present.pool.queued));
   f.slots.Set(static_cast<double>(present.pool.slots));
   follow(f.finished, present.pool.finished);

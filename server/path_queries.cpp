@@ -35,14 +35,28 @@ class LegFinder {
 
   Result<MaybePath> find(const FieldQuestion& question, const SurfacePoint& to) {
     auto leg = request_.method.which == Method::steiner ? by_refinement(question, to)
+               : fields_.is_to_be_searched(question)    ? by_search(question, to)
                                                         : by_field(question, to);
     found_ += 1;
     return leg;
   }
 
  private:
+  // Only where the path can be.
+  Result<MaybePath> by_search(const FieldQuestion& question, const SurfacePoint& to) {
+    hit_ = false;
+    return fields_.compute(
+        [&](SolveScratch& scratch, const Cancel& cancel) -> Result<MaybePath> {
+          auto pair = fields_.search(question, to, true, scratch, cancel, caller_);
+          if (!pair) return fail(std::move(pair.error()));
+          const Timed tracing(caller_, Stage::trace);
+          return refined(*question.adjacency, std::move(pair->path), cancel);
+        },
+        part_of_leg(0, 1));
+  }
+
   // Back from the end through the field of the start: the whole field, not one that
-  // stops at the target. Whoever asks for one path from a source asks for the next
+  // stops at the target. Whoever asks for a second path from a source asks for the next
   // one as the mouse moves.
   Result<MaybePath> by_field(const FieldQuestion& question, const SurfacePoint& to) {
     const auto field = fields_.whole(question, part_of_leg(0, kFieldOfLeg));

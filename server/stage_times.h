@@ -11,9 +11,9 @@
 namespace geodesic::server {
 
 // In the order in which a request goes through them.
-enum class Stage : std::uint8_t { queue, load, prepare, solve, trace, encode };
-inline constexpr std::array<std::string_view, 6> kStageNames{"queue", "load",  "prepare",
-                                                             "solve", "trace", "encode"};
+enum class Stage : std::uint8_t { queue, load, prepare, solve, search, trace, encode };
+inline constexpr std::array<std::string_view, 7> kStageNames{"queue",  "load",  "prepare", "solve",
+                                                             "search", "trace", "encode"};
 
 class StageTimes {
  public:

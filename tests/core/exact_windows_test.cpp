@@ -178,6 +178,8 @@ TEST_CASE("TheQueueServesByBucketsInOrder") {
 
 TEST_CASE("ThePoolHandsOutBlocksThatDoNotOverlap") {
   WindowPool pool;
+  const Cancel never;
+  Poll poll(never);
   std::mt19937 random(2);
   for (int round = 0; round < 2; ++round) {
     struct Block {
@@ -207,6 +209,37 @@ TEST_CASE("ThePoolHandsOutBlocksThatDoNotOverlap") {
         blocks.pop_back();
       }
     }
-    pool.reset();
+    pool.reset(poll);
   }
+}
+
+// Hundreds of megabytes take long to give back: not all at once.
+TEST_CASE("ThePoolGivesMemoryBackInPiecesAndLeavesOffWhenToldTo") {
+  WindowPool pool;
+  std::uint32_t asked = 0;
+  std::uint32_t patience = 3;
+  const Cancel cancel([&] { return ++asked > patience; });
+  const auto fill = [&] {
+    std::vector<Window*> blocks;
+    for (int i = 0; i < 400; ++i) blocks.push_back(pool.take(4096));
+    for (std::uint32_t i = 0; i < 400; ++i) blocks[i][4095].root = i;
+    for (std::uint32_t i = 0; i < 400; ++i) REQUIRE(blocks[i][4095].root == i);
+  };
+  fill();
+  Poll impatient(cancel);
+  pool.reset(impatient);
+  CHECK(impatient.stopped());
+  CHECK(asked == 4);
+  // Nothing is lost with what was not given back.
+  fill();
+  patience = 1'000'000;
+  asked = 0;
+  Poll patient(cancel);
+  pool.reset(patient);
+  CHECK(!patient.stopped());
+  CHECK(asked > 300);
+  asked = 0;
+  pool.reset(patient);
+  CHECK(asked == 0);
+  fill();
 }

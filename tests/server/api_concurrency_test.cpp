@@ -101,6 +101,34 @@ TEST_CASE("BudgetsSmallerThanTwoMeshesStillAnswerEverything") {
   CHECK(service.queries.field_cache().bytes <= config.field_cache_bytes);
 }
 
+TEST_CASE("ATableHasTheSameBytesHoweverManySlotsItHas") {
+  std::string query = "/table?format=f64";
+  for (int i = 0; i < 12; ++i) query += "&from=v:" + std::to_string(i * 70);
+  for (int i = 0; i < 7; ++i) query += "&to=f:" + std::to_string(i * 200) + ",0.25,0.5";
+  for (const std::string method : {"wavefront", "auto", "exact"}) {
+    CAPTURE(method);
+    std::string expected;
+    for (const std::size_t slots : {1, 2, 4}) {
+      const TemporaryFolder folder;
+      Service service(folder.path(), {}, slots);
+      const std::string base = "/v1/meshes/" + service.upload(glb_of(shapes::terrain(30, 5, 3)));
+      // Others ask meanwhile, so that slots come and go.
+      std::atomic<bool> is_over{false};
+      std::thread other([&] {
+        for (int i = 0; !is_over; ++i) {
+          service.get(base + "/distance?format=f32&from=v:" + std::to_string(i % 900));
+        }
+      });
+      const HttpResponse table = service.get(base + query + "&method=" + method);
+      is_over = true;
+      other.join();
+      REQUIRE(table.status == 200);
+      if (expected.empty()) expected = *table.body;
+      CHECK(*table.body == expected);
+    }
+  }
+}
+
 TEST_CASE("DeletingWhileOthersAskIsSafe") {
   const TemporaryFolder folder;
   Service service(folder.path());

@@ -72,6 +72,26 @@ TEST_CASE("AFieldFromAboveIsNotTheOneThatIsNearest") {
   CHECK(differ);
 }
 
+TEST_CASE("AToleranceIsKeptAndIsAFieldOfItsOwn") {
+  PlaneService plane;
+  const std::string mesh = plane.add(shapes::terrain(30, 6, 4));
+  const json exact = body_of(plane.service.get(mesh + "/distance?from=v:0&method=exact"));
+  for (const char* tolerance : {"0.1", "0.001", "1e-5", "0"}) {
+    CAPTURE(tolerance);
+    const HttpResponse reply = plane.service.get(
+        mesh + "/distance?from=v:0&method=auto&tolerance=" + std::string(tolerance));
+    CHECK(header_of(reply, "Geo-Cache") == "miss");
+    const json within = body_of(reply);
+    CHECK(within["method"] == "auto");
+    for (std::size_t v = 0; v < exact["distances"].size(); ++v) {
+      const double truth = exact["distances"][v];
+      const double d = within["distances"][v];
+      CHECK(d >= truth * (1 - 1e-11));
+      CHECK(d <= truth * (1 + std::stod(tolerance) + 1e-11));
+    }
+  }
+}
+
 TEST_CASE("ParametersThatAMethodDoesNotHaveAreRefused") {
   PlaneService plane;
   plane.check_refused("/distance?from=v:0&points_per_edge=3", 400, "unknown_parameter",
@@ -92,9 +112,20 @@ TEST_CASE("EveryMethodParameterHasItsBounds") {
     for (const json& parameter : method["parameters"]) {
       const std::string name = parameter["name"];
       CAPTURE(name);
-      const std::string path =
-          "/path?from=v:0&to=v:50&method=" + method["name"].get<std::string>() + "&" + name + "=";
+      const std::string query =
+          "from=v:0&method=" + method["name"].get<std::string>() + "&" + name + "=";
+      const std::string path = "/path?to=v:50&" + query;
       CHECK_FALSE(parameter["meaning"].get<std::string>().empty());
+      if (parameter["for"] == "distances") {
+        plane.check_refused(path + "0.1", 400, "unknown_parameter", name);
+        CHECK(parameter["default"].is_null());
+        for (const std::string bound : {"minimum", "maximum"}) {
+          CHECK(plane.ask("/distance?" + query + parameter[bound].dump())["reached"] == 120);
+        }
+        plane.check_refused("/distance?" + query + "-1e-9", 422, "value_out_of_range", name);
+        plane.check_refused("/distance?" + query + "0.6", 422, "value_out_of_range", name);
+        continue;
+      }
       if (parameter["type"] == "choice") {
         for (const std::string choice : parameter["choices"]) {
           CHECK(plane.ask(path + choice)["reachable"] == true);
@@ -112,8 +143,7 @@ TEST_CASE("EveryMethodParameterHasItsBounds") {
           path + json(parameter["type"] == "integer" ? json(static_cast<int>(above)) : json(above))
                      .dump(),
           422, "value_out_of_range", name);
-      const std::string field = "/distance?from=v:0&method=" + method["name"].get<std::string>() +
-                                "&" + name + "=" + parameter["default"].dump();
+      const std::string field = "/distance?" + query + parameter["default"].dump();
       if (parameter["for"] == "paths") {
         plane.check_refused(field, 400, "unknown_parameter", name);
       } else {

@@ -65,9 +65,10 @@ inline std::unique_ptr<MeshStore> opened_store(const std::filesystem::path& fold
 
 class Service {
  public:
-  explicit Service(const std::filesystem::path& folder, const Config& config = {})
+  explicit Service(const std::filesystem::path& folder, const Config& config = {},
+                   std::size_t slots = 2)
       : store(opened_store(folder)),
-        pool(2, 256),
+        pool(slots, 256),
         catalog(*store, pool, catalog_limits(config), metrics),
         queries(catalog, pool, config.field_cache_bytes, metrics),
         routes(config, catalog, queries, pool, metrics) {}

@@ -25,12 +25,17 @@ interface ByMethod {
   bound?: Schemas['Bound'];
 }
 
+interface WithinTolerance {
+  /** Only with the method `auto`: the largest relative error of a vertex's distance. */
+  tolerance?: Schemas['ErrorAtMost'];
+}
+
 interface InDigits {
   /** Significant digits of numbers in JSON; all without it. */
   precision?: Schemas['Precision'];
 }
 
-export interface DistanceQuery extends ByMethod {
+export interface DistanceQuery extends ByMethod, WithinTolerance {
   from: OneOrMore<Source>;
   /** What is farther counts as unreached. */
   max?: number;
@@ -51,7 +56,7 @@ export interface PathQuery extends ByMethod, InDigits {
   tolerance?: Schemas['Tolerance'];
 }
 
-export interface TableQuery extends ByMethod {
+export interface TableQuery extends ByMethod, WithinTolerance {
   from: OneOrMore<Point>;
   /** The columns; without it the rows again. */
   to?: OneOrMore<Point>;
@@ -59,7 +64,7 @@ export interface TableQuery extends ByMethod {
 }
 
 /** Exactly one of `levels`, `step` and `count`. */
-export interface IsolinesQuery extends ByMethod, InDigits {
+export interface IsolinesQuery extends ByMethod, WithinTolerance, InDigits {
   from: OneOrMore<Source>;
   levels?: OneOrMore<number>;
   step?: number;
@@ -79,7 +84,7 @@ export interface TraceQuery extends InDigits {
   length: number;
 }
 
-export interface SamplesQuery extends ByMethod, InDigits {
+export interface SamplesQuery extends ByMethod, WithinTolerance, InDigits {
   count: number;
   from?: OneOrMore<Source>;
 }

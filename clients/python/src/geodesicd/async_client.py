@@ -106,6 +106,7 @@ class AsyncMesh(Metadata):
         method: str | None = None,
         points_per_edge: int | None = None,
         bound: str | None = None,
+        tolerance: float | None = None,
         deadline: float | None = None,
         progress: Progress | None = None,
     ) -> FloatArray: ...
@@ -119,6 +120,7 @@ class AsyncMesh(Metadata):
         method: str | None = None,
         points_per_edge: int | None = None,
         bound: str | None = None,
+        tolerance: float | None = None,
         deadline: float | None = None,
         progress: Progress | None = None,
     ) -> LabelledDistances: ...

@@ -115,6 +115,7 @@ class Mesh(Metadata):
         method: str | None = None,
         points_per_edge: int | None = None,
         bound: str | None = None,
+        tolerance: float | None = None,
         deadline: float | None = None,
         progress: Progress | None = None,
     ) -> FloatArray: ...
@@ -128,6 +129,7 @@ class Mesh(Metadata):
         method: str | None = None,
         points_per_edge: int | None = None,
         bound: str | None = None,
+        tolerance: float | None = None,
         deadline: float | None = None,
         progress: Progress | None = None,
     ) -> LabelledDistances: ...
@@ -145,6 +147,7 @@ class Mesh(Metadata):
             method: how distances are computed; ``client.methods()`` lists them.
             points_per_edge: for ``method="steiner"`` only.
             bound: for ``method="auto"`` only; "upper": no distance is below the true one.
+            tolerance: for ``method="auto"`` only: the largest relative error, 0 for none.
             deadline: seconds, after which DeadlineExceeded is raised.
             progress: called with the part that is done, from 0 to 1.
 

@@ -3,6 +3,7 @@ parameter of each is the mesh's id; the methods of ``Mesh`` and ``AsyncMesh`` ar
 
 All take ``method`` (how distances are computed; ``client.methods()`` lists them),
 ``points_per_edge`` (for ``method="steiner"`` only), ``bound`` (for ``method="auto"`` only),
+``tolerance`` (for ``method="auto"``: the largest relative error of a vertex's distance),
 ``deadline`` (seconds, after which DeadlineExceeded is raised) and ``progress`` (called with the
 part that is done, from 0 to 1; the query is a job of the server's then, cancelled if the caller
 is interrupted). All raise
@@ -63,6 +64,7 @@ def distance(
     method: str | None = None,
     points_per_edge: int | None = None,
     bound: str | None = None,
+    tolerance: float | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[FloatArray]:
@@ -83,6 +85,7 @@ def distance(
         "method": method,
         "points_per_edge": points_per_edge,
         "bound": bound,
+        "tolerance": tolerance,
         "deadline_ms": _milliseconds(deadline),
         "format": "u16" if quantised else _format(dtype),
     }
@@ -97,6 +100,7 @@ def regions(
     method: str | None = None,
     points_per_edge: int | None = None,
     bound: str | None = None,
+    tolerance: float | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[LabelledDistances]:
@@ -114,6 +118,7 @@ def regions(
         "method": method,
         "points_per_edge": points_per_edge,
         "bound": bound,
+        "tolerance": tolerance,
         "deadline_ms": _milliseconds(deadline),
         "format": "frame",
     }
@@ -129,6 +134,7 @@ def distance_at(
     method: str | None = None,
     points_per_edge: int | None = None,
     bound: str | None = None,
+    tolerance: float | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[FloatArray]:
@@ -147,6 +153,7 @@ def distance_at(
         "method": method,
         "points_per_edge": points_per_edge,
         "bound": bound,
+        "tolerance": tolerance,
         "deadline_ms": _milliseconds(deadline),
         "format": "f64",
     }
@@ -204,6 +211,7 @@ def table(
     method: str | None = None,
     points_per_edge: int | None = None,
     bound: str | None = None,
+    tolerance: float | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[FloatArray]:
@@ -220,6 +228,7 @@ def table(
         "method": method,
         "points_per_edge": points_per_edge,
         "bound": bound,
+        "tolerance": tolerance,
         "deadline_ms": _milliseconds(deadline),
         "format": _format(dtype),
     }
@@ -237,6 +246,7 @@ def isolines(
     method: str | None = None,
     points_per_edge: int | None = None,
     bound: str | None = None,
+    tolerance: float | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[list[Isoline]]:
@@ -251,6 +261,7 @@ def isolines(
         "method": method,
         "points_per_edge": points_per_edge,
         "bound": bound,
+        "tolerance": tolerance,
         "deadline_ms": _milliseconds(deadline),
     }
     return ask(encode(mesh, "isolines", parameters), wire.isolines_of_json, progress)
@@ -264,6 +275,7 @@ def samples(
     method: str | None = None,
     points_per_edge: int | None = None,
     bound: str | None = None,
+    tolerance: float | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[Samples]:
@@ -275,6 +287,7 @@ def samples(
         "method": method,
         "points_per_edge": points_per_edge,
         "bound": bound,
+        "tolerance": tolerance,
         "deadline_ms": _milliseconds(deadline),
     }
     return ask(encode(mesh, "samples", parameters), wire.samples_of_json, progress)

@@ -1,0 +1,166 @@
+#include "core/edge_path.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/field.h"
+#include "core/vec3.h"
+
+namespace geodesic {
+namespace {
+
+// Where the way to a vertex came from: `first` is the vertex before it, kNone at a
+// corner of the source's face; `second` is the face that both are in.
+using Before = Parents;
+
+class EdgePath {
+ public:
+  EdgePath(const Adjacency& adjacency, const SurfacePoint& from, const SurfacePoint& to,
+           WavefrontScratch& scratch)
+      : adjacency_(adjacency),
+        positions_(adjacency.mesh().positions()),
+        from_(from),
+        to_(to),
+        start_(position_of(adjacency.mesh(), from)),
+        goal_(position_of(adjacency.mesh(), to)),
+        ends_(in_all_faces(adjacency, to)),
+        heap_(scratch.heap),
+        distance_(scratch.distance),
+        before_(scratch.parents) {
+    heap_.reset(positions_.size());
+    distance_.assign(positions_.size(), kUnreached);
+    before_.resize(positions_.size());
+  }
+
+  Result<std::optional<Path>> find(const Cancel& cancel) {
+    start();
+    Poll poll(cancel);
+    while (!heap_.empty() && heap_.least().key < length_) {
+      if (poll.cancelled()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+      const std::uint32_t v = heap_.pop().vertex;
+      arrive_from(v);
+      spread_from(v);
+    }
+    if (length_ == kUnreached) return std::nullopt;
+    return assemble();
+  }
+
+ private:
+  void start() {
+    if (from_.at_vertex()) lower(from_.vertex, 0, {kNone, kNone});
+    if (from_.at_vertex() && to_.at_vertex() && from_.vertex == to_.vertex) length_ = 0;
+    for (const SurfacePoint& place : in_all_faces(adjacency_, from_)) {
+      if (!from_.at_vertex()) {
+        for (const std::uint32_t v : adjacency_.face(place.face).vertex) {
+          lower(v, geodesic::distance(start_, positions_[v]), {kNone, place.face});
+        }
+      }
+      for (const SurfacePoint& end : ends_) {
+        // kNone, unless it is a vertex
+        if (end.face != place.face) continue;
+        arrive({from_.vertex, end.face}, geodesic::distance(start_, goal_));
+      }
+    }
+  }
+
+  void spread_from(std::uint32_t v) {
+    for (const std::uint32_t corner : adjacency_.corners(v)) {
+      const FaceRecord& face = adjacency_.face(face_of(corner));
+      const std::uint32_t c = corner_of(corner);
+      const std::uint32_t behind = previous_corner(c);
+      for (const auto& [w, side] :
+           {std::pair{face.vertex[next_corner(c)], c}, std::pair{face.vertex[behind], behind}}) {
+        if (heap_.accepted(w)) continue;
+        lower(w, distance_[v] + std::sqrt(std::max(face.length2(side), 0.0)), {v, face_of(corner)});
+      }
+    }
+  }
+
+  void arrive_from(std::uint32_t v) {
+    for (const SurfacePoint& end : ends_) {
+      const auto& corners = adjacency_.face(end.face).vertex;
+      if (std::find(corners.begin(), corners.end(), v) == corners.end()) continue;
+      arrive({v, end.face}, distance_[v] + geodesic::distance(positions_[v], goal_));
+    }
+  }
+
+  void arrive(Before before, double length) {
+    if (!(length < length_)) return;
+    length_ = length;
+    last_ = before;
+  }
+
+  void lower(std::uint32_t v, double distance, Before before) {
+    if (!(distance < distance_[v])) return;
+    distance_[v] = distance;
+    before_[v] = before;
+    heap_.push_or_lower(v, distance + kWeightOfTheRest * geodesic::distance(positions_[v], goal_));
+  }
+
+  // The vertex as a corner of a face that it is in.
+  [[nodiscard]] PathPoint corner_point(std::uint32_t v, std::uint32_t face) const {
+    const auto& corners = adjacency_.face(face).vertex;
+    SurfacePoint point{face, {0, 0, 0}, v};
+    const auto c = std::find(corners.begin(), corners.end(), v) - corners.begin();
+    point.bary[static_cast<std::size_t>(c)] = 1;
+    return {point, positions_[v]};
+  }
+
+  // An end of the path as it is in that face.
+  [[nodiscard]] PathPoint end_point(const SurfacePoint& end, Vec3 position,
+                                    std::uint32_t face) const {
+    for (const SurfacePoint& place : in_all_faces(adjacency_, end)) {
+      if (place.face == face) return {place, position};
+    }
+    return {end, position};
+  }
+
+  [[nodiscard]] Path assemble() const {
+    Path path;
+    path.points.push_back(end_point(to_, goal_, last_.second));
+    Before before = last_;
+    // The end at a vertex is one of the ways' own vertices.
+    if (to_.at_vertex() && before.first == to_.vertex) before = before_[to_.vertex];
+    if (before.second != kNone) path.points.back() = end_point(to_, goal_, before.second);
+    while (before.first != kNone) {
+      const std::uint32_t v = before.first;
+      path.points.push_back(corner_point(v, before.second));
+      before = before_[v];
+    }
+    if (!from_.at_vertex() && before.second != kNone) {
+      path.points.push_back(end_point(from_, start_, before.second));
+    }
+    std::reverse(path.points.begin(), path.points.end());
+    for (std::size_t i = 1; i < path.points.size(); ++i) {
+      path.length += geodesic::distance(path.points[i - 1].position, path.points[i].position);
+    }
+    return path;
+  }
+
+  const Adjacency& adjacency_;
+  std::span<const Vec3> positions_;
+  const SurfacePoint& from_;
+  const SurfacePoint& to_;
+  const Vec3 start_;
+  const Vec3 goal_;
+  const std::vector<SurfacePoint> ends_;  // the target in each of its faces
+  VertexHeap& heap_;
+  std::vector<double>& distance_;
+  std::vector<Before>& before_;
+  double length_ = kUnreached;  // of the shortest whole way so far
+  Before last_;                 // from where it comes to the target
+};
+
+}  // namespace
+
+Result<std::optional<Path>> edge_path(const Adjacency& adjacency, const SurfacePoint& from,
+                                      const SurfacePoint& to, WavefrontScratch& scratch,
+                                      const Cancel& cancel) {
+  return EdgePath(adjacency, from, to, scratch).find(cancel);
+}
+
+}  // namespace geodesic

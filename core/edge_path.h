@@ -1,0 +1,30 @@
+// A path along edges from one point to another, found without looking at much of the
+// mesh: A* (Hart, Nilsson, Raphael, "A formal basis for the heuristic determination of
+// minimum cost paths", 1968), with the straight line in space as what is left to go. That
+// line weighs more than it should (Pohl, "Heuristic search viewed as path finding in a
+// graph", 1970), so the path need not be the shortest one; but it is found much sooner.
+#pragma once
+
+#include <optional>
+
+#include "core/adjacency.h"
+#include "core/cancel.h"
+#include "core/error.h"
+#include "core/surface_point.h"
+#include "core/trace_path.h"
+#include "core/wavefront.h"
+
+namespace geodesic {
+
+// At most this many times as long as the shortest way along edges.
+inline constexpr double kWeightOfTheRest = 1.25;
+
+// From a point in a face it goes straight to the corners. Nothing when there is no way
+// over the surface. Errors: cancelled.
+[[nodiscard]] Result<std::optional<Path>> edge_path(const Adjacency& adjacency,
+                                                    const SurfacePoint& from,
+                                                    const SurfacePoint& to,
+                                                    WavefrontScratch& scratch,
+                                                    const Cancel& cancel);
+
+}  // namespace geodesic

@@ -1,0 +1,160 @@
+#include "core/pair_search.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/arrive_at_point.h"
+#include "core/edge_path.h"
+#include "core/shorten_path.h"
+#include "core/surface_patch.h"
+
+namespace geodesic {
+namespace {
+
+// Rounding, in sums of a path's length.
+constexpr double kRounding = 1e-9;
+
+// A margin of so many mean edges and such a part of the path: with half as many edges 2
+// of 170 pairs on scans differed from the whole field, in the last bits.
+constexpr double kMarginEdges = 16;
+constexpr double kMarginPart = 0.01;
+
+// A path along edges is usually longer than the shortest by more than this. What is
+// found within a length so much smaller is the shortest, too; else it was too little.
+constexpr double kAlongEdges = 1.07;
+
+// The part of the time that the path along edges takes.
+constexpr double kPathAlongEdges = 0.1;
+
+bool is_exact(Method method) { return method == Method::exact || method == Method::chen_han; }
+
+// The vertices that decide the distance of a point, and the first step of the path to it.
+std::vector<std::uint32_t> vertices_about(const Adjacency& adjacency, const SurfacePoint& point) {
+  std::vector<std::uint32_t> vertices;
+  if (point.at_vertex()) vertices.push_back(point.vertex);
+  for (const SurfacePoint& place : in_all_faces(adjacency, point)) {
+    for (const std::uint32_t v : adjacency.face(place.face).vertex) vertices.push_back(v);
+  }
+  return vertices;
+}
+
+// Beyond this part of the vertices, a search costs as much as the whole surface. (Fronts see
+// less than the straight lines say: at half of them the search is still well worth it.)
+constexpr double kMostOfTheSurface = 0.9;
+
+// Whether a way of that length may lead over most of the surface, by a sample of the
+// vertices: their order follows a curve through space, so one in so many is anywhere.
+bool is_most_within(const Mesh& mesh, const Path& guess, double longest) {
+  constexpr std::uint32_t kSample = 1000;
+  const Vec3 from = guess.points.front().position;
+  const Vec3 to = guess.points.back().position;
+  const std::uint32_t step = mesh.vertex_count() / kSample + 1;
+  std::uint32_t within = 0;
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); v += step) {
+    const Vec3 place = mesh.positions()[v];
+    if (distance(from, place) + distance(place, to) <= longest) ++within;
+  }
+  return within * step > kMostOfTheSurface * mesh.vertex_count();
+}
+
+class PairSearch {
+ public:
+  PairSearch(Method method, const MethodOptions& options, SolveScratch& scratch,
+             const Cancel& cancel, bool with_path)
+      : method_(method),
+        options_(options),
+        scratch_(scratch),
+        cancel_(cancel),
+        with_path_(with_path) {}
+
+  // By a field that stops at the target, and goes on only where the way to it is no
+  // longer than `longest`.
+  Result<Pair> by_field(const Adjacency& adjacency, const Source& from, const SurfacePoint& to,
+                        double longest) {
+    const std::vector<std::uint32_t> targets = vertices_about(adjacency, to);
+    FieldLimits limits;
+    // A path that goes by approximate distances looks at what is farther than the target.
+    if (is_exact(method_) || !(with_path_ || longest < kUnreached)) limits.targets = targets;
+    limits.keep_details = with_path_ || !to.at_vertex();
+    const std::span<const Vec3> positions = adjacency.mesh().positions();
+    const Vec3 goal = position_of(adjacency.mesh(), to);
+    double about = 0;  // those round the target are to be reached as well
+    for (const std::uint32_t v : targets) about = std::max(about, distance(positions[v], goal));
+    limits.detour = {goal, longest + 2 * about};
+    const auto field =
+        solve_field(method_, options_, adjacency, {&from, 1}, limits, scratch_, cancel_);
+    if (!field) return fail(field.error());
+    Pair pair;
+    pair.distance = PointArrivals(adjacency, *field).distance_at(to);
+    if (with_path_) pair.path = trace_path(adjacency, *field, to);
+    return pair;
+  }
+
+  // In the part of the surface that the path must be in.
+  Result<Pair> in_patch(const Adjacency& adjacency, const Source& from, const SurfacePoint& to,
+                        const Path& guess) {
+    const auto shorter = shorten_path(adjacency, guess, cancel_);
+    if (!shorter) return fail(shorter.error());
+    const double longest = (1 + kRounding) * shorter->length;
+    if (is_most_within(adjacency.mesh(), guess, longest)) {
+      return by_field(adjacency, from, to, kUnreached);
+    }
+    const auto patch = SurfacePatch::cut(adjacency, from.point, to, longest, cancel_);
+    if (!patch) return fail(patch.error());
+    if (patch->is_whole()) return by_field(adjacency, from, to, kUnreached);
+    auto pair = by_field(patch->adjacency(), {patch->inside(from.point), from.offset},
+                         patch->inside(to), kUnreached);
+    if (pair && pair->path) patch->bring_back(*pair->path);
+    return pair;
+  }
+
+  // Within wider and wider margins, until the result is well inside.
+  Result<Pair> in_margins(const Adjacency& adjacency, const Source& from, const SurfacePoint& to,
+                          const Path& guess) {
+    double margin = kMarginPart * guess.length + kMarginEdges * adjacency.report().mean_edge;
+    double longest = guess.length / kAlongEdges;
+    while (!is_most_within(adjacency.mesh(), guess, longest + margin)) {
+      auto pair = by_field(adjacency, from, to, longest + margin);
+      if (!pair || pair->distance - from.offset <= longest + margin / 2) return pair;
+      if (longest == guess.length) margin *= 2;
+      longest = guess.length;
+    }
+    return by_field(adjacency, from, to, kUnreached);
+  }
+
+ private:
+  Method method_;
+  const MethodOptions& options_;
+  SolveScratch& scratch_;
+  const Cancel& cancel_;
+  bool with_path_;
+};
+
+}  // namespace
+
+bool searches_pairs(Method method) {
+  return method != Method::fast_marching && method != Method::steiner;
+}
+
+Result<Pair> pair_search(Method method, const MethodOptions& options, const Adjacency& adjacency,
+                         const Source& from, const SurfacePoint& to, bool with_path,
+                         SolveScratch& scratch, const Cancel& cancel) {
+  PairSearch search(method, options, scratch, cancel, with_path);
+  if (!searches_pairs(method)) return search.by_field(adjacency, from, to, kUnreached);
+  const auto guess = edge_path(adjacency, from.point, to, scratch.wavefront, cancel);
+  if (!guess) return fail(guess.error());
+  if (!*guess) return Pair{};
+  // A search may be too small to ask or tell on its own.
+  cancel.report(kPathAlongEdges);
+  if (cancel.requested()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  if (is_exact(method)) return search.in_patch(adjacency, from, to, **guess);
+  if (method == Method::dijkstra) {
+    return search.by_field(adjacency, from, to, (1 + kRounding) * (*guess)->length);
+  }
+  return search.in_margins(adjacency, from, to, **guess);
+}
+
+}  // namespace geodesic

@@ -1,0 +1,47 @@
+// The way from one point to one other, without a field of the whole surface.
+//
+// First some path between the two: along edges (edge_path.h), then pulled straight
+// (shorten_path.h). The shortest is no longer than that, and no path is shorter than the
+// straight line in space: so whatever is so far from both points that a way over it
+// would be longer need not be looked at. That leaves an ellipsoid about the two, and of
+// a scan some tenth of the vertices.
+#pragma once
+
+#include <optional>
+
+#include "core/adjacency.h"
+#include "core/cancel.h"
+#include "core/error.h"
+#include "core/field.h"
+#include "core/method.h"
+#include "core/solve_field.h"
+#include "core/surface_point.h"
+#include "core/trace_path.h"
+
+namespace geodesic {
+
+struct Pair {
+  double distance = kUnreached;  // with the source's offset
+  std::optional<Path> path;      // if asked for, and there is one
+};
+
+// Whether there is more to a pair by this method than to a field that stops at the
+// target.
+[[nodiscard]] bool searches_pairs(Method method);
+
+// The distance of `to`, and the path that trace_path gives, as from a field of the whole
+// surface. By `dijkstra` the distance has the same bits; by `exact` and `chen_han` it
+// differs by rounding, at most 1e-12 of it. The other methods compute a vertex from its
+// neighbours only approximately, and one beyond the ellipsoid may have a say in one
+// within: they get a margin, and where the result comes near its edge a wider one, in
+// the end the whole surface. So on scans the bits are those of the whole field; on
+// meshes stretched 8 times one pair in a hundred differs, by 1e-8.
+// For a method that searches no pairs this is such a field; without a path, one that
+// stops at the target.
+// Errors: as solve_field.
+[[nodiscard]] Result<Pair> pair_search(Method method, const MethodOptions& options,
+                                       const Adjacency& adjacency, const Source& from,
+                                       const SurfacePoint& to, bool with_path,
+                                       SolveScratch& scratch, const Cancel& cancel);
+
+}  // namespace geodesic

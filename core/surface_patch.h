@@ -1,0 +1,43 @@
+// The part of a surface that the shortest path between two points lies in, as a mesh of
+// its own: for methods that cost much more a vertex than cutting it out does.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/adjacency.h"
+#include "core/cancel.h"
+#include "core/error.h"
+#include "core/surface_point.h"
+#include "core/trace_path.h"
+
+namespace geodesic {
+
+class SurfacePatch {
+ public:
+  // All faces with a point from which the straight lines in space to `from` and to `to`
+  // are together no longer than `longest`, the length of a path between the two. No path
+  // that is as short leaves these faces, so the shortest is the same here.
+  // Errors: cancelled.
+  [[nodiscard]] static Result<SurfacePatch> cut(const Adjacency& adjacency,
+                                                const SurfacePoint& from, const SurfacePoint& to,
+                                                double longest, const Cancel& cancel);
+
+  // Not when there are as many faces as on the whole surface.
+  [[nodiscard]] bool is_whole() const { return adjacency_ == nullptr; }
+  // Only if it is not whole.
+  [[nodiscard]] const Adjacency& adjacency() const { return *adjacency_; }
+
+  // A point of the surface that lies in the patch, there.
+  [[nodiscard]] SurfacePoint inside(const SurfacePoint& point) const;
+  // A path over the patch, on the whole surface.
+  void bring_back(Path& path) const;
+
+ private:
+  std::unique_ptr<const Adjacency> adjacency_;
+  std::vector<std::uint32_t> faces_;     // of the whole surface, by the patch's source faces
+  std::vector<std::uint32_t> vertices_;  // the same
+};
+
+}  // namespace geodesic

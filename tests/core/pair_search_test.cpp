@@ -1,0 +1,253 @@
+// The way between two points, searched for where it can be: as from the whole field.
+#include "core/pair_search.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "core/arrive_at_point.h"
+#include "core/edge_path.h"
+#include "core/shapes.h"
+#include "core/surface_patch.h"
+#include "tests/fixtures/awkward_meshes.h"
+#include "tests/fixtures/path_checks.h"
+#include "tests/fixtures/random_meshes.h"
+#include "tests/fixtures/surface.h"
+
+using namespace geodesic;
+using fixtures::RandomMesh;
+using fixtures::Surface;
+
+namespace {
+
+struct PairMethod {
+  Method method;
+  std::string name;
+  double off;  // the most that a pair may differ from the whole field, of the distance
+  Bound bound = Bound::none;
+};
+
+const PairMethod kPairMethods[] = {
+    {Method::wavefront, "wavefront", 0},
+    {Method::novotni, "novotni", 0},
+    {Method::dijkstra, "dijkstra", 0},
+    {Method::exact, "exact", 1e-12},
+    {Method::chen_han, "chen_han", 1e-12},
+    {Method::back_traced, "auto", 0},
+    {Method::fast_marching, "fast_marching", 0},
+    {Method::steiner, "steiner", 0},
+    {Method::back_traced, "auto from above", 0, Bound::upper},
+};
+
+double size_of_mesh(const Surface& surface) {
+  return distance(surface.mesh().box().min, surface.mesh().box().max);
+}
+
+// Any vertex in a face, or any point of a face or of one of its sides.
+SurfacePoint any_point(const Surface& surface, std::mt19937& random) {
+  const auto f = static_cast<std::uint32_t>(random() % surface.mesh().face_count());
+  const auto part = [&] { return static_cast<double>(1 + random() % 15) / 16; };
+  switch (random() % 3) {
+    case 0:
+      return point_at_vertex(surface.adjacency(), surface.mesh().faces()[f][random() % 3]);
+    case 1:
+      return point_on_face(surface.adjacency(), f, {0, part(), part()});
+    default:
+      return point_on_face(surface.adjacency(), f, {part(), part(), part()});
+  }
+}
+
+Pair pair_of(const Surface& surface, const PairMethod& by, const Source& from,
+             const SurfacePoint& to) {
+  SolveScratch scratch;
+  MethodOptions options;
+  options.bound = by.bound;
+  auto pair =
+      pair_search(by.method, options, surface.adjacency(), from, to, true, scratch, Cancel());
+  REQUIRE(pair);
+  return std::move(*pair);
+}
+
+void check_as_whole_field(const Surface& surface, const PairMethod& by, const Source& from,
+                          const std::vector<SurfacePoint>& to) {
+  CAPTURE(by.name);
+  MethodOptions options;
+  options.bound = by.bound;
+  const Field whole = surface.field_by(by.method, {from}, {}, options);
+  const PointArrivals arrivals(surface.adjacency(), whole);
+  for (const SurfacePoint& point : to) {
+    CAPTURE(point.vertex);
+    CAPTURE(point.face);
+    const Pair pair = pair_of(surface, by, from, point);
+    const double expected = arrivals.distance_at(point);
+    REQUIRE((pair.distance == kUnreached) == (expected == kUnreached));
+    if (expected == kUnreached) {
+      CHECK_FALSE(pair.path);
+      continue;
+    }
+    CHECK(std::abs(pair.distance - expected) <= by.off * expected);
+    const auto path = surface.path(whole, point);
+    REQUIRE(path.has_value() == pair.path.has_value());
+    if (!path) continue;
+    fixtures::check_is_a_path(surface.adjacency(), *pair.path, size_of_mesh(surface));
+    CHECK(std::abs(pair.path->length - path->length) <= 10 * by.off * size_of_mesh(surface));
+    CHECK(pair.path->points.front().position == path->points.front().position);
+    CHECK(pair.path->points.back().position == path->points.back().position);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("APairIsAsFromTheWholeField") {
+  for (const auto& [name, soup] :
+       {std::pair{"sphere", shapes::icosphere(4)}, std::pair{"terrain", shapes::terrain(60, 4, 2)},
+        std::pair{"knot", shapes::torus_knot(120, 10, 0.3)}}) {
+    CAPTURE(name);
+    const Surface surface(soup);
+    std::mt19937 random(7);
+    for (const PairMethod& by : kPairMethods) {
+      const Source from{any_point(surface, random), 0.25};
+      std::vector<SurfacePoint> to;
+      for (int i = 0; i < 12; ++i) to.push_back(any_point(surface, random));
+      check_as_whole_field(surface, by, from, to);
+    }
+  }
+}
+
+TEST_CASE("APairOnALargeMeshHasTheBitsOfTheWholeField") {
+  for (const TriangleSoup& soup : {shapes::icosphere(6), shapes::terrain(160, 6, 1)}) {
+    const Surface surface(soup);
+    std::mt19937 random(11);
+    for (const PairMethod& by : kPairMethods) {
+      if (by.off > 0 || !searches_pairs(by.method)) continue;
+      const Source from{any_point(surface, random), 0};
+      std::vector<SurfacePoint> to;
+      for (int i = 0; i < 8; ++i) to.push_back(any_point(surface, random));
+      check_as_whole_field(surface, by, from, to);
+    }
+  }
+}
+
+TEST_CASE("APairOnAnyMeshIsAsFromTheWholeField") {
+  const auto check = [](const TriangleSoup& soup, std::uint32_t seed) {
+    const Surface surface(soup);
+    std::mt19937 random(seed);
+    const Source from{any_point(surface, random), 0};
+    std::vector<SurfacePoint> to{from.point};
+    for (int i = 0; i < 6; ++i) to.push_back(any_point(surface, random));
+    for (PairMethod by : kPairMethods) {
+      if (by.off > 0) by.off = 1e-9;  // crumbs of 1e-8 beside edges of 100
+      check_as_whole_field(surface, by, from, to);
+    }
+  };
+  for (const fixtures::AwkwardMesh& mesh : fixtures::awkward_meshes()) {
+    CAPTURE(mesh.name);
+    check(mesh.soup, 3);
+  }
+  for (std::uint32_t number = 0; number < 60; ++number) {
+    CAPTURE(number);
+    check(RandomMesh(number).soup(), number);
+  }
+}
+
+TEST_CASE("APairOfOnePoint") {
+  const Surface surface(shapes::icosphere(3));
+  for (const PairMethod& by : kPairMethods) {
+    CAPTURE(by.name);
+    for (const SurfacePoint& point : {surface.at(5), surface.on(40, {0.25, 0.5, 0.25})}) {
+      const Pair pair = pair_of(surface, by, {point, 0}, point);
+      CHECK(pair.distance == doctest::Approx(0).epsilon(1e-12));
+      REQUIRE(pair.path);
+      CHECK(pair.path->length == doctest::Approx(0).epsilon(1e-12));
+    }
+  }
+}
+
+TEST_CASE("APairFarApartLooksAtLittleOfTheSurface") {
+  const Surface surface(shapes::icosphere(6));
+  const double far_off = std::acos(-1.0) / 2;
+  std::uint32_t to = 0;  // a quarter of the way round
+  for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+    const auto off = [&](std::uint32_t w) {
+      const Vec3 at = surface.mesh().positions()[surface.vertex(0)];
+      return std::abs(dot(surface.mesh().positions()[w], at));
+    };
+    if (off(v) < off(to)) to = v;
+  }
+  const Vec3 target = surface.mesh().positions()[to];
+  for (const Method method :
+       {Method::wavefront, Method::novotni, Method::dijkstra, Method::back_traced}) {
+    const std::vector<std::uint32_t> targets{to};
+    FieldLimits limits;
+    limits.targets = targets;
+    const Field stopped = surface.field_by(method, {Source{surface.at(0), 0}}, limits);
+    limits.detour = {target, 1.1 * far_off};
+    const Field field = surface.field_by(method, {Source{surface.at(0), 0}}, limits);
+    CHECK(field.distance[to] == doctest::Approx(stopped.distance[to]).epsilon(1e-4));
+    CHECK(field.reached < surface.mesh().vertex_count() / 6);
+    CHECK(field.reached < stopped.reached / 2);
+  }
+  const auto patch =
+      SurfacePatch::cut(surface.adjacency(), surface.at(0),
+                        point_at_vertex(surface.adjacency(), to), 1.001 * far_off, Cancel());
+  REQUIRE(patch);
+  REQUIRE_FALSE(patch->is_whole());
+  CHECK(patch->adjacency().mesh().face_count() < surface.mesh().face_count() / 10);
+}
+
+TEST_CASE("APatchThatIsEverythingIsNotCut") {
+  const Surface surface(shapes::plane(5, 5));
+  const auto patch =
+      SurfacePatch::cut(surface.adjacency(), surface.at(0), surface.at(24), 100, Cancel());
+  REQUIRE(patch);
+  CHECK(patch->is_whole());
+}
+
+TEST_CASE("AnEdgePathIsNotMuchLongerThanTheShortest") {
+  for (std::uint32_t number = 0; number < 60; ++number) {
+    CAPTURE(number);
+    const Surface surface(RandomMesh(number).soup());
+    std::mt19937 random(number);
+    const SurfacePoint from = any_point(surface, random);
+    const Field along_edges = surface.field_by(Method::dijkstra, {Source{from, 0}});
+    WavefrontScratch scratch;
+    for (int i = 0; i < 8; ++i) {
+      const SurfacePoint to = any_point(surface, random);
+      const auto path = edge_path(surface.adjacency(), from, to, scratch, Cancel());
+      REQUIRE(path);
+      // To a point in a face the field comes by windows of a plane; at vertices, by edges.
+      if (!to.at_vertex()) {
+        const Field whole = surface.field_by(Method::exact, {Source{from, 0}});
+        const double exact = PointArrivals(surface.adjacency(), whole).distance_at(to);
+        REQUIRE(path->has_value() == (exact < kUnreached));
+        if (*path) CHECK((*path)->length >= exact * (1 - 1e-9));
+      } else {
+        const double least = along_edges.distance[to.vertex];
+        REQUIRE(path->has_value() == (least < kUnreached));
+        if (*path) CHECK((*path)->length >= least * (1 - 1e-9));
+        if (*path) CHECK((*path)->length <= kWeightOfTheRest * least * (1 + 1e-9));
+      }
+      if (*path) {
+        fixtures::check_is_a_path(surface.adjacency(), **path, size_of_mesh(surface));
+        CHECK((*path)->points.front().position == position_of(surface.mesh(), from));
+        CHECK((*path)->points.back().position == position_of(surface.mesh(), to));
+      }
+    }
+  }
+}
+
+TEST_CASE("ASearchForAPairCanBeCancelled") {
+  const Surface surface(shapes::icosphere(6));
+  for (const PairMethod& by : kPairMethods) {
+    CAPTURE(by.name);
+    SolveScratch scratch;
+    const auto pair = pair_search(by.method, {}, surface.adjacency(), {surface.at(0), 0},
+                                  surface.at(3), true, scratch, Cancel([] { return true; }));
+    REQUIRE_FALSE(pair);
+    CHECK(pair.error().code == ErrorCode::cancelled);
+  }
+}
