@@ -24,6 +24,7 @@ namespace {
 
 // How often a waiting thread asks whether anybody still wants the answer.
 constexpr int kPatienceMilliseconds = 10;
+constexpr int kLastMomentMilliseconds = 100;
 
 // A file in memory, closed on exec.
 UniqueFd memory_file(const char* name) {
@@ -110,10 +111,15 @@ void DecoderProcesses::end_process() {
   if (process_ > 0) ::waitpid(std::exchange(process_, 0), nullptr, 0);
 }
 
+// When a process ends, the sockets of its orders may be closed a moment before its own.
 bool DecoderProcesses::process_is_there() const {
-  const std::lock_guard lock(mutex_);
-  pollfd end{socket_.get(), 0, 0};
-  return socket_ && ::poll(&end, 1, 0) == 0;  // else its end is closed
+  UniqueFd socket;
+  {
+    const std::lock_guard lock(mutex_);
+    socket = UniqueFd(::fcntl(socket_.get(), F_DUPFD_CLOEXEC, 0));
+  }
+  pollfd end{socket.get(), 0, 0};
+  return socket && ::poll(&end, 1, kLastMomentMilliseconds) == 0;  // else its end is closed
 }
 
 void DecoderProcesses::set_limits(const Limits& limits) {
