@@ -89,8 +89,11 @@ def draw_error_against_time(rows, path, title, others=()):
     drawn as squares: the methods that are not ours."""
     figure, axes = plt.subplots(figsize=(9, 6.2))
     methods = list(dict.fromkeys(row[0] for row in rows))
+    ours = list(dict.fromkeys(method.split()[0] for method in methods if method not in others))
     points = []
-    for number, method in enumerate(methods):
+    for method in methods:
+        # A method has one colour, whatever it is asked for ("auto 1e-3").
+        number = 0 if method in others else ours.index(method.split()[0])
         colour = "0.45" if method in others else PALETTE[number % len(PALETTE)]
         marker = "s" if method in others else "o"
         times = np.array([row[2] for row in rows if row[0] == method])

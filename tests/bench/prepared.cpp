@@ -20,9 +20,10 @@ Prepared::Prepared(const TriangleSoup& soup) {
   adjacency_ = std::make_shared<const Adjacency>(Adjacency::build(mesh_));
 }
 
-Field Prepared::solve(Method method, std::uint32_t source_vertex, SolveScratch& scratch) const {
+Field Prepared::solve(Method method, std::uint32_t source_vertex, SolveScratch& scratch,
+                      const MethodOptions& options) const {
   const Source source = source_at(source_vertex);
-  auto field = solve_field(method, {}, *adjacency_, {&source, 1}, {}, scratch, Cancel());
+  auto field = solve_field(method, options, *adjacency_, {&source, 1}, {}, scratch, Cancel());
   if (!field) give_up(std::string(proto::name_of(method)) + ": " + field.error().detail);
   return std::move(*field);
 }

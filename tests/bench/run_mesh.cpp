@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "core/vertex_heap.h"
@@ -204,6 +205,27 @@ class Peers {
   std::vector<Running> entrants_;
 };
 
+// Ours, and what it is to do.
+struct Contestant {
+  std::string name;
+  Method method;
+  MethodOptions options;
+};
+
+std::vector<Contestant> contestants(bool with_exact) {
+  std::vector<Contestant> all;
+  for (const proto::MethodInfo& info : proto::all_methods()) {
+    if (!info.exact || with_exact) all.push_back({std::string(info.name), info.method, {}});
+  }
+  if (!with_exact) return all;
+  for (const auto& [text, tolerance] : {std::pair{"1e-2", 1e-2}, {"1e-3", 1e-3}, {"1e-4", 1e-4}}) {
+    MethodOptions options;
+    options.error_at_most = tolerance;
+    all.push_back({std::string("auto ") + text, Method::back_traced, options});
+  }
+  return all;
+}
+
 }  // namespace
 
 MeshResult run_mesh(const Subject& subject, const RunOptions& options) {
@@ -230,17 +252,17 @@ MeshResult run_mesh(const Subject& subject, const RunOptions& options) {
   SolveScratch scratch;
   std::vector<Entrant> methods;
   double field_bytes = 0;
-  for (const proto::MethodInfo& info : proto::all_methods()) {
-    if (info.exact && !with_exact) continue;
-    const Field field = prepared.solve(info.method, 0, scratch);
-    if (info.method == Method::wavefront) field_bytes = static_cast<double>(field.bytes());
+  for (const Contestant& contestant : contestants(with_exact)) {
+    const auto solve = [&prepared, &scratch, contestant] {
+      return prepared.solve(contestant.method, 0, scratch, contestant.options);
+    };
+    const Field field = solve();
+    if (contestant.method == Method::wavefront) field_bytes = static_cast<double>(field.bytes());
     Entrant entrant;
-    entrant.name = info.name;
+    entrant.name = contestant.name;
     if (with_exact) entrant.errors = errors_of(field.distance, truth);
     methods.push_back(std::move(entrant));
-    time_work(name(info.name), [&, method = info.method] {
-      benchmark::DoNotOptimize(prepared.solve(method, 0, scratch));
-    });
+    time_work(name(contestant.name), [solve] { benchmark::DoNotOptimize(solve()); });
   }
   std::optional<Peers> peers;
   if (with_exact && !options.peers.empty()) {
