@@ -28,8 +28,8 @@ plt.rcParams.update(
     }
 )
 
-# Colours that stay apart for colour-blind readers (Okabe and Ito).
-PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
+# Colours that stay apart for colour-blind readers (Okabe and Ito, and a brown).
+PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#7B3F00"]
 # Errors below this are rounding: they are drawn on a line of their own.
 ROUNDING = 1e-8
 
@@ -53,7 +53,7 @@ def place_labels(axes, points):
     taken = []  # by dots, and then by labels
     for x, y, _, _ in points:
         px, py = axes.transData.transform((x, y))
-        taken.append(matplotlib.transforms.Bbox.from_extents(px - 7, py - 7, px + 7, py + 7))
+        taken.append(matplotlib.transforms.Bbox.from_extents(px - 10, py - 10, px + 10, py + 10))
     for x, y, text, colour in sorted(points, key=lambda p: (p[0], p[1])):
         best = None
         for dx, dy, side in ((9, 0, "left"), (0, 13, "center"), (0, -13, "center"), (-9, 0, "right"),
