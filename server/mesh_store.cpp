@@ -87,6 +87,9 @@ Result<T> MeshStore::counted(Result<T> result) {
 Result<void> MeshStore::put(std::string_view id, std::string_view bytes,
                             std::string_view metadata) {
   if (!is_mesh_id(id)) return unknown_mesh();
+  if (sha256_hex(bytes) != source_digest(id)) {
+    return fail(ErrorCode::digest_mismatch, "the bytes do not have the given SHA-256");
+  }
   const auto stored = is_stored(id);
   if (!stored) return fail(stored.error());
   if (*stored) {

@@ -48,11 +48,10 @@ class MeshStore {
   [[nodiscard]] static Result<std::unique_ptr<MeshStore>> open(
       std::unique_ptr<ObjectStorage> storage, const StoreBudget& budget);
 
-  // Stores `bytes` and `metadata` under `id` (`mesh_unknown` if it is none), which must begin
-  // with the SHA-256 of the bytes: if it does not, they are found damaged when they are asked
-  // for. Already stored: the bytes are kept, the metadata is replaced. May evict other meshes.
-  // `store_full` over the budget. After an error nothing of this put remains, as far as the
-  // storage can be reached.
+  // Stores `bytes` and `metadata` under `id`, which must begin with the SHA-256 of
+  // the bytes (`digest_mismatch` otherwise; `mesh_unknown` if it is no id). Already stored: the
+  // bytes are kept, the metadata is replaced. May evict other meshes. `store_full` over the budget.
+  // After an error nothing of this put remains, as far as the storage can be reached.
   [[nodiscard]] Result<void> put(std::string_view id, std::string_view bytes,
                                  std::string_view metadata);
 

@@ -119,6 +119,7 @@ TEST_CASE("an id that is no digest reaches no file") {
     CHECK(store->remove(bad) == false);
   }
   CHECK(store->get_source(id).error().code == ErrorCode::mesh_unknown);
+  CHECK(store->put(id, "y", "").error().code == ErrorCode::digest_mismatch);
   CHECK(store->size() == 0);
   CHECK(files_below(folder.path) == 1);  // the lock
 }
