@@ -33,9 +33,8 @@ namespace geodesic::detail {
 // Runs one source's wave, without the source's offset, of which the rule's virtual
 // sources know nothing. It goes no further from vertices that are clearly nearer to an
 // earlier source (`earlier`, empty for none), nor from those that are too much of a
-// detour. Tells every vertex it accepted; others
-// stay unreached. `waves` is how many there are of them, of which this is the one of
-// that number.
+// detour. Tells every vertex it accepted; others stay unreached. `waves` is how many there are of
+// them, of which this is the one of that number.
 template <class Front, class Accepted>
 Result<void> run_wave(Front& front, const Adjacency& adjacency, const Source& source,
                       std::uint32_t number, std::size_t waves, std::span<const double> earlier,

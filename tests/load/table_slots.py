@@ -5,9 +5,9 @@
 
 Two servers, of one slot and of several, are asked for the same table in turn, each round
 for other rows; what counts is the quickest round of each, since others may use the
-machine's cores meanwhile. The replies must be the same bytes. While a table is computed, a single distance is asked for again and again: how
-long that takes is told. Exit status 1 if the ratio is below 1.8, divided by the slack, or
-the bytes differ.
+machine's cores meanwhile. The replies must be the same bytes. While a table is computed, a
+single distance is asked for again and again: how long that takes is told. Exit status 1 if
+the ratio is below 1.8, divided by the slack, or the bytes differ.
 """
 
 import argparse
