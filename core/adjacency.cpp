@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <tuple>
 #include <utility>
 
+#include "core/corner_lists.h"
 #include "core/intrinsic_delaunay.h"
 #include "core/polled_fill.h"
 
@@ -15,8 +15,10 @@ namespace {
 // Union by the smaller root, with path halving: enough for counting.
 class DisjointSets {
  public:
-  explicit DisjointSets(std::size_t size) : parent_(size) {
-    std::iota(parent_.begin(), parent_.end(), 0U);
+  // Of no use if the poll says to stop.
+  DisjointSets(std::size_t size, Poll& poll) {
+    polled_assign(parent_, size, std::uint32_t{0}, poll);
+    for (std::uint32_t i = 0; i < parent_.size() && !poll.cancelled(); ++i) parent_[i] = i;
   }
   std::uint32_t find(std::uint32_t i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
@@ -78,20 +80,10 @@ void Adjacency::fill_geometry(Poll& poll) {
 }
 
 void Adjacency::fill_corners(Poll& poll) {
-  const std::size_t vertex_count = mesh_->vertex_count();
-  corner_begin_.assign(vertex_count + 1, 0);
-  for (const FaceRecord& record : faces_) {
-    if (poll.cancelled()) return;
-    for (const std::uint32_t v : record.vertex) ++corner_begin_[v + 1];
-  }
-  for (std::size_t v = 1; v <= vertex_count; ++v) {
-    if (corner_begin_[v] == 0) ++report_.vertices_isolated;
-    corner_begin_[v] += corner_begin_[v - 1];
-  }
-  corners_.resize(3 * faces_.size());
-  std::vector<std::uint32_t> fill(corner_begin_.begin(), corner_begin_.end() - 1);
-  for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
-    for (std::uint32_t c = 0; c < 3; ++c) corners_[fill[faces_[f].vertex[c]]++] = halfedge(f, c);
+  list_corners(faces_, mesh_->vertex_count(), corner_begin_, corners_, poll);
+  if (poll.stopped()) return;
+  for (std::uint32_t v = 0; v < mesh_->vertex_count(); ++v) {
+    if (corners(v).empty()) ++report_.vertices_isolated;
   }
 }
 
@@ -203,13 +195,14 @@ void Adjacency::find_pinched_vertices(Poll& poll) {
 }
 
 void Adjacency::count_components(Poll& poll) {
-  DisjointSets sets(mesh_->vertex_count());
+  DisjointSets sets(mesh_->vertex_count(), poll);
+  if (poll.stopped()) return;
   for (const FaceRecord& record : faces_) {
     if (poll.cancelled()) return;
     sets.join(record.vertex[0], record.vertex[1]);
     sets.join(record.vertex[1], record.vertex[2]);
   }
-  for (std::uint32_t v = 0; v < mesh_->vertex_count(); ++v) {
+  for (std::uint32_t v = 0; v < mesh_->vertex_count() && !poll.cancelled(); ++v) {
     if (!corners(v).empty() && sets.find(v) == v) ++report_.components;
   }
 }
@@ -220,7 +213,8 @@ void Adjacency::count_components(Poll& poll) {
 // has no successor; its chain counts as a loop of its own.
 void Adjacency::count_boundary_loops(Poll& poll) {
   if (report_.edges_boundary == 0) return;
-  DisjointSets chains(4 * faces_.size());
+  DisjointSets chains(4 * faces_.size(), poll);
+  if (poll.stopped()) return;
   const auto on_boundary = [this](Halfedge h) { return ring(h) == h; };
   const auto follow = [&](Halfedge boundary, std::uint32_t pivot) {
     Halfedge h = boundary;
@@ -247,7 +241,7 @@ void Adjacency::count_boundary_loops(Poll& poll) {
       follow(h, faces_[f].vertex[next_corner(c)]);
     }
   }
-  for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+  for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
     for (std::uint32_t c = 0; c < 3; ++c) {
       const Halfedge h = halfedge(f, c);
       if (on_boundary(h) && chains.find(h) == h) ++report_.boundary_loops;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/corner_lists.h"
 #include "core/polled_fill.h"
 
 namespace geodesic {
@@ -27,13 +28,14 @@ Result<IntrinsicDelaunay> IntrinsicDelaunay::build(const Triangulation& mesh,
                                                    const Cancel& cancel) {
   IntrinsicDelaunay result;
   Poll poll(cancel);
-  result.faces_.assign(mesh.faces.begin(), mesh.faces.end());
+  polled_copy(result.faces_, mesh.faces, poll);
   if (!poll.ask()) result.flip_edges(poll);
   if (result.flips_ != 0 && !poll.stopped()) {
-    result.fill_corners(mesh.corner_begin.size() - 1, poll);
+    list_corners(result.faces_, mesh.corner_begin.size() - 1, result.corner_begin_, result.corners_,
+                 poll);
   } else {
-    result.corner_begin_.assign(mesh.corner_begin.begin(), mesh.corner_begin.end());
-    result.corners_.assign(mesh.all_corners.begin(), mesh.all_corners.end());
+    polled_copy(result.corner_begin_, mesh.corner_begin, poll);
+    polled_copy(result.corners_, mesh.all_corners, poll);
   }
   if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
   return result;
@@ -188,20 +190,6 @@ bool IntrinsicDelaunay::flip(Halfedge h) {
     set(before[i], moved[i].to);
   }
   return true;
-}
-
-void IntrinsicDelaunay::fill_corners(std::size_t vertex_count, Poll& poll) {
-  corner_begin_.assign(vertex_count + 1, 0);
-  for (const FaceRecord& record : faces_) {
-    if (poll.cancelled()) return;
-    for (const std::uint32_t v : record.vertex) ++corner_begin_[v + 1];
-  }
-  for (std::size_t v = 1; v <= vertex_count; ++v) corner_begin_[v] += corner_begin_[v - 1];
-  corners_.resize(3 * faces_.size());
-  std::vector<std::uint32_t> fill(corner_begin_.begin(), corner_begin_.end() - 1);
-  for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
-    for (std::uint32_t c = 0; c < 3; ++c) corners_[fill[faces_[f].vertex[c]]++] = halfedge(f, c);
-  }
 }
 
 std::size_t IntrinsicDelaunay::bytes() const {

@@ -50,7 +50,6 @@ class IntrinsicDelaunay {
   void flip_edges(Poll& poll);
   // Whether it was flipped: not if that would leave a face without area.
   bool flip(Halfedge h);
-  void fill_corners(std::size_t vertex_count, Poll& poll);
 
   std::vector<FaceRecord> faces_;
   std::vector<std::uint32_t> corner_begin_;  // vertex_count + 1

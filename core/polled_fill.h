@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "core/cancel.h"
@@ -19,6 +20,20 @@ void polled_assign(std::vector<T>& values, std::size_t count, const T& value, Po
   while (values.size() < count && !poll.stopped()) {
     values.resize(std::min(count, values.size() + kAtOnce), value);
     if (values.size() < count) (void)poll.ask();
+  }
+}
+
+// As values.assign(from.begin(), from.end()); shorter if the poll says to stop.
+template <class Values, class T>
+void polled_copy(Values& values, std::span<const T> from, Poll& poll) {
+  constexpr std::size_t kAtOnce = (std::size_t{1} << 23U) / sizeof(T);
+  values.clear();
+  values.reserve(from.size());
+  while (values.size() < from.size() && !poll.stopped()) {
+    const auto rest = from.subspan(values.size());
+    const auto next = rest.first(std::min(rest.size(), kAtOnce));
+    values.insert(values.end(), next.begin(), next.end());
+    if (values.size() < from.size()) (void)poll.ask();
   }
 }
 

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/polled_fill.h"
+
 namespace geodesic::server {
 namespace {
 
@@ -33,10 +35,10 @@ class Write {
   std::byte* to_;
 };
 
-// Who has read past the end reads zeros from then on.
+// Who has read past the end, or is to stop, reads zeros from then on.
 class Read {
  public:
-  explicit Read(std::span<const std::byte> from) : from_(from) {}
+  Read(std::span<const std::byte> from, const Cancel& cancel) : from_(from), poll_(cancel) {}
   void bytes(void* data, std::size_t count) {
     failed_ = failed_ || count > from_.size();
     if (count == 0) return;
@@ -62,7 +64,8 @@ class Read {
     if (failed_) return;
     const auto* first = reinterpret_cast<const Element*>(from_.data());
     if (reinterpret_cast<std::uintptr_t>(first) % alignof(Element) == 0) {
-      values.assign(first, first + count);
+      polled_copy(values, std::span(first, count), poll_);
+      failed_ = poll_.stopped();
       from_ = from_.subspan(count * sizeof(Element));
     } else {
       values.resize(count);
@@ -74,6 +77,7 @@ class Read {
 
  private:
   std::span<const std::byte> from_;
+  Poll poll_;
   bool failed_ = false;
 };
 
@@ -230,7 +234,8 @@ std::string write_order(const DecodeOrder& order) {
 }
 
 std::optional<DecodeOrder> read_order(std::string_view bytes) {
-  Read read({reinterpret_cast<const std::byte*>(bytes.data()), bytes.size()});
+  const Cancel never;
+  Read read({reinterpret_cast<const std::byte*>(bytes.data()), bytes.size()}, never);
   DecodeOrder order;
   order_fields(read, order);
   if (!read.is_complete()) return std::nullopt;
@@ -248,8 +253,8 @@ void write_frame(const Decoded& decoded, std::span<std::byte> frame) {
   frame_fields(write, decoded);
 }
 
-std::optional<Decoded> read_frame(std::span<const std::byte> frame) {
-  Read read(frame);
+std::optional<Decoded> read_frame(std::span<const std::byte> frame, const Cancel& cancel) {
+  Read read(frame, cancel);
   std::uint64_t is_mesh = 0;
   field(read, is_mesh);
   if (is_mesh == 1) {

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/cancel.h"
 #include "core/error.h"
 #include "proto/decode_mesh.h"
 #include "proto/import_options.h"
@@ -35,6 +36,8 @@ using Decoded = Result<proto::DecodedMesh>;
 void write_frame(const Decoded& decoded, std::span<std::byte> frame);
 // Nothing if the bytes are no frame. Otherwise counts and names are those of the frame,
 // which may lie: what they mean is for whoever uses them to check, as with a file's own.
-[[nodiscard]] std::optional<Decoded> read_frame(std::span<const std::byte> frame);
+// Nothing as well once `cancel` says so.
+[[nodiscard]] std::optional<Decoded> read_frame(std::span<const std::byte> frame,
+                                                const Cancel& cancel = {});
 
 }  // namespace geodesic::server

@@ -14,6 +14,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <functional>
 #include <utility>
 
 #include "server/decoder_process.h"
@@ -31,12 +32,15 @@ UniqueFd memory_file(const char* name) {
   return UniqueFd(::memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING));
 }
 
-bool write_all(int fd, std::string_view bytes) {
+// All that the caller still waits for.
+bool write_all(int fd, std::string_view bytes, const Caller& caller) {
+  constexpr std::size_t kAtOnce = std::size_t{4} << 20;
   while (!bytes.empty()) {
-    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
+    const ssize_t written = ::write(fd, bytes.data(), std::min(bytes.size(), kAtOnce));
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) return false;
     bytes.remove_prefix(static_cast<std::size_t>(written));
+    if (!bytes.empty() && caller()) break;
   }
   return true;
 }
@@ -49,7 +53,7 @@ bool is_without_holes(const struct stat& about) {
 
 // What a decoder has left in its file. Nothing that it still does can take memory away
 // under whoever reads here.
-std::optional<Decoded> frame_in(int fd) {
+std::optional<Decoded> frame_in(int fd, const Cancel& cancel) {
   struct stat about {};
   if (::fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW) != 0 || ::fstat(fd, &about) != 0 ||
       about.st_size <= 0 || !is_without_holes(about)) {
@@ -58,7 +62,7 @@ std::optional<Decoded> frame_in(int fd) {
   const auto size = static_cast<std::size_t>(about.st_size);
   void* data = ::mmap(nullptr, size, PROT_READ, MAP_SHARED | MAP_POPULATE, fd, 0);
   if (data == MAP_FAILED) return std::nullopt;
-  auto decoded = read_frame({static_cast<const std::byte*>(data), size});
+  auto decoded = read_frame({static_cast<const std::byte*>(data), size}, cancel);
   ::munmap(data, size);
   return decoded;
 }
@@ -180,7 +184,8 @@ Decoded DecoderProcesses::decode(std::string_view bytes, const proto::DecodeLimi
   const Running running(running_);
   const Limits own = this->limits();
   const UniqueFd file = memory_file("mesh");
-  if (!file || !write_all(file.get(), bytes)) return no_process();
+  if (!file || !write_all(file.get(), bytes, caller)) return no_process();
+  if (caller()) return given_up(caller);
   const DecodeOrder order{limits, options, bytes.size(), memory_for(bytes.size(), own.memory_bytes),
                           static_cast<std::uint64_t>(own.time.count()) + 1};
   // Twice if the process that makes the copies was killed meanwhile.
@@ -206,10 +211,7 @@ std::optional<Decoded> DecoderProcesses::wait(int reply, int frame, const Limits
     pollfd waiting{reply, POLLIN, 0};
     const int ready = ::poll(&waiting, 1, kPatienceMilliseconds);
     if (ready > 0) break;
-    if (caller()) {
-      ++cancelled_;
-      return fail(caller.why_stopped());
-    }
+    if (caller()) return given_up(caller);
     if (Caller::Clock::now() >= latest) {
       ++overtime_;
       spdlog::warn("a decoder process took too long");
@@ -221,9 +223,18 @@ std::optional<Decoded> DecoderProcesses::wait(int reply, int frame, const Limits
     spdlog::error("no decoder process: the one that waits for files cannot fork");
     return no_process();
   }
-  auto decoded = answer ? frame_in(frame) : std::nullopt;
-  if (decoded) ++(*decoded ? decoded_ : refused_);
+  auto decoded = answer ? frame_in(frame, Cancel(std::cref(caller))) : std::nullopt;
+  if (decoded) {
+    ++(*decoded ? decoded_ : refused_);
+  } else if (caller()) {
+    return given_up(caller);
+  }
   return decoded;
+}
+
+Decoded DecoderProcesses::given_up(const Caller& caller) {
+  ++cancelled_;
+  return fail(caller.why_stopped());
 }
 
 auto DecoderProcesses::stats() const -> Stats {

@@ -70,6 +70,7 @@ class DecoderProcesses {
   // Nothing if there is no answer.
   [[nodiscard]] std::optional<Decoded> wait(int reply, int frame, const Limits& limits,
                                             const Caller& caller);
+  [[nodiscard]] Decoded given_up(const Caller& caller);
   [[nodiscard]] Limits limits() const;
 
   const std::string program_;

@@ -66,7 +66,9 @@ void MeshCatalog::set_limits(const CatalogLimits& limits) {
 
 Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const proto::ImportOptions& options,
                                              const Caller& caller) {
-  const std::string id = mesh_id(sha256_hex(bytes), proto::canonical_text(options));
+  const auto digest = sha256_hex(bytes, std::cref(caller));
+  if (!digest) return fail(caller.why_stopped());
+  const std::string id = mesh_id(*digest, proto::canonical_text(options));
   const auto stored = store_.is_stored(id);
   if (!stored) return fail(stored.error());
   if (*stored) {

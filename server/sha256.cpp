@@ -3,17 +3,41 @@
 #include <openssl/evp.h>
 
 #include <array>
+#include <cstddef>
+#include <memory>
 #include <stdexcept>
 
 namespace geodesic::server {
 
+namespace {
+
+constexpr std::size_t kAtOnce = std::size_t{4} << 20;
+
+using Context = std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)>;
+
+void require(bool fine) {
+  // Only an OpenSSL without SHA-256 or out of memory fails.
+  if (!fine) throw std::runtime_error("SHA-256 is not available");
+}
+
+}  // namespace
+
 std::string sha256_hex(std::string_view bytes) {
+  return *sha256_hex(bytes, [] { return false; });
+}
+
+std::optional<std::string> sha256_hex(std::string_view bytes, const std::function<bool()>& stop) {
+  const Context context(EVP_MD_CTX_new(), &EVP_MD_CTX_free);
+  require(context && EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) == 1);
+  while (!bytes.empty()) {
+    const std::string_view piece = bytes.substr(0, kAtOnce);
+    require(EVP_DigestUpdate(context.get(), piece.data(), piece.size()) == 1);
+    bytes.remove_prefix(piece.size());
+    if (!bytes.empty() && stop()) return std::nullopt;
+  }
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned int length = 0;
-  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &length, EVP_sha256(), nullptr) != 1) {
-    // Only an OpenSSL without SHA-256 or out of memory gets here.
-    throw std::runtime_error("SHA-256 is not available");
-  }
+  require(EVP_DigestFinal_ex(context.get(), digest.data(), &length) == 1);
   constexpr std::string_view digits = "0123456789abcdef";
   std::string hex;
   hex.reserve(2 * length);
