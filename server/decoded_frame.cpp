@@ -199,6 +199,7 @@ void option_fields(Archive& archive, Options& options) {
 
 template <class Archive, class Order>
 void order_fields(Archive& archive, Order& order) {
+  array(archive, order.boundary);
   field(archive, order.limits.max_vertices);
   field(archive, order.limits.max_faces);
   field(archive, order.limits.max_nodes);
@@ -211,16 +212,32 @@ void order_fields(Archive& archive, Order& order) {
   field(archive, order.cpu_seconds);
 }
 
-template <class Archive>
-void frame_fields(Archive& archive, const Decoded& decoded) {
-  const std::uint64_t is_mesh = decoded ? 1 : 0;
-  field(archive, is_mesh);
-  if (decoded) {
-    mesh_fields(archive, *decoded);
+// What a frame says first that it holds.
+constexpr std::uint64_t kError = 0;
+template <class Content>
+constexpr std::uint64_t kKind = std::is_same_v<Content, proto::DecodedMesh> ? 1 : 2;
+
+template <class Archive, class Mesh>
+requires std::is_same_v<std::remove_const_t<Mesh>, proto::DecodedMesh>
+void content_fields(Archive& archive, Mesh& mesh) { mesh_fields(archive, mesh); }
+
+template <class Archive, class Text>
+requires std::is_same_v<std::remove_const_t<Text>, std::string>
+void content_fields(Archive& archive, Text& text) { array(archive, text); }
+
+template <class Archive, class Content>
+void frame_fields(Archive& archive, const Result<Content>& answer) {
+  const std::uint64_t kind = answer ? kKind<Content> : kError;
+  field(archive, kind);
+  if (answer) {
+    content_fields(archive, *answer);
   } else {
-    error_fields(archive, decoded.error());
+    error_fields(archive, answer.error());
   }
 }
+
+bool is_known(const proto::DecodedMesh& mesh) { return mesh.format <= proto::MeshFormat::stl; }
+bool is_known(const std::string& /*bytes*/) { return true; }
 
 }  // namespace
 
@@ -242,31 +259,43 @@ std::optional<DecodeOrder> read_order(std::string_view bytes) {
   return order;
 }
 
-std::size_t frame_size(const Decoded& decoded) {
+template <class Content>
+std::size_t frame_size(const Result<Content>& answer) {
   Measure measure;
-  frame_fields(measure, decoded);
+  frame_fields(measure, answer);
   return measure.size();
 }
 
-void write_frame(const Decoded& decoded, std::span<std::byte> frame) {
+template <class Content>
+void write_frame(const Result<Content>& answer, std::span<std::byte> frame) {
   Write write(frame.data());
-  frame_fields(write, decoded);
+  frame_fields(write, answer);
 }
 
-std::optional<Decoded> read_frame(std::span<const std::byte> frame, const Cancel& cancel) {
+template <class Content>
+std::optional<Result<Content>> read_frame(std::span<const std::byte> frame, const Cancel& cancel) {
   Read read(frame, cancel);
-  std::uint64_t is_mesh = 0;
-  field(read, is_mesh);
-  if (is_mesh == 1) {
-    proto::DecodedMesh mesh;
-    mesh_fields(read, mesh);
-    if (!read.is_complete() || mesh.format > proto::MeshFormat::stl) return std::nullopt;
-    return mesh;
+  std::uint64_t kind = kError;
+  field(read, kind);
+  if (kind == kKind<Content>) {
+    Content content;
+    content_fields(read, content);
+    if (!read.is_complete() || !is_known(content)) return std::nullopt;
+    return content;
   }
   Error error;
   error_fields(read, error);
-  if (!read.is_complete() || error.code > ErrorCode::internal) return std::nullopt;
+  if (kind != kError || !read.is_complete() || error.code > ErrorCode::internal) {
+    return std::nullopt;
+  }
   return fail(std::move(error));
 }
+
+template std::size_t frame_size(const Decoded&);
+template std::size_t frame_size(const Result<std::string>&);
+template void write_frame(const Decoded&, std::span<std::byte>);
+template void write_frame(const Result<std::string>&, std::span<std::byte>);
+template std::optional<Decoded> read_frame(std::span<const std::byte>, const Cancel&);
+template std::optional<Result<std::string>> read_frame(std::span<const std::byte>, const Cancel&);
 
 }  // namespace geodesic::server

@@ -1,7 +1,7 @@
 // What goes between the server and a process that decodes for it: the order, and the
-// decoded mesh or the error, as flat bytes. Both ends are the same program on the same
-// machine, so numbers are as they are in memory; but whoever reads a frame takes none of
-// it on trust.
+// decoded mesh, the file found in a form, or the error, as flat bytes. Both ends are the same
+// program on the same machine, so numbers are as they are in memory; but whoever reads a frame
+// takes none of it on trust.
 #pragma once
 
 #include <cstddef>
@@ -19,6 +19,7 @@
 namespace geodesic::server {
 
 struct DecodeOrder {
+  std::string boundary;  // of the form in which the file is to be found; empty: decode it
   proto::DecodeLimits limits;
   proto::ImportOptions options;
   std::uint64_t file_bytes = 0;
@@ -31,13 +32,17 @@ struct DecodeOrder {
 
 using Decoded = Result<proto::DecodedMesh>;
 
-[[nodiscard]] std::size_t frame_size(const Decoded& decoded);
+// `Content` is a proto::DecodedMesh, or the bytes of a file as a std::string.
+template <class Content>
+[[nodiscard]] std::size_t frame_size(const Result<Content>& answer);
 // `frame` has just that size.
-void write_frame(const Decoded& decoded, std::span<std::byte> frame);
-// Nothing if the bytes are no frame. Otherwise counts and names are those of the frame,
-// which may lie: what they mean is for whoever uses them to check, as with a file's own.
-// Nothing as well once `cancel` says so.
-[[nodiscard]] std::optional<Decoded> read_frame(std::span<const std::byte> frame,
-                                                const Cancel& cancel = {});
+template <class Content>
+void write_frame(const Result<Content>& answer, std::span<std::byte> frame);
+// Nothing if the bytes are no frame of that content. Otherwise counts and names are those
+// of the frame, which may lie: what they mean is for whoever uses them to check, as with a
+// file's own. Nothing as well once `cancel` says so.
+template <class Content = proto::DecodedMesh>
+[[nodiscard]] std::optional<Result<Content>> read_frame(std::span<const std::byte> frame,
+                                                        const Cancel& cancel = {});
 
 }  // namespace geodesic::server

@@ -12,6 +12,8 @@
 #include <memory>
 #include <new>
 #include <span>
+#include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "core/shapes.h"
@@ -19,6 +21,7 @@
 #include "server/confine_process.h"
 #include "server/decoded_frame.h"
 #include "server/local_message.h"
+#include "server/mesh_form.h"
 
 namespace geodesic::server {
 namespace {
@@ -36,31 +39,36 @@ std::span<std::byte> mapped(int fd, std::size_t size, int protection, int flags)
   return {static_cast<std::byte*>(data), size};
 }
 
-Decoded out_of_memory(const DecodeOrder& order) {
+tl::unexpected<Error> out_of_memory(const DecodeOrder& order) {
   Error error{
       ErrorCode::too_large, "decoding the file takes more memory than is allowed", {}, {}, {}};
   error.limit = order.memory_bytes;
-  return fail(std::move(error));
-}
-
-Decoded decoded_by(Decode& decode, const DecodeOrder& order, int file) {
-  const auto bytes = mapped(file, order.file_bytes, PROT_READ, MAP_PRIVATE | MAP_POPULATE);
-  if (bytes.empty() && order.file_bytes != 0) return out_of_memory(order);
-  try {
-    return decode(bytes, order.limits, order.options);
-  } catch (const std::bad_alloc&) {
-    return out_of_memory(order);
-  }
+  return tl::unexpected(std::move(error));
 }
 
 // False if there is no room for it.
-bool hand_over(const Decoded& decoded, int frame_fd, int reply) {
-  const std::uint64_t size = frame_size(decoded);
+template <class Content>
+bool hand_over(const Result<Content>& answer, int frame_fd, int reply) {
+  const std::uint64_t size = frame_size(answer);
   if (::ftruncate(frame_fd, static_cast<off_t>(size)) != 0) return false;
   const auto frame = mapped(frame_fd, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE);
   if (frame.empty()) return false;
-  write_frame(decoded, frame);
+  write_frame(answer, frame);
   return send_message(reply, number_bytes(size));
+}
+
+// What `find` makes of the file's bytes goes into the frame.
+template <class Find>
+void answer(const DecodeOrder& order, int file, int frame, int reply, const Find& find) {
+  using Answer = std::invoke_result_t<Find, std::span<const std::byte>>;
+  const auto bytes = mapped(file, order.file_bytes, PROT_READ, MAP_PRIVATE | MAP_POPULATE);
+  Answer found = out_of_memory(order);
+  try {
+    if (!bytes.empty() || order.file_bytes == 0) found = find(bytes);
+  } catch (const std::bad_alloc&) {
+    // It says so already.
+  }
+  if (!hand_over(found, frame, reply)) (void)hand_over(Answer(out_of_memory(order)), frame, reply);
 }
 
 // In the copy. The kernel sends SIGIO, which ends a process, once the other end of the
@@ -75,12 +83,20 @@ void serve(const LocalMessage& message, Decode& decode, const Confinement& confi
     return;
   }
   if (!confinement.enter({order->memory_bytes, order->cpu_seconds})) {
-    (void)hand_over(fail(ErrorCode::internal, "a decoder process cannot be confined here"), frame,
-                    reply);
+    const Decoded free = fail(ErrorCode::internal, "a decoder process cannot be confined here");
+    (void)hand_over(free, frame, reply);
     return;
   }
-  const Decoded decoded = decoded_by(decode, *order, file);
-  if (!hand_over(decoded, frame, reply)) (void)hand_over(out_of_memory(*order), frame, reply);
+  using Bytes = std::span<const std::byte>;
+  if (order->boundary.empty()) {
+    answer(*order, file, frame, reply,
+           [&](Bytes bytes) { return decode(bytes, order->limits, order->options); });
+  } else {
+    answer(*order, file, frame, reply, [&](Bytes bytes) {
+      const std::string_view body(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+      return file_of_form(body, order->boundary, order->limits);
+    });
+  }
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ using Decode = Decoded(std::span<const std::byte> bytes, const proto::DecodeLimi
                        const proto::ImportOptions& options);
 
 // Serves orders until the other end of the socket is closed. An order (decoded_frame.h)
-// comes with three files: the mesh file, an empty memory file for the frame, and a
+// comes with three files: the mesh file or form, an empty memory file for the frame, and a
 // socket for one message, the frame's size in 8 bytes. Who closes that socket's other
 // end kills the copy.
 int run_decoder_process(Decode& decode = proto::decode_mesh);

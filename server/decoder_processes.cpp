@@ -53,7 +53,8 @@ bool is_without_holes(const struct stat& about) {
 
 // What a decoder has left in its file. Nothing that it still does can take memory away
 // under whoever reads here.
-std::optional<Decoded> frame_in(int fd, const Cancel& cancel) {
+template <class Content>
+std::optional<Result<Content>> frame_in(int fd, const Cancel& cancel) {
   struct stat about {};
   if (::fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW) != 0 || ::fstat(fd, &about) != 0 ||
       about.st_size <= 0 || !is_without_holes(about)) {
@@ -62,9 +63,9 @@ std::optional<Decoded> frame_in(int fd, const Cancel& cancel) {
   const auto size = static_cast<std::size_t>(about.st_size);
   void* data = ::mmap(nullptr, size, PROT_READ, MAP_SHARED | MAP_POPULATE, fd, 0);
   if (data == MAP_FAILED) return std::nullopt;
-  auto decoded = read_frame({static_cast<const std::byte*>(data), size}, cancel);
+  auto answer = read_frame<Content>({static_cast<const std::byte*>(data), size}, cancel);
   ::munmap(data, size);
-  return decoded;
+  return answer;
 }
 
 tl::unexpected<Error> no_process() {
@@ -181,13 +182,26 @@ bool DecoderProcesses::send(std::string_view order, int file, int frame, int rep
 
 Decoded DecoderProcesses::decode(std::string_view bytes, const proto::DecodeLimits& limits,
                                  const proto::ImportOptions& options, const Caller& caller) {
+  return answer<proto::DecodedMesh>({{}, limits, options}, bytes, caller);
+}
+
+Result<std::string> DecoderProcesses::file_of_form(std::string_view body, std::string_view boundary,
+                                                   const proto::DecodeLimits& limits,
+                                                   const Caller& caller) {
+  return answer<std::string>({std::string(boundary), limits, {}}, body, caller);
+}
+
+template <class Content>
+Result<Content> DecoderProcesses::answer(DecodeOrder order, std::string_view bytes,
+                                         const Caller& caller) {
   const Running running(running_);
   const Limits own = this->limits();
   const UniqueFd file = memory_file("mesh");
   if (!file || !write_all(file.get(), bytes, caller)) return no_process();
   if (caller()) return given_up(caller);
-  const DecodeOrder order{limits, options, bytes.size(), memory_for(bytes.size(), own.memory_bytes),
-                          static_cast<std::uint64_t>(own.time.count()) + 1};
+  order.file_bytes = bytes.size();
+  order.memory_bytes = memory_for(bytes.size(), own.memory_bytes);
+  order.cpu_seconds = static_cast<std::uint64_t>(own.time.count()) + 1;
   // Twice if the process that makes the copies was killed meanwhile.
   for (int tries = 0; tries < 2; ++tries) {
     const UniqueFd frame = memory_file("decoded");
@@ -196,7 +210,9 @@ Decoded DecoderProcesses::decode(std::string_view bytes, const proto::DecodeLimi
       return no_process();
     }
     theirs.close();  // so that its end is seen
-    if (auto answer = wait(ours.get(), frame.get(), own, caller)) return std::move(*answer);
+    if (auto answer = wait<Content>(ours.get(), frame.get(), own, caller)) {
+      return std::move(*answer);
+    }
     if (process_is_there()) break;
   }
   ++crashed_;
@@ -204,8 +220,9 @@ Decoded DecoderProcesses::decode(std::string_view bytes, const proto::DecodeLimi
   return fail(ErrorCode::mesh_invalid, "the decoder crashed on this file");
 }
 
-std::optional<Decoded> DecoderProcesses::wait(int reply, int frame, const Limits& limits,
-                                              const Caller& caller) {
+template <class Content>
+std::optional<Result<Content>> DecoderProcesses::wait(int reply, int frame, const Limits& limits,
+                                                      const Caller& caller) {
   const auto latest = Caller::Clock::now() + limits.time;
   while (true) {
     pollfd waiting{reply, POLLIN, 0};
@@ -223,7 +240,7 @@ std::optional<Decoded> DecoderProcesses::wait(int reply, int frame, const Limits
     spdlog::error("no decoder process: the one that waits for files cannot fork");
     return no_process();
   }
-  auto decoded = answer ? frame_in(frame, Cancel(std::cref(caller))) : std::nullopt;
+  auto decoded = answer ? frame_in<Content>(frame, Cancel(std::cref(caller))) : std::nullopt;
   if (decoded) {
     ++(*decoded ? decoded_ : refused_);
   } else if (caller()) {
@@ -232,7 +249,7 @@ std::optional<Decoded> DecoderProcesses::wait(int reply, int frame, const Limits
   return decoded;
 }
 
-Decoded DecoderProcesses::given_up(const Caller& caller) {
+tl::unexpected<Error> DecoderProcesses::given_up(const Caller& caller) {
   ++cancelled_;
   return fail(caller.why_stopped());
 }

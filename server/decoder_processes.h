@@ -35,7 +35,7 @@ class DecoderProcesses {
   struct Stats {
     std::uint64_t running = 0;
     // Since the start, by how they ended.
-    std::uint64_t decoded = 0;
+    std::uint64_t decoded = 0;    // or found in its form
     std::uint64_t refused = 0;    // the file has a fault
     std::uint64_t crashed = 0;    // the decoder ended without an answer
     std::uint64_t overtime = 0;   // it took too long
@@ -58,6 +58,10 @@ class DecoderProcesses {
 
   [[nodiscard]] Decoded decode(std::string_view bytes, const proto::DecodeLimits& limits,
                                const proto::ImportOptions& options, const Caller& caller);
+  // As server::file_of_form, with the same errors besides.
+  [[nodiscard]] Result<std::string> file_of_form(std::string_view body, std::string_view boundary,
+                                                 const proto::DecodeLimits& limits,
+                                                 const Caller& caller);
 
   [[nodiscard]] Stats stats() const;
 
@@ -67,10 +71,15 @@ class DecoderProcesses {
   void end_process();
   [[nodiscard]] bool process_is_there() const;
   [[nodiscard]] bool send(std::string_view order, int file, int frame, int reply);
+  // `Content` as in decoded_frame.h.
+  template <class Content>
+  [[nodiscard]] Result<Content> answer(DecodeOrder order, std::string_view bytes,
+                                       const Caller& caller);
   // Nothing if there is no answer.
-  [[nodiscard]] std::optional<Decoded> wait(int reply, int frame, const Limits& limits,
-                                            const Caller& caller);
-  [[nodiscard]] Decoded given_up(const Caller& caller);
+  template <class Content>
+  [[nodiscard]] std::optional<Result<Content>> wait(int reply, int frame, const Limits& limits,
+                                                    const Caller& caller);
+  [[nodiscard]] tl::unexpected<Error> given_up(const Caller& caller);
   [[nodiscard]] Limits limits() const;
 
   const std::string program_;

@@ -7,6 +7,7 @@
 
 #include "core/weld.h"
 #include "proto/mesh_metadata.h"
+#include "server/mesh_form.h"
 #include "server/sha256.h"
 
 namespace geodesic::server {
@@ -134,10 +135,15 @@ Result<MeshCatalog::Built> MeshCatalog::build(const std::string& bytes,
   return Built{std::move(*decoded), std::make_shared<const Mesh>(std::move(*mesh))};
 }
 
-Result<std::string> MeshCatalog::pack(std::string_view document, const proto::NamedFiles& files,
-                                      const Caller& caller) {
+Result<std::string> MeshCatalog::file_of_form(std::string_view body, std::string_view boundary,
+                                              const Caller& caller) {
   return pool_.run(
-      [&](Worker&) { return proto::pack_gltf(document, files, *decode_limits_.get()); }, caller);
+      [&](Worker&) {
+        const auto limits = decode_limits_.get();
+        return decoders_ != nullptr ? decoders_->file_of_form(body, boundary, *limits, caller)
+                                    : server::file_of_form(body, boundary, *limits);
+      },
+      caller);
 }
 
 // Runs on a compute worker. The description tells of the topology, so the adjacency

@@ -24,7 +24,6 @@
 #include "core/mesh.h"
 #include "proto/decode_mesh.h"
 #include "proto/import_options.h"
-#include "proto/pack_gltf.h"
 #include "server/caller.h"
 #include "server/compute_pool.h"
 #include "server/current.h"
@@ -61,10 +60,10 @@ class MeshCatalog {
   // Decodes, checks and stores a file. On any error nothing of it remains.
   [[nodiscard]] Result<Upload> add(std::string bytes, const proto::ImportOptions& options,
                                    const Caller& caller);
-  // A glTF document and the files with its buffers as one GLB, to be added. In a compute
-  // slot. Errors: those of `pack_gltf`; overloaded, draining, cancelled.
-  [[nodiscard]] Result<std::string> pack(std::string_view document, const proto::NamedFiles& files,
-                                         const Caller& caller);
+  // The mesh file in a form, to be added (mesh_form.h). In a compute slot, where files
+  // are decoded. Errors besides: those of decoding; overloaded, draining, cancelled.
+  [[nodiscard]] Result<std::string> file_of_form(std::string_view body, std::string_view boundary,
+                                                 const Caller& caller);
   // The metadata as JSON, with its present state. Errors: mesh_unknown.
   [[nodiscard]] Result<std::string> metadata(const std::string& id, const Caller& caller);
   // The uploaded bytes. Errors: mesh_unknown and the store's.

@@ -80,32 +80,9 @@ Result<void> Routes::join_parts(Call& call) {
   if (!boundary) {
     return fail(ErrorCode::bad_syntax, "the content type has no boundary", "Content-Type");
   }
-  const auto parts = read_multipart(call.request.body, *boundary);
-  if (!parts) return fail(parts.error());
-  const Part* document = nullptr;
-  proto::NamedFiles files;
-  for (const Part& part : *parts) {
-    if (part.filename.empty()) continue;  // a field of the form
-    const bool is_document = part.filename.ends_with(".gltf") || part.filename.ends_with(".GLTF");
-    if (is_document && document != nullptr) {
-      return fail(ErrorCode::bad_syntax, "more than one part is a .gltf file", "body");
-    }
-    if (is_document) document = &part;
-    if (!files.emplace(part.filename, part.bytes).second) {
-      return fail(ErrorCode::bad_syntax, "two parts are files of the same name", "body");
-    }
-  }
-  if (document == nullptr && files.size() != 1) {
-    return fail(ErrorCode::bad_syntax, "one part is to be a .gltf file, the others its buffers",
-                "body");
-  }
-  if (document == nullptr) {
-    call.request.body = std::string(files.begin()->second);
-    return {};
-  }
-  auto packed = catalog_.pack(document->bytes, files, call.request.caller);
-  if (!packed) return fail(std::move(packed.error()));
-  call.request.body = std::move(*packed);
+  auto file = catalog_.file_of_form(call.request.body, *boundary, call.request.caller);
+  if (!file) return fail(std::move(file.error()));
+  call.request.body = std::move(*file);
   return {};
 }
 

@@ -1,5 +1,6 @@
 // The frame in which a decoder process hands its mesh over.
 #include <cstring>
+#include <string>
 #include <vector>
 
 #include "server/decoded_frame.h"
@@ -10,6 +11,7 @@ namespace geodesic::fuzz {
 void fuzz_frame(Input input) {
   const auto bytes = std::as_bytes(input);
   (void)server::read_order({reinterpret_cast<const char*>(input.data()), input.size()});
+  (void)server::read_frame<std::string>(bytes);
   const auto read = server::read_frame(bytes);
   if (!read) return;
   // What was taken for a frame is one: written anew it is the same, to the byte.

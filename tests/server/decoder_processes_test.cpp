@@ -19,6 +19,7 @@
 #include "core/shapes.h"
 #include "proto/encode_mesh.h"
 #include "server/confine_process.h"
+#include "server/mesh_form.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
@@ -246,6 +247,55 @@ TEST_CASE("FramesSurviveTheWay") {
   CHECK(failed->error().parameter == error.parameter);
   CHECK(failed->error().limit == 5);
   CHECK_FALSE(failed->error().actual);
+
+  // A file found in a form is no mesh, and a mesh is none.
+  const Result<std::string> file = std::string("bytes");
+  std::vector<std::byte> framed(frame_size(file));
+  write_frame(file, framed);
+  CHECK(read_frame<std::string>(framed).value() == "bytes");
+  CHECK_FALSE(read_frame(framed));
+  CHECK_FALSE(read_frame<std::string>(frame));
+  CHECK_FALSE(read_frame<std::string>({framed.data(), framed.size() - 1}));
+}
+
+TEST_CASE("ALargeFrameIsReadNoFurtherThanItIsWanted") {
+  proto::DecodedMesh mesh;
+  mesh.soup.positions.resize(1 << 20);  // three pieces
+  const std::vector<std::byte> frame = frame_of(mesh);
+  int questions = 0;
+  CHECK(read_frame(frame, Cancel([&] { return ++questions < 0; })));
+  REQUIRE(questions > 1);
+  for (int k = 1; k <= questions; ++k) {
+    int asked = 0;
+    CHECK_FALSE(read_frame(frame, Cancel([&] { return ++asked == k; })));
+    CHECK(asked == k);
+  }
+}
+
+TEST_CASE("AFileIsFoundInItsFormAsItIsHere") {
+  const auto processes = started(short_limits());
+  const std::string head = "--b\r\nContent-Disposition: form-data; name=f; filename=";
+  const std::string document =
+      R"({"asset":{"version":"2.0"},"buffers":[{"uri":"a.bin","byteLength":3}]})";
+  const std::string good =
+      head + "a.gltf\r\n\r\n" + document + "\r\n" + head + "a.bin\r\n\r\nxyz\r\n--b--";
+  const std::string alone = head + "k.glb\r\n\r\n" + knot_file() + "\r\n--b--";
+  for (const std::string& body : {good, alone, good.substr(0, good.size() / 2), std::string(),
+                                  head + "a.gltf\r\n\r\n" + document + "\r\n--b--"}) {
+    const auto there = processes->file_of_form(body, "b", {}, {});
+    const auto here = file_of_form(body, "b", {});
+    REQUIRE(there.has_value() == here.has_value());
+    if (here) {
+      CHECK(*there == *here);
+    } else {
+      CHECK(there.error().code == here.error().code);
+      CHECK(there.error().detail == here.error().detail);
+      CHECK(there.error().parameter == here.error().parameter);
+    }
+  }
+  CHECK(processes->file_of_form(alone, "b", {}, {}) == knot_file());
+  CHECK(processes->file_of_form(good, "b", {}, [] { return true; }).error().code ==
+        ErrorCode::cancelled);
 }
 
 TEST_CASE("AFrameIsTakenForNothingThatItIsNot") {
