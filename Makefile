@@ -25,7 +25,8 @@ run: build ## start the server with the viewer and sample meshes; Ctrl-C stops i
 	@scripts/build_viewer
 	@scripts/run_server
 
-test: setup ## build and run all tests, then again under the sanitizers
+test: ## build and run all tests, again under the sanitizers, and the fuzzers for seconds
+	@scripts/setup fuzz
 	@scripts/run_tests
 
 test-s3: build ## test the store in object storage, against OpenStack Swift

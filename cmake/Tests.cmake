@@ -43,11 +43,15 @@ endfunction()
 #
 # The executable TARGET, whose name begins with `fuzz_`, has an
 # LLVMFuzzerTestOneInput. Only in the fuzz preset, where everything is compiled
-# with coverage already.
+# with coverage already. ctest runs it for a few seconds.
 function(geodesic_add_fuzzer target)
   if(NOT target MATCHES "^fuzz_")
     message(FATAL_ERROR "${target}: `make fuzz` runs what begins with fuzz_")
   endif()
   target_link_libraries(${target} PRIVATE geodesic_options)
   target_link_options(${target} PRIVATE -fsanitize=fuzzer)
+  add_test(NAME ${target}
+           COMMAND ${CMAKE_SOURCE_DIR}/tests/fuzz/run_fuzzer.sh $<TARGET_FILE:${target}>
+                   $<TARGET_FILE:make_fuzz_seeds> 3)
+  set_tests_properties(${target} PROPERTIES TIMEOUT 300)
 endfunction()

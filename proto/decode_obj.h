@@ -3,7 +3,8 @@
 // ever opened.
 //
 // Libraries were looked at and left: tinyobjloader takes a word that is no number for
-// zero and an index of 2^32 + 1 for 1, both without a word.
+// zero and an index of 2^32 + 1 for 1, both without a word; Assimp gives every corner of
+// a face a vertex of its own, so that none could be named by its number in the file.
 #pragma once
 
 #include <cstddef>

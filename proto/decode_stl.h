@@ -1,5 +1,5 @@
-// STL files, in text and in binary, to triangles. No library of Debian's reads them
-// from memory alone.
+// STL files, in text and in binary, to triangles. Of Debian's libraries only Assimp
+// reads them from memory; see decode_ply.h.
 #pragma once
 
 #include <cstddef>
