@@ -1,34 +1,22 @@
 #include "core/back_trace_lanes.h"
 
-#include <cmath>
 #include <cstring>
 
 #include "core/field.h"
+#include "core/lane_arithmetic.h"
 
 namespace geodesic {
 namespace {
 
-constexpr std::size_t kLanes = TraceLanes::kLanes;
+using lanes::any;
+using lanes::Flags;
+using lanes::Ids;
+using lanes::kWide;
+using lanes::narrow;
+using lanes::Reals;
+using lanes::root;
 
-// Arithmetic on four lanes, of GCC and Clang, which cut it into registers of whatever
-// size there are. A comparison gives all bits of a lane or none.
-constexpr std::size_t kWide = 4;
-constexpr std::size_t kParts = kLanes / kWide;
-using Reals = double __attribute__((vector_size(kWide * sizeof(double))));
-using Flags = std::int64_t __attribute__((vector_size(kWide * sizeof(std::int64_t))));
-
-#define GEODESIC_INLINE inline __attribute__((always_inline))
-
-template <class T>
-struct alignas(64) PerLane {
-  T of[kLanes];
-};
-
-GEODESIC_INLINE void read(Reals& to, const double* from) { std::memcpy(&to, from, sizeof to); }
-
-GEODESIC_INLINE void root(Reals& to, const Reals& of) {
-  for (std::size_t i = 0; i < kWide; ++i) to[i] = std::sqrt(of[i]);
-}
+constexpr std::size_t kMostParts = TraceLanes::kLanes / kWide;
 
 // Of several faces on an edge the one whose apex is nearest to the source.
 Halfedge nearest_beyond(const FaceRecord* faces, const double* distance, Halfedge edge) {
@@ -43,76 +31,170 @@ Halfedge nearest_beyond(const FaceRecord* faces, const double* distance, Halfedg
   return nearest;
 }
 
-// Of four lanes.
+// Of four lanes; the names are those of BackTrace.
 struct State {
-  Reals right_x, right_y, left_x, left_y, aim_x, aim_y;
+  Reals right_x, right_y, left_x, left_y;
   Reals right_bound_x, right_bound_y, left_bound_x, left_bound_y;
   Reals at_right, at_left, best;
-  Flags alive, crossed;
+  Flags alive, crossed, beyond_is_surface;
+  Ids edge, across, right_vertex;
 };
 
-// The faces that the traces go over next.
-struct Ahead {
-  PerLane<double> at_apex, along, height, base2;
-};
+GEODESIC_LANES_INLINE void begin(const FaceRecord* faces, const double* distance,
+                                 const TraceLanes& lanes, std::size_t first, State& s) {
+  Reals p, q, w, area, crossing;
+  for (std::size_t j = 0; j < kWide; ++j) {
+    // Lanes without a trace do the same as the first one, with nobody to see it.
+    const std::size_t i = first + j < lanes.count ? first + j : 0;
+    const Halfedge base = lanes.base[i];
+    const FaceRecord& face = faces[face_of(base)];
+    const std::uint32_t c = corner_of(base);
+    const std::uint32_t n = next_corner(c);
+    p[j] = face.dot[c];
+    q[j] = face.dot[n];
+    w[j] = face.dot[previous_corner(c)];
+    area[j] = face.area2;
+    s.at_right[j] = distance[face.vertex[c]];
+    s.at_left[j] = distance[face.vertex[n]];
+    s.right_vertex[j] = face.vertex[c];
+    s.edge[j] = base;
+    s.across[j] = face.ring[c];
+    s.beyond_is_surface[j] = face.ring[c] == base ? 0 : -1;
+    crossing[j] = lanes.crossing[i];
+    s.best[j] = lanes.best[i];
+    __builtin_prefetch(&faces[face_of(face.ring[c])]);
+  }
+  const Reals zero = {};
+  Reals length;
+  const Reals right2 = p + w;
+  root(length, right2 > 0 ? right2 : zero);
+  Reals by = s.at_right + length;
+  s.best = by < s.best ? by : s.best;
+  const Reals left2 = q + w;
+  root(length, left2 > 0 ? left2 : zero);
+  by = s.at_left + length;
+  s.best = by < s.best ? by : s.best;
 
-GEODESIC_INLINE void begin(State& s) {
+  const Reals base2 = p + q;
+  const Reals across = crossing * base2;
+  const Reals along = across - p;
+  Reals base_length;
+  root(length, along * along + area * area);
+  root(base_length, base2);
+  const Reals scale = 1.0 / (length * base_length);
+  s.right_x = scale * (area * area - p * along);
+  s.right_y = scale * (-area * across);
+  s.left_x = scale * (area * area + q * along);
+  s.left_y = scale * (area * (base2 - across));
   s.right_bound_x = s.right_x;
   s.right_bound_y = s.right_y;
   s.left_bound_x = s.left_x;
   s.left_bound_y = s.left_y;
-  Reals length;
-  root(length, s.right_x * s.right_x + s.right_y * s.right_y);
-  Reals by = s.at_right + length;
-  s.best = by < s.best ? by : s.best;
-  root(length, s.left_x * s.left_x + s.left_y * s.left_y);
-  by = s.at_left + length;
-  s.best = by < s.best ? by : s.best;
+  s.alive = s.right_x < kUnreached;
+  s.beyond_is_surface &= s.alive;
   s.crossed = Flags{};
 }
 
-// Unfolds the faces ahead over their bases. Says on which side their apexes are.
-GEODESIC_INLINE void unfold(const Ahead& ahead, std::size_t first, State& s, Flags& on_left,
-                            Flags& on_right) {
-  Reals at_apex, along, height, base2;
-  read(at_apex, ahead.at_apex.of + first);
-  read(along, ahead.along.of + first);
-  read(height, ahead.height.of + first);
-  read(base2, ahead.base2.of + first);
-  const Reals farther = s.at_right < s.at_left ? s.at_left : s.at_right;
-  s.alive &= at_apex < farther;
-  s.crossed |= s.alive;
-  const Reals base_x = s.left_x - s.right_x;
-  const Reals base_y = s.left_y - s.right_y;
-  const Reals x = along / base2;
-  const Reals y = height / base2;
-  const Reals apex_x = s.right_x + x * base_x + y * base_y;
-  const Reals apex_y = s.right_y + x * base_y + y * -base_x;
-  const Flags within_left = apex_x * s.left_bound_y - apex_y * s.left_bound_x >= 0;
-  const Flags within_right = s.right_bound_x * apex_y - s.right_bound_y * apex_x >= 0;
-  Reals length;
-  root(length, apex_x * apex_x + apex_y * apex_y);
-  const Reals by = at_apex + length;
-  const Flags nearer = s.alive & within_left & within_right & (by < s.best);
-  s.best = nearer ? by : s.best;
-  const Flags to_left = s.aim_x * apex_y - s.aim_y * apex_x > 0;
-  on_left = s.alive & to_left;
-  on_right = s.alive & ~to_left;
-  const Flags bounds_left = on_left & within_left;
-  const Flags bounds_right = on_right & within_right;
-  s.left_x = on_left ? apex_x : s.left_x;
-  s.left_y = on_left ? apex_y : s.left_y;
-  s.at_left = on_left ? at_apex : s.at_left;
-  s.left_bound_x = bounds_left ? apex_x : s.left_bound_x;
-  s.left_bound_y = bounds_left ? apex_y : s.left_bound_y;
-  s.right_x = on_right ? apex_x : s.right_x;
-  s.right_y = on_right ? apex_y : s.right_y;
-  s.at_right = on_right ? at_apex : s.at_right;
-  s.right_bound_x = bounds_right ? apex_x : s.right_bound_x;
-  s.right_bound_y = bounds_right ? apex_y : s.right_bound_y;
+// What is read of the faces that four traces go over next.
+struct Ahead {
+  Reals dot, next_dot, area, at_apex;
+  Ids back, vertex, apex;        // who is across; at the halfedge's tail, and opposite it
+  Ids next, previous;            // the other two halfedges …
+  Ids over_next, over_previous;  // … and who is across those
+};
+
+GEODESIC_LANES_INLINE void read(const FaceRecord* faces, const double* distance, const Ids& across,
+                                Ahead& to) {
+  const Halfedge h0 = across[0], h1 = across[1], h2 = across[2], h3 = across[3];
+  const FaceRecord& f0 = faces[face_of(h0)];
+  const FaceRecord& f1 = faces[face_of(h1)];
+  const FaceRecord& f2 = faces[face_of(h2)];
+  const FaceRecord& f3 = faces[face_of(h3)];
+  const std::uint32_t c0 = corner_of(h0), c1 = corner_of(h1), c2 = corner_of(h2),
+                      c3 = corner_of(h3);
+  const std::uint32_t n0 = lanes::kNextCorner[c0], n1 = lanes::kNextCorner[c1],
+                      n2 = lanes::kNextCorner[c2], n3 = lanes::kNextCorner[c3];
+  const std::uint32_t p0 = lanes::kPreviousCorner[c0], p1 = lanes::kPreviousCorner[c1],
+                      p2 = lanes::kPreviousCorner[c2], p3 = lanes::kPreviousCorner[c3];
+  const std::uint32_t a0 = f0.vertex[p0], a1 = f1.vertex[p1], a2 = f2.vertex[p2],
+                      a3 = f3.vertex[p3];
+  to.dot = Reals{f0.dot[c0], f1.dot[c1], f2.dot[c2], f3.dot[c3]};
+  to.next_dot = Reals{f0.dot[n0], f1.dot[n1], f2.dot[n2], f3.dot[n3]};
+  to.area = Reals{f0.area2, f1.area2, f2.area2, f3.area2};
+  to.at_apex = Reals{distance[a0], distance[a1], distance[a2], distance[a3]};
+  to.apex = Ids{a0, a1, a2, a3};
+  to.vertex = Ids{f0.vertex[c0], f1.vertex[c1], f2.vertex[c2], f3.vertex[c3]};
+  to.back = Ids{f0.ring[c0], f1.ring[c1], f2.ring[c2], f3.ring[c3]};
+  to.over_next = Ids{f0.ring[n0], f1.ring[n1], f2.ring[n2], f3.ring[n3]};
+  to.over_previous = Ids{f0.ring[p0], f1.ring[p1], f2.ring[p2], f3.ring[p3]};
+  const Ids first = across & ~3U;
+  to.next = first + Ids{n0, n1, n2, n3};
+  to.previous = first + Ids{p0, p1, p2, p3};
 }
 
-GEODESIC_INLINE void meet_circles(const Flags& beyond_is_surface, State& s) {
+// The next faces of four traces. Where there are more than two on an edge, the nearest.
+GEODESIC_LANES_INLINE void look_ahead(const FaceRecord* faces, const double* distance, State& s,
+                                      Ahead& ahead) {
+  read(faces, distance, s.across, ahead);
+  const Ids others = (Ids)(ahead.back != s.edge);
+  if ((others[0] | others[1] | others[2] | others[3]) != 0) [[unlikely]] {
+    for (std::size_t j = 0; j < kWide; ++j) {
+      if (others[j] != 0) s.across[j] = nearest_beyond(faces, distance, s.edge[j]);
+    }
+    read(faces, distance, s.across, ahead);
+  }
+}
+
+// Unfolds the faces ahead over their bases, and goes on to the edges beyond. Adds to
+// `going` which of the traces do.
+GEODESIC_LANES_INLINE void unfold(const Ahead& ahead, State& s, Flags& going) {
+  const Reals farther = s.at_right < s.at_left ? s.at_left : s.at_right;
+  s.alive &= s.beyond_is_surface & (ahead.at_apex < farther);
+  s.crossed |= s.alive;
+  const Ids forward = (Ids)(ahead.vertex == s.right_vertex);
+  const Flags is_forward = __builtin_convertvector(ahead.vertex == s.right_vertex, Flags);
+  const Reals per_base2 = 1.0 / (ahead.dot + ahead.next_dot);
+  const Reals along = (is_forward ? ahead.dot : ahead.next_dot) * per_base2;
+  const Reals height = ahead.area * per_base2;
+  const Reals base_x = s.left_x - s.right_x;
+  const Reals base_y = s.left_y - s.right_y;
+  const Reals x = s.right_x + along * base_x + height * base_y;
+  const Reals y = s.right_y + along * base_y - height * base_x;
+  const Flags within_left = x * s.left_bound_y - y * s.left_bound_x >= 0;
+  const Flags within_right = s.right_bound_x * y - s.right_bound_y * x >= 0;
+  Reals length;
+  root(length, x * x + y * y);
+  const Reals by = ahead.at_apex + length;
+  const Flags nearer = s.alive & within_left & within_right & (by < s.best);
+  s.best = nearer ? by : s.best;
+  const Flags on_left = s.alive & (y > 0);
+  const Flags on_right = s.alive & ~(y > 0);
+  const Flags bounds_left = on_left & within_left;
+  const Flags bounds_right = on_right & within_right;
+  s.left_x = on_left ? x : s.left_x;
+  s.left_y = on_left ? y : s.left_y;
+  s.at_left = on_left ? ahead.at_apex : s.at_left;
+  s.left_bound_x = bounds_left ? x : s.left_bound_x;
+  s.left_bound_y = bounds_left ? y : s.left_bound_y;
+  s.right_x = on_right ? x : s.right_x;
+  s.right_y = on_right ? y : s.right_y;
+  s.at_right = on_right ? ahead.at_apex : s.at_right;
+  s.right_bound_x = bounds_right ? x : s.right_bound_x;
+  s.right_bound_y = bounds_right ? y : s.right_bound_y;
+
+  Ids left, right;
+  narrow(left, on_left);
+  narrow(right, on_right);
+  const Ids previous = (left & forward) | (right & ~forward);
+  const Ids next = (left & ~forward) | (right & forward);
+  const Ids neither = ~(left | right);
+  s.edge = (ahead.next & next) | (ahead.previous & previous) | (s.edge & neither);
+  s.across = (ahead.over_next & next) | (ahead.over_previous & previous) | (s.across & neither);
+  s.right_vertex = (ahead.apex & right) | (s.right_vertex & ~right);
+  going |= s.alive;
+}
+
+GEODESIC_LANES_INLINE void meet_circles(State& s) {
   const Reals base_x = s.left_x - s.right_x;
   const Reals base_y = s.left_y - s.right_y;
   const Reals square = base_x * base_x + base_y * base_y;
@@ -123,10 +205,11 @@ GEODESIC_INLINE void meet_circles(const Flags& beyond_is_surface, State& s) {
   const Flags meet = sy2 > 0;
   Reals sy;
   root(sy, meet ? sy2 : Reals{});
-  const Reals along = sx / square;
-  const Reals down = sy / square;
+  const Reals per_base2 = 1.0 / square;
+  const Reals along = sx * per_base2;
+  const Reals down = sy * per_base2;
   const Reals x = s.right_x + along * base_x + down * base_y;
-  const Reals y = s.right_y + along * base_y + down * -base_x;
+  const Reals y = s.right_y + along * base_y - down * base_x;
   const Flags in_sight = (x * s.left_bound_y - y * s.left_bound_x >= 0) &
                          (s.right_bound_x * y - s.right_bound_y * x >= 0);
   Reals straight;
@@ -134,101 +217,36 @@ GEODESIC_INLINE void meet_circles(const Flags& beyond_is_surface, State& s) {
   const Reals least =
       s.crossed ? BackTrace::kLeastOfBest * s.best : BackTrace::kLeastOverOneFace * s.best;
   const Flags taken =
-      beyond_is_surface & meet & in_sight & (straight >= least) & (straight < s.best);
+      s.beyond_is_surface & meet & in_sight & (straight >= least) & (straight < s.best);
   s.best = taken ? straight : s.best;
 }
 
-// The same steps as in BackTrace::least, each for all lanes.
-GEODESIC_INLINE void trace(const FaceRecord* faces, const double* distance, BackTrace::Takes takes,
-                           TraceLanes& lanes) {
-  // Lanes without a trace do the same in the first face, with nobody to see it.
-  PerLane<double> at_right{};
-  PerLane<double> at_left{};
-  PerLane<std::int64_t> alive{};
-  PerLane<std::int64_t> beyond_is_surface{};
-  for (std::size_t i = 0; i < lanes.count; ++i) {
-    at_right.of[i] = distance[lanes.right[i]];
-    at_left.of[i] = distance[lanes.left[i]];
-    alive.of[i] = -1;
-    beyond_is_surface.of[i] = -1;
+// The same steps as in BackTrace, each for all lanes.
+GEODESIC_LANES_INLINE void trace(const FaceRecord* faces, const double* distance,
+                                 BackTrace::Takes takes, TraceLanes& lanes) {
+  const std::size_t parts = (lanes.count + kWide - 1) / kWide;
+  State states[kMostParts];
+  for (std::size_t part = 0; part < parts; ++part) {
+    begin(faces, distance, lanes, part * kWide, states[part]);
   }
-  State states[kParts];
-  for (std::size_t part = 0; part < kParts; ++part) {
-    const std::size_t first = part * kWide;
-    State& s = states[part];
-    read(s.right_x, lanes.right_x.data() + first);
-    read(s.right_y, lanes.right_y.data() + first);
-    read(s.left_x, lanes.left_x.data() + first);
-    read(s.left_y, lanes.left_y.data() + first);
-    read(s.aim_x, lanes.aim_x.data() + first);
-    read(s.aim_y, lanes.aim_y.data() + first);
-    read(s.best, lanes.best.data() + first);
-    read(s.at_right, at_right.of + first);
-    read(s.at_left, at_left.of + first);
-    std::memcpy(&s.alive, alive.of + first, sizeof s.alive);
-    begin(s);
-  }
-
-  std::array<Halfedge, kLanes> edge = lanes.edge;
-  std::array<std::uint32_t, kLanes> right_vertex = lanes.right;
-  std::array<Halfedge, kLanes> edge_on_left{};
-  std::array<Halfedge, kLanes> edge_on_right{};
-  std::array<std::uint32_t, kLanes> apex_vertex{};
   Ahead ahead{};
-  for (int step = 0; step < BackTrace::most_faces(takes); ++step) {
-    for (std::size_t i = 0; i < lanes.count; ++i) {
-      // A lane at its end goes on with what it last read, to no effect.
-      if (alive.of[i] == 0) continue;
-      Halfedge across = faces[face_of(edge[i])].ring[corner_of(edge[i])];
-      const FaceRecord* face = &faces[face_of(across)];
-      if (across == edge[i]) {
-        beyond_is_surface.of[i] = 0;
-        ahead.at_apex.of[i] = kUnreached;
-        continue;
+  const int most = BackTrace::most_faces(takes);
+  for (int step = 0; step < most; ++step) {
+    Flags going = {};
+    for (std::size_t part = 0; part < parts; ++part) {
+      State& s = states[part];
+      look_ahead(faces, distance, s, ahead);
+      unfold(ahead, s, going);
+      if (step + 1 < most) {
+        s.beyond_is_surface &= ~__builtin_convertvector(s.edge == s.across, Flags);
       }
-      if (face->ring[corner_of(across)] != edge[i]) {
-        across = nearest_beyond(faces, distance, edge[i]);
-        face = &faces[face_of(across)];
-      }
-      const std::uint32_t c = corner_of(across);
-      const std::uint32_t n = next_corner(c);
-      const std::uint32_t apex = previous_corner(c);
-      apex_vertex[i] = face->vertex[apex];
-      ahead.at_apex.of[i] = distance[apex_vertex[i]];
-      const bool forward = face->vertex[c] == right_vertex[i];
-      ahead.base2.of[i] = face->dot[c] + face->dot[n];
-      ahead.along.of[i] = face->dot[forward ? c : n];
-      ahead.height.of[i] = face->area2;
-      edge_on_left[i] = halfedge(face_of(across), forward ? apex : n);
-      edge_on_right[i] = halfedge(face_of(across), forward ? n : apex);
+      // While the other parts have their turn.
+      for (std::size_t j = 0; j < kWide; ++j) __builtin_prefetch(&faces[face_of(s.across[j])]);
     }
-    PerLane<std::int64_t> on_left;
-    PerLane<std::int64_t> on_right;
-    for (std::size_t part = 0; part < kParts; ++part) {
-      Flags left;
-      Flags right;
-      unfold(ahead, part * kWide, states[part], left, right);
-      std::memcpy(on_left.of + part * kWide, &left, sizeof left);
-      std::memcpy(on_right.of + part * kWide, &right, sizeof right);
-    }
-    std::int64_t any = 0;
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      alive.of[i] = on_left.of[i] | on_right.of[i];
-      any |= alive.of[i];
-      const auto left = static_cast<std::uint32_t>(on_left.of[i]);
-      const auto right = static_cast<std::uint32_t>(on_right.of[i]);
-      edge[i] = (edge_on_left[i] & left) | (edge_on_right[i] & right) | (edge[i] & ~(left | right));
-      right_vertex[i] = (apex_vertex[i] & right) | (right_vertex[i] & ~right);
-    }
-    if (any == 0) break;
-    for (std::size_t i = 0; i < lanes.count; ++i) {
-      __builtin_prefetch(&faces[face_of(faces[face_of(edge[i])].ring[corner_of(edge[i])])]);
-    }
+    if (!any(going)) break;
   }
-  for (std::size_t part = 0; part < kParts; ++part) {
-    Flags surface;
-    std::memcpy(&surface, beyond_is_surface.of + part * kWide, sizeof surface);
-    if (takes == BackTrace::Takes::virtual_sources) meet_circles(surface, states[part]);
+  for (std::size_t part = 0; part < parts; ++part) {
+    if (takes == BackTrace::Takes::virtual_sources) meet_circles(states[part]);
     std::memcpy(lanes.best.data() + part * kWide, &states[part].best, sizeof(Reals));
   }
 }
@@ -253,17 +271,6 @@ __attribute__((target("avx512f,avx512vl,avx512dq"))) void trace_avx512(const Fac
 #endif
 
 }  // namespace
-
-Vectors best_vectors() {
-#ifdef __x86_64__
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-      __builtin_cpu_supports("avx512dq")) {
-    return Vectors::avx512;
-  }
-  if (__builtin_cpu_supports("avx2")) return Vectors::avx2;
-#endif
-  return Vectors::plain;
-}
 
 void trace_lanes(const Triangulation& surface, std::span<const double> distance,
                  BackTrace::Takes takes, Vectors vectors, TraceLanes& lanes) {
