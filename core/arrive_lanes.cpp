@@ -7,38 +7,31 @@
 namespace geodesic {
 namespace {
 
-using lanes::Flags;
-using lanes::Floats;
-using lanes::kWide;
-using lanes::Reals;
-using lanes::root;
-
-struct Base {
-  const FaceRecord& face;
-  std::uint32_t p, q, w;  // corners
-};
-
-GEODESIC_LANES_INLINE Base base_of(const FaceRecord* faces, Halfedge h) {
-  const std::uint32_t c = corner_of(h);
-  return {faces[face_of(h)], c, lanes::kNextCorner[c], lanes::kPreviousCorner[c]};
-}
-
 // The steps of arrive(), with a choice between lanes where that has a branch.
-GEODESIC_LANES_INLINE void arrive_four(const FaceRecord* faces, const double* distance,
+template <std::size_t kWide>
+GEODESIC_LANES_INLINE void arrive_some(const FaceRecord* faces, const double* distance,
                                        const Halfedge* bases, double* to_distance,
                                        float* to_crossing) {
-  const Base b0 = base_of(faces, bases[0]);
-  const Base b1 = base_of(faces, bases[1]);
-  const Base b2 = base_of(faces, bases[2]);
-  const Base b3 = base_of(faces, bases[3]);
-  const Reals p = {b0.face.dot[b0.p], b1.face.dot[b1.p], b2.face.dot[b2.p], b3.face.dot[b3.p]};
-  const Reals q = {b0.face.dot[b0.q], b1.face.dot[b1.q], b2.face.dot[b2.q], b3.face.dot[b3.q]};
-  const Reals w = {b0.face.dot[b0.w], b1.face.dot[b1.w], b2.face.dot[b2.w], b3.face.dot[b3.w]};
-  const Reals height = {b0.face.area2, b1.face.area2, b2.face.area2, b3.face.area2};
-  const Reals dp = {distance[b0.face.vertex[b0.p]], distance[b1.face.vertex[b1.p]],
-                    distance[b2.face.vertex[b2.p]], distance[b3.face.vertex[b3.p]]};
-  const Reals dq = {distance[b0.face.vertex[b0.q]], distance[b1.face.vertex[b1.q]],
-                    distance[b2.face.vertex[b2.q]], distance[b3.face.vertex[b3.q]]};
+  using Lanes = lanes::Lanes<kWide>;
+  using Reals = typename Lanes::Reals;
+  using Flags = typename Lanes::Flags;
+  const FaceRecord* face[kWide];
+  std::uint32_t at_tail[kWide];
+  std::uint32_t at_head[kWide];
+  std::uint32_t at_apex[kWide];
+  for (std::size_t i = 0; i < kWide; ++i) {
+    face[i] = &faces[face_of(bases[i])];
+    at_tail[i] = corner_of(bases[i]);
+    at_head[i] = lanes::kNextCorner[at_tail[i]];
+    at_apex[i] = lanes::kPreviousCorner[at_tail[i]];
+  }
+  Reals p, q, w, height, dp, dq;
+  Lanes::gather(p, [&](std::size_t i) { return face[i]->dot[at_tail[i]]; });
+  Lanes::gather(q, [&](std::size_t i) { return face[i]->dot[at_head[i]]; });
+  Lanes::gather(w, [&](std::size_t i) { return face[i]->dot[at_apex[i]]; });
+  Lanes::gather(height, [&](std::size_t i) { return face[i]->area2; });
+  Lanes::gather(dp, [&](std::size_t i) { return distance[face[i]->vertex[at_tail[i]]]; });
+  Lanes::gather(dq, [&](std::size_t i) { return distance[face[i]->vertex[at_head[i]]]; });
   const Reals zero = {};
   const Reals one = zero + 1;
   const Reals base2 = p + q;
@@ -48,7 +41,7 @@ GEODESIC_LANES_INLINE void arrive_four(const FaceRecord* faces, const double* di
   Reals sy2 = 0.25 * (sum * sum - base2) * (base2 - difference * difference);
   sy2 = sy2 > 0 ? sy2 : zero;
   Reals sy;
-  root(sy, sy2);
+  Lanes::root(sy, sy2);
   const Reals rise = sy + height;
   const Reals meets = sx * height + p * sy;
   const Reals whole = base2 * rise;
@@ -63,7 +56,7 @@ GEODESIC_LANES_INLINE void arrive_four(const FaceRecord* faces, const double* di
   square = at_q ? (to_q2 > 0 ? to_q2 : zero) : square;
   square = at_p ? (to_p2 > 0 ? to_p2 : zero) : square;
   Reals d;
-  root(d, square);
+  Lanes::root(d, square);
   d = (at_p ? dp : at_q ? dq : zero) + d;
   Reals flat = sx / base2;
   flat = flat < 0 ? zero : flat;
@@ -71,34 +64,34 @@ GEODESIC_LANES_INLINE void arrive_four(const FaceRecord* faces, const double* di
   Reals crossing = rise > 0 ? meets / whole : flat;
   crossing = at_p ? zero + ArrivalLanes::kBendsAtTail : crossing;
   crossing = at_q ? zero + ArrivalLanes::kBendsAtHead : crossing;
-  const Floats rounded = __builtin_convertvector(crossing, Floats);
   std::memcpy(to_distance, &d, sizeof d);
-  std::memcpy(to_crossing, &rounded, sizeof rounded);
+  for (std::size_t i = 0; i < kWide; ++i) to_crossing[i] = static_cast<float>(crossing[i]);
 }
 
+template <std::size_t kWide>
 GEODESIC_LANES_INLINE void arrive_all(const FaceRecord* faces, const double* distance,
                                       const Halfedge* bases, ArrivalLanes& to) {
   for (std::size_t i = 0; i < ArrivalLanes::kLanes; i += kWide) {
-    arrive_four(faces, distance, bases + i, to.distance.data() + i, to.crossing.data() + i);
+    arrive_some<kWide>(faces, distance, bases + i, to.distance.data() + i, to.crossing.data() + i);
   }
 }
 
 void arrive_plain(const FaceRecord* faces, const double* distance, const Halfedge* bases,
                   ArrivalLanes& to) {
-  arrive_all(faces, distance, bases, to);
+  arrive_all<lanes::kPlain>(faces, distance, bases, to);
 }
 
 #ifdef __x86_64__
 __attribute__((target("avx2"))) void arrive_avx2(const FaceRecord* faces, const double* distance,
                                                  const Halfedge* bases, ArrivalLanes& to) {
-  arrive_all(faces, distance, bases, to);
+  arrive_all<lanes::kWithAvx2>(faces, distance, bases, to);
 }
 
 __attribute__((target("avx512f,avx512vl,avx512dq"))) void arrive_avx512(const FaceRecord* faces,
                                                                         const double* distance,
                                                                         const Halfedge* bases,
                                                                         ArrivalLanes& to) {
-  arrive_all(faces, distance, bases, to);
+  arrive_all<lanes::kWithAvx2>(faces, distance, bases, to);
 }
 #endif
 

@@ -8,16 +8,6 @@
 namespace geodesic {
 namespace {
 
-using lanes::any;
-using lanes::Flags;
-using lanes::Ids;
-using lanes::kWide;
-using lanes::narrow;
-using lanes::Reals;
-using lanes::root;
-
-constexpr std::size_t kMostParts = TraceLanes::kLanes / kWide;
-
 // Of several faces on an edge the one whose apex is nearest to the source.
 Halfedge nearest_beyond(const FaceRecord* faces, const double* distance, Halfedge edge) {
   const auto ring = [faces](Halfedge h) { return faces[face_of(h)].ring[corner_of(h)]; };
@@ -31,8 +21,14 @@ Halfedge nearest_beyond(const FaceRecord* faces, const double* distance, Halfedg
   return nearest;
 }
 
-// Of four lanes; the names are those of BackTrace.
+// Of as many lanes as a register holds; the names are those of BackTrace.
+template <std::size_t kWide>
 struct State {
+  using Lanes = lanes::Lanes<kWide>;
+  using Reals = typename Lanes::Reals;
+  using Flags = typename Lanes::Flags;
+  using Ids = typename Lanes::Ids;
+
   Reals right_x, right_y, left_x, left_y;
   Reals right_bound_x, right_bound_y, left_bound_x, left_bound_y;
   Reals at_right, at_left, best;
@@ -40,13 +36,17 @@ struct State {
   Ids edge, across, right_vertex;
 };
 
+template <std::size_t kWide>
 GEODESIC_LANES_INLINE void begin(const FaceRecord* faces, const double* distance,
-                                 const TraceLanes& lanes, std::size_t first, State& s) {
+                                 const TraceLanes& traces, std::size_t first, State<kWide>& s) {
+  using Lanes = lanes::Lanes<kWide>;
+  using Reals = typename Lanes::Reals;
+  using Flags = typename Lanes::Flags;
   Reals p, q, w, area, crossing;
   for (std::size_t j = 0; j < kWide; ++j) {
     // Lanes without a trace do the same as the first one, with nobody to see it.
-    const std::size_t i = first + j < lanes.count ? first + j : 0;
-    const Halfedge base = lanes.base[i];
+    const std::size_t i = first + j < traces.count ? first + j : 0;
+    const Halfedge base = traces.base[i];
     const FaceRecord& face = faces[face_of(base)];
     const std::uint32_t c = corner_of(base);
     const std::uint32_t n = next_corner(c);
@@ -60,18 +60,18 @@ GEODESIC_LANES_INLINE void begin(const FaceRecord* faces, const double* distance
     s.edge[j] = base;
     s.across[j] = face.ring[c];
     s.beyond_is_surface[j] = face.ring[c] == base ? 0 : -1;
-    crossing[j] = lanes.crossing[i];
-    s.best[j] = lanes.best[i];
+    crossing[j] = traces.crossing[i];
+    s.best[j] = traces.best[i];
     __builtin_prefetch(&faces[face_of(face.ring[c])]);
   }
   const Reals zero = {};
   Reals length;
   const Reals right2 = p + w;
-  root(length, right2 > 0 ? right2 : zero);
+  Lanes::root(length, right2 > 0 ? right2 : zero);
   Reals by = s.at_right + length;
   s.best = by < s.best ? by : s.best;
   const Reals left2 = q + w;
-  root(length, left2 > 0 ? left2 : zero);
+  Lanes::root(length, left2 > 0 ? left2 : zero);
   by = s.at_left + length;
   s.best = by < s.best ? by : s.best;
 
@@ -79,8 +79,8 @@ GEODESIC_LANES_INLINE void begin(const FaceRecord* faces, const double* distance
   const Reals across = crossing * base2;
   const Reals along = across - p;
   Reals base_length;
-  root(length, along * along + area * area);
-  root(base_length, base2);
+  Lanes::root(length, along * along + area * area);
+  Lanes::root(base_length, base2);
   const Reals scale = 1.0 / (length * base_length);
   s.right_x = scale * (area * area - p * along);
   s.right_y = scale * (-area * across);
@@ -95,66 +95,71 @@ GEODESIC_LANES_INLINE void begin(const FaceRecord* faces, const double* distance
   s.crossed = Flags{};
 }
 
-// What is read of the faces that four traces go over next.
+// What is read of the faces that the traces go over next.
+template <std::size_t kWide>
 struct Ahead {
+  using Reals = typename lanes::Lanes<kWide>::Reals;
+  using Ids = typename lanes::Lanes<kWide>::Ids;
+
   Reals dot, next_dot, area, at_apex;
-  Ids back, vertex, apex;        // who is across; at the halfedge's tail, and opposite it
+  Ids vertex, apex;              // at the halfedge's tail, and opposite it
   Ids next, previous;            // the other two halfedges …
   Ids over_next, over_previous;  // … and who is across those
 };
 
-GEODESIC_LANES_INLINE void read(const FaceRecord* faces, const double* distance, const Ids& across,
-                                Ahead& to) {
-  const Halfedge h0 = across[0], h1 = across[1], h2 = across[2], h3 = across[3];
-  const FaceRecord& f0 = faces[face_of(h0)];
-  const FaceRecord& f1 = faces[face_of(h1)];
-  const FaceRecord& f2 = faces[face_of(h2)];
-  const FaceRecord& f3 = faces[face_of(h3)];
-  const std::uint32_t c0 = corner_of(h0), c1 = corner_of(h1), c2 = corner_of(h2),
-                      c3 = corner_of(h3);
-  const std::uint32_t n0 = lanes::kNextCorner[c0], n1 = lanes::kNextCorner[c1],
-                      n2 = lanes::kNextCorner[c2], n3 = lanes::kNextCorner[c3];
-  const std::uint32_t p0 = lanes::kPreviousCorner[c0], p1 = lanes::kPreviousCorner[c1],
-                      p2 = lanes::kPreviousCorner[c2], p3 = lanes::kPreviousCorner[c3];
-  const std::uint32_t a0 = f0.vertex[p0], a1 = f1.vertex[p1], a2 = f2.vertex[p2],
-                      a3 = f3.vertex[p3];
-  to.dot = Reals{f0.dot[c0], f1.dot[c1], f2.dot[c2], f3.dot[c3]};
-  to.next_dot = Reals{f0.dot[n0], f1.dot[n1], f2.dot[n2], f3.dot[n3]};
-  to.area = Reals{f0.area2, f1.area2, f2.area2, f3.area2};
-  to.at_apex = Reals{distance[a0], distance[a1], distance[a2], distance[a3]};
-  to.apex = Ids{a0, a1, a2, a3};
-  to.vertex = Ids{f0.vertex[c0], f1.vertex[c1], f2.vertex[c2], f3.vertex[c3]};
-  to.back = Ids{f0.ring[c0], f1.ring[c1], f2.ring[c2], f3.ring[c3]};
-  to.over_next = Ids{f0.ring[n0], f1.ring[n1], f2.ring[n2], f3.ring[n3]};
-  to.over_previous = Ids{f0.ring[p0], f1.ring[p1], f2.ring[p2], f3.ring[p3]};
-  const Ids first = across & ~3U;
-  to.next = first + Ids{n0, n1, n2, n3};
-  to.previous = first + Ids{p0, p1, p2, p3};
-}
-
-// The next faces of four traces. Where there are more than two on an edge, the nearest.
-GEODESIC_LANES_INLINE void look_ahead(const FaceRecord* faces, const double* distance, State& s,
-                                      Ahead& ahead) {
-  read(faces, distance, s.across, ahead);
-  const Ids others = (Ids)(ahead.back != s.edge);
-  if ((others[0] | others[1] | others[2] | others[3]) != 0) [[unlikely]] {
-    for (std::size_t j = 0; j < kWide; ++j) {
-      if (others[j] != 0) s.across[j] = nearest_beyond(faces, distance, s.edge[j]);
+// The next faces of the traces. Where there are more than two on an edge, the nearest.
+template <std::size_t kWide>
+GEODESIC_LANES_INLINE void look_ahead(const FaceRecord* faces, const double* distance,
+                                      State<kWide>& s, Ahead<kWide>& to) {
+  using Lanes = lanes::Lanes<kWide>;
+  Halfedge at[kWide];
+  const FaceRecord* face[kWide];
+  std::uint32_t corner[kWide];
+  std::uint32_t next[kWide];
+  std::uint32_t previous[kWide];
+  std::uint32_t apex[kWide];
+  for (std::size_t i = 0; i < kWide; ++i) {
+    at[i] = static_cast<Halfedge>(s.across[i]);
+    if (faces[face_of(at[i])].ring[corner_of(at[i])] != s.edge[i]) [[unlikely]] {
+      at[i] = nearest_beyond(faces, distance, static_cast<Halfedge>(s.edge[i]));
+      s.across[i] = at[i];
     }
-    read(faces, distance, s.across, ahead);
+    face[i] = &faces[face_of(at[i])];
+    corner[i] = corner_of(at[i]);
+    next[i] = lanes::kNextCorner[corner[i]];
+    previous[i] = lanes::kPreviousCorner[corner[i]];
+    apex[i] = face[i]->vertex[previous[i]];
+    at[i] -= corner[i];
   }
+  Lanes::gather(to.dot, [&](std::size_t i) { return face[i]->dot[corner[i]]; });
+  Lanes::gather(to.next_dot, [&](std::size_t i) { return face[i]->dot[next[i]]; });
+  Lanes::gather(to.area, [&](std::size_t i) { return face[i]->area2; });
+  Lanes::gather(to.at_apex, [&](std::size_t i) { return distance[apex[i]]; });
+  const auto gather_ids = [](auto& ids, auto id) {
+    Lanes::gather(ids, [&](std::size_t i) { return std::uint64_t{id(i)}; });
+  };
+  gather_ids(to.apex, [&](std::size_t i) { return apex[i]; });
+  gather_ids(to.vertex, [&](std::size_t i) { return face[i]->vertex[corner[i]]; });
+  gather_ids(to.next, [&](std::size_t i) { return at[i] + next[i]; });
+  gather_ids(to.previous, [&](std::size_t i) { return at[i] + previous[i]; });
+  gather_ids(to.over_next, [&](std::size_t i) { return face[i]->ring[next[i]]; });
+  gather_ids(to.over_previous, [&](std::size_t i) { return face[i]->ring[previous[i]]; });
 }
 
 // Unfolds the faces ahead over their bases, and goes on to the edges beyond. Adds to
 // `going` which of the traces do.
-GEODESIC_LANES_INLINE void unfold(const Ahead& ahead, State& s, Flags& going) {
+template <std::size_t kWide>
+GEODESIC_LANES_INLINE void unfold(const Ahead<kWide>& ahead, State<kWide>& s,
+                                  typename lanes::Lanes<kWide>::Flags& going) {
+  using Lanes = lanes::Lanes<kWide>;
+  using Reals = typename Lanes::Reals;
+  using Flags = typename Lanes::Flags;
   const Reals farther = s.at_right < s.at_left ? s.at_left : s.at_right;
   s.alive &= s.beyond_is_surface & (ahead.at_apex < farther);
   s.crossed |= s.alive;
-  const Ids forward = (Ids)(ahead.vertex == s.right_vertex);
-  const Flags is_forward = __builtin_convertvector(ahead.vertex == s.right_vertex, Flags);
+  const Flags forward = ahead.vertex == s.right_vertex;
   const Reals per_base2 = 1.0 / (ahead.dot + ahead.next_dot);
-  const Reals along = (is_forward ? ahead.dot : ahead.next_dot) * per_base2;
+  const Reals along = (forward ? ahead.dot : ahead.next_dot) * per_base2;
   const Reals height = ahead.area * per_base2;
   const Reals base_x = s.left_x - s.right_x;
   const Reals base_y = s.left_y - s.right_y;
@@ -163,7 +168,7 @@ GEODESIC_LANES_INLINE void unfold(const Ahead& ahead, State& s, Flags& going) {
   const Flags within_left = x * s.left_bound_y - y * s.left_bound_x >= 0;
   const Flags within_right = s.right_bound_x * y - s.right_bound_y * x >= 0;
   Reals length;
-  root(length, x * x + y * y);
+  Lanes::root(length, x * x + y * y);
   const Reals by = ahead.at_apex + length;
   const Flags nearer = s.alive & within_left & within_right & (by < s.best);
   s.best = nearer ? by : s.best;
@@ -182,19 +187,19 @@ GEODESIC_LANES_INLINE void unfold(const Ahead& ahead, State& s, Flags& going) {
   s.right_bound_x = bounds_right ? x : s.right_bound_x;
   s.right_bound_y = bounds_right ? y : s.right_bound_y;
 
-  Ids left, right;
-  narrow(left, on_left);
-  narrow(right, on_right);
-  const Ids previous = (left & forward) | (right & ~forward);
-  const Ids next = (left & ~forward) | (right & forward);
-  const Ids neither = ~(left | right);
-  s.edge = (ahead.next & next) | (ahead.previous & previous) | (s.edge & neither);
-  s.across = (ahead.over_next & next) | (ahead.over_previous & previous) | (s.across & neither);
-  s.right_vertex = (ahead.apex & right) | (s.right_vertex & ~right);
+  const Flags to_previous = (on_left & forward) | (on_right & ~forward);
+  const Flags to_next = (on_left & ~forward) | (on_right & forward);
+  s.edge = to_next ? ahead.next : to_previous ? ahead.previous : s.edge;
+  s.across = to_next ? ahead.over_next : to_previous ? ahead.over_previous : s.across;
+  s.right_vertex = on_right ? ahead.apex : s.right_vertex;
   going |= s.alive;
 }
 
-GEODESIC_LANES_INLINE void meet_circles(State& s) {
+template <std::size_t kWide>
+GEODESIC_LANES_INLINE void meet_circles(State<kWide>& s) {
+  using Lanes = lanes::Lanes<kWide>;
+  using Reals = typename Lanes::Reals;
+  using Flags = typename Lanes::Flags;
   const Reals base_x = s.left_x - s.right_x;
   const Reals base_y = s.left_y - s.right_y;
   const Reals square = base_x * base_x + base_y * base_y;
@@ -204,7 +209,7 @@ GEODESIC_LANES_INLINE void meet_circles(State& s) {
   const Reals sy2 = 0.25 * (sum * sum - square) * (square - difference * difference);
   const Flags meet = sy2 > 0;
   Reals sy;
-  root(sy, meet ? sy2 : Reals{});
+  Lanes::root(sy, meet ? sy2 : Reals{});
   const Reals per_base2 = 1.0 / square;
   const Reals along = sx * per_base2;
   const Reals down = sy * per_base2;
@@ -213,7 +218,7 @@ GEODESIC_LANES_INLINE void meet_circles(State& s) {
   const Flags in_sight = (x * s.left_bound_y - y * s.left_bound_x >= 0) &
                          (s.right_bound_x * y - s.right_bound_y * x >= 0);
   Reals straight;
-  root(straight, x * x + y * y);
+  Lanes::root(straight, x * x + y * y);
   const Reals least =
       s.crossed ? BackTrace::kLeastOfBest * s.best : BackTrace::kLeastOverOneFace * s.best;
   const Flags taken =
@@ -222,69 +227,71 @@ GEODESIC_LANES_INLINE void meet_circles(State& s) {
 }
 
 // The same steps as in BackTrace, each for all lanes.
+template <std::size_t kWide>
 GEODESIC_LANES_INLINE void trace(const FaceRecord* faces, const double* distance,
-                                 BackTrace::Takes takes, TraceLanes& lanes) {
-  const std::size_t parts = (lanes.count + kWide - 1) / kWide;
-  State states[kMostParts];
+                                 BackTrace::Takes takes, TraceLanes& traces) {
+  using Lanes = lanes::Lanes<kWide>;
+  const std::size_t parts = (traces.count + kWide - 1) / kWide;
+  State<kWide> states[TraceLanes::kLanes / kWide];
   for (std::size_t part = 0; part < parts; ++part) {
-    begin(faces, distance, lanes, part * kWide, states[part]);
+    begin<kWide>(faces, distance, traces, part * kWide, states[part]);
   }
-  Ahead ahead{};
+  Ahead<kWide> ahead{};
   const int most = BackTrace::most_faces(takes);
   for (int step = 0; step < most; ++step) {
-    Flags going = {};
+    typename Lanes::Flags going = {};
     for (std::size_t part = 0; part < parts; ++part) {
-      State& s = states[part];
-      look_ahead(faces, distance, s, ahead);
-      unfold(ahead, s, going);
+      State<kWide>& s = states[part];
+      look_ahead<kWide>(faces, distance, s, ahead);
+      unfold<kWide>(ahead, s, going);
       if (step + 1 < most) {
-        s.beyond_is_surface &= ~__builtin_convertvector(s.edge == s.across, Flags);
+        s.beyond_is_surface &= ~(s.edge == s.across);
       }
       // While the other parts have their turn.
-      for (std::size_t j = 0; j < kWide; ++j) __builtin_prefetch(&faces[face_of(s.across[j])]);
+      for (std::size_t j = 0; j < kWide; ++j) __builtin_prefetch(&faces[s.across[j] >> 2U]);
     }
-    if (!any(going)) break;
+    if (!Lanes::any(going)) break;
   }
   for (std::size_t part = 0; part < parts; ++part) {
-    if (takes == BackTrace::Takes::virtual_sources) meet_circles(states[part]);
-    std::memcpy(lanes.best.data() + part * kWide, &states[part].best, sizeof(Reals));
+    if (takes == BackTrace::Takes::virtual_sources) meet_circles<kWide>(states[part]);
+    std::memcpy(traces.best.data() + part * kWide, &states[part].best, sizeof states[part].best);
   }
 }
 
 void trace_plain(const FaceRecord* faces, const double* distance, BackTrace::Takes takes,
-                 TraceLanes& lanes) {
-  trace(faces, distance, takes, lanes);
+                 TraceLanes& traces) {
+  trace<lanes::kPlain>(faces, distance, takes, traces);
 }
 
 #ifdef __x86_64__
 __attribute__((target("avx2"))) void trace_avx2(const FaceRecord* faces, const double* distance,
-                                                BackTrace::Takes takes, TraceLanes& lanes) {
-  trace(faces, distance, takes, lanes);
+                                                BackTrace::Takes takes, TraceLanes& traces) {
+  trace<lanes::kWithAvx2>(faces, distance, takes, traces);
 }
 
 __attribute__((target("avx512f,avx512vl,avx512dq"))) void trace_avx512(const FaceRecord* faces,
                                                                        const double* distance,
                                                                        BackTrace::Takes takes,
-                                                                       TraceLanes& lanes) {
-  trace(faces, distance, takes, lanes);
+                                                                       TraceLanes& traces) {
+  trace<lanes::kWithAvx2>(faces, distance, takes, traces);
 }
 #endif
 
 }  // namespace
 
 void trace_lanes(const Triangulation& surface, std::span<const double> distance,
-                 BackTrace::Takes takes, Vectors vectors, TraceLanes& lanes) {
+                 BackTrace::Takes takes, Vectors vectors, TraceLanes& traces) {
   const FaceRecord* faces = surface.faces.data();
 #ifdef __x86_64__
   if (vectors == Vectors::avx512) {
-    return trace_avx512(faces, distance.data(), takes, lanes);
+    return trace_avx512(faces, distance.data(), takes, traces);
   }
   if (vectors == Vectors::avx2) {
-    return trace_avx2(faces, distance.data(), takes, lanes);
+    return trace_avx2(faces, distance.data(), takes, traces);
   }
 #endif
   (void)vectors;
-  trace_plain(faces, distance.data(), takes, lanes);
+  trace_plain(faces, distance.data(), takes, traces);
 }
 
 }  // namespace geodesic

@@ -33,7 +33,7 @@ constexpr int kMostRoundsInBucket = 256;
 
 // A traced distance above its estimate by more than this part of the base edge: the
 // estimate was of two sources, or the trace took the wrong side of something.
-constexpr double kSuspicious = 0.01;
+constexpr double kSuspicious = 0.02;
 
 // Faces round a vertex that a bend is unfolded over, before its angle is beyond pi.
 constexpr int kMostFacesRound = 12;
