@@ -44,6 +44,7 @@ void relax_edges(const Adjacency& adjacency, double max, bool reaches_more, Fiel
   for (std::uint32_t f = 0; f < faces.size(); ++f) {
     if (poll.cancelled()) return;
     const auto [a, b, c] = faces[f];
+    if (!(std::min({distance[a], distance[b], distance[c]}) < kUnreached)) continue;
     if (!(may_be_above(a, b) | may_be_above(b, c) | may_be_above(c, a))) continue;
     const FaceRecord& face = adjacency.face(f);
     for (std::uint32_t i = 0; i < 3; ++i) {
