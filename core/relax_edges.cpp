@@ -35,17 +35,18 @@ void relax_edges(const Adjacency& adjacency, double max, bool reaches_more, Fiel
   // Positions are half of what the faces' records are to read, and tell nearly always that
   // there is nothing to be done.
   const std::span<const Vec3> positions = adjacency.mesh().positions();
-  const auto may_be_above = [&](std::uint32_t u, std::uint32_t v) {
+  const auto may_be_above = [&](std::uint32_t u, std::uint32_t v) -> unsigned {
     const Vec3 edge = positions[v] - positions[u];
     const double difference = distance[v] - distance[u];
-    return difference * difference > kNearly * dot(edge, edge);
+    return difference * difference > kNearly * dot(edge, edge) ? 1 : 0;
   };
   const std::span<const Triangle> faces = adjacency.mesh().faces();
   for (std::uint32_t f = 0; f < faces.size(); ++f) {
     if (poll.cancelled()) return;
     const auto [a, b, c] = faces[f];
     if (!(std::min({distance[a], distance[b], distance[c]}) < kUnreached)) continue;
-    if (!(may_be_above(a, b) | may_be_above(b, c) | may_be_above(c, a))) continue;
+    // Without a branch each.
+    if ((may_be_above(a, b) | may_be_above(b, c) | may_be_above(c, a)) == 0) continue;
     const FaceRecord& face = adjacency.face(f);
     for (std::uint32_t i = 0; i < 3; ++i) {
       relax(face.vertex[i], face.vertex[next_corner(i)], face.length2(i));
