@@ -87,9 +87,16 @@ inline void append(std::vector<Window>& list, const Window& window, PseudoSource
   list.push_back(window);
 }
 
-// Writes the lower envelope of two lists to `merged`, which it clears. In a tie the
-// windows of `old` stay.
-void merge(std::span<const Window> old, std::span<const Window> fresh, PseudoSources roots,
-           double length, std::vector<Window>& merged);
+// Writes the lower envelope of two lists to `merged`, behind what is there already. In a
+// tie the windows of `old` stay.
+void append_merged(std::span<const Window> old, std::span<const Window> fresh, PseudoSources roots,
+                   double length, std::vector<Window>& merged);
+
+// The same into an empty list.
+inline void merge(std::span<const Window> old, std::span<const Window> fresh, PseudoSources roots,
+                  double length, std::vector<Window>& merged) {
+  merged.clear();
+  append_merged(old, fresh, roots, length, merged);
+}
 
 }  // namespace geodesic::exact

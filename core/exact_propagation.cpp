@@ -74,159 +74,231 @@ void Propagation::pass_on(std::uint32_t e) {
   const auto gap = [&](double begin, double end) {
     farthest = std::max(farthest, std::min(at_tail + end, at_head + (frame.length - begin)));
   };
-  std::vector<Beam>& waiting = memory_.waiting;
-  waiting.clear();
-  for (std::uint32_t i = 0; i < edge.size; ++i) {
-    Window& w = edge.windows[i];
+  const std::span<Window> windows(edge.windows, edge.size);
+  Halfedge from = kNone;  // of those that wait
+  bool from_one = true;
+  for (const Window& w : windows) {
     if (covered < w.begin) gap(covered, w.begin);
     farthest = std::max({farthest, w.at_begin, w.at_end});
     covered = w.end;
     if (w.propagated) continue;
-    w.propagated = true;
-    waiting.push_back({w.begin, w.end, w.x, w.y, memory_.roots[w.root].offset, 0, w.root, w.from});
+    from_one = from_one && (from == kNone || w.from == from);
+    from = w.from;
   }
   if (covered < frame.length) gap(covered, frame.length);
+  // No face has two sides on one edge, so the list stays as it is.
   Halfedge h = frame.first;
   do {
-    const std::span<Beam> beams = beams_over(h);
-    if (!beams.empty()) cross_face(h, beams);
+    if (!from_one || h != from) {
+      load_beams(windows, h);
+      if (memory_.beams.size != 0) cross_face(h);
+    }
     h = adjacency_.ring(h);
   } while (h != frame.first);
+  for (Window& w : windows) w.propagated = true;
   settle(e, farthest);
 }
 
-// The waiting ones that did not come from the face of h, in the frame of h.
-std::span<Beam> Propagation::beams_over(Halfedge h) {
-  std::vector<Beam>& waiting = memory_.waiting;
-  const auto comes_from_here = [h](const Beam& beam) { return beam.from == h; };
-  const bool reversed = frames_.is_reversed(h);
-  if (!reversed && std::none_of(waiting.begin(), waiting.end(), comes_from_here)) return waiting;
-  std::vector<Beam>& beams = memory_.beams;
-  beams.clear();
-  if (!reversed) {
-    std::remove_copy_if(waiting.begin(), waiting.end(), std::back_inserter(beams), comes_from_here);
-    return beams;
+// The windows on the edge of h that wait and did not come from its face, in its frame.
+void Propagation::load_beams(std::span<const Window> windows, Halfedge h) {
+  Beams& beams = memory_.beams;
+  beams.make_room(windows.size());
+  const PseudoSource* const roots = memory_.roots.data();
+  double* const begin = beams.begin.data();
+  double* const end = beams.end.data();
+  double* const x = beams.x.data();
+  double* const y = beams.y.data();
+  double* const offset = beams.offset.data();
+  std::uint32_t* const root = beams.root.data();
+  std::size_t size = 0;
+  if (!frames_.is_reversed(h)) {
+    for (const Window& w : windows) {
+      if (w.propagated || w.from == h) continue;
+      begin[size] = w.begin;
+      end[size] = w.end;
+      x[size] = w.x;
+      y[size] = w.y;
+      offset[size] = roots[w.root].offset;
+      root[size++] = w.root;
+    }
+  } else {
+    const double length = frames_.edge(frames_.edge_of(h)).length;
+    for (std::size_t i = windows.size(); i-- > 0;) {
+      const Window& w = windows[i];
+      if (w.propagated || w.from == h) continue;
+      begin[size] = length - w.end;
+      end[size] = length - w.begin;
+      x[size] = length - w.x;
+      y[size] = w.y;
+      offset[size] = roots[w.root].offset;
+      root[size++] = w.root;
+    }
   }
-  const double length = frames_.edge(frames_.edge_of(h)).length;
-  for (std::size_t i = waiting.size(); i-- > 0;) {
-    const Beam& b = waiting[i];
-    if (comes_from_here(b)) continue;
-    beams.push_back(
-        {length - b.end, length - b.begin, length - b.x, b.y, b.offset, 0, b.root, b.from});
-  }
-  return beams;
+  beams.size = size;
 }
 
-// The beams cross the face of h from its base a -> b; C is the corner opposite. On
-// the side a - C, t is counted from a, on b - C from b. A line from the unfolded
-// source (x, -y) through (p, 0) meets a - C at
-//   t = p y / (y cos A + (x - p) sin A),
-// and seen from that side the source is at (x cos A - y sin A, -(y cos A + x sin A)).
-void Propagation::cross_face(Halfedge h, std::span<Beam> beams) {
-  propagated_ += beams.size();
-  const std::size_t best = reach_apex(h, beams);
+// The beams cross the face of h from its base a -> b; the sides are those from the far
+// corner to a and from b to it.
+void Propagation::cross_face(Halfedge h) {
+  const std::size_t count = memory_.beams.size;
+  propagated_ += count;
+  const std::size_t best = reach_apex(h);
   const std::uint32_t f = face_of(h);
   const std::uint32_t c = corner_of(h);
-  const FaceFrame& frame = frames_.face(f);
-
+  const FaceFrame& face = frames_.face(f);
+  const double base = frames_.edge(face.edge[c]).length;
   const Side left = side(halfedge(f, previous_corner(c)), false);
   if (!left.on_boundary) {
-    const double cosine = frame.cosine[c];
-    const double sine = frame.sine[c];
-    const auto over_left = [&](const Beam& beam) {
-      if (!(beam.begin < beam.crossing)) return;
-      const auto meets = [&](double p) {
-        const double below = beam.y * cosine + (beam.x - p) * sine;
-        return below > 0 ? std::min(p * beam.y / below, left.length) : (p > 0 ? left.length : 0);
-      };
-      add_child(left, beam.offset, beam.root, meets(beam.begin),
-                beam.end < beam.crossing ? meets(beam.end) : left.length,
-                beam.x * cosine - beam.y * sine, std::max(beam.y * cosine + beam.x * sine, 0.0));
-    };
-    // The list goes from the edge's tail to its head.
-    memory_.children.clear();
-    if (left.flipped) {
-      for (std::size_t i = best + 1; i-- > 0;) over_left(beams[i]);
-    } else {
-      for (std::size_t i = 0; i <= best; ++i) over_left(beams[i]);
-    }
-    commit(left.edge);
+    cross_to(left,
+             {false, left.flipped, base, face.cosine[c], face.sine[c], left.length, left.at_tail,
+              left.at_head, left.settled, max_},
+             0, best + 1);
   }
-
   const Side right = side(halfedge(f, next_corner(c)), true);
   if (!right.on_boundary) {
-    const double base = frames_.edge(frame.edge[c]).length;
-    const double cosine = frame.cosine[next_corner(c)];
-    const double sine = frame.sine[next_corner(c)];
-    const auto over_right = [&](const Beam& beam) {
-      if (!(beam.end > beam.crossing)) return;
-      const double x = base - beam.x;
-      const auto meets = [&](double p) {
-        const double below = beam.y * cosine + (x - p) * sine;
-        return below > 0 ? std::min(p * beam.y / below, right.length) : (p > 0 ? right.length : 0);
-      };
-      add_child(right, beam.offset, beam.root, meets(base - beam.end),
-                beam.begin > beam.crossing ? meets(base - beam.begin) : right.length,
-                x * cosine - beam.y * sine, std::max(beam.y * cosine + x * sine, 0.0));
-    };
-    memory_.children.clear();
-    if (right.flipped) {
-      for (std::size_t i = best; i < beams.size(); ++i) over_right(beams[i]);
-    } else {
-      for (std::size_t i = beams.size(); i-- > best;) over_right(beams[i]);
-    }
-    commit(right.edge);
+    const std::uint32_t n = next_corner(c);
+    cross_to(right,
+             {true, right.flipped, base, face.cosine[n], face.sine[n], right.length, right.at_tail,
+              right.at_head, right.settled, max_},
+             best, count);
   }
+}
+
+// The beams from `first` to before `last` over one side of their face. Nearly all of them
+// come there whole and meet none but the next one, and where is computed for all at once.
+void Propagation::cross_to(const Side& side, const SideFrame& frame, std::size_t first,
+                           std::size_t last) {
+  Children& children = memory_.children;
+  Ties& ties = memory_.ties;
+  std::vector<Window>& fresh = memory_.fresh;
+  children.make_room(last);
+  cross_to_side(vectors_, memory_.beams, first, last, frame, children);
+  // On the left side t grows with the place on the base.
+  const bool upwards = frame.on_right == frame.flipped;
+  pair_overlaps(first, last, upwards, side.length);
+  find_ties(vectors_, memory_.beams, children, ties);
+
+  fresh.clear();
+  fresh.reserve(last - first);
+  const double* const begins = children.begin.data();
+  const double* const ends = children.end.data();
+  const std::int64_t* const passes = children.passes.data();
+  const std::uint32_t* const roots = memory_.beams.root.data();
+  const double touch = kTouch * side.length;
+  const double narrow = kLeastWidth * side.length;
+  const auto add = [&](std::size_t i, double begin, double at_begin) {
+    fresh.emplace_back(begin, ends[i], children.x[i], children.y[i], at_begin, children.at_end[i],
+                       roots[i], side.from, false);
+  };
+  double least = kUnreached;
+  std::size_t tie = upwards ? 0 : ties.size;  // the next one, or the one after it
+  std::size_t newest = last;                  // whose end is the list's
+  double reached = -kUnreached;               // the list's end
+  std::size_t i = upwards ? first : last - 1;
+  for (std::size_t left = last - first; left > 0; --left, i += upwards ? 1 : std::size_t(-1)) {
+    if (passes[i] == kMisses) continue;
+    std::size_t with_last = ties.size;
+    if (upwards ? tie < ties.size && ties.right[tie] == i : tie > 0 && ties.right[tie - 1] == i) {
+      with_last = upwards ? tie++ : --tie;
+    }
+    if (passes[i] == kWhole) {
+      least = std::min(least, children.least[i]);
+      if (reached <= begins[i] + touch) {
+        if (newest != last && roots[newest] == roots[i] && continues(i, side)) {
+          fresh.back().end = ends[i];
+          fresh.back().at_end = children.at_end[i];
+        } else {
+          add(i, begins[i], children.at_begin[i]);
+        }
+        newest = i;
+        reached = ends[i];
+        continue;
+      }
+      if (with_last < ties.size && ties.found[with_last] != 0 && ties.left[with_last] == newest) {
+        const double place = ties.place[with_last];
+        Window& before = fresh.back();
+        if (place - before.begin > narrow && ends[i] - place > narrow) {
+          before.end = place;
+          before.at_end = ties.at_left[with_last];
+          add(i, place, ties.at_right[with_last]);
+          newest = i;
+          reached = ends[i];
+          continue;
+        }
+      }
+    }
+    Window window{begins[i],          ends[i],  children.x[i], children.y[i], children.at_begin[i],
+                  children.at_end[i], roots[i], side.from,     false};
+    if (!is_of_use(window, side)) continue;
+    const double offset = memory_.roots[window.root].offset;
+    least = std::min(least, window.least(offset));
+    append(fresh, window, memory_.roots, side.length, memory_.scratch);
+    reached = fresh.empty() ? -kUnreached : fresh.back().end;
+    const bool ends_it =
+        reached == ends[i] && fresh.back().x == children.x[i] && fresh.back().root == roots[i];
+    newest = ends_it ? i : last;
+  }
+  commit(side.edge, least);
+}
+
+// Whether the list's last window and the child are the same light.
+bool Propagation::continues(std::size_t i, const Side& side) const {
+  const Children& children = memory_.children;
+  const Window window{
+      children.begin[i],  children.end[i],       children.x[i], children.y[i], children.at_begin[i],
+      children.at_end[i], memory_.beams.root[i], side.from,     false};
+  return is_continued_by(memory_.fresh.back(), window, memory_.beams.offset[i], side.length);
+}
+
+// Which children overlap the next one on the edge, so that each is nearer on its side.
+void Propagation::pair_overlaps(std::size_t first, std::size_t last, bool upwards, double length) {
+  const Children& children = memory_.children;
+  Ties& ties = memory_.ties;
+  ties.make_room(last - first);
+  const double* const begin = children.begin.data();
+  const double* const end = children.end.data();
+  const std::int64_t* const passes = children.passes.data();
+  std::uint32_t* const lefts = ties.left.data();
+  std::uint32_t* const rights = ties.right.data();
+  const double touch = kTouch * length;
+  std::size_t size = 0;
+  for (std::size_t i = first + 1; i < last; ++i) {
+    const std::size_t left = upwards ? i - 1 : i;
+    const std::size_t right = upwards ? i : i - 1;
+    lefts[size] = static_cast<std::uint32_t>(left);
+    rights[size] = static_cast<std::uint32_t>(right);
+    // Without branches: which pairs overlap is anybody's guess.
+    const int overlap = static_cast<int>((passes[left] & passes[right]) == kWhole) &
+                        static_cast<int>(end[left] > begin[right] + touch) &
+                        static_cast<int>(begin[left] < begin[right]) &
+                        static_cast<int>(end[left] < end[right]);
+    size += static_cast<std::size_t>(overlap);
+  }
+  ties.size = size;
 }
 
 // Finds for every beam where the line to the far corner crosses the base, and lowers
 // that corner. Returns the beam by which it is nearest. A beam that the line misses
 // leads there round its end; that matters only where there is a gap.
-std::size_t Propagation::reach_apex(Halfedge h, std::span<Beam> beams) {
-  constexpr double kNearlyMet = 1e-9;
+std::size_t Propagation::reach_apex(Halfedge h) {
   const std::uint32_t f = face_of(h);
   const std::uint32_t c = corner_of(h);
   const std::uint32_t apex_corner = previous_corner(c);
   const FaceFrame& frame = frames_.face(f);
-  const double left_length = frames_.edge(frame.edge[previous_corner(c)]).length;
+  const double left_length = frames_.edge(frame.edge[apex_corner]).length;
   const double apex_x = left_length * frame.cosine[c];
   const double apex_y = left_length * frame.sine[c];
-  const double near = kNearlyMet * frames_.edge(frame.edge[c]).length;
-
-  std::size_t best = 0;
-  double best_distance = kUnreached;
-  const auto try_beam = [&](std::size_t i) {
-    const Beam& beam = beams[i];
-    const double crossing = std::clamp(beam.crossing, beam.begin, beam.end);
-    const double run = crossing - beam.x;
-    const double rest = apex_x - crossing;
-    const double distance = beam.offset + std::sqrt(run * run + beam.y * beam.y) +
-                            std::sqrt(rest * rest + apex_y * apex_y);
-    if (!(distance < best_distance)) return;
-    best = i;
-    best_distance = distance;
-  };
-  for (std::size_t i = 0; i < beams.size(); ++i) {
-    Beam& beam = beams[i];
-    const double rise = beam.y + apex_y;
-    // On one line with the face anything between will do.
-    beam.crossing = rise > 0 ? (beam.x * apex_y + apex_x * beam.y) / rise : apex_x;
-    if (beam.crossing >= beam.begin - near && beam.crossing <= beam.end + near) try_beam(i);
-  }
-  // All those to the left go left and those to the right go right, unless one leads to
-  // the corner by a shorter way than the best.
-  bool in_order = best_distance != kUnreached;
-  for (std::size_t i = 0; i < best; ++i) in_order &= beams[i].crossing >= beams[i].begin;
-  for (std::size_t i = best + 1; i < beams.size(); ++i) {
-    in_order &= beams[i].crossing <= beams[i].end;
-  }
-  if (!in_order) {
-    for (std::size_t i = 0; i < beams.size(); ++i) try_beam(i);
-  }
-  const Beam& beam = beams[best];
-  lower(adjacency_.face(f).vertex[apex_corner], best_distance, memory_.roots[beam.root],
-        {halfedge(f, apex_corner), beams.size() >= crowd_,
-         std::clamp(beam.crossing, beam.begin, beam.end)});
+  Beams& beams = memory_.beams;
+  const std::size_t best =
+      find_crossings(vectors_, beams, apex_x, apex_y, frames_.edge(frame.edge[c]).length);
+  const double crossing = std::clamp(beams.crossing[best], beams.begin[best], beams.end[best]);
+  const double run = crossing - beams.x[best];
+  const double rest = apex_x - crossing;
+  const double distance = beams.offset[best] +
+                          std::sqrt(run * run + beams.y[best] * beams.y[best]) +
+                          std::sqrt(rest * rest + apex_y * apex_y);
+  lower(adjacency_.face(f).vertex[apex_corner], distance, memory_.roots[beams.root[best]],
+        {halfedge(f, apex_corner), beams.size >= crowd_, crossing});
   return best;
 }
 
@@ -244,54 +316,66 @@ Side Propagation::side(Halfedge h, bool from_tail) const {
           memory_.edges[e].settled};
 }
 
-// A window that came over a side, counted from the end that the side says.
-void Propagation::add_child(const Side& side, double offset, std::uint32_t root, double begin,
-                            double end, double x, double y) {
-  if (!(begin < end)) return;
-  Window w{};
-  w.begin = side.flipped ? side.length - end : begin;
-  w.end = side.flipped ? side.length - begin : end;
-  w.x = side.flipped ? side.length - x : x;
-  w.y = y;
-  w.at_begin = w.at(w.begin, offset);
-  w.at_end = w.at(w.end, offset);
-  w.root = root;
-  w.from = side.from;
-  w.propagated = false;
-  if (!clip_at_ends(w, offset, side.length, side.at_tail, side.at_head)) return;
-  const double least = w.least(offset);
-  if (least >= side.settled || least > max_) return;
-  append(memory_.children, w, memory_.roots, side.length, memory_.scratch);
+// Whether something of a window that comes over a side is nearer than other ways; clips it.
+bool Propagation::is_of_use(Window& window, const Side& side) const {
+  const double offset = memory_.roots[window.root].offset;
+  if (!clip_at_ends(window, offset, side.length, side.at_tail, side.at_head)) return false;
+  const double least = window.least(offset);
+  return least < side.settled && least <= max_;
 }
 
-// The children join what is on the edge.
-void Propagation::commit(std::uint32_t e) {
-  const std::vector<Window>& fresh = memory_.children;
+// The fresh windows, none of which is nearer than `least`, join what is on the edge.
+void Propagation::commit(std::uint32_t e, double least) {
+  const std::vector<Window>& fresh = memory_.fresh;
   if (fresh.empty()) return;
   EdgeWindows& edge = memory_.edges[e];
-  const double length = frames_.edge(e).length;
-  // Those from `first` to `last` overlap them.
-  const double begin = fresh.front().begin + kTouch * length;
-  const double end = fresh.back().end - kTouch * length;
-  std::uint32_t first = 0;
-  while (first < edge.size && edge.windows[first].end <= begin) ++first;
-  std::uint32_t last = edge.size;
-  while (last > first && edge.windows[last - 1].begin >= end) --last;
-  std::span<const Window> windows = fresh;
-  if (first < last) {
-    merge({edge.windows + first, last - first}, fresh, memory_.roots, length, memory_.scratch);
-    windows = memory_.scratch;
+  if (edge.size == 0) {
+    replace(edge, 0, 0, fresh);
+  } else {
+    const double length = frames_.edge(e).length;
+    // Those from `first` to `last` overlap them.
+    const double begin = fresh.front().begin + kTouch * length;
+    const double end = fresh.back().end - kTouch * length;
+    std::uint32_t first = 0;
+    while (first < edge.size && edge.windows[first].end <= begin) ++first;
+    std::uint32_t last = edge.size;
+    while (last > first && edge.windows[last - 1].begin >= end) --last;
+    std::span<const Window> windows = fresh;
+    if (first < last) {
+      merge_in(edge, first, last, length);
+      windows = memory_.scratch;
+      least = kUnreached;
+      for (const Window& w : windows) {
+        if (!w.propagated) least = std::min(least, w.least(memory_.roots[w.root].offset));
+      }
+    }
+    replace(edge, first, last, windows);
+    join_at(edge, first + static_cast<std::uint32_t>(windows.size()), length);
+    join_at(edge, first, length);
   }
-  for (const Window& w : windows) {
-    if (!w.propagated) edge.pending = std::min(edge.pending, w.least(memory_.roots[w.root].offset));
-  }
-  replace(edge, first, last, windows);
-  join_at(edge, first + static_cast<std::uint32_t>(windows.size()), length);
-  join_at(edge, first, length);
+  edge.pending = std::min(edge.pending, least);
   if (edge.pending < edge.queued) {
     edge.queued = edge.pending;
     memory_.queue.push({edge.pending, e, Waiting::What::edge});
   }
+}
+
+// The fresh windows and those of the edge from `first` to before `last`, in `scratch`. Only
+// where they overlap does it take a merge; most often that is at one end.
+void Propagation::merge_in(const EdgeWindows& edge, std::uint32_t first, std::uint32_t last,
+                           double length) {
+  const std::vector<Window>& fresh = memory_.fresh;
+  std::vector<Window>& all = memory_.scratch;
+  const double begin = edge.windows[first].begin + kTouch * length;
+  const double end = edge.windows[last - 1].end - kTouch * length;
+  std::size_t from = 0;
+  while (from < fresh.size() && fresh[from].end <= begin) ++from;
+  std::size_t to = fresh.size();
+  while (to > from && fresh[to - 1].begin >= end) --to;
+  all.assign(fresh.begin(), fresh.begin() + static_cast<std::ptrdiff_t>(from));
+  append_merged({edge.windows + first, last - first}, {fresh.data() + from, to - from},
+                memory_.roots, length, all);
+  all.insert(all.end(), fresh.begin() + static_cast<std::ptrdiff_t>(to), fresh.end());
 }
 
 // Puts windows in the place of those from `first` to before `last`.

@@ -26,6 +26,8 @@
 
 #include "core/adjacency.h"
 #include "core/cancel.h"
+#include "core/exact_beam_lanes.h"
+#include "core/exact_beams.h"
 #include "core/exact_envelope.h"
 #include "core/exact_frames.h"
 #include "core/exact_queue.h"
@@ -54,19 +56,6 @@ struct ArrivalAtVertex {
   std::uint32_t corner;
   bool crowded;  // one of many windows on that side led there
   double crossing;
-};
-
-// A window in the frame of the halfedge whose face it is about to cross, with the
-// vertex it starts from at 0 and the face above.
-struct Beam {
-  double begin;
-  double end;
-  double x;
-  double y;
-  double offset;
-  double crossing;  // where the line from the unfolded source to the far corner meets the base
-  std::uint32_t root;
-  Halfedge from;
 };
 
 // A side of a face, to which windows come through the face.
@@ -100,9 +89,10 @@ struct PropagationMemory {
   std::vector<Bends> bends;
   std::vector<double> emitted;  // the distance at which a vertex last sent out windows
   std::vector<double> above;    // of the pseudo-source of a vertex's distance; with a tolerance
-  std::vector<Beam> waiting;    // on an edge
-  std::vector<Beam> beams;      // those of them that cross one face
-  std::vector<Window> children;
+  Beams beams;
+  Children children;
+  Ties ties;
+  std::vector<Window> fresh;  // windows that come to an edge
   std::vector<Window> scratch;
   std::vector<FanFace> fan;
 };
@@ -158,13 +148,16 @@ class Propagation {
  private:
   // exact_propagation.cpp: windows over faces.
   void pass_on(std::uint32_t e);
-  [[nodiscard]] std::span<Beam> beams_over(Halfedge h);
-  void cross_face(Halfedge h, std::span<Beam> beams);
-  [[nodiscard]] std::size_t reach_apex(Halfedge h, std::span<Beam> beams);
+  void load_beams(std::span<const Window> windows, Halfedge h);
+  void cross_face(Halfedge h);
+  [[nodiscard]] std::size_t reach_apex(Halfedge h);
+  void cross_to(const Side& side, const SideFrame& frame, std::size_t first, std::size_t last);
+  void pair_overlaps(std::size_t first, std::size_t last, bool upwards, double length);
+  [[nodiscard]] bool continues(std::size_t i, const Side& side) const;
   [[nodiscard]] Side side(Halfedge h, bool from_tail) const;
-  void add_child(const Side& side, double offset, std::uint32_t root, double begin, double end,
-                 double x, double y);
-  void commit(std::uint32_t e);
+  [[nodiscard]] bool is_of_use(Window& window, const Side& side) const;
+  void commit(std::uint32_t e, double least);
+  void merge_in(const EdgeWindows& edge, std::uint32_t first, std::uint32_t last, double length);
   void replace(EdgeWindows& edge, std::uint32_t first, std::uint32_t last,
                std::span<const Window> windows);
   void join_at(EdgeWindows& edge, std::uint32_t i, double length);
@@ -198,6 +191,7 @@ class Propagation {
   Field& field_;
   double max_;
   double tolerance_;
+  Vectors vectors_ = best_vectors();
   bool keep_windows_;
   // A new pseudo-source behind so many spares most of them. Of fewer, as on slivers and flat
   // parts, it makes more.

@@ -196,9 +196,20 @@ void Propagation::light(Halfedge from, std::uint32_t root, double begin, double 
                         double y) {
   const Side over = side(from, true);
   if (over.on_boundary) return;
-  memory_.children.clear();
-  add_child(over, memory_.roots[root].offset, root, begin, end, x, y);
-  commit(over.edge);
+  if (!(begin < end)) return;
+  const double offset = memory_.roots[root].offset;
+  Window window{};
+  window.begin = over.flipped ? over.length - end : begin;
+  window.end = over.flipped ? over.length - begin : end;
+  window.x = over.flipped ? over.length - x : x;
+  window.y = y;
+  window.at_begin = window.at(window.begin, offset);
+  window.at_end = window.at(window.end, offset);
+  window.root = root;
+  window.from = from;
+  if (!is_of_use(window, over)) return;
+  memory_.fresh.assign(1, window);
+  commit(over.edge, window.least(offset));
 }
 
 // The ways along the two sides that meet in a corner.
