@@ -148,6 +148,39 @@ GEODESIC_INLINE void to_side(const Beams& beams, std::size_t first, std::size_t 
   }
 }
 
+GEODESIC_INLINE void pair(std::size_t first, std::size_t last, bool upwards, double length,
+                          Children& children, Ties& ties) {
+  const double touch = kTouch * length;
+  // Children i and i + 1, or i + 1 and i, the way that they lie on the edge.
+  const std::size_t to_left = upwards ? 0 : 1;
+  const std::size_t to_right = upwards ? 1 : 0;
+  for (std::size_t i = first; i + 1 < last; i += kWide) {
+    Reals left_begin, left_end, right_begin, right_end;
+    Flags left_passes, right_passes;
+    read(left_begin, children.begin.data() + i + to_left);
+    read(left_end, children.end.data() + i + to_left);
+    read(right_begin, children.begin.data() + i + to_right);
+    read(right_end, children.end.data() + i + to_right);
+    std::memcpy(&left_passes, children.passes.data() + i + to_left, sizeof left_passes);
+    std::memcpy(&right_passes, children.passes.data() + i + to_right, sizeof right_passes);
+    const Flags overlap = (left_passes == kWhole) & (right_passes == kWhole) &
+                          (left_end > right_begin + touch) & (left_begin < right_begin) &
+                          (left_end < right_end);
+    std::memcpy(children.overlaps.data() + i, &overlap, sizeof overlap);
+  }
+  std::size_t size = 0;
+  std::uint32_t* const left = ties.left.data();
+  std::uint32_t* const right = ties.right.data();
+  const std::int64_t* const overlaps = children.overlaps.data();
+  for (std::size_t i = first; i + 1 < last; ++i) {
+    // Without a branch: which of them overlap is anybody's guess.
+    left[size] = static_cast<std::uint32_t>(i + to_left);
+    right[size] = static_cast<std::uint32_t>(i + to_right);
+    size += static_cast<std::size_t>(overlaps[i] & 1);
+  }
+  ties.size = size;
+}
+
 // Over an overlap, which is short against the distances, the difference of two distances is
 // nearly straight: a secant or two mostly meet the place where it is nought.
 GEODESIC_INLINE void meet(const Beams& beams, const Children& children, Ties& ties) {
@@ -170,14 +203,23 @@ GEODESIC_INLINE void meet(const Beams& beams, const Children& children, Ties& ti
     }
     const Reals ay2 = ay * ay;
     const Reals by2 = by * by;
-    Reals at_low_a, at_high_b;
-    root(at_low_a, (low - ax) * (low - ax) + ay2);
-    root(at_high_b, (high - bx) * (high - bx) + by2);
+    Reals ray_low_a, ray_high_b;
+    root(ray_low_a, (low - ax) * (low - ax) + ay2);
+    root(ray_high_b, (high - bx) * (high - bx) + by2);
+    const Reals at_low_a = a_offset + ray_low_a;
+    const Reals at_high_b = b_offset + ray_high_b;
     const Reals tie = kTie * at_high_a;
     const Reals enough = 0.1 * tie;
-    Reals g_left = at_low_b - (a_offset + at_low_a);
-    Reals g_right = (b_offset + at_high_b) - at_high_a;
+    Reals g_left = at_low_b - at_low_a;
+    Reals g_right = at_high_b - at_high_a;
     const Flags crosses = (g_left > tie) & (g_right < -tie);
+    // One of them nowhere nearer: by the signs of the slopes of the difference it is not so
+    // in the middle either.
+    const Reals slope_low = (low - bx) * ray_low_a - (low - ax) * (at_low_b - b_offset);
+    const Reals slope_high = (high - bx) * (at_high_a - a_offset) - (high - ax) * ray_high_b;
+    const Flags only_a =
+        (g_left >= -tie) & (g_right >= -tie) & ~((slope_low < 0) & (slope_high > 0));
+    const Flags only_b = (g_left < -tie) & (g_right <= tie) & ~((slope_low > 0) & (slope_high < 0));
     Reals left = low;
     Reals right = high;
     Reals place{}, at_a{}, at_b{};
@@ -201,7 +243,10 @@ GEODESIC_INLINE void meet(const Beams& beams, const Children& children, Ties& ti
       right = on_left ? right : next;
       g_right = on_left ? g_right : g;
     }
-    found = found & crosses;
+    place = crosses ? place : (only_a ? high : low);
+    at_a = crosses ? at_a : (only_a ? at_high_a : at_low_a);
+    at_b = crosses ? at_b : (only_a ? at_high_b : at_low_b);
+    found = (found & crosses) | only_a | only_b;
     write(ties.place.data() + i, place);
     write(ties.at_left.data() + i, at_a);
     write(ties.at_right.data() + i, at_b);
@@ -216,6 +261,10 @@ void to_side_plain(const Beams& beams, std::size_t first, std::size_t last, cons
                    Children& children) {
   to_side(beams, first, last, side, children);
 }
+void pair_plain(std::size_t first, std::size_t last, bool upwards, double length,
+                Children& children, Ties& ties) {
+  pair(first, last, upwards, length, children, ties);
+}
 void meet_plain(const Beams& beams, const Children& children, Ties& ties) {
   meet(beams, children, ties);
 }
@@ -229,6 +278,10 @@ __attribute__((target("avx2"))) void to_side_avx2(const Beams& beams, std::size_
                                                   std::size_t last, const SideFrame& side,
                                                   Children& children) {
   to_side(beams, first, last, side, children);
+}
+__attribute__((target("avx2"))) void pair_avx2(std::size_t first, std::size_t last, bool upwards,
+                                               double length, Children& children, Ties& ties) {
+  pair(first, last, upwards, length, children, ties);
 }
 __attribute__((target("avx2"))) void meet_avx2(const Beams& beams, const Children& children,
                                                Ties& ties) {
@@ -253,6 +306,17 @@ void cross_to_side(Vectors vectors, const Beams& beams, std::size_t first, std::
 #endif
   (void)vectors;
   to_side_plain(beams, first, last, side, children);
+}
+
+void pair_overlaps(Vectors vectors, std::size_t first, std::size_t last, bool upwards,
+                   double length, Children& children, Ties& ties) {
+#ifdef __x86_64__
+  if (vectors != Vectors::plain) {
+    return pair_avx2(first, last, upwards, length, children, ties);
+  }
+#endif
+  (void)vectors;
+  pair_plain(first, last, upwards, length, children, ties);
 }
 
 void find_ties(Vectors vectors, const Beams& beams, const Children& children, Ties& ties) {

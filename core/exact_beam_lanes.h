@@ -33,6 +33,11 @@ struct SideFrame {
 void cross_to_side(Vectors vectors, const Beams& beams, std::size_t first, std::size_t last,
                    const SideFrame& side, Children& children);
 
+// Which of those children overlap the next one; `upwards`: numbers ascend along the edge.
+// Fills `overlaps`, and `left` and `right` of the pairs.
+void pair_overlaps(Vectors vectors, std::size_t first, std::size_t last, bool upwards,
+                   double length, Children& children, Ties& ties);
+
 // Fills `place`, `at_left`, `at_right` and `found` for the pairs.
 void find_ties(Vectors vectors, const Beams& beams, const Children& children, Ties& ties);
 

@@ -52,6 +52,8 @@ struct Children {
   std::vector<double> at_end;
   std::vector<double> least;  // distance in the interval
   std::vector<std::int64_t> passes;
+  // Not 0: it and the next one are whole, and overlap so that each sticks out on its side.
+  std::vector<std::int64_t> overlaps;
 
   void make_room(std::size_t count) {
     const std::size_t room = count + kColumnSlack;
@@ -61,6 +63,7 @@ struct Children {
       column->assign(rounded, 0);
     }
     passes.assign(rounded, kMisses);
+    overlaps.assign(rounded, 0);
   }
 };
 

@@ -38,25 +38,26 @@ double rough_angle(double x, double y) {
 
 }  // namespace
 
-void Frames::build(const Adjacency& adjacency, Poll& poll) {
+void Frames::build(const Adjacency& adjacency, const Triangulation& surface, Poll& poll) {
   // Every face is written below: what the last query left is as good as new.
-  const std::size_t face_count = adjacency.faces().size();
+  const std::size_t face_count = surface.faces.size();
   if (faces_.size() != face_count) polled_assign(faces_, face_count, FaceFrame{}, poll);
   edges_.clear();
   edges_.reserve(adjacency.report().edges);
   bends_.assign(adjacency.mesh().vertex_count(), Bends::nowhere);
   angle_sum_.assign(adjacency.mesh().vertex_count(), 0);
-  number_edges(adjacency, poll);
+  number_edges(adjacency, surface, poll);
   if (poll.stopped()) return;
-  measure_faces(adjacency, poll);
-  classify_vertices(adjacency, poll);
+  measure_faces(surface, poll);
+  classify_vertices(adjacency, surface, poll);
 }
 
 // An edge gets its number from the first of its halfedges.
-void Frames::number_edges(const Adjacency& adjacency, Poll& poll) {
+void Frames::number_edges(const Adjacency& adjacency, const Triangulation& surface, Poll& poll) {
+  const bool is_mesh = surface.faces.data() == adjacency.faces().data();
   const auto positions = adjacency.mesh().positions();
   for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
-    const FaceRecord& record = adjacency.face(f);
+    const FaceRecord& record = surface.faces[f];
     FaceFrame& frame = faces_[f];
     frame.reversed = 0;
     for (std::uint32_t c = 0; c < 3; ++c) {
@@ -64,10 +65,12 @@ void Frames::number_edges(const Adjacency& adjacency, Poll& poll) {
       const std::uint32_t tail = record.vertex[c];
       const std::uint32_t head = record.vertex[next_corner(c)];
       Halfedge first = h;
-      for (Halfedge i = record.ring[c]; i != h; i = adjacency.ring(i)) first = std::min(first, i);
+      for (Halfedge i = record.ring[c]; i != h; i = surface.ring(i)) first = std::min(first, i);
       if (first == h) {
         frame.edge[c] = static_cast<std::uint32_t>(edges_.size());
-        edges_.push_back({distance(positions[tail], positions[head]), tail, head, h});
+        const double length = is_mesh ? distance(positions[tail], positions[head])
+                                      : std::sqrt(std::max(record.length2(c), 0.0));
+        edges_.push_back({length, tail, head, h, record.ring[c]});
       } else {
         frame.edge[c] = edge_of(first);
         if (edges_[frame.edge[c]].tail != tail) frame.reversed |= 1U << c;
@@ -76,10 +79,10 @@ void Frames::number_edges(const Adjacency& adjacency, Poll& poll) {
   }
 }
 
-void Frames::measure_faces(const Adjacency& adjacency, Poll& poll) {
+void Frames::measure_faces(const Triangulation& surface, Poll& poll) {
   double sum = 0;
   for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
-    const FaceRecord& record = adjacency.face(f);
+    const FaceRecord& record = surface.faces[f];
     FaceFrame& frame = faces_[f];
     for (std::uint32_t i = 0; i < 3; ++i) {
       const double product = length(f, i) * length(f, previous_corner(i));
@@ -101,15 +104,15 @@ void Frames::measure_faces(const Adjacency& adjacency, Poll& poll) {
   mean_shortest_side_ = sum / static_cast<double>(faces_.size());
 }
 
-void Frames::classify_vertices(const Adjacency& adjacency, Poll& poll) {
+void Frames::classify_vertices(const Adjacency& adjacency, const Triangulation& surface,
+                               Poll& poll) {
   constexpr double kPi = std::numbers::pi;
   std::vector<bool> on_boundary(bends_.size(), false);
-  for (const EdgeFrame& edge : edges_) {
+  for (const Edge& edge : edges_) {
     if (poll.cancelled()) return;
-    const Halfedge second = adjacency.ring(edge.first);
-    if (second == edge.first) {
+    if (edge.on_boundary()) {
       on_boundary[edge.tail] = on_boundary[edge.head] = true;
-    } else if (adjacency.ring(second) != edge.first) {
+    } else if (surface.ring(edge.second) != edge.first) {
       bends_[edge.tail] = bends_[edge.head] = Bends::everywhere;
     }
   }
@@ -120,7 +123,7 @@ void Frames::classify_vertices(const Adjacency& adjacency, Poll& poll) {
       continue;
     }
     const double straight = on_boundary[v] ? kPi - kAngle : 2 * kPi + kAngle;
-    const auto corners = adjacency.corners(v);
+    const auto corners = surface.corners(v);
     // Angles are added up roughly; only where that leaves a doubt, exactly.
     double sum = angle_sum_[v];
     if (std::abs(sum - straight) < kRoughAngle * static_cast<double>(corners.size())) {

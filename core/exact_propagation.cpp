@@ -13,27 +13,33 @@ namespace {
 // Distances that a vertex is lowered by below this part send out nothing new.
 constexpr double kNews = 1e-14;
 
+// Gaps between windows below this part of the edge need not be looked into: what is in
+// them is no farther from their ends.
+constexpr double kLeastGap = 1e-9;
+
 }  // namespace
 
-Propagation::Propagation(const Adjacency& adjacency, PropagationMemory& memory, Field& field,
-                         double max, double tolerance, bool keep_windows, Poll& poll)
+Propagation::Propagation(const Adjacency& adjacency, const Triangulation& surface,
+                         PropagationMemory& memory, Field& field, double max, double tolerance,
+                         bool keep_windows, Poll& poll)
     : adjacency_(adjacency),
+      surface_(surface),
       memory_(memory),
       frames_(memory.frames),
       field_(field),
       max_(max * (1 + tolerance) * (1 + tolerance)),
       tolerance_(tolerance),
       keep_windows_(keep_windows) {
-  memory.frames.build(adjacency, poll);
+  memory.frames.build(adjacency, surface, poll);
   if (poll.stopped()) return;
   memory.pool.reset(poll);
   if (poll.stopped()) return;
   double least = kUnreached;
   for (const Source& source : field.sources) least = std::min(least, source.offset);
   memory.queue.reset(least, 0.25 * frames_.mean_shortest_side());
-  polled_assign(memory.edges, frames_.edges().size(),
-                {nullptr, 0, 0, kUnreached, kUnreached, kUnreached, false}, poll);
+  edges_ = memory.frames.edges();
   memory.roots.clear();
+  memory.offsets.clear();
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
   memory.arrivals.assign(vertex_count, {kNone, false, 0});
   memory.bends.assign(frames_.bends().begin(), frames_.bends().end());
@@ -41,12 +47,18 @@ Propagation::Propagation(const Adjacency& adjacency, PropagationMemory& memory, 
   memory.above.assign(tolerance > 0 ? vertex_count : 0, 0);
 }
 
+std::uint32_t Propagation::add_root(const PseudoSource& root) {
+  memory_.roots.push_back(root);
+  memory_.offsets.push_back(root.offset);
+  return static_cast<std::uint32_t>(memory_.roots.size() - 1);
+}
+
 bool Propagation::step() {
   Waiting next{};
   if (!memory_.queue.pop(next)) return false;
   switch (next.what) {
     case Waiting::What::edge:
-      memory_.edges[next.number].queued = kUnreached;
+      edges_[next.number].queued = kUnreached;
       pass_on(next.number);
       break;
     case Waiting::What::vertex:
@@ -63,47 +75,48 @@ bool Propagation::step() {
 // the edge's farthest place is found: nothing that arrives later, and farther, can be
 // nearer anywhere on it.
 void Propagation::pass_on(std::uint32_t e) {
-  EdgeWindows& edge = memory_.edges[e];
+  Edge& edge = edges_[e];
   if (edge.pending == kUnreached) return;
   edge.pending = kUnreached;
-  const EdgeFrame& frame = frames_.edge(e);
-  const double at_tail = field_.distance[frame.tail];
-  const double at_head = field_.distance[frame.head];
+  const double at_tail = field_.distance[edge.tail];
+  const double at_head = field_.distance[edge.head];
   double farthest = 0;
   double covered = 0;
   const auto gap = [&](double begin, double end) {
-    farthest = std::max(farthest, std::min(at_tail + end, at_head + (frame.length - begin)));
+    farthest = std::max(farthest, std::min(at_tail + end, at_head + (edge.length - begin)));
   };
   const std::span<Window> windows(edge.windows, edge.size);
   Halfedge from = kNone;  // of those that wait
   bool from_one = true;
+  // Less than this is rounding, and no branch worth.
+  const double least_gap = kLeastGap * edge.length;
   for (const Window& w : windows) {
-    if (covered < w.begin) gap(covered, w.begin);
-    farthest = std::max({farthest, w.at_begin, w.at_end});
+    if (covered + least_gap < w.begin) gap(covered, w.begin);
+    farthest = std::max(farthest, std::max(w.at_begin, w.at_end));
     covered = w.end;
     if (w.propagated) continue;
-    from_one = from_one && (from == kNone || w.from == from);
-    from = w.from;
+    if (from == kNone) from = w.from;
+    from_one &= w.from == from;
   }
-  if (covered < frame.length) gap(covered, frame.length);
+  if (covered < edge.length) gap(covered, edge.length);
   // No face has two sides on one edge, so the list stays as it is.
-  Halfedge h = frame.first;
+  Halfedge h = edge.first;
   do {
     if (!from_one || h != from) {
       load_beams(windows, h);
       if (memory_.beams.size != 0) cross_face(h);
     }
-    h = adjacency_.ring(h);
-  } while (h != frame.first);
+    h = h == edge.first ? edge.second : surface_.ring(h);
+  } while (h != edge.first);
   for (Window& w : windows) w.propagated = true;
-  settle(e, farthest);
+  settle(e, farthest + least_gap);
 }
 
 // The windows on the edge of h that wait and did not come from its face, in its frame.
 void Propagation::load_beams(std::span<const Window> windows, Halfedge h) {
   Beams& beams = memory_.beams;
   beams.make_room(windows.size());
-  const PseudoSource* const roots = memory_.roots.data();
+  const double* const offsets = memory_.offsets.data();
   double* const begin = beams.begin.data();
   double* const end = beams.end.data();
   double* const x = beams.x.data();
@@ -118,7 +131,7 @@ void Propagation::load_beams(std::span<const Window> windows, Halfedge h) {
       end[size] = w.end;
       x[size] = w.x;
       y[size] = w.y;
-      offset[size] = roots[w.root].offset;
+      offset[size] = offsets[w.root];
       root[size++] = w.root;
     }
   } else {
@@ -130,7 +143,7 @@ void Propagation::load_beams(std::span<const Window> windows, Halfedge h) {
       end[size] = length - w.begin;
       x[size] = length - w.x;
       y[size] = w.y;
-      offset[size] = roots[w.root].offset;
+      offset[size] = offsets[w.root];
       root[size++] = w.root;
     }
   }
@@ -164,117 +177,130 @@ void Propagation::cross_face(Halfedge h) {
   }
 }
 
-// The beams from `first` to before `last` over one side of their face. Nearly all of them
-// come there whole and meet none but the next one, and where is computed for all at once.
+// The beams from `first` to before `last` over one side of their face.
 void Propagation::cross_to(const Side& side, const SideFrame& frame, std::size_t first,
                            std::size_t last) {
   Children& children = memory_.children;
   Ties& ties = memory_.ties;
-  std::vector<Window>& fresh = memory_.fresh;
   children.make_room(last);
+  ties.make_room(last - first);
   cross_to_side(vectors_, memory_.beams, first, last, frame, children);
   // On the left side t grows with the place on the base.
   const bool upwards = frame.on_right == frame.flipped;
-  pair_overlaps(first, last, upwards, side.length);
+  pair_overlaps(vectors_, first, last, upwards, side.length, children, ties);
   find_ties(vectors_, memory_.beams, children, ties);
 
-  fresh.clear();
-  fresh.reserve(last - first);
+  ChildOrder order{first, last, upwards, upwards ? 0 : ties.size};
+  double least = kUnreached;
+  const std::size_t plain = add_plain(side, order, least);
+  std::vector<Window>& fresh = memory_.fresh;
+  if (order.left() == 0) {
+    commit(side.edge, {fresh.data(), plain}, least);
+  } else {
+    fresh.resize(plain);
+    add_rest(side, order, least);
+    commit(side.edge, fresh, least);
+  }
+}
+
+// Children in the order on the edge, as long as they come there whole and meet none but
+// the next one: nearly all of them do. Their number; they are the first in `fresh`.
+std::size_t Propagation::add_plain(const Side& side, ChildOrder& order, double& least) {
+  std::vector<Window>& fresh = memory_.fresh;
+  if (fresh.size() < order.left()) fresh.resize(order.left());
+  const Children& children = memory_.children;
+  const Ties& ties = memory_.ties;
   const double* const begins = children.begin.data();
   const double* const ends = children.end.data();
+  const double* const xs = children.x.data();
+  const double* const ys = children.y.data();
+  const double* const at_begins = children.at_begin.data();
+  const double* const at_ends = children.at_end.data();
+  const double* const leasts = children.least.data();
   const std::int64_t* const passes = children.passes.data();
+  const std::int64_t* const overlaps = children.overlaps.data();
   const std::uint32_t* const roots = memory_.beams.root.data();
   const double touch = kTouch * side.length;
   const double narrow = kLeastWidth * side.length;
-  const auto add = [&](std::size_t i, double begin, double at_begin) {
-    fresh.emplace_back(begin, ends[i], children.x[i], children.y[i], at_begin, children.at_end[i],
-                       roots[i], side.from, false);
-  };
-  double least = kUnreached;
-  std::size_t tie = upwards ? 0 : ties.size;  // the next one, or the one after it
-  std::size_t newest = last;                  // whose end is the list's
-  double reached = -kUnreached;               // the list's end
-  std::size_t i = upwards ? first : last - 1;
-  for (std::size_t left = last - first; left > 0; --left, i += upwards ? 1 : std::size_t(-1)) {
-    if (passes[i] == kMisses) continue;
-    std::size_t with_last = ties.size;
-    if (upwards ? tie < ties.size && ties.right[tie] == i : tie > 0 && ties.right[tie - 1] == i) {
-      with_last = upwards ? tie++ : --tie;
+  const std::size_t step = order.upwards ? 1 : static_cast<std::size_t>(-1);
+  const std::size_t tie_step = step;
+  // The pair of a child and the one before it has the lower number of the two.
+  const std::size_t to_pair = order.upwards ? static_cast<std::size_t>(-1) : 0;
+  std::size_t tie = order.upwards ? order.tie : order.tie - 1;
+  std::size_t i = order.next();
+  std::size_t left = order.left();
+  double nearest = least;
+  double reached = -kUnreached;
+  std::uint32_t last_root = kNone;
+  double last_x = 0;
+  Window* const begin = fresh.data();
+  Window* out = begin;
+  for (; left > 0; --left, i += step) {
+    if (passes[i] != kWhole) {
+      if (passes[i] != kMisses) break;
+      last_root = kNone;
+      continue;
     }
-    if (passes[i] == kWhole) {
-      least = std::min(least, children.least[i]);
-      if (reached <= begins[i] + touch) {
-        if (newest != last && roots[newest] == roots[i] && continues(i, side)) {
-          fresh.back().end = ends[i];
-          fresh.back().at_end = children.at_end[i];
-        } else {
-          add(i, begins[i], children.at_begin[i]);
-        }
-        newest = i;
-        reached = ends[i];
-        continue;
+    double from = begins[i];
+    double at_from = at_begins[i];
+    if (out != begin && overlaps[i + to_pair] != 0) {
+      const double place = ties.place[tie];
+      if (ties.found[tie] == 0 || !(place - out[-1].begin > narrow) ||
+          !(ends[i] - place > narrow)) {
+        break;
       }
-      if (with_last < ties.size && ties.found[with_last] != 0 && ties.left[with_last] == newest) {
-        const double place = ties.place[with_last];
-        Window& before = fresh.back();
-        if (place - before.begin > narrow && ends[i] - place > narrow) {
-          before.end = place;
-          before.at_end = ties.at_left[with_last];
-          add(i, place, ties.at_right[with_last]);
-          newest = i;
-          reached = ends[i];
-          continue;
-        }
-      }
+      out[-1].end = place;
+      out[-1].at_end = ties.at_left[tie];
+      from = place;
+      at_from = ties.at_right[tie];
+      tie += tie_step;
+    } else if (!(reached <= from + touch) ||
+               (static_cast<int>(last_root == roots[i]) &
+                static_cast<int>(std::abs(xs[i] - last_x) <= kSameSource * at_from)) != 0) {
+      // More than one overlap, or the same light again, perhaps.
+      break;
     }
-    Window window{begins[i],          ends[i],  children.x[i], children.y[i], children.at_begin[i],
-                  children.at_end[i], roots[i], side.from,     false};
-    if (!is_of_use(window, side)) continue;
-    const double offset = memory_.roots[window.root].offset;
-    least = std::min(least, window.least(offset));
+    out->begin = from;
+    out->end = ends[i];
+    out->x = xs[i];
+    out->y = ys[i];
+    out->at_begin = at_from;
+    out->at_end = at_ends[i];
+    out->root = roots[i];
+    out->from = side.from;
+    out->propagated = false;
+    ++out;
+    last_root = roots[i];
+    last_x = xs[i];
+    reached = ends[i];
+    nearest = std::min(nearest, leasts[i]);
+  }
+  order.tie = order.upwards ? tie : tie + 1;
+  order.skip(order.left() - left);
+  least = nearest;
+  return static_cast<std::size_t>(out - begin);
+}
+
+// The rest of them, with care.
+void Propagation::add_rest(const Side& side, ChildOrder order, double& least) {
+  const Children& children = memory_.children;
+  std::vector<Window>& fresh = memory_.fresh;
+  for (; order.left() > 0; order.skip(1)) {
+    const std::size_t i = order.next();
+    if (children.passes[i] == kMisses) continue;
+    Window window{children.begin[i],
+                  children.end[i],
+                  children.x[i],
+                  children.y[i],
+                  children.at_begin[i],
+                  children.at_end[i],
+                  memory_.beams.root[i],
+                  side.from,
+                  false};
+    if (children.passes[i] != kWhole && !is_of_use(window, side)) continue;
+    least = std::min(least, window.least(memory_.beams.offset[i]));
     append(fresh, window, memory_.roots, side.length, memory_.scratch);
-    reached = fresh.empty() ? -kUnreached : fresh.back().end;
-    const bool ends_it =
-        reached == ends[i] && fresh.back().x == children.x[i] && fresh.back().root == roots[i];
-    newest = ends_it ? i : last;
   }
-  commit(side.edge, least);
-}
-
-// Whether the list's last window and the child are the same light.
-bool Propagation::continues(std::size_t i, const Side& side) const {
-  const Children& children = memory_.children;
-  const Window window{
-      children.begin[i],  children.end[i],       children.x[i], children.y[i], children.at_begin[i],
-      children.at_end[i], memory_.beams.root[i], side.from,     false};
-  return is_continued_by(memory_.fresh.back(), window, memory_.beams.offset[i], side.length);
-}
-
-// Which children overlap the next one on the edge, so that each is nearer on its side.
-void Propagation::pair_overlaps(std::size_t first, std::size_t last, bool upwards, double length) {
-  const Children& children = memory_.children;
-  Ties& ties = memory_.ties;
-  ties.make_room(last - first);
-  const double* const begin = children.begin.data();
-  const double* const end = children.end.data();
-  const std::int64_t* const passes = children.passes.data();
-  std::uint32_t* const lefts = ties.left.data();
-  std::uint32_t* const rights = ties.right.data();
-  const double touch = kTouch * length;
-  std::size_t size = 0;
-  for (std::size_t i = first + 1; i < last; ++i) {
-    const std::size_t left = upwards ? i - 1 : i;
-    const std::size_t right = upwards ? i : i - 1;
-    lefts[size] = static_cast<std::uint32_t>(left);
-    rights[size] = static_cast<std::uint32_t>(right);
-    // Without branches: which pairs overlap is anybody's guess.
-    const int overlap = static_cast<int>((passes[left] & passes[right]) == kWhole) &
-                        static_cast<int>(end[left] > begin[right] + touch) &
-                        static_cast<int>(begin[left] < begin[right]) &
-                        static_cast<int>(end[left] < end[right]);
-    size += static_cast<std::size_t>(overlap);
-  }
-  ties.size = size;
 }
 
 // Finds for every beam where the line to the far corner crosses the base, and lowers
@@ -297,7 +323,7 @@ std::size_t Propagation::reach_apex(Halfedge h) {
   const double distance = beams.offset[best] +
                           std::sqrt(run * run + beams.y[best] * beams.y[best]) +
                           std::sqrt(rest * rest + apex_y * apex_y);
-  lower(adjacency_.face(f).vertex[apex_corner], distance, memory_.roots[beams.root[best]],
+  lower(surface_.faces[f].vertex[apex_corner], distance, memory_.roots[beams.root[best]],
         {halfedge(f, apex_corner), beams.size >= crowd_, crossing});
   return best;
 }
@@ -305,15 +331,15 @@ std::size_t Propagation::reach_apex(Halfedge h) {
 // A side of a face, for windows counted from the halfedge's tail or from its head.
 Side Propagation::side(Halfedge h, bool from_tail) const {
   const std::uint32_t e = frames_.edge_of(h);
-  const EdgeFrame& frame = frames_.edge(e);
+  const Edge& edge = edges_[e];
   return {h,
           e,
           frames_.is_reversed(h) == from_tail,
-          adjacency_.ring(h) == h,
-          frame.length,
-          field_.distance[frame.tail],
-          field_.distance[frame.head],
-          memory_.edges[e].settled};
+          edge.on_boundary(),
+          edge.length,
+          field_.distance[edge.tail],
+          field_.distance[edge.head],
+          edge.settled};
 }
 
 // Whether something of a window that comes over a side is nearer than other ways; clips it.
@@ -325,14 +351,13 @@ bool Propagation::is_of_use(Window& window, const Side& side) const {
 }
 
 // The fresh windows, none of which is nearer than `least`, join what is on the edge.
-void Propagation::commit(std::uint32_t e, double least) {
-  const std::vector<Window>& fresh = memory_.fresh;
+void Propagation::commit(std::uint32_t e, std::span<const Window> fresh, double least) {
   if (fresh.empty()) return;
-  EdgeWindows& edge = memory_.edges[e];
+  Edge& edge = edges_[e];
   if (edge.size == 0) {
     replace(edge, 0, 0, fresh);
   } else {
-    const double length = frames_.edge(e).length;
+    const double length = edge.length;
     // Those from `first` to `last` overlap them.
     const double begin = fresh.front().begin + kTouch * length;
     const double end = fresh.back().end - kTouch * length;
@@ -342,7 +367,7 @@ void Propagation::commit(std::uint32_t e, double least) {
     while (last > first && edge.windows[last - 1].begin >= end) --last;
     std::span<const Window> windows = fresh;
     if (first < last) {
-      merge_in(edge, first, last, length);
+      merge_in(edge, first, last, fresh, length);
       windows = memory_.scratch;
       least = kUnreached;
       for (const Window& w : windows) {
@@ -362,9 +387,8 @@ void Propagation::commit(std::uint32_t e, double least) {
 
 // The fresh windows and those of the edge from `first` to before `last`, in `scratch`. Only
 // where they overlap does it take a merge; most often that is at one end.
-void Propagation::merge_in(const EdgeWindows& edge, std::uint32_t first, std::uint32_t last,
-                           double length) {
-  const std::vector<Window>& fresh = memory_.fresh;
+void Propagation::merge_in(const Edge& edge, std::uint32_t first, std::uint32_t last,
+                           std::span<const Window> fresh, double length) {
   std::vector<Window>& all = memory_.scratch;
   const double begin = edge.windows[first].begin + kTouch * length;
   const double end = edge.windows[last - 1].end - kTouch * length;
@@ -373,13 +397,13 @@ void Propagation::merge_in(const EdgeWindows& edge, std::uint32_t first, std::ui
   std::size_t to = fresh.size();
   while (to > from && fresh[to - 1].begin >= end) --to;
   all.assign(fresh.begin(), fresh.begin() + static_cast<std::ptrdiff_t>(from));
-  append_merged({edge.windows + first, last - first}, {fresh.data() + from, to - from},
-                memory_.roots, length, all);
+  append_merged({edge.windows + first, last - first}, fresh.subspan(from, to - from), memory_.roots,
+                length, all);
   all.insert(all.end(), fresh.begin() + static_cast<std::ptrdiff_t>(to), fresh.end());
 }
 
 // Puts windows in the place of those from `first` to before `last`.
-void Propagation::replace(EdgeWindows& edge, std::uint32_t first, std::uint32_t last,
+void Propagation::replace(Edge& edge, std::uint32_t first, std::uint32_t last,
                           std::span<const Window> windows) {
   const std::uint32_t behind = edge.size - last;
   const auto size = static_cast<std::uint32_t>(first + windows.size() + behind);
@@ -400,7 +424,7 @@ void Propagation::replace(EdgeWindows& edge, std::uint32_t first, std::uint32_t 
 }
 
 // Makes one of windows i - 1 and i if they are the same light.
-void Propagation::join_at(EdgeWindows& edge, std::uint32_t i, double length) {
+void Propagation::join_at(Edge& edge, std::uint32_t i, double length) {
   if (i == 0 || i >= edge.size) return;
   Window& left = edge.windows[i - 1];
   const Window& right = edge.windows[i];
@@ -414,14 +438,14 @@ void Propagation::join_at(EdgeWindows& edge, std::uint32_t i, double length) {
 // From now on nothing that arrives farther than `farthest` matters, and in the end the
 // edge's windows are of no use to anybody but the details.
 void Propagation::settle(std::uint32_t e, double farthest) {
-  EdgeWindows& edge = memory_.edges[e];
+  Edge& edge = edges_[e];
   if (edge.let_go || !(farthest < edge.settled)) return;
   edge.settled = farthest;
   if (!keep_windows_) memory_.queue.push({farthest, e, Waiting::What::settled_edge});
 }
 
 void Propagation::let_go(std::uint32_t e) {
-  EdgeWindows& edge = memory_.edges[e];
+  Edge& edge = edges_[e];
   if (edge.pending != kUnreached || edge.size == 0) return;
   memory_.pool.give_back(edge.windows, edge.capacity);
   edge.windows = nullptr;
@@ -444,20 +468,17 @@ void Propagation::lower(std::uint32_t v, double distance, const PseudoSource& ro
   }
 }
 
-void Propagation::drop_windows(Poll& poll) {
-  memory_.edges.clear();
-  memory_.pool.reset(poll);
-}
+void Propagation::drop_windows(Poll& poll) { memory_.pool.reset(poll); }
 
 LitWindows Propagation::lit_windows(Poll& poll) const {
   LitWindows lit;
-  for (std::uint32_t e = 0; e < memory_.edges.size() && !poll.stopped(); ++e) {
-    const EdgeWindows& edge = memory_.edges[e];
+  for (std::uint32_t e = 0; e < edges_.size() && !poll.stopped(); ++e) {
+    const Edge& edge = edges_[e];
     const double length = frames_.edge(e).length;
     for (std::uint32_t i = 0; i < edge.size && !poll.cancelled(); ++i) {
       const Window& w = edge.windows[i];
       const PseudoSource& root = memory_.roots[w.root];
-      for (Halfedge h = adjacency_.ring(w.from); h != w.from; h = adjacency_.ring(h)) {
+      for (Halfedge h = surface_.ring(w.from); h != w.from; h = surface_.ring(h)) {
         if (frames_.is_reversed(h)) {
           lit.add(h, {length - w.end, length - w.begin, length - w.x, w.y, root.offset, root.vertex,
                       root.source});

@@ -38,17 +38,6 @@
 
 namespace geodesic::exact {
 
-// The windows on one edge, and what is known of them.
-struct EdgeWindows {
-  Window* windows;
-  std::uint32_t size;
-  std::uint32_t capacity;
-  double pending;  // the least distance of a window not yet propagated
-  double queued;   // the least key under which the edge waits
-  double settled;  // no place of the edge is farther than this
-  bool let_go;     // windows once settled were dropped
-};
-
 // How a vertex got its distance, for knowing where to it bends: through which
 // corner, and where the straight line back meets the side opposite, counted from
 // the corner after that one.
@@ -70,6 +59,18 @@ struct Side {
   double settled;  // of the edge
 };
 
+// The children of a list on one side, in the order in which they lie on its edge.
+struct ChildOrder {
+  std::size_t first;  // those to come
+  std::size_t last;
+  bool upwards;     // their numbers ascend
+  std::size_t tie;  // of the next pair, or the one after it when they descend
+
+  [[nodiscard]] std::size_t left() const { return last - first; }
+  [[nodiscard]] std::size_t next() const { return upwards ? first : last - 1; }
+  void skip(std::size_t count) { (upwards ? first : last) += upwards ? count : 0 - count; }
+};
+
 // A face round a vertex, turned past from one of its two sides there to the other.
 struct FanFace {
   std::uint32_t corner;
@@ -83,8 +84,8 @@ struct PropagationMemory {
   Frames frames;
   WindowPool pool;
   BucketQueue queue;
-  std::vector<EdgeWindows> edges;
   std::vector<PseudoSource> roots;
+  std::vector<double> offsets;  // the roots' own
   std::vector<ArrivalAtVertex> arrivals;
   std::vector<Bends> bends;
   std::vector<double> emitted;  // the distance at which a vertex last sent out windows
@@ -105,8 +106,11 @@ class Propagation {
   // Fills `field.distance` and, when it has a place for each vertex,
   // `field.nearest_source`. All must outlive this object, which is of no use if the
   // poll says to stop.
-  Propagation(const Adjacency& adjacency, PropagationMemory& memory, Field& field, double max,
-              double tolerance, bool keep_windows, Poll& poll);
+  //
+  // Windows run over `surface`: the faces of the mesh or any others that cut it up. Of others
+  // no windows may be kept, and sources lie at vertices.
+  Propagation(const Adjacency& adjacency, const Triangulation& surface, PropagationMemory& memory,
+              Field& field, double max, double tolerance, bool keep_windows, Poll& poll);
 
   // So many windows on an edge are a crowd, in which a vertex may become a source; for
   // tests, which want it to happen on small meshes.
@@ -146,21 +150,24 @@ class Propagation {
   [[nodiscard]] std::uint64_t propagated() const { return propagated_; }
 
  private:
+  [[nodiscard]] std::uint32_t add_root(const PseudoSource& root);
+
   // exact_propagation.cpp: windows over faces.
   void pass_on(std::uint32_t e);
   void load_beams(std::span<const Window> windows, Halfedge h);
   void cross_face(Halfedge h);
   [[nodiscard]] std::size_t reach_apex(Halfedge h);
   void cross_to(const Side& side, const SideFrame& frame, std::size_t first, std::size_t last);
-  void pair_overlaps(std::size_t first, std::size_t last, bool upwards, double length);
-  [[nodiscard]] bool continues(std::size_t i, const Side& side) const;
+  [[nodiscard]] std::size_t add_plain(const Side& side, ChildOrder& order, double& least);
+  void add_rest(const Side& side, ChildOrder order, double& least);
   [[nodiscard]] Side side(Halfedge h, bool from_tail) const;
   [[nodiscard]] bool is_of_use(Window& window, const Side& side) const;
-  void commit(std::uint32_t e, double least);
-  void merge_in(const EdgeWindows& edge, std::uint32_t first, std::uint32_t last, double length);
-  void replace(EdgeWindows& edge, std::uint32_t first, std::uint32_t last,
+  void commit(std::uint32_t e, std::span<const Window> fresh, double least);
+  void merge_in(const Edge& edge, std::uint32_t first, std::uint32_t last,
+                std::span<const Window> fresh, double length);
+  void replace(Edge& edge, std::uint32_t first, std::uint32_t last,
                std::span<const Window> windows);
-  void join_at(EdgeWindows& edge, std::uint32_t i, double length);
+  void join_at(Edge& edge, std::uint32_t i, double length);
   void settle(std::uint32_t e, double farthest);
   void let_go(std::uint32_t e);
   void lower(std::uint32_t v, double distance, const PseudoSource& root,
@@ -186,8 +193,10 @@ class Propagation {
   [[nodiscard]] double head_start(std::uint32_t v) const;
 
   const Adjacency& adjacency_;
+  Triangulation surface_;
   PropagationMemory& memory_;
   const Frames& frames_;
+  std::span<Edge> edges_;
   Field& field_;
   double max_;
   double tolerance_;
