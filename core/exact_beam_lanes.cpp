@@ -166,17 +166,21 @@ GEODESIC_INLINE void pair(std::size_t first, std::size_t last, bool upwards, dou
     const Flags overlap = (left_passes == kWhole) & (right_passes == kWhole) &
                           (left_end > right_begin + touch) & (left_begin < right_begin) &
                           (left_end < right_end);
-    std::memcpy(children.overlaps.data() + i, &overlap, sizeof overlap);
+    std::memcpy(children.overlaps.data() + i + 1, &overlap, sizeof overlap);
   }
+  children.overlaps[first] = 0;
+  children.overlaps[last] = 0;
   std::size_t size = 0;
   std::uint32_t* const left = ties.left.data();
   std::uint32_t* const right = ties.right.data();
+  std::uint32_t* const tie = children.tie.data();
   const std::int64_t* const overlaps = children.overlaps.data();
   for (std::size_t i = first; i + 1 < last; ++i) {
     // Without a branch: which of them overlap is anybody's guess.
     left[size] = static_cast<std::uint32_t>(i + to_left);
     right[size] = static_cast<std::uint32_t>(i + to_right);
-    size += static_cast<std::size_t>(overlaps[i] & 1);
+    tie[i + 1] = static_cast<std::uint32_t>(size);
+    size += static_cast<std::size_t>(overlaps[i + 1] & 1);
   }
   ties.size = size;
 }

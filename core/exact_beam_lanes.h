@@ -34,7 +34,7 @@ void cross_to_side(Vectors vectors, const Beams& beams, std::size_t first, std::
                    const SideFrame& side, Children& children);
 
 // Which of those children overlap the next one; `upwards`: numbers ascend along the edge.
-// Fills `overlaps`, and `left` and `right` of the pairs.
+// Fills `overlaps` and `tie`, and `left` and `right` of the pairs.
 void pair_overlaps(Vectors vectors, std::size_t first, std::size_t last, bool upwards,
                    double length, Children& children, Ties& ties);
 

@@ -52,8 +52,10 @@ struct Children {
   std::vector<double> at_end;
   std::vector<double> least;  // distance in the interval
   std::vector<std::int64_t> passes;
-  // Not 0: it and the next one are whole, and overlap so that each sticks out on its side.
+  // Not 0: it and the one numbered before are whole, and overlap so that each sticks out on
+  // its side. Also 0 for the first, and one beyond the last.
   std::vector<std::int64_t> overlaps;
+  std::vector<std::uint32_t> tie;  // then the number of their pair
 
   void make_room(std::size_t count) {
     const std::size_t room = count + kColumnSlack;
@@ -64,6 +66,7 @@ struct Children {
     }
     passes.assign(rounded, kMisses);
     overlaps.assign(rounded, 0);
+    tie.assign(rounded, 0);
   }
 };
 

@@ -155,23 +155,24 @@ void Propagation::load_beams(std::span<const Window> windows, Halfedge h) {
 void Propagation::cross_face(Halfedge h) {
   const std::size_t count = memory_.beams.size;
   propagated_ += count;
-  const std::size_t best = reach_apex(h);
   const std::uint32_t f = face_of(h);
   const std::uint32_t c = corner_of(h);
+  const CornerAngle at_tail = frames_.angle(f, c);
+  const std::size_t best = reach_apex(h, at_tail);
   const FaceFrame& face = frames_.face(f);
   const double base = frames_.edge(face.edge[c]).length;
   const Side left = side(halfedge(f, previous_corner(c)), false);
   if (!left.on_boundary) {
     cross_to(left,
-             {false, left.flipped, base, face.cosine[c], face.sine[c], left.length, left.at_tail,
+             {false, left.flipped, base, at_tail.cosine, at_tail.sine, left.length, left.at_tail,
               left.at_head, left.settled, max_},
              0, best + 1);
   }
   const Side right = side(halfedge(f, next_corner(c)), true);
   if (!right.on_boundary) {
-    const std::uint32_t n = next_corner(c);
+    const CornerAngle at_head = frames_.angle(f, next_corner(c));
     cross_to(right,
-             {true, right.flipped, base, face.cosine[n], face.sine[n], right.length, right.at_tail,
+             {true, right.flipped, base, at_head.cosine, at_head.sine, right.length, right.at_tail,
               right.at_head, right.settled, max_},
              best, count);
   }
@@ -188,26 +189,22 @@ void Propagation::cross_to(const Side& side, const SideFrame& frame, std::size_t
   // On the left side t grows with the place on the base.
   const bool upwards = frame.on_right == frame.flipped;
   pair_overlaps(vectors_, first, last, upwards, side.length, children, ties);
-  find_ties(vectors_, memory_.beams, children, ties);
-
-  ChildOrder order{first, last, upwards, upwards ? 0 : ties.size};
-  double least = kUnreached;
-  const std::size_t plain = add_plain(side, order, least);
-  std::vector<Window>& fresh = memory_.fresh;
-  if (order.left() == 0) {
-    commit(side.edge, {fresh.data(), plain}, least);
-  } else {
-    fresh.resize(plain);
-    add_rest(side, order, least);
-    commit(side.edge, fresh, least);
+  if (ties.size > 0) find_ties(vectors_, memory_.beams, children, ties);
+  ChildOrder order{first, last, upwards};
+  FreshList fresh{memory_.fresh, 0, kUnreached};
+  for (;;) {
+    add_plain(side, order, fresh);
+    if (order.left() == 0) break;
+    add_with_care(side, order, fresh);
   }
+  commit(side.edge, {fresh.list.data(), fresh.size}, fresh.least);
 }
 
-// Children in the order on the edge, as long as they come there whole and meet none but
-// the next one: nearly all of them do. Their number; they are the first in `fresh`.
-std::size_t Propagation::add_plain(const Side& side, ChildOrder& order, double& least) {
-  std::vector<Window>& fresh = memory_.fresh;
-  if (fresh.size() < order.left()) fresh.resize(order.left());
+// Adds children in the order on the edge, as long as they come there whole and meet none
+// but the one before: nearly all of them do.
+void Propagation::add_plain(const Side& side, ChildOrder& order, FreshList& fresh) {
+  const std::size_t most = fresh.size + order.left();
+  if (fresh.list.size() < most) fresh.list.resize(most);
   const Children& children = memory_.children;
   const Ties& ties = memory_.ties;
   const double* const begins = children.begin.data();
@@ -223,37 +220,33 @@ std::size_t Propagation::add_plain(const Side& side, ChildOrder& order, double& 
   const double touch = kTouch * side.length;
   const double narrow = kLeastWidth * side.length;
   const std::size_t step = order.upwards ? 1 : static_cast<std::size_t>(-1);
-  const std::size_t tie_step = step;
-  // The pair of a child and the one before it has the lower number of the two.
-  const std::size_t to_pair = order.upwards ? static_cast<std::size_t>(-1) : 0;
-  std::size_t tie = order.upwards ? order.tie : order.tie - 1;
+  // The one before a child on the edge is numbered before it, or it before that one.
+  const std::size_t to_pair = order.upwards ? 0 : 1;
   std::size_t i = order.next();
   std::size_t left = order.left();
-  double nearest = least;
-  double reached = -kUnreached;
-  std::uint32_t last_root = kNone;
-  double last_x = 0;
-  Window* const begin = fresh.data();
-  Window* out = begin;
+  double least = fresh.least;
+  Window* const begin = fresh.list.data();
+  Window* out = begin + fresh.size;
+  double reached = out == begin ? -kUnreached : out[-1].end;
+  double last_x = out == begin ? 0 : out[-1].x;
+  std::uint32_t last_root = out == begin ? kNone : out[-1].root;
   for (; left > 0; --left, i += step) {
     if (passes[i] != kWhole) {
       if (passes[i] != kMisses) break;
-      last_root = kNone;
       continue;
     }
     double from = begins[i];
     double at_from = at_begins[i];
     if (out != begin && overlaps[i + to_pair] != 0) {
+      const std::size_t tie = children.tie[i + to_pair];
       const double place = ties.place[tie];
-      if (ties.found[tie] == 0 || !(place - out[-1].begin > narrow) ||
-          !(ends[i] - place > narrow)) {
-        break;
-      }
+      const bool clear = ties.found[tie] != 0 && reached == ends[i - step] &&
+                         place - out[-1].begin > narrow && ends[i] - place > narrow;
+      if (!clear) break;
       out[-1].end = place;
       out[-1].at_end = ties.at_left[tie];
       from = place;
       at_from = ties.at_right[tie];
-      tie += tie_step;
     } else if (!(reached <= from + touch) ||
                (static_cast<int>(last_root == roots[i]) &
                 static_cast<int>(std::abs(xs[i] - last_x) <= kSameSource * at_from)) != 0) {
@@ -273,47 +266,39 @@ std::size_t Propagation::add_plain(const Side& side, ChildOrder& order, double& 
     last_root = roots[i];
     last_x = xs[i];
     reached = ends[i];
-    nearest = std::min(nearest, leasts[i]);
+    least = std::min(least, leasts[i]);
   }
-  order.tie = order.upwards ? tie : tie + 1;
   order.skip(order.left() - left);
-  least = nearest;
-  return static_cast<std::size_t>(out - begin);
+  fresh.size = static_cast<std::size_t>(out - begin);
+  fresh.least = least;
 }
 
-// The rest of them, with care.
-void Propagation::add_rest(const Side& side, ChildOrder order, double& least) {
+// Adds the next child, whatever is the matter with it.
+void Propagation::add_with_care(const Side& side, ChildOrder& order, FreshList& fresh) {
   const Children& children = memory_.children;
-  std::vector<Window>& fresh = memory_.fresh;
-  for (; order.left() > 0; order.skip(1)) {
-    const std::size_t i = order.next();
-    if (children.passes[i] == kMisses) continue;
-    Window window{children.begin[i],
-                  children.end[i],
-                  children.x[i],
-                  children.y[i],
-                  children.at_begin[i],
-                  children.at_end[i],
-                  memory_.beams.root[i],
-                  side.from,
-                  false};
-    if (children.passes[i] != kWhole && !is_of_use(window, side)) continue;
-    least = std::min(least, window.least(memory_.beams.offset[i]));
-    append(fresh, window, memory_.roots, side.length, memory_.scratch);
-  }
+  const std::size_t i = order.next();
+  order.skip(1);
+  Window window{
+      children.begin[i],  children.end[i],       children.x[i], children.y[i], children.at_begin[i],
+      children.at_end[i], memory_.beams.root[i], side.from,     false};
+  if (children.passes[i] != kWhole && !is_of_use(window, side)) return;
+  fresh.least = std::min(fresh.least, window.least(memory_.beams.offset[i]));
+  fresh.list.resize(fresh.size);
+  append(fresh.list, window, memory_.roots, side.length, memory_.scratch);
+  fresh.size = fresh.list.size();
 }
 
 // Finds for every beam where the line to the far corner crosses the base, and lowers
 // that corner. Returns the beam by which it is nearest. A beam that the line misses
 // leads there round its end; that matters only where there is a gap.
-std::size_t Propagation::reach_apex(Halfedge h) {
+std::size_t Propagation::reach_apex(Halfedge h, const CornerAngle& at_tail) {
   const std::uint32_t f = face_of(h);
   const std::uint32_t c = corner_of(h);
   const std::uint32_t apex_corner = previous_corner(c);
   const FaceFrame& frame = frames_.face(f);
   const double left_length = frames_.edge(frame.edge[apex_corner]).length;
-  const double apex_x = left_length * frame.cosine[c];
-  const double apex_y = left_length * frame.sine[c];
+  const double apex_x = left_length * at_tail.cosine;
+  const double apex_y = left_length * at_tail.sine;
   Beams& beams = memory_.beams;
   const std::size_t best =
       find_crossings(vectors_, beams, apex_x, apex_y, frames_.edge(frame.edge[c]).length);

@@ -63,12 +63,18 @@ struct Side {
 struct ChildOrder {
   std::size_t first;  // those to come
   std::size_t last;
-  bool upwards;     // their numbers ascend
-  std::size_t tie;  // of the next pair, or the one after it when they descend
+  bool upwards;  // their numbers ascend
 
   [[nodiscard]] std::size_t left() const { return last - first; }
   [[nodiscard]] std::size_t next() const { return upwards ? first : last - 1; }
   void skip(std::size_t count) { (upwards ? first : last) += upwards ? count : 0 - count; }
+};
+
+// Windows that come to an edge: the first of `list`.
+struct FreshList {
+  std::vector<Window>& list;
+  std::size_t size;
+  double least;  // none of them is nearer anywhere
 };
 
 // A face round a vertex, turned past from one of its two sides there to the other.
@@ -156,10 +162,10 @@ class Propagation {
   void pass_on(std::uint32_t e);
   void load_beams(std::span<const Window> windows, Halfedge h);
   void cross_face(Halfedge h);
-  [[nodiscard]] std::size_t reach_apex(Halfedge h);
+  [[nodiscard]] std::size_t reach_apex(Halfedge h, const CornerAngle& at_tail);
   void cross_to(const Side& side, const SideFrame& frame, std::size_t first, std::size_t last);
-  [[nodiscard]] std::size_t add_plain(const Side& side, ChildOrder& order, double& least);
-  void add_rest(const Side& side, ChildOrder order, double& least);
+  void add_plain(const Side& side, ChildOrder& order, FreshList& fresh);
+  void add_with_care(const Side& side, ChildOrder& order, FreshList& fresh);
   [[nodiscard]] Side side(Halfedge h, bool from_tail) const;
   [[nodiscard]] bool is_of_use(Window& window, const Side& side) const;
   void commit(std::uint32_t e, std::span<const Window> fresh, double least);

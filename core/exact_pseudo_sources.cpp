@@ -14,8 +14,8 @@ namespace {
 // rounding; beyond the vertex this much more is lit, in radians.
 constexpr double kSlack = 1e-5;
 
-double angle_at(const FaceFrame& face, std::uint32_t c) {
-  return std::atan2(face.sine[c], face.cosine[c]);
+double angle_at(const FaceRecord& face, std::uint32_t c) {
+  return std::atan2(face.area2, face.dot[c]);
 }
 
 }  // namespace
@@ -44,7 +44,6 @@ void Propagation::start(const Source& source, std::uint32_t number) {
 void Propagation::start_inside(const SurfacePoint& place, const Source& source,
                                std::uint32_t root) {
   const std::uint32_t f = place.face;
-  const FaceFrame& frame = frames_.face(f);
   const PseudoSource from = memory_.roots[root];
   const Vec3 at = position_of(adjacency_.mesh(), place);
   for (std::uint32_t c = 0; c < 3; ++c) {
@@ -59,9 +58,10 @@ void Propagation::start_inside(const SurfacePoint& place, const Source& source,
     if (above == 0) continue;
     const double length = frames_.length(f, c);
     const double to_far_corner = above * frames_.length(f, previous_corner(c));
+    const CornerAngle angle = frames_.angle(f, c);
     light(halfedge(f, c), root, 0, length,
-          place.bary[next_corner(c)] * length + to_far_corner * frame.cosine[c],
-          to_far_corner * frame.sine[c]);
+          place.bary[next_corner(c)] * length + to_far_corner * angle.cosine,
+          to_far_corner * angle.sine);
   }
 }
 
@@ -116,11 +116,11 @@ void Propagation::send_beyond(std::uint32_t v, std::uint32_t root) {
   const ArrivalAtVertex arrival = memory_.arrivals[v];
   const std::uint32_t f = face_of(arrival.corner);
   const std::uint32_t c = corner_of(arrival.corner);
-  const FaceFrame& frame = frames_.face(f);
+  const CornerAngle at_next = frames_.angle(f, next_corner(c));
   const double side = frames_.length(f, c);
-  const double x = side * frame.cosine[next_corner(c)];
-  const double y = side * frame.sine[next_corner(c)];
-  const double whole = angle_at(frame, c);
+  const double x = side * at_next.cosine;
+  const double y = side * at_next.sine;
+  const double whole = angle_at(surface_.faces[f], c);
   const double way_back =
       std::clamp(std::atan2(y * arrival.crossing, x * (x - arrival.crossing) + y * y), 0.0, whole);
 
@@ -162,7 +162,7 @@ bool Propagation::turn(std::uint32_t corner, bool over_next, double angle) {
     const std::uint32_t c = corner_of(across);
     const bool from_next = surface_.faces[f].vertex[c] == v;
     const std::uint32_t here = from_next ? c : next_corner(c);
-    const double end = angle + angle_at(frames_.face(f), here);
+    const double end = angle + angle_at(surface_.faces[f], here);
     memory_.fan.push_back({halfedge(f, here), from_next, angle, end});
     angle = end;
     side = from_next ? halfedge(f, previous_corner(here)) : halfedge(f, here);
@@ -175,18 +175,17 @@ void Propagation::light_from_corner(std::uint32_t corner, std::uint32_t root, do
                                     double last) {
   const std::uint32_t f = face_of(corner);
   const std::uint32_t c = corner_of(corner);
-  const FaceFrame& frame = frames_.face(f);
   const std::uint32_t n = next_corner(c);
+  const CornerAngle at_next = frames_.angle(f, n);
   const double side = frames_.length(f, c);
   const double length = frames_.length(f, n);
   const auto meets = [&](double angle) {
     const double along = side * std::sin(angle);
-    const double below = std::sin(angle) * frame.cosine[n] + std::cos(angle) * frame.sine[n];
+    const double below = std::sin(angle) * at_next.cosine + std::cos(angle) * at_next.sine;
     return below > 0 ? std::clamp(along / below, 0.0, length) : length;
   };
   light(halfedge(f, n), root, first > 0 ? meets(first) : 0,
-        last < std::numbers::pi ? meets(last) : length, side * frame.cosine[n],
-        side * frame.sine[n]);
+        last < std::numbers::pi ? meets(last) : length, side * at_next.cosine, side * at_next.sine);
 }
 
 // A first window over a side, counted from its halfedge's tail.
