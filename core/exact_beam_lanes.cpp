@@ -186,9 +186,11 @@ GEODESIC_INLINE void pair(std::size_t first, std::size_t last, bool upwards, dou
 }
 
 // Over an overlap, which is short against the distances, the difference of two distances is
-// nearly straight: a secant or two mostly meet the place where it is nought.
+// nearly straight: a secant or two mostly meet the place where it is nought. Where they come
+// from the same side again and again, the other end counts for half (the Illinois rule: Dowell
+// and Jarratt 1971).
 GEODESIC_INLINE void meet(const Beams& beams, const Children& children, Ties& ties) {
-  constexpr int kSecants = 4;
+  constexpr int kSecants = 8;
   for (std::size_t i = 0; i < ties.size; i += kWide) {
     Reals ax, ay, a_offset, bx, by, b_offset, low, high, at_high_a, at_low_b;
     for (std::size_t lane = 0; lane < kWide; ++lane) {
@@ -228,6 +230,8 @@ GEODESIC_INLINE void meet(const Beams& beams, const Children& children, Ties& ti
     Reals right = high;
     Reals place{}, at_a{}, at_b{};
     Flags found{};
+    Flags was_left{};
+    Flags was_right{};
     for (int secant = 0; secant < kSecants; ++secant) {
       const Reals next = left + (right - left) * (g_left / (g_left - g_right));
       Reals ray_a, ray_b;
@@ -242,10 +246,13 @@ GEODESIC_INLINE void meet(const Beams& beams, const Children& children, Ties& ti
       found = found | ((g <= enough) & (g >= -enough));
       if (!any(crosses & ~found)) break;
       const Flags on_left = g > 0;
+      const Flags on_right = ~on_left;
       left = on_left ? next : left;
-      g_left = on_left ? g : g_left;
-      right = on_left ? right : next;
-      g_right = on_left ? g_right : g;
+      right = on_right ? next : right;
+      g_left = on_left ? g : ((on_right & was_right) ? 0.5 * g_left : g_left);
+      g_right = on_right ? g : ((on_left & was_left) ? 0.5 * g_right : g_right);
+      was_left = on_left;
+      was_right = on_right;
     }
     place = crosses ? place : (only_a ? high : low);
     at_a = crosses ? at_a : (only_a ? at_high_a : at_low_a);

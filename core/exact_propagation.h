@@ -168,6 +168,8 @@ class Propagation {
   void add_with_care(const Side& side, ChildOrder& order, FreshList& fresh);
   [[nodiscard]] Side side(Halfedge h, bool from_tail) const;
   [[nodiscard]] bool is_of_use(Window& window, const Side& side) const;
+
+  // exact_arrivals.cpp: windows and ways where they arrive.
   void commit(std::uint32_t e, std::span<const Window> fresh, double least);
   void merge_in(const Edge& edge, std::uint32_t first, std::uint32_t last,
                 std::span<const Window> fresh, double length);
