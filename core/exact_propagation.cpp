@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-
 namespace geodesic::exact {
 namespace {
 
@@ -213,6 +212,7 @@ void Propagation::add_plain(const Side& side, ChildOrder& order, FreshList& fres
   const std::uint32_t* const roots = memory_.beams.root.data();
   const double touch = kTouch * side.length;
   const double narrow = kLeastWidth * side.length;
+  const double nearly = kNearlyTouch * side.length;
   const std::size_t step = order.upwards ? 1 : static_cast<std::size_t>(-1);
   // The one before a child on the edge is numbered before it, or it before that one.
   const std::size_t to_pair = order.upwards ? 0 : 1;
@@ -231,6 +231,16 @@ void Propagation::add_plain(const Side& side, ChildOrder& order, FreshList& fres
     }
     double from = begins[i];
     double at_from = at_begins[i];
+    const bool maybe_same = (static_cast<int>(last_root == roots[i]) &
+                             static_cast<int>(std::abs(xs[i] - last_x) <= kNearSource * at_from) &
+                             static_cast<int>(std::abs(from - reached) <= nearly)) != 0;
+    if (maybe_same && reached == ends[i - step] &&
+        is_as_good(out[-1], from, ends[i], at_from, at_ends[i], memory_.beams.offset[i])) {
+      reached = out[-1].end = ends[i];
+      out[-1].at_end = at_ends[i];
+      least = std::min(least, leasts[i]);
+      continue;
+    }
     if (out != begin && overlaps[i + to_pair] != 0) {
       const std::size_t tie = children.tie[i + to_pair];
       const double place = ties.place[tie];
@@ -241,11 +251,8 @@ void Propagation::add_plain(const Side& side, ChildOrder& order, FreshList& fres
       out[-1].at_end = ties.at_left[tie];
       from = place;
       at_from = ties.at_right[tie];
-    } else if (!(reached <= from + touch) ||
-               (static_cast<int>(last_root == roots[i]) &
-                static_cast<int>(std::abs(xs[i] - last_x) <= kSameSource * at_from)) != 0) {
-      // More than one overlap, or the same light again, perhaps.
-      break;
+    } else if (!(reached <= from + touch)) {
+      break;  // more than one overlap
     }
     out->begin = from;
     out->end = ends[i];
