@@ -1,34 +1,12 @@
 #include "core/back_trace_lanes.h"
 
-#include <cmath>
 #include <cstring>
 
 #include "core/field.h"
+#include "core/lane_arithmetic.h"
 
 namespace geodesic {
 namespace {
-
-constexpr std::size_t kLanes = TraceLanes::kLanes;
-
-// Arithmetic on four lanes, of GCC and Clang, which cut it into registers of whatever
-// size there are. A comparison gives all bits of a lane or none.
-constexpr std::size_t kWide = 4;
-constexpr std::size_t kParts = kLanes / kWide;
-using Reals = double __attribute__((vector_size(kWide * sizeof(double))));
-using Flags = std::int64_t __attribute__((vector_size(kWide * sizeof(std::int64_t))));
-
-#define GEODESIC_INLINE inline __attribute__((always_inline))
-
-template <class T>
-struct alignas(64) PerLane {
-  T of[kLanes];
-};
-
-GEODESIC_INLINE void read(Reals& to, const double* from) { std::memcpy(&to, from, sizeof to); }
-
-GEODESIC_INLINE void root(Reals& to, const Reals& of) {
-  for (std::size_t i = 0; i < kWide; ++i) to[i] = std::sqrt(of[i]);
-}
 
 // Of several faces on an edge the one whose apex is nearest to the source.
 Halfedge nearest_beyond(const FaceRecord* faces, const double* distance, Halfedge edge) {
@@ -43,76 +21,185 @@ Halfedge nearest_beyond(const FaceRecord* faces, const double* distance, Halfedg
   return nearest;
 }
 
-// Of four lanes.
+// Of as many lanes as a register holds; the names are those of BackTrace.
+template <std::size_t kWide>
 struct State {
-  Reals right_x, right_y, left_x, left_y, aim_x, aim_y;
+  using Lanes = lanes::Lanes<kWide>;
+  using Reals = typename Lanes::Reals;
+  using Flags = typename Lanes::Flags;
+  using Ids = typename Lanes::Ids;
+
+  Reals right_x, right_y, left_x, left_y;
   Reals right_bound_x, right_bound_y, left_bound_x, left_bound_y;
   Reals at_right, at_left, best;
-  Flags alive, crossed;
+  Flags alive, crossed, beyond_is_surface;
+  Ids edge, across, right_vertex;
 };
 
-// The faces that the traces go over next.
-struct Ahead {
-  PerLane<double> at_apex, along, height, base2;
-};
+template <std::size_t kWide>
+GEODESIC_LANES_INLINE void begin(const FaceRecord* faces, const double* distance,
+                                 const TraceLanes& traces, std::size_t first, State<kWide>& s) {
+  using Lanes = lanes::Lanes<kWide>;
+  using Reals = typename Lanes::Reals;
+  using Flags = typename Lanes::Flags;
+  Reals p, q, w, area, crossing;
+  for (std::size_t j = 0; j < kWide; ++j) {
+    // Lanes without a trace do the same as the first one, with nobody to see it.
+    const std::size_t i = first + j < traces.count ? first + j : 0;
+    const Halfedge base = traces.base[i];
+    const FaceRecord& face = faces[face_of(base)];
+    const std::uint32_t c = corner_of(base);
+    const std::uint32_t n = next_corner(c);
+    p[j] = face.dot[c];
+    q[j] = face.dot[n];
+    w[j] = face.dot[previous_corner(c)];
+    area[j] = face.area2;
+    s.at_right[j] = distance[face.vertex[c]];
+    s.at_left[j] = distance[face.vertex[n]];
+    s.right_vertex[j] = face.vertex[c];
+    s.edge[j] = base;
+    s.across[j] = face.ring[c];
+    s.beyond_is_surface[j] = face.ring[c] == base ? 0 : -1;
+    crossing[j] = traces.crossing[i];
+    s.best[j] = traces.best[i];
+    __builtin_prefetch(&faces[face_of(face.ring[c])]);
+  }
+  const Reals zero = {};
+  Reals length;
+  const Reals right2 = p + w;
+  Lanes::root(length, right2 > 0 ? right2 : zero);
+  Reals by = s.at_right + length;
+  s.best = by < s.best ? by : s.best;
+  const Reals left2 = q + w;
+  Lanes::root(length, left2 > 0 ? left2 : zero);
+  by = s.at_left + length;
+  s.best = by < s.best ? by : s.best;
 
-GEODESIC_INLINE void begin(State& s) {
+  const Reals base2 = p + q;
+  const Reals across = crossing * base2;
+  const Reals along = across - p;
+  Reals base_length;
+  Lanes::root(length, along * along + area * area);
+  Lanes::root(base_length, base2);
+  const Reals scale = 1.0 / (length * base_length);
+  s.right_x = scale * (area * area - p * along);
+  s.right_y = scale * (-area * across);
+  s.left_x = scale * (area * area + q * along);
+  s.left_y = scale * (area * (base2 - across));
   s.right_bound_x = s.right_x;
   s.right_bound_y = s.right_y;
   s.left_bound_x = s.left_x;
   s.left_bound_y = s.left_y;
-  Reals length;
-  root(length, s.right_x * s.right_x + s.right_y * s.right_y);
-  Reals by = s.at_right + length;
-  s.best = by < s.best ? by : s.best;
-  root(length, s.left_x * s.left_x + s.left_y * s.left_y);
-  by = s.at_left + length;
-  s.best = by < s.best ? by : s.best;
+  s.alive = s.right_x < kUnreached;
+  s.beyond_is_surface &= s.alive;
   s.crossed = Flags{};
 }
 
-// Unfolds the faces ahead over their bases. Says on which side their apexes are.
-GEODESIC_INLINE void unfold(const Ahead& ahead, std::size_t first, State& s, Flags& on_left,
-                            Flags& on_right) {
-  Reals at_apex, along, height, base2;
-  read(at_apex, ahead.at_apex.of + first);
-  read(along, ahead.along.of + first);
-  read(height, ahead.height.of + first);
-  read(base2, ahead.base2.of + first);
-  const Reals farther = s.at_right < s.at_left ? s.at_left : s.at_right;
-  s.alive &= at_apex < farther;
-  s.crossed |= s.alive;
-  const Reals base_x = s.left_x - s.right_x;
-  const Reals base_y = s.left_y - s.right_y;
-  const Reals x = along / base2;
-  const Reals y = height / base2;
-  const Reals apex_x = s.right_x + x * base_x + y * base_y;
-  const Reals apex_y = s.right_y + x * base_y + y * -base_x;
-  const Flags within_left = apex_x * s.left_bound_y - apex_y * s.left_bound_x >= 0;
-  const Flags within_right = s.right_bound_x * apex_y - s.right_bound_y * apex_x >= 0;
-  Reals length;
-  root(length, apex_x * apex_x + apex_y * apex_y);
-  const Reals by = at_apex + length;
-  const Flags nearer = s.alive & within_left & within_right & (by < s.best);
-  s.best = nearer ? by : s.best;
-  const Flags to_left = s.aim_x * apex_y - s.aim_y * apex_x > 0;
-  on_left = s.alive & to_left;
-  on_right = s.alive & ~to_left;
-  const Flags bounds_left = on_left & within_left;
-  const Flags bounds_right = on_right & within_right;
-  s.left_x = on_left ? apex_x : s.left_x;
-  s.left_y = on_left ? apex_y : s.left_y;
-  s.at_left = on_left ? at_apex : s.at_left;
-  s.left_bound_x = bounds_left ? apex_x : s.left_bound_x;
-  s.left_bound_y = bounds_left ? apex_y : s.left_bound_y;
-  s.right_x = on_right ? apex_x : s.right_x;
-  s.right_y = on_right ? apex_y : s.right_y;
-  s.at_right = on_right ? at_apex : s.at_right;
-  s.right_bound_x = bounds_right ? apex_x : s.right_bound_x;
-  s.right_bound_y = bounds_right ? apex_y : s.right_bound_y;
+// What is read of the faces that the traces go over next.
+template <std::size_t kWide>
+struct Ahead {
+  using Reals = typename lanes::Lanes<kWide>::Reals;
+  using Ids = typename lanes::Lanes<kWide>::Ids;
+
+  Reals dot, next_dot, area, at_apex;
+  Ids vertex, apex;              // at the halfedge's tail, and opposite it
+  Ids next, previous;            // the other two halfedges …
+  Ids over_next, over_previous;  // … and who is across those
+};
+
+// The next faces of the traces. Where there are more than two on an edge, the nearest.
+template <std::size_t kWide>
+GEODESIC_LANES_INLINE void look_ahead(const FaceRecord* faces, const double* distance,
+                                      State<kWide>& s, Ahead<kWide>& to) {
+  using Lanes = lanes::Lanes<kWide>;
+  Halfedge at[kWide];
+  const FaceRecord* face[kWide];
+  std::uint32_t corner[kWide];
+  std::uint32_t next[kWide];
+  std::uint32_t previous[kWide];
+  std::uint32_t apex[kWide];
+  for (std::size_t i = 0; i < kWide; ++i) {
+    at[i] = static_cast<Halfedge>(s.across[i]);
+    if (faces[face_of(at[i])].ring[corner_of(at[i])] != s.edge[i]) [[unlikely]] {
+      at[i] = nearest_beyond(faces, distance, static_cast<Halfedge>(s.edge[i]));
+      s.across[i] = at[i];
+    }
+    face[i] = &faces[face_of(at[i])];
+    corner[i] = corner_of(at[i]);
+    next[i] = lanes::kNextCorner[corner[i]];
+    previous[i] = lanes::kPreviousCorner[corner[i]];
+    apex[i] = face[i]->vertex[previous[i]];
+    at[i] -= corner[i];
+  }
+  Lanes::gather(to.dot, [&](std::size_t i) { return face[i]->dot[corner[i]]; });
+  Lanes::gather(to.next_dot, [&](std::size_t i) { return face[i]->dot[next[i]]; });
+  Lanes::gather(to.area, [&](std::size_t i) { return face[i]->area2; });
+  Lanes::gather(to.at_apex, [&](std::size_t i) { return distance[apex[i]]; });
+  const auto gather_ids = [](auto& ids, auto id) {
+    Lanes::gather(ids, [&](std::size_t i) { return std::uint64_t{id(i)}; });
+  };
+  gather_ids(to.apex, [&](std::size_t i) { return apex[i]; });
+  gather_ids(to.vertex, [&](std::size_t i) { return face[i]->vertex[corner[i]]; });
+  gather_ids(to.next, [&](std::size_t i) { return at[i] + next[i]; });
+  gather_ids(to.previous, [&](std::size_t i) { return at[i] + previous[i]; });
+  gather_ids(to.over_next, [&](std::size_t i) { return face[i]->ring[next[i]]; });
+  gather_ids(to.over_previous, [&](std::size_t i) { return face[i]->ring[previous[i]]; });
 }
 
-GEODESIC_INLINE void meet_circles(const Flags& beyond_is_surface, State& s) {
+// Unfolds the faces ahead over their bases, and goes on to the edges beyond. Adds to
+// `going` which of the traces do.
+template <std::size_t kWide>
+GEODESIC_LANES_INLINE void unfold(const Ahead<kWide>& ahead, State<kWide>& s,
+                                  typename lanes::Lanes<kWide>::Flags& going) {
+  using Lanes = lanes::Lanes<kWide>;
+  using Reals = typename Lanes::Reals;
+  using Flags = typename Lanes::Flags;
+  const Reals farther = s.at_right < s.at_left ? s.at_left : s.at_right;
+  s.alive &= s.beyond_is_surface & (ahead.at_apex < farther);
+  s.crossed |= s.alive;
+  const Flags forward = ahead.vertex == s.right_vertex;
+  const Reals per_base2 = 1.0 / (ahead.dot + ahead.next_dot);
+  const Reals along = (forward ? ahead.dot : ahead.next_dot) * per_base2;
+  const Reals height = ahead.area * per_base2;
+  const Reals base_x = s.left_x - s.right_x;
+  const Reals base_y = s.left_y - s.right_y;
+  const Reals x = s.right_x + along * base_x + height * base_y;
+  const Reals y = s.right_y + along * base_y - height * base_x;
+  const Flags within_left = x * s.left_bound_y - y * s.left_bound_x >= 0;
+  const Flags within_right = s.right_bound_x * y - s.right_bound_y * x >= 0;
+  Reals length;
+  Lanes::root(length, x * x + y * y);
+  const Reals by = ahead.at_apex + length;
+  const Flags nearer = s.alive & within_left & within_right & (by < s.best);
+  s.best = nearer ? by : s.best;
+  const Flags on_left = s.alive & (y > 0);
+  const Flags on_right = s.alive & ~(y > 0);
+  const Flags bounds_left = on_left & within_left;
+  const Flags bounds_right = on_right & within_right;
+  s.left_x = on_left ? x : s.left_x;
+  s.left_y = on_left ? y : s.left_y;
+  s.at_left = on_left ? ahead.at_apex : s.at_left;
+  s.left_bound_x = bounds_left ? x : s.left_bound_x;
+  s.left_bound_y = bounds_left ? y : s.left_bound_y;
+  s.right_x = on_right ? x : s.right_x;
+  s.right_y = on_right ? y : s.right_y;
+  s.at_right = on_right ? ahead.at_apex : s.at_right;
+  s.right_bound_x = bounds_right ? x : s.right_bound_x;
+  s.right_bound_y = bounds_right ? y : s.right_bound_y;
+
+  const Flags to_previous = (on_left & forward) | (on_right & ~forward);
+  const Flags to_next = (on_left & ~forward) | (on_right & forward);
+  s.edge = to_next ? ahead.next : to_previous ? ahead.previous : s.edge;
+  s.across = to_next ? ahead.over_next : to_previous ? ahead.over_previous : s.across;
+  s.right_vertex = on_right ? ahead.apex : s.right_vertex;
+  going |= s.alive;
+}
+
+template <std::size_t kWide>
+GEODESIC_LANES_INLINE void meet_circles(State<kWide>& s) {
+  using Lanes = lanes::Lanes<kWide>;
+  using Reals = typename Lanes::Reals;
+  using Flags = typename Lanes::Flags;
   const Reals base_x = s.left_x - s.right_x;
   const Reals base_y = s.left_y - s.right_y;
   const Reals square = base_x * base_x + base_y * base_y;
@@ -122,162 +209,89 @@ GEODESIC_INLINE void meet_circles(const Flags& beyond_is_surface, State& s) {
   const Reals sy2 = 0.25 * (sum * sum - square) * (square - difference * difference);
   const Flags meet = sy2 > 0;
   Reals sy;
-  root(sy, meet ? sy2 : Reals{});
-  const Reals along = sx / square;
-  const Reals down = sy / square;
+  Lanes::root(sy, meet ? sy2 : Reals{});
+  const Reals per_base2 = 1.0 / square;
+  const Reals along = sx * per_base2;
+  const Reals down = sy * per_base2;
   const Reals x = s.right_x + along * base_x + down * base_y;
-  const Reals y = s.right_y + along * base_y + down * -base_x;
+  const Reals y = s.right_y + along * base_y - down * base_x;
   const Flags in_sight = (x * s.left_bound_y - y * s.left_bound_x >= 0) &
                          (s.right_bound_x * y - s.right_bound_y * x >= 0);
   Reals straight;
-  root(straight, x * x + y * y);
+  Lanes::root(straight, x * x + y * y);
   const Reals least =
       s.crossed ? BackTrace::kLeastOfBest * s.best : BackTrace::kLeastOverOneFace * s.best;
   const Flags taken =
-      beyond_is_surface & meet & in_sight & (straight >= least) & (straight < s.best);
+      s.beyond_is_surface & meet & in_sight & (straight >= least) & (straight < s.best);
   s.best = taken ? straight : s.best;
 }
 
-// The same steps as in BackTrace::least, each for all lanes.
-GEODESIC_INLINE void trace(const FaceRecord* faces, const double* distance, BackTrace::Takes takes,
-                           TraceLanes& lanes) {
-  // Lanes without a trace do the same in the first face, with nobody to see it.
-  PerLane<double> at_right{};
-  PerLane<double> at_left{};
-  PerLane<std::int64_t> alive{};
-  PerLane<std::int64_t> beyond_is_surface{};
-  for (std::size_t i = 0; i < lanes.count; ++i) {
-    at_right.of[i] = distance[lanes.right[i]];
-    at_left.of[i] = distance[lanes.left[i]];
-    alive.of[i] = -1;
-    beyond_is_surface.of[i] = -1;
+// The same steps as in BackTrace, each for all lanes.
+template <std::size_t kWide>
+GEODESIC_LANES_INLINE void trace(const FaceRecord* faces, const double* distance,
+                                 BackTrace::Takes takes, TraceLanes& traces) {
+  using Lanes = lanes::Lanes<kWide>;
+  const std::size_t parts = (traces.count + kWide - 1) / kWide;
+  State<kWide> states[TraceLanes::kLanes / kWide];
+  for (std::size_t part = 0; part < parts; ++part) {
+    begin<kWide>(faces, distance, traces, part * kWide, states[part]);
   }
-  State states[kParts];
-  for (std::size_t part = 0; part < kParts; ++part) {
-    const std::size_t first = part * kWide;
-    State& s = states[part];
-    read(s.right_x, lanes.right_x.data() + first);
-    read(s.right_y, lanes.right_y.data() + first);
-    read(s.left_x, lanes.left_x.data() + first);
-    read(s.left_y, lanes.left_y.data() + first);
-    read(s.aim_x, lanes.aim_x.data() + first);
-    read(s.aim_y, lanes.aim_y.data() + first);
-    read(s.best, lanes.best.data() + first);
-    read(s.at_right, at_right.of + first);
-    read(s.at_left, at_left.of + first);
-    std::memcpy(&s.alive, alive.of + first, sizeof s.alive);
-    begin(s);
-  }
-
-  std::array<Halfedge, kLanes> edge = lanes.edge;
-  std::array<std::uint32_t, kLanes> right_vertex = lanes.right;
-  std::array<Halfedge, kLanes> edge_on_left{};
-  std::array<Halfedge, kLanes> edge_on_right{};
-  std::array<std::uint32_t, kLanes> apex_vertex{};
-  Ahead ahead{};
-  for (int step = 0; step < BackTrace::most_faces(takes); ++step) {
-    for (std::size_t i = 0; i < lanes.count; ++i) {
-      // A lane at its end goes on with what it last read, to no effect.
-      if (alive.of[i] == 0) continue;
-      Halfedge across = faces[face_of(edge[i])].ring[corner_of(edge[i])];
-      const FaceRecord* face = &faces[face_of(across)];
-      if (across == edge[i]) {
-        beyond_is_surface.of[i] = 0;
-        ahead.at_apex.of[i] = kUnreached;
-        continue;
+  Ahead<kWide> ahead{};
+  const int most = BackTrace::most_faces(takes);
+  for (int step = 0; step < most; ++step) {
+    typename Lanes::Flags going = {};
+    for (std::size_t part = 0; part < parts; ++part) {
+      State<kWide>& s = states[part];
+      look_ahead<kWide>(faces, distance, s, ahead);
+      unfold<kWide>(ahead, s, going);
+      if (step + 1 < most) {
+        s.beyond_is_surface &= ~(s.edge == s.across);
       }
-      if (face->ring[corner_of(across)] != edge[i]) {
-        across = nearest_beyond(faces, distance, edge[i]);
-        face = &faces[face_of(across)];
-      }
-      const std::uint32_t c = corner_of(across);
-      const std::uint32_t n = next_corner(c);
-      const std::uint32_t apex = previous_corner(c);
-      apex_vertex[i] = face->vertex[apex];
-      ahead.at_apex.of[i] = distance[apex_vertex[i]];
-      const bool forward = face->vertex[c] == right_vertex[i];
-      ahead.base2.of[i] = face->dot[c] + face->dot[n];
-      ahead.along.of[i] = face->dot[forward ? c : n];
-      ahead.height.of[i] = face->area2;
-      edge_on_left[i] = halfedge(face_of(across), forward ? apex : n);
-      edge_on_right[i] = halfedge(face_of(across), forward ? n : apex);
+      // While the other parts have their turn.
+      for (std::size_t j = 0; j < kWide; ++j) __builtin_prefetch(&faces[s.across[j] >> 2U]);
     }
-    PerLane<std::int64_t> on_left;
-    PerLane<std::int64_t> on_right;
-    for (std::size_t part = 0; part < kParts; ++part) {
-      Flags left;
-      Flags right;
-      unfold(ahead, part * kWide, states[part], left, right);
-      std::memcpy(on_left.of + part * kWide, &left, sizeof left);
-      std::memcpy(on_right.of + part * kWide, &right, sizeof right);
-    }
-    std::int64_t any = 0;
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      alive.of[i] = on_left.of[i] | on_right.of[i];
-      any |= alive.of[i];
-      const auto left = static_cast<std::uint32_t>(on_left.of[i]);
-      const auto right = static_cast<std::uint32_t>(on_right.of[i]);
-      edge[i] = (edge_on_left[i] & left) | (edge_on_right[i] & right) | (edge[i] & ~(left | right));
-      right_vertex[i] = (apex_vertex[i] & right) | (right_vertex[i] & ~right);
-    }
-    if (any == 0) break;
-    for (std::size_t i = 0; i < lanes.count; ++i) {
-      __builtin_prefetch(&faces[face_of(faces[face_of(edge[i])].ring[corner_of(edge[i])])]);
-    }
+    if (!Lanes::any(going)) break;
   }
-  for (std::size_t part = 0; part < kParts; ++part) {
-    Flags surface;
-    std::memcpy(&surface, beyond_is_surface.of + part * kWide, sizeof surface);
-    if (takes == BackTrace::Takes::virtual_sources) meet_circles(surface, states[part]);
-    std::memcpy(lanes.best.data() + part * kWide, &states[part].best, sizeof(Reals));
+  for (std::size_t part = 0; part < parts; ++part) {
+    if (takes == BackTrace::Takes::virtual_sources) meet_circles<kWide>(states[part]);
+    std::memcpy(traces.best.data() + part * kWide, &states[part].best, sizeof states[part].best);
   }
 }
 
 void trace_plain(const FaceRecord* faces, const double* distance, BackTrace::Takes takes,
-                 TraceLanes& lanes) {
-  trace(faces, distance, takes, lanes);
+                 TraceLanes& traces) {
+  trace<lanes::kPlain>(faces, distance, takes, traces);
 }
 
 #ifdef __x86_64__
 __attribute__((target("avx2"))) void trace_avx2(const FaceRecord* faces, const double* distance,
-                                                BackTrace::Takes takes, TraceLanes& lanes) {
-  trace(faces, distance, takes, lanes);
+                                                BackTrace::Takes takes, TraceLanes& traces) {
+  trace<lanes::kWithAvx2>(faces, distance, takes, traces);
 }
 
 __attribute__((target("avx512f,avx512vl,avx512dq"))) void trace_avx512(const FaceRecord* faces,
                                                                        const double* distance,
                                                                        BackTrace::Takes takes,
-                                                                       TraceLanes& lanes) {
-  trace(faces, distance, takes, lanes);
+                                                                       TraceLanes& traces) {
+  trace<lanes::kWithAvx2>(faces, distance, takes, traces);
 }
 #endif
 
 }  // namespace
 
-Vectors best_vectors() {
-#ifdef __x86_64__
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-      __builtin_cpu_supports("avx512dq")) {
-    return Vectors::avx512;
-  }
-  if (__builtin_cpu_supports("avx2")) return Vectors::avx2;
-#endif
-  return Vectors::plain;
-}
-
 void trace_lanes(const Triangulation& surface, std::span<const double> distance,
-                 BackTrace::Takes takes, Vectors vectors, TraceLanes& lanes) {
+                 BackTrace::Takes takes, Vectors vectors, TraceLanes& traces) {
   const FaceRecord* faces = surface.faces.data();
 #ifdef __x86_64__
   if (vectors == Vectors::avx512) {
-    return trace_avx512(faces, distance.data(), takes, lanes);
+    return trace_avx512(faces, distance.data(), takes, traces);
   }
   if (vectors == Vectors::avx2) {
-    return trace_avx2(faces, distance.data(), takes, lanes);
+    return trace_avx2(faces, distance.data(), takes, traces);
   }
 #endif
   (void)vectors;
-  trace_plain(faces, distance.data(), takes, lanes);
+  trace_plain(faces, distance.data(), takes, traces);
 }
 
 }  // namespace geodesic

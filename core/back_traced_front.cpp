@@ -1,7 +1,10 @@
 #include "core/back_traced_front.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
+#include "core/arrive_lanes.h"
 #include "core/vec3.h"
 #include "core/virtual_source.h"
 
@@ -12,55 +15,68 @@ namespace {
 // front does as well.
 constexpr std::size_t kFacesInSight = 2000;
 
+// A bucket's width, of the mean of the faces' shortest sides. Errors are the same with
+// half of it; with the double, means grow by a twentieth.
+constexpr double kBucketWidth = 0.25;
+// … which is taken from so many faces.
+constexpr std::size_t kSampledFaces = 128;
+
+// An accepted vertex waits again when its estimate turns out to be less by this part of
+// a bucket's width.
+constexpr double kLeastGain = 0.001;
+
+// Where a mesh is much finer than elsewhere, a bucket holds more than one front's worth
+// of vertices: those farther than the least by more than this part of their face's
+// shortest side are left for another round, so many times.
+constexpr double kEarly = 0.5;
+constexpr int kMostRoundsInBucket = 256;
+
 // A traced distance above its estimate by more than this part of the base edge: the
 // estimate was of two sources, or the trace took the wrong side of something.
-constexpr double kSuspicious = 0.01;
-
-// A front goes on from the distance of a vertex that is behind it by more than this
-// part of the edge between; seldom is one so old not settled.
-constexpr double kOldEnough = 0.1;
+constexpr double kSuspicious = 0.02;
 
 // Faces round a vertex that a bend is unfolded over, before its angle is beyond pi.
 constexpr int kMostFacesRound = 12;
 
-// A triangle as seen from one of its corners, the next corner to the right.
-struct SeenFrom {
-  std::uint32_t right;
-  std::uint32_t left;
-  Vec2 to_right;
-  Vec2 to_left;
-};
+double shortest2(const FaceRecord& face) {
+  return std::min({face.length2(0), face.length2(1), face.length2(2)});
+}
 
-// Not a number in it when the two corners are at the same place.
-SeenFrom seen_from(const FaceRecord& face, std::uint32_t c) {
-  const std::uint32_t n = next_corner(c);
-  const double length = std::sqrt(std::max(face.length2(c), 0.0));
-  return {face.vertex[n],
-          face.vertex[previous_corner(c)],
-          {length, 0},
-          {face.dot[c] / length, face.area2 / length}};
+double bucket_width(std::span<const FaceRecord> faces) {
+  const std::size_t step = faces.size() / kSampledFaces + 1;
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t f = 0; f < faces.size(); f += step, ++count) {
+    sum += std::sqrt(std::max(shortest2(faces[f]), 0.0));
+  }
+  return kBucketWidth * sum / static_cast<double>(std::max<std::size_t>(count, 1));
 }
 
 }  // namespace
 
-std::vector<std::uint32_t> BackTracedFront::start(const Source& from, std::uint32_t /*number*/) {
-  const SurfacePoint& source = from.point;
+void BackTracedFront::start(const SurfacePoint& source) {
   const Vec3 at = position_of(adjacency_.mesh(), source);
   const auto places = in_all_faces(adjacency_, source);
   // Only the mesh's own faces say where a point inside one is.
   surface_ = source.at_vertex() ? adjacency_.delaunay() : adjacency_.triangulation();
+  const double width = bucket_width(surface_.faces);
+  scratch_.waiting.reset(width);
+  least_gain_ = kLeastGain * width;
   std::vector<Wedge>& wedges = scratch_.wedges;
   wedges.clear();
   if (source.at_vertex()) {
     see(source.vertex, 0);
-    lower(source.vertex, 0, kNone);
     for (const std::uint32_t corner : surface_.corners(source.vertex)) {
       const std::uint32_t c = corner_of(corner);
-      const SeenFrom seen = seen_from(surface_.faces[face_of(corner)], c);
-      see(seen.right, seen.to_right.x);
-      see(seen.left, norm(seen.to_left));
-      wedges.push_back({halfedge(face_of(corner), next_corner(c)), seen.right, seen.to_right,
-                        seen.to_left, seen.to_right, seen.to_left});
+      const FaceRecord& face = surface_.faces[face_of(corner)];
+      const std::uint32_t right = face.vertex[next_corner(c)];
+      const double length = std::sqrt(std::max(face.length2(c), 0.0));
+      const Vec2 to_right{length, 0};
+      const Vec2 to_left{face.dot[c] / length, face.area2 / length};  // may be no number
+      see(right, length);
+      see(face.vertex[previous_corner(c)], norm(to_left));
+      wedges.push_back(
+          {halfedge(face_of(corner), next_corner(c)), right, to_right, to_left, to_right, to_left});
     }
   }
   for (const SurfacePoint& place : places) {
@@ -86,11 +102,8 @@ std::vector<std::uint32_t> BackTracedFront::start(const Source& from, std::uint3
     }
   }
   std::sort(stops_.begin(), stops_.end());
-  // In the first faces only: from here on the wave considers more.
-  for (const std::uint32_t v : in_sight_) lower(v, distance_[v], kNone);
   look_around(surface_, wedges, kFacesInSight,
               [this](std::uint32_t v, double straight) { see(v, straight); });
-  return {};
 }
 
 // The estimate of a vertex and its distance are both within an edge of those of its
@@ -105,44 +118,223 @@ double BackTracedFront::lag() const {
 
 void BackTracedFront::see(std::uint32_t vertex, double straight) {
   if (!(straight < distance_[vertex])) return;
-  if (distance_[vertex] == kUnreached) in_sight_.push_back(vertex);
   distance_[vertex] = straight;
+  lower(vertex, straight, kNone, 0);
 }
 
-void BackTracedFront::lower(std::uint32_t vertex, double estimate, Halfedge base) {
-  if (!(estimate < scratch_.estimate[vertex])) return;
-  scratch_.estimate[vertex] = estimate;
-  scratch_.base[vertex] = base;
-  scratch_.heap.push_or_lower(vertex, estimate);
+void BackTracedFront::lower(std::uint32_t vertex, double estimate, Halfedge base, float crossing) {
+  FrontVertex& known = scratch_.vertices[vertex];
+  const double before = std::abs(known.estimate);
+  // In sight, but for those that go on past it, it has its base all the same.
+  if (known.base == kNone && base != kNone && before < kUnreached) {
+    if (!(estimate < before + least_gain_)) return;
+    known.base = base;
+    known.crossing = crossing;
+  }
+  if (known.is_accepted()) {
+    // Within a bucket it may have been too early.
+    if (!(estimate < before - least_gain_) || !scratch_.waiting.is_now(before)) return;
+    known = {estimate, base, crossing};
+    scratch_.waiting.push_back(vertex);
+    return;
+  }
+  if (!(estimate < before)) return;
+  const bool waits_there = before < kUnreached && scratch_.waiting.in_same_bucket(estimate, before);
+  known = {estimate, base, crossing};
+  if (!waits_there) scratch_.waiting.push(vertex, estimate);
 }
 
-void BackTracedFront::spread_from(std::uint32_t v) {
-  if (adjacency_.is_pinched(v)) spread_along_edges(v);
-  for (const std::uint32_t corner : surface_.corners(v)) {
-    const std::uint32_t c = corner_of(corner);
-    const FaceRecord& face = surface_.faces[face_of(corner)];
-    const std::uint32_t ahead = face.vertex[next_corner(c)];
-    const std::uint32_t behind = face.vertex[previous_corner(c)];
-    const bool ahead_accepted = scratch_.heap.accepted(ahead);
-    if (ahead_accepted == scratch_.heap.accepted(behind)) continue;
-    const std::uint32_t base = ahead_accepted ? c : previous_corner(c);
-    const double of_other = seen_by(v, ahead_accepted ? ahead : behind, face.length2(base));
-    const double own = scratch_.estimate[v];
-    const Arrival arrival = arrive(ahead_accepted ? own : of_other, ahead_accepted ? of_other : own,
-                                   face.apex_over(base));
-    lower(ahead_accepted ? behind : ahead, arrival.distance, halfedge(face_of(corner), base));
+bool BackTracedFront::accept_next(double last) {
+  scratch_.round.clear();
+  while (scratch_.round.empty()) {
+    if (scratch_.waiting.empty()) return false;
+    if (last < kUnreached && scratch_.waiting.is_beyond(last)) return false;
+    take_round();
+  }
+  trace_round();
+  ask_other_faces();
+  // Only now, so that no result depends on which vertices were traced together.
+  for (std::size_t i = 0; i < scratch_.round.size(); ++i) {
+    const std::uint32_t v = scratch_.round[i];
+    distance_[v] = scratch_.best[i];
+    scratch_.vertices[v].estimate *= -1;
+  }
+  return true;
+}
+
+void BackTracedFront::take_round() {
+  std::vector<std::uint32_t>& round = scratch_.round;
+  scratch_.waiting.take(round);
+  double least = kUnreached;
+  std::size_t count = 0;
+  for (const std::uint32_t v : round) {
+    const FrontVertex& known = scratch_.vertices[v];
+    if (known.is_accepted()) continue;
+    round[count++] = v;
+    least = std::min(least, known.estimate);
+    __builtin_prefetch(&surface_.corner_begin[v]);
+    if (known.base != kNone) __builtin_prefetch(&surface_.faces[face_of(known.base)]);
+  }
+  round.resize(count);
+  count = 0;
+  for (const std::uint32_t v : round) {
+    if (is_early(v, least)) {
+      scratch_.waiting.push_back(v);
+      continue;
+    }
+    round[count++] = v;
+    __builtin_prefetch(surface_.corners(v).data());
+  }
+  rounds_in_bucket_ = count < round.size() ? rounds_in_bucket_ + 1 : 0;
+  round.resize(count);
+  // So that nothing depends on the order in which they came to wait, and because what is
+  // near in number is near in memory.
+  std::sort(round.begin(), round.end());
+}
+
+// Whether one of those to be accepted may yet have a say in the estimate of the vertex.
+bool BackTracedFront::is_early(std::uint32_t vertex, double least) const {
+  const FrontVertex& known = scratch_.vertices[vertex];
+  if (known.base == kNone || rounds_in_bucket_ == kMostRoundsInBucket) return false;
+  const double after = known.estimate - least;
+  return after * after > kEarly * kEarly * shortest2(surface_.faces[face_of(known.base)]);
+}
+
+void BackTracedFront::trace_round() {
+  const std::vector<std::uint32_t>& round = scratch_.round;
+  scratch_.best.resize(round.size());
+  for (std::uint32_t i = 0; i < round.size(); ++i) {
+    const FrontVertex& known = scratch_.vertices[round[i]];
+    double& best = scratch_.best[i];
+    best = distance_[round[i]];
+    if (known.base == kNone) continue;  // straight from the source
+    const bool bends_at_tail = known.crossing == ArrivalLanes::kBendsAtTail;
+    if (!bends_at_tail && known.crossing != ArrivalLanes::kBendsAtHead) {
+      trace(i, known.base, known.crossing);
+      continue;
+    }
+    const FaceRecord& face = surface_.faces[face_of(known.base)];
+    const std::uint32_t c = corner_of(known.base);
+    const std::uint32_t n = next_corner(c);
+    const double by_tail =
+        distance_[face.vertex[c]] + std::sqrt(std::max(face.length2(previous_corner(c)), 0.0));
+    const double by_head = distance_[face.vertex[n]] + std::sqrt(std::max(face.length2(n), 0.0));
+    best = std::min({best, by_tail, by_head});
+    // At a pinched vertex only one end may have a distance.
+    if (!(std::max(by_tail, by_head) < kUnreached)) continue;
+    best = round_a_vertex(round[i], face.vertex[bends_at_tail ? c : n], best);
+  }
+  flush_traces();
+}
+
+// The next lane is for the vertex at that place of the round.
+void BackTracedFront::trace(std::uint32_t place, Halfedge base, double crossing) {
+  traced_[traces_.add(base, crossing, scratch_.best[place])] = place;
+  if (traces_.full()) flush_traces();
+}
+
+void BackTracedFront::flush_traces() {
+  if (traces_.count == 0) return;
+  if (stops_.empty()) {
+    trace_lanes(surface_, distance_, takes_, vectors_, traces_);
+  } else {
+    const BackTrace one(surface_, distance_, stops_, takes_);
+    for (std::size_t i = 0; i < traces_.count; ++i) {
+      traces_.best[i] = one.over(traces_.base[i], traces_.crossing[i], traces_.best[i]);
+    }
+  }
+  for (std::size_t i = 0; i < traces_.count; ++i) {
+    double& best = scratch_.best[traced_[i]];
+    best = std::min(best, traces_.best[i]);
+  }
+  traces_.count = 0;
+}
+
+// A distance above what the front expected needs a second look: every other face whose
+// ends promise a shorter way is asked.
+void BackTracedFront::ask_other_faces() {
+  const std::vector<std::uint32_t>& round = scratch_.round;
+  std::vector<Halfedge>& bases = scratch_.bases;
+  std::vector<std::uint32_t>& asks = scratch_.asks;
+  bases.clear();
+  asks.clear();
+  for (std::uint32_t i = 0; i < round.size(); ++i) {
+    for (const std::uint32_t corner : surface_.corners(round[i])) {
+      __builtin_prefetch(&surface_.faces[face_of(corner)]);  // for the spread
+    }
+    if (!is_doubtful(round[i], scratch_.best[i])) continue;
+    for (const std::uint32_t corner : surface_.corners(round[i])) {
+      const std::uint32_t n = next_corner(corner_of(corner));
+      const Halfedge base = halfedge(face_of(corner), n);
+      const FaceRecord& face = surface_.faces[face_of(corner)];
+      if (base == scratch_.vertices[round[i]].base) continue;
+      if (!(distance_[face.vertex[n]] + distance_[face.vertex[next_corner(n)]] < kUnreached))
+        continue;
+      bases.push_back(base);
+      asks.push_back(i);
+    }
+  }
+  arrive_over_bases(bases.size(), [&](std::size_t at, double distance, float crossing) {
+    const bool straight = crossing >= 0 && crossing <= 1;
+    if (straight && distance < scratch_.best[asks[at]]) trace(asks[at], bases[at], crossing);
+  });
+  flush_traces();
+}
+
+bool BackTracedFront::is_doubtful(std::uint32_t vertex, double best) const {
+  const FrontVertex& known = scratch_.vertices[vertex];
+  if (known.base == kNone) return false;
+  const double base2 = surface_.faces[face_of(known.base)].length2(corner_of(known.base));
+  const double above = best - known.estimate;
+  return above > 0 && above * above > kSuspicious * kSuspicious * base2;
+}
+
+template <class Tell>
+void BackTracedFront::arrive_over_bases(std::size_t count, Tell tell) {
+  if (count == 0) return;
+  constexpr std::size_t kLanes = ArrivalLanes::kLanes;
+  std::vector<Halfedge>& bases = scratch_.bases;
+  // Lanes without one of their own do the same as the first, with nobody to see it.
+  bases.resize((count + kLanes - 1) / kLanes * kLanes, bases[0]);
+  std::fill(bases.begin() + static_cast<std::ptrdiff_t>(count), bases.end(), bases[0]);
+  ArrivalLanes arrivals;
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    arrive_lanes(surface_.faces, distance_,
+                 std::span<const Halfedge, kLanes>(bases.data() + first, kLanes), vectors_,
+                 arrivals);
+    for (std::size_t i = 0; i < kLanes && first + i < count; ++i) {
+      tell(first + i, arrivals.distance[i], arrivals.crossing[i]);
+    }
   }
 }
 
-// The distance of an accepted vertex, for a front that is at v: the one that it got, once
-// it is old enough for that, or else its estimate. How old says the estimate alone, so
-// that nothing depends on which vertices anywhere were accepted together.
-double BackTracedFront::seen_by(std::uint32_t v, std::uint32_t other, double base2) {
-  const double estimate = scratch_.estimate[other];
-  const double age = scratch_.estimate[v] - estimate;
-  if (!(age > 0) || !(age * age > kOldEnough * kOldEnough * base2)) return estimate;
-  if (is_pending(other)) settle();
-  return distance_[other];
+void BackTracedFront::spread() {
+  std::size_t corners = 0;
+  for (const std::uint32_t v : scratch_.round) corners += surface_.corners(v).size();
+  std::vector<Halfedge>& bases = scratch_.bases;
+  bases.resize(corners + ArrivalLanes::kLanes);
+  std::size_t count = 0;
+  for (const std::uint32_t v : scratch_.round) {
+    if (adjacency_.is_pinched(v)) spread_along_edges(v);
+    const double own = distance_[v];
+    for (const std::uint32_t corner : surface_.corners(v)) {
+      const FaceRecord& face = surface_.faces[face_of(corner)];
+      const std::uint32_t c = corner_of(corner);
+      const std::uint32_t behind = previous_corner(c);
+      const double at_ahead = distance_[face.vertex[next_corner(c)]];
+      const double at_behind = distance_[face.vertex[behind]];
+      const bool ahead_is_nearer = at_ahead < at_behind;
+      const double nearer = ahead_is_nearer ? at_ahead : at_behind;
+      const double farther = ahead_is_nearer ? at_behind : at_ahead;
+      // Without a branch, which nobody could predict.
+      bases[count] = halfedge(face_of(corner), ahead_is_nearer ? c : behind);
+      __builtin_prefetch(&scratch_.vertices[opposite(bases[count])]);
+      count += static_cast<std::size_t>((nearer < kUnreached) & (own < farther));
+    }
+  }
+  arrive_over_bases(count, [&](std::size_t at, double distance, float crossing) {
+    lower(opposite(bases[at]), distance, bases[at], crossing);
+  });
 }
 
 // Where faces meet in nothing but the vertex, no triangle beyond it has two accepted
@@ -153,85 +345,12 @@ void BackTracedFront::spread_along_edges(std::uint32_t v) {
     const std::uint32_t c = corner_of(corner);
     for (const std::uint32_t side : {c, previous_corner(c)}) {
       const std::uint32_t w = side == c ? next_corner(c) : side;
-      if (scratch_.heap.accepted(face.vertex[w])) continue;
-      lower(face.vertex[w], scratch_.estimate[v] + std::sqrt(std::max(face.length2(side), 0.0)),
-            halfedge(face_of(corner), next_corner(w)));
+      const std::uint32_t tail = next_corner(w);
+      lower(face.vertex[w], distance_[v] + std::sqrt(std::max(face.length2(side), 0.0)),
+            halfedge(face_of(corner), tail),
+            tail == c ? ArrivalLanes::kBendsAtTail : ArrivalLanes::kBendsAtHead);
     }
   }
-}
-
-bool BackTracedFront::is_pending(std::uint32_t vertex) const {
-  return std::find(pending_.begin(), pending_.begin() + pending_count_, vertex) !=
-         pending_.begin() + pending_count_;
-}
-
-void BackTracedFront::accept(std::uint32_t vertex) {
-  const Halfedge base = scratch_.base[vertex];
-  if (base == kNone) return;  // straight from the source
-  const FaceRecord& face = surface_.faces[face_of(base)];
-  const std::uint32_t c = corner_of(base);
-  if (pending_count_ == kTogether || is_pending(face.vertex[c]) ||
-      is_pending(face.vertex[next_corner(c)])) {
-    settle();
-  }
-  pending_[pending_count_++] = vertex;
-}
-
-void BackTracedFront::settle() {
-  // None of them is seen by the others: the result is that of tracing all at once.
-  std::array<double, kTogether> best{};
-  std::array<std::size_t, kTogether> lane{};
-  TraceLanes& lanes = lanes_;
-  lanes.count = 0;
-  for (std::size_t i = 0; i < pending_count_; ++i) {
-    lane[i] = lanes.count;
-    best[i] = begin_trace(pending_[i], lanes);
-  }
-  if (stops_.empty()) {
-    trace_lanes(surface_, distance_, takes_, vectors_, lanes);
-  } else {
-    const BackTrace trace(surface_, distance_, stops_, takes_);
-    for (std::size_t i = 0; i < lanes.count; ++i)
-      lanes.best[i] = trace.least(lanes.start(i), lanes.best[i]);
-  }
-  for (std::size_t i = 0; i < pending_count_; ++i) {
-    const bool in_lane = lane[i] < (i + 1 < pending_count_ ? lane[i + 1] : lanes.count);
-    best[i] = doubted(pending_[i], in_lane ? lanes.best[lane[i]] : best[i]);
-  }
-  for (std::size_t i = 0; i < pending_count_; ++i) {
-    distance_[pending_[i]] = best[i];
-  }
-  pending_count_ = 0;
-}
-
-// The best of what needs no trace, and the trace, if there is one, in the next lane.
-double BackTracedFront::begin_trace(std::uint32_t vertex, TraceLanes& lanes) const {
-  const Halfedge base = scratch_.base[vertex];
-  const FaceRecord& face = surface_.faces[face_of(base)];
-  const std::uint32_t c = corner_of(base);
-  const SeenFrom seen = seen_from(face, previous_corner(c));
-  const double by_right = distance_[seen.right] + seen.to_right.x;
-  const double by_left =
-      distance_[seen.left] + std::sqrt(std::max(face.length2(next_corner(c)), 0.0));
-  const double best = std::min({distance_[vertex], by_right, by_left});
-  // At a pinched vertex only one end may have a distance.
-  if (!(std::max(by_right, by_left) < kUnreached) || !(seen.to_right.x > 0)) return best;
-  const Arrival arrival = arrive(distance_[seen.right], distance_[seen.left], face.apex_over(c));
-  if (arrival.which != Fig4::a) {
-    return round_a_vertex(vertex, arrival.which == Fig4::b ? seen.right : seen.left, best);
-  }
-  const Vec2 aim = seen.to_right + arrival.crossing * (seen.to_left - seen.to_right);
-  lanes.set(lanes.count++, {base, seen.right, seen.left, seen.to_right, seen.to_left, aim}, best);
-  return best;
-}
-
-// A distance above what the front expected needs a second look.
-double BackTracedFront::doubted(std::uint32_t vertex, double best) const {
-  const Halfedge base = scratch_.base[vertex];
-  const double base2 = surface_.faces[face_of(base)].length2(corner_of(base));
-  const double above = best - scratch_.estimate[vertex];
-  if (!(above > 0) || !(above * above > kSuspicious * kSuspicious * base2)) return best;
-  return over_other_faces(vertex, base, best);
 }
 
 // The way to the vertex seems to bend at another one. On either side of that one, the
@@ -239,7 +358,7 @@ double BackTracedFront::doubted(std::uint32_t vertex, double best) const {
 // straight on past it, the trace begins there.
 double BackTracedFront::round_a_vertex(std::uint32_t vertex, std::uint32_t bend,
                                        double best) const {
-  const Halfedge bend_base = scratch_.base[bend];
+  const Halfedge bend_base = scratch_.vertices[bend].base;
   if (bend_base == kNone) return best;  // in sight of the source
   const BackTrace trace(surface_, distance_, stops_, takes_);
   const FaceRecord& last = surface_.faces[face_of(bend_base)];
@@ -257,6 +376,7 @@ double BackTracedFront::round_a_vertex(std::uint32_t vertex, std::uint32_t bend,
     if (!(length > 0)) continue;
     const Vec2 to_bend{length, 0};
     const Vec2 to_rim{face.dot[c] / length, face.area2 / length};
+    best = std::min(best, distance_[face.vertex[r]] + norm(to_rim));
     const Halfedge out = halfedge(first, ahead ? b : r);
 
     Vec2 rim = to_rim;
@@ -284,7 +404,8 @@ double BackTracedFront::round_a_vertex(std::uint32_t vertex, std::uint32_t bend,
         const Vec2 aim = to_bend + distance_[bend] * unit(through - to_bend);
         // Past the bend on this side, and within the first face.
         if (cross(to_bend, aim) > 0 && cross(aim, to_rim) >= 0) {
-          best = trace.least({out, bend, face.vertex[r], to_bend, to_rim, aim}, best);
+          best = trace.least(
+              {out, bend, face.vertex[r], along_ray(aim, to_bend), along_ray(aim, to_rim)}, best);
         }
         break;
       }
@@ -297,38 +418,20 @@ double BackTracedFront::round_a_vertex(std::uint32_t vertex, std::uint32_t bend,
   return best;
 }
 
-// Every other face whose ends promise a shorter way is asked.
-double BackTracedFront::over_other_faces(std::uint32_t vertex, Halfedge base, double best) const {
-  const BackTrace trace(surface_, distance_, stops_, takes_);
-  for (const std::uint32_t corner : surface_.corners(vertex)) {
-    const std::uint32_t c = corner_of(corner);
-    const Halfedge opposite = halfedge(face_of(corner), next_corner(c));
-    if (opposite == base) continue;
-    const FaceRecord& face = surface_.faces[face_of(corner)];
-    const SeenFrom seen = seen_from(face, c);
-    const double at_right = distance_[seen.right];
-    const double at_left = distance_[seen.left];
-    if (!(std::max(at_right, at_left) < kUnreached) || !(seen.to_right.x > 0)) continue;
-    const Arrival arrival = arrive(at_right, at_left, face.apex_over(next_corner(c)));
-    if (arrival.which != Fig4::a || !(arrival.distance < best)) continue;
-    const Vec2 aim = seen.to_right + arrival.crossing * (seen.to_left - seen.to_right);
-    best = trace.least({opposite, seen.right, seen.left, seen.to_right, seen.to_left, aim}, best);
-  }
-  return best;
-}
-
 void BackTracedFront::forget(std::uint32_t vertex) {
   distance_[vertex] = kUnreached;
-  scratch_.estimate[vertex] = kUnreached;
-  scratch_.base[vertex] = kNone;
+  scratch_.vertices[vertex] = {};
 }
 
 void BackTracedFront::end() {
-  for (const std::uint32_t v : in_sight_) {
-    if (!scratch_.heap.accepted(v)) forget(v);
+  std::vector<std::uint32_t>& left = scratch_.round;
+  left.clear();
+  while (!scratch_.waiting.empty()) scratch_.waiting.take(left);
+  for (const std::uint32_t v : left) {
+    if (!scratch_.vertices[v].is_accepted()) forget(v);
   }
-  in_sight_.clear();
   stops_.clear();
+  rounds_in_bucket_ = 0;
 }
 
 }  // namespace geodesic

@@ -1,8 +1,13 @@
 // The front of back_traced_wavefront.h: what one source's wave knows and does.
+//
+// It goes in rounds. The considered vertices with the least estimates, all within a small
+// part of an edge, are accepted together: first they all get their distances, none of
+// which depends on another, then they all give their neighbours estimates. So what needs
+// arithmetic is done in lanes, and what lies apart in memory is fetched ahead.
 #pragma once
 
 #include <array>
-#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -13,73 +18,73 @@
 #include "core/back_traced_scratch.h"
 #include "core/field.h"
 #include "core/triangulation.h"
+#include "core/vectors.h"
 
 namespace geodesic {
 
 class BackTracedFront {
  public:
-  // `distance` has an entry per vertex, as have the scratch's arrays; they are
-  // kUnreached and kNone wherever this wave has not been, and the heap is empty.
+  // `distance` has an entry per vertex, as have the scratch's vertices; they are
+  // kUnreached and as constructed wherever this wave has not been.
   BackTracedFront(const Adjacency& adjacency, BackTrace::Takes takes, BackTracedScratch& scratch,
                   std::span<double> distance)
       : adjacency_(adjacency), takes_(takes), scratch_(scratch), distance_(distance) {}
 
   // Considers the vertices in the same face as the source, straight from there, and
-  // looks around from the source for those in sight of it.
-  // Returns none: they are accepted with the others.
-  std::vector<std::uint32_t> start(const Source& source, std::uint32_t number);
+  // those that a look around from the source finds in sight of it.
+  void start(const SurfacePoint& source);
+
+  // Accepts the next vertices: they get their distances. False, and none, when there are
+  // no more, or only such as are farther than `last` and by more than `lag`.
+  [[nodiscard]] bool accept_next(double last);
+  // Those that were accepted last, ascending; whoever is taken out spreads no further.
+  // Among them are some for the second time: those whose estimate was found to be too
+  // large just after they had been accepted.
+  [[nodiscard]] std::vector<std::uint32_t>& accepted() { return scratch_.round; }
+  // Every triangle at those with two accepted vertices gives its third, the farthest, an
+  // estimate.
+  void spread();
+  // Whether one that was accepted may be accepted again.
+  [[nodiscard]] bool may_improve() const { return scratch_.waiting.has_more_now(); }
 
   // By how much a vertex may come after others that are farther.
   [[nodiscard]] double lag() const;
-
-  // The vertex is likely to be the next. (Inlined by force: GCC takes out calls of
-  // functions that do nothing but fetch.)
-  __attribute__((always_inline)) void expect(std::uint32_t vertex) const {
-    for (const std::uint32_t corner : surface_.corners(vertex)) {
-      __builtin_prefetch(&surface_.faces[face_of(corner)]);
-    }
-  }
-  // The vertex has been taken from the heap. It gets its distance with the next few.
-  void accept(std::uint32_t vertex);
-  // Every triangle at an accepted vertex with exactly two accepted ones gives its third
-  // an estimate.
-  void spread_from(std::uint32_t vertex);
-  // All accepted vertices get their distances.
-  void settle();
+  [[nodiscard]] double distance(std::uint32_t vertex) const { return distance_[vertex]; }
   // The vertex is as if the wave had not come there.
   void forget(std::uint32_t vertex);
-  // The same for what was in sight and not accepted, and for the source's place.
+  // The same for all that were not accepted, and for the source's place.
   void end();
 
-  [[nodiscard]] Parents parents(std::uint32_t /*vertex*/) const { return {}; }
-  [[nodiscard]] double estimate(std::uint32_t vertex) const { return scratch_.estimate[vertex]; }
-  [[nodiscard]] double distance(std::uint32_t vertex) const { return distance_[vertex]; }
-
  private:
-  // So many vertices are traced back together.
-  static constexpr std::size_t kTogether = TraceLanes::kLanes;
-
-  void lower(std::uint32_t vertex, double estimate, Halfedge base);
   void see(std::uint32_t vertex, double straight);
+  void lower(std::uint32_t vertex, double estimate, Halfedge base, float crossing);
   void spread_along_edges(std::uint32_t vertex);
-  [[nodiscard]] double seen_by(std::uint32_t v, std::uint32_t other, double base2);
-  [[nodiscard]] bool is_pending(std::uint32_t vertex) const;
-  [[nodiscard]] double begin_trace(std::uint32_t vertex, TraceLanes& lanes) const;
-  [[nodiscard]] double doubted(std::uint32_t vertex, double best) const;
+  void take_round();
+  [[nodiscard]] bool is_early(std::uint32_t vertex, double least) const;
+  void trace_round();
+  void ask_other_faces();
+  [[nodiscard]] bool is_doubtful(std::uint32_t vertex, double best) const;
+  void trace(std::uint32_t place, Halfedge base, double crossing);
+  void flush_traces();
+  // The estimates over the first `count` of the scratch's bases, told by their place.
+  template <class Tell>
+  void arrive_over_bases(std::size_t count, Tell tell);
   [[nodiscard]] double round_a_vertex(std::uint32_t vertex, std::uint32_t bend, double best) const;
-  [[nodiscard]] double over_other_faces(std::uint32_t vertex, Halfedge base, double best) const;
+  [[nodiscard]] std::uint32_t opposite(Halfedge h) const {
+    return surface_.faces[face_of(h)].vertex[previous_corner(corner_of(h))];
+  }
 
   const Adjacency& adjacency_;
   BackTrace::Takes takes_;
   BackTracedScratch& scratch_;
   std::span<double> distance_;
-  Triangulation surface_;                // what this wave goes over
-  std::vector<std::uint32_t> stops_;     // the faces with the source in them, ascending
-  std::vector<std::uint32_t> in_sight_;  // those that have a distance from `see`
-  std::array<std::uint32_t, kTogether> pending_{};
-  std::size_t pending_count_ = 0;
+  Triangulation surface_;             // what this wave goes over
+  std::vector<std::uint32_t> stops_;  // the faces with the source in them, ascending
+  double least_gain_ = 0;             // that makes an accepted vertex wait again
+  int rounds_in_bucket_ = 0;
   Vectors vectors_ = best_vectors();
-  TraceLanes lanes_;
+  TraceLanes traces_;
+  std::array<std::uint32_t, TraceLanes::kLanes> traced_{};  // their places in the round
 };
 
 }  // namespace geodesic

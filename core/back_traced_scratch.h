@@ -1,23 +1,39 @@
 // What back_traced_wavefront.h works in.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "core/face_record.h"
+#include "core/field.h"
 #include "core/sight.h"
-#include "core/vertex_heap.h"
+#include "core/vertex_buckets.h"
 
 namespace geodesic {
 
+// What a front knows of a vertex, besides its distance. A quarter of a cache line.
+struct FrontVertex {
+  double estimate = kUnreached;  // by the paper's rule; times -1 once it has its distance
+  Halfedge base = kNone;         // opposite the vertex, what the estimate is over; or kNone:
+                                 // straight from the source
+  float crossing = 0;            // where its way crosses that, as in arrive_lanes.h
+
+  [[nodiscard]] bool is_accepted() const { return std::signbit(estimate); }
+};
+
 // Memory that a query works in, kept for the next query on the same thread.
 struct BackTracedScratch {
-  VertexHeap heap;
+  VertexBuckets waiting;
+  std::vector<FrontVertex> vertices;
   std::vector<double> distance;  // of one of several waves; kUnreached between waves
-  std::vector<double> estimate;  // by the paper's rule, what the order follows
-  std::vector<Halfedge> base;    // the edge opposite the vertex that the estimate is over
   std::vector<std::uint8_t> is_target;
   std::vector<Wedge> wedges;
+  // Of those that are accepted together.
+  std::vector<std::uint32_t> round;
+  std::vector<double> best;
+  std::vector<Halfedge> bases;
+  std::vector<std::uint32_t> asks;  // whose base that is, by its place in the round
 };
 
 }  // namespace geodesic

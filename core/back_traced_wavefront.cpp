@@ -1,6 +1,7 @@
 #include "core/back_traced_wavefront.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "core/back_traced_front.h"
 #include "core/relax_edges.h"
@@ -21,6 +22,41 @@ double reach(const FieldLimits& limits, const Field& field) {
   return max;
 }
 
+// Runs one source's wave, as detail::run_wave does for fronts that accept one vertex
+// after another.
+template <class Accepted>
+Result<void> run_wave(BackTracedFront& front, const Adjacency& adjacency,
+                      std::span<const Source> sources, std::uint32_t number,
+                      std::span<const double> earlier, double max, const Detour& detour,
+                      RemainingTargets& targets, Poll& poll, Accepted accepted) {
+  const Source& source = sources[number];
+  const detail::Worthwhile worthwhile(adjacency, source, earlier, detour);
+  const bool goes_everywhere = earlier.empty() && !detour.is_bounded();
+  front.start(source.point);
+  max -= source.offset;
+  const double last = max < kUnreached ? max + front.lag() : max;
+  const std::size_t vertex_count = adjacency.mesh().vertex_count();
+  // As if each wave came to every vertex.
+  const std::uint64_t total = sources.size() * vertex_count;
+  std::uint64_t done = number * vertex_count;
+  bool cancelled = false;
+  while ((!targets.done() || front.may_improve()) && !cancelled && front.accept_next(last)) {
+    for (const std::uint32_t v : front.accepted()) {
+      cancelled = poll.cancelled(std::min(done++, total), total) || cancelled;
+      targets.accept(v);
+      accepted(v);
+    }
+    if (!goes_everywhere) {
+      std::erase_if(front.accepted(),
+                    [&](std::uint32_t v) { return !worthwhile(v, front.distance(v)); });
+    }
+    front.spread();
+  }
+  front.end();
+  if (cancelled) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  return {};
+}
+
 }  // namespace
 
 Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Source> sources,
@@ -28,17 +64,15 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
                                 const Cancel& cancel) {
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
   Field field = unreached_field(Method::back_traced, sources, vertex_count);
-  scratch.heap.reset(vertex_count);
-  scratch.estimate.assign(vertex_count, kUnreached);
-  scratch.base.assign(vertex_count, kNone);
+  scratch.vertices.assign(vertex_count, {});
   const auto takes =
       bound == Bound::upper ? BackTrace::Takes::paths : BackTrace::Takes::virtual_sources;
   Poll poll(cancel);
   if (sources.size() == 1) {
     BackTracedFront front(adjacency, takes, scratch, field.distance);
     RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
-    auto wave = detail::run_wave(front, adjacency, sources[0], 0, 1, {}, limits.max, limits.detour,
-                                 targets, scratch.heap, poll, [](std::uint32_t) {});
+    auto wave = run_wave(front, adjacency, sources, 0, {}, limits.max, limits.detour, targets, poll,
+                         [](std::uint32_t) {});
     if (!wave) return fail(wave.error());
     if (sources[0].offset != 0) {
       for (double& d : field.distance) d += sources[0].offset;
@@ -52,8 +86,13 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
   } else {
     scratch.distance.assign(vertex_count, kUnreached);
     BackTracedFront front(adjacency, takes, scratch, scratch.distance);
-    auto waves =
-        detail::run_waves(front, adjacency, limits, field, scratch.heap, scratch.is_target, poll);
+    auto waves = detail::run_waves(
+        front, limits, field, scratch.is_target,
+        [&](std::uint32_t s, double max, RemainingTargets& targets, auto accepted) {
+          return run_wave(front, adjacency, sources, s, field.distance, max, {}, targets, poll,
+                          accepted);
+        },
+        [&](std::uint32_t v) { front.forget(v); });
     if (!waves) return fail(waves.error());
   }
   // Where a detour ended the front, what it left out is left out.

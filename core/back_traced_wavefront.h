@@ -3,7 +3,7 @@
 //
 // The paper's front (wavefront.h) decides the order of the vertices and the edge that
 // each one's shortest way comes over. Each distance is then computed again: by going
-// back along that way over a dozen faces, and taking the paper's two circles round the
+// back along that way over ten faces, and taking the paper's two circles round the
 // ends of the edge there, or a straight line from a vertex in between (back_trace.h).
 // The front goes on from that distance. From a vertex it runs on the intrinsic Delaunay
 // triangulation of the surface; from other points on the faces of the mesh.

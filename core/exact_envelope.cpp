@@ -141,6 +141,22 @@ void push(std::vector<Window>& list, const Window& window, PseudoSources roots, 
   list.push_back(window);
 }
 
+// The same for a window that is in the list already, as its last.
+void keep_last(std::vector<Window>& list, PseudoSources roots, double length) {
+  const Window& window = list.back();
+  const double offset = roots[window.root].offset;
+  if (too_narrow(window, length, offset)) {
+    list.pop_back();
+    return;
+  }
+  if (list.size() < 2) return;
+  Window& before = list[list.size() - 2];
+  if (before.root != window.root || !is_continued_by(before, window, offset, length)) return;
+  before.end = window.end;
+  before.at_end = window.at_end;
+  list.pop_back();
+}
+
 // Puts pieces of windows together as they come, from left to right.
 class Pieces {
  public:
@@ -165,9 +181,10 @@ class Pieces {
  private:
   void flush() {
     if (whole_ == nullptr) return;
+    // Made where it is to be: a copy at once would wait for every part of it.
     const Window& w = *whole_;
-    push(list_, {begin_, end_, w.x, w.y, at_begin_, at_end_, w.root, w.from, w.propagated}, roots_,
-         length_);
+    list_.emplace_back(begin_, end_, w.x, w.y, at_begin_, at_end_, w.root, w.from, w.propagated);
+    keep_last(list_, roots_, length_);
   }
   std::vector<Window>& list_;
   PseudoSources roots_;
@@ -303,9 +320,8 @@ void append_overlapping(std::vector<Window>& list, const Window& window, PseudoS
   for (const Window& piece : scratch) push(list, piece, roots, length);
 }
 
-void merge(std::span<const Window> old, std::span<const Window> fresh, PseudoSources roots,
-           double length, std::vector<Window>& merged) {
-  merged.clear();
+void append_merged(std::span<const Window> old, std::span<const Window> fresh, PseudoSources roots,
+                   double length, std::vector<Window>& merged) {
   Pieces pieces(merged, roots, length);
   std::size_t i = 0;
   std::size_t j = 0;

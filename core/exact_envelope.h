@@ -24,6 +24,10 @@ inline constexpr double kTie = 1e-13;
 inline constexpr double kTouch = 1e-13;
 // The least width of a window: this part of the shorter of its edge and its rays.
 inline constexpr double kLeastWidth = 1e-12;
+// Windows of one source this part of the edge apart may be one, if it makes no difference …
+inline constexpr double kNearlyTouch = 1e-6;
+// … and their unfolded sources are nearer to each other than this part of their distance.
+inline constexpr double kNearSource = 1e-6;
 // Unfolded sources nearer to each other than this part of their distance are the
 // same one, unfolded over different faces.
 inline constexpr double kSameSource = 3e-14;
@@ -44,6 +48,19 @@ inline constexpr double kSameSource = 3e-14;
   if (std::abs(right.begin - left.end) > kTouch * length) return false;
   const double same = kSameSource * (left.at_end - offset);
   return std::abs(left.x - right.x) <= same && std::abs(left.y - right.y) <= same;
+}
+
+// Whether light from the left window's source is as good as the right one's own over its
+// interval, which begins where the left one ends: as where a vertex that it passed on both
+// sides is flat but for rounding. In first order the distances' difference depends on
+// nothing but a ray's direction, so it does not grow on the way.
+[[nodiscard]] inline bool is_as_good(const Window& left, double begin, double end, double at_begin,
+                                     double at_end, double offset) {
+  const double y2 = left.y * left.y;
+  const double to_begin = begin - left.x;
+  const double to_end = end - left.x;
+  return std::abs(offset + std::sqrt(to_begin * to_begin + y2) - at_begin) <= kTie * at_begin &&
+         std::abs(offset + std::sqrt(to_end * to_end + y2) - at_end) <= kTie * at_end;
 }
 
 // Cuts off what is nearer along the edge from its tail or its head, as far as that
@@ -87,9 +104,16 @@ inline void append(std::vector<Window>& list, const Window& window, PseudoSource
   list.push_back(window);
 }
 
-// Writes the lower envelope of two lists to `merged`, which it clears. In a tie the
-// windows of `old` stay.
-void merge(std::span<const Window> old, std::span<const Window> fresh, PseudoSources roots,
-           double length, std::vector<Window>& merged);
+// Writes the lower envelope of two lists to `merged`, behind what is there already. In a
+// tie the windows of `old` stay.
+void append_merged(std::span<const Window> old, std::span<const Window> fresh, PseudoSources roots,
+                   double length, std::vector<Window>& merged);
+
+// The same into an empty list.
+inline void merge(std::span<const Window> old, std::span<const Window> fresh, PseudoSources roots,
+                  double length, std::vector<Window>& merged) {
+  merged.clear();
+  append_merged(old, fresh, roots, length, merged);
+}
 
 }  // namespace geodesic::exact

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/exact_propagation.h"
+#include "core/exact_surface.h"
 #include "core/vertex_front.h"
 
 namespace geodesic {
@@ -24,7 +25,13 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   Field field = unreached_field(method, sources, vertex_count);
   // A step is a list of windows over an edge, not one vertex.
   Poll poll(cancel, 1024);
-  exact::Propagation propagation(adjacency, *scratch.memory, field, limits.max, tolerance,
+  const bool at_vertices = std::all_of(sources.begin(), sources.end(),
+                                       [](const Source& s) { return s.point.at_vertex(); });
+  // Vertices have the same distances on faces that are better for it.
+  const bool on_mesh = keep_windows || !at_vertices;
+  const Triangulation surface =
+      on_mesh ? adjacency.triangulation() : exact::surface_for_windows(adjacency, sources, poll);
+  exact::Propagation propagation(adjacency, surface, *scratch.memory, field, limits.max, tolerance,
                                  keep_windows, poll);
   if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
   for (std::uint32_t s = 0; s < sources.size(); ++s) propagation.start(sources[s], s);

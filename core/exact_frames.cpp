@@ -38,9 +38,10 @@ double rough_angle(double x, double y) {
 
 }  // namespace
 
-void Frames::build(const Adjacency& adjacency, Poll& poll) {
+void Frames::build(const Adjacency& adjacency, const Triangulation& surface, Poll& poll) {
+  surface_ = surface;
   // Every face is written below: what the last query left is as good as new.
-  const std::size_t face_count = adjacency.faces().size();
+  const std::size_t face_count = surface.faces.size();
   if (faces_.size() != face_count) polled_assign(faces_, face_count, FaceFrame{}, poll);
   edges_.clear();
   edges_.reserve(adjacency.report().edges);
@@ -48,15 +49,16 @@ void Frames::build(const Adjacency& adjacency, Poll& poll) {
   angle_sum_.assign(adjacency.mesh().vertex_count(), 0);
   number_edges(adjacency, poll);
   if (poll.stopped()) return;
-  measure_faces(adjacency, poll);
+  measure_faces(poll);
   classify_vertices(adjacency, poll);
 }
 
 // An edge gets its number from the first of its halfedges.
 void Frames::number_edges(const Adjacency& adjacency, Poll& poll) {
+  const bool is_mesh = surface_.faces.data() == adjacency.faces().data();
   const auto positions = adjacency.mesh().positions();
   for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
-    const FaceRecord& record = adjacency.face(f);
+    const FaceRecord& record = surface_.faces[f];
     FaceFrame& frame = faces_[f];
     frame.reversed = 0;
     for (std::uint32_t c = 0; c < 3; ++c) {
@@ -64,10 +66,12 @@ void Frames::number_edges(const Adjacency& adjacency, Poll& poll) {
       const std::uint32_t tail = record.vertex[c];
       const std::uint32_t head = record.vertex[next_corner(c)];
       Halfedge first = h;
-      for (Halfedge i = record.ring[c]; i != h; i = adjacency.ring(i)) first = std::min(first, i);
+      for (Halfedge i = record.ring[c]; i != h; i = surface_.ring(i)) first = std::min(first, i);
       if (first == h) {
         frame.edge[c] = static_cast<std::uint32_t>(edges_.size());
-        edges_.push_back({distance(positions[tail], positions[head]), tail, head, h});
+        const double length = is_mesh ? distance(positions[tail], positions[head])
+                                      : std::sqrt(std::max(record.length2(c), 0.0));
+        edges_.push_back({length, tail, head, h, record.ring[c]});
       } else {
         frame.edge[c] = edge_of(first);
         if (edges_[frame.edge[c]].tail != tail) frame.reversed |= 1U << c;
@@ -76,20 +80,12 @@ void Frames::number_edges(const Adjacency& adjacency, Poll& poll) {
   }
 }
 
-void Frames::measure_faces(const Adjacency& adjacency, Poll& poll) {
+void Frames::measure_faces(Poll& poll) {
   double sum = 0;
   for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
-    const FaceRecord& record = adjacency.face(f);
-    FaceFrame& frame = faces_[f];
+    const FaceRecord& record = surface_.faces[f];
     for (std::uint32_t i = 0; i < 3; ++i) {
-      const double product = length(f, i) * length(f, previous_corner(i));
-      const double x = record.dot[i] / product;
-      const double y = record.area2 / product;
-      // Brought back to the unit circle, or unfolding would stretch.
-      const double norm = std::sqrt(x * x + y * y);
-      frame.cosine[i] = x / norm;
-      frame.sine[i] = y / norm;
-      angle_sum_[record.vertex[i]] += rough_angle(x, y);
+      angle_sum_[record.vertex[i]] += rough_angle(record.dot[i], record.area2);
     }
     const std::uint32_t longest = record.longest_side();
     const double longest_length = length(f, longest);
@@ -104,12 +100,11 @@ void Frames::measure_faces(const Adjacency& adjacency, Poll& poll) {
 void Frames::classify_vertices(const Adjacency& adjacency, Poll& poll) {
   constexpr double kPi = std::numbers::pi;
   std::vector<bool> on_boundary(bends_.size(), false);
-  for (const EdgeFrame& edge : edges_) {
+  for (const Edge& edge : edges_) {
     if (poll.cancelled()) return;
-    const Halfedge second = adjacency.ring(edge.first);
-    if (second == edge.first) {
+    if (edge.on_boundary()) {
       on_boundary[edge.tail] = on_boundary[edge.head] = true;
-    } else if (adjacency.ring(second) != edge.first) {
+    } else if (surface_.ring(edge.second) != edge.first) {
       bends_[edge.tail] = bends_[edge.head] = Bends::everywhere;
     }
   }
@@ -120,14 +115,14 @@ void Frames::classify_vertices(const Adjacency& adjacency, Poll& poll) {
       continue;
     }
     const double straight = on_boundary[v] ? kPi - kAngle : 2 * kPi + kAngle;
-    const auto corners = adjacency.corners(v);
+    const auto corners = surface_.corners(v);
     // Angles are added up roughly; only where that leaves a doubt, exactly.
     double sum = angle_sum_[v];
     if (std::abs(sum - straight) < kRoughAngle * static_cast<double>(corners.size())) {
       sum = 0;
       for (const std::uint32_t corner : corners) {
-        const FaceFrame& frame = faces_[face_of(corner)];
-        sum += std::atan2(frame.sine[corner_of(corner)], frame.cosine[corner_of(corner)]);
+        const FaceRecord& record = surface_.faces[face_of(corner)];
+        sum += std::atan2(record.area2, record.dot[corner_of(corner)]);
       }
     }
     if (sum > straight) bends_[v] = Bends::beyond;

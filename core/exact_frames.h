@@ -1,32 +1,31 @@
 // The surface as exact propagation walks on it: edges, each with a frame of its own,
-// and faces as the angles between their sides. Built for a query from the mesh's
-// positions, so that an edge has one length whichever face asks.
+// without any windows yet, and faces as the edges on
+// their sides. Built for a query from the
+// mesh's positions, so that an edge has one length whichever face asks.
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "core/adjacency.h"
 #include "core/cancel.h"
+#include "core/exact_edge.h"
 
 namespace geodesic::exact {
-
-struct EdgeFrame {
-  double length;
-  std::uint32_t tail;
-  std::uint32_t head;
-  Halfedge first;  // one of its halfedges, the way from tail to head
-};
 
 struct FaceFrame {
   std::array<std::uint32_t, 3> edge;  // side c, from vertex[c] to vertex[c + 1]
   std::uint32_t reversed;             // bit c: side c goes from the edge's head to its tail
-  std::array<double, 3> cosine;       // of the angle at each corner
-  std::array<double, 3> sine;
 
   [[nodiscard]] bool is_reversed(std::uint32_t c) const { return ((reversed >> c) & 1U) != 0; }
+};
+
+struct CornerAngle {
+  double cosine;
+  double sine;
 };
 
 // What shortest paths do at a vertex.
@@ -39,11 +38,12 @@ enum class Bends : std::uint8_t {
 
 class Frames {
  public:
-  // Of no use if the poll says to stop.
-  void build(const Adjacency& adjacency, Poll& poll);
+  // Both must outlive its use. Of no use if the poll says to stop.
+  void build(const Adjacency& adjacency, const Triangulation& surface, Poll& poll);
 
-  [[nodiscard]] std::span<const EdgeFrame> edges() const { return edges_; }
-  [[nodiscard]] const EdgeFrame& edge(std::uint32_t e) const { return edges_[e]; }
+  [[nodiscard]] std::span<Edge> edges() { return edges_; }
+  [[nodiscard]] std::span<const Edge> edges() const { return edges_; }
+  [[nodiscard]] const Edge& edge(std::uint32_t e) const { return edges_[e]; }
   [[nodiscard]] const FaceFrame& face(std::uint32_t f) const { return faces_[f]; }
   [[nodiscard]] std::uint32_t edge_of(Halfedge h) const {
     return faces_[face_of(h)].edge[corner_of(h)];
@@ -54,16 +54,26 @@ class Frames {
   [[nodiscard]] double length(std::uint32_t f, std::uint32_t c) const {
     return edges_[faces_[f].edge[c]].length;
   }
+  [[nodiscard]] CornerAngle angle(std::uint32_t f, std::uint32_t c) const {
+    const FaceRecord& record = surface_.faces[f];
+    const double product = length(f, c) * length(f, previous_corner(c));
+    const double x = record.dot[c] / product;
+    const double y = record.area2 / product;
+    // Brought back to the unit circle, or unfolding would stretch.
+    const double norm = std::sqrt(x * x + y * y);
+    return {x / norm, y / norm};
+  }
   [[nodiscard]] std::span<const Bends> bends() const { return bends_; }
   // The mean over the faces of their shortest side.
   [[nodiscard]] double mean_shortest_side() const { return mean_shortest_side_; }
 
  private:
   void number_edges(const Adjacency& adjacency, Poll& poll);
-  void measure_faces(const Adjacency& adjacency, Poll& poll);
+  void measure_faces(Poll& poll);
   void classify_vertices(const Adjacency& adjacency, Poll& poll);
 
-  std::vector<EdgeFrame> edges_;
+  Triangulation surface_;
+  std::vector<Edge> edges_;
   std::vector<FaceFrame> faces_;
   std::vector<Bends> bends_;
   std::vector<double> angle_sum_;

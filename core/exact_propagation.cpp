@@ -2,38 +2,37 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <iterator>
-
-#include "core/polled_fill.h"
 
 namespace geodesic::exact {
 namespace {
 
-// Distances that a vertex is lowered by below this part send out nothing new.
-constexpr double kNews = 1e-14;
+// Gaps between windows below this part of the edge need not be looked into: what is in
+// them is no farther from their ends.
+constexpr double kLeastGap = 1e-9;
 
 }  // namespace
 
-Propagation::Propagation(const Adjacency& adjacency, PropagationMemory& memory, Field& field,
-                         double max, double tolerance, bool keep_windows, Poll& poll)
+Propagation::Propagation(const Adjacency& adjacency, const Triangulation& surface,
+                         PropagationMemory& memory, Field& field, double max, double tolerance,
+                         bool keep_windows, Poll& poll)
     : adjacency_(adjacency),
+      surface_(surface),
       memory_(memory),
       frames_(memory.frames),
       field_(field),
       max_(max * (1 + tolerance) * (1 + tolerance)),
       tolerance_(tolerance),
       keep_windows_(keep_windows) {
-  memory.frames.build(adjacency, poll);
+  memory.frames.build(adjacency, surface, poll);
   if (poll.stopped()) return;
   memory.pool.reset(poll);
   if (poll.stopped()) return;
   double least = kUnreached;
   for (const Source& source : field.sources) least = std::min(least, source.offset);
   memory.queue.reset(least, 0.25 * frames_.mean_shortest_side());
-  polled_assign(memory.edges, frames_.edges().size(),
-                {nullptr, 0, 0, kUnreached, kUnreached, kUnreached, false}, poll);
+  edges_ = memory.frames.edges();
   memory.roots.clear();
+  memory.offsets.clear();
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
   memory.arrivals.assign(vertex_count, {kNone, false, 0});
   memory.bends.assign(frames_.bends().begin(), frames_.bends().end());
@@ -41,12 +40,18 @@ Propagation::Propagation(const Adjacency& adjacency, PropagationMemory& memory, 
   memory.above.assign(tolerance > 0 ? vertex_count : 0, 0);
 }
 
+std::uint32_t Propagation::add_root(const PseudoSource& root) {
+  memory_.roots.push_back(root);
+  memory_.offsets.push_back(root.offset);
+  return static_cast<std::uint32_t>(memory_.roots.size() - 1);
+}
+
 bool Propagation::step() {
   Waiting next{};
   if (!memory_.queue.pop(next)) return false;
   switch (next.what) {
     case Waiting::What::edge:
-      memory_.edges[next.number].queued = kUnreached;
+      edges_[next.number].queued = kUnreached;
       pass_on(next.number);
       break;
     case Waiting::What::vertex:
@@ -63,327 +68,272 @@ bool Propagation::step() {
 // the edge's farthest place is found: nothing that arrives later, and farther, can be
 // nearer anywhere on it.
 void Propagation::pass_on(std::uint32_t e) {
-  EdgeWindows& edge = memory_.edges[e];
+  Edge& edge = edges_[e];
   if (edge.pending == kUnreached) return;
   edge.pending = kUnreached;
-  const EdgeFrame& frame = frames_.edge(e);
-  const double at_tail = field_.distance[frame.tail];
-  const double at_head = field_.distance[frame.head];
+  const double at_tail = field_.distance[edge.tail];
+  const double at_head = field_.distance[edge.head];
   double farthest = 0;
   double covered = 0;
   const auto gap = [&](double begin, double end) {
-    farthest = std::max(farthest, std::min(at_tail + end, at_head + (frame.length - begin)));
+    farthest = std::max(farthest, std::min(at_tail + end, at_head + (edge.length - begin)));
   };
-  std::vector<Beam>& waiting = memory_.waiting;
-  waiting.clear();
-  for (std::uint32_t i = 0; i < edge.size; ++i) {
-    Window& w = edge.windows[i];
-    if (covered < w.begin) gap(covered, w.begin);
-    farthest = std::max({farthest, w.at_begin, w.at_end});
+  const std::span<Window> windows(edge.windows, edge.size);
+  Halfedge from = kNone;  // of those that wait
+  bool from_one = true;
+  // Less than this is rounding, and no branch worth.
+  const double least_gap = kLeastGap * edge.length;
+  for (const Window& w : windows) {
+    if (covered + least_gap < w.begin) gap(covered, w.begin);
+    farthest = std::max(farthest, std::max(w.at_begin, w.at_end));
     covered = w.end;
     if (w.propagated) continue;
-    w.propagated = true;
-    waiting.push_back({w.begin, w.end, w.x, w.y, memory_.roots[w.root].offset, 0, w.root, w.from});
+    if (from == kNone) from = w.from;
+    from_one &= w.from == from;
   }
-  if (covered < frame.length) gap(covered, frame.length);
-  Halfedge h = frame.first;
+  if (covered < edge.length) gap(covered, edge.length);
+  // No face has two sides on one edge, so the list stays as it is.
+  Halfedge h = edge.first;
   do {
-    const std::span<Beam> beams = beams_over(h);
-    if (!beams.empty()) cross_face(h, beams);
-    h = adjacency_.ring(h);
-  } while (h != frame.first);
-  settle(e, farthest);
+    if (!from_one || h != from) {
+      load_beams(windows, h);
+      if (memory_.beams.size != 0) cross_face(h);
+    }
+    h = h == edge.first ? edge.second : surface_.ring(h);
+  } while (h != edge.first);
+  for (Window& w : windows) w.propagated = true;
+  settle(e, farthest + least_gap);
 }
 
-// The waiting ones that did not come from the face of h, in the frame of h.
-std::span<Beam> Propagation::beams_over(Halfedge h) {
-  std::vector<Beam>& waiting = memory_.waiting;
-  const auto comes_from_here = [h](const Beam& beam) { return beam.from == h; };
-  const bool reversed = frames_.is_reversed(h);
-  if (!reversed && std::none_of(waiting.begin(), waiting.end(), comes_from_here)) return waiting;
-  std::vector<Beam>& beams = memory_.beams;
-  beams.clear();
-  if (!reversed) {
-    std::remove_copy_if(waiting.begin(), waiting.end(), std::back_inserter(beams), comes_from_here);
-    return beams;
+// The windows on the edge of h that wait and did not come from its face, in its frame.
+void Propagation::load_beams(std::span<const Window> windows, Halfedge h) {
+  Beams& beams = memory_.beams;
+  beams.make_room(windows.size());
+  const double* const offsets = memory_.offsets.data();
+  double* const begin = beams.begin.data();
+  double* const end = beams.end.data();
+  double* const x = beams.x.data();
+  double* const y = beams.y.data();
+  double* const offset = beams.offset.data();
+  std::uint32_t* const root = beams.root.data();
+  std::size_t size = 0;
+  if (!frames_.is_reversed(h)) {
+    for (const Window& w : windows) {
+      if (w.propagated || w.from == h) continue;
+      begin[size] = w.begin;
+      end[size] = w.end;
+      x[size] = w.x;
+      y[size] = w.y;
+      offset[size] = offsets[w.root];
+      root[size++] = w.root;
+    }
+  } else {
+    const double length = frames_.edge(frames_.edge_of(h)).length;
+    for (std::size_t i = windows.size(); i-- > 0;) {
+      const Window& w = windows[i];
+      if (w.propagated || w.from == h) continue;
+      begin[size] = length - w.end;
+      end[size] = length - w.begin;
+      x[size] = length - w.x;
+      y[size] = w.y;
+      offset[size] = offsets[w.root];
+      root[size++] = w.root;
+    }
   }
-  const double length = frames_.edge(frames_.edge_of(h)).length;
-  for (std::size_t i = waiting.size(); i-- > 0;) {
-    const Beam& b = waiting[i];
-    if (comes_from_here(b)) continue;
-    beams.push_back(
-        {length - b.end, length - b.begin, length - b.x, b.y, b.offset, 0, b.root, b.from});
-  }
-  return beams;
+  beams.size = size;
 }
 
-// The beams cross the face of h from its base a -> b; C is the corner opposite. On
-// the side a - C, t is counted from a, on b - C from b. A line from the unfolded
-// source (x, -y) through (p, 0) meets a - C at
-//   t = p y / (y cos A + (x - p) sin A),
-// and seen from that side the source is at (x cos A - y sin A, -(y cos A + x sin A)).
-void Propagation::cross_face(Halfedge h, std::span<Beam> beams) {
-  propagated_ += beams.size();
-  const std::size_t best = reach_apex(h, beams);
+// The beams cross the face of h from its base a -> b; the sides are those from the far
+// corner to a and from b to it.
+void Propagation::cross_face(Halfedge h) {
+  const std::size_t count = memory_.beams.size;
+  propagated_ += count;
   const std::uint32_t f = face_of(h);
   const std::uint32_t c = corner_of(h);
-  const FaceFrame& frame = frames_.face(f);
-
+  const CornerAngle at_tail = frames_.angle(f, c);
+  const std::size_t best = reach_apex(h, at_tail);
+  const FaceFrame& face = frames_.face(f);
+  const double base = frames_.edge(face.edge[c]).length;
   const Side left = side(halfedge(f, previous_corner(c)), false);
   if (!left.on_boundary) {
-    const double cosine = frame.cosine[c];
-    const double sine = frame.sine[c];
-    const auto over_left = [&](const Beam& beam) {
-      if (!(beam.begin < beam.crossing)) return;
-      const auto meets = [&](double p) {
-        const double below = beam.y * cosine + (beam.x - p) * sine;
-        return below > 0 ? std::min(p * beam.y / below, left.length) : (p > 0 ? left.length : 0);
-      };
-      add_child(left, beam.offset, beam.root, meets(beam.begin),
-                beam.end < beam.crossing ? meets(beam.end) : left.length,
-                beam.x * cosine - beam.y * sine, std::max(beam.y * cosine + beam.x * sine, 0.0));
-    };
-    // The list goes from the edge's tail to its head.
-    memory_.children.clear();
-    if (left.flipped) {
-      for (std::size_t i = best + 1; i-- > 0;) over_left(beams[i]);
-    } else {
-      for (std::size_t i = 0; i <= best; ++i) over_left(beams[i]);
-    }
-    commit(left.edge);
+    cross_to(left,
+             {false, left.flipped, base, at_tail.cosine, at_tail.sine, left.length, left.at_tail,
+              left.at_head, left.settled, max_},
+             0, best + 1);
   }
-
   const Side right = side(halfedge(f, next_corner(c)), true);
   if (!right.on_boundary) {
-    const double base = frames_.edge(frame.edge[c]).length;
-    const double cosine = frame.cosine[next_corner(c)];
-    const double sine = frame.sine[next_corner(c)];
-    const auto over_right = [&](const Beam& beam) {
-      if (!(beam.end > beam.crossing)) return;
-      const double x = base - beam.x;
-      const auto meets = [&](double p) {
-        const double below = beam.y * cosine + (x - p) * sine;
-        return below > 0 ? std::min(p * beam.y / below, right.length) : (p > 0 ? right.length : 0);
-      };
-      add_child(right, beam.offset, beam.root, meets(base - beam.end),
-                beam.begin > beam.crossing ? meets(base - beam.begin) : right.length,
-                x * cosine - beam.y * sine, std::max(beam.y * cosine + x * sine, 0.0));
-    };
-    memory_.children.clear();
-    if (right.flipped) {
-      for (std::size_t i = best; i < beams.size(); ++i) over_right(beams[i]);
-    } else {
-      for (std::size_t i = beams.size(); i-- > best;) over_right(beams[i]);
-    }
-    commit(right.edge);
+    const CornerAngle at_head = frames_.angle(f, next_corner(c));
+    cross_to(right,
+             {true, right.flipped, base, at_head.cosine, at_head.sine, right.length, right.at_tail,
+              right.at_head, right.settled, max_},
+             best, count);
   }
+}
+
+// The beams from `first` to before `last` over one side of their face.
+void Propagation::cross_to(const Side& side, const SideFrame& frame, std::size_t first,
+                           std::size_t last) {
+  Children& children = memory_.children;
+  Ties& ties = memory_.ties;
+  children.make_room(last);
+  ties.make_room(last - first);
+  cross_to_side(vectors_, memory_.beams, first, last, frame, children);
+  // On the left side t grows with the place on the base.
+  const bool upwards = frame.on_right == frame.flipped;
+  pair_overlaps(vectors_, first, last, upwards, side.length, children, ties);
+  if (ties.size > 0) find_ties(vectors_, memory_.beams, children, ties);
+  ChildOrder order{first, last, upwards};
+  FreshList fresh{memory_.fresh, 0, kUnreached};
+  for (;;) {
+    add_plain(side, order, fresh);
+    if (order.left() == 0) break;
+    add_with_care(side, order, fresh);
+  }
+  commit(side.edge, {fresh.list.data(), fresh.size}, fresh.least);
+}
+
+// Adds children in the order on the edge, as long as they come there whole and meet none
+// but the one before: nearly all of them do.
+void Propagation::add_plain(const Side& side, ChildOrder& order, FreshList& fresh) {
+  const std::size_t most = fresh.size + order.left();
+  if (fresh.list.size() < most) fresh.list.resize(most);
+  const Children& children = memory_.children;
+  const Ties& ties = memory_.ties;
+  const double* const begins = children.begin.data();
+  const double* const ends = children.end.data();
+  const double* const xs = children.x.data();
+  const double* const ys = children.y.data();
+  const double* const at_begins = children.at_begin.data();
+  const double* const at_ends = children.at_end.data();
+  const double* const leasts = children.least.data();
+  const std::int64_t* const passes = children.passes.data();
+  const std::int64_t* const overlaps = children.overlaps.data();
+  const std::uint32_t* const roots = memory_.beams.root.data();
+  const double touch = kTouch * side.length;
+  const double narrow = kLeastWidth * side.length;
+  const double nearly = kNearlyTouch * side.length;
+  const std::size_t step = order.upwards ? 1 : static_cast<std::size_t>(-1);
+  // The one before a child on the edge is numbered before it, or it before that one.
+  const std::size_t to_pair = order.upwards ? 0 : 1;
+  std::size_t i = order.next();
+  std::size_t left = order.left();
+  double least = fresh.least;
+  Window* const begin = fresh.list.data();
+  Window* out = begin + fresh.size;
+  double reached = out == begin ? -kUnreached : out[-1].end;
+  double last_x = out == begin ? 0 : out[-1].x;
+  std::uint32_t last_root = out == begin ? kNone : out[-1].root;
+  for (; left > 0; --left, i += step) {
+    if (passes[i] != kWhole) {
+      if (passes[i] != kMisses) break;
+      continue;
+    }
+    double from = begins[i];
+    double at_from = at_begins[i];
+    const bool maybe_same = (static_cast<int>(last_root == roots[i]) &
+                             static_cast<int>(std::abs(xs[i] - last_x) <= kNearSource * at_from) &
+                             static_cast<int>(std::abs(from - reached) <= nearly)) != 0;
+    if (maybe_same && reached == ends[i - step] &&
+        is_as_good(out[-1], from, ends[i], at_from, at_ends[i], memory_.beams.offset[i])) {
+      reached = out[-1].end = ends[i];
+      out[-1].at_end = at_ends[i];
+      least = std::min(least, leasts[i]);
+      continue;
+    }
+    if (out != begin && overlaps[i + to_pair] != 0) {
+      const std::size_t tie = children.tie[i + to_pair];
+      const double place = ties.place[tie];
+      const bool clear = ties.found[tie] != 0 && reached == ends[i - step] &&
+                         place - out[-1].begin > narrow && ends[i] - place > narrow;
+      if (!clear) break;
+      out[-1].end = place;
+      out[-1].at_end = ties.at_left[tie];
+      from = place;
+      at_from = ties.at_right[tie];
+    } else if (!(reached <= from + touch)) {
+      break;  // more than one overlap
+    }
+    out->begin = from;
+    out->end = ends[i];
+    out->x = xs[i];
+    out->y = ys[i];
+    out->at_begin = at_from;
+    out->at_end = at_ends[i];
+    out->root = roots[i];
+    out->from = side.from;
+    out->propagated = false;
+    ++out;
+    last_root = roots[i];
+    last_x = xs[i];
+    reached = ends[i];
+    least = std::min(least, leasts[i]);
+  }
+  order.skip(order.left() - left);
+  fresh.size = static_cast<std::size_t>(out - begin);
+  fresh.least = least;
+}
+
+// Adds the next child, whatever is the matter with it.
+void Propagation::add_with_care(const Side& side, ChildOrder& order, FreshList& fresh) {
+  const Children& children = memory_.children;
+  const std::size_t i = order.next();
+  order.skip(1);
+  Window window{
+      children.begin[i],  children.end[i],       children.x[i], children.y[i], children.at_begin[i],
+      children.at_end[i], memory_.beams.root[i], side.from,     false};
+  if (children.passes[i] != kWhole && !is_of_use(window, side)) return;
+  fresh.least = std::min(fresh.least, window.least(memory_.beams.offset[i]));
+  fresh.list.resize(fresh.size);
+  append(fresh.list, window, memory_.roots, side.length, memory_.scratch);
+  fresh.size = fresh.list.size();
 }
 
 // Finds for every beam where the line to the far corner crosses the base, and lowers
 // that corner. Returns the beam by which it is nearest. A beam that the line misses
 // leads there round its end; that matters only where there is a gap.
-std::size_t Propagation::reach_apex(Halfedge h, std::span<Beam> beams) {
-  constexpr double kNearlyMet = 1e-9;
+std::size_t Propagation::reach_apex(Halfedge h, const CornerAngle& at_tail) {
   const std::uint32_t f = face_of(h);
   const std::uint32_t c = corner_of(h);
   const std::uint32_t apex_corner = previous_corner(c);
   const FaceFrame& frame = frames_.face(f);
-  const double left_length = frames_.edge(frame.edge[previous_corner(c)]).length;
-  const double apex_x = left_length * frame.cosine[c];
-  const double apex_y = left_length * frame.sine[c];
-  const double near = kNearlyMet * frames_.edge(frame.edge[c]).length;
-
-  std::size_t best = 0;
-  double best_distance = kUnreached;
-  const auto try_beam = [&](std::size_t i) {
-    const Beam& beam = beams[i];
-    const double crossing = std::clamp(beam.crossing, beam.begin, beam.end);
-    const double run = crossing - beam.x;
-    const double rest = apex_x - crossing;
-    const double distance = beam.offset + std::sqrt(run * run + beam.y * beam.y) +
-                            std::sqrt(rest * rest + apex_y * apex_y);
-    if (!(distance < best_distance)) return;
-    best = i;
-    best_distance = distance;
-  };
-  for (std::size_t i = 0; i < beams.size(); ++i) {
-    Beam& beam = beams[i];
-    const double rise = beam.y + apex_y;
-    // On one line with the face anything between will do.
-    beam.crossing = rise > 0 ? (beam.x * apex_y + apex_x * beam.y) / rise : apex_x;
-    if (beam.crossing >= beam.begin - near && beam.crossing <= beam.end + near) try_beam(i);
-  }
-  // All those to the left go left and those to the right go right, unless one leads to
-  // the corner by a shorter way than the best.
-  bool in_order = best_distance != kUnreached;
-  for (std::size_t i = 0; i < best; ++i) in_order &= beams[i].crossing >= beams[i].begin;
-  for (std::size_t i = best + 1; i < beams.size(); ++i) {
-    in_order &= beams[i].crossing <= beams[i].end;
-  }
-  if (!in_order) {
-    for (std::size_t i = 0; i < beams.size(); ++i) try_beam(i);
-  }
-  const Beam& beam = beams[best];
-  lower(adjacency_.face(f).vertex[apex_corner], best_distance, memory_.roots[beam.root],
-        {halfedge(f, apex_corner), beams.size() >= crowd_,
-         std::clamp(beam.crossing, beam.begin, beam.end)});
+  const double left_length = frames_.edge(frame.edge[apex_corner]).length;
+  const double apex_x = left_length * at_tail.cosine;
+  const double apex_y = left_length * at_tail.sine;
+  Beams& beams = memory_.beams;
+  const std::size_t best =
+      find_crossings(vectors_, beams, apex_x, apex_y, frames_.edge(frame.edge[c]).length);
+  const double crossing = std::clamp(beams.crossing[best], beams.begin[best], beams.end[best]);
+  const double run = crossing - beams.x[best];
+  const double rest = apex_x - crossing;
+  const double distance = beams.offset[best] +
+                          std::sqrt(run * run + beams.y[best] * beams.y[best]) +
+                          std::sqrt(rest * rest + apex_y * apex_y);
+  lower(surface_.faces[f].vertex[apex_corner], distance, memory_.roots[beams.root[best]],
+        {halfedge(f, apex_corner), beams.size >= crowd_, crossing});
   return best;
 }
 
 // A side of a face, for windows counted from the halfedge's tail or from its head.
 Side Propagation::side(Halfedge h, bool from_tail) const {
   const std::uint32_t e = frames_.edge_of(h);
-  const EdgeFrame& frame = frames_.edge(e);
+  const Edge& edge = edges_[e];
   return {h,
           e,
           frames_.is_reversed(h) == from_tail,
-          adjacency_.ring(h) == h,
-          frame.length,
-          field_.distance[frame.tail],
-          field_.distance[frame.head],
-          memory_.edges[e].settled};
+          edge.on_boundary(),
+          edge.length,
+          field_.distance[edge.tail],
+          field_.distance[edge.head],
+          edge.settled};
 }
 
-// A window that came over a side, counted from the end that the side says.
-void Propagation::add_child(const Side& side, double offset, std::uint32_t root, double begin,
-                            double end, double x, double y) {
-  if (!(begin < end)) return;
-  Window w{};
-  w.begin = side.flipped ? side.length - end : begin;
-  w.end = side.flipped ? side.length - begin : end;
-  w.x = side.flipped ? side.length - x : x;
-  w.y = y;
-  w.at_begin = w.at(w.begin, offset);
-  w.at_end = w.at(w.end, offset);
-  w.root = root;
-  w.from = side.from;
-  w.propagated = false;
-  if (!clip_at_ends(w, offset, side.length, side.at_tail, side.at_head)) return;
-  const double least = w.least(offset);
-  if (least >= side.settled || least > max_) return;
-  append(memory_.children, w, memory_.roots, side.length, memory_.scratch);
-}
-
-// The children join what is on the edge.
-void Propagation::commit(std::uint32_t e) {
-  const std::vector<Window>& fresh = memory_.children;
-  if (fresh.empty()) return;
-  EdgeWindows& edge = memory_.edges[e];
-  const double length = frames_.edge(e).length;
-  // Those from `first` to `last` overlap them.
-  const double begin = fresh.front().begin + kTouch * length;
-  const double end = fresh.back().end - kTouch * length;
-  std::uint32_t first = 0;
-  while (first < edge.size && edge.windows[first].end <= begin) ++first;
-  std::uint32_t last = edge.size;
-  while (last > first && edge.windows[last - 1].begin >= end) --last;
-  std::span<const Window> windows = fresh;
-  if (first < last) {
-    merge({edge.windows + first, last - first}, fresh, memory_.roots, length, memory_.scratch);
-    windows = memory_.scratch;
-  }
-  for (const Window& w : windows) {
-    if (!w.propagated) edge.pending = std::min(edge.pending, w.least(memory_.roots[w.root].offset));
-  }
-  replace(edge, first, last, windows);
-  join_at(edge, first + static_cast<std::uint32_t>(windows.size()), length);
-  join_at(edge, first, length);
-  if (edge.pending < edge.queued) {
-    edge.queued = edge.pending;
-    memory_.queue.push({edge.pending, e, Waiting::What::edge});
-  }
-}
-
-// Puts windows in the place of those from `first` to before `last`.
-void Propagation::replace(EdgeWindows& edge, std::uint32_t first, std::uint32_t last,
-                          std::span<const Window> windows) {
-  const std::uint32_t behind = edge.size - last;
-  const auto size = static_cast<std::uint32_t>(first + windows.size() + behind);
-  Window* place = edge.windows;
-  if (size > edge.capacity) {
-    const std::uint32_t capacity = WindowPool::capacity_for(size);
-    place = memory_.pool.take(capacity);
-    std::copy_n(edge.windows, first, place);
-    std::copy_n(edge.windows + last, behind, place + (size - behind));
-    memory_.pool.give_back(edge.windows, edge.capacity);
-    edge.windows = place;
-    edge.capacity = capacity;
-  } else if (behind > 0 && size != edge.size) {
-    std::memmove(place + (size - behind), place + last, behind * sizeof(Window));
-  }
-  std::copy(windows.begin(), windows.end(), place + first);
-  edge.size = size;
-}
-
-// Makes one of windows i - 1 and i if they are the same light.
-void Propagation::join_at(EdgeWindows& edge, std::uint32_t i, double length) {
-  if (i == 0 || i >= edge.size) return;
-  Window& left = edge.windows[i - 1];
-  const Window& right = edge.windows[i];
-  if (!is_continued_by(left, right, memory_.roots[left.root].offset, length)) return;
-  left.end = right.end;
-  left.at_end = right.at_end;
-  std::copy(edge.windows + i + 1, edge.windows + edge.size, edge.windows + i);
-  --edge.size;
-}
-
-// From now on nothing that arrives farther than `farthest` matters, and in the end the
-// edge's windows are of no use to anybody but the details.
-void Propagation::settle(std::uint32_t e, double farthest) {
-  EdgeWindows& edge = memory_.edges[e];
-  if (edge.let_go || !(farthest < edge.settled)) return;
-  edge.settled = farthest;
-  if (!keep_windows_) memory_.queue.push({farthest, e, Waiting::What::settled_edge});
-}
-
-void Propagation::let_go(std::uint32_t e) {
-  EdgeWindows& edge = memory_.edges[e];
-  if (edge.pending != kUnreached || edge.size == 0) return;
-  memory_.pool.give_back(edge.windows, edge.capacity);
-  edge.windows = nullptr;
-  edge.size = edge.capacity = 0;
-  edge.let_go = true;
-}
-
-void Propagation::lower(std::uint32_t v, double distance, const PseudoSource& root,
-                        const ArrivalAtVertex& arrival) {
-  if (!(distance < field_.distance[v]) || distance > max_) return;
-  if (field_.distance[v] == kUnreached) ++reached_;
-  field_.distance[v] = distance;
-  if (!field_.nearest_source.empty()) field_.nearest_source[v] = root.source;
-  if (tolerance_ > 0) memory_.above[v] = root.above;
-  if (memory_.bends[v] == Bends::nowhere && !(tolerance_ > 0)) return;
-  memory_.arrivals[v] = arrival;
-  if (memory_.bends[v] == Bends::nowhere && head_start(v) == 0) return;
-  if (distance < memory_.emitted[v] * (1 - kNews)) {
-    memory_.queue.push({distance, v, Waiting::What::vertex});
-  }
-}
-
-void Propagation::drop_windows(Poll& poll) {
-  memory_.edges.clear();
-  memory_.pool.reset(poll);
-}
-
-LitWindows Propagation::lit_windows(Poll& poll) const {
-  LitWindows lit;
-  for (std::uint32_t e = 0; e < memory_.edges.size() && !poll.stopped(); ++e) {
-    const EdgeWindows& edge = memory_.edges[e];
-    const double length = frames_.edge(e).length;
-    for (std::uint32_t i = 0; i < edge.size && !poll.cancelled(); ++i) {
-      const Window& w = edge.windows[i];
-      const PseudoSource& root = memory_.roots[w.root];
-      for (Halfedge h = adjacency_.ring(w.from); h != w.from; h = adjacency_.ring(h)) {
-        if (frames_.is_reversed(h)) {
-          lit.add(h, {length - w.end, length - w.begin, length - w.x, w.y, root.offset, root.vertex,
-                      root.source});
-        } else {
-          lit.add(h, {w.begin, w.end, w.x, w.y, root.offset, root.vertex, root.source});
-        }
-      }
-    }
-  }
-  return lit;
+// Whether something of a window that comes over a side is nearer than other ways; clips it.
+bool Propagation::is_of_use(Window& window, const Side& side) const {
+  const double offset = memory_.roots[window.root].offset;
+  if (!clip_at_ends(window, offset, side.length, side.at_tail, side.at_head)) return false;
+  const double least = window.least(offset);
+  return least < side.settled && least <= max_;
 }
 
 }  // namespace geodesic::exact

@@ -26,6 +26,8 @@
 
 #include "core/adjacency.h"
 #include "core/cancel.h"
+#include "core/exact_beam_lanes.h"
+#include "core/exact_beams.h"
 #include "core/exact_envelope.h"
 #include "core/exact_frames.h"
 #include "core/exact_queue.h"
@@ -36,17 +38,6 @@
 
 namespace geodesic::exact {
 
-// The windows on one edge, and what is known of them.
-struct EdgeWindows {
-  Window* windows;
-  std::uint32_t size;
-  std::uint32_t capacity;
-  double pending;  // the least distance of a window not yet propagated
-  double queued;   // the least key under which the edge waits
-  double settled;  // no place of the edge is farther than this
-  bool let_go;     // windows once settled were dropped
-};
-
 // How a vertex got its distance, for knowing where to it bends: through which
 // corner, and where the straight line back meets the side opposite, counted from
 // the corner after that one.
@@ -54,19 +45,6 @@ struct ArrivalAtVertex {
   std::uint32_t corner;
   bool crowded;  // one of many windows on that side led there
   double crossing;
-};
-
-// A window in the frame of the halfedge whose face it is about to cross, with the
-// vertex it starts from at 0 and the face above.
-struct Beam {
-  double begin;
-  double end;
-  double x;
-  double y;
-  double offset;
-  double crossing;  // where the line from the unfolded source to the far corner meets the base
-  std::uint32_t root;
-  Halfedge from;
 };
 
 // A side of a face, to which windows come through the face.
@@ -79,6 +57,24 @@ struct Side {
   double at_tail;  // the distances of the edge's ends
   double at_head;
   double settled;  // of the edge
+};
+
+// The children of a list on one side, in the order in which they lie on its edge.
+struct ChildOrder {
+  std::size_t first;  // those to come
+  std::size_t last;
+  bool upwards;  // their numbers ascend
+
+  [[nodiscard]] std::size_t left() const { return last - first; }
+  [[nodiscard]] std::size_t next() const { return upwards ? first : last - 1; }
+  void skip(std::size_t count) { (upwards ? first : last) += upwards ? count : 0 - count; }
+};
+
+// Windows that come to an edge: the first of `list`.
+struct FreshList {
+  std::vector<Window>& list;
+  std::size_t size;
+  double least;  // none of them is nearer anywhere
 };
 
 // A face round a vertex, turned past from one of its two sides there to the other.
@@ -94,15 +90,16 @@ struct PropagationMemory {
   Frames frames;
   WindowPool pool;
   BucketQueue queue;
-  std::vector<EdgeWindows> edges;
   std::vector<PseudoSource> roots;
+  std::vector<double> offsets;  // the roots' own
   std::vector<ArrivalAtVertex> arrivals;
   std::vector<Bends> bends;
   std::vector<double> emitted;  // the distance at which a vertex last sent out windows
   std::vector<double> above;    // of the pseudo-source of a vertex's distance; with a tolerance
-  std::vector<Beam> waiting;    // on an edge
-  std::vector<Beam> beams;      // those of them that cross one face
-  std::vector<Window> children;
+  Beams beams;
+  Children children;
+  Ties ties;
+  std::vector<Window> fresh;  // windows that come to an edge
   std::vector<Window> scratch;
   std::vector<FanFace> fan;
 };
@@ -115,8 +112,11 @@ class Propagation {
   // Fills `field.distance` and, when it has a place for each vertex,
   // `field.nearest_source`. All must outlive this object, which is of no use if the
   // poll says to stop.
-  Propagation(const Adjacency& adjacency, PropagationMemory& memory, Field& field, double max,
-              double tolerance, bool keep_windows, Poll& poll);
+  //
+  // Windows run over `surface`: the faces of the mesh or any others that cut it up. Of others
+  // no windows may be kept, and sources lie at vertices.
+  Propagation(const Adjacency& adjacency, const Triangulation& surface, PropagationMemory& memory,
+              Field& field, double max, double tolerance, bool keep_windows, Poll& poll);
 
   // So many windows on an edge are a crowd, in which a vertex may become a source; for
   // tests, which want it to happen on small meshes.
@@ -156,18 +156,26 @@ class Propagation {
   [[nodiscard]] std::uint64_t propagated() const { return propagated_; }
 
  private:
+  [[nodiscard]] std::uint32_t add_root(const PseudoSource& root);
+
   // exact_propagation.cpp: windows over faces.
   void pass_on(std::uint32_t e);
-  [[nodiscard]] std::span<Beam> beams_over(Halfedge h);
-  void cross_face(Halfedge h, std::span<Beam> beams);
-  [[nodiscard]] std::size_t reach_apex(Halfedge h, std::span<Beam> beams);
+  void load_beams(std::span<const Window> windows, Halfedge h);
+  void cross_face(Halfedge h);
+  [[nodiscard]] std::size_t reach_apex(Halfedge h, const CornerAngle& at_tail);
+  void cross_to(const Side& side, const SideFrame& frame, std::size_t first, std::size_t last);
+  void add_plain(const Side& side, ChildOrder& order, FreshList& fresh);
+  void add_with_care(const Side& side, ChildOrder& order, FreshList& fresh);
   [[nodiscard]] Side side(Halfedge h, bool from_tail) const;
-  void add_child(const Side& side, double offset, std::uint32_t root, double begin, double end,
-                 double x, double y);
-  void commit(std::uint32_t e);
-  void replace(EdgeWindows& edge, std::uint32_t first, std::uint32_t last,
+  [[nodiscard]] bool is_of_use(Window& window, const Side& side) const;
+
+  // exact_arrivals.cpp: windows and ways where they arrive.
+  void commit(std::uint32_t e, std::span<const Window> fresh, double least);
+  void merge_in(const Edge& edge, std::uint32_t first, std::uint32_t last,
+                std::span<const Window> fresh, double length);
+  void replace(Edge& edge, std::uint32_t first, std::uint32_t last,
                std::span<const Window> windows);
-  void join_at(EdgeWindows& edge, std::uint32_t i, double length);
+  void join_at(Edge& edge, std::uint32_t i, double length);
   void settle(std::uint32_t e, double farthest);
   void let_go(std::uint32_t e);
   void lower(std::uint32_t v, double distance, const PseudoSource& root,
@@ -193,11 +201,14 @@ class Propagation {
   [[nodiscard]] double head_start(std::uint32_t v) const;
 
   const Adjacency& adjacency_;
+  Triangulation surface_;
   PropagationMemory& memory_;
   const Frames& frames_;
+  std::span<Edge> edges_;
   Field& field_;
   double max_;
   double tolerance_;
+  Vectors vectors_ = best_vectors();
   bool keep_windows_;
   // A new pseudo-source behind so many spares most of them. Of fewer, as on slivers and flat
   // parts, it makes more.

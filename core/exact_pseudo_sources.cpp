@@ -14,19 +14,18 @@ namespace {
 // rounding; beyond the vertex this much more is lit, in radians.
 constexpr double kSlack = 1e-5;
 
-double angle_at(const FaceFrame& face, std::uint32_t c) {
-  return std::atan2(face.sine[c], face.cosine[c]);
+double angle_at(const FaceRecord& face, std::uint32_t c) {
+  return std::atan2(face.area2, face.dot[c]);
 }
 
 }  // namespace
 
 void Propagation::start(const Source& source, std::uint32_t number) {
   if (source.offset > max_) return;
-  const auto root = static_cast<std::uint32_t>(memory_.roots.size());
   if (source.point.at_vertex()) {
     const std::uint32_t v = source.point.vertex;
     if (!(source.offset < field_.distance[v])) return;
-    memory_.roots.push_back({source.offset, kNone, number});
+    const std::uint32_t root = add_root({source.offset, kNone, number});
     field_.distance[v] = source.offset;
     if (!field_.nearest_source.empty()) field_.nearest_source[v] = number;
     memory_.bends[v] = Bends::everywhere;
@@ -34,7 +33,7 @@ void Propagation::start(const Source& source, std::uint32_t number) {
     send_everywhere(v, root);
     return;
   }
-  memory_.roots.push_back({source.offset, kNone, number});
+  const std::uint32_t root = add_root({source.offset, kNone, number});
   for (const SurfacePoint& place : in_all_faces(adjacency_, source.point)) {
     start_inside(place, source, root);
   }
@@ -45,13 +44,12 @@ void Propagation::start(const Source& source, std::uint32_t number) {
 void Propagation::start_inside(const SurfacePoint& place, const Source& source,
                                std::uint32_t root) {
   const std::uint32_t f = place.face;
-  const FaceFrame& frame = frames_.face(f);
   const PseudoSource from = memory_.roots[root];
   const Vec3 at = position_of(adjacency_.mesh(), place);
   for (std::uint32_t c = 0; c < 3; ++c) {
     const double ahead = place.bary[next_corner(c)];
     const double behind = place.bary[previous_corner(c)];
-    const std::uint32_t v = adjacency_.face(f).vertex[c];
+    const std::uint32_t v = surface_.faces[f].vertex[c];
     lower(v, source.offset + distance(at, adjacency_.mesh().positions()[v]), from,
           {halfedge(f, c), false, frames_.length(f, next_corner(c)) * (behind / (ahead + behind))});
   }
@@ -60,9 +58,10 @@ void Propagation::start_inside(const SurfacePoint& place, const Source& source,
     if (above == 0) continue;
     const double length = frames_.length(f, c);
     const double to_far_corner = above * frames_.length(f, previous_corner(c));
+    const CornerAngle angle = frames_.angle(f, c);
     light(halfedge(f, c), root, 0, length,
-          place.bary[next_corner(c)] * length + to_far_corner * frame.cosine[c],
-          to_far_corner * frame.sine[c]);
+          place.bary[next_corner(c)] * length + to_far_corner * angle.cosine,
+          to_far_corner * angle.sine);
   }
 }
 
@@ -94,8 +93,7 @@ void Propagation::bend_at(std::uint32_t v) {
     return;
   }
   memory_.emitted[v] = distance;
-  const auto root = static_cast<std::uint32_t>(memory_.roots.size());
-  memory_.roots.push_back({distance, v, nearest(v), above(v)});
+  const std::uint32_t root = add_root({distance, v, nearest(v), above(v)});
   if (early > 0 || memory_.bends[v] == Bends::everywhere || memory_.arrivals[v].corner == kNone) {
     send_everywhere(v, root);
   } else {
@@ -104,8 +102,8 @@ void Propagation::bend_at(std::uint32_t v) {
 }
 
 void Propagation::send_everywhere(std::uint32_t v, std::uint32_t root) {
-  for (const std::uint32_t corner : adjacency_.corners(v)) lower_along_sides(corner, root);
-  for (const std::uint32_t corner : adjacency_.corners(v)) {
+  for (const std::uint32_t corner : surface_.corners(v)) lower_along_sides(corner, root);
+  for (const std::uint32_t corner : surface_.corners(v)) {
     light_from_corner(corner, root, 0, std::numbers::pi);
   }
 }
@@ -114,15 +112,15 @@ void Propagation::send_everywhere(std::uint32_t v, std::uint32_t root) {
 // turning from the way back, between pi and the whole angle less pi.
 void Propagation::send_beyond(std::uint32_t v, std::uint32_t root) {
   constexpr double kPi = std::numbers::pi;
-  for (const std::uint32_t corner : adjacency_.corners(v)) lower_along_sides(corner, root);
+  for (const std::uint32_t corner : surface_.corners(v)) lower_along_sides(corner, root);
   const ArrivalAtVertex arrival = memory_.arrivals[v];
   const std::uint32_t f = face_of(arrival.corner);
   const std::uint32_t c = corner_of(arrival.corner);
-  const FaceFrame& frame = frames_.face(f);
+  const CornerAngle at_next = frames_.angle(f, next_corner(c));
   const double side = frames_.length(f, c);
-  const double x = side * frame.cosine[next_corner(c)];
-  const double y = side * frame.sine[next_corner(c)];
-  const double whole = angle_at(frame, c);
+  const double x = side * at_next.cosine;
+  const double y = side * at_next.sine;
+  const double whole = angle_at(surface_.faces[f], c);
   const double way_back =
       std::clamp(std::atan2(y * arrival.crossing, x * (x - arrival.crossing) + y * y), 0.0, whole);
 
@@ -153,18 +151,18 @@ void Propagation::send_beyond(std::uint32_t v, std::uint32_t root) {
 // back, and adds the faces passed to the fan. True when it comes back to the corner,
 // false at a boundary.
 bool Propagation::turn(std::uint32_t corner, bool over_next, double angle) {
-  const std::uint32_t v = adjacency_.face(face_of(corner)).vertex[corner_of(corner)];
+  const std::uint32_t v = surface_.faces[face_of(corner)].vertex[corner_of(corner)];
   Halfedge side =
       over_next ? corner : halfedge(face_of(corner), previous_corner(corner_of(corner)));
   for (;;) {
-    const Halfedge across = adjacency_.ring(side);
+    const Halfedge across = surface_.ring(side);
     if (across == side) return false;
     const std::uint32_t f = face_of(across);
     if (f == face_of(corner)) return true;
     const std::uint32_t c = corner_of(across);
-    const bool from_next = adjacency_.face(f).vertex[c] == v;
+    const bool from_next = surface_.faces[f].vertex[c] == v;
     const std::uint32_t here = from_next ? c : next_corner(c);
-    const double end = angle + angle_at(frames_.face(f), here);
+    const double end = angle + angle_at(surface_.faces[f], here);
     memory_.fan.push_back({halfedge(f, here), from_next, angle, end});
     angle = end;
     side = from_next ? halfedge(f, previous_corner(here)) : halfedge(f, here);
@@ -177,18 +175,17 @@ void Propagation::light_from_corner(std::uint32_t corner, std::uint32_t root, do
                                     double last) {
   const std::uint32_t f = face_of(corner);
   const std::uint32_t c = corner_of(corner);
-  const FaceFrame& frame = frames_.face(f);
   const std::uint32_t n = next_corner(c);
+  const CornerAngle at_next = frames_.angle(f, n);
   const double side = frames_.length(f, c);
   const double length = frames_.length(f, n);
   const auto meets = [&](double angle) {
     const double along = side * std::sin(angle);
-    const double below = std::sin(angle) * frame.cosine[n] + std::cos(angle) * frame.sine[n];
+    const double below = std::sin(angle) * at_next.cosine + std::cos(angle) * at_next.sine;
     return below > 0 ? std::clamp(along / below, 0.0, length) : length;
   };
   light(halfedge(f, n), root, first > 0 ? meets(first) : 0,
-        last < std::numbers::pi ? meets(last) : length, side * frame.cosine[n],
-        side * frame.sine[n]);
+        last < std::numbers::pi ? meets(last) : length, side * at_next.cosine, side * at_next.sine);
 }
 
 // A first window over a side, counted from its halfedge's tail.
@@ -196,9 +193,19 @@ void Propagation::light(Halfedge from, std::uint32_t root, double begin, double 
                         double y) {
   const Side over = side(from, true);
   if (over.on_boundary) return;
-  memory_.children.clear();
-  add_child(over, memory_.roots[root].offset, root, begin, end, x, y);
-  commit(over.edge);
+  if (!(begin < end)) return;
+  const double offset = memory_.roots[root].offset;
+  Window window{};
+  window.begin = over.flipped ? over.length - end : begin;
+  window.end = over.flipped ? over.length - begin : end;
+  window.x = over.flipped ? over.length - x : x;
+  window.y = y;
+  window.at_begin = window.at(window.begin, offset);
+  window.at_end = window.at(window.end, offset);
+  window.root = root;
+  window.from = from;
+  if (!is_of_use(window, over)) return;
+  commit(over.edge, {&window, 1}, window.least(offset));
 }
 
 // The ways along the two sides that meet in a corner.
@@ -207,7 +214,7 @@ void Propagation::lower_along_sides(std::uint32_t corner, std::uint32_t root) {
   const std::uint32_t c = corner_of(corner);
   const std::uint32_t n = next_corner(c);
   const std::uint32_t p = previous_corner(c);
-  const FaceRecord& face = adjacency_.face(f);
+  const FaceRecord& face = surface_.faces[f];
   const double distance = field_.distance[face.vertex[c]];
   const PseudoSource from = memory_.roots[root];
   lower(face.vertex[n], distance + frames_.length(f, c), from,
@@ -225,7 +232,7 @@ bool Propagation::mend(Poll& poll) {
   constexpr double kBroken = 1e-11;
   bool any = false;
   for (std::uint32_t e = 0; e < frames_.edges().size() && !poll.cancelled(); ++e) {
-    const EdgeFrame& frame = frames_.edge(e);
+    const Edge& frame = frames_.edge(e);
     for (const auto& [from, to] :
          {std::pair{frame.tail, frame.head}, std::pair{frame.head, frame.tail}}) {
       const double distance = field_.distance[from] + frame.length;

@@ -1,4 +1,4 @@
-// Memory for the edges' lists of windows: blocks of 1, 2, 4, ... windows from
+// Memory for the edges' lists of windows: blocks of 1, 2, 3, 4, 6, 8, 12, ... windows from
 // large slabs. A released block waits for the next list of its size; nothing goes
 // back to the system before the pool does, except blocks too large for a slab.
 #pragma once
@@ -20,7 +20,9 @@ class WindowPool {
  public:
   // The number of windows that a block for `size` of them holds.
   [[nodiscard]] static std::uint32_t capacity_for(std::size_t size) {
-    return static_cast<std::uint32_t>(std::bit_ceil(size));
+    const auto power = static_cast<std::uint32_t>(std::bit_ceil(size));
+    const std::uint32_t three_quarters = power / 4 * 3;
+    return size <= three_quarters ? three_quarters : power;
   }
 
   // A block of `capacity` windows, a value of capacity_for; not initialised.
@@ -65,9 +67,11 @@ class WindowPool {
  private:
   static constexpr std::uint32_t kSlab = 4096;   // a quarter of a megabyte
   static constexpr std::size_t kKeptSlabs = 64;  // 16 MB
+  static constexpr std::size_t kClasses = 26;    // up to a slab
 
   [[nodiscard]] static std::size_t class_of(std::uint32_t capacity) {
-    return static_cast<std::size_t>(std::countr_zero(capacity)) % 16;
+    const auto power = static_cast<std::size_t>(std::bit_width(capacity)) - 1;
+    return (2 * power + (std::has_single_bit(capacity) ? 0 : 1)) % kClasses;
   }
 
   // What is left of the old slab is cut into blocks.
@@ -85,9 +89,9 @@ class WindowPool {
   }
 
   std::vector<std::unique_ptr<Window[]>> slabs_;
-  std::size_t slab_ = 0;                          // slabs in use
-  std::uint32_t left_ = 0;                        // windows never handed out in the last of them
-  std::array<std::vector<Window*>, 16> waiting_;  // by the logarithm of the capacity
+  std::size_t slab_ = 0;    // slabs in use
+  std::uint32_t left_ = 0;  // windows never handed out in the last of them
+  std::array<std::vector<Window*>, kClasses> waiting_;  // by the capacity
   std::unordered_map<const Window*, std::unique_ptr<Window[]>> large_;
 };
 

@@ -36,7 +36,16 @@ Result<Field> waves_field(Method method, const Adjacency& adjacency,
     scratch.parents.assign(vertex_count, {});
     Wavefront<VertexHeap, kArrive> front(adjacency, scratch.heap, scratch.distance,
                                          scratch.parents);
-    auto waves = run_waves(front, adjacency, limits, field, scratch.heap, scratch.is_target, poll);
+    auto waves = run_waves(
+        front, limits, field, scratch.is_target,
+        [&](std::uint32_t s, double max, RemainingTargets& targets, auto accepted) {
+          return run_wave(front, adjacency, sources[s], s, sources.size(), field.distance, max, {},
+                          targets, scratch.heap, poll, accepted);
+        },
+        [&](std::uint32_t v) {
+          front.forget(v);
+          scratch.heap.make_far(v);
+        });
     if (!waves) return fail(waves.error());
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace geodesic {
@@ -10,6 +11,9 @@ namespace {
 
 // What is above by less than this part of an edge's length is above by rounding.
 constexpr double kRounding = 1e-12;
+// Of squared lengths by positions, which differ from those by corners in their last bits;
+// on a thin face, in more of them.
+constexpr double kNearly = 1 - 1e-6;
 
 }  // namespace
 
@@ -28,10 +32,24 @@ void relax_edges(const Adjacency& adjacency, double max, bool reaches_more, Fiel
     if (!field.nearest_source.empty()) field.nearest_source[v] = field.nearest_source[u];
     lowered.push_back(v);
   };
-  for (const FaceRecord& face : adjacency.faces()) {
+  // Positions are half of what the faces' records are to read, and tell nearly always that
+  // there is nothing to be done.
+  const std::span<const Vec3> positions = adjacency.mesh().positions();
+  const auto may_be_above = [&](std::uint32_t u, std::uint32_t v) -> unsigned {
+    const Vec3 edge = positions[v] - positions[u];
+    const double difference = distance[v] - distance[u];
+    return difference * difference > kNearly * dot(edge, edge) ? 1 : 0;
+  };
+  const std::span<const Triangle> faces = adjacency.mesh().faces();
+  for (std::uint32_t f = 0; f < faces.size(); ++f) {
     if (poll.cancelled()) return;
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      relax(face.vertex[c], face.vertex[next_corner(c)], face.length2(c));
+    const auto [a, b, c] = faces[f];
+    if (!(std::min({distance[a], distance[b], distance[c]}) < kUnreached)) continue;
+    // Without a branch each.
+    if ((may_be_above(a, b) | may_be_above(b, c) | may_be_above(c, a)) == 0) continue;
+    const FaceRecord& face = adjacency.face(f);
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      relax(face.vertex[i], face.vertex[next_corner(i)], face.length2(i));
     }
   }
   while (!lowered.empty() && !poll.cancelled()) {

@@ -10,7 +10,7 @@ namespace geodesic {
 
 class RemainingTargets {
  public:
-  // `marks` is scratch memory; it must outlive this object.
+  // `marks` is scratch memory, not zero for each target; it must outlive this object.
   RemainingTargets(std::span<const std::uint32_t> targets, std::size_t vertex_count,
                    std::vector<std::uint8_t>& marks)
       : marks_(marks), all_(targets.empty()) {
@@ -18,18 +18,23 @@ class RemainingTargets {
     marks_.assign(vertex_count, 0);
     for (const std::uint32_t v : targets) {
       if (marks_[v] == 0) ++left_;
-      marks_[v] = 1;
+      marks_[v] = kWanted;
     }
   }
 
-  // The vertex has its final distance. At most once a vertex.
+  // The vertex has its final distance.
   void accept(std::uint32_t v) {
-    if (!all_ && marks_[v] != 0) --left_;
+    if (all_ || marks_[v] != kWanted) return;
+    marks_[v] = kAccepted;
+    --left_;
   }
   // Never without targets: then every vertex is wanted.
   [[nodiscard]] bool done() const { return !all_ && left_ == 0; }
 
  private:
+  static constexpr std::uint8_t kWanted = 1;
+  static constexpr std::uint8_t kAccepted = 2;
+
   std::vector<std::uint8_t>& marks_;
   bool all_;
   std::size_t left_ = 0;

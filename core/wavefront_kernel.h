@@ -69,12 +69,6 @@ class Wavefront {
       __builtin_prefetch(&adjacency_.face(face_of(corner)));
     }
   }
-  // Distances are final as soon as they are accepted.
-  void accept(std::uint32_t /*vertex*/) {}
-  void settle() {}
-  void end() {}
-  [[nodiscard]] double lag() const { return 0; }
-  [[nodiscard]] double estimate(std::uint32_t v) const { return distance_[v]; }
   [[nodiscard]] double distance(std::uint32_t v) const { return distance_[v]; }
   [[nodiscard]] Parents parents(std::uint32_t v) const { return parents_[v]; }
   void forget(std::uint32_t v) {

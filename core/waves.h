@@ -1,19 +1,13 @@
 // A wave for each source, each merged into one field: what the wavefront methods
 // have in common. They differ in their front.
 //
-// A Front has
-//   start(source, number)   considers the vertices next to the source, or accepts them
-//                           and returns them;
+// A Front of `run_wave` has
+//   start(source, number)   accepts the vertices next to the source and returns them;
 //   expect(v)               v is likely to be the next to be accepted: its faces, which lie
 //                           anywhere in memory, can be fetched meanwhile;
-//   accept(v)               the vertex v was taken from the heap;
 //   spread_from(v)          puts vertices into the heap;
-//   settle()                what was accepted and has no final distance gets it;
-//   estimate(v)             its distance so far, once accepted; final after settle;
-//   distance(v), parents(v) what the field gets;
-//   forget(v)               as if the wave had not come there;
-//   end()                   after the last of a wave's vertices was accepted;
-//   lag()                   by how much a vertex may be accepted after farther ones.
+//   distance(v), parents(v) what the field gets, once v is accepted;
+//   forget(v)               as if the wave had not come there.
 #pragma once
 
 #include <algorithm>
@@ -30,49 +24,61 @@
 
 namespace geodesic::detail {
 
+// Where a wave, whose source starts at zero, goes on from.
+struct Worthwhile {
+  // Not from vertices that are too much of a detour, nor …
+  const Detour& detour;
+  std::span<const Vec3> positions;
+  // … from those clearly nearer to an earlier source; empty for none.
+  std::span<const double> earlier;
+  double offset;   // of this source
+  double overlap;  // a vertex just inside this source's region needs its neighbours outside
+
+  Worthwhile(const Adjacency& adjacency, const Source& source, std::span<const double> before,
+             const Detour& around)
+      : detour(around),
+        positions(adjacency.mesh().positions()),
+        earlier(before),
+        offset(source.offset),
+        overlap(3 * adjacency.report().mean_edge) {}
+
+  [[nodiscard]] bool operator()(std::uint32_t v, double distance) const {
+    if (detour.is_too_far(distance, positions[v])) return false;
+    return earlier.empty() || distance + offset < earlier[v] + overlap;
+  }
+};
+
 // Runs one source's wave, without the source's offset, of which the rule's virtual
-// sources know nothing. It goes no further from vertices that are clearly nearer to an
-// earlier source (`earlier`, empty for none), nor from those that are too much of a
-// detour. Tells every vertex it accepted; others stay unreached. `waves` is how many there are of
-// them, of which this is the one of that number.
+// sources know nothing. It goes no further where that is not worthwhile, for `earlier`
+// sources or for the detour. Tells every vertex it accepted; others stay unreached.
+// `waves` is how many there are of them, of which this is the one of that number.
 template <class Front, class Accepted>
 Result<void> run_wave(Front& front, const Adjacency& adjacency, const Source& source,
                       std::uint32_t number, std::size_t waves, std::span<const double> earlier,
                       double max, const Detour& detour, RemainingTargets& targets, VertexHeap& heap,
                       Poll& poll, Accepted accepted) {
-  // A vertex just inside this source's region needs its neighbours outside: go on
-  // for a few edges into the other's.
-  const double overlap = 3 * adjacency.report().mean_edge;
-  const std::span<const Vec3> positions = adjacency.mesh().positions();
-  const auto worthwhile = [&](std::uint32_t v) {
-    if (detour.is_too_far(front.estimate(v), positions[v])) return false;
-    return earlier.empty() || front.estimate(v) + source.offset < earlier[v] + overlap;
-  };
+  const Worthwhile worthwhile(adjacency, source, earlier, detour);
   max -= source.offset;
 
   const std::vector<std::uint32_t> first_ring = front.start({source.point, 0}, number);
   for (const std::uint32_t v : first_ring) {
     targets.accept(v);
-    if (worthwhile(v)) front.spread_from(v);
+    if (worthwhile(v, front.distance(v))) front.spread_from(v);
   }
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
-  const double last = max < kUnreached ? max + front.lag() : max;
   // As if each wave came to every vertex.
   const std::uint64_t total = waves * vertex_count;
   std::uint64_t done = number * vertex_count;
   bool cancelled = false;
   while (!heap.empty() && !targets.done() && !cancelled) {
     cancelled = poll.cancelled(done++, total);
-    if (heap.least().key > last) break;
+    if (heap.least().key > max) break;
     const VertexHeap::Entry next = heap.pop();
     if (!heap.empty()) front.expect(heap.least().vertex);
     targets.accept(next.vertex);
     accepted(next.vertex);
-    front.accept(next.vertex);
-    if (worthwhile(next.vertex)) front.spread_from(next.vertex);
+    if (worthwhile(next.vertex, next.key)) front.spread_from(next.vertex);
   }
-  front.settle();
-  front.end();
   // What is still considered is not final.
   for (const VertexHeap::Entry& entry : heap.entries()) front.forget(entry.vertex);
   heap.clear();
@@ -84,11 +90,12 @@ Result<void> run_wave(Front& front, const Adjacency& adjacency, const Source& so
   return {};
 }
 
-// One wave after another, each merged into the field where it is nearer.
-template <class Front>
-Result<void> run_waves(Front& front, const Adjacency& adjacency, const FieldLimits& limits,
-                       Field& field, VertexHeap& heap, std::vector<std::uint8_t>& marks,
-                       Poll& poll) {
+// One wave after another, each merged into the field where it is nearer. `run` is given
+// the number of a source, the farthest to go, the targets and whom to tell of every
+// vertex that was accepted; `forget(v)` is as if no wave had come to v.
+template <class Front, class Run, class Forget>
+Result<void> run_waves(Front& front, const FieldLimits& limits, Field& field,
+                       std::vector<std::uint8_t>& marks, Run run, Forget forget) {
   const std::size_t vertex_count = field.distance.size();
   field.nearest_source.assign(vertex_count, kNone);
   double max = limits.max;
@@ -96,19 +103,16 @@ Result<void> run_waves(Front& front, const Adjacency& adjacency, const FieldLimi
   for (std::uint32_t s = 0; s < field.sources.size(); ++s) {
     visited.clear();
     RemainingTargets targets(limits.targets, vertex_count, marks);
-    auto wave =
-        run_wave(front, adjacency, field.sources[s], s, field.sources.size(), field.distance, max,
-                 {}, targets, heap, poll, [&](std::uint32_t v) { visited.push_back(v); });
+    auto wave = run(s, max, targets, [&](std::uint32_t v) { visited.push_back(v); });
     if (!wave) return wave;
     for (const std::uint32_t v : visited) {
       const double delayed = front.distance(v) + field.sources[s].offset;
       if (delayed < field.distance[v]) {
         field.distance[v] = delayed;
-        if (!field.parents.empty()) field.parents[v] = front.parents(v);
+        if constexpr (requires { front.parents(v); }) field.parents[v] = front.parents(v);
         field.nearest_source[v] = s;
       }
-      front.forget(v);
-      heap.make_far(v);
+      forget(v);
     }
     if (!limits.targets.empty()) {
       double farthest = 0;

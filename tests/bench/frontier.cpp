@@ -251,13 +251,7 @@ void print_vectors() {
     for (std::uint32_t i = 1; i < 3; ++i) {
       if (field.distance[face.vertex[i]] > field.distance[face.vertex[c]]) c = i;
     }
-    const double length = std::sqrt(face.length2(c));
-    const Vec2 right{length, 0};
-    const Vec2 left{face.dot[c] / length, face.area2 / length};
-    batches.back().set(batches.back().count++,
-                       {halfedge(f, next_corner(c)), face.vertex[next_corner(c)],
-                        face.vertex[previous_corner(c)], right, left, 0.5 * (right + left)},
-                       kUnreached);
+    batches.back().add(halfedge(f, next_corner(c)), 0.5, kUnreached);
   }
   const auto ns = [&](Vectors vectors) {
     std::vector<double> ms;

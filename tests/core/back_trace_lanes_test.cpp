@@ -3,9 +3,10 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <vector>
 
+#include "core/arrive_lanes.h"
 #include "core/virtual_source.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/random_meshes.h"
@@ -27,25 +28,51 @@ std::vector<Vectors> vectors_here() {
   return all;
 }
 
+struct Start {
+  Halfedge base;
+  double crossing;
+};
+
 // From every vertex over the side opposite it, as far as the distances go.
-std::vector<TraceStart> starts_on(const Triangulation& surface, const std::vector<double>& distance,
-                                  RandomMesh& random) {
-  std::vector<TraceStart> starts;
+std::vector<Start> starts_on(const Triangulation& surface, const std::vector<double>& distance,
+                             RandomMesh& random) {
+  std::vector<Start> starts;
   for (std::uint32_t f = 0; f < surface.faces.size(); ++f) {
     const FaceRecord& face = surface.faces[f];
     for (std::uint32_t c = 0; c < 3; ++c) {
-      const std::uint32_t right = face.vertex[next_corner(c)];
-      const std::uint32_t left = face.vertex[previous_corner(c)];
-      const double length = std::sqrt(face.length2(c));
-      if (!(distance[right] + distance[left] < kUnreached) || !(length > 0)) continue;
-      const Vec2 to_right{length, 0};
-      const Vec2 to_left{face.dot[c] / length, face.area2 / length};
-      const double share = random.unit();
-      starts.push_back({halfedge(f, next_corner(c)), right, left, to_right, to_left,
-                        to_right + share * (to_left - to_right)});
+      if (distance[face.vertex[c]] + distance[face.vertex[next_corner(c)]] < kUnreached) {
+        starts.push_back({halfedge(f, c), random.unit()});
+      }
     }
   }
   return starts;
+}
+
+// Arrivals over the same sides, by lanes and one by one.
+std::size_t check_arrivals(const Triangulation& surface, const std::vector<double>& distance,
+                           const std::vector<Start>& starts) {
+  constexpr std::size_t kLanes = ArrivalLanes::kLanes;
+  std::size_t compared = 0;
+  for (std::size_t first = 0; first + kLanes <= starts.size(); first += kLanes) {
+    std::array<Halfedge, kLanes> bases{};
+    for (std::size_t i = 0; i < kLanes; ++i) bases[i] = starts[first + i].base;
+    for (const Vectors vectors : vectors_here()) {
+      ArrivalLanes lanes{};
+      arrive_lanes(surface.faces, distance, bases, vectors, lanes);
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        const FaceRecord& face = surface.faces[face_of(bases[i])];
+        const std::uint32_t c = corner_of(bases[i]);
+        const Arrival one = arrive(distance[face.vertex[c]], distance[face.vertex[next_corner(c)]],
+                                   face.apex_over(c));
+        CHECK(lanes.distance[i] == one.distance);
+        CHECK(lanes.crossing[i] == (one.which == Fig4::a   ? static_cast<float>(one.crossing)
+                                    : one.which == Fig4::b ? ArrivalLanes::kBendsAtTail
+                                                           : ArrivalLanes::kBendsAtHead));
+        ++compared;
+      }
+    }
+  }
+  return compared;
 }
 
 std::size_t check_lanes(const Surface& surface, RandomMesh& random, std::uint32_t source) {
@@ -58,7 +85,8 @@ std::size_t check_lanes(const Surface& surface, RandomMesh& random, std::uint32_
   std::size_t compared = 0;
   for (const Triangulation& faces :
        {surface.adjacency().triangulation(), surface.adjacency().delaunay()}) {
-    const std::vector<TraceStart> starts = starts_on(faces, field.distance, random);
+    const std::vector<Start> starts = starts_on(faces, field.distance, random);
+    compared += check_arrivals(faces, field.distance, starts);
     for (const auto takes : {BackTrace::Takes::paths, BackTrace::Takes::virtual_sources}) {
       const BackTrace one(faces, field.distance, {}, takes);
       for (std::size_t first = 0; first < starts.size();) {
@@ -66,11 +94,13 @@ std::size_t check_lanes(const Surface& surface, RandomMesh& random, std::uint32_
             std::min<std::size_t>(1 + random.below(TraceLanes::kLanes), starts.size() - first);
         for (const Vectors vectors : vectors_here()) {
           TraceLanes lanes;
-          for (std::size_t i = 0; i < count; ++i) lanes.set(i, starts[first + i], kUnreached);
-          lanes.count = count;
+          for (std::size_t i = 0; i < count; ++i) {
+            lanes.add(starts[first + i].base, starts[first + i].crossing, kUnreached);
+          }
           trace_lanes(faces, field.distance, takes, vectors, lanes);
           for (std::size_t i = 0; i < count; ++i) {
-            CHECK(lanes.best[i] == one.least(starts[first + i], kUnreached));
+            const Start& start = starts[first + i];
+            CHECK(lanes.best[i] == one.over(start.base, start.crossing, kUnreached));
             ++compared;
           }
         }
@@ -84,7 +114,7 @@ std::size_t check_lanes(const Surface& surface, RandomMesh& random, std::uint32_
 }  // namespace
 
 // To the last bit, so that a distance is the same whatever machine computes it.
-TEST_CASE("LanesComputeWhatOneTraceDoes") {
+TEST_CASE("LanesComputeWhatOneTraceAndOneArrivalDo") {
   std::size_t compared = 0;
   for (std::uint32_t number = 0; number < 40; ++number) {
     CAPTURE(number);

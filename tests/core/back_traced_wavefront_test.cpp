@@ -111,6 +111,33 @@ TEST_CASE("OnAPlaneNearlyAllDistancesAreStraightLinesToTheLastBits") {
   }
 }
 
+// Where faces are much finer than elsewhere, a round of many vertices must not pass over
+// what lies between them.
+TEST_CASE("FinerFacesInACornerAreAsExact") {
+  for (const double power : {3.0, 6.0}) {
+    CAPTURE(power);
+    TriangleSoup soup = shapes::terrain(60, 12, 4);
+    double side = 0;
+    for (const Vec3& p : soup.positions) side = std::max({side, p.x, p.y});
+    for (Vec3& p : soup.positions) {
+      p.x = side * std::pow(p.x / side, power);
+      p.y = side * std::pow(p.y / side, power);
+      p.z *= std::min(p.x, p.y) / side;
+    }
+    const Surface surface(soup);
+    for (const std::uint32_t from : {0U, 1830U, 3599U}) {
+      CAPTURE(from);
+      const std::vector<Source> source{{surface.at(from), 0}};
+      const Field truth = surface.field_by(Method::exact, source);
+      const Off off = off_from(back_traced(surface, source), truth);
+      MESSAGE("mean ", off.mean, ", above ", off.above, ", below ", off.below);
+      CHECK(off.mean <= 2e-4);
+      CHECK(off.above <= 1e-2);
+      CHECK(off.below >= -1e-2);
+    }
+  }
+}
+
 // The promise of Bound::upper, on everything that is awkward about surfaces; and what
 // the other variant has over the paper's front there.
 TEST_CASE("AnUpperBoundIsNeverBelowTheTrueDistance") {

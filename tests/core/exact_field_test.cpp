@@ -98,6 +98,30 @@ std::uint32_t vertex_at(const TriangleSoup& soup, Vec3 position) {
 
 }  // namespace
 
+// Light that its vertices part by angles too small to matter is put together again: by each
+// of them it is off by less than rounding, and after all of them too.
+TEST_CASE("ExactOnAPlaneThatIsFlatButForAHairIsStraight") {
+  for (const double height : {1e-10, 1e-8, 1e-6}) {
+    CAPTURE(height);
+    std::mt19937 random(11);
+    const auto part = [&] { return static_cast<double>(random()) / 4294967296.0; };
+    constexpr std::uint32_t kSide = 50;
+    TriangleSoup soup = shapes::plane(kSide, kSide);
+    for (Vec3& p : soup.positions) {
+      const bool inner = p.x > 0 && p.y > 0 && p.x < kSide - 1 && p.y < kSide - 1;
+      if (inner) p = {p.x + 0.5 * part(), p.y + 0.5 * part(), height * part()};
+    }
+    const Surface surface(soup);
+    const auto d = exact_from(surface, surface.at(0));
+    // A way over hairs is longer by the square of their slope.
+    const double rise = 1e-12 + 4 * height * height;
+    for (std::size_t v = 0; v < d.size(); ++v) {
+      const double straight = std::hypot(soup.positions[v].x, soup.positions[v].y);
+      check_close(d[v], straight, rise);
+    }
+  }
+}
+
 TEST_CASE("PlanesAreExactFromVerticesEdgesAndFaces") {
   for (const auto diagonal : {shapes::Diagonal::rising, shapes::Diagonal::falling}) {
     const TriangleSoup soup = shapes::plane(24, 31, diagonal);

@@ -11,6 +11,7 @@
 #include "core/exact_queue.h"
 #include "core/exact_window_pool.h"
 #include "core/field.h"
+#include "core/vec2.h"
 
 using namespace geodesic;
 using namespace geodesic::exact;
@@ -85,6 +86,25 @@ TEST_CASE("WindowsOfOneSourceThatTouchBecomeOne") {
   CHECK(list[0].begin == 1);
   CHECK(list[0].end == 6);
   CHECK(list[1].begin == 7);
+}
+
+TEST_CASE("LightBentByLessThanMattersIsTheSame") {
+  // A vertex at (0, 0) of this frame parts the light: beyond it the right part comes from a
+  // source turned about it. How far that moves a distance grows with the width.
+  const std::vector<PseudoSource> roots{{2, kNone, 0}};
+  const auto parts = [&](double turn, double width) {
+    const Window left = window(roots, 0, -1, 0, 0.5, 3);
+    const Vec2 source{0.5 * std::cos(turn) + 3 * std::sin(turn),
+                      3 * std::cos(turn) - 0.5 * std::sin(turn)};
+    const Window right = window(roots, 0, 0, width, source.x, source.y);
+    return is_as_good(left, right.begin, right.end, right.at_begin, right.at_end, 2);
+  };
+  CHECK(parts(0, 1));
+  CHECK(parts(1e-13, 0.1));
+  CHECK(!parts(1e-12, 1));
+  CHECK(parts(1e-12, 0.01));
+  CHECK(!parts(1e-6, 0.01));
+  CHECK(!parts(-1e-6, 0.01));
 }
 
 TEST_CASE("AnEnvelopeIsTheLeastEverywhere") {

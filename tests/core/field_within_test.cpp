@@ -63,8 +63,8 @@ Field within_without_crowds(double tolerance, const Surface& surface,
   exact::PropagationMemory memory;
   const Cancel never;
   Poll poll(never);
-  exact::Propagation propagation(surface.adjacency(), memory, field, kUnreached, tolerance, false,
-                                 poll);
+  exact::Propagation propagation(surface.adjacency(), surface.adjacency().triangulation(), memory,
+                                 field, kUnreached, tolerance, false, poll);
   propagation.set_crowd(1);
   for (std::uint32_t s = 0; s < sources.size(); ++s) propagation.start(sources[s], s);
   do {
@@ -107,8 +107,8 @@ std::uint64_t windows_within(double tolerance, const Surface& surface, std::uint
   exact::PropagationMemory memory;
   const Cancel never;
   Poll poll(never);
-  exact::Propagation propagation(surface.adjacency(), memory, field, kUnreached, tolerance, false,
-                                 poll);
+  exact::Propagation propagation(surface.adjacency(), surface.adjacency().triangulation(), memory,
+                                 field, kUnreached, tolerance, false, poll);
   propagation.start(from, 0);
   while (propagation.step()) {
   }
@@ -167,8 +167,11 @@ TEST_CASE("AToleranceOfNothingIsExact") {
     RandomMesh random(number);
     const Surface surface(random.soup());
     const std::vector<Source> sources{{surface.at(random.vertex()), 0}};
+    // Over the same faces.
+    FieldLimits only_vertices;
+    only_vertices.keep_details = false;
     CHECK(within(0, surface, sources).distance ==
-          surface.field_by(Method::exact, sources).distance);
+          surface.field_by(Method::exact, sources, only_vertices).distance);
   }
 }
 

@@ -1,0 +1,115 @@
+#include "core/arrive_lanes.h"
+
+#include <cstring>
+
+#include "core/lane_arithmetic.h"
+
+namespace geodesic {
+namespace {
+
+// The steps of arrive(), with a choice between lanes where that has a branch.
+template <std::size_t kWide>
+GEODESIC_LANES_INLINE void arrive_some(const FaceRecord* faces, const double* distance,
+                                       const Halfedge* bases, double* to_distance,
+                                       float* to_crossing) {
+  using Lanes = lanes::Lanes<kWide>;
+  using Reals = typename Lanes::Reals;
+  using Flags = typename Lanes::Flags;
+  const FaceRecord* face[kWide];
+  std::uint32_t at_tail[kWide];
+  std::uint32_t at_head[kWide];
+  std::uint32_t at_apex[kWide];
+  for (std::size_t i = 0; i < kWide; ++i) {
+    face[i] = &faces[face_of(bases[i])];
+    at_tail[i] = corner_of(bases[i]);
+    at_head[i] = lanes::kNextCorner[at_tail[i]];
+    at_apex[i] = lanes::kPreviousCorner[at_tail[i]];
+  }
+  Reals p, q, w, height, dp, dq;
+  Lanes::gather(p, [&](std::size_t i) { return face[i]->dot[at_tail[i]]; });
+  Lanes::gather(q, [&](std::size_t i) { return face[i]->dot[at_head[i]]; });
+  Lanes::gather(w, [&](std::size_t i) { return face[i]->dot[at_apex[i]]; });
+  Lanes::gather(height, [&](std::size_t i) { return face[i]->area2; });
+  Lanes::gather(dp, [&](std::size_t i) { return distance[face[i]->vertex[at_tail[i]]]; });
+  Lanes::gather(dq, [&](std::size_t i) { return distance[face[i]->vertex[at_head[i]]]; });
+  const Reals zero = {};
+  const Reals one = zero + 1;
+  const Reals base2 = p + q;
+  const Reals sum = dp + dq;
+  const Reals difference = dp - dq;
+  const Reals sx = 0.5 * (base2 + difference * sum);
+  Reals sy2 = 0.25 * (sum * sum - base2) * (base2 - difference * difference);
+  sy2 = sy2 > 0 ? sy2 : zero;
+  Reals sy;
+  Lanes::root(sy, sy2);
+  const Reals rise = sy + height;
+  const Reals meets = sx * height + p * sy;
+  const Reals whole = base2 * rise;
+  const Flags no_base = ~(base2 > 0);
+  const Flags at_p = (meets < 0) | (no_base & (dp <= dq));
+  const Flags at_q = ~at_p & ((meets > whole) | no_base);
+
+  const Reals run = p - sx;
+  const Reals to_p2 = p + w;
+  const Reals to_q2 = q + w;
+  Reals square = (run * run + rise * rise) / base2;
+  square = at_q ? (to_q2 > 0 ? to_q2 : zero) : square;
+  square = at_p ? (to_p2 > 0 ? to_p2 : zero) : square;
+  Reals d;
+  Lanes::root(d, square);
+  d = (at_p ? dp : at_q ? dq : zero) + d;
+  Reals flat = sx / base2;
+  flat = flat < 0 ? zero : flat;
+  flat = flat > 1 ? one : flat;
+  Reals crossing = rise > 0 ? meets / whole : flat;
+  crossing = at_p ? zero + ArrivalLanes::kBendsAtTail : crossing;
+  crossing = at_q ? zero + ArrivalLanes::kBendsAtHead : crossing;
+  std::memcpy(to_distance, &d, sizeof d);
+  for (std::size_t i = 0; i < kWide; ++i) to_crossing[i] = static_cast<float>(crossing[i]);
+}
+
+template <std::size_t kWide>
+GEODESIC_LANES_INLINE void arrive_all(const FaceRecord* faces, const double* distance,
+                                      const Halfedge* bases, ArrivalLanes& to) {
+  for (std::size_t i = 0; i < ArrivalLanes::kLanes; i += kWide) {
+    arrive_some<kWide>(faces, distance, bases + i, to.distance.data() + i, to.crossing.data() + i);
+  }
+}
+
+void arrive_plain(const FaceRecord* faces, const double* distance, const Halfedge* bases,
+                  ArrivalLanes& to) {
+  arrive_all<lanes::kPlain>(faces, distance, bases, to);
+}
+
+#ifdef __x86_64__
+__attribute__((target("avx2"))) void arrive_avx2(const FaceRecord* faces, const double* distance,
+                                                 const Halfedge* bases, ArrivalLanes& to) {
+  arrive_all<lanes::kWithAvx2>(faces, distance, bases, to);
+}
+
+__attribute__((target("avx512f,avx512vl,avx512dq"))) void arrive_avx512(const FaceRecord* faces,
+                                                                        const double* distance,
+                                                                        const Halfedge* bases,
+                                                                        ArrivalLanes& to) {
+  arrive_all<lanes::kWithAvx2>(faces, distance, bases, to);
+}
+#endif
+
+}  // namespace
+
+void arrive_lanes(std::span<const FaceRecord> faces, std::span<const double> distance,
+                  std::span<const Halfedge, ArrivalLanes::kLanes> bases, Vectors vectors,
+                  ArrivalLanes& to) {
+#ifdef __x86_64__
+  if (vectors == Vectors::avx512) {
+    return arrive_avx512(faces.data(), distance.data(), bases.data(), to);
+  }
+  if (vectors == Vectors::avx2) {
+    return arrive_avx2(faces.data(), distance.data(), bases.data(), to);
+  }
+#endif
+  (void)vectors;
+  arrive_plain(faces.data(), distance.data(), bases.data(), to);
+}
+
+}  // namespace geodesic

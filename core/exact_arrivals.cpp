@@ -1,0 +1,157 @@
+// What becomes of windows and ways where they arrive: an edge's list takes the fresh ones in,
+// is settled and let go of in the end, and a vertex keeps the nearest way.
+#include <algorithm>
+#include <cstring>
+
+#include "core/exact_propagation.h"
+
+namespace geodesic::exact {
+namespace {
+
+// Distances that a vertex is lowered by below this part send out nothing new.
+constexpr double kNews = 1e-14;
+
+}  // namespace
+
+// The fresh windows, none of which is nearer than `least`, join what is on the edge.
+void Propagation::commit(std::uint32_t e, std::span<const Window> fresh, double least) {
+  if (fresh.empty()) return;
+  Edge& edge = edges_[e];
+  if (edge.size == 0) {
+    replace(edge, 0, 0, fresh);
+  } else {
+    const double length = edge.length;
+    // Those from `first` to `last` overlap them.
+    const double begin = fresh.front().begin + kTouch * length;
+    const double end = fresh.back().end - kTouch * length;
+    std::uint32_t first = 0;
+    while (first < edge.size && edge.windows[first].end <= begin) ++first;
+    std::uint32_t last = edge.size;
+    while (last > first && edge.windows[last - 1].begin >= end) --last;
+    std::span<const Window> windows = fresh;
+    if (first < last) {
+      merge_in(edge, first, last, fresh, length);
+      windows = memory_.scratch;
+      least = kUnreached;
+      for (const Window& w : windows) {
+        if (!w.propagated) least = std::min(least, w.least(memory_.roots[w.root].offset));
+      }
+    }
+    replace(edge, first, last, windows);
+    join_at(edge, first + static_cast<std::uint32_t>(windows.size()), length);
+    join_at(edge, first, length);
+  }
+  edge.pending = std::min(edge.pending, least);
+  if (edge.pending < edge.queued) {
+    edge.queued = edge.pending;
+    memory_.queue.push({edge.pending, e, Waiting::What::edge});
+  }
+}
+
+// The fresh windows and those of the edge from `first` to before `last`, in `scratch`. Only
+// where they overlap does it take a merge; most often that is at one end.
+void Propagation::merge_in(const Edge& edge, std::uint32_t first, std::uint32_t last,
+                           std::span<const Window> fresh, double length) {
+  std::vector<Window>& all = memory_.scratch;
+  const double begin = edge.windows[first].begin + kTouch * length;
+  const double end = edge.windows[last - 1].end - kTouch * length;
+  std::size_t from = 0;
+  while (from < fresh.size() && fresh[from].end <= begin) ++from;
+  std::size_t to = fresh.size();
+  while (to > from && fresh[to - 1].begin >= end) --to;
+  all.assign(fresh.begin(), fresh.begin() + static_cast<std::ptrdiff_t>(from));
+  append_merged({edge.windows + first, last - first}, fresh.subspan(from, to - from), memory_.roots,
+                length, all);
+  all.insert(all.end(), fresh.begin() + static_cast<std::ptrdiff_t>(to), fresh.end());
+}
+
+// Puts windows in the place of those from `first` to before `last`.
+void Propagation::replace(Edge& edge, std::uint32_t first, std::uint32_t last,
+                          std::span<const Window> windows) {
+  const std::uint32_t behind = edge.size - last;
+  const auto size = static_cast<std::uint32_t>(first + windows.size() + behind);
+  Window* place = edge.windows;
+  if (size > edge.capacity) {
+    const std::uint32_t capacity = WindowPool::capacity_for(size);
+    place = memory_.pool.take(capacity);
+    std::copy_n(edge.windows, first, place);
+    std::copy_n(edge.windows + last, behind, place + (size - behind));
+    memory_.pool.give_back(edge.windows, edge.capacity);
+    edge.windows = place;
+    edge.capacity = capacity;
+  } else if (behind > 0 && size != edge.size) {
+    std::memmove(place + (size - behind), place + last, behind * sizeof(Window));
+  }
+  std::copy(windows.begin(), windows.end(), place + first);
+  edge.size = size;
+}
+
+// Makes one of windows i - 1 and i if they are the same light.
+void Propagation::join_at(Edge& edge, std::uint32_t i, double length) {
+  if (i == 0 || i >= edge.size) return;
+  Window& left = edge.windows[i - 1];
+  const Window& right = edge.windows[i];
+  if (!is_continued_by(left, right, memory_.roots[left.root].offset, length)) return;
+  left.end = right.end;
+  left.at_end = right.at_end;
+  std::copy(edge.windows + i + 1, edge.windows + edge.size, edge.windows + i);
+  --edge.size;
+}
+
+// From now on nothing that arrives farther than `farthest` matters, and in the end the
+// edge's windows are of no use to anybody but the details.
+void Propagation::settle(std::uint32_t e, double farthest) {
+  Edge& edge = edges_[e];
+  if (edge.let_go || !(farthest < edge.settled)) return;
+  edge.settled = farthest;
+  if (!keep_windows_) memory_.queue.push({farthest, e, Waiting::What::settled_edge});
+}
+
+void Propagation::let_go(std::uint32_t e) {
+  Edge& edge = edges_[e];
+  if (edge.pending != kUnreached || edge.size == 0) return;
+  memory_.pool.give_back(edge.windows, edge.capacity);
+  edge.windows = nullptr;
+  edge.size = edge.capacity = 0;
+  edge.let_go = true;
+}
+
+void Propagation::lower(std::uint32_t v, double distance, const PseudoSource& root,
+                        const ArrivalAtVertex& arrival) {
+  if (!(distance < field_.distance[v]) || distance > max_) return;
+  if (field_.distance[v] == kUnreached) ++reached_;
+  field_.distance[v] = distance;
+  if (!field_.nearest_source.empty()) field_.nearest_source[v] = root.source;
+  if (tolerance_ > 0) memory_.above[v] = root.above;
+  if (memory_.bends[v] == Bends::nowhere && !(tolerance_ > 0)) return;
+  memory_.arrivals[v] = arrival;
+  if (memory_.bends[v] == Bends::nowhere && head_start(v) == 0) return;
+  if (distance < memory_.emitted[v] * (1 - kNews)) {
+    memory_.queue.push({distance, v, Waiting::What::vertex});
+  }
+}
+
+void Propagation::drop_windows(Poll& poll) { memory_.pool.reset(poll); }
+
+LitWindows Propagation::lit_windows(Poll& poll) const {
+  LitWindows lit;
+  for (std::uint32_t e = 0; e < edges_.size() && !poll.stopped(); ++e) {
+    const Edge& edge = edges_[e];
+    const double length = frames_.edge(e).length;
+    for (std::uint32_t i = 0; i < edge.size && !poll.cancelled(); ++i) {
+      const Window& w = edge.windows[i];
+      const PseudoSource& root = memory_.roots[w.root];
+      for (Halfedge h = surface_.ring(w.from); h != w.from; h = surface_.ring(h)) {
+        if (frames_.is_reversed(h)) {
+          lit.add(h, {length - w.end, length - w.begin, length - w.x, w.y, root.offset, root.vertex,
+                      root.source});
+        } else {
+          lit.add(h, {w.begin, w.end, w.x, w.y, root.offset, root.vertex, root.source});
+        }
+      }
+    }
+  }
+  return lit;
+}
+
+}  // namespace geodesic::exact

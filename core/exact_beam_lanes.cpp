@@ -1,0 +1,337 @@
+#include "core/exact_beam_lanes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "core/exact_envelope.h"
+#include "core/field.h"
+#include "core/lane_arithmetic.h"
+
+namespace geodesic::exact {
+namespace {
+
+// Four lanes, which plain processors cut into registers of two.
+using Lane = lanes::Lanes<lanes::kWithAvx2>;
+using Reals = Lane::Reals;
+using Flags = Lane::Flags;
+constexpr std::size_t kWide = lanes::kWithAvx2;
+
+GEODESIC_LANES_INLINE void read(Reals& to, const double* from) {
+  std::memcpy(&to, from, sizeof to);
+}
+GEODESIC_LANES_INLINE void write(double* to, const Reals& from) {
+  std::memcpy(to, &from, sizeof from);
+}
+
+GEODESIC_LANES_INLINE std::size_t crossings(Beams& beams, double apex_x, double apex_y,
+                                            double base) {
+  // A beam whose end the line misses by no more than this part of the base sees the corner.
+  constexpr double kNearlyMet = 1e-9;
+  constexpr double kNotStraight = 1 + 0x1p-50;
+  const double near = kNearlyMet * base;
+  Reals least = Reals{} + kUnreached;
+  Reals where{};
+  Reals number{0, 1, 2, 3};
+  for (std::size_t i = 0; i < beams.size; i += kWide, number = number + double{kWide}) {
+    Reals begin, end, x, y, offset;
+    read(begin, beams.begin.data() + i);
+    read(end, beams.end.data() + i);
+    read(x, beams.x.data() + i);
+    read(y, beams.y.data() + i);
+    read(offset, beams.offset.data() + i);
+    const Reals rise = y + apex_y;
+    // On one line with the face anything between will do.
+    Reals crossing = (x * apex_y + apex_x * y) / rise;
+    crossing = rise > 0 ? crossing : Reals{} + apex_x;
+    write(beams.crossing.data() + i, crossing);
+    const Flags straight = (crossing >= begin - near) & (crossing <= end + near);
+    Reals at = crossing > begin ? crossing : begin;
+    at = at < end ? at : end;
+    const Reals run = at - x;
+    const Reals rest = apex_x - at;
+    Reals there, on;
+    Lane::root(there, run * run + y * y);
+    Lane::root(on, rest * rest + apex_y * apex_y);
+    Reals distance = offset + there + on;
+    distance = straight ? distance : distance * kNotStraight;
+    const Flags better = (distance < least) & (number < static_cast<double>(beams.size));
+    least = better ? distance : least;
+    where = better ? number : where;
+  }
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < kWide; ++i) {
+    if (least[i] < least[best] || (least[i] == least[best] && where[i] < where[best])) best = i;
+  }
+  return static_cast<std::size_t>(where[best]);
+}
+
+// A line from the unfolded source (x, -y) through (p, 0) of the base meets the side, which
+// rises from the base's tail at an angle A, at
+//   t = p y / (y cos A + (x - p) sin A),
+// and seen from the side the source is at (x cos A - y sin A, -(y cos A + x sin A)).
+GEODESIC_LANES_INLINE void to_side(const Beams& beams, std::size_t first, std::size_t last,
+                                   const SideFrame& side, Children& children) {
+  const double cosine = side.cosine;
+  const double sine = side.sine;
+  const double length = side.length;
+  const Reals none{};
+  const Reals whole = none + length;
+  // From the base's tail to its head is the same as back again, mirrored.
+  const double shift = side.on_right ? side.base_length : 0;
+  const double sign = side.on_right ? -1 : 1;
+  const double* const near_ends = side.on_right ? beams.end.data() : beams.begin.data();
+  const double* const far_ends = side.on_right ? beams.begin.data() : beams.end.data();
+  const double edge_shift = side.flipped ? length : 0;
+  const double edge_sign = side.flipped ? -1 : 1;
+  for (std::size_t i = first; i < last; i += kWide) {
+    Reals near, far, x, y, offset, crossing;
+    read(near, near_ends + i);
+    read(far, far_ends + i);
+    read(x, beams.x.data() + i);
+    read(y, beams.y.data() + i);
+    read(offset, beams.offset.data() + i);
+    read(crossing, beams.crossing.data() + i);
+    near = shift + sign * near;
+    far = shift + sign * far;
+    x = shift + sign * x;
+    crossing = shift + sign * crossing;
+    const Reals below_near = y * cosine + (x - near) * sine;
+    const Reals below_far = y * cosine + (x - far) * sine;
+    Reals low = near * y / below_near;
+    Reals high = far * y / below_far;
+    low = low < whole ? low : whole;
+    low = below_near > 0 ? low : (near > 0 ? whole : none);
+    high = high < whole ? high : whole;
+    high = below_far > 0 ? high : (far > 0 ? whole : none);
+    high = far < crossing ? high : whole;
+    const Flags comes = (near < crossing) & (low < high);
+
+    Reals child_y = y * cosine + x * sine;
+    child_y = child_y > 0 ? child_y : none;
+    const Reals child_x = edge_shift + edge_sign * (x * cosine - y * sine);
+    const Reals begin = side.flipped ? length - high : low;
+    const Reals end = side.flipped ? length - low : high;
+    Reals ray_begin, ray_end;
+    const Reals to_begin = begin - child_x;
+    const Reals to_end = end - child_x;
+    Lane::root(ray_begin, to_begin * to_begin + child_y * child_y);
+    Lane::root(ray_end, to_end * to_end + child_y * child_y);
+    const Reals at_begin = offset + ray_begin;
+    const Reals at_end = offset + ray_end;
+    Reals least = at_begin < at_end ? at_begin : at_end;
+    least = ((child_x > begin) & (child_x < end)) ? offset + child_y : least;
+
+    // As in clip_at_ends and too_narrow: nothing to cut.
+    const Reals rays = ray_begin + ray_end;
+    const Reals scale = rays < whole ? rays : whole;
+    const Reals to_head = length - end;
+    const Flags clear =
+        (side.at_tail + end > at_end) & (side.at_head + (length - begin) > at_begin) &
+        (side.at_tail + begin >= at_begin * (1 - kTie)) &
+        (side.at_head + to_head >= at_end * (1 - kTie)) & (end - begin > kLeastWidth * scale) &
+        (least < side.settled) & (least <= side.max);
+    const Flags passes = comes & (clear ? Flags{} + kWhole : Flags{} + kDoubtful);
+
+    write(children.begin.data() + i, begin);
+    write(children.end.data() + i, end);
+    write(children.x.data() + i, child_x);
+    write(children.y.data() + i, child_y);
+    write(children.at_begin.data() + i, at_begin);
+    write(children.at_end.data() + i, at_end);
+    write(children.least.data() + i, least);
+    std::memcpy(children.passes.data() + i, &passes, sizeof passes);
+  }
+}
+
+GEODESIC_LANES_INLINE void pair(std::size_t first, std::size_t last, bool upwards, double length,
+                                Children& children, Ties& ties) {
+  const double touch = kTouch * length;
+  // Children i and i + 1, or i + 1 and i, the way that they lie on the edge.
+  const std::size_t to_left = upwards ? 0 : 1;
+  const std::size_t to_right = upwards ? 1 : 0;
+  for (std::size_t i = first; i + 1 < last; i += kWide) {
+    Reals left_begin, left_end, right_begin, right_end;
+    Flags left_passes, right_passes;
+    read(left_begin, children.begin.data() + i + to_left);
+    read(left_end, children.end.data() + i + to_left);
+    read(right_begin, children.begin.data() + i + to_right);
+    read(right_end, children.end.data() + i + to_right);
+    std::memcpy(&left_passes, children.passes.data() + i + to_left, sizeof left_passes);
+    std::memcpy(&right_passes, children.passes.data() + i + to_right, sizeof right_passes);
+    const Flags overlap = (left_passes == kWhole) & (right_passes == kWhole) &
+                          (left_end > right_begin + touch) & (left_begin < right_begin) &
+                          (left_end < right_end);
+    std::memcpy(children.overlaps.data() + i + 1, &overlap, sizeof overlap);
+  }
+  children.overlaps[first] = 0;
+  children.overlaps[last] = 0;
+  std::size_t size = 0;
+  std::uint32_t* const left = ties.left.data();
+  std::uint32_t* const right = ties.right.data();
+  std::uint32_t* const tie = children.tie.data();
+  const std::int64_t* const overlaps = children.overlaps.data();
+  for (std::size_t i = first; i + 1 < last; ++i) {
+    // Without a branch: which of them overlap is anybody's guess.
+    left[size] = static_cast<std::uint32_t>(i + to_left);
+    right[size] = static_cast<std::uint32_t>(i + to_right);
+    tie[i + 1] = static_cast<std::uint32_t>(size);
+    size += static_cast<std::size_t>(overlaps[i + 1] & 1);
+  }
+  ties.size = size;
+}
+
+// Over an overlap, which is short against the distances, the difference of two distances is
+// nearly straight: a secant or two mostly meet the place where it is nought. Where they come
+// from the same side again and again, the other end counts for half (the Illinois rule: Dowell
+// and Jarratt 1971).
+GEODESIC_LANES_INLINE void meet(const Beams& beams, const Children& children, Ties& ties) {
+  constexpr int kSecants = 8;
+  for (std::size_t i = 0; i < ties.size; i += kWide) {
+    Reals ax, ay, a_offset, bx, by, b_offset, low, high, at_high_a, at_low_b;
+    for (std::size_t lane = 0; lane < kWide; ++lane) {
+      const std::uint32_t a = ties.left[i + lane];
+      const std::uint32_t b = ties.right[i + lane];
+      ax[lane] = children.x[a];
+      ay[lane] = children.y[a];
+      a_offset[lane] = beams.offset[a];
+      bx[lane] = children.x[b];
+      by[lane] = children.y[b];
+      b_offset[lane] = beams.offset[b];
+      low[lane] = children.begin[b];
+      high[lane] = children.end[a];
+      at_low_b[lane] = children.at_begin[b];
+      at_high_a[lane] = children.at_end[a];
+    }
+    const Reals ay2 = ay * ay;
+    const Reals by2 = by * by;
+    Reals ray_low_a, ray_high_b;
+    Lane::root(ray_low_a, (low - ax) * (low - ax) + ay2);
+    Lane::root(ray_high_b, (high - bx) * (high - bx) + by2);
+    const Reals at_low_a = a_offset + ray_low_a;
+    const Reals at_high_b = b_offset + ray_high_b;
+    const Reals tie = kTie * at_high_a;
+    const Reals enough = 0.1 * tie;
+    Reals g_left = at_low_b - at_low_a;
+    Reals g_right = at_high_b - at_high_a;
+    const Flags crosses = (g_left > tie) & (g_right < -tie);
+    // One of them nowhere nearer: by the signs of the slopes of the difference it is not so
+    // in the middle either.
+    const Reals slope_low = (low - bx) * ray_low_a - (low - ax) * (at_low_b - b_offset);
+    const Reals slope_high = (high - bx) * (at_high_a - a_offset) - (high - ax) * ray_high_b;
+    const Flags only_a =
+        (g_left >= -tie) & (g_right >= -tie) & ~((slope_low < 0) & (slope_high > 0));
+    const Flags only_b = (g_left < -tie) & (g_right <= tie) & ~((slope_low > 0) & (slope_high < 0));
+    Reals left = low;
+    Reals right = high;
+    Reals place{}, at_a{}, at_b{};
+    Flags found{};
+    Flags was_left{};
+    Flags was_right{};
+    for (int secant = 0; secant < kSecants; ++secant) {
+      const Reals next = left + (right - left) * (g_left / (g_left - g_right));
+      Reals ray_a, ray_b;
+      Lane::root(ray_a, (next - ax) * (next - ax) + ay2);
+      Lane::root(ray_b, (next - bx) * (next - bx) + by2);
+      const Reals next_at_a = a_offset + ray_a;
+      const Reals next_at_b = b_offset + ray_b;
+      place = found ? place : next;
+      at_a = found ? at_a : next_at_a;
+      at_b = found ? at_b : next_at_b;
+      const Reals g = next_at_b - next_at_a;
+      found = found | ((g <= enough) & (g >= -enough));
+      if (!Lane::any(crosses & ~found)) break;
+      const Flags on_left = g > 0;
+      const Flags on_right = ~on_left;
+      left = on_left ? next : left;
+      right = on_right ? next : right;
+      g_left = on_left ? g : ((on_right & was_right) ? 0.5 * g_left : g_left);
+      g_right = on_right ? g : ((on_left & was_left) ? 0.5 * g_right : g_right);
+      was_left = on_left;
+      was_right = on_right;
+    }
+    place = crosses ? place : (only_a ? high : low);
+    at_a = crosses ? at_a : (only_a ? at_high_a : at_low_a);
+    at_b = crosses ? at_b : (only_a ? at_high_b : at_low_b);
+    found = (found & crosses) | only_a | only_b;
+    write(ties.place.data() + i, place);
+    write(ties.at_left.data() + i, at_a);
+    write(ties.at_right.data() + i, at_b);
+    std::memcpy(ties.found.data() + i, &found, sizeof found);
+  }
+}
+
+std::size_t crossings_plain(Beams& beams, double x, double y, double base) {
+  return crossings(beams, x, y, base);
+}
+void to_side_plain(const Beams& beams, std::size_t first, std::size_t last, const SideFrame& side,
+                   Children& children) {
+  to_side(beams, first, last, side, children);
+}
+void pair_plain(std::size_t first, std::size_t last, bool upwards, double length,
+                Children& children, Ties& ties) {
+  pair(first, last, upwards, length, children, ties);
+}
+void meet_plain(const Beams& beams, const Children& children, Ties& ties) {
+  meet(beams, children, ties);
+}
+
+#ifdef __x86_64__
+__attribute__((target("avx2"))) std::size_t crossings_avx2(Beams& beams, double x, double y,
+                                                           double base) {
+  return crossings(beams, x, y, base);
+}
+__attribute__((target("avx2"))) void to_side_avx2(const Beams& beams, std::size_t first,
+                                                  std::size_t last, const SideFrame& side,
+                                                  Children& children) {
+  to_side(beams, first, last, side, children);
+}
+__attribute__((target("avx2"))) void pair_avx2(std::size_t first, std::size_t last, bool upwards,
+                                               double length, Children& children, Ties& ties) {
+  pair(first, last, upwards, length, children, ties);
+}
+__attribute__((target("avx2"))) void meet_avx2(const Beams& beams, const Children& children,
+                                               Ties& ties) {
+  meet(beams, children, ties);
+}
+#endif
+
+}  // namespace
+
+std::size_t find_crossings(Vectors vectors, Beams& beams, double x, double y, double base_length) {
+#ifdef __x86_64__
+  if (vectors != Vectors::plain) return crossings_avx2(beams, x, y, base_length);
+#endif
+  (void)vectors;
+  return crossings_plain(beams, x, y, base_length);
+}
+
+void cross_to_side(Vectors vectors, const Beams& beams, std::size_t first, std::size_t last,
+                   const SideFrame& side, Children& children) {
+#ifdef __x86_64__
+  if (vectors != Vectors::plain) return to_side_avx2(beams, first, last, side, children);
+#endif
+  (void)vectors;
+  to_side_plain(beams, first, last, side, children);
+}
+
+void pair_overlaps(Vectors vectors, std::size_t first, std::size_t last, bool upwards,
+                   double length, Children& children, Ties& ties) {
+#ifdef __x86_64__
+  if (vectors != Vectors::plain) {
+    return pair_avx2(first, last, upwards, length, children, ties);
+  }
+#endif
+  (void)vectors;
+  pair_plain(first, last, upwards, length, children, ties);
+}
+
+void find_ties(Vectors vectors, const Beams& beams, const Children& children, Ties& ties) {
+#ifdef __x86_64__
+  if (vectors != Vectors::plain) return meet_avx2(beams, children, ties);
+#endif
+  (void)vectors;
+  meet_plain(beams, children, ties);
+}
+
+}  // namespace geodesic::exact

@@ -1,0 +1,94 @@
+// Windows on their way over a face, taken apart into columns, so that several are
+// computed at a time (exact_beam_lanes.h). Columns are as long as needed and a little
+// longer: lanes work on four numbers whether they are wanted or not.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace geodesic::exact {
+
+// Beyond the last number of a column there is room for so many.
+inline constexpr std::size_t kColumnSlack = 8;
+
+// Windows in the frame of the halfedge whose face they are about to cross, in the order
+// in which they lie on it.
+struct Beams {
+  std::size_t size = 0;
+  std::vector<double> begin;
+  std::vector<double> end;
+  std::vector<double> x;  // the unfolded source
+  std::vector<double> y;
+  std::vector<double> offset;    // the pseudo-source's
+  std::vector<double> crossing;  // where the line from the source to the far corner meets the base
+  std::vector<std::uint32_t> root;
+
+  // Room for so many. What was there need not be there any more.
+  void make_room(std::size_t count) {
+    const std::size_t room = count + kColumnSlack;
+    if (begin.size() >= room) return;
+    const std::size_t rounded = std::bit_ceil(room);
+    for (auto* column : {&begin, &end, &x, &y, &offset, &crossing}) column->assign(rounded, 0);
+    root.assign(rounded, 0);
+  }
+};
+
+// What becomes of a beam beyond one side of the face.
+inline constexpr std::int64_t kMisses = 0;    // it does not come there
+inline constexpr std::int64_t kWhole = 1;     // all of it does
+inline constexpr std::int64_t kDoubtful = 2;  // perhaps not all of it is nearer than along the edge
+
+// Beams on the other side of the face, as windows in the frame of the edge there. Numbered
+// like the beams.
+struct Children {
+  std::vector<double> begin;
+  std::vector<double> end;
+  std::vector<double> x;
+  std::vector<double> y;
+  std::vector<double> at_begin;
+  std::vector<double> at_end;
+  std::vector<double> least;  // distance in the interval
+  std::vector<std::int64_t> passes;
+  // Not 0: it and the one numbered before are whole, and overlap so that each sticks out on
+  // its side. Also 0 for the first, and one beyond the last.
+  std::vector<std::int64_t> overlaps;
+  std::vector<std::uint32_t> tie;  // then the number of their pair
+
+  void make_room(std::size_t count) {
+    const std::size_t room = count + kColumnSlack;
+    if (begin.size() >= room) return;
+    const std::size_t rounded = std::bit_ceil(room);
+    for (auto* column : {&begin, &end, &x, &y, &at_begin, &at_end, &least}) {
+      column->assign(rounded, 0);
+    }
+    passes.assign(rounded, kMisses);
+    overlaps.assign(rounded, 0);
+    tie.assign(rounded, 0);
+  }
+};
+
+// Pairs of children that lie one after the other on the edge and overlap, and where in
+// the overlap they are equally far.
+struct Ties {
+  std::size_t size = 0;
+  std::vector<std::uint32_t> left;
+  std::vector<std::uint32_t> right;
+  std::vector<double> place;
+  std::vector<double> at_left;
+  std::vector<double> at_right;
+  std::vector<std::int64_t> found;  // not 0: there is one such place, and this is it
+
+  void make_room(std::size_t count) {
+    const std::size_t room = count + kColumnSlack;
+    if (place.size() >= room) return;
+    const std::size_t rounded = std::bit_ceil(room);
+    for (auto* column : {&place, &at_left, &at_right}) column->assign(rounded, 0);
+    for (auto* column : {&left, &right}) column->assign(rounded, 0);
+    found.assign(rounded, 0);
+  }
+};
+
+}  // namespace geodesic::exact

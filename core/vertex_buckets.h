@@ -1,0 +1,131 @@
+// A queue of vertices in the order of their keys but for a bucket's width: a ring of
+// buckets, after Dial, "Algorithm 360: shortest-path forest with topological ordering",
+// CACM 12(11), 1969, and a heap of what is beyond the ring.
+//
+// A front that takes a whole bucket at once has many vertices to work on together, and
+// no heap to keep in order: pushing and taking a vertex cost the same on any mesh. A
+// vertex whose key was lowered is pushed again and so taken twice; who takes it knows.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/mesh.h"
+
+namespace geodesic {
+
+class VertexBuckets {
+ public:
+  // Forgets everything. `width` is of a bucket; where that is not positive, or too little
+  // to divide by, all keys share one.
+  void reset(double width) {
+    const double per_width = 1 / width;
+    per_width_ = width > 0 && std::isfinite(per_width) ? per_width : 0;
+    head_.assign(kRing, kNone);
+    entries_.clear();
+    beyond_.clear();
+    free_ = kNone;
+    now_ = 0;
+    in_ring_ = 0;
+  }
+
+  [[nodiscard]] bool empty() const { return in_ring_ == 0 && beyond_.empty(); }
+
+  // Keys are finite and not negative. One below the bucket that was taken last counts as of that.
+  void push(std::uint32_t vertex, double key) { push_into(bucket_of(key), vertex); }
+  // Back into the bucket that was taken last.
+  void push_back(std::uint32_t vertex) { push_into(now_, vertex); }
+  [[nodiscard]] bool in_same_bucket(double a, double b) const {
+    return bucket_of(a) == bucket_of(b);
+  }
+  // Whether the bucket that was taken last would hold this key, and whether it has again a
+  // vertex in it.
+  [[nodiscard]] bool is_now(double key) const { return number(key) == now_; }
+  [[nodiscard]] bool has_more_now() const { return head_[now_ % kRing] != kNone; }
+  // Whether all vertices left have keys above this one, of another bucket. Not when empty.
+  [[nodiscard]] bool is_beyond(double key) {
+    go_to_first();
+    return key < 0 || now_ > number(key);
+  }
+
+  // Moves the vertices of the first bucket that has any to the end of `taken`. Not when
+  // empty.
+  void take(std::vector<std::uint32_t>& taken) {
+    go_to_first();
+    std::uint32_t& head = head_[now_ % kRing];
+    while (head != kNone) {
+      const std::uint32_t entry = head;
+      taken.push_back(entries_[entry].vertex);
+      head = entries_[entry].next;
+      entries_[entry].next = free_;
+      free_ = entry;
+      --in_ring_;
+    }
+  }
+
+ private:
+  static constexpr std::uint64_t kRing = 1024;
+  static constexpr double kMostBuckets = 1e18;  // what is beyond shares the last one
+
+  struct Entry {
+    std::uint32_t vertex;
+    std::uint32_t next;  // of the same bucket, or of those that are free
+  };
+  struct Beyond {
+    std::uint64_t bucket;
+    std::uint32_t vertex;
+    friend bool operator<(const Beyond& a, const Beyond& b) { return a.bucket > b.bucket; }
+  };
+
+  [[nodiscard]] std::uint64_t number(double key) const {
+    return static_cast<std::uint64_t>(
+        static_cast<std::int64_t>(std::min(key * per_width_, kMostBuckets)));
+  }
+  [[nodiscard]] std::uint64_t bucket_of(double key) const { return std::max(number(key), now_); }
+
+  void push_into(std::uint64_t bucket, std::uint32_t vertex) {
+    if (bucket >= now_ + kRing) {
+      beyond_.push_back({bucket, vertex});
+      std::push_heap(beyond_.begin(), beyond_.end());
+      return;
+    }
+    std::uint32_t entry = free_;
+    if (entry == kNone) {
+      entry = static_cast<std::uint32_t>(entries_.size());
+      entries_.push_back({});
+    } else {
+      free_ = entries_[entry].next;
+    }
+    std::uint32_t& head = head_[bucket % kRing];
+    entries_[entry] = {vertex, head};
+    head = entry;
+    ++in_ring_;
+  }
+
+  void go_to_first() {
+    if (in_ring_ == 0) now_ = beyond_.front().bucket;
+    for (;;) {
+      while (!beyond_.empty() && beyond_.front().bucket < now_ + kRing) {
+        std::pop_heap(beyond_.begin(), beyond_.end());
+        const Beyond first = beyond_.back();
+        beyond_.pop_back();
+        push_into(first.bucket, first.vertex);
+      }
+      if (head_[now_ % kRing] != kNone) return;
+      ++now_;
+    }
+  }
+
+  double per_width_ = 0;
+  std::vector<std::uint32_t> head_;  // of each bucket in the ring, an index into entries_
+  std::vector<Entry> entries_;
+  std::vector<Beyond> beyond_;  // a heap
+  std::uint32_t free_ = kNone;
+  std::uint64_t now_ = 0;  // the first bucket of the ring
+  std::size_t in_ring_ = 0;
+};
+
+}  // namespace geodesic
