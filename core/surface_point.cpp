@@ -52,6 +52,7 @@ std::vector<SurfacePoint> in_all_faces(const Adjacency& adjacency, const Surface
     }
     return places;
   }
+  places.reserve(2);  // faces on most edges
   places.push_back(point);
   for (std::uint32_t c = 0; c < 3; ++c) {
     if (point.bary[previous_corner(c)] != 0) continue;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <unordered_set>
+#include <vector>
 
 #include "core/arrive_at_point.h"
 #include "core/down_edges.h"
@@ -21,7 +21,10 @@ struct Leg {
 class Tracer {
  public:
   Tracer(const Adjacency& adjacency, const Field& field)
-      : adjacency_(adjacency), field_(field), arrivals_(adjacency, field) {}
+      : adjacency_(adjacency),
+        field_(field),
+        arrivals_(adjacency, field),
+        entered_(adjacency.faces().size(), false) {}
 
   std::optional<Path> trace(const SurfacePoint& target) {
     StepBack step = first_step(target);
@@ -46,7 +49,7 @@ class Tracer {
  private:
   void walk(const StepBack& step) {
     if (step.face == kNone) return;
-    entered_.insert(step.face);
+    entered_[step.face] = true;
     legs_.push_back({step.face, step.start, step.bary});
   }
 
@@ -108,7 +111,7 @@ class Tracer {
 
   // In the graph of `steiner` every step leads to a lesser distance as it is.
   [[nodiscard]] bool may_enter(std::uint32_t face) const {
-    return field_.method == Method::steiner || !entered_.contains(face);
+    return field_.method == Method::steiner || !entered_[face];
   }
 
   Path assemble(std::uint32_t source) const {
@@ -150,7 +153,7 @@ class Tracer {
   const Field& field_;
   PointArrivals arrivals_;
   std::vector<Leg> legs_;
-  std::unordered_set<std::uint32_t> entered_;
+  std::vector<bool> entered_;  // by face
 };
 
 }  // namespace
