@@ -183,7 +183,16 @@ class Pieces {
     if (whole_ == nullptr) return;
     // Made where it is to be: a copy at once would wait for every part of it.
     const Window& w = *whole_;
-    list_.emplace_back(begin_, end_, w.x, w.y, at_begin_, at_end_, w.root, w.from, w.propagated);
+    Window& made = list_.emplace_back();
+    made.begin = begin_;
+    made.end = end_;
+    made.x = w.x;
+    made.y = w.y;
+    made.at_begin = at_begin_;
+    made.at_end = at_end_;
+    made.root = w.root;
+    made.from = w.from;
+    made.propagated = w.propagated;
     keep_last(list_, roots_, length_);
   }
   std::vector<Window>& list_;
