@@ -42,11 +42,16 @@ using Clock = HttpConnection::Clock;
 // in a variable of that thread.
 thread_local Exchange* current_exchange = nullptr;
 
-std::string without_controls(std::string_view text) {
-  std::string out(text);
-  std::erase_if(
-      out, [](char c) { return (static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7f; });
-  return out;
+bool is_unfit_for_header(char c) {
+  return (static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7f;
+}
+
+// The text itself, or `spare` with what there is beside controls.
+const std::string& without_controls(const std::string& text, std::string& spare) {
+  if (std::none_of(text.begin(), text.end(), is_unfit_for_header)) return text;
+  spare = text;
+  std::erase_if(spare, is_unfit_for_header);
+  return spare;
 }
 
 // Headers of a reply that the edge sets itself.
@@ -58,13 +63,19 @@ bool is_ours(std::string_view name) {
   return false;
 }
 
-std::string http_date() {
+// Written once a second.
+const std::string& http_date() {
+  thread_local std::time_t known = 0;
+  thread_local std::string date;
   const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  ::gmtime_r(&now, &utc);
-  char text[64];
-  const std::size_t size = std::strftime(text, sizeof text, "%a, %d %b %Y %H:%M:%S GMT", &utc);
-  return std::string(text, size);
+  if (now != known || date.empty()) {
+    std::tm utc{};
+    ::gmtime_r(&now, &utc);
+    char text[64];
+    date.assign(text, std::strftime(text, sizeof text, "%a, %d %b %Y %H:%M:%S GMT", &utc));
+    known = now;
+  }
+  return date;
 }
 
 // What cpp-httplib reads, a request that says nothing, and where it writes: the
@@ -270,12 +281,16 @@ class HttpServer::Impl final : public httplib::Server {
     }
     exchange.status = response.status = reply.status;
     exchange.route = std::move(reply.route);
+    std::string spare_name;
+    std::string spare_value;
     for (const auto& [name, value] : reply.headers) {
-      if (!is_ours(name)) response.set_header(without_controls(name), without_controls(value));
+      if (is_ours(name)) continue;
+      response.set_header(without_controls(name, spare_name), without_controls(value, spare_value));
     }
     const bool has_content = reply.stream || (reply.body && !reply.body->empty());
-    const std::string type = reply.content_type.empty() ? "application/octet-stream"
-                                                        : without_controls(reply.content_type);
+    const std::string type = reply.content_type.empty()
+                                 ? "application/octet-stream"
+                                 : without_controls(reply.content_type, spare_value);
     if (reply.stream && !is_head && !bodiless) {
       stream(std::move(reply.stream), type, exchange, response);
     } else if (bodiless || reply.stream) {
