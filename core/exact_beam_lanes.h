@@ -4,8 +4,8 @@
 
 #include <cstddef>
 
-#include "core/vectors.h"
 #include "core/exact_beams.h"
+#include "core/vectors.h"
 
 namespace geodesic::exact {
 
