@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -116,9 +117,7 @@ class Packing {
                                                  std::to_string(bytes->size()) +
                                                  " of its file, or no number of them.");
       }
-      binary_.resize((binary_.size() + buffer_alignment - 1) / buffer_alignment * buffer_alignment);
-      places_.push_back({0, binary_.size(), *length});
-      binary_ += bytes->substr(0, *length);
+      if (auto placed = place(*bytes, *length); !placed) return placed;
     }
     // Without a chunk of their own, views keep to the buffers that they have.
     if (binary_.empty()) {
@@ -127,6 +126,27 @@ class Packing {
       kept.insert(kept.begin(), ordered_json{{"byteLength", binary_.size()}});
     }
     if (!kept.empty()) document_["buffers"] = std::move(kept);
+    return {};
+  }
+
+  // A file that several buffers are in is there once: otherwise few bytes would become
+  // as many as there are buffers times as many.
+  Result<void> place(std::string_view file, std::uint64_t length) {
+    const auto known = placed_.find(file.data());
+    if (known != placed_.end() && length <= *known->second.length) {
+      places_.push_back({0, known->second.offset, length});
+      return {};
+    }
+    if (known != placed_.end()) {
+      again_ += length;
+      if (again_ > file.size()) {
+        return fail(ErrorCode::too_large, "Several buffers are ever longer parts of one file.");
+      }
+    }
+    binary_.resize((binary_.size() + buffer_alignment - 1) / buffer_alignment * buffer_alignment);
+    places_.push_back({0, binary_.size(), length});
+    placed_[file.data()] = places_.back();
+    binary_ += file.substr(0, length);
     return {};
   }
 
@@ -204,6 +224,8 @@ class Packing {
   ordered_json document_;
   const NamedFiles& files_;
   std::vector<Place> places_;
+  std::map<const char*, Place> placed_;  // by file, the longest of those from it
+  std::uint64_t again_ = 0;              // bytes of files that were placed before
   std::string binary_;
 };
 

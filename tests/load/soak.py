@@ -7,8 +7,9 @@ Asks every question once and records the answer; then several clients ask them a
 random, upload and delete meshes meanwhile, hang up, and start jobs that they cancel.
 Every answer is compared with the recorded one, byte by byte; a 503 with Retry-After
 is no answer, and is counted apart. At the end: how many, how many wrong, how often the
-caches threw something out, and how the resident memory went. Exit status 1 if an answer was wrong, nothing was thrown out, or memory grew by
-more than is asked (times the slack). OPTIONs go to the server.
+caches threw something out, and how the resident memory went. Exit status 1 if an answer
+was wrong, nothing was thrown out, or memory grew by more than is asked (times the slack).
+OPTIONs go to the server.
 """
 
 import argparse

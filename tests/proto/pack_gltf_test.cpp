@@ -127,3 +127,21 @@ TEST_CASE("views can't reach from one file into the next") {
   check_not_packed(pack_gltf("{\"asset\":", {}, DecodeLimits{}), wrong, "does not parse");
   check_not_packed(pack_gltf(std::string(100'000, '['), {}, DecodeLimits{}), wrong, "nested");
 }
+
+TEST_CASE("a file that many buffers are in is there once") {
+  const std::string file(1000, 'x');
+  json document = {{"asset", {{"version", "2.0"}}}};
+  for (int i = 0; i < 1000; ++i) {
+    document["buffers"].push_back({{"uri", "a.bin"}, {"byteLength", 1000 - i % 3}});
+    document["bufferViews"].push_back({{"buffer", i}, {"byteOffset", 990}, {"byteLength", 8}});
+  }
+  const auto packed = pack_gltf(document.dump(), {{"a.bin", file}}, DecodeLimits{});
+  REQUIRE(packed);
+  CHECK(packed->size() < document.dump().size() + 2 * file.size());
+  CHECK(packed->find("\"buffers\":[{\"byteLength\":1000}]") != std::string::npos);
+
+  for (int i = 0; i < 1000; ++i) document["buffers"][i]["byteLength"] = i + 1;
+  document.erase("bufferViews");
+  check_not_packed(pack_gltf(document.dump(), {{"a.bin", file}}, DecodeLimits{}),
+                   ErrorCode::too_large, "ever longer parts of one file");
+}
