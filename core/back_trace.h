@@ -48,17 +48,30 @@ class BackTrace {
   // Which lengths to take: of paths on the surface only, or from virtual sources too.
   enum class Takes : std::uint8_t { paths, virtual_sources };
 
-  // At most so many faces are unfolded for a trace: 0.007 to 0.015 % of error on scans.
-  // Paths alone come as near to the truth when they look further: 0.011 to 0.013 %.
-  static constexpr int kMostFaces = 10;
-  static constexpr int kMostFacesForPaths = 17;
-  [[nodiscard]] static constexpr int most_faces(Takes takes) {
-    return takes == Takes::paths ? kMostFacesForPaths : kMostFaces;
+  // How far back. What is enough for most traces leaves some unsure: where the best path
+  // is longer than the straight way from the virtual source by a share of the way looked
+  // back over, no vertex lies near the straight way, or the last edge's ends see two
+  // sources. Further back, both come closer to the truth. Where it is longer by far, as on
+  // slivers, no vertex is near the way there either.
+  enum class Reach : std::uint8_t { near, far };
+
+  // At most so many faces are unfolded.
+  [[nodiscard]] static constexpr int most_faces(Takes takes, Reach reach) {
+    if (reach == Reach::near) return takes == Takes::paths ? 15 : 10;
+    return takes == Takes::paths ? 40 : 24;
+  }
+  // The shares between which a trace is unsure.
+  struct Shares {
+    double least, most;
+  };
+  [[nodiscard]] static constexpr Shares unsure(Takes takes) {
+    return takes == Takes::paths ? Shares{0.002, 0.1} : Shares{0.004, 0.05};
   }
 
   // A virtual source nearer than this part of the best path would be of two sources.
   static constexpr double kLeastOfBest = 0.9;
-  static constexpr double kLeastOverOneFace = 0.7;  // across a square, between its sides: 0.71
+  // … and from inside the first face, where no vertex need be near the way.
+  static constexpr double kLeastWithinFace = 0.7;  // across a square, between its sides: 0.71
 
   // `distance` has an entry per vertex, kUnreached where there is none yet; `stops` are
   // the faces that have a source in them, ascending. All must outlive this object.
@@ -97,83 +110,122 @@ class BackTrace {
 
   // The least of `best` and what the trace finds.
   [[nodiscard]] double least(const TraceStart& start, double best) const {
-    Vec2 right = start.to_right;
-    Vec2 left = start.to_left;
-    Vec2 right_bound = right;
-    Vec2 left_bound = left;
-    double at_right = distance_[start.right];
-    double at_left = distance_[start.left];
-    std::uint32_t right_vertex = start.right;
-    Halfedge edge = start.edge;
-    Halfedge across = surface_.ring(edge);
-    bool beyond_is_source = false;
+    Trace trace{start.to_right,           start.to_left,         start.to_right, start.to_left,
+                distance_[start.right],   distance_[start.left], start.right,    start.edge,
+                surface_.ring(start.edge)};
+    best = look_back(trace, Reach::near, best);
+    if (trace.ends == Ends::at_border) return best;
+    double straight = straight_to_virtual_source(trace, best);
+    if (trace.ends == Ends::nowhere && is_unsure(trace, straight, best)) {
+      best = look_back(trace, Reach::far, best);
+      if (trace.ends == Ends::at_border) return best;
+      straight = straight_to_virtual_source(trace, best);
+    }
+    // From the source's own face that is where the source is.
+    const bool is_path = trace.ends == Ends::at_source;
+    return takes_ == Takes::virtual_sources || is_path ? std::min(best, straight) : best;
+  }
+
+ private:
+  // What stopped a trace before it had gone over as many faces as it may.
+  enum class Ends : std::uint8_t { nowhere, at_border, at_source, where_distances_grow };
+
+  struct Trace {
+    Vec2 right, left;
+    Vec2 right_bound, left_bound;
+    double at_right, at_left;
+    std::uint32_t right_vertex;
+    Halfedge edge, across;
     int faces = 0;
-    const int most = most_faces(takes_);
-    for (; faces < most && across != edge; ++faces) {
-      if (surface_.ring(across) != edge) across = nearest_beyond(edge);
-      if (!stops_.empty() && std::binary_search(stops_.begin(), stops_.end(), face_of(across))) {
-        beyond_is_source = true;
-        break;
+    Ends ends = Ends::nowhere;
+  };
+
+  // Goes on over the faces; the least of `best` and the ways past their vertices.
+  [[nodiscard]] double look_back(Trace& t, Reach reach, double best) const {
+    for (const int most = most_faces(takes_, reach); t.faces < most; ++t.faces) {
+      if (t.across == t.edge) {
+        t.ends = Ends::at_border;
+        return best;
       }
-      const FaceRecord& face = surface_.faces[face_of(across)];
-      const std::uint32_t c = corner_of(across);
+      if (surface_.ring(t.across) != t.edge) t.across = nearest_beyond(t.edge);
+      if (!stops_.empty() && std::binary_search(stops_.begin(), stops_.end(), face_of(t.across))) {
+        t.ends = Ends::at_source;
+        return best;
+      }
+      const FaceRecord& face = surface_.faces[face_of(t.across)];
+      const std::uint32_t c = corner_of(t.across);
       const std::uint32_t n = next_corner(c);
       const std::uint32_t apex = previous_corner(c);
       const double at_apex = distance_[face.vertex[apex]];
-      // Past the source, distances grow again.
-      if (!(at_apex < std::max(at_right, at_left))) break;
+      // Past the source, and where waves meet, distances grow; but over one thin face they
+      // may as well.
+      const bool may_be_farther = t.faces == 0 && at_apex < kUnreached;
+      if (!(at_apex < std::max(t.at_right, t.at_left)) && !may_be_farther) {
+        t.ends = Ends::where_distances_grow;
+        return best;
+      }
       // The apex over the edge, whichever way round the face has it.
-      const bool forward = face.vertex[c] == right_vertex;
+      const bool forward = face.vertex[c] == t.right_vertex;
       const double per_base2 = 1.0 / (face.dot[c] + face.dot[n]);
       const double along = (forward ? face.dot[c] : face.dot[n]) * per_base2;
       const double height = face.area2 * per_base2;
-      const Vec2 base = left - right;
-      const Vec2 to_apex{right.x + along * base.x + height * base.y,
-                         right.y + along * base.y - height * base.x};
-      const bool within_left = cross(to_apex, left_bound) >= 0;
-      const bool within_right = cross(right_bound, to_apex) >= 0;
+      const Vec2 base = t.left - t.right;
+      const Vec2 to_apex{t.right.x + along * base.x + height * base.y,
+                         t.right.y + along * base.y - height * base.x};
+      const bool within_left = cross(to_apex, t.left_bound) >= 0;
+      const bool within_right = cross(t.right_bound, to_apex) >= 0;
       if (within_left && within_right) best = std::min(best, at_apex + norm(to_apex));
       if (to_apex.y > 0) {
-        left = to_apex;
-        at_left = at_apex;
-        if (within_left) left_bound = to_apex;
-        edge = halfedge(face_of(across), forward ? apex : n);
+        t.left = to_apex;
+        t.at_left = at_apex;
+        if (within_left) t.left_bound = to_apex;
+        t.edge = halfedge(face_of(t.across), forward ? apex : n);
       } else {
-        right = to_apex;
-        at_right = at_apex;
-        right_vertex = face.vertex[apex];
-        if (within_right) right_bound = to_apex;
-        edge = halfedge(face_of(across), forward ? n : apex);
+        t.right = to_apex;
+        t.at_right = at_apex;
+        t.right_vertex = face.vertex[apex];
+        if (within_right) t.right_bound = to_apex;
+        t.edge = halfedge(face_of(t.across), forward ? n : apex);
       }
-      across = surface_.ring(edge);
+      t.across = surface_.ring(t.edge);
     }
-    // A ray that ends at a border has no virtual source beyond it.
-    if (faces < most && across == edge) return best;
-    if (takes_ == Takes::paths && !beyond_is_source) return best;
+    return best;
+  }
 
-    // The two circles. In the face of a source itself they meet in the source.
-    const Vec2 base = left - right;
+  // The distance of the point where the two circles round the ends of the trace's edge
+  // meet; in the face of a source itself they meet in the source. kUnreached where they
+  // do not, and with virtual sources, where that point is not to be taken for one.
+  [[nodiscard]] double straight_to_virtual_source(const Trace& t, double best) const {
+    const Vec2 base = t.left - t.right;
     const double base2 = dot(base, base);
-    const double sum = at_right + at_left;
-    const double difference = at_right - at_left;
+    const double sum = t.at_right + t.at_left;
+    const double difference = t.at_right - t.at_left;
     const double sx = 0.5 * (base2 + difference * sum);
     const double sy2 = 0.25 * (sum * sum - base2) * (base2 - difference * difference);
-    if (!(sy2 > 0)) return best;
+    if (!(sy2 > 0)) return kUnreached;
     const double sy = std::sqrt(sy2);
     const double per_base2 = 1.0 / base2;
     const double along = sx * per_base2;
     const double down = sy * per_base2;
-    const Vec2 source{right.x + along * base.x + down * base.y,
-                      right.y + along * base.y - down * base.x};
-    const bool in_sight = cross(source, left_bound) >= 0 && cross(right_bound, source) >= 0;
-    if (!in_sight) return best;
-    // Far nearer than any path back there: the two distances are of two sources.
+    const Vec2 source{t.right.x + along * base.x + down * base.y,
+                      t.right.y + along * base.y - down * base.x};
     const double straight = norm(source);
-    const double least = faces == 0 ? kLeastOverOneFace : kLeastOfBest;
-    return straight >= least * best ? std::min(best, straight) : best;
+    if (takes_ == Takes::paths && t.ends != Ends::at_source) return straight;
+    const bool in_sight = cross(source, t.left_bound) >= 0 && cross(t.right_bound, source) >= 0;
+    if (!in_sight) return kUnreached;
+    // No wave came over the first edge: its ends were reached by two that meet there.
+    if (t.faces == 0 && t.ends != Ends::at_source) return kUnreached;
+    // Far nearer than any path back there: the two distances are of two sources.
+    const double least = t.faces == 0 ? kLeastWithinFace : kLeastOfBest;
+    return straight >= least * best ? straight : kUnreached;
   }
 
- private:
+  [[nodiscard]] bool is_unsure(const Trace& t, double straight, double best) const {
+    const Shares shares = unsure(takes_);
+    const double away = norm(t.right);
+    return straight + shares.least * away < best && best < straight + shares.most * away;
+  }
+
   // Of several faces on an edge the one whose apex is nearest to the source.
   [[nodiscard]] Halfedge nearest_beyond(Halfedge edge) const {
     const auto at_apex = [this](Halfedge h) {

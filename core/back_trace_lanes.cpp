@@ -155,7 +155,8 @@ GEODESIC_LANES_INLINE void unfold(const Ahead<kWide>& ahead, State<kWide>& s,
   using Reals = typename Lanes::Reals;
   using Flags = typename Lanes::Flags;
   const Reals farther = s.at_right < s.at_left ? s.at_left : s.at_right;
-  s.alive &= s.beyond_is_surface & (ahead.at_apex < farther);
+  const Flags may_be_farther = ~s.crossed & (ahead.at_apex < kUnreached);
+  s.alive &= s.beyond_is_surface & ((ahead.at_apex < farther) | may_be_farther);
   s.crossed |= s.alive;
   const Flags forward = ahead.vertex == s.right_vertex;
   const Reals per_base2 = 1.0 / (ahead.dot + ahead.next_dot);
@@ -195,8 +196,12 @@ GEODESIC_LANES_INLINE void unfold(const Ahead<kWide>& ahead, State<kWide>& s,
   going |= s.alive;
 }
 
+// The virtual sources of the edges that the traces have come to. Tells those apart that
+// are to look farther, if they may.
 template <std::size_t kWide>
-GEODESIC_LANES_INLINE void meet_circles(State<kWide>& s) {
+GEODESIC_LANES_INLINE void meet_circles(BackTrace::Takes takes, BackTrace::Reach reach,
+                                        State<kWide>& s,
+                                        typename lanes::Lanes<kWide>::Flags& unsure) {
   using Lanes = lanes::Lanes<kWide>;
   using Reals = typename Lanes::Reals;
   using Flags = typename Lanes::Flags;
@@ -207,7 +212,7 @@ GEODESIC_LANES_INLINE void meet_circles(State<kWide>& s) {
   const Reals difference = s.at_right - s.at_left;
   const Reals sx = 0.5 * (square + difference * sum);
   const Reals sy2 = 0.25 * (sum * sum - square) * (square - difference * difference);
-  const Flags meet = sy2 > 0;
+  Flags meet = s.beyond_is_surface & (sy2 > 0);
   Reals sy;
   Lanes::root(sy, meet ? sy2 : Reals{});
   const Reals per_base2 = 1.0 / square;
@@ -215,29 +220,46 @@ GEODESIC_LANES_INLINE void meet_circles(State<kWide>& s) {
   const Reals down = sy * per_base2;
   const Reals x = s.right_x + along * base_x + down * base_y;
   const Reals y = s.right_y + along * base_y - down * base_x;
-  const Flags in_sight = (x * s.left_bound_y - y * s.left_bound_x >= 0) &
-                         (s.right_bound_x * y - s.right_bound_y * x >= 0);
   Reals straight;
   Lanes::root(straight, x * x + y * y);
-  const Reals least =
-      s.crossed ? BackTrace::kLeastOfBest * s.best : BackTrace::kLeastOverOneFace * s.best;
-  const Flags taken =
-      s.beyond_is_surface & meet & in_sight & (straight >= least) & (straight < s.best);
-  s.best = taken ? straight : s.best;
+  if (takes == BackTrace::Takes::virtual_sources) {
+    meet &= s.crossed & (x * s.left_bound_y - y * s.left_bound_x >= 0) &
+            (s.right_bound_x * y - s.right_bound_y * x >= 0) &
+            (straight >= BackTrace::kLeastOfBest * s.best);
+  }
+  unsure = Flags{};
+  if (reach == BackTrace::Reach::near) {
+    Reals away;
+    Lanes::root(away, s.right_x * s.right_x + s.right_y * s.right_y);
+    const BackTrace::Shares shares = BackTrace::unsure(takes);
+    unsure = s.alive & meet & (straight + shares.least * away < s.best) &
+             (s.best < straight + shares.most * away);
+  }
+  if (takes == BackTrace::Takes::virtual_sources) {
+    const Flags taken = meet & ~unsure & (straight < s.best);
+    s.best = taken ? straight : s.best;
+  }
 }
+
+struct Task {
+  const FaceRecord* faces;
+  const double* distance;
+  BackTrace::Takes takes;
+  BackTrace::Reach reach;
+};
 
 // The same steps as in BackTrace, each for all lanes.
 template <std::size_t kWide>
-GEODESIC_LANES_INLINE void trace(const FaceRecord* faces, const double* distance,
-                                 BackTrace::Takes takes, TraceLanes& traces) {
+GEODESIC_LANES_INLINE void trace(const Task& task, TraceLanes& traces) {
   using Lanes = lanes::Lanes<kWide>;
+  const auto [faces, distance, takes, reach] = task;
   const std::size_t parts = (traces.count + kWide - 1) / kWide;
   State<kWide> states[TraceLanes::kLanes / kWide];
   for (std::size_t part = 0; part < parts; ++part) {
     begin<kWide>(faces, distance, traces, part * kWide, states[part]);
   }
   Ahead<kWide> ahead{};
-  const int most = BackTrace::most_faces(takes);
+  const int most = BackTrace::most_faces(takes, reach);
   for (int step = 0; step < most; ++step) {
     typename Lanes::Flags going = {};
     for (std::size_t part = 0; part < parts; ++part) {
@@ -253,45 +275,38 @@ GEODESIC_LANES_INLINE void trace(const FaceRecord* faces, const double* distance
     if (!Lanes::any(going)) break;
   }
   for (std::size_t part = 0; part < parts; ++part) {
-    if (takes == BackTrace::Takes::virtual_sources) meet_circles<kWide>(states[part]);
+    typename Lanes::Flags unsure;
+    meet_circles<kWide>(takes, reach, states[part], unsure);
+    for (std::size_t i = 0; i < kWide; ++i) traces.is_unsure[part * kWide + i] = unsure[i] != 0;
     std::memcpy(traces.best.data() + part * kWide, &states[part].best, sizeof states[part].best);
   }
 }
 
-void trace_plain(const FaceRecord* faces, const double* distance, BackTrace::Takes takes,
-                 TraceLanes& traces) {
-  trace<lanes::kPlain>(faces, distance, takes, traces);
-}
+void trace_plain(const Task& task, TraceLanes& traces) { trace<lanes::kPlain>(task, traces); }
 
 #ifdef __x86_64__
-__attribute__((target("avx2"))) void trace_avx2(const FaceRecord* faces, const double* distance,
-                                                BackTrace::Takes takes, TraceLanes& traces) {
-  trace<lanes::kWithAvx2>(faces, distance, takes, traces);
+__attribute__((target("avx2"))) void trace_avx2(const Task& task, TraceLanes& traces) {
+  trace<lanes::kWithAvx2>(task, traces);
 }
 
-__attribute__((target("avx512f,avx512vl,avx512dq"))) void trace_avx512(const FaceRecord* faces,
-                                                                       const double* distance,
-                                                                       BackTrace::Takes takes,
+__attribute__((target("avx512f,avx512vl,avx512dq"))) void trace_avx512(const Task& task,
                                                                        TraceLanes& traces) {
-  trace<lanes::kWithAvx2>(faces, distance, takes, traces);
+  trace<lanes::kWithAvx2>(task, traces);
 }
 #endif
 
 }  // namespace
 
 void trace_lanes(const Triangulation& surface, std::span<const double> distance,
-                 BackTrace::Takes takes, Vectors vectors, TraceLanes& traces) {
-  const FaceRecord* faces = surface.faces.data();
+                 BackTrace::Takes takes, BackTrace::Reach reach, Vectors vectors,
+                 TraceLanes& traces) {
+  const Task task{surface.faces.data(), distance.data(), takes, reach};
 #ifdef __x86_64__
-  if (vectors == Vectors::avx512) {
-    return trace_avx512(faces, distance.data(), takes, traces);
-  }
-  if (vectors == Vectors::avx2) {
-    return trace_avx2(faces, distance.data(), takes, traces);
-  }
+  if (vectors == Vectors::avx512) return trace_avx512(task, traces);
+  if (vectors == Vectors::avx2) return trace_avx2(task, traces);
 #endif
   (void)vectors;
-  trace_plain(faces, distance.data(), takes, traces);
+  trace_plain(task, traces);
 }
 
 }  // namespace geodesic

@@ -24,6 +24,8 @@ struct TraceLanes {
   std::array<Halfedge, kLanes> base{};
   std::array<double, kLanes> crossing{};
   std::array<double, kLanes> best{};
+  // Of traces that looked back near only: whether they are to look farther.
+  std::array<bool, kLanes> is_unsure{};
 
   // There must be room. Returns the lane.
   std::size_t add(Halfedge over, double at, double so_far) {
@@ -35,8 +37,10 @@ struct TraceLanes {
   [[nodiscard]] bool full() const { return count == kLanes; }
 };
 
-// Lowers `best` of every lane as BackTrace::over does, for a source at a vertex.
+// Lowers `best` of every lane as BackTrace::over does, for a source at a vertex: looking
+// back far where `reach` says so, or near; then those that are unsure must go far.
 void trace_lanes(const Triangulation& surface, std::span<const double> distance,
-                 BackTrace::Takes takes, Vectors vectors, TraceLanes& lanes);
+                 BackTrace::Takes takes, BackTrace::Reach reach, Vectors vectors,
+                 TraceLanes& lanes);
 
 }  // namespace geodesic

@@ -230,13 +230,18 @@ void BackTracedFront::trace_round() {
 // The next lane is for the vertex at that place of the round.
 void BackTracedFront::trace(std::uint32_t place, Halfedge base, double crossing) {
   traced_[traces_.add(base, crossing, scratch_.best[place])] = place;
-  if (traces_.full()) flush_traces();
+  if (traces_.full()) flush_near();
 }
 
 void BackTracedFront::flush_traces() {
+  flush_near();
+  flush_far();
+}
+
+void BackTracedFront::flush_near() {
   if (traces_.count == 0) return;
   if (stops_.empty()) {
-    trace_lanes(surface_, distance_, takes_, vectors_, traces_);
+    trace_lanes(surface_, distance_, takes_, BackTrace::Reach::near, vectors_, traces_);
   } else {
     const BackTrace one(surface_, distance_, stops_, takes_);
     for (std::size_t i = 0; i < traces_.count; ++i) {
@@ -246,8 +251,21 @@ void BackTracedFront::flush_traces() {
   for (std::size_t i = 0; i < traces_.count; ++i) {
     double& best = scratch_.best[traced_[i]];
     best = std::min(best, traces_.best[i]);
+    if (!stops_.empty() || !traces_.is_unsure[i]) continue;
+    traced_far_[far_traces_.add(traces_.base[i], traces_.crossing[i], best)] = traced_[i];
+    if (far_traces_.full()) flush_far();
   }
   traces_.count = 0;
+}
+
+void BackTracedFront::flush_far() {
+  if (far_traces_.count == 0) return;
+  trace_lanes(surface_, distance_, takes_, BackTrace::Reach::far, vectors_, far_traces_);
+  for (std::size_t i = 0; i < far_traces_.count; ++i) {
+    double& best = scratch_.best[traced_far_[i]];
+    best = std::min(best, far_traces_.best[i]);
+  }
+  far_traces_.count = 0;
 }
 
 // A distance above what the front expected needs a second look: every other face whose

@@ -66,6 +66,8 @@ class BackTracedFront {
   [[nodiscard]] bool is_doubtful(std::uint32_t vertex, double best) const;
   void trace(std::uint32_t place, Halfedge base, double crossing);
   void flush_traces();
+  void flush_near();
+  void flush_far();
   // The estimates over the first `count` of the scratch's bases, told by their place.
   template <class Tell>
   void arrive_over_bases(std::size_t count, Tell tell);
@@ -83,8 +85,10 @@ class BackTracedFront {
   double least_gain_ = 0;             // that makes an accepted vertex wait again
   int rounds_in_bucket_ = 0;
   Vectors vectors_ = best_vectors();
-  TraceLanes traces_;
-  std::array<std::uint32_t, TraceLanes::kLanes> traced_{};  // their places in the round
+  // Traces that wait for company, and those of them that are to look farther.
+  TraceLanes traces_, far_traces_;
+  // Their places in the round.
+  std::array<std::uint32_t, TraceLanes::kLanes> traced_{}, traced_far_{};
 };
 
 }  // namespace geodesic

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/arrive_lanes.h"
+#include "core/shapes.h"
 #include "core/virtual_source.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/random_meshes.h"
@@ -75,18 +76,22 @@ std::size_t check_arrivals(const Triangulation& surface, const std::vector<doubl
   return compared;
 }
 
-std::size_t check_lanes(const Surface& surface, RandomMesh& random, std::uint32_t source) {
+struct Counts {
+  std::size_t compared = 0;
+  std::size_t looked_far = 0;
+};
+
+void check_lanes(const Surface& surface, RandomMesh& random, std::uint32_t source, Counts& counts) {
   Field field =
       surface.field_by(Method::exact, {Source{point_at_vertex(surface.adjacency(), source), 0}});
   // Part of the surface is not yet reached, as in front of a wave.
   for (double& d : field.distance) {
     if (d > 0.8 * field.max) d = kUnreached;
   }
-  std::size_t compared = 0;
   for (const Triangulation& faces :
        {surface.adjacency().triangulation(), surface.adjacency().delaunay()}) {
     const std::vector<Start> starts = starts_on(faces, field.distance, random);
-    compared += check_arrivals(faces, field.distance, starts);
+    counts.compared += check_arrivals(faces, field.distance, starts);
     for (const auto takes : {BackTrace::Takes::paths, BackTrace::Takes::virtual_sources}) {
       const BackTrace one(faces, field.distance, {}, takes);
       for (std::size_t first = 0; first < starts.size();) {
@@ -97,36 +102,52 @@ std::size_t check_lanes(const Surface& surface, RandomMesh& random, std::uint32_
           for (std::size_t i = 0; i < count; ++i) {
             lanes.add(starts[first + i].base, starts[first + i].crossing, kUnreached);
           }
-          trace_lanes(faces, field.distance, takes, vectors, lanes);
+          trace_lanes(faces, field.distance, takes, BackTrace::Reach::near, vectors, lanes);
+          TraceLanes far;
+          std::vector<std::size_t> lane_of_far;
+          for (std::size_t i = 0; i < count; ++i) {
+            if (!lanes.is_unsure[i]) continue;
+            far.add(lanes.base[i], lanes.crossing[i], lanes.best[i]);
+            lane_of_far.push_back(i);
+          }
+          trace_lanes(faces, field.distance, takes, BackTrace::Reach::far, vectors, far);
+          for (std::size_t i = 0; i < far.count; ++i) lanes.best[lane_of_far[i]] = far.best[i];
+          counts.looked_far += far.count;
           for (std::size_t i = 0; i < count; ++i) {
             const Start& start = starts[first + i];
             CHECK(lanes.best[i] == one.over(start.base, start.crossing, kUnreached));
-            ++compared;
+            ++counts.compared;
           }
         }
         first += count;
       }
     }
   }
-  return compared;
 }
 
 }  // namespace
 
 // To the last bit, so that a distance is the same whatever machine computes it.
 TEST_CASE("LanesComputeWhatOneTraceAndOneArrivalDo") {
-  std::size_t compared = 0;
+  Counts counts;
   for (std::uint32_t number = 0; number < 40; ++number) {
     CAPTURE(number);
     RandomMesh random(number);
     const Surface surface(random.soup());
-    compared += check_lanes(surface, random, surface.vertex(random.vertex()));
+    check_lanes(surface, random, surface.vertex(random.vertex()), counts);
   }
   for (const fixtures::AwkwardMesh& mesh : fixtures::awkward_meshes()) {
     CAPTURE(mesh.name);
     RandomMesh random(1);
     const Surface surface(mesh.soup);
-    compared += check_lanes(surface, random, surface.vertex(mesh.source));
+    check_lanes(surface, random, surface.vertex(mesh.source), counts);
   }
-  CHECK(compared > 10000);
+  // Large enough for traces that look far.
+  TriangleSoup hills = shapes::terrain(40, 12, 3);
+  for (Vec3& p : hills.positions) p.x *= 4;
+  RandomMesh random(2);
+  const Surface surface(hills);
+  check_lanes(surface, random, surface.vertex(800), counts);
+  CHECK(counts.compared > 10000);
+  CHECK(counts.looked_far > 100);
 }
