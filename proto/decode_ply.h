@@ -1,7 +1,7 @@
 // PLY files, in text and in binary of either byte order, to triangles: by rply, which is
 // handed every value in the order of the file, behind a header that it reads safely
 // (ply_header.h). In a text, numbers are those of the C locale, which nobody here changes;
-// an infinite one is refused, wherever it stands, and so is one that its type cannot hold.
+// an infinite one is refused, wherever it stands.
 #pragma once
 
 #include <cstddef>

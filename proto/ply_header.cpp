@@ -13,6 +13,13 @@ namespace {
 constexpr std::size_t most_header_bytes = 16384;  // rply takes about twenty times that
 constexpr std::size_t most_word_bytes = 255;      // rply's WORDSIZE, less the end
 
+bool is_integer_type(std::string_view name) {
+  static constexpr std::string_view names[] = {"char",  "uchar",  "short", "ushort",
+                                               "int",   "uint",   "int8",  "uint8",
+                                               "int16", "uint16", "int32", "uint32"};
+  return std::ranges::count(names, name) != 0;
+}
+
 class HeaderCleaner {
  public:
   explicit HeaderCleaner(std::string_view text) : tokens_(text) {}
@@ -66,6 +73,7 @@ class HeaderCleaner {
     } else if (keyword == "property") {
       const int more = first == "list" ? 3 : 1;
       for (int i = 0; i < more; ++i) words.push_back(tokens_.word_on_line());
+      if (header_.is_text && is_integer_type(first)) words[1] = "double";
     } else {
       return invalid("this is no line of a PLY header.");
     }

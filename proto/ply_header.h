@@ -19,6 +19,8 @@ struct PlyHeader {
 
 // Comments are left out, lines end in \n, have the number of words that is theirs and
 // none that is too long; elements after the last of `vertex` and `face` are left out too.
+// In a text, single whole numbers become `double`: rply would refuse the red of 128.0 or
+// 300 that scripts write, at which nobody looks.
 // What rply 1.1.4 makes of other headers: a comment without text takes the next line with
 // it, a word of more than 255 bytes is printed into too small a buffer, and where words
 // are lacking those of the data are taken.

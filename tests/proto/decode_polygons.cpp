@@ -281,6 +281,16 @@ TEST_CASE("PLY elements that nobody asked for are stepped over") {
   CHECK(mesh.soup.faces == Corners{{2, 1, 0}});
 }
 
+TEST_CASE("a text PLY may have colours that are no bytes") {
+  const auto mesh = good(
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty uint8 red\nproperty int x\n"
+      "property float y\nproperty float z\nproperty float quality\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n"
+      "128.0 0 0 0 nan\n300 1.5 0 0 1e-50\n-1 0 1 0 0\n3 0 1 2\n",
+      MeshFormat::ply);
+  CHECK(mesh.soup.positions == Places{{0, 0, 0}, {1.5, 0, 0}, {0, 1, 0}});
+}
+
 TEST_CASE("faults of OBJ files are named with their line") {
   const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   constexpr auto wrong = ErrorCode::mesh_invalid;
