@@ -196,7 +196,8 @@ class PlyReader {
     ply_get_argument_property(argument, nullptr, &length, &at);
     if (at < 0) {
       corners_.clear();
-      if (length >= 3) return {};
+      // rply counts them in an int.
+      if (length >= 3 && length <= std::numeric_limits<int>::max()) return {};
       return invalid(argument, "face", "it has " + std::to_string(length) + " corners.");
     }
     const double value = ply_get_argument_value(argument);

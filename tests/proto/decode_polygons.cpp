@@ -386,6 +386,8 @@ TEST_CASE("claims of PLY files are checked against the bytes before memory is ta
   list.replace(list.find("uchar int"), 9, "uint  int");
   append(list, std::uint32_t{0xFFFFFFFF});
   append(list, std::uint64_t{0});
+  check_bad(list, ErrorCode::mesh_invalid, "face 0: it has 4294967295 corners");
+  list[list.size() - 9] = '\x7f';
   check_bad(list, ErrorCode::mesh_invalid, "Error reading value number 3 of 'vertex_indices'");
 }
 
