@@ -103,7 +103,8 @@ class PlyReader {
     const bool is_vertex = std::string_view(name) == "vertex";
     const bool is_face = std::string_view(name) == "face";
     std::uint64_t least = 0;
-    std::uint64_t roles = 0;
+    int wanted = 0;
+    std::vector<std::string_view> ours;
     for (auto* property = ply_get_next_property(element, nullptr); property != nullptr;
          property = ply_get_next_property(element, property)) {
       const char* property_name = nullptr;
@@ -120,17 +121,24 @@ class PlyReader {
       // A word of a text takes two bytes with the blank after it, but for the last.
       least += is_text_ ? 2 : size_of(is_list ? length : type);
       const std::string_view role = property_name;
-      if (is_vertex && !is_list && (role == "x" || role == "y" || role == "z")) {
-        ply_set_read_cb(ply, name, property_name, on_coordinate, this, role[0] - 'x');
-        roles |= 1U << (role[0] - 'x');
+      const bool is_axis = is_vertex && (role == "x" || role == "y" || role == "z");
+      const bool is_corners = is_face && (role == "vertex_indices" || role == "vertex_index");
+      if (!is_axis && !is_corners) continue;
+      // rply knows them by name, and takes the first.
+      if (std::ranges::count(ours, role) != 0) {
+        return invalid(text + " has " + std::string(role) + " twice.");
       }
-      if (is_face && is_list && (role == "vertex_indices" || role == "vertex_index")) {
-        if (roles == 0) ply_set_read_cb(ply, name, property_name, on_corner, this, 0);
-        roles = 1;
+      ours.push_back(role);
+      if (is_axis && !is_list) {
+        ply_set_read_cb(ply, name, property_name, on_coordinate, this, role[0] - 'x');
+        ++wanted;
+      }
+      if (is_corners && is_list && wanted++ == 0) {
+        ply_set_read_cb(ply, name, property_name, on_corner, this, 0);
       }
     }
-    if (is_vertex && roles != 7) return invalid(text + " lacks x, y or z.");
-    if (is_face && roles == 0) return invalid(text + " has no list vertex_indices.");
+    if (is_vertex && wanted != 3) return invalid(text + " lacks x, y or z.");
+    if (is_face && wanted == 0) return invalid(text + " has no list vertex_indices.");
     if (count > 0 && least == 0) return invalid(text + " has no properties.");
     if (count > 0 && static_cast<std::uint64_t>(count) > (bytes_left_ + 1) / least) {
       return invalid(text + " claims " + std::to_string(count) + " of at least " +

@@ -333,6 +333,11 @@ TEST_CASE("faults of PLY files are named with their line or element") {
   check_bad(begin + x + "property float\n" + end, wrong, "line 5: a word is lacking");
   check_bad(begin + x + "property comment y\n" + end, wrong, "line 5: a comment");
   check_bad(begin + x + "property list float int y\n" + end, wrong, "length is no integer: y");
+  check_bad(begin + x + "property float x\n" + end, wrong, "vertex has x twice");
+  check_bad(begin + x + "property list uchar float x\n" + end, wrong, "vertex has x twice");
+  check_bad(begin + vertex + "element face 1\nproperty int vertex_indices\n" +
+                face.substr(face.find("property")),
+            wrong, "face has vertex_indices twice");
   check_bad(begin + x + "property list int list y\n" + end, wrong, "a list of lists");
   check_bad(begin + x + "property list list int y\n" + end, wrong, "a list of lists");
   check_bad(begin + "element vertex 3\nend_header\n", wrong, "lacks x, y or z");
