@@ -211,9 +211,9 @@ class Propagation {
   double tolerance_;
   Vectors vectors_ = best_vectors();
   bool keep_windows_;
-  // A new pseudo-source behind so many spares most of them. Of fewer, as on slivers and flat
-  // parts, it makes more.
-  std::size_t crowd_ = 8;
+  // A new pseudo-source behind so many windows spares most of them. Of fewer, as on slivers
+  // and flat parts, it makes more.
+  std::size_t crowd_;
   std::uint64_t propagated_ = 0;
   std::uint64_t reached_ = 0;
 };
