@@ -8,17 +8,12 @@
 # Sets HTTPLIB_INCLUDE_DIR and HTTPLIB_VERSION; empty when there is none.
 cmake_policy(VERSION 3.25)
 
-# In this order: what the user names, the user's cache folder, the repository's own
-# (where there is no home folder to write to), the system.
-set(_httplib_folders "${GEODESIC_HTTPLIB_DIR}" "$ENV{GEODESIC_HTTPLIB_DIR}")
-if(NOT "$ENV{XDG_CACHE_HOME}" STREQUAL "")
-  list(APPEND _httplib_folders "$ENV{XDG_CACHE_HOME}/geodesicd/httplib")
-elseif(NOT "$ENV{HOME}" STREQUAL "")
-  list(APPEND _httplib_folders "$ENV{HOME}/.cache/geodesicd/httplib")
-endif()
-list(APPEND _httplib_folders
-  "${CMAKE_CURRENT_LIST_DIR}/../.cache/geodesicd/httplib" /usr/local/include /usr/include)
+include(${CMAKE_CURRENT_LIST_DIR}/FetchedFolders.cmake)
 
+geodesic_fetched_folders(httplib _httplib_folders)
+# In this order: what the user names, what was fetched, the system.
+list(PREPEND _httplib_folders "${GEODESIC_HTTPLIB_DIR}" "$ENV{GEODESIC_HTTPLIB_DIR}")
+list(APPEND _httplib_folders /usr/local/include /usr/include)
 list(REMOVE_ITEM _httplib_folders "")
 
 set(HTTPLIB_INCLUDE_DIR "")

@@ -14,7 +14,7 @@ constexpr double kNews = 1e-14;
 }  // namespace
 
 // The fresh windows, none of which is nearer than `least`, join what is on the edge.
-void Propagation::commit(std::uint32_t e, std::span<const Window> fresh, double least) {
+void Propagation::commit(std::uint32_t e, std::span<Window> fresh, double least) {
   if (fresh.empty()) return;
   Edge& edge = edges_[e];
   if (edge.size == 0) {
@@ -30,8 +30,15 @@ void Propagation::commit(std::uint32_t e, std::span<const Window> fresh, double 
     while (last > first && edge.windows[last - 1].begin >= end) --last;
     std::span<const Window> windows = fresh;
     if (first < last) {
-      merge_in(edge, first, last, fresh, length);
-      windows = memory_.scratch;
+      const Sewn sewn = sew({edge.windows + first, last - first}, fresh, memory_.roots, length);
+      if (sewn.plain) {
+        windows = sewn.fresh;
+        const auto left = static_cast<std::uint32_t>(sewn.old.size());
+        sewn.fresh_ends ? first += left : last -= left;
+      } else {
+        merge_in(sewn.old, sewn.fresh, length);
+        windows = memory_.scratch;
+      }
       least = kUnreached;
       for (const Window& w : windows) {
         if (!w.propagated) least = std::min(least, w.least(memory_.roots[w.root].offset));
@@ -48,20 +55,18 @@ void Propagation::commit(std::uint32_t e, std::span<const Window> fresh, double 
   }
 }
 
-// The fresh windows and those of the edge from `first` to before `last`, in `scratch`. Only
-// where they overlap does it take a merge; most often that is at one end.
-void Propagation::merge_in(const Edge& edge, std::uint32_t first, std::uint32_t last,
-                           std::span<const Window> fresh, double length) {
+// Old windows and fresh ones, in `scratch`. Only where they overlap does it take a merge.
+void Propagation::merge_in(std::span<const Window> old, std::span<const Window> fresh,
+                           double length) {
   std::vector<Window>& all = memory_.scratch;
-  const double begin = edge.windows[first].begin + kTouch * length;
-  const double end = edge.windows[last - 1].end - kTouch * length;
+  const double begin = old.front().begin + kTouch * length;
+  const double end = old.back().end - kTouch * length;
   std::size_t from = 0;
   while (from < fresh.size() && fresh[from].end <= begin) ++from;
   std::size_t to = fresh.size();
   while (to > from && fresh[to - 1].begin >= end) --to;
   all.assign(fresh.begin(), fresh.begin() + static_cast<std::ptrdiff_t>(from));
-  append_merged({edge.windows + first, last - first}, fresh.subspan(from, to - from), memory_.roots,
-                length, all);
+  append_merged(old, fresh.subspan(from, to - from), memory_.roots, length, all);
   all.insert(all.end(), fresh.begin() + static_cast<std::ptrdiff_t>(to), fresh.end());
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/polled_fill.h"
+#include "core/rough_angle.h"
 
 namespace geodesic::exact {
 namespace {
@@ -12,29 +13,8 @@ namespace {
 // Angles are not told apart by less. Where a shortest path bends by an angle of this
 // size, going straight past the vertex is longer by its square.
 constexpr double kAngle = 1e-9;
-// By how much an angle may be off where that does no harm.
-constexpr double kRoughAngle = 1e-7;
 // A face lower than this part of its longest side is too thin to measure angles in.
 constexpr double kThin = 1e-10;
-
-// atan(x) for x from 0 to 1, off by 2e-8 at most. Abramowitz and Stegun 4.4.49.
-double rough_atan(double x) {
-  const double s = x * x;
-  double sum = 0.0028662257;
-  for (const double a : {-0.0161657367, 0.0429096138, -0.0752896400, 0.1065626393, -0.1420889944,
-                         0.1999355085, -0.3333314528, 1.0}) {
-    sum = sum * s + a;
-  }
-  return sum * x;
-}
-
-// The angle of the direction (x, y), y not negative, off by 3e-8 at most.
-double rough_angle(double x, double y) {
-  constexpr double kPi = std::numbers::pi;
-  const double run = std::abs(x);
-  const double acute = y < run ? rough_atan(y / run) : 0.5 * kPi - rough_atan(run / y);
-  return x < 0 ? kPi - acute : acute;
-}
 
 }  // namespace
 

@@ -10,6 +10,17 @@ namespace {
 // them is no farther from their ends.
 constexpr double kLeastGap = 1e-9;
 
+// So many windows on an edge are a crowd, in which a vertex may become a source. What starts
+// little earlier than it was reached spares few of them, and its own meet the others at more
+// places: the less the tolerance, the more there must be. Measured: 8 at 1e-2, 13 at 1e-3,
+// 22 at 1e-4, beyond which it makes no difference.
+std::size_t crowd_for(double tolerance) {
+  constexpr double kMost = 1e-2;
+  constexpr double kLeast = 1e-4;
+  const double part = kMost / std::clamp(tolerance, kLeast, kMost);
+  return static_cast<std::size_t>(std::lround(8 * std::pow(part, 0.22)));
+}
+
 }  // namespace
 
 Propagation::Propagation(const Adjacency& adjacency, const Triangulation& surface,
@@ -22,7 +33,8 @@ Propagation::Propagation(const Adjacency& adjacency, const Triangulation& surfac
       field_(field),
       max_(max * (1 + tolerance) * (1 + tolerance)),
       tolerance_(tolerance),
-      keep_windows_(keep_windows) {
+      keep_windows_(keep_windows),
+      crowd_(crowd_for(tolerance)) {
   memory.frames.build(adjacency, surface, poll);
   if (poll.stopped()) return;
   memory.pool.reset(poll);
@@ -146,7 +158,8 @@ void Propagation::load_beams(std::span<const Window> windows, Halfedge h) {
 // The beams cross the face of h from its base a -> b; the sides are those from the far
 // corner to a and from b to it.
 void Propagation::cross_face(Halfedge h) {
-  const std::size_t count = memory_.beams.size;
+  const Beams& beams = memory_.beams;
+  const std::size_t count = beams.size;
   propagated_ += count;
   const std::uint32_t f = face_of(h);
   const std::uint32_t c = corner_of(h);
@@ -154,20 +167,25 @@ void Propagation::cross_face(Halfedge h) {
   const std::size_t best = reach_apex(h, at_tail);
   const FaceFrame& face = frames_.face(f);
   const double base = frames_.edge(face.edge[c]).length;
-  const Side left = side(halfedge(f, previous_corner(c)), false);
-  if (!left.on_boundary) {
-    cross_to(left,
-             {false, left.flipped, base, at_tail.cosine, at_tail.sine, left.length, left.at_tail,
-              left.at_head, left.settled, max_},
-             0, best + 1);
+  // Where only the best beam may come to a side, mostly it does not.
+  if (best > 0 || beams.begin[0] < beams.crossing[0]) {
+    const Side left = side(halfedge(f, previous_corner(c)), false);
+    if (!left.on_boundary) {
+      cross_to(left,
+               {false, left.flipped, base, at_tail.cosine, at_tail.sine, left.length, left.at_tail,
+                left.at_head, left.settled, max_},
+               0, best + 1);
+    }
   }
-  const Side right = side(halfedge(f, next_corner(c)), true);
-  if (!right.on_boundary) {
-    const CornerAngle at_head = frames_.angle(f, next_corner(c));
-    cross_to(right,
-             {true, right.flipped, base, at_head.cosine, at_head.sine, right.length, right.at_tail,
-              right.at_head, right.settled, max_},
-             best, count);
+  if (best + 1 < count || beams.crossing[best] < beams.end[best]) {
+    const Side right = side(halfedge(f, next_corner(c)), true);
+    if (!right.on_boundary) {
+      const CornerAngle at_head = frames_.angle(f, next_corner(c));
+      cross_to(right,
+               {true, right.flipped, base, at_head.cosine, at_head.sine, right.length,
+                right.at_tail, right.at_head, right.settled, max_},
+               best, count);
+    }
   }
 }
 
@@ -193,8 +211,8 @@ void Propagation::cross_to(const Side& side, const SideFrame& frame, std::size_t
   commit(side.edge, {fresh.list.data(), fresh.size}, fresh.least);
 }
 
-// Adds children in the order on the edge, as long as they come there whole and meet none
-// but the one before: nearly all of them do.
+// Adds children in the order on the edge, as long as they can be sewn to those before:
+// nearly all of them can, and most come whole and meet none but the one before.
 void Propagation::add_plain(const Side& side, ChildOrder& order, FreshList& fresh) {
   const std::size_t most = fresh.size + order.left();
   if (fresh.list.size() < most) fresh.list.resize(most);
@@ -225,16 +243,14 @@ void Propagation::add_plain(const Side& side, ChildOrder& order, FreshList& fres
   double last_x = out == begin ? 0 : out[-1].x;
   std::uint32_t last_root = out == begin ? kNone : out[-1].root;
   for (; left > 0; --left, i += step) {
-    if (passes[i] != kWhole) {
-      if (passes[i] != kMisses) break;
-      continue;
-    }
+    if (passes[i] == kMisses) continue;
+    const bool whole = passes[i] == kWhole;
     double from = begins[i];
     double at_from = at_begins[i];
     const bool maybe_same = (static_cast<int>(last_root == roots[i]) &
                              static_cast<int>(std::abs(xs[i] - last_x) <= kNearSource * at_from) &
                              static_cast<int>(std::abs(from - reached) <= nearly)) != 0;
-    if (maybe_same && reached == ends[i - step] &&
+    if (whole && maybe_same && reached == ends[i - step] &&
         is_as_good(out[-1], from, ends[i], at_from, at_ends[i], memory_.beams.offset[i])) {
       reached = out[-1].end = ends[i];
       out[-1].at_end = at_ends[i];
@@ -246,13 +262,12 @@ void Propagation::add_plain(const Side& side, ChildOrder& order, FreshList& fres
       const double place = ties.place[tie];
       const bool clear = ties.found[tie] != 0 && reached == ends[i - step] &&
                          place - out[-1].begin > narrow && ends[i] - place > narrow;
-      if (!clear) break;
-      out[-1].end = place;
-      out[-1].at_end = ties.at_left[tie];
-      from = place;
-      at_from = ties.at_right[tie];
-    } else if (!(reached <= from + touch)) {
-      break;  // more than one overlap
+      if (clear) {
+        out[-1].end = reached = place;
+        out[-1].at_end = ties.at_left[tie];
+        from = place;
+        at_from = ties.at_right[tie];
+      }
     }
     out->begin = from;
     out->end = ends[i];
@@ -263,15 +278,44 @@ void Propagation::add_plain(const Side& side, ChildOrder& order, FreshList& fres
     out->root = roots[i];
     out->from = side.from;
     out->propagated = false;
+    double least_here = leasts[i];
+    if (!whole) {
+      if (!is_of_use(*out, side)) continue;
+      least_here = out->least(memory_.beams.offset[i]);
+    }
+    if (!(reached <= out->begin + touch)) {
+      const Seam seam = sew_last(begin, out, side.length);
+      if (seam == Seam::not_plain) break;
+      if (seam == Seam::fresh_gone) {
+        reached = out[-1].end;
+        continue;
+      }
+    }
     ++out;
     last_root = roots[i];
     last_x = xs[i];
-    reached = ends[i];
-    least = std::min(least, leasts[i]);
+    reached = out[-1].end;
+    least = std::min(least, least_here);
   }
   order.skip(order.left() - left);
   fresh.size = static_cast<std::size_t>(out - begin);
   fresh.least = least;
+}
+
+// Sews the last of the windows from `first` on, which is not counted in yet, to those before
+// it that it overlaps.
+Seam Propagation::sew_last(Window* first, Window*& last, double length) {
+  Window* before = last;
+  Seam seam = Seam::old_gone;
+  while (seam == Seam::old_gone && before != first && before[-1].end > last->begin) {
+    seam = sew(before[-1], *last, true, memory_.roots, length);
+    if (seam == Seam::old_gone) --before;
+  }
+  if (before != last) {
+    *before = *last;
+    last = before;
+  }
+  return seam;
 }
 
 // Adds the next child, whatever is the matter with it.

@@ -31,6 +31,7 @@
 #include "core/exact_envelope.h"
 #include "core/exact_frames.h"
 #include "core/exact_queue.h"
+#include "core/exact_seam.h"
 #include "core/exact_window.h"
 #include "core/exact_window_pool.h"
 #include "core/field.h"
@@ -165,14 +166,14 @@ class Propagation {
   [[nodiscard]] std::size_t reach_apex(Halfedge h, const CornerAngle& at_tail);
   void cross_to(const Side& side, const SideFrame& frame, std::size_t first, std::size_t last);
   void add_plain(const Side& side, ChildOrder& order, FreshList& fresh);
+  [[nodiscard]] Seam sew_last(Window* first, Window*& last, double length);
   void add_with_care(const Side& side, ChildOrder& order, FreshList& fresh);
   [[nodiscard]] Side side(Halfedge h, bool from_tail) const;
   [[nodiscard]] bool is_of_use(Window& window, const Side& side) const;
 
   // exact_arrivals.cpp: windows and ways where they arrive.
-  void commit(std::uint32_t e, std::span<const Window> fresh, double least);
-  void merge_in(const Edge& edge, std::uint32_t first, std::uint32_t last,
-                std::span<const Window> fresh, double length);
+  void commit(std::uint32_t e, std::span<Window> fresh, double least);
+  void merge_in(std::span<const Window> old, std::span<const Window> fresh, double length);
   void replace(Edge& edge, std::uint32_t first, std::uint32_t last,
                std::span<const Window> windows);
   void join_at(Edge& edge, std::uint32_t i, double length);
@@ -210,9 +211,9 @@ class Propagation {
   double tolerance_;
   Vectors vectors_ = best_vectors();
   bool keep_windows_;
-  // A new pseudo-source behind so many spares most of them. Of fewer, as on slivers and flat
-  // parts, it makes more.
-  std::size_t crowd_ = 8;
+  // A new pseudo-source behind so many windows spares most of them. Of fewer, as on slivers
+  // and flat parts, it makes more.
+  std::size_t crowd_;
   std::uint64_t propagated_ = 0;
   std::uint64_t reached_ = 0;
 };

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/exact_propagation.h"
+#include "core/rough_angle.h"
 #include "core/surface_point.h"
 
 namespace geodesic::exact {
@@ -15,7 +16,7 @@ namespace {
 constexpr double kSlack = 1e-5;
 
 double angle_at(const FaceRecord& face, std::uint32_t c) {
-  return std::atan2(face.area2, face.dot[c]);
+  return rough_angle(face.dot[c], face.area2);
 }
 
 }  // namespace
@@ -122,19 +123,21 @@ void Propagation::send_beyond(std::uint32_t v, std::uint32_t root) {
   const double y = side * at_next.sine;
   const double whole = angle_at(surface_.faces[f], c);
   const double way_back =
-      std::clamp(std::atan2(y * arrival.crossing, x * (x - arrival.crossing) + y * y), 0.0, whole);
+      std::clamp(rough_angle(x * (x - arrival.crossing) + y * y, y * arrival.crossing), 0.0, whole);
 
   memory_.fan.clear();
   double last = kUnreached;
   if (turn(arrival.corner, true, way_back)) {
     const double round = memory_.fan.empty() ? 0 : memory_.fan.back().end;
-    last = round + (whole - way_back) - kPi + kSlack;
+    last = round + (whole - way_back) - kPi;
   } else {
     (void)turn(arrival.corner, false, whole - way_back);
   }
+  const double slack = kSlack + kRoughAngle * static_cast<double>(memory_.fan.size() + 2);
+  last += slack;
   for (std::size_t i = 0; i < memory_.fan.size(); ++i) {
     const FanFace face = memory_.fan[i];
-    const double begin = std::max(kPi - kSlack, face.begin) - face.begin;
+    const double begin = std::max(kPi - slack, face.begin) - face.begin;
     const double end = std::min(last, face.end) - face.begin;
     if (!(begin < end)) continue;
     const double angle = face.end - face.begin;
@@ -176,16 +179,28 @@ void Propagation::light_from_corner(std::uint32_t corner, std::uint32_t root, do
   const std::uint32_t f = face_of(corner);
   const std::uint32_t c = corner_of(corner);
   const std::uint32_t n = next_corner(c);
-  const CornerAngle at_next = frames_.angle(f, n);
   const double side = frames_.length(f, c);
   const double length = frames_.length(f, n);
+  const bool from_start = !(first > 0);
+  const bool to_end = !(last < std::numbers::pi);
+  if (from_start && to_end) {
+    // Behind the front all of it is farther than along the edge from one of its ends.
+    const FaceRecord& face = surface_.faces[f];
+    const double offset = memory_.roots[root].offset;
+    const double other_side = frames_.length(f, previous_corner(c));
+    if (field_.distance[face.vertex[n]] + length <= offset + other_side ||
+        field_.distance[face.vertex[previous_corner(c)]] + length <= offset + side) {
+      return;
+    }
+  }
+  const CornerAngle at_next = frames_.angle(f, n);
   const auto meets = [&](double angle) {
     const double along = side * std::sin(angle);
     const double below = std::sin(angle) * at_next.cosine + std::cos(angle) * at_next.sine;
     return below > 0 ? std::clamp(along / below, 0.0, length) : length;
   };
-  light(halfedge(f, n), root, first > 0 ? meets(first) : 0,
-        last < std::numbers::pi ? meets(last) : length, side * at_next.cosine, side * at_next.sine);
+  light(halfedge(f, n), root, from_start ? 0 : meets(first), to_end ? length : meets(last),
+        side * at_next.cosine, side * at_next.sine);
 }
 
 // A first window over a side, counted from its halfedge's tail.
@@ -216,10 +231,15 @@ void Propagation::lower_along_sides(std::uint32_t corner, std::uint32_t root) {
   const std::uint32_t p = previous_corner(c);
   const FaceRecord& face = surface_.faces[f];
   const double distance = field_.distance[face.vertex[c]];
-  const PseudoSource from = memory_.roots[root];
-  lower(face.vertex[n], distance + frames_.length(f, c), from,
-        {halfedge(f, n), false, frames_.length(f, p)});
-  lower(face.vertex[p], distance + frames_.length(f, p), from, {halfedge(f, p), false, 0});
+  const double to_next = distance + frames_.length(f, c);
+  const double to_previous = distance + frames_.length(f, p);
+  if (to_next < field_.distance[face.vertex[n]]) {
+    lower(face.vertex[n], to_next, memory_.roots[root],
+          {halfedge(f, n), false, frames_.length(f, p)});
+  }
+  if (to_previous < field_.distance[face.vertex[p]]) {
+    lower(face.vertex[p], to_previous, memory_.roots[root], {halfedge(f, p), false, 0});
+  }
 }
 
 void Propagation::raise_to_paths(Poll& poll) {

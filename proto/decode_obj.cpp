@@ -75,7 +75,8 @@ class ObjReader {
       const auto count = static_cast<std::int64_t>(soup_.vertex_count());
       const std::int64_t vertex = !index ? -1 : *index < 0 ? count + *index : *index - 1;
       if (!index || *index == 0 || vertex < 0 || vertex > 0xFFFFFFFF) {
-        return invalid("a corner of the face names no vertex: " + printable(word) + ".");
+        return invalid("a corner of the face names no vertex: " + printable(word.substr(0, 32)) +
+                       ".");
       }
       corners_.push_back(static_cast<std::uint32_t>(vertex));
     }
@@ -83,15 +84,6 @@ class ObjReader {
       return invalid("the face has " + std::to_string(corners_.size()) + " corners.");
     }
     return soup_.add_face(corners_);
-  }
-
-  // Text of a stranger's, fit for a message.
-  static std::string printable(std::string_view word) {
-    std::string plain(word.substr(0, 32));
-    for (char& c : plain) {
-      if (c < 0x20 || c > 0x7E) c = '?';
-    }
-    return plain;
   }
 
   TextTokens tokens_;

@@ -1,11 +1,16 @@
 #include "proto/decode_ply.h"
 
+#include <rply.h>
+#include <rplyfile.h>
+
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
+#include <cstdio>
 #include <limits>
+#include <memory>
+#include <new>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,211 +23,220 @@
 namespace geodesic::proto {
 namespace {
 
-// The values of a text one by one; nothing at what is no number, or at the end. What
-// nobody uses, such as a normal, may be infinite or NaN in a file that is whole.
-class TextValues {
- public:
-  explicit TextValues(std::string_view text) : tokens_(text) {}
-  std::optional<double> next(PlyType /*type*/) {
-    const std::string_view word = tokens_.word();
-    if (const auto value = finite_of_word(word)) return value;
-    double other = 0;
-    const char* end = word.data() + word.size();
-    const auto [stop, error] = std::from_chars(word.data(), end, other);
-    if (word.empty() || error != std::errc() || stop != end) return std::nullopt;
-    return other;  // not finite
+// What is left of the pieces that rply reads as one file.
+using Pieces = std::array<std::string_view, 3>;
+
+ssize_t read_pieces(void* cookie, char* buffer, std::size_t size) {
+  std::size_t done = 0;
+  for (std::string_view& piece : *static_cast<Pieces*>(cookie)) {
+    const std::size_t taken = piece.copy(buffer + done, size - done);
+    piece.remove_prefix(taken);
+    done += taken;
   }
-
- private:
-  TextTokens tokens_;
-};
-
-// The same of a binary file.
-class BinaryValues {
- public:
-  BinaryValues(std::string_view bytes, bool is_swapped) : rest_(bytes), is_swapped_(is_swapped) {}
-
-  std::optional<double> next(PlyType type) {
-    switch (type) {
-      case PlyType::int8:
-        return value<std::int8_t>();
-      case PlyType::uint8:
-        return value<std::uint8_t>();
-      case PlyType::int16:
-        return value<std::int16_t>();
-      case PlyType::uint16:
-        return value<std::uint16_t>();
-      case PlyType::int32:
-        return value<std::int32_t>();
-      case PlyType::uint32:
-        return value<std::uint32_t>();
-      case PlyType::float32:
-        return value<float>();
-      case PlyType::float64:
-        return value<double>();
-    }
-    return std::nullopt;
-  }
-
- private:
-  template <class T>
-  std::optional<double> value() {
-    if (rest_.size() < sizeof(T)) return std::nullopt;
-    std::array<char, sizeof(T)> bytes{};
-    std::copy_n(rest_.begin(), sizeof(T), bytes.begin());
-    rest_.remove_prefix(sizeof(T));
-    if (is_swapped_) std::ranges::reverse(bytes);
-    return static_cast<double>(std::bit_cast<T>(bytes));
-  }
-
-  std::string_view rest_;
-  bool is_swapped_;
-};
-
-// Which property is which coordinate, or the list of corners; -1: none.
-struct Roles {
-  std::array<std::ptrdiff_t, 3> xyz{-1, -1, -1};
-  std::ptrdiff_t corners = -1;
-};
-
-Roles roles_of(const PlyElement& element) {
-  Roles roles;
-  for (std::size_t i = 0; i < element.properties.size(); ++i) {
-    const PlyProperty& property = element.properties[i];
-    const auto at = static_cast<std::ptrdiff_t>(i);
-    if (element.name == "vertex" && !property.count) {
-      if (property.name == "x") roles.xyz[0] = at;
-      if (property.name == "y") roles.xyz[1] = at;
-      if (property.name == "z") roles.xyz[2] = at;
-    }
-    if (element.name == "face" && property.count &&
-        (property.name == "vertex_indices" || property.name == "vertex_index")) {
-      roles.corners = at;
-    }
-  }
-  return roles;
+  return static_cast<ssize_t>(done);
 }
 
-template <class Values>
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+struct ClosePly {
+  void operator()(p_ply ply) const { ply_close(ply); }
+};
+
+// e_ply_type has each of eight types by two names, and then the list.
+std::uint64_t size_of(e_ply_type type) {
+  static constexpr std::array<std::uint64_t, 8> sizes{1, 1, 2, 2, 4, 4, 4, 8};
+  return sizes[static_cast<std::size_t>(type) % sizes.size()];
+}
+bool is_integer(e_ply_type type) { return type < PLY_LIST && type % 8 < PLY_FLOAT32; }
+
 class PlyReader {
  public:
-  PlyReader(Values values, const DecodeLimits& limits) : values_(values), soup_(limits) {}
+  PlyReader(const PlyHeader& header, const DecodeLimits& limits)
+      // After a text, the end of a line: rply reads on past the last word without one.
+      : pieces_{header.lines, header.data, header.is_text ? "\n" : ""},
+        bytes_left_(header.data.size()),
+        is_text_(header.is_text),
+        soup_(limits) {}
 
-  Result<TriangleSoup> run(const PlyHeader& header, Findings& findings) {
-    // Nothing after the last element of these two is of use.
-    std::size_t last = 0;
-    for (std::size_t i = 0; i < header.elements.size(); ++i) {
-      const std::string& name = header.elements[i].name;
-      if (name == "vertex" || name == "face") last = i + 1;
-      if (name == "tristrips") {
-        findings.add("strips_left_out", "element tristrips", "is not read");
-      }
+  Result<TriangleSoup> run(Findings& findings) {
+    const std::unique_ptr<std::FILE, CloseFile> file(
+        fopencookie(&pieces_, "rb", {read_pieces, nullptr, nullptr, nullptr}));
+    if (!file) throw std::bad_alloc();
+    const std::unique_ptr<t_ply_, ClosePly> ply(
+        ply_open_from_file(file.get(), note_error, 0, this));
+    if (!ply) throw std::bad_alloc();
+    if (ply_read_header(ply.get()) == 0) return fail(std::move(error_));
+    for (auto* element = ply_get_next_element(ply.get(), nullptr); element != nullptr;
+         element = ply_get_next_element(ply.get(), element)) {
+      if (const auto checked = check(ply.get(), element); !checked) return fail(checked.error());
     }
-    for (std::size_t i = 0; i < last; ++i) {
-      if (const auto read = element(header.elements[i]); !read) return fail(read.error());
-    }
+    if (ply_read(ply.get()) == 0) return fail(std::move(error_));
     return std::move(soup_).triangulated(findings);
   }
 
  private:
-  static tl::unexpected<Error> invalid(const PlyElement& element, std::uint64_t number,
+  static PlyReader& reader_of(p_ply_argument argument, long* role = nullptr) {
+    void* reader = nullptr;
+    ply_get_argument_user_data(argument, &reader, role);
+    return *static_cast<PlyReader*>(reader);
+  }
+
+  // First what, then where; or what rply says of our own error.
+  static void note_error(p_ply ply, const char* message) {
+    void* reader = nullptr;
+    ply_get_ply_user_data(ply, &reader, nullptr);
+    auto& self = *static_cast<PlyReader*>(reader);
+    if (self.is_stopped_) return;
+    std::string& detail = self.error_.detail;
+    if (!detail.empty()) detail.back() = ':';
+    detail += (detail.empty() ? "PLY: " : " ") + printable(message) + ".";
+    self.error_.code = ErrorCode::mesh_invalid;
+  }
+
+  // What an element claims, before memory is taken for any; and who wants its values.
+  Result<void> check(p_ply ply, p_ply_element element) {
+    const char* name = nullptr;
+    long count = 0;
+    ply_get_element_info(element, &name, &count);
+    const std::string text = "The PLY element " + printable(name);
+    const bool is_vertex = std::string_view(name) == "vertex";
+    const bool is_face = std::string_view(name) == "face";
+    std::uint64_t least = 0;
+    int wanted = 0;
+    std::vector<std::string_view> ours;
+    for (auto* property = ply_get_next_property(element, nullptr); property != nullptr;
+         property = ply_get_next_property(element, property)) {
+      const char* property_name = nullptr;
+      e_ply_type type{};
+      e_ply_type length{};
+      e_ply_type value{};
+      ply_get_property_info(property, &property_name, &type, &length, &value);
+      const bool is_list = type == PLY_LIST;
+      // rply takes a list for the one, a number with a fraction for the other.
+      if (is_list && (value == PLY_LIST || !is_integer(length))) {
+        return invalid(text + " has a list of lists, or one whose length is no integer: " +
+                       printable(property_name) + ".");
+      }
+      // A word of a text takes two bytes with the blank after it, but for the last.
+      least += is_text_ ? 2 : size_of(is_list ? length : type);
+      const std::string_view role = property_name;
+      const bool is_axis = is_vertex && (role == "x" || role == "y" || role == "z");
+      const bool is_corners = is_face && (role == "vertex_indices" || role == "vertex_index");
+      if (!is_axis && !is_corners) continue;
+      // rply knows them by name, and takes the first.
+      if (std::ranges::count(ours, role) != 0) {
+        return invalid(text + " has " + std::string(role) + " twice.");
+      }
+      ours.push_back(role);
+      if (is_axis && !is_list) {
+        ply_set_read_cb(ply, name, property_name, on_coordinate, this, role[0] - 'x');
+        ++wanted;
+      }
+      if (is_corners && is_list && wanted++ == 0) {
+        ply_set_read_cb(ply, name, property_name, on_corner, this, 0);
+      }
+    }
+    if (is_vertex && wanted != 3) return invalid(text + " lacks x, y or z.");
+    if (is_face && wanted == 0) return invalid(text + " has no list vertex_indices.");
+    if (count > 0 && least == 0) return invalid(text + " has no properties.");
+    if (count > 0 && static_cast<std::uint64_t>(count) > (bytes_left_ + 1) / least) {
+      return invalid(text + " claims " + std::to_string(count) + " of at least " +
+                     std::to_string(least) + " bytes, but " + std::to_string(bytes_left_) +
+                     " bytes are left.");
+    }
+    bytes_left_ -= std::min(bytes_left_, static_cast<std::uint64_t>(count) * least);
+    return {};
+  }
+
+  static tl::unexpected<Error> invalid(std::string what) {
+    return fail(ErrorCode::mesh_invalid, std::move(what));
+  }
+
+  // C calls these: no exception may pass through it. 0 has it stop.
+  template <class Step>
+  int attempt(const Step& step) {
+    try {
+      const Result<void> done = step();
+      if (done) return 1;
+      error_ = done.error();
+    } catch (const std::bad_alloc&) {
+      error_ =
+          fail(ErrorCode::too_large, "Decoding the mesh needs more memory than there is.").value();
+    }
+    is_stopped_ = true;
+    return 0;
+  }
+
+  static tl::unexpected<Error> invalid(p_ply_argument argument, const char* element,
                                        const std::string& what) {
-    const bool known = element.name == "vertex" || element.name == "face";
-    return fail(ErrorCode::mesh_invalid, (known ? element.name : "PLY element") + " " +
-                                             std::to_string(number) + ": " + what);
+    long number = 0;
+    ply_get_argument_element(argument, nullptr, &number);
+    return invalid(std::string(element) + " " + std::to_string(number) + ": " + what);
   }
 
-  Result<void> element(const PlyElement& element) {
-    const Roles roles = roles_of(element);
-    if (element.name == "vertex" && std::ranges::count(roles.xyz, -1) != 0) {
-      return fail(ErrorCode::mesh_invalid, "The PLY element vertex lacks x, y or z.");
-    }
-    const bool is_face = element.name == "face";
-    if (is_face && roles.corners < 0) {
-      return fail(ErrorCode::mesh_invalid, "The PLY element face has no list vertex_indices.");
-    }
-    for (std::uint64_t number = 0; number < element.count; ++number) {
-      Vec3 position{};
-      for (std::size_t i = 0; i < element.properties.size(); ++i) {
-        const PlyProperty& property = element.properties[i];
-        const auto at = static_cast<std::ptrdiff_t>(i);
-        if (property.count) {
-          if (const auto read = list(element, number, property, at == roles.corners); !read) {
-            return read;
-          }
-          continue;
-        }
-        const auto value = values_.next(property.type);
-        const bool is_wanted = std::ranges::count(roles.xyz, at) != 0;
-        if (!value) {
-          return invalid(element, number,
-                         is_wanted ? "the data end, or a coordinate is no finite number."
-                                   : "the data end, or a property is no number.");
-        }
-        if (is_wanted && !std::isfinite(*value)) {
-          return invalid(element, number, "a coordinate is no finite number.");
-        }
-        if (at == roles.xyz[0]) position.x = *value;
-        if (at == roles.xyz[1]) position.y = *value;
-        if (at == roles.xyz[2]) position.z = *value;
-      }
-      if (element.name == "vertex") {
-        if (auto added = soup_.add_vertex(position); !added) return added;
-      } else if (is_face) {
-        if (auto added = face(element, number); !added) return added;
-      }
-    }
-    return {};
+  static int on_coordinate(p_ply_argument argument) {
+    long axis = 0;
+    PlyReader& self = reader_of(argument, &axis);
+    return self.attempt([&] { return self.coordinate(argument, axis); });
   }
 
-  Result<void> list(const PlyElement& element, std::uint64_t number, const PlyProperty& property,
-                    bool is_corners) {
-    const auto length = values_.next(*property.count);
-    if (!length || !(*length >= 0 && *length <= 1e15) || *length != std::floor(*length)) {
-      return invalid(element, number, "the data end, or a list has no length.");
-    }
-    if (is_corners) corners_.clear();
-    // Of any length: each value is there before there is memory for it.
-    for (double left = *length; left > 0; --left) {
-      const auto value = values_.next(property.type);
-      if (!value) return invalid(element, number, "the data end within a list.");
-      if (!is_corners) continue;
-      if (!(*value >= 0 && *value <= std::numeric_limits<std::uint32_t>::max()) ||
-          *value != std::floor(*value)) {
-        return invalid(element, number, "a corner names no vertex.");
-      }
-      corners_.push_back(static_cast<std::uint32_t>(*value));
-    }
-    return {};
+  static int on_corner(p_ply_argument argument) {
+    PlyReader& self = reader_of(argument);
+    return self.attempt([&] { return self.corner(argument); });
   }
 
-  Result<void> face(const PlyElement& element, std::uint64_t number) {
-    if (corners_.size() < 3) {
-      return invalid(element, number, "it has " + std::to_string(corners_.size()) + " corners.");
+  // Each vertex has each of its coordinates once, in the order of its properties.
+  Result<void> coordinate(p_ply_argument argument, long axis) {
+    const double value = ply_get_argument_value(argument);
+    if (!std::isfinite(value)) {
+      return invalid(argument, "vertex", "a coordinate is no finite number.");
     }
+    (axis == 0 ? position_.x : axis == 1 ? position_.y : position_.z) = value;
+    if (++coordinates_ % 3 != 0) return {};
+    return soup_.add_vertex(position_);
+  }
+
+  // First the length, at -1, then that many corners.
+  Result<void> corner(p_ply_argument argument) {
+    long length = 0;
+    long at = 0;
+    ply_get_argument_property(argument, nullptr, &length, &at);
+    if (at < 0) {
+      corners_.clear();
+      // rply counts them in an int.
+      if (length >= 3 && length <= std::numeric_limits<int>::max()) return {};
+      return invalid(argument, "face", "it has " + std::to_string(length) + " corners.");
+    }
+    const double value = ply_get_argument_value(argument);
+    if (!(value >= 0 && value <= std::numeric_limits<std::uint32_t>::max()) ||
+        value != std::floor(value)) {
+      return invalid(argument, "face", "a corner names no vertex.");
+    }
+    corners_.push_back(static_cast<std::uint32_t>(value));
+    if (at + 1 < length) return {};
     return soup_.add_face(corners_);
   }
 
-  Values values_;
+  Pieces pieces_;
+  std::uint64_t bytes_left_;
+  bool is_text_;
   PolygonSoup soup_;
+  Error error_;
+  bool is_stopped_ = false;  // by an error of ours
+  Vec3 position_{};
+  std::uint64_t coordinates_ = 0;
   std::vector<std::uint32_t> corners_;
 };
 
 }  // namespace
 
 Result<DecodedMesh> decode_ply(std::span<const std::byte> bytes, const DecodeLimits& limits) {
-  const std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-  const auto header = read_ply_header(text);
+  const auto header = clean_ply_header({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   if (!header) return fail(header.error());
-  using Encoding = PlyHeader::Encoding;
-  const std::string_view data = text.substr(header->size);
-  const Encoding native =
-      std::endian::native == std::endian::little ? Encoding::little_endian : Encoding::big_endian;
   Findings findings;
-  auto soup = header->encoding == Encoding::text
-                  ? PlyReader(TextValues(data), limits).run(*header, findings)
-                  : PlyReader(BinaryValues(data, header->encoding != native), limits)
-                        .run(*header, findings);
+  if (header->has_strips) findings.add("strips_left_out", "element tristrips", "is not read");
+  auto soup = PlyReader(*header, limits).run(findings);
   if (!soup) return fail(std::move(soup.error()));
   DecodedMesh mesh = mesh_of_one_part(MeshFormat::ply, std::move(*soup));
   mesh.findings = findings.done();

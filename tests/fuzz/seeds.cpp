@@ -1,3 +1,6 @@
+#include <array>
+#include <bit>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +20,12 @@ using proto::GltfFixture;
 
 std::string text_of(const Bytes& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+template <class T>
+void append_bytes(std::string& out, const T& value) {
+  const auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(value);
+  out.append(bytes.data(), bytes.size());
 }
 
 std::vector<std::pair<std::string, TriangleSoup>> small_shapes() {
@@ -101,6 +110,47 @@ std::vector<std::string> draco_seeds() {
     for (const int bits : {0, 8, 14}) {
       if (auto file = proto::encode_drc(soup, bits)) seeds.push_back(text_of(*file));
     }
+  }
+  return seeds;
+}
+
+std::vector<std::string> polygon_seeds() {
+  std::vector<std::string> seeds{
+      "o a\nv 0 0 0\nv 1 0 0\nv 1 1e0 0 # c\nv -.5 2 0.25\nvn 0 0 1\ns 1\nf 1//1 2/3/1 \\\n 3 "
+      "-1\nl 1 2\n",
+      "ply\r\nformat ascii 1.0\r\ncomment\r\nelement face 2\r\nproperty uchar k\r\n"
+      "property list uchar int vertex_index\r\nelement vertex 4\r\nproperty float x\r\n"
+      "property double z\r\nproperty int y\r\nproperty float q\r\nelement edge 1\r\nproperty int "
+      "a\r\nend_header\r\n"
+      "7 3 0 1 2\r\n7 4 0 1 2 3\r\n0 0 0 1\r\n1 0 0 nan\r\n1 1e-3 1 1e-50\r\n0 0.5 2 -0\r\n5",
+  };
+  for (const auto& [name, soup] : small_shapes()) {
+    std::string binary =
+        "ply\nformat binary_little_endian 1.0\nobj_info i\nelement vertex " +
+        std::to_string(soup.positions.size()) +
+        "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
+        std::to_string(soup.faces.size()) +
+        "\nproperty list uchar uint vertex_indices\nproperty short k\nend_header\n";
+    std::string facets(80, ' ');
+    append_bytes(facets, static_cast<std::uint32_t>(soup.faces.size()));
+    std::string text = "solid " + name + "\n";
+    for (const Vec3& p : soup.positions) append_bytes(binary, p);
+    for (const auto& face : soup.faces) {
+      binary += '\3';
+      append_bytes(binary, face);
+      append_bytes(binary, std::int16_t{-2});
+      facets.append(12, '\0');
+      text += "facet normal 0 0 1\nouter loop\n";
+      for (const std::uint32_t v : face) {
+        const Vec3& p = soup.positions[v];
+        for (const double x : {p.x, p.y, p.z}) append_bytes(facets, static_cast<float>(x));
+        text += "vertex " + std::to_string(p.x) + " " + std::to_string(p.y) + " " +
+                std::to_string(p.z) + "\n";
+      }
+      facets.append(2, '\0');
+      text += "endloop\nendfacet\n";
+    }
+    seeds.insert(seeds.end(), {binary, facets, text + "endsolid\n"});
   }
   return seeds;
 }

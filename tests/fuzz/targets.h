@@ -28,7 +28,7 @@ struct Target {
   std::vector<std::string> (*seeds)();
 };
 
-// By name: gltf, draco, mesh, requests, points, frame, methods.
+// By name: gltf, draco, polygons, mesh, requests, points, frame, methods.
 [[nodiscard]] std::span<const Target> targets();
 
 void fuzz_decoding(Input input);
@@ -41,6 +41,7 @@ void fuzz_methods(Input input);
 // Valid files, made by our own encoder and fixtures.
 [[nodiscard]] std::vector<std::string> gltf_seeds();
 [[nodiscard]] std::vector<std::string> draco_seeds();
+[[nodiscard]] std::vector<std::string> polygon_seeds();  // OBJ, PLY and STL
 [[nodiscard]] std::vector<std::string> mesh_seeds();
 [[nodiscard]] std::vector<std::string> request_seeds();
 [[nodiscard]] std::vector<std::string> point_seeds();

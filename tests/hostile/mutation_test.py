@@ -130,8 +130,9 @@ def main():
     with tempfile.TemporaryDirectory(prefix="mutation_") as folder:
         folder = pathlib.Path(folder)
         subprocess.run([make_seeds, folder / "seeds"], check=True)
-        paths = sorted((folder / "seeds" / "gltf").iterdir())
-        paths += sorted((folder / "seeds" / "draco").iterdir())
+        paths = []
+        for kind in ("gltf", "draco", "polygons"):
+            paths += sorted((folder / "seeds" / kind).iterdir())
         for more in sys.argv[4:]:
             paths += sorted(path for path in pathlib.Path(more).rglob("*") if path.is_file())
         files = {

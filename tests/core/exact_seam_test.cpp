@@ -1,0 +1,122 @@
+// Lists of windows sewn together, against the envelope of all that is in them.
+#include "core/exact_seam.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <random>
+#include <span>
+#include <vector>
+
+#include "core/exact_envelope.h"
+#include "core/field.h"
+
+using namespace geodesic;
+using namespace geodesic::exact;
+
+namespace {
+
+struct SeamLists {
+  std::vector<PseudoSource> roots;
+  std::vector<Window> old;
+  std::vector<Window> fresh;
+};
+
+// Two envelopes of random windows between 0 and 1, of which each may reach anywhere, or of
+// which the fresh one is to lie on one side.
+SeamLists random_lists(std::uint32_t seed) {
+  std::mt19937 random(seed);
+  const auto unit = [&] { return static_cast<double>(random()) / 4294967296.0; };
+  SeamLists lists;
+  std::vector<Window> scratch;
+  const double shift = seed % 3 == 0 ? 0 : (seed % 3 == 1 ? 0.4 : -0.4);
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    lists.roots.push_back({seed % 2 == 0 ? 1 : 1 + 0.1 * unit(), i, 0});
+    const bool is_old = i % 2 == 0;
+    const double from = is_old ? 0 : shift;
+    const double a = from + unit();
+    const double b = from + unit();
+    if (a == b) continue;
+    Window w{std::min(a, b), std::max(a, b), 3 * unit() - 1, 2 * unit(), 0, 0, i, 0, is_old};
+    w.at_begin = w.at(w.begin, lists.roots[i].offset);
+    w.at_end = w.at(w.end, lists.roots[i].offset);
+    append(is_old ? lists.old : lists.fresh, w, lists.roots, 1, scratch);
+  }
+  return lists;
+}
+
+// The distance at a place and how much of the place is covered.
+double seam_least(std::span<const Window> windows, const std::vector<PseudoSource>& roots,
+                  double place) {
+  double least = kUnreached;
+  for (const Window& w : windows) {
+    if (place < w.begin || place > w.end) continue;
+    least = std::min(least, w.at(place, roots[w.root].offset));
+  }
+  return least;
+}
+
+}  // namespace
+
+TEST_CASE("SewnListsAreTheEnvelopeOfBoth") {
+  std::uint32_t plain = 0;
+  std::uint32_t overlapped = 0;
+  for (std::uint32_t seed = 0; seed < 3000; ++seed) {
+    CAPTURE(seed);
+    SeamLists lists = random_lists(seed);
+    if (lists.old.empty() || lists.fresh.empty()) continue;
+    std::vector<Window> all;
+    merge(lists.old, lists.fresh, lists.roots, 1, all);
+    const Sewn sewn = sew(lists.old, lists.fresh, lists.roots, 1);
+    plain += sewn.plain;
+    overlapped += all.size() != lists.old.size() + lists.fresh.size();
+    std::vector<Window> left;
+    if (sewn.plain) {
+      left.assign(sewn.old.begin(), sewn.old.end());
+      left.insert(sewn.fresh_ends ? left.end() : left.begin(), sewn.fresh.begin(),
+                  sewn.fresh.end());
+      for (std::size_t i = 1; i < left.size(); ++i) CHECK(left[i - 1].end <= left[i].begin + 1e-12);
+    } else {
+      // What was done so far does not change the envelope.
+      merge(sewn.old, sewn.fresh, lists.roots, 1, left);
+    }
+    for (int i = 0; i < 100; ++i) {
+      const double place = -0.4 + 1.8 * i / 100;
+      const double truth = seam_least(all, lists.roots, place);
+      const double least = seam_least(left, lists.roots, place);
+      CAPTURE(place);
+      REQUIRE((truth == kUnreached) == (least == kUnreached));
+      if (truth != kUnreached) CHECK(least == doctest::Approx(truth).epsilon(1e-12));
+    }
+    for (const Window& w : left) {
+      CHECK(w.at_begin == doctest::Approx(w.at(w.begin, lists.roots[w.root].offset)));
+      CHECK(w.at_end == doctest::Approx(w.at(w.end, lists.roots[w.root].offset)));
+      CHECK(w.propagated == (w.root % 2 == 0));
+    }
+  }
+  CHECK(plain > 300);
+  CHECK(overlapped > 1000);
+}
+
+TEST_CASE("ASeamIsAtTheTie") {
+  const std::vector<PseudoSource> roots{{0, kNone, 0}, {0, 1, 0}};
+  const auto window = [](std::uint32_t root, double begin, double end, double x) {
+    Window w{begin, end, x, 3, 0, 0, root, 0, false};
+    w.at_begin = w.at(begin, 0);
+    w.at_end = w.at(end, 0);
+    return w;
+  };
+  for (const bool fresh_ends : {true, false}) {
+    Window left = window(0, 0, 6, 1);
+    Window right = window(1, 3, 9, 8);
+    CHECK(sew(fresh_ends ? left : right, fresh_ends ? right : left, fresh_ends, roots, 10) ==
+          Seam::cut);
+    CHECK(left.end == doctest::Approx(4.5).epsilon(1e-12));
+    CHECK(right.begin == left.end);
+  }
+  // A tie everywhere: the old one stays.
+  Window old = window(0, 0, 6, 1);
+  Window same = window(1, 2, 5, 1);
+  CHECK(sew(old, same, true, roots, 10) == Seam::fresh_gone);
+  CHECK(old.end == 6);
+}
