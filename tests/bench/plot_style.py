@@ -46,6 +46,13 @@ def save(figure, path):
     print(path)
 
 
+def words_of(label):
+    """The box of an annotation's words, without the line to its dot."""
+    renderer = label.figure.canvas.get_renderer()
+    label.update_positions(renderer)
+    return matplotlib.text.Text.get_window_extent(label, renderer)
+
+
 def place_labels(axes, points):
     """Names beside dots, moved up or down until they clear each other."""
     figure = axes.figure
@@ -68,7 +75,7 @@ def place_labels(axes, points):
                 arrowprops={"arrowstyle": "-", "color": colour, "lw": 0.6}
                 if abs(dy) > 20 else None,
             )
-            box = label.get_window_extent(figure.canvas.get_renderer())
+            box = words_of(label)
             inside = axes.get_window_extent().contains(box.x0, box.y0) and (
                 axes.get_window_extent().contains(box.x1, box.y1)
             )
@@ -80,7 +87,7 @@ def place_labels(axes, points):
         if best is None:
             best = axes.annotate(text, (x, y), (9, 0), textcoords="offset points", va="center",
                                  color=colour, fontsize=10, fontweight="bold")
-        taken.append(best.get_window_extent(figure.canvas.get_renderer()))
+        taken.append(words_of(best))
 
 
 def draw_error_against_time(rows, path, title, others=()):
