@@ -72,8 +72,8 @@ class WindowPool {
   [[nodiscard]] static std::size_t class_of(std::uint32_t capacity) {
     const auto power = static_cast<std::size_t>(std::bit_width(capacity)) - 1;
     // Not std::has_single_bit: without the instruction for it, that is a call.
-    const std::uint32_t single_bit = (capacity & (capacity - 1)) == 0 ? 0 : 1;
-    return (2 * power + single_bit) % kClasses;
+    const std::uint32_t is_between = (capacity & (capacity - 1)) == 0 ? 0 : 1;
+    return (2 * power + is_between) % kClasses;
   }
 
   // What is left of the old slab is cut into blocks.
