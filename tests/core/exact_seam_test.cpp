@@ -9,10 +9,11 @@
 #include <vector>
 
 #include "core/exact_envelope.h"
-#include "core/field.h"
+#include "tests/fixtures/windows.h"
 
 using namespace geodesic;
 using namespace geodesic::exact;
+using fixtures::least_at;
 
 namespace {
 
@@ -37,23 +38,12 @@ SeamLists random_lists(std::uint32_t seed) {
     const double a = from + unit();
     const double b = from + unit();
     if (a == b) continue;
-    Window w{std::min(a, b), std::max(a, b), 3 * unit() - 1, 2 * unit(), 0, 0, i, 0, is_old};
-    w.at_begin = w.at(w.begin, lists.roots[i].offset);
-    w.at_end = w.at(w.end, lists.roots[i].offset);
+    const double x = 3 * unit() - 1;
+    Window w = fixtures::window(lists.roots, i, std::min(a, b), std::max(a, b), x, 2 * unit());
+    w.propagated = is_old;
     append(is_old ? lists.old : lists.fresh, w, lists.roots, 1, scratch);
   }
   return lists;
-}
-
-// The distance at a place and how much of the place is covered.
-double seam_least(std::span<const Window> windows, const std::vector<PseudoSource>& roots,
-                  double place) {
-  double least = kUnreached;
-  for (const Window& w : windows) {
-    if (place < w.begin || place > w.end) continue;
-    least = std::min(least, w.at(place, roots[w.root].offset));
-  }
-  return least;
 }
 
 }  // namespace
@@ -82,8 +72,8 @@ TEST_CASE("SewnListsAreTheEnvelopeOfBoth") {
     }
     for (int i = 0; i < 100; ++i) {
       const double place = -0.4 + 1.8 * i / 100;
-      const double truth = seam_least(all, lists.roots, place);
-      const double least = seam_least(left, lists.roots, place);
+      const double truth = least_at(all, lists.roots, place);
+      const double least = least_at(left, lists.roots, place);
       CAPTURE(place);
       REQUIRE((truth == kUnreached) == (least == kUnreached));
       if (truth != kUnreached) CHECK(least == doctest::Approx(truth).epsilon(1e-12));

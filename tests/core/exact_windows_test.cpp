@@ -12,31 +12,16 @@
 #include "core/exact_window_pool.h"
 #include "core/field.h"
 #include "core/vec2.h"
+#include "tests/fixtures/windows.h"
 
 using namespace geodesic;
 using namespace geodesic::exact;
+using fixtures::least_at;
+using fixtures::window;
 
 namespace {
 
 double fraction(std::mt19937& random) { return static_cast<double>(random()) / 4294967296.0; }
-
-Window window(const std::vector<PseudoSource>& roots, std::uint32_t root, double begin, double end,
-              double x, double y) {
-  Window w{begin, end, x, y, 0, 0, root, 0, false};
-  w.at_begin = w.at(begin, roots[root].offset);
-  w.at_end = w.at(end, roots[root].offset);
-  return w;
-}
-
-double least_at(const std::vector<Window>& windows, const std::vector<PseudoSource>& roots,
-                double place) {
-  double least = kUnreached;
-  for (const Window& w : windows) {
-    if (place < w.begin || place > w.end) continue;
-    least = std::min(least, w.at(place, roots[w.root].offset));
-  }
-  return least;
-}
 
 }  // namespace
 
