@@ -186,7 +186,7 @@ TEST_CASE("draining finishes what is queued and refuses what comes") {
   for (int i = 0; i < 3; ++i) {
     callers.push_back(std::async(std::launch::async, [&] { return pool.run(gate.job()); }));
   }
-  wait_until([&] { return pool.stats().queued == 2; });
+  wait_until([&] { return pool.stats().running == 1 && pool.stats().queued == 2; });
   auto drained = std::async(std::launch::async, [&] { pool.drain(); });
   wait_until([&] {
     const auto tried = pool.run([](Worker&) -> Result<int> { return 1; }, [] { return true; });
