@@ -24,8 +24,8 @@ GEODESIC_LANES_INLINE void write(double* to, const Reals& from) {
   std::memcpy(to, &from, sizeof from);
 }
 
-GEODESIC_LANES_INLINE std::size_t crossings(Beams& beams, double apex_x, double apex_y,
-                                            double base) {
+GEODESIC_LANES_INLINE std::size_t crossings(Beams& beams, std::size_t first, std::size_t last,
+                                            double apex_x, double apex_y, double base) {
   // A beam whose end the line misses by no more than this part of the base sees the corner.
   constexpr double kNearlyMet = 1e-9;
   constexpr double kNotStraight = 1 + 0x1p-50;
@@ -33,7 +33,8 @@ GEODESIC_LANES_INLINE std::size_t crossings(Beams& beams, double apex_x, double 
   Reals least = Reals{} + kUnreached;
   Reals where{};
   Reals number{0, 1, 2, 3};
-  for (std::size_t i = 0; i < beams.size; i += kWide, number = number + double{kWide}) {
+  const auto count = static_cast<double>(last - first);
+  for (std::size_t i = first; i < last; i += kWide, number = number + double{kWide}) {
     Reals begin, end, x, y, offset;
     read(begin, beams.begin.data() + i);
     read(end, beams.end.data() + i);
@@ -55,7 +56,7 @@ GEODESIC_LANES_INLINE std::size_t crossings(Beams& beams, double apex_x, double 
     Lane::root(on, rest * rest + apex_y * apex_y);
     Reals distance = offset + there + on;
     distance = straight ? distance : distance * kNotStraight;
-    const Flags better = (distance < least) & (number < static_cast<double>(beams.size));
+    const Flags better = (distance < least) & (number < count);
     least = better ? distance : least;
     where = better ? number : where;
   }
@@ -63,7 +64,7 @@ GEODESIC_LANES_INLINE std::size_t crossings(Beams& beams, double apex_x, double 
   for (std::size_t i = 1; i < kWide; ++i) {
     if (least[i] < least[best] || (least[i] == least[best] && where[i] < where[best])) best = i;
   }
-  return static_cast<std::size_t>(where[best]);
+  return first + static_cast<std::size_t>(where[best]);
 }
 
 // A line from the unfolded source (x, -y) through (p, 0) of the base meets the side, which
@@ -166,7 +167,7 @@ GEODESIC_LANES_INLINE void pair(std::size_t first, std::size_t last, bool upward
   }
   children.overlaps[first] = 0;
   children.overlaps[last] = 0;
-  std::size_t size = 0;
+  std::size_t size = ties.size;
   std::uint32_t* const left = ties.left.data();
   std::uint32_t* const right = ties.right.data();
   std::uint32_t* const tie = children.tie.data();
@@ -261,8 +262,9 @@ GEODESIC_LANES_INLINE void meet(const Beams& beams, const Children& children, Ti
   }
 }
 
-std::size_t crossings_plain(Beams& beams, double x, double y, double base) {
-  return crossings(beams, x, y, base);
+std::size_t crossings_plain(Beams& beams, std::size_t first, std::size_t last, double x, double y,
+                            double base) {
+  return crossings(beams, first, last, x, y, base);
 }
 void to_side_plain(const Beams& beams, std::size_t first, std::size_t last, const SideFrame& side,
                    Children& children) {
@@ -277,9 +279,10 @@ void meet_plain(const Beams& beams, const Children& children, Ties& ties) {
 }
 
 #ifdef __x86_64__
-__attribute__((target("avx2"))) std::size_t crossings_avx2(Beams& beams, double x, double y,
+__attribute__((target("avx2"))) std::size_t crossings_avx2(Beams& beams, std::size_t first,
+                                                           std::size_t last, double x, double y,
                                                            double base) {
-  return crossings(beams, x, y, base);
+  return crossings(beams, first, last, x, y, base);
 }
 __attribute__((target("avx2"))) void to_side_avx2(const Beams& beams, std::size_t first,
                                                   std::size_t last, const SideFrame& side,
@@ -298,12 +301,13 @@ __attribute__((target("avx2"))) void meet_avx2(const Beams& beams, const Childre
 
 }  // namespace
 
-std::size_t find_crossings(Vectors vectors, Beams& beams, double x, double y, double base_length) {
+std::size_t find_crossings(Vectors vectors, Beams& beams, std::size_t first, std::size_t last,
+                           double x, double y, double base_length) {
 #ifdef __x86_64__
-  if (vectors != Vectors::plain) return crossings_avx2(beams, x, y, base_length);
+  if (vectors != Vectors::plain) return crossings_avx2(beams, first, last, x, y, base_length);
 #endif
   (void)vectors;
-  return crossings_plain(beams, x, y, base_length);
+  return crossings_plain(beams, first, last, x, y, base_length);
 }
 
 void cross_to_side(Vectors vectors, const Beams& beams, std::size_t first, std::size_t last,

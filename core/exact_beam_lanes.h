@@ -9,10 +9,11 @@
 
 namespace geodesic::exact {
 
-// Fills `crossing` for a far corner at (x, y) and returns the beam by which the corner is
-// nearest; of two equally near ones, one that sees it straight. There is at least one.
-[[nodiscard]] std::size_t find_crossings(Vectors vectors, Beams& beams, double x, double y,
-                                         double base_length);
+// Fills `crossing` of the beams from `first` to before `last` for a far corner at (x, y) and
+// returns the beam by which the corner is nearest; of two equally near ones, one that sees it
+// straight. There is at least one.
+[[nodiscard]] std::size_t find_crossings(Vectors vectors, Beams& beams, std::size_t first,
+                                         std::size_t last, double x, double y, double base_length);
 
 // A side of the face, and its edge. On the left side, t is counted from the base's tail, on
 // the right from its head; `flipped` is whether the edge's frame counts the other way.
@@ -34,7 +35,7 @@ void cross_to_side(Vectors vectors, const Beams& beams, std::size_t first, std::
                    const SideFrame& side, Children& children);
 
 // Which of those children overlap the next one; `upwards`: numbers ascend along the edge.
-// Fills `overlaps` and `tie`, and `left` and `right` of the pairs.
+// Fills `overlaps` and `tie`, and `left` and `right` of the pairs, behind those that are there.
 void pair_overlaps(Vectors vectors, std::size_t first, std::size_t last, bool upwards,
                    double length, Children& children, Ties& ties);
 

@@ -14,8 +14,8 @@ namespace geodesic::exact {
 // Beyond the last number of a column there is room for so many.
 inline constexpr std::size_t kColumnSlack = 8;
 
-// Windows in the frame of the halfedge whose face they are about to cross, in the order
-// in which they lie on it.
+// Windows in the frame of the halfedge whose face they are about to cross, list by list, and
+// of a list in the order in which they lie on it.
 struct Beams {
   std::size_t size = 0;
   std::vector<double> begin;
@@ -26,13 +26,13 @@ struct Beams {
   std::vector<double> crossing;  // where the line from the source to the far corner meets the base
   std::vector<std::uint32_t> root;
 
-  // Room for so many. What was there need not be there any more.
+  // Room for so many.
   void make_room(std::size_t count) {
     const std::size_t room = count + kColumnSlack;
     if (begin.size() >= room) return;
     const std::size_t rounded = std::bit_ceil(room);
-    for (auto* column : {&begin, &end, &x, &y, &offset, &crossing}) column->assign(rounded, 0);
-    root.assign(rounded, 0);
+    for (auto* column : {&begin, &end, &x, &y, &offset, &crossing}) column->resize(rounded, 0);
+    root.resize(rounded, 0);
   }
 };
 
@@ -57,6 +57,7 @@ struct Children {
   std::vector<std::int64_t> overlaps;
   std::vector<std::uint32_t> tie;  // then the number of their pair
 
+  // Room for so many. What was there need not be there any more.
   void make_room(std::size_t count) {
     const std::size_t room = count + kColumnSlack;
     if (begin.size() >= room) return;
@@ -81,6 +82,7 @@ struct Ties {
   std::vector<double> at_right;
   std::vector<std::int64_t> found;  // not 0: there is one such place, and this is it
 
+  // Room for so many. What was there need not be there any more.
   void make_room(std::size_t count) {
     const std::size_t room = count + kColumnSlack;
     if (place.size() >= room) return;

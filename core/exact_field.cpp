@@ -23,8 +23,7 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
                                const Cancel& cancel) {
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
   Field field = unreached_field(method, sources, vertex_count);
-  // A step is a list of windows over an edge, not one vertex.
-  Poll poll(cancel, 1024);
+  Poll poll(cancel);
   const bool at_vertices = std::all_of(sources.begin(), sources.end(),
                                        [](const Source& s) { return s.point.at_vertex(); });
   // Vertices have the same distances on faces that are better for it.
@@ -47,9 +46,11 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
     return targets.empty();
   };
   bool stopped = false;
+  // A step is some hundred windows over their faces.
+  Poll steps(cancel, 16);
   do {
     while (!(stopped = arrived()) && propagation.step()) {
-      if (poll.cancelled(propagation.reached(), vertex_count)) {
+      if (steps.cancelled(propagation.reached(), vertex_count)) {
         return fail(ErrorCode::cancelled, "the computation was cancelled");
       }
     }

@@ -10,6 +10,9 @@ namespace {
 // them is no farther from their ends.
 constexpr double kLeastGap = 1e-9;
 
+// So many windows cross faces together, or more where an edge has more.
+constexpr std::size_t kTogether = 256;
+
 // So many windows on an edge are a crowd, in which a vertex may become a source. What starts
 // little earlier than it was reached spares few of them, and its own meet the others at more
 // places: the less the tolerance, the more there must be. Measured: 8 at 1e-2, 13 at 1e-3,
@@ -58,28 +61,36 @@ std::uint32_t Propagation::add_root(const PseudoSource& root) {
   return static_cast<std::uint32_t>(memory_.roots.size() - 1);
 }
 
+// What is in one bucket of the queue may be done in any order. So windows are gathered from some
+// edges, and then cross their faces together, each part of the work for all of them: what one
+// list waits for does not keep the others.
 bool Propagation::step() {
+  memory_.beams.size = 0;
+  memory_.over_faces.clear();
   Waiting next{};
   if (!memory_.queue.pop(next)) return false;
-  switch (next.what) {
-    case Waiting::What::edge:
-      edges_[next.number].queued = kUnreached;
-      pass_on(next.number);
-      break;
-    case Waiting::What::vertex:
-      bend_at(next.number);
-      break;
-    case Waiting::What::settled_edge:
-      let_go(next.number);
-      break;
-  }
+  do {
+    switch (next.what) {
+      case Waiting::What::edge:
+        edges_[next.number].queued = kUnreached;
+        set_out(next.number);
+        break;
+      case Waiting::What::vertex:
+        bend_at(next.number);
+        break;
+      case Waiting::What::settled_edge:
+        let_go(next.number);
+        break;
+    }
+  } while (memory_.beams.size < kTogether && memory_.queue.pop_near(next));
+  cross_faces();
   return true;
 }
 
-// All that waits on an edge goes over to the faces it did not come from. Meanwhile
+// All that waits on an edge sets out over the faces it did not come from. Meanwhile
 // the edge's farthest place is found: nothing that arrives later, and farther, can be
 // nearer anywhere on it.
-void Propagation::pass_on(std::uint32_t e) {
+void Propagation::set_out(std::uint32_t e) {
   Edge& edge = edges_[e];
   if (edge.pending == kUnreached) return;
   edge.pending = kUnreached;
@@ -104,13 +115,9 @@ void Propagation::pass_on(std::uint32_t e) {
     from_one &= w.from == from;
   }
   if (covered < edge.length) gap(covered, edge.length);
-  // No face has two sides on one edge, so the list stays as it is.
   Halfedge h = edge.first;
   do {
-    if (!from_one || h != from) {
-      load_beams(windows, h);
-      if (memory_.beams.size != 0) cross_face(h);
-    }
+    if (!from_one || h != from) load_beams(windows, h);
     h = h == edge.first ? edge.second : surface_.ring(h);
   } while (h != edge.first);
   for (Window& w : windows) w.propagated = true;
@@ -120,7 +127,8 @@ void Propagation::pass_on(std::uint32_t e) {
 // The windows on the edge of h that wait and did not come from its face, in its frame.
 void Propagation::load_beams(std::span<const Window> windows, Halfedge h) {
   Beams& beams = memory_.beams;
-  beams.make_room(windows.size());
+  const std::size_t first = beams.size;
+  beams.make_room(first + windows.size());
   const double* const offsets = memory_.offsets.data();
   double* const begin = beams.begin.data();
   double* const end = beams.end.data();
@@ -128,7 +136,7 @@ void Propagation::load_beams(std::span<const Window> windows, Halfedge h) {
   double* const y = beams.y.data();
   double* const offset = beams.offset.data();
   std::uint32_t* const root = beams.root.data();
-  std::size_t size = 0;
+  std::size_t size = first;
   if (!frames_.is_reversed(h)) {
     for (const Window& w : windows) {
       if (w.propagated || w.from == h) continue;
@@ -153,71 +161,117 @@ void Propagation::load_beams(std::span<const Window> windows, Halfedge h) {
     }
   }
   beams.size = size;
+  if (size > first) memory_.over_faces.push_back({.base = h, .first = first, .last = size});
 }
 
-// The beams cross the face of h from its base a -> b; the sides are those from the far
-// corner to a and from b to it.
-void Propagation::cross_face(Halfedge h) {
+// The lists cross their faces and arrive on the sides beyond.
+void Propagation::cross_faces() {
+  if (memory_.over_faces.empty()) return;
+  for (ListOverFace& list : memory_.over_faces) unfold(list);
+  for (ListOverFace& list : memory_.over_faces) find_nearest(list);
+  for (const ListOverFace& list : memory_.over_faces) reach_apex(list);
+  memory_.over_sides.clear();
+  const std::size_t count = memory_.beams.size;
+  for (Children& children : memory_.children) children.make_room(count);
+  for (Ties& ties : memory_.ties) {
+    ties.make_room(count);
+    ties.size = 0;
+  }
+  for (const ListOverFace& list : memory_.over_faces) cross_to_sides(list);
+  for (const ListOverSide& list : memory_.over_sides) {
+    pair_overlaps(vectors_, list.first, list.last, list.upwards, list.side.length,
+                  memory_.children[list.on_right], memory_.ties[list.on_right]);
+  }
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (memory_.ties[i].size > 0) {
+      find_ties(vectors_, memory_.beams, memory_.children[i], memory_.ties[i]);
+    }
+  }
+  for (const ListOverSide& list : memory_.over_sides) arrive(list);
+}
+
+void Propagation::unfold(ListOverFace& list) const {
+  const std::uint32_t f = face_of(list.base);
+  const std::uint32_t c = corner_of(list.base);
+  list.base_length = frames_.length(f, c);
+  list.at_tail = frames_.angle(f, c);
+  const double left_length = frames_.length(f, previous_corner(c));
+  list.apex_x = left_length * list.at_tail.cosine;
+  list.apex_y = left_length * list.at_tail.sine;
+}
+
+// Finds for every beam where the line to the far corner crosses the base, and the one by which
+// that corner is nearest. A beam that the line misses leads there round its end; that matters
+// only where there is a gap.
+void Propagation::find_nearest(ListOverFace& list) {
+  Beams& beams = memory_.beams;
+  list.best = find_crossings(vectors_, beams, list.first, list.last, list.apex_x, list.apex_y,
+                             list.base_length);
+  const std::size_t best = list.best;
+  list.crossing = std::clamp(beams.crossing[best], beams.begin[best], beams.end[best]);
+  const double run = list.crossing - beams.x[best];
+  const double rest = list.apex_x - list.crossing;
+  list.distance = beams.offset[best] + std::sqrt(run * run + beams.y[best] * beams.y[best]) +
+                  std::sqrt(rest * rest + list.apex_y * list.apex_y);
+}
+
+void Propagation::reach_apex(const ListOverFace& list) {
+  const std::uint32_t f = face_of(list.base);
+  const std::uint32_t apex_corner = previous_corner(corner_of(list.base));
+  const std::uint32_t root = memory_.beams.root[list.best];
+  lower(surface_.faces[f].vertex[apex_corner], list.distance, memory_.roots[root],
+        {halfedge(f, apex_corner), list.last - list.first >= crowd_, list.crossing});
+}
+
+// Over the sides from the far corner to the base's tail and from the base's head to it. Where
+// only the best beam may come to one, mostly it does not.
+void Propagation::cross_to_sides(const ListOverFace& list) {
   const Beams& beams = memory_.beams;
-  const std::size_t count = beams.size;
-  propagated_ += count;
-  const std::uint32_t f = face_of(h);
-  const std::uint32_t c = corner_of(h);
-  const CornerAngle at_tail = frames_.angle(f, c);
-  const std::size_t best = reach_apex(h, at_tail);
-  const FaceFrame& face = frames_.face(f);
-  const double base = frames_.edge(face.edge[c]).length;
-  // Where only the best beam may come to a side, mostly it does not.
-  if (best > 0 || beams.begin[0] < beams.crossing[0]) {
-    const Side left = side(halfedge(f, previous_corner(c)), false);
-    if (!left.on_boundary) {
-      cross_to(left,
-               {false, left.flipped, base, at_tail.cosine, at_tail.sine, left.length, left.at_tail,
-                left.at_head, left.settled, max_},
-               0, best + 1);
-    }
+  propagated_ += list.last - list.first;
+  const std::size_t best = list.best;
+  if (best > list.first || beams.begin[best] < beams.crossing[best]) {
+    cross_to_side(list, false, list.first, best + 1);
   }
-  if (best + 1 < count || beams.crossing[best] < beams.end[best]) {
-    const Side right = side(halfedge(f, next_corner(c)), true);
-    if (!right.on_boundary) {
-      const CornerAngle at_head = frames_.angle(f, next_corner(c));
-      cross_to(right,
-               {true, right.flipped, base, at_head.cosine, at_head.sine, right.length,
-                right.at_tail, right.at_head, right.settled, max_},
-               best, count);
-    }
+  if (best + 1 < list.last || beams.crossing[best] < beams.end[best]) {
+    cross_to_side(list, true, best, list.last);
   }
 }
 
-// The beams from `first` to before `last` over one side of their face.
-void Propagation::cross_to(const Side& side, const SideFrame& frame, std::size_t first,
-                           std::size_t last) {
-  Children& children = memory_.children;
-  Ties& ties = memory_.ties;
-  children.make_room(last);
-  ties.make_room(last - first);
-  cross_to_side(vectors_, memory_.beams, first, last, frame, children);
+void Propagation::cross_to_side(const ListOverFace& list, bool on_right, std::size_t first,
+                                std::size_t last) {
+  const std::uint32_t f = face_of(list.base);
+  const std::uint32_t c = corner_of(list.base);
+  const Side side =
+      this->side(halfedge(f, on_right ? next_corner(c) : previous_corner(c)), on_right);
+  if (side.on_boundary) return;
+  const CornerAngle angle = on_right ? frames_.angle(f, next_corner(c)) : list.at_tail;
+  const SideFrame frame{on_right,    side.flipped, list.base_length, angle.cosine, angle.sine,
+                        side.length, side.at_tail, side.at_head,     side.settled, max_};
+  exact::cross_to_side(vectors_, memory_.beams, first, last, frame, memory_.children[on_right]);
   // On the left side t grows with the place on the base.
-  const bool upwards = frame.on_right == frame.flipped;
-  pair_overlaps(vectors_, first, last, upwards, side.length, children, ties);
-  if (ties.size > 0) find_ties(vectors_, memory_.beams, children, ties);
-  ChildOrder order{first, last, upwards};
+  memory_.over_sides.push_back({side, first, last, on_right, on_right == side.flipped});
+}
+
+// The children of a list join what is on their edge.
+void Propagation::arrive(const ListOverSide& list) {
+  ChildOrder order{list.first, list.last, list.upwards};
   FreshList fresh{memory_.fresh, 0, kUnreached};
   for (;;) {
-    add_plain(side, order, fresh);
+    add_plain(list, order, fresh);
     if (order.left() == 0) break;
-    add_with_care(side, order, fresh);
+    add_with_care(list, order, fresh);
   }
-  commit(side.edge, {fresh.list.data(), fresh.size}, fresh.least);
+  commit(list.side.edge, {fresh.list.data(), fresh.size}, fresh.least);
 }
 
 // Adds children in the order on the edge, as long as they can be sewn to those before:
 // nearly all of them can, and most come whole and meet none but the one before.
-void Propagation::add_plain(const Side& side, ChildOrder& order, FreshList& fresh) {
+void Propagation::add_plain(const ListOverSide& list, ChildOrder& order, FreshList& fresh) {
+  const Side& side = list.side;
   const std::size_t most = fresh.size + order.left();
   if (fresh.list.size() < most) fresh.list.resize(most);
-  const Children& children = memory_.children;
-  const Ties& ties = memory_.ties;
+  const Children& children = memory_.children[list.on_right];
+  const Ties& ties = memory_.ties[list.on_right];
   const double* const begins = children.begin.data();
   const double* const ends = children.end.data();
   const double* const xs = children.x.data();
@@ -319,8 +373,9 @@ Seam Propagation::sew_last(Window* first, Window*& last, double length) {
 }
 
 // Adds the next child, whatever is the matter with it.
-void Propagation::add_with_care(const Side& side, ChildOrder& order, FreshList& fresh) {
-  const Children& children = memory_.children;
+void Propagation::add_with_care(const ListOverSide& list, ChildOrder& order, FreshList& fresh) {
+  const Side& side = list.side;
+  const Children& children = memory_.children[list.on_right];
   const std::size_t i = order.next();
   order.skip(1);
   Window window{
@@ -331,31 +386,6 @@ void Propagation::add_with_care(const Side& side, ChildOrder& order, FreshList& 
   fresh.list.resize(fresh.size);
   append(fresh.list, window, memory_.roots, side.length, memory_.scratch);
   fresh.size = fresh.list.size();
-}
-
-// Finds for every beam where the line to the far corner crosses the base, and lowers
-// that corner. Returns the beam by which it is nearest. A beam that the line misses
-// leads there round its end; that matters only where there is a gap.
-std::size_t Propagation::reach_apex(Halfedge h, const CornerAngle& at_tail) {
-  const std::uint32_t f = face_of(h);
-  const std::uint32_t c = corner_of(h);
-  const std::uint32_t apex_corner = previous_corner(c);
-  const FaceFrame& frame = frames_.face(f);
-  const double left_length = frames_.edge(frame.edge[apex_corner]).length;
-  const double apex_x = left_length * at_tail.cosine;
-  const double apex_y = left_length * at_tail.sine;
-  Beams& beams = memory_.beams;
-  const std::size_t best =
-      find_crossings(vectors_, beams, apex_x, apex_y, frames_.edge(frame.edge[c]).length);
-  const double crossing = std::clamp(beams.crossing[best], beams.begin[best], beams.end[best]);
-  const double run = crossing - beams.x[best];
-  const double rest = apex_x - crossing;
-  const double distance = beams.offset[best] +
-                          std::sqrt(run * run + beams.y[best] * beams.y[best]) +
-                          std::sqrt(rest * rest + apex_y * apex_y);
-  lower(surface_.faces[f].vertex[apex_corner], distance, memory_.roots[beams.root[best]],
-        {halfedge(f, apex_corner), beams.size >= crowd_, crossing});
-  return best;
 }
 
 // A side of a face, for windows counted from the halfedge's tail or from its head.

@@ -1,7 +1,8 @@
 // Windows on their way over the surface. Mitchell, Mount and Papadimitriou 1987,
 // section 4; Surazhsky et al. 2005, section 3, with three differences:
 //   - what waits in the queue is an edge, with all that has arrived there, not a
-//     window, and a list of windows crosses a face at once;
+//     window, and a list of windows crosses a face at once; some edges that are about
+//     as far go together, step by step;
 //   - an edge keeps the windows of both directions in one lower envelope;
 //   - of a list that crosses a face, only the window that is nearest to the far
 //     corner goes on over both of the other sides: shortest paths do not cross, so
@@ -19,6 +20,7 @@
 // the tolerance.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -60,6 +62,32 @@ struct Side {
   double settled;  // of the edge
 };
 
+// A list of windows on its way over a face: those from `first` to before `last` of the beams.
+struct ListOverFace {
+  Halfedge base;
+  std::size_t first;
+  std::size_t last;
+  // Of the face, unfolded: its base from (0, 0) to (base_length, 0).
+  double base_length = 0;
+  CornerAngle at_tail{};
+  double apex_x = 0;
+  double apex_y = 0;
+  // The beam by which the far corner is nearest, where it crosses the base, and how far it is.
+  std::size_t best = 0;
+  double crossing = 0;
+  double distance = 0;
+};
+
+// Windows on their way over one side of a face, the left or the right one: those from `first`
+// to before `last` of the children there.
+struct ListOverSide {
+  Side side;
+  std::size_t first;
+  std::size_t last;
+  bool on_right;
+  bool upwards;  // their numbers ascend along the edge
+};
+
 // The children of a list on one side, in the order in which they lie on its edge.
 struct ChildOrder {
   std::size_t first;  // those to come
@@ -98,8 +126,11 @@ struct PropagationMemory {
   std::vector<double> emitted;  // the distance at which a vertex last sent out windows
   std::vector<double> above;    // of the pseudo-source of a vertex's distance; with a tolerance
   Beams beams;
-  Children children;
-  Ties ties;
+  std::vector<ListOverFace> over_faces;
+  std::vector<ListOverSide> over_sides;
+  // By the side: left and right.
+  std::array<Children, 2> children;
+  std::array<Ties, 2> ties;
   std::vector<Window> fresh;  // windows that come to an edge
   std::vector<Window> scratch;
   std::vector<FanFace> fan;
@@ -126,7 +157,7 @@ class Propagation {
   // Sends out a source's windows.
   void start(const Source& source, std::uint32_t number);
 
-  // Takes the next step; false when there is nothing left to do.
+  // Takes the next step, of a few edges; false when there is nothing left to do.
   [[nodiscard]] bool step();
 
   // Vertices with a path_length() below this have their final one.
@@ -160,14 +191,18 @@ class Propagation {
   [[nodiscard]] std::uint32_t add_root(const PseudoSource& root);
 
   // exact_propagation.cpp: windows over faces.
-  void pass_on(std::uint32_t e);
+  void set_out(std::uint32_t e);
   void load_beams(std::span<const Window> windows, Halfedge h);
-  void cross_face(Halfedge h);
-  [[nodiscard]] std::size_t reach_apex(Halfedge h, const CornerAngle& at_tail);
-  void cross_to(const Side& side, const SideFrame& frame, std::size_t first, std::size_t last);
-  void add_plain(const Side& side, ChildOrder& order, FreshList& fresh);
+  void cross_faces();
+  void unfold(ListOverFace& list) const;
+  void find_nearest(ListOverFace& list);
+  void reach_apex(const ListOverFace& list);
+  void cross_to_sides(const ListOverFace& list);
+  void cross_to_side(const ListOverFace& list, bool on_right, std::size_t first, std::size_t last);
+  void arrive(const ListOverSide& list);
+  void add_plain(const ListOverSide& list, ChildOrder& order, FreshList& fresh);
   [[nodiscard]] Seam sew_last(Window* first, Window*& last, double length);
-  void add_with_care(const Side& side, ChildOrder& order, FreshList& fresh);
+  void add_with_care(const ListOverSide& list, ChildOrder& order, FreshList& fresh);
   [[nodiscard]] Side side(Halfedge h, bool from_tail) const;
   [[nodiscard]] bool is_of_use(Window& window, const Side& side) const;
 

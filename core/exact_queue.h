@@ -60,6 +60,15 @@ class BucketQueue {
     }
   }
 
+  // The next one of the same bucket, false when there is none: what came last may have left
+  // more there, and may leave more.
+  [[nodiscard]] bool pop_near(Waiting& next) {
+    const std::vector<Waiting>& bucket = ring_[now_ % kBuckets];
+    if (next_in_bucket_ == bucket.size()) return false;
+    next = bucket[next_in_bucket_++];
+    return true;
+  }
+
   // No key that comes from now on is less, nor anything that follows from it.
   [[nodiscard]] double now() const {
     return now_ == 0 ? least_ : least_ + (static_cast<double>(now_) - 1e-6) * width_;

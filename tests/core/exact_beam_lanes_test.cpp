@@ -91,8 +91,8 @@ TEST_CASE("OfAListTheNearestBeamToTheFarCornerIsFound") {
     for (std::size_t i = 0; i < scene.beams.size; ++i) least = std::min(least, by_way(i));
     std::vector<double> crossings;
     for (const Vectors vectors : vectors_of_this_processor()) {
-      const std::size_t best =
-          find_crossings(vectors, scene.beams, scene.apex.x, scene.apex.y, scene.base);
+      const std::size_t best = find_crossings(vectors, scene.beams, 0, scene.beams.size,
+                                              scene.apex.x, scene.apex.y, scene.base);
       REQUIRE(best < scene.beams.size);
       CHECK(by_way(best) <= least * (1 + 1e-14));
       if (crossings.empty()) crossings = scene.beams.crossing;
@@ -107,7 +107,8 @@ TEST_CASE("ChildrenAreTheLightOfTheirBeamsOnTheOtherSide") {
   for (int round = 0; round < 500; ++round) {
     Scene scene(random);
     const std::size_t count = scene.beams.size;
-    (void)find_crossings(Vectors::plain, scene.beams, scene.apex.x, scene.apex.y, scene.base);
+    (void)find_crossings(Vectors::plain, scene.beams, 0, count, scene.apex.x, scene.apex.y,
+                         scene.base);
     for (int kind = 0; kind < 4; ++kind) {
       const SideFrame side = side_of(scene, (kind & 1) != 0, (kind & 2) != 0);
       Children first;
@@ -157,7 +158,8 @@ TEST_CASE("NeighboursShareAnOverlapWhereTheyAreEquallyFar") {
       const Vec2 meet{scene.beams.begin[i], 0};
       scene.beams.offset[i] += scene.distance(i - 1, meet) - scene.distance(i, meet);
     }
-    (void)find_crossings(Vectors::plain, scene.beams, scene.apex.x, scene.apex.y, scene.base);
+    (void)find_crossings(Vectors::plain, scene.beams, 0, count, scene.apex.x, scene.apex.y,
+                         scene.base);
     const bool flipped = round % 2 == 0;
     const SideFrame side = side_of(scene, round % 4 < 2, flipped);
     const bool upwards = side.on_right == flipped;
