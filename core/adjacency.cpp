@@ -1,6 +1,7 @@
 #include "core/adjacency.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <tuple>
 #include <utility>
@@ -41,7 +42,9 @@ Adjacency Adjacency::build(std::shared_ptr<const Mesh> mesh) {
 }
 
 Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cancel& cancel) {
+  static std::atomic<std::uint64_t> built{0};
   Adjacency adjacency;
+  adjacency.number_ = ++built;
   adjacency.mesh_ = std::move(mesh);
   Poll poll(cancel);
   int done = 0;

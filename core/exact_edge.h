@@ -26,6 +26,13 @@ struct alignas(64) Edge {
   double settled = kUnreached;   // no place of the edge is farther than this
 
   [[nodiscard]] bool on_boundary() const { return first == second; }
+
+  // As if nothing had arrived.
+  void forget_arrivals() {
+    windows = nullptr;
+    size = capacity = let_go = 0;
+    pending = queued = settled = kUnreached;
+  }
 };
 
 }  // namespace geodesic::exact

@@ -19,6 +19,11 @@ constexpr double kThin = 1e-10;
 }  // namespace
 
 void Frames::build(const Adjacency& adjacency, const Triangulation& surface, Poll& poll) {
+  if (adjacency.number() == adjacency_ && surface.faces.data() == surface_.faces.data()) {
+    forget_arrivals(poll);
+    return;
+  }
+  adjacency_ = 0;
   surface_ = surface;
   // Every face is written below: what the last query left is as good as new.
   const std::size_t face_count = surface.faces.size();
@@ -31,6 +36,14 @@ void Frames::build(const Adjacency& adjacency, const Triangulation& surface, Pol
   if (poll.stopped()) return;
   measure_faces(poll);
   classify_vertices(adjacency, poll);
+  if (!poll.stopped()) adjacency_ = adjacency.number();
+}
+
+void Frames::forget_arrivals(Poll& poll) {
+  for (Edge& edge : edges_) {
+    if (poll.cancelled()) return;
+    edge.forget_arrivals();
+  }
 }
 
 // An edge gets its number from the first of its halfedges.

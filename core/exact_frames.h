@@ -1,7 +1,7 @@
 // The surface as exact propagation walks on it: edges, each with a frame of its own,
 // without any windows yet, and faces as the edges on
-// their sides. Built for a query from the
-// mesh's positions, so that an edge has one length whichever face asks.
+// their sides. Built from the mesh's positions, so that an edge has one length whichever face
+// asks, and kept for the next query on the same surface.
 #pragma once
 
 #include <array>
@@ -68,11 +68,13 @@ class Frames {
   [[nodiscard]] double mean_shortest_side() const { return mean_shortest_side_; }
 
  private:
+  void forget_arrivals(Poll& poll);
   void number_edges(const Adjacency& adjacency, Poll& poll);
   void measure_faces(Poll& poll);
   void classify_vertices(const Adjacency& adjacency, Poll& poll);
 
   Triangulation surface_;
+  std::uint64_t adjacency_ = 0;  // the number of the one that it was built for, 0 without
   std::vector<Edge> edges_;
   std::vector<FaceFrame> faces_;
   std::vector<Bends> bends_;

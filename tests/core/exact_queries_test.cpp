@@ -223,6 +223,34 @@ TEST_CASE("OneScratchServesManySurfaces") {
   }
 }
 
+// What a scratch keeps of a surface serves the next query there, and no other one.
+TEST_CASE("OneScratchServesEveryQueryAsANewOneDoes") {
+  TriangleSoup soup = shapes::terrain(50, 4, 3);
+  for (Vec3& position : soup.positions) position.x *= 8;
+  const Surface thin(soup);
+  const Surface other(shapes::terrain(50, 4, 5));
+  FieldLimits only_vertices;
+  only_vertices.keep_details = false;
+  ExactScratch kept;
+  for (const Surface* surface : {&thin, &thin, &other, &thin}) {
+    for (const FieldLimits& limits : {FieldLimits{}, only_vertices, only_vertices}) {
+      for (const std::uint32_t v : {0U, 77U}) {
+        const Source source{surface->at(v), 0};
+        ExactScratch fresh;
+        const auto wanted =
+            exact_field(surface->adjacency(), {&source, 1}, limits, fresh, Cancel());
+        const auto got = exact_field(surface->adjacency(), {&source, 1}, limits, kept, Cancel());
+        REQUIRE(got.has_value());
+        CHECK(got->distance == wanted->distance);
+      }
+    }
+    // What was built halfway serves nobody.
+    const Surface& next = surface == &thin ? other : thin;
+    const Source source{next.at(0), 0};
+    CHECK(!exact_field(next.adjacency(), {&source, 1}, {}, kept, Cancel([] { return true; })));
+  }
+}
+
 TEST_CASE("ExactPropagationCanBeCancelled") {
   const Surface surface(shapes::terrain(60, 4, 3));
   const Source source{surface.at(0), 0};
