@@ -31,11 +31,11 @@ void Frames::build(const Adjacency& adjacency, const Triangulation& surface, Pol
   edges_.clear();
   edges_.reserve(adjacency.report().edges);
   bends_.assign(adjacency.mesh().vertex_count(), Bends::nowhere);
-  angle_sum_.assign(adjacency.mesh().vertex_count(), 0);
   number_edges(adjacency, poll);
   if (poll.stopped()) return;
-  measure_faces(poll);
-  classify_vertices(adjacency, poll);
+  const std::vector<double> angle_sum = measure_faces(poll);
+  if (poll.stopped()) return;
+  classify_vertices(adjacency, angle_sum, poll);
   if (!poll.stopped()) adjacency_ = adjacency.number();
 }
 
@@ -73,12 +73,14 @@ void Frames::number_edges(const Adjacency& adjacency, Poll& poll) {
   }
 }
 
-void Frames::measure_faces(Poll& poll) {
+// Returns the rough sums of the angles at the vertices.
+std::vector<double> Frames::measure_faces(Poll& poll) {
+  std::vector<double> angle_sum(bends_.size(), 0);
   double sum = 0;
   for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
     const FaceRecord& record = surface_.faces[f];
     for (std::uint32_t i = 0; i < 3; ++i) {
-      angle_sum_[record.vertex[i]] += rough_angle(record.dot[i], record.area2);
+      angle_sum[record.vertex[i]] += rough_angle(record.dot[i], record.area2);
     }
     const std::uint32_t longest = record.longest_side();
     const double longest_length = length(f, longest);
@@ -88,9 +90,11 @@ void Frames::measure_faces(Poll& poll) {
     sum += std::min(length(f, next_corner(longest)), length(f, previous_corner(longest)));
   }
   mean_shortest_side_ = sum / static_cast<double>(faces_.size());
+  return angle_sum;
 }
 
-void Frames::classify_vertices(const Adjacency& adjacency, Poll& poll) {
+void Frames::classify_vertices(const Adjacency& adjacency, std::span<const double> angle_sum,
+                               Poll& poll) {
   constexpr double kPi = std::numbers::pi;
   std::vector<bool> on_boundary(bends_.size(), false);
   for (const Edge& edge : edges_) {
@@ -110,7 +114,7 @@ void Frames::classify_vertices(const Adjacency& adjacency, Poll& poll) {
     const double straight = on_boundary[v] ? kPi - kAngle : 2 * kPi + kAngle;
     const auto corners = surface_.corners(v);
     // Angles are added up roughly; only where that leaves a doubt, exactly.
-    double sum = angle_sum_[v];
+    double sum = angle_sum[v];
     if (std::abs(sum - straight) < kRoughAngle * static_cast<double>(corners.size())) {
       sum = 0;
       for (const std::uint32_t corner : corners) {

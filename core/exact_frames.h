@@ -70,15 +70,14 @@ class Frames {
  private:
   void forget_arrivals(Poll& poll);
   void number_edges(const Adjacency& adjacency, Poll& poll);
-  void measure_faces(Poll& poll);
-  void classify_vertices(const Adjacency& adjacency, Poll& poll);
+  [[nodiscard]] std::vector<double> measure_faces(Poll& poll);
+  void classify_vertices(const Adjacency& adjacency, std::span<const double> angle_sum, Poll& poll);
 
   Triangulation surface_;
   std::uint64_t adjacency_ = 0;  // the number of the one that it was built for, 0 without
   std::vector<Edge> edges_;
   std::vector<FaceFrame> faces_;
   std::vector<Bends> bends_;
-  std::vector<double> angle_sum_;
   double mean_shortest_side_ = 0;
 };
 
