@@ -51,6 +51,11 @@ Propagation::Propagation(const Adjacency& adjacency, const Triangulation& surfac
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
   memory.arrivals.assign(vertex_count, {kNone, false, 0});
   memory.bends.assign(frames_.bends().begin(), frames_.bends().end());
+  // Mostly, each vertex where paths bend sends out windows once.
+  const auto bending = static_cast<std::size_t>(std::count_if(
+      memory.bends.begin(), memory.bends.end(), [](Bends b) { return b != Bends::nowhere; }));
+  memory.roots.reserve(bending + field.sources.size());
+  memory.offsets.reserve(bending + field.sources.size());
   memory.emitted.assign(vertex_count, kUnreached);
   memory.above.assign(tolerance > 0 ? vertex_count : 0, 0);
 }

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace geodesic::exact {
@@ -24,7 +25,7 @@ class BucketQueue {
  public:
   // Empties the queue. Keys will be `least` or more; buckets are `width` wide.
   void reset(double least, double width) {
-    for (std::vector<Waiting>& bucket : ring_) bucket.clear();
+    for (std::vector<Waiting>& bucket : ring_) leave(bucket);
     occupied_.fill(0);
     later_.clear();
     least_later_ = kNever;
@@ -53,7 +54,7 @@ class BucketQueue {
         next = bucket[next_in_bucket_++];
         return true;
       }
-      bucket.clear();
+      leave(bucket);
       next_in_bucket_ = 0;
       occupied_[now_ % kBuckets / 64] &= ~(std::uint64_t{1} << (now_ % 64));
       if (!advance()) return false;
@@ -85,8 +86,21 @@ class BucketQueue {
     return bucket < static_cast<double>(kLast) ? static_cast<std::uint64_t>(bucket) : kLast;
   }
 
+  // A bucket's memory goes to the next one that is in need: few are in use at a time, and that
+  // memory is still in the caches.
+  void leave(std::vector<Waiting>& bucket) {
+    if (bucket.capacity() == 0) return;
+    bucket.clear();
+    spare_.push_back(std::move(bucket));
+    bucket = {};
+  }
+
   void put(const Waiting& waiting, std::uint64_t bucket) {
     const std::uint64_t place = bucket % kBuckets;
+    if (ring_[place].capacity() == 0 && !spare_.empty()) {
+      ring_[place] = std::move(spare_.back());
+      spare_.pop_back();
+    }
     ring_[place].push_back(waiting);
     occupied_[place / 64] |= std::uint64_t{1} << (place % 64);
   }
@@ -134,8 +148,9 @@ class BucketQueue {
 
   std::array<std::vector<Waiting>, kBuckets> ring_;
   std::array<std::uint64_t, kWords> occupied_{};
-  std::vector<Waiting> later_;          // beyond the ring's reach
-  std::uint64_t least_later_ = kNever;  // the first bucket that one of them belongs in
+  std::vector<std::vector<Waiting>> spare_;  // memory of buckets that are done
+  std::vector<Waiting> later_;               // beyond the ring's reach
+  std::uint64_t least_later_ = kNever;       // the first bucket that one of them belongs in
   double least_ = 0;
   double width_ = 1;
   double per_width_ = 1;

@@ -17,6 +17,7 @@
 #include "tests/bench/errors.h"
 #include "tests/bench/frontier_meshes.h"
 #include "tests/bench/frontier_pairs.h"
+#include "tests/bench/peak_memory.h"
 #include "tests/bench/prepared.h"
 #include "tests/bench/processor_time.h"
 
@@ -102,6 +103,7 @@ constexpr std::array<Tolerance, 5> kTolerances{
 struct MeshRow {
   Measured automatic, upper, exact;
   std::array<Measured, kTolerances.size()> within;
+  std::size_t exact_bytes = 0;  // that `exact` held at once, its result included
   double prepare_over_yardstick = 0;
   double yardstick_ms = 0;
   double automatic_ms = 0;
@@ -121,15 +123,17 @@ MeshRow measure(const FrontierMesh& mesh, std::size_t source_count) {
   std::vector<Solver> within;
   for (const Tolerance& tolerance : kTolerances) within.emplace_back(tolerance.part);
   for (const std::uint32_t source : sources) {
+    std::optional<Field> truth;
     const double start = processor_ms();
-    const Field truth = exact(prepared, source);
+    const std::size_t bytes = peak_bytes_of([&] { truth = exact(prepared, source); });
     exact_ms.push_back(processor_ms() - start);
-    add_errors(automatic(prepared, source), truth.distance, sources.size(), row.automatic);
-    add_errors(upper(prepared, source), truth.distance, sources.size(), row.upper);
+    row.exact_bytes = std::max(row.exact_bytes, bytes);
+    add_errors(automatic(prepared, source), truth->distance, sources.size(), row.automatic);
+    add_errors(upper(prepared, source), truth->distance, sources.size(), row.upper);
     for (std::size_t i = 0; i < kTolerances.size(); ++i) {
       std::optional<Field> field;
       within_ms[i].push_back(processor_ms_of([&] { field = within[i](prepared, source); }));
-      add_errors(*field, truth.distance, sources.size(), row.within[i]);
+      add_errors(*field, truth->distance, sources.size(), row.within[i]);
     }
   }
   // One after the other, so that a machine that slows down does so for all alike.
@@ -191,9 +195,12 @@ void print_within(const FrontierMesh& mesh, const MeshRow& row) {
 }
 
 void print_exact(const FrontierMesh& mesh, const MeshRow& row) {
-  std::printf("| %s | %.1f | %.0f | %s | %.1f | %s |\n", mesh.title.c_str(),
+  constexpr double kAtMostMegabytes = 400;
+  const double megabytes = static_cast<double>(row.exact_bytes) / 1e6;
+  std::printf("| %s | %.1f | %.0f | %s | %.1f | %s | %.1f | %s |\n", mesh.title.c_str(),
               row.exact.over_yardstick, mesh.aim.exact,
-              verdict(row.exact.over_yardstick <= mesh.aim.exact), row.prepare_over_yardstick,
+              verdict(row.exact.over_yardstick <= mesh.aim.exact), megabytes,
+              mesh.large ? verdict(megabytes < kAtMostMegabytes) : "", row.prepare_over_yardstick,
               verdict(row.prepare_over_yardstick <= 6));
 }
 
@@ -319,8 +326,9 @@ void print_frontier(const FrontierOptions& options) {
       "|\n|---|--:|--:|--:|--:|--:|---|");
   for (std::size_t i = 0; i < meshes.size(); ++i) print_within(meshes[i], rows[i]);
   std::puts(
-      "\n### 4 and 5. `exact`, and preparing\n\n| mesh | exact, y | aim | | weld, connect, order "
-      "and cut, y | at most 6 |\n|---|--:|--:|---|--:|---|");
+      "\n### 4 and 5. `exact`, and preparing\n\n| mesh | exact, y | aim | | MB | million vertices: "
+      "below 400 | weld, connect, order and cut, y | at most 6 "
+      "|\n|---|--:|--:|---|--:|---|--:|---|");
   for (std::size_t i = 0; i < meshes.size(); ++i) print_exact(meshes[i], rows[i]);
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     if (!meshes[i].shuffles_previous) continue;
