@@ -24,7 +24,8 @@ RUN GEODESICD_NO_BROWSER=1 make build CMAKE_FLAGS="-DGEODESIC_TESTS=OFF -DGEODES
  && scripts/build_viewer \
  && strip -o /out/geodesicd build/release/geodesicd \
  && build/release/make_samples /out/samples \
- && scripts/runtime_packages build/release/geodesicd >/out/packages
+ && scripts/runtime_packages build/release/geodesicd >/out/packages \
+ && scripts/licences build/release /out/licences
 
 FROM ${BASE}
 ARG DEBIAN_FRONTEND=noninteractive
@@ -37,6 +38,7 @@ RUN apt-get update -qq \
       --shell /usr/sbin/nologin geodesicd \
  && install -d -o geodesicd -g geodesicd /var/lib/geodesicd
 COPY --from=build /out/geodesicd /usr/local/bin/geodesicd
+COPY --from=build /out/licences /usr/local/share/doc/geodesicd
 COPY --from=build /out/samples /usr/local/share/geodesicd/samples
 COPY --from=build /src/clients/web/viewer/dist /usr/local/share/geodesicd/viewer
 

@@ -171,6 +171,9 @@ ask_container() {
     sh -c 'id -u; sha256sum "$GEODESICD_SAMPLES"/* | sed -n 1p')
   echo "$sample"
   [ "$(sed -n 1p <<<"$sample")" -ne 0 ]
+  # With the licences of what is in it.
+  images run --isolation chroot "$container" -- sh -c \
+    'cd /usr/local/share/doc/geodesicd && grep -il copyright geodesicd httplib three lib*-dev'
   id=$(sed -n '2s/ .*//p' <<<"$sample")
   port=$(free_port)
   url=http://127.0.0.1:$port
