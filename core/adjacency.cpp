@@ -1,7 +1,6 @@
 #include "core/adjacency.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <tuple>
 #include <utility>
@@ -42,9 +41,7 @@ Adjacency Adjacency::build(std::shared_ptr<const Mesh> mesh) {
 }
 
 Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cancel& cancel) {
-  static std::atomic<std::uint64_t> built{0};
   Adjacency adjacency;
-  adjacency.number_ = ++built;
   adjacency.mesh_ = std::move(mesh);
   Poll poll(cancel);
   int done = 0;

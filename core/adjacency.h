@@ -48,9 +48,8 @@ class Adjacency {
                                                const Cancel& cancel);
 
   [[nodiscard]] const Mesh& mesh() const { return *mesh_; }
-  // A number that no other has, however short their lives: for what is kept of one from query
-  // to query. A copy has the same, and the same contents.
-  [[nodiscard]] std::uint64_t number() const { return number_; }
+  // The same, for who wants to know later whether it was this one.
+  [[nodiscard]] std::weak_ptr<const Mesh> weak_mesh() const { return mesh_; }
   [[nodiscard]] std::span<const FaceRecord> faces() const { return faces_; }
   [[nodiscard]] const FaceRecord& face(std::uint32_t f) const { return faces_[f]; }
 
@@ -90,7 +89,6 @@ class Adjacency {
   void count_components(Poll& poll);
   void count_boundary_loops(Poll& poll);
 
-  std::uint64_t number_ = 0;
   std::shared_ptr<const Mesh> mesh_;
   std::vector<FaceRecord> faces_;
   std::vector<std::uint32_t> corner_begin_;  // vertex_count + 1

@@ -19,11 +19,14 @@ constexpr double kThin = 1e-10;
 }  // namespace
 
 void Frames::build(const Adjacency& adjacency, const Triangulation& surface, Poll& poll) {
-  if (adjacency.number() == adjacency_ && surface.faces.data() == surface_.faces.data()) {
+  // The same arrays of the same mesh hold the same, whoever made them.
+  const std::weak_ptr<const Mesh> mesh = adjacency.weak_mesh();
+  const bool same_mesh = !mesh.owner_before(mesh_) && !mesh_.owner_before(mesh);
+  if (same_mesh && surface.faces.data() == surface_.faces.data()) {
     forget_arrivals(poll);
     return;
   }
-  adjacency_ = 0;
+  mesh_.reset();
   surface_ = surface;
   // Every face is written below: what the last query left is as good as new.
   const std::size_t face_count = surface.faces.size();
@@ -36,7 +39,7 @@ void Frames::build(const Adjacency& adjacency, const Triangulation& surface, Pol
   const std::vector<double> angle_sum = measure_faces(poll);
   if (poll.stopped()) return;
   classify_vertices(adjacency, angle_sum, poll);
-  if (!poll.stopped()) adjacency_ = adjacency.number();
+  if (!poll.stopped()) mesh_ = mesh;
 }
 
 void Frames::forget_arrivals(Poll& poll) {

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -74,7 +75,7 @@ class Frames {
   void classify_vertices(const Adjacency& adjacency, std::span<const double> angle_sum, Poll& poll);
 
   Triangulation surface_;
-  std::uint64_t adjacency_ = 0;  // the number of the one that it was built for, 0 without
+  std::weak_ptr<const Mesh> mesh_;  // that it was built for; of none while it is built
   std::vector<Edge> edges_;
   std::vector<FaceFrame> faces_;
   std::vector<Bends> bends_;
