@@ -80,10 +80,11 @@ StepBack to_vertex(const FaceRecord& face, std::uint32_t f, std::uint32_t corner
   return step;
 }
 
-// Where a crossing is an end of the side that starts at corner c, for distances that are
-// floats.
-double rounded_at_end(const FaceRecord& face, std::uint32_t c, double distance) {
-  const double rounding = kRoundings * distance / std::sqrt(std::max(face.length2(c), 0.0));
+// Where a crossing of the side that starts at corner c is an end of it, for distances that
+// are floats.
+double rounded_at_end(const FaceRecord& face, std::uint32_t c, const Arrival& arrival) {
+  if (std::min(arrival.crossing, 1 - arrival.crossing) > kRoundedAtEnd) return kAtEnd;
+  const double rounding = kRoundings * arrival.distance / std::sqrt(std::max(face.length2(c), 0.0));
   return std::min(kRoundedAtEnd, std::max(kAtEnd, rounding));
 }
 
@@ -248,8 +249,7 @@ StepBack PointArrivals::through_face(const SurfacePoint& place) const {
     const UnfoldedApex apex = apex_at(face, c, place.bary);
     const Arrival arrival = over_base(face.vertex[c], face.vertex[next_corner(c)], apex);
     if (!(arrival.distance < best.distance)) continue;
-    const double at_end =
-        field_.distance.are_floats() ? rounded_at_end(face, c, arrival.distance) : kAtEnd;
+    const double at_end = field_.distance.are_floats() ? rounded_at_end(face, c, arrival) : kAtEnd;
     const StepBack step = over_side(face, place.face, c, place.bary, arrival, at_end);
     if (step.to != StepBack::To::vertex || field_.distance[step.vertex] < limit) best = step;
   }
