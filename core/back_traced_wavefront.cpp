@@ -11,6 +11,9 @@
 namespace geodesic {
 namespace {
 
+// Rounding may bring back what is beyond a distance by less than this part of it.
+constexpr double kRounding = 1.2e-7;
+
 // The farthest that a field with these limits goes.
 double reach(const FieldLimits& limits, const Field& field) {
   double max = limits.max;
@@ -60,8 +63,10 @@ Result<void> run_wave(BackTracedFront& front, const Adjacency& adjacency,
 }  // namespace
 
 Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Source> sources,
-                                const FieldLimits& limits, Bound bound, BackTracedScratch& scratch,
+                                const FieldLimits& asked, Bound bound, BackTracedScratch& scratch,
                                 const Cancel& cancel) {
+  FieldLimits limits = asked;
+  limits.max *= 1 + kRounding;
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
   Field field = unreached_field(Method::back_traced, sources, vertex_count);
   scratch.vertices.assign(vertex_count, {});
@@ -69,28 +74,24 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
       bound == Bound::upper ? BackTrace::Takes::paths : BackTrace::Takes::virtual_sources;
   Poll poll(cancel);
   if (sources.size() == 1) {
-    BackTracedFront front(adjacency, takes, scratch, field.distance);
+    BackTracedFront front(adjacency, takes, scratch, field.distance.doubles());
     RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
     auto wave = run_wave(front, adjacency, sources, 0, {}, limits.max, limits.detour, targets, poll,
                          [](std::uint32_t) {});
     if (!wave) return fail(wave.error());
     if (sources[0].offset != 0) {
-      for (double& d : field.distance) d += sources[0].offset;
+      for (double& d : field.distance.doubles()) d += sources[0].offset;
     }
     // The front accepts vertices a little out of order.
-    if (const double max = reach(limits, field); max < kUnreached) {
-      for (double& d : field.distance) {
-        if (d > max) d = kUnreached;
-      }
-    }
+    if (const double max = reach(limits, field); max < kUnreached) field.forget_beyond(max);
   } else {
     scratch.distance.assign(vertex_count, kUnreached);
     BackTracedFront front(adjacency, takes, scratch, scratch.distance);
     auto waves = detail::run_waves(
         front, limits, field, scratch.is_target,
         [&](std::uint32_t s, double max, RemainingTargets& targets, auto accepted) {
-          return run_wave(front, adjacency, sources, s, field.distance, max, {}, targets, poll,
-                          accepted);
+          return run_wave(front, adjacency, sources, s, field.distance.doubles(), max, {}, targets,
+                          poll, accepted);
         },
         [&](std::uint32_t v) { front.forget(v); });
     if (!waves) return fail(waves.error());
@@ -98,6 +99,8 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
   // Where a detour ended the front, what it left out is left out.
   relax_edges(adjacency, reach(limits, field), !limits.detour.is_bounded(), field, poll);
   if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  field.distance.round_to_floats(bound);
+  if (asked.max < kUnreached) field.forget_beyond(asked.max);
   field.count_reached();
   return field;
 }

@@ -5,19 +5,6 @@
 #include "core/vertex_front.h"
 
 namespace geodesic {
-namespace {
-
-// What lies beyond the last distance that is final.
-void forget_beyond(Field& field, double last) {
-  for (std::size_t v = 0; v < field.distance.size(); ++v) {
-    if (!(field.distance[v] > last)) continue;
-    field.distance[v] = kUnreached;
-    if (!field.nearest_source.empty()) field.nearest_source[v] = kNone;
-  }
-}
-
-}  // namespace
-
 Result<Field> chen_han_field(const Adjacency& adjacency, std::span<const Source> sources,
                              const FieldLimits& limits, ChenHanScratch& scratch,
                              const Cancel& cancel) {
@@ -52,7 +39,7 @@ Result<Field> chen_han_field(const Adjacency& adjacency, std::span<const Source>
     }
     if (scratch.bends[next.vertex] == 2) front.spread_from(next.vertex);
   }
-  forget_beyond(field, last);
+  field.forget_beyond(last);
   if (limits.keep_details) field.windows = front.take_windows();
   if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
   field.count_reached();

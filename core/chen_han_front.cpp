@@ -38,9 +38,9 @@ struct Front::Exit {
 // Takes a way of that length to a vertex. It must be a real one: windows are dropped
 // by these distances.
 void Front::lower(std::uint32_t vertex, double distance, std::uint32_t source) {
-  if (!(distance < field_.distance[vertex])) return;
-  if (field_.distance[vertex] == kUnreached) ++reached_;
-  field_.distance[vertex] = distance;
+  if (!(distance < distance_[vertex])) return;
+  if (distance_[vertex] == kUnreached) ++reached_;
+  distance_[vertex] = distance;
   if (!field_.nearest_source.empty()) field_.nearest_source[vertex] = source;
   const bool wanted = !limits_.targets.empty() && scratch_.is_target[vertex] != 0;
   if (!bends(vertex) && !wanted) return;
@@ -56,7 +56,7 @@ void Front::start(std::uint32_t number) {
   key_ = source.offset;
   if (source.point.at_vertex()) {
     const std::uint32_t v = source.point.vertex;
-    if (!(source.offset < field_.distance[v])) return;
+    if (!(source.offset < distance_[v])) return;
     // Every source passes its light on, whether or not paths may bend there.
     scratch_.bends[v] = 2;
     lower(v, source.offset, number);
@@ -85,7 +85,7 @@ void Front::start(std::uint32_t number) {
 }
 
 void Front::spread_from(std::uint32_t vertex) {
-  const double d = field_.distance[vertex];
+  const double d = distance_[vertex];
   key_ = d;
   const std::uint32_t number = source_of(vertex);
   const Source& source = field_.sources[number];
@@ -109,8 +109,8 @@ void Front::spread_from(std::uint32_t vertex) {
 // shorter to the far end of the window, it is shorter to every point of it.
 bool Front::useless_on(std::uint32_t at_begin, std::uint32_t at_end, double base,
                        const Window& window) const {
-  const double d_begin = field_.distance[at_begin];
-  const double d_end = field_.distance[at_end];
+  const double d_begin = distance_[at_begin];
+  const double d_end = distance_[at_end];
   return clearly_less(d_begin + window.end, window.at(window.end)) ||
          clearly_less(d_end + (base - window.begin), window.at(window.begin));
 }
@@ -119,7 +119,7 @@ bool Front::useless_on(std::uint32_t at_begin, std::uint32_t at_end, double base
 // could light in the face is nearer to the corner.
 bool Front::useless_in(const UnfoldedFace& face, const Window& window) const {
   if (useless_on(face.at_begin, face.at_end, face.base, window)) return true;
-  const double d_apex = field_.distance[face.opposite];
+  const double d_apex = distance_[face.opposite];
   return d_apex != kUnreached && nearer_along(face.apex_x, face.apex_y, d_apex, window);
 }
 
@@ -244,8 +244,8 @@ void Front::spread_part(const Window& w, const UnfoldedFace& face) {
   const double d_apex = meets ? w.offset + length(face.apex_x - w.x, face.apex_y + w.y)
                               : w.at(bend) + length(face.apex_x - bend, face.apex_y);
   lower(face.opposite, d_apex, w.source);
-  lower(face.opposite, field_.distance[face.at_begin] + face.left, source_of(face.at_begin));
-  lower(face.opposite, field_.distance[face.at_end] + face.right, source_of(face.at_end));
+  lower(face.opposite, distance_[face.at_begin] + face.left, source_of(face.at_begin));
+  lower(face.opposite, distance_[face.at_end] + face.right, source_of(face.at_end));
 
   const double hair = kSameLine * face.base;
   bool left = w.begin < to_apex;
@@ -283,8 +283,7 @@ void Front::spread_part(const Window& w, const UnfoldedFace& face) {
     from.left = mirrored ? 0 : 1;
     from.split_by = meets && w.branched == 0 ? w.into : kNone;
     from.split_limit = to_apex + (mirrored ? hair : -hair);
-    pass({side, origin, face.opposite, side_length, field_.distance[third] + to_third, flat}, part,
-         from);
+    pass({side, origin, face.opposite, side_length, distance_[third] + to_third, flat}, part, from);
   };
   if (left) leave(halfedge(f, previous_corner(c)), false);
   if (right) leave(halfedge(f, next_corner(c)), true);

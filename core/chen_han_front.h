@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -71,6 +72,7 @@ class Front {
 
   const Adjacency& adjacency_;
   Field& field_;
+  std::span<double> distance_;  // the field's
   const FieldLimits& limits_;
   ChenHanScratch& scratch_;
   Poll& poll_;

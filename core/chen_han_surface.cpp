@@ -18,7 +18,12 @@ constexpr double kSaddle = 1e-12;
 
 Front::Front(const Adjacency& adjacency, Field& field, const FieldLimits& limits,
              ChenHanScratch& scratch, Poll& poll)
-    : adjacency_(adjacency), field_(field), limits_(limits), scratch_(scratch), poll_(poll) {
+    : adjacency_(adjacency),
+      field_(field),
+      distance_(field.distance.doubles()),
+      limits_(limits),
+      scratch_(scratch),
+      poll_(poll) {
   const std::size_t face_count = adjacency.mesh().face_count();
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
   scratch.queue.clear();

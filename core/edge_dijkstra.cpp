@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "core/vertex_front.h"
@@ -15,6 +16,7 @@ class EdgeDijkstra {
       : adjacency_(adjacency),
         detour_(field.sources.size() == 1 ? detour : Detour{}),
         field_(field),
+        distance_(field.distance.doubles()),
         heap_(heap) {}
 
   void start(const Source& source, std::uint32_t number) {
@@ -31,7 +33,7 @@ class EdgeDijkstra {
   }
 
   void spread_from(std::uint32_t v) {
-    if (detour_.is_bounded() && detour_.is_too_far(field_.distance[v] - field_.sources[0].offset,
+    if (detour_.is_bounded() && detour_.is_too_far(distance_[v] - field_.sources[0].offset,
                                                    adjacency_.mesh().positions()[v])) {
       return;
     }
@@ -44,22 +46,22 @@ class EdgeDijkstra {
            {std::pair{face.vertex[next_corner(c)], c}, std::pair{face.vertex[behind], behind}}) {
         if (heap_.accepted(w)) continue;
         const double length = std::sqrt(std::max(face.length2(side), 0.0));
-        lower(w, field_.distance[v] + length, {v, v}, source);
+        lower(w, distance_[v] + length, {v, v}, source);
       }
     }
   }
 
   // What is still considered is not final.
   void forget(std::uint32_t v) {
-    field_.distance[v] = kUnreached;
+    distance_[v] = kUnreached;
     field_.parents[v] = {};
     if (!field_.nearest_source.empty()) field_.nearest_source[v] = kNone;
   }
 
  private:
   void lower(std::uint32_t v, double d, Parents parents, std::uint32_t source) {
-    if (!(d < field_.distance[v])) return;
-    field_.distance[v] = d;
+    if (!(d < distance_[v])) return;
+    distance_[v] = d;
     field_.parents[v] = parents;
     if (!field_.nearest_source.empty()) field_.nearest_source[v] = source;
     heap_.push_or_lower(v, d);
@@ -68,6 +70,7 @@ class EdgeDijkstra {
   const Adjacency& adjacency_;
   const Detour detour_;
   Field& field_;
+  std::span<double> distance_;  // the field's
   VertexHeap& heap_;
 };
 

@@ -123,9 +123,9 @@ void Propagation::let_go(std::uint32_t e) {
 
 void Propagation::lower(std::uint32_t v, double distance, const PseudoSource& root,
                         const ArrivalAtVertex& arrival) {
-  if (!(distance < field_.distance[v]) || distance > max_) return;
-  if (field_.distance[v] == kUnreached) ++reached_;
-  field_.distance[v] = distance;
+  if (!(distance < distance_[v]) || distance > max_) return;
+  if (distance_[v] == kUnreached) ++reached_;
+  distance_[v] = distance;
   if (!field_.nearest_source.empty()) field_.nearest_source[v] = root.source;
   if (tolerance_ > 0) memory_.above[v] = root.above;
   if (memory_.bends[v] == Bends::nowhere && !(tolerance_ > 0)) return;

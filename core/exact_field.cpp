@@ -63,11 +63,7 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
     farthest = 0;
     for (const std::uint32_t v : limits.targets) farthest = std::max(farthest, field.distance[v]);
   }
-  for (std::uint32_t v = 0; v < vertex_count; ++v) {
-    if (field.distance[v] <= farthest) continue;
-    field.distance[v] = kUnreached;
-    if (!field.nearest_source.empty()) field.nearest_source[v] = kNone;
-  }
+  field.forget_beyond(farthest);
   LitWindows lit;
   if (keep_windows) lit = propagation.lit_windows(poll);
   propagation.drop_windows(poll);

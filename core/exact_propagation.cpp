@@ -34,6 +34,7 @@ Propagation::Propagation(const Adjacency& adjacency, const Triangulation& surfac
       memory_(memory),
       frames_(memory.frames),
       field_(field),
+      distance_(field.distance.doubles()),
       max_(max * (1 + tolerance) * (1 + tolerance)),
       tolerance_(tolerance),
       keep_windows_(keep_windows),
@@ -99,8 +100,8 @@ void Propagation::set_out(std::uint32_t e) {
   Edge& edge = edges_[e];
   if (edge.pending == kUnreached) return;
   edge.pending = kUnreached;
-  const double at_tail = field_.distance[edge.tail];
-  const double at_head = field_.distance[edge.head];
+  const double at_tail = distance_[edge.tail];
+  const double at_head = distance_[edge.head];
   double farthest = 0;
   double covered = 0;
   const auto gap = [&](double begin, double end) {
@@ -402,8 +403,8 @@ Side Propagation::side(Halfedge h, bool from_tail) const {
           frames_.is_reversed(h) == from_tail,
           edge.on_boundary(),
           edge.length,
-          field_.distance[edge.tail],
-          field_.distance[edge.head],
+          distance_[edge.tail],
+          distance_[edge.head],
           edge.settled};
 }
 

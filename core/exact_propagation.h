@@ -163,7 +163,7 @@ class Propagation {
   // Vertices with a path_length() below this have their final one.
   [[nodiscard]] double final_below() const { return memory_.queue.now() / (1 + tolerance_); }
   // The length of the path to a vertex that is known.
-  [[nodiscard]] double path_length(std::uint32_t v) const { return field_.distance[v] + above(v); }
+  [[nodiscard]] double path_length(std::uint32_t v) const { return distance_[v] + above(v); }
 
   // Lets distances through along edges where no window came, as a last resort
   // against rounding. True when that sent out something new. Incomplete if the poll
@@ -242,6 +242,7 @@ class Propagation {
   const Frames& frames_;
   std::span<Edge> edges_;
   Field& field_;
+  std::span<double> distance_;  // the field's
   double max_;
   double tolerance_;
   Vectors vectors_ = best_vectors();

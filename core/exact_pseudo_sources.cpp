@@ -25,9 +25,9 @@ void Propagation::start(const Source& source, std::uint32_t number) {
   if (source.offset > max_) return;
   if (source.point.at_vertex()) {
     const std::uint32_t v = source.point.vertex;
-    if (!(source.offset < field_.distance[v])) return;
+    if (!(source.offset < distance_[v])) return;
     const std::uint32_t root = add_root({source.offset, kNone, number});
-    field_.distance[v] = source.offset;
+    distance_[v] = source.offset;
     if (!field_.nearest_source.empty()) field_.nearest_source[v] = number;
     memory_.bends[v] = Bends::everywhere;
     memory_.emitted[v] = source.offset;
@@ -77,18 +77,18 @@ double Propagation::head_start(std::uint32_t v) const {
   constexpr double kWorthOfAll = 0.05;
   constexpr double kWorthOfSide = 6e-4;
   if (!(tolerance_ > 0) || !memory_.arrivals[v].crowded) return 0;
-  const double all = tolerance_ / (1 + tolerance_) * field_.distance[v];
+  const double all = tolerance_ / (1 + tolerance_) * distance_[v];
   const double left = all - memory_.above[v];
   return left > kWorthOfAll * all && left > kWorthOfSide * frames_.mean_shortest_side() ? left : 0;
 }
 
 void Propagation::bend_at(std::uint32_t v) {
-  double distance = field_.distance[v];
+  double distance = distance_[v];
   if (!(distance < memory_.emitted[v])) return;
   const double early = head_start(v);
   if (early > 0) {
     distance -= early;
-    field_.distance[v] = distance;
+    distance_[v] = distance;
     memory_.above[v] += early;
   } else if (memory_.bends[v] == Bends::nowhere) {
     return;
@@ -188,8 +188,8 @@ void Propagation::light_from_corner(std::uint32_t corner, std::uint32_t root, do
     const FaceRecord& face = surface_.faces[f];
     const double offset = memory_.roots[root].offset;
     const double other_side = frames_.length(f, previous_corner(c));
-    if (field_.distance[face.vertex[n]] + length <= offset + other_side ||
-        field_.distance[face.vertex[previous_corner(c)]] + length <= offset + side) {
+    if (distance_[face.vertex[n]] + length <= offset + other_side ||
+        distance_[face.vertex[previous_corner(c)]] + length <= offset + side) {
       return;
     }
   }
@@ -230,21 +230,21 @@ void Propagation::lower_along_sides(std::uint32_t corner, std::uint32_t root) {
   const std::uint32_t n = next_corner(c);
   const std::uint32_t p = previous_corner(c);
   const FaceRecord& face = surface_.faces[f];
-  const double distance = field_.distance[face.vertex[c]];
+  const double distance = distance_[face.vertex[c]];
   const double to_next = distance + frames_.length(f, c);
   const double to_previous = distance + frames_.length(f, p);
-  if (to_next < field_.distance[face.vertex[n]]) {
+  if (to_next < distance_[face.vertex[n]]) {
     lower(face.vertex[n], to_next, memory_.roots[root],
           {halfedge(f, n), false, frames_.length(f, p)});
   }
-  if (to_previous < field_.distance[face.vertex[p]]) {
+  if (to_previous < distance_[face.vertex[p]]) {
     lower(face.vertex[p], to_previous, memory_.roots[root], {halfedge(f, p), false, 0});
   }
 }
 
 void Propagation::raise_to_paths(Poll& poll) {
   for (std::uint32_t v = 0; v < memory_.above.size() && !poll.cancelled(); ++v) {
-    field_.distance[v] += memory_.above[v];
+    distance_[v] += memory_.above[v];
   }
 }
 
@@ -255,11 +255,10 @@ bool Propagation::mend(Poll& poll) {
     const Edge& frame = frames_.edge(e);
     for (const auto& [from, to] :
          {std::pair{frame.tail, frame.head}, std::pair{frame.head, frame.tail}}) {
-      const double distance = field_.distance[from] + frame.length;
-      if (!(distance < field_.distance[to] * (1 - kBroken)) || distance > max_) continue;
+      const double distance = distance_[from] + frame.length;
+      if (!(distance < distance_[to] * (1 - kBroken)) || distance > max_) continue;
       memory_.bends[to] = Bends::everywhere;
-      lower(to, distance, {field_.distance[from], from, nearest(from), above(from)},
-            {kNone, false, 0});
+      lower(to, distance, {distance_[from], from, nearest(from), above(from)}, {kNone, false, 0});
       any = true;
     }
   }

@@ -42,8 +42,9 @@ Result<FarthestPoints> farthest_points(Method method, const MethodOptions& optio
     done += 1;
     if (!field) return fail(field.error());
     if (cancel.requested()) return fail(ErrorCode::cancelled, "the computation was cancelled");
-    std::transform(distance.begin(), distance.end(), field->distance.begin(), distance.begin(),
-                   [](double a, double b) { return std::min(a, b); });
+    for (std::size_t v = 0; v < distance.size(); ++v) {
+      distance[v] = std::min(distance[v], field->distance[v]);
+    }
     return {};
   };
   if (!from.empty()) {

@@ -1,6 +1,7 @@
 #include "core/fast_marching.h"
 
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "core/vertex_front.h"
@@ -98,7 +99,11 @@ ObtuseSplit unfold_section(const Adjacency& adjacency, std::uint32_t f, std::uin
 class FastMarching {
  public:
   FastMarching(const Adjacency& adjacency, Field& field, FastMarchingScratch& scratch)
-      : adjacency_(adjacency), field_(field), heap_(scratch.heap), scratch_(scratch) {}
+      : adjacency_(adjacency),
+        field_(field),
+        distance_(field.distance.doubles()),
+        heap_(scratch.heap),
+        scratch_(scratch) {}
 
   // Their preprocessing: the virtual triangles, listed by face and by far vertex.
   // Incomplete if the poll says to stop.
@@ -135,7 +140,7 @@ class FastMarching {
   // obtuse vertices that it is the far vertex of, along the virtual edge and over the
   // bases of the two virtual triangles.
   void spread_from(std::uint32_t v) {
-    const double dv = field_.distance[v];
+    const double dv = distance_[v];
     for (const std::uint32_t corner : adjacency_.corners(v)) {
       const std::uint32_t f = face_of(corner);
       const std::uint32_t ahead = next_corner(corner_of(corner));
@@ -155,7 +160,7 @@ class FastMarching {
 
   // What is still considered is not final.
   void forget(std::uint32_t v) {
-    field_.distance[v] = kUnreached;
+    distance_[v] = kUnreached;
     if (!field_.nearest_source.empty()) field_.nearest_source[v] = kNone;
   }
 
@@ -167,7 +172,7 @@ class FastMarching {
     const FaceRecord& face = adjacency_.face(f);
     const std::uint32_t w = face.vertex[to];
     if (heap_.accepted(w)) return;
-    const double dv = field_.distance[v];
+    const double dv = distance_[v];
     lower(w, above(dv + std::sqrt(std::max(face.length2(side), 0.0)), dv), source_of(v));
     if (const ObtuseSplit* split = split_at(f, w)) {
       if (heap_.accepted(split->far)) {
@@ -179,21 +184,21 @@ class FastMarching {
     const std::uint32_t base = next_corner(to);
     const std::uint32_t p = face.vertex[base];
     const std::uint32_t q = face.vertex[next_corner(base)];
-    update(w, p, q, face.apex_over(base), std::min(field_.distance[p], field_.distance[q]));
+    update(w, p, q, face.apex_over(base), std::min(distance_[p], distance_[q]));
   }
 
   // Through the virtual triangle of an obtuse vertex, one end of its base and the
   // far vertex.
   void update(const ObtuseSplit& split, std::uint32_t end, const Point2& end_at) {
-    update(split.obtuse, end, split.far, origin_over(end_at, split.far_at), field_.distance[end]);
+    update(split.obtuse, end, split.far, origin_over(end_at, split.far_at), distance_[end]);
   }
 
   void update(std::uint32_t w, std::uint32_t p, std::uint32_t q, const UnfoldedApex& apex,
               double floor) {
-    const Arrival arrival = arrive_plane_wave(field_.distance[p], field_.distance[q], apex);
+    const Arrival arrival = arrive_plane_wave(distance_[p], distance_[q], apex);
     // Their condition u < t: a wave that reaches w before an end of the base did not
     // come over the base. Only at obtuse angles that could not be split.
-    if (arrival.distance < std::max(field_.distance[p], field_.distance[q])) return;
+    if (arrival.distance < std::max(distance_[p], distance_[q])) return;
     lower(w, above(arrival.distance, floor), source_of(arrival.crossing <= 0.5 ? p : q));
   }
 
@@ -209,14 +214,15 @@ class FastMarching {
   }
 
   void lower(std::uint32_t v, double d, std::uint32_t source) {
-    if (!(d < field_.distance[v])) return;
-    field_.distance[v] = d;
+    if (!(d < distance_[v])) return;
+    distance_[v] = d;
     if (!field_.nearest_source.empty()) field_.nearest_source[v] = source;
     heap_.push_or_lower(v, d);
   }
 
   const Adjacency& adjacency_;
   Field& field_;
+  std::span<double> distance_;  // the field's
   VertexHeap& heap_;
   FastMarchingScratch& scratch_;
 };

@@ -5,6 +5,15 @@
 
 namespace geodesic {
 
+void Field::forget_beyond(double farthest) {
+  for (std::size_t v = 0; v < distance.size(); ++v) {
+    if (distance[v] <= farthest) continue;
+    distance.forget(v);
+    if (!parents.empty()) parents[v] = {};
+    if (!nearest_source.empty()) nearest_source[v] = kNone;
+  }
+}
+
 void Field::count_reached() {
   reached = 0;
   max = 0;
@@ -21,7 +30,7 @@ void Field::count_reached() {
 
 std::size_t Field::bytes() const {
   return sizeof(Field) + nearest_source.capacity() * sizeof(std::uint32_t) +
-         sources.capacity() * sizeof(Source) + distance.capacity() * sizeof(double) +
+         sources.capacity() * sizeof(Source) + distance.bytes() +
          parents.capacity() * sizeof(Parents) + (windows ? windows->bytes() : 0) +
          (edge_points ? edge_points->bytes() : 0);
 }

@@ -12,10 +12,9 @@
 #include "core/method.h"
 #include "core/surface_point.h"
 #include "core/vec3.h"
+#include "core/vertex_distances.h"
 
 namespace geodesic {
-
-inline constexpr double kUnreached = std::numeric_limits<double>::infinity();
 
 // A place where distances start, at `offset` instead of zero.
 struct Source {
@@ -71,11 +70,11 @@ struct Parents {
 };
 
 // As in the paper, a vertex costs one number for its distance and two for its
-// parents: 16 bytes.
+// parents: 16 bytes. Without parents, and where floats will do for the distance: 4.
 struct Field {
   Method method = Method::wavefront;
   std::vector<Source> sources;
-  std::vector<double> distance;  // per vertex, mesh units; kUnreached where there is none
+  VertexDistances distance;  // mesh units; kUnreached where there is none
   // Per vertex, of the methods that compute one vertex from two others or from
   // one; empty for the rest.
   std::vector<Parents> parents;
@@ -92,6 +91,9 @@ struct Field {
   [[nodiscard]] bool same_source(std::uint32_t a, std::uint32_t b) const {
     return nearest_source.empty() || nearest_source[a] == nearest_source[b];
   }
+
+  // What is farther than this is not reached.
+  void forget_beyond(double farthest);
 
   // Fills `reached`, `max` and `farthest` from the distances.
   void count_reached();

@@ -13,7 +13,7 @@ struct LevelRange {
   std::size_t last = 0;
 };
 
-LevelRange levels_across(const FaceRecord& face, const std::vector<double>& distance,
+LevelRange levels_across(const FaceRecord& face, const VertexDistances& distance,
                          std::span<const double> levels) {
   const double a = distance[face.vertex[0]];
   const double b = distance[face.vertex[1]];

@@ -23,13 +23,14 @@ Result<Field> waves_field(Method method, const Adjacency& adjacency,
   scratch.heap.reset(vertex_count);
   Poll poll(cancel);
   if (sources.size() == 1) {
-    Wavefront<VertexHeap, kArrive> front(adjacency, scratch.heap, field.distance, field.parents);
+    Wavefront<VertexHeap, kArrive> front(adjacency, scratch.heap, field.distance.doubles(),
+                                         field.parents);
     RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
     auto wave = run_wave(front, adjacency, sources[0], 0, 1, {}, limits.max, limits.detour, targets,
                          scratch.heap, poll, [](std::uint32_t) {});
     if (!wave) return fail(wave.error());
     if (sources[0].offset != 0) {
-      for (double& d : field.distance) d += sources[0].offset;
+      for (double& d : field.distance.doubles()) d += sources[0].offset;
     }
   } else {
     scratch.distance.assign(vertex_count, kUnreached);
@@ -39,8 +40,8 @@ Result<Field> waves_field(Method method, const Adjacency& adjacency,
     auto waves = run_waves(
         front, limits, field, scratch.is_target,
         [&](std::uint32_t s, double max, RemainingTargets& targets, auto accepted) {
-          return run_wave(front, adjacency, sources[s], s, sources.size(), field.distance, max, {},
-                          targets, scratch.heap, poll, accepted);
+          return run_wave(front, adjacency, sources[s], s, sources.size(), field.distance.doubles(),
+                          max, {}, targets, scratch.heap, poll, accepted);
         },
         [&](std::uint32_t v) {
           front.forget(v);

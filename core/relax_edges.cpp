@@ -19,7 +19,7 @@ constexpr double kNearly = 1 - 1e-6;
 
 void relax_edges(const Adjacency& adjacency, double max, bool reaches_more, Field& field,
                  Poll& poll) {
-  std::vector<double>& distance = field.distance;
+  std::vector<double>& distance = field.distance.doubles();
   std::vector<std::uint32_t> lowered;
   const auto relax = [&](std::uint32_t u, std::uint32_t v, double length2) {
     if (distance[u] > distance[v]) std::swap(u, v);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "core/edge_points.h"
@@ -166,7 +167,12 @@ class SteinerFront {
  public:
   SteinerFront(const Adjacency& adjacency, const SteinerGraph& graph, Field& field,
                EdgePoints& points, VertexHeap& heap)
-      : adjacency_(adjacency), graph_(graph), field_(field), points_(points), heap_(heap) {}
+      : adjacency_(adjacency),
+        graph_(graph),
+        field_(field),
+        distance_(field.distance.doubles()),
+        points_(points),
+        heap_(heap) {}
 
   void start(const Source& source, std::uint32_t number) {
     if (source.point.at_vertex()) lower(source.point.vertex, source.offset, number);
@@ -199,7 +205,7 @@ class SteinerFront {
 
  private:
   double& distance_at(std::uint32_t node) {
-    return node < graph_.vertex_count() ? field_.distance[node]
+    return node < graph_.vertex_count() ? distance_[node]
                                         : points_.distance[node - graph_.vertex_count()];
   }
   std::uint32_t& source_at(std::uint32_t node) {
@@ -217,6 +223,7 @@ class SteinerFront {
   const Adjacency& adjacency_;
   const SteinerGraph& graph_;
   Field& field_;
+  std::span<double> distance_;  // the field's
   EdgePoints& points_;
   VertexHeap& heap_;
 };

@@ -108,7 +108,7 @@ Result<void> run_waves(Front& front, const FieldLimits& limits, Field& field,
     for (const std::uint32_t v : visited) {
       const double delayed = front.distance(v) + field.sources[s].offset;
       if (delayed < field.distance[v]) {
-        field.distance[v] = delayed;
+        field.distance.doubles()[v] = delayed;
         if constexpr (requires { front.parents(v); }) field.parents[v] = front.parents(v);
         field.nearest_source[v] = s;
       }
@@ -121,12 +121,7 @@ Result<void> run_waves(Front& front, const FieldLimits& limits, Field& field,
     }
   }
   // An early wave may have been where a later one, stopped by the targets, was not.
-  for (std::uint32_t v = 0; v < vertex_count; ++v) {
-    if (field.distance[v] <= max) continue;
-    field.distance[v] = kUnreached;
-    if (!field.parents.empty()) field.parents[v] = {};
-    field.nearest_source[v] = kNone;
-  }
+  field.forget_beyond(max);
   return {};
 }
 

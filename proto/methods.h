@@ -58,6 +58,12 @@ struct MethodChoice {
 // Errors: method_unknown, listing those there are.
 [[nodiscard]] Result<Method> find_method(std::string_view name);
 
+// Whether the distances of its fields are floats (core/vertex_distances.h). Those at points
+// inside faces, which are computed from them, are not.
+[[nodiscard]] inline bool has_floats(const MethodChoice& choice) {
+  return choice.which == Method::back_traced && !choice.options.error_at_most;
+}
+
 // A text that is the same for two choices exactly if their fields are.
 [[nodiscard]] std::string field_key(const MethodChoice& choice);
 

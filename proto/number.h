@@ -57,4 +57,17 @@ inline void append_number(std::string& out, double value, int digits = 0) {
   out.append(text, result.ptr);
 }
 
+// The same of a distance. With `short_digits`, and without a number of them: where it is a
+// float, as few as read back to the same float.
+inline void append_distance(std::string& out, double distance, int digits, bool short_digits) {
+  const auto narrow = static_cast<float>(distance);
+  if (!short_digits || digits > 0 || narrow != distance || !std::isfinite(distance)) {
+    append_number(out, distance, digits);
+    return;
+  }
+  char text[32];
+  const auto result = std::to_chars(text, text + sizeof text, narrow);
+  out.append(text, result.ptr);
+}
+
 }  // namespace geodesic::proto

@@ -23,6 +23,18 @@ void append_numbers(std::string& out, const Values& values, int digits) {
   out += ']';
 }
 
+void append_distances(std::string& out, std::span<const double> distances, int digits,
+                      bool short_digits) {
+  out += '[';
+  bool first = true;
+  for (const double distance : distances) {
+    if (!first) out += ',';
+    first = false;
+    append_distance(out, distance, digits, short_digits);
+  }
+  out += ']';
+}
+
 void append_xyz(std::string& out, Vec3 p, int digits) {
   append_numbers(out, std::array{p.x, p.y, p.z}, digits);
 }
@@ -112,11 +124,12 @@ std::string to_json(const DistanceReply& reply, int digits) {
   out += ",\"count\":" + std::to_string(reply.distances.size());
   out += ",\"reached\":" + std::to_string(reply.reached);
   out += ",\"max\":";
-  append_number(out, reply.max.value_or(std::numeric_limits<double>::infinity()), digits);
+  append_distance(out, reply.max.value_or(std::numeric_limits<double>::infinity()), digits,
+                  reply.short_digits);
   out += ",\"farthest\":";
   append_whole(out, reply.farthest);
   out += ",\"distances\":";
-  append_numbers(out, reply.distances, digits);
+  append_distances(out, reply.distances, digits, reply.short_digits);
   if (reply.labels) {
     out += ",\"labels\":";
     append_labels(out, *reply.labels);
@@ -161,7 +174,8 @@ std::string to_json(const TableReply& reply, int digits) {
   const std::size_t rows = all.empty() ? 0 : reply.rows.size();
   for (std::size_t row = 0; row < rows; ++row) {
     if (row > 0) out += ',';
-    append_numbers(out, all.subspan(row * reply.columns.size(), reply.columns.size()), digits);
+    append_distances(out, all.subspan(row * reply.columns.size(), reply.columns.size()), digits,
+                     reply.short_digits);
   }
   out += "]}";
   return out;

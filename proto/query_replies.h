@@ -35,6 +35,7 @@ struct DistanceReply {
   std::uint64_t reached = 0;      // how many of them are finite
   std::optional<double> max;      // the greatest of them
   std::optional<std::uint64_t> farthest;  // and where: a source vertex, or a place in `at`
+  bool short_digits = false;              // see append_distance
   // Only if asked for: which of `from` each distance is from, kNone where infinite.
   std::optional<std::vector<std::uint32_t>> labels;
 };
@@ -63,6 +64,7 @@ struct TableReply {
   std::vector<ResolvedPoint> rows;
   std::vector<ResolvedPoint> columns;
   std::vector<double> distances;  // row after row; infinite: unreached
+  bool short_digits = false;      // see append_distance
 };
 
 struct IsolinesReply {

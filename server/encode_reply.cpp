@@ -147,6 +147,8 @@ HttpResponse encode(Answered<proto::DistanceReply> answer, const proto::ReplyFor
   if (format.format != Format::frame) {
     return with_cache_header(array_reply(distances, format.format), answer.cache_hit);
   }
+  // Beside an array of doubles, the greatest of which it is to be.
+  reply.short_digits = false;
   std::vector<Array> arrays{f64_array("distances", distances)};
   if (reply.labels) arrays.push_back(u32_array("labels", *std::exchange(reply.labels, {})));
   return with_cache_header(frame_reply(reply, {"count", "distances"}, arrays), answer.cache_hit);

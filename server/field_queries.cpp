@@ -1,6 +1,7 @@
 #include "server/field_queries.h"
 
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "proto/query_limits.h"
@@ -10,6 +11,19 @@ namespace geodesic::server {
 namespace {
 
 constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+
+// Fields of floats end at a float: so a limit that is a distance of theirs, in digits that say
+// which float it is, has the vertices that are as far.
+double limit_of(const proto::MethodChoice& method, std::optional<double> max) {
+  const double limit = max.value_or(kEverywhere);
+  return proto::has_floats(method) ? as_float(limit) : limit;
+}
+
+// Whether JSON is to have a float's digits. As a decimal number they may be below it, which an
+// upper bound must not be.
+bool has_short_digits(const proto::MethodChoice& method) {
+  return proto::has_floats(method) && method.options.bound == Bound::none;
+}
 
 // Fills `reached`, `max` and `farthest` from the distances.
 void summarise(proto::DistanceReply& reply) {
@@ -75,10 +89,11 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const std::string& m
   proto::DistanceReply& reply = answer.reply;
   reply.mesh = mesh;
   reply.method = request.method.which;
+  reply.short_digits = has_short_digits(request.method);
   auto sources = place->sources(request.from, reply.from);
   if (!sources) return fail(std::move(sources.error()));
   const FieldQuestion question{mesh, place->adjacency(), request.method, std::move(*sources),
-                               request.max.value_or(kEverywhere)};
+                               limit_of(request.method, request.max)};
 
   if (request.at.empty()) {
     const auto field = fields_.whole(question, caller);
@@ -108,6 +123,7 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const std::string& mesh
   proto::TableReply& reply = answer.reply;
   reply.mesh = mesh;
   reply.method = request.method.which;
+  reply.short_digits = has_short_digits(request.method);
   const auto rows = place->points(request.from, reply.rows);
   if (!rows) return fail(rows.error());
   const auto columns = request.to.empty() ? rows : place->points(request.to, reply.columns);
@@ -115,7 +131,7 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const std::string& mesh
   if (request.to.empty()) reply.columns = reply.rows;
 
   const FieldQuestion question{
-      mesh, place->adjacency(), request.method, {}, request.max.value_or(kEverywhere)};
+      mesh, place->adjacency(), request.method, {}, limit_of(request.method, request.max)};
   auto table = fields_.table(question, *rows, *columns, caller);
   if (!table) return fail(std::move(table.error()));
   answer.cache_hit = table->hit;

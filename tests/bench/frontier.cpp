@@ -81,7 +81,7 @@ struct Measured {
 
 void add_errors(const Field& field, std::span<const double> truth, std::size_t sources,
                 Measured& sum) {
-  const Errors errors = errors_of(field.distance, truth);
+  const Errors errors = errors_of(field.distance.values(), truth);
   if (errors.unreached + errors.invented != 0) give_up("a vertex is reached by one method only");
   sum.mean += errors.mean / static_cast<double>(sources);
   sum.p999 = std::max(sum.p999, errors.p999);
@@ -128,12 +128,13 @@ MeshRow measure(const FrontierMesh& mesh, std::size_t source_count) {
     const std::size_t bytes = peak_bytes_of([&] { truth = exact(prepared, source); });
     exact_ms.push_back(processor_ms() - start);
     row.exact_bytes = std::max(row.exact_bytes, bytes);
-    add_errors(automatic(prepared, source), truth->distance, sources.size(), row.automatic);
-    add_errors(upper(prepared, source), truth->distance, sources.size(), row.upper);
+    add_errors(automatic(prepared, source), truth->distance.values(), sources.size(),
+               row.automatic);
+    add_errors(upper(prepared, source), truth->distance.values(), sources.size(), row.upper);
     for (std::size_t i = 0; i < kTolerances.size(); ++i) {
       std::optional<Field> field;
       within_ms[i].push_back(processor_ms_of([&] { field = within[i](prepared, source); }));
-      add_errors(*field, truth->distance, sources.size(), row.within[i]);
+      add_errors(*field, truth->distance.values(), sources.size(), row.within[i]);
     }
   }
   // One after the other, so that a machine that slows down does so for all alike.
@@ -248,7 +249,7 @@ void print_paths(const FrontierMesh& mesh, std::size_t sources, std::size_t targ
 void print_vectors() {
   const Prepared prepared(shapes::icosphere(6));
   Solver exact(Method::exact, Bound::none);
-  const Field field = exact(prepared, 0);
+  const std::vector<double> distance = exact(prepared, 0).distance.values();
   const Triangulation faces = prepared.adjacency().delaunay();
   std::vector<TraceLanes> batches;
   for (std::uint32_t f = 0; f < faces.faces.size(); ++f) {
@@ -256,7 +257,7 @@ void print_vectors() {
     const FaceRecord& face = faces.faces[f];
     std::uint32_t c = 0;  // the farthest corner, as a front has it
     for (std::uint32_t i = 1; i < 3; ++i) {
-      if (field.distance[face.vertex[i]] > field.distance[face.vertex[c]]) c = i;
+      if (distance[face.vertex[i]] > distance[face.vertex[c]]) c = i;
     }
     batches.back().add(halfedge(f, next_corner(c)), 0.5, kUnreached);
   }
@@ -265,8 +266,8 @@ void print_vectors() {
     for (std::size_t round = 0; round < kRounds; ++round) {
       ms.push_back(processor_ms_of([&] {
         for (TraceLanes batch : batches) {
-          trace_lanes(faces, field.distance, BackTrace::Takes::virtual_sources,
-                      BackTrace::Reach::near, vectors, batch);
+          trace_lanes(faces, distance, BackTrace::Takes::virtual_sources, BackTrace::Reach::near,
+                      vectors, batch);
         }
       }));
     }
@@ -284,19 +285,21 @@ void print_vectors() {
       best, name, plain, plain / best, verdict(plain <= 2.5 * best));
 }
 
-// Row 10: what a cached field takes.
+// Row 10: what a cached field takes, as the server's cache counts it.
 void print_fields() {
   const Prepared prepared(shapes::icosphere(5));
-  const auto bytes = [&](Method method) {
-    const Field field = Solver(method, Bound::none)(prepared, 0);
+  const auto bytes = [&](Method method, Bound bound = Bound::none) {
+    const Field field = Solver(method, bound)(prepared, 0);
     return static_cast<double>(field.bytes()) / static_cast<double>(field.distance.size());
   };
   const double with_parents = bytes(Method::wavefront);
-  const double without = bytes(Method::back_traced);
+  const double without =
+      std::max(bytes(Method::back_traced), bytes(Method::back_traced, Bound::upper));
   std::printf(
       "\n### 10. Fields\n\n%.1f bytes a vertex with parents (`wavefront`), at most 16: %s; %.1f "
       "without (`auto`), at most 4: %s.\n",
-      with_parents, verdict(std::floor(with_parents) <= 16), without, verdict(without <= 4));
+      with_parents, verdict(std::floor(with_parents) <= 16), without,
+      verdict(std::floor(without) <= 4));
 }
 
 }  // namespace

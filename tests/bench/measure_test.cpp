@@ -107,7 +107,7 @@ TEST_CASE("ClosedFormsOfTheSubjectsAgreeWithExact") {
     if (subject.known.empty()) continue;
     CAPTURE(subject.title);
     const bench::Prepared prepared(subject.soup);
-    const auto distance = prepared.in_source_order(prepared.solve(Method::exact).distance);
+    const auto distance = prepared.in_source_order(prepared.solve(Method::exact).distance.values());
     const Errors e = errors_of(distance, subject.known);
     CHECK(e.max < 1e-9);
     CHECK(e.unreached == 0);

@@ -248,7 +248,7 @@ MeshResult run_mesh(const Subject& subject, const RunOptions& options) {
   time_work(name("queue_pairing"), [&] { with_pairing.run(source); });
 
   std::vector<double> truth;
-  if (with_exact) truth = prepared.solve(Method::exact).distance;
+  if (with_exact) truth = prepared.solve(Method::exact).distance.values();
   SolveScratch scratch;
   std::vector<Entrant> methods;
   double field_bytes = 0;
@@ -260,7 +260,7 @@ MeshResult run_mesh(const Subject& subject, const RunOptions& options) {
     if (contestant.method == Method::wavefront) field_bytes = static_cast<double>(field.bytes());
     Entrant entrant;
     entrant.name = contestant.name;
-    if (with_exact) entrant.errors = errors_of(field.distance, truth);
+    if (with_exact) entrant.errors = errors_of(field.distance.values(), truth);
     methods.push_back(std::move(entrant));
     time_work(name(contestant.name), [solve] { benchmark::DoNotOptimize(solve()); });
   }
@@ -278,8 +278,8 @@ MeshResult run_mesh(const Subject& subject, const RunOptions& options) {
   const Field field = prepared.solve(Method::wavefront, 0, scratch);
   with_4ary.run(source);
   with_pairing.run(source);
-  if (!agree(with_4ary.distance(), field.distance)) give_up("the loops disagree");
-  if (!agree(with_pairing.distance(), field.distance)) give_up("the queues disagree");
+  if (!agree(with_4ary.distance(), field.distance.values())) give_up("the loops disagree");
+  if (!agree(with_pairing.distance(), field.distance.values())) give_up("the queues disagree");
 
   MeshResult result;
   result.name = subject.name;

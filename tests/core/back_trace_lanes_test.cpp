@@ -85,15 +85,15 @@ void check_lanes(const Surface& surface, RandomMesh& random, std::uint32_t sourc
   Field field =
       surface.field_by(Method::exact, {Source{point_at_vertex(surface.adjacency(), source), 0}});
   // Part of the surface is not yet reached, as in front of a wave.
-  for (double& d : field.distance) {
+  for (double& d : field.distance.doubles()) {
     if (d > 0.8 * field.max) d = kUnreached;
   }
   for (const Triangulation& faces :
        {surface.adjacency().triangulation(), surface.adjacency().delaunay()}) {
-    const std::vector<Start> starts = starts_on(faces, field.distance, random);
-    counts.compared += check_arrivals(faces, field.distance, starts);
+    const std::vector<Start> starts = starts_on(faces, field.distance.doubles(), random);
+    counts.compared += check_arrivals(faces, field.distance.doubles(), starts);
     for (const auto takes : {BackTrace::Takes::paths, BackTrace::Takes::virtual_sources}) {
-      const BackTrace one(faces, field.distance, {}, takes);
+      const BackTrace one(faces, field.distance.doubles(), {}, takes);
       for (std::size_t first = 0; first < starts.size();) {
         const std::size_t count =
             std::min<std::size_t>(1 + random.below(TraceLanes::kLanes), starts.size() - first);
@@ -102,7 +102,8 @@ void check_lanes(const Surface& surface, RandomMesh& random, std::uint32_t sourc
           for (std::size_t i = 0; i < count; ++i) {
             lanes.add(starts[first + i].base, starts[first + i].crossing, kUnreached);
           }
-          trace_lanes(faces, field.distance, takes, BackTrace::Reach::near, vectors, lanes);
+          trace_lanes(faces, field.distance.doubles(), takes, BackTrace::Reach::near, vectors,
+                      lanes);
           TraceLanes far;
           std::vector<std::size_t> lane_of_far;
           for (std::size_t i = 0; i < count; ++i) {
@@ -110,7 +111,7 @@ void check_lanes(const Surface& surface, RandomMesh& random, std::uint32_t sourc
             far.add(lanes.base[i], lanes.crossing[i], lanes.best[i]);
             lane_of_far.push_back(i);
           }
-          trace_lanes(faces, field.distance, takes, BackTrace::Reach::far, vectors, far);
+          trace_lanes(faces, field.distance.doubles(), takes, BackTrace::Reach::far, vectors, far);
           for (std::size_t i = 0; i < far.count; ++i) lanes.best[lane_of_far[i]] = far.best[i];
           counts.looked_far += far.count;
           for (std::size_t i = 0; i < count; ++i) {

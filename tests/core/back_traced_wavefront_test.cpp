@@ -89,7 +89,8 @@ TEST_CASE("LookingBackIsTenTimesAsExactAsThePapersFront") {
 }
 
 // Where faces are not obtuse, which those at the border stay, two circles never err.
-TEST_CASE("OnAPlaneNearlyAllDistancesAreStraightLinesToTheLastBits") {
+TEST_CASE("OnAPlaneNearlyAllDistancesAreStraightLinesToTheLastBitsOfAFloat") {
+  constexpr double kRounding = 6e-8;  // half a step of floats
   for (const double stretch : {1.0, 8.0}) {
     CAPTURE(stretch);
     const Surface surface(long_and_thin(shapes::terrain(50, 0, 8), stretch));
@@ -101,10 +102,10 @@ TEST_CASE("OnAPlaneNearlyAllDistancesAreStraightLinesToTheLastBits") {
         const double straight =
             distance(surface.mesh().positions()[v], surface.mesh().positions()[at.vertex]);
         const double off = straight > 0 ? field.distance[v] / straight - 1 : 0;
-        CHECK(off >= -1e-12);
+        CHECK(off >= (bound == Bound::upper ? -1e-12 : -kRounding));
         CHECK(off <= 1e-2);
-        if (straight < 5) CHECK(off <= 1e-12);  // in sight of the source
-        if (off <= 1e-11) ++exact;
+        if (straight < 5) CHECK(off <= 2 * kRounding);  // in sight of the source
+        if (off <= kRounding) ++exact;
       }
       if (bound == Bound::none) CHECK(exact >= (stretch == 1 ? 2450 : 1900));
     }

@@ -151,7 +151,7 @@ TEST_CASE("AnOffsetMayBeOutOfAllProportion") {
   const Surface surface(shapes::terrain(12, 3, 1));
   const Field field = surface.field_by(Method::exact, {{surface.at(70), 1e20}});
   CHECK(field.reached == 144);
-  for (const double d : field.distance) check_close(d, 1e20, 1e-12);
+  for (const double d : field.distance.values()) check_close(d, 1e20, 1e-12);
 }
 
 TEST_CASE("ALimitLeavesTheRestUnreached") {

@@ -34,7 +34,7 @@ std::vector<double> distances_over(const Triangulation& faces, const Surface& su
     while (propagation.step()) {
     }
   } while (propagation.mend(poll));
-  return field.distance;
+  return field.distance.values();
 }
 
 Triangulation chosen(const Surface& surface, const std::vector<std::uint32_t>& source_vertices) {

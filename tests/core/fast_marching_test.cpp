@@ -400,7 +400,7 @@ TEST_CASE("FastMarchingScalesAndKeepsNoOrder") {
   REQUIRE(same != kNone);
   const Field other = marched(mixed, {{point_at_vertex(mixed.adjacency(), same), 0}});
   std::vector<double> one = expected;
-  std::vector<double> two = other.distance;
+  std::vector<double> two = other.distance.values();
   std::sort(one.begin(), one.end());
   std::sort(two.begin(), two.end());
   for (std::size_t i = 0; i < one.size(); ++i) CHECK(one[i] == doctest::Approx(two[i]));

@@ -29,7 +29,8 @@ TEST_CASE("EveryMethodNamesItsPaperAndAnswers") {
     // No method is shorter than the straight line, nor longer than along the edges.
     for (int i = 0; i < 120; ++i) {
       const double straight = std::hypot(i % 12, i / 12);
-      CHECK(field["distances"][i] >= doctest::Approx(straight).epsilon(1e-9));
+      const double rounding = name == "auto" ? 1e-7 : 1e-9;  // a float's digits
+      CHECK(field["distances"][i] >= doctest::Approx(straight).epsilon(rounding));
       CHECK(field["distances"][i] <= doctest::Approx(1.42 * straight));
       if (method["exact"]) CHECK(field["distances"][i] == doctest::Approx(straight).epsilon(1e-9));
     }

@@ -59,7 +59,7 @@ void against_novotni(const Setting& setting, std::span<const bench::Subject> sub
                "ours_mean", "ours_max", "ours_below", "ours_lowest"});
   for (const bench::Subject& subject : subjects) {
     const Prepared prepared(subject.soup);
-    const auto truth = prepared.solve(Method::exact).distance;
+    const auto truth = prepared.solve(Method::exact).distance.values();
     const Field ours = prepared.solve(Method::wavefront);
     const Field theirs = prepared.solve(Method::novotni);
     std::vector<double> is_bent_at(truth.size(), 0);
@@ -81,10 +81,10 @@ void against_novotni(const Setting& setting, std::span<const bench::Subject> sub
       most = std::max(most, difference);
     }
     const auto count = static_cast<double>(compared);
-    const Errors n = bench::errors_of(theirs.distance, truth);
-    const Errors w = bench::errors_of(ours.distance, truth);
-    const auto n_signed = signed_errors(theirs.distance, truth);
-    const auto w_signed = signed_errors(ours.distance, truth);
+    const Errors n = bench::errors_of(theirs.distance.values(), truth);
+    const Errors w = bench::errors_of(ours.distance.values(), truth);
+    const auto n_signed = signed_errors(theirs.distance.values(), truth);
+    const auto w_signed = signed_errors(ours.distance.values(), truth);
     table.row({subject.name, subject.title, compared, static_cast<double>(bent) / count,
                static_cast<double>(different) / count, sum / count, most, n.mean, n.max,
                n.share_below, *std::min_element(n_signed.begin(), n_signed.end()), w.mean, w.max,

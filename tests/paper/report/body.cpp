@@ -52,10 +52,10 @@ void body(const Setting& setting) {
   const std::uint32_t nose = farthest_along(body.soup, {-0.4, 0.45, 0.8});
   const Field field = prepared.solve(Method::wavefront, nose);
   const Field truth = prepared.solve(Method::exact, nose);
-  const bench::Errors errors = bench::errors_of(field.distance, truth.distance);
+  const bench::Errors errors = bench::errors_of(field.distance.values(), truth.distance.values());
 
   proto::PictureContent content;
-  content.values = field.distance;
+  content.values = field.distance.values();
   content.sources = {body.soup.positions[nose]};
   Table table(setting.folder / "fig8.csv",
               {"body", "vertices", "to", "distance", "path_length", "true_distance", "mean_error",

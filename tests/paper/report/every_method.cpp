@@ -92,7 +92,7 @@ void add_rows(Table& table, const bench::Subject& subject, const Prepared& prepa
                                   [](const Measured& m) { return m.method == Method::exact; });
   if (exact == all.end()) bench::give_up("errors need `exact`");
   for (const Measured& m : all) {
-    const Errors e = bench::errors_of(m.field.distance, exact->field.distance);
+    const Errors e = bench::errors_of(m.field.distance.values(), exact->field.distance.values());
     table.row({subject.name, subject.title, prepared.mesh().vertex_count(),
                proto::name_of(m.method), e.mean, e.rms, e.p999, e.max, e.share_below,
                e.unreached + e.invented, median(m.over_dijkstra), median(m.ms), m.ms.size(),
@@ -115,7 +115,8 @@ void every_method(const Setting& setting, std::span<const bench::Subject> subjec
     if (subject.known.empty()) continue;
     for (const Measured& m : all) {
       if (m.method != Method::exact && m.method != Method::chen_han) continue;
-      const Errors e = bench::errors_of(prepared.in_source_order(m.field.distance), subject.known);
+      const Errors e =
+          bench::errors_of(prepared.in_source_order(m.field.distance.values()), subject.known);
       known.row({subject.name, subject.title, subject.known_from, proto::name_of(m.method),
                  e.compared, e.mean, e.max, e.unreached + e.invented});
     }

@@ -33,7 +33,7 @@ void plane(const Setting& setting) {
     const Prepared prepared(soup);
     const bool rising = diagonal == Diagonal::rising;
     for (const Method method : setting.methods) {
-      const auto distance = prepared.in_source_order(prepared.solve(method).distance);
+      const auto distance = prepared.in_source_order(prepared.solve(method).distance.values());
       const Errors e = errors_of(distance, truth);
       table.row({name_of(method), rising ? "rising" : "falling", soup.positions.size(),
                  e.max_absolute, e.mean_square, std::sqrt(e.mean_square), e.mean, e.max});
@@ -81,7 +81,7 @@ void planes_with_holes(const Setting& setting) {
         if (method != Method::wavefront || !rising) continue;
         write_surface(setting.arrays, figure.name, subject.soup);
         write_values(setting.arrays, std::string(figure.name) + ".distance",
-                     prepared.in_source_order(field.distance));
+                     prepared.in_source_order(field.distance.values()));
         write_isolines(setting.arrays, figure.name, prepared.adjacency(), field);
         write_path(setting.folder, std::string(figure.name) + "_path", path);
       }

@@ -1,0 +1,53 @@
+// The distances of a field, a number for each vertex: doubles while they are computed,
+// and floats from then on where a method is no more exact than these.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "core/method.h"
+
+namespace geodesic {
+
+inline constexpr double kUnreached = std::numeric_limits<double>::infinity();
+
+// The float next to a distance, or with Bound::upper the next one that is not below it:
+// not off by more than 1.2e-7 of it, and the same for zero and infinity. What is out of the
+// range in which that holds of floats stays as it is.
+[[nodiscard]] double as_float(double distance, Bound bound = Bound::none);
+
+class VertexDistances {
+ public:
+  void assign(std::size_t vertex_count, double value) { doubles_.assign(vertex_count, value); }
+
+  [[nodiscard]] std::size_t size() const { return are_floats() ? floats_.size() : doubles_.size(); }
+  [[nodiscard]] double operator[](std::size_t vertex) const {
+    return are_floats() ? static_cast<double>(floats_[vertex]) : doubles_[vertex];
+  }
+  // All of them, whatever they are held in.
+  [[nodiscard]] std::vector<double> values() const;
+
+  // To be computed in. Empty once they are floats.
+  [[nodiscard]] std::vector<double>& doubles() { return doubles_; }
+
+  void forget(std::size_t vertex);
+
+  // Each becomes as_float of it, at half the memory. Or they all stay what they are, if one
+  // is out of the floats' range.
+  void round_to_floats(Bound bound);
+  [[nodiscard]] bool are_floats() const { return !floats_.empty(); }
+
+  [[nodiscard]] std::size_t bytes() const {
+    return doubles_.capacity() * sizeof(double) + floats_.capacity() * sizeof(float);
+  }
+
+  [[nodiscard]] friend bool operator==(const VertexDistances&, const VertexDistances&) = default;
+
+ private:
+  // One of them is empty.
+  std::vector<double> doubles_;
+  std::vector<float> floats_;
+};
+
+}  // namespace geodesic
