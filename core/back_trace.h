@@ -30,8 +30,8 @@ namespace geodesic {
 // Where a trace begins. w is at the origin, and the ray runs along the x axis: `to_right`
 // is not above it, `to_left` not below.
 struct TraceStart {
-  Halfedge edge;  // on w's side: opposite w in their face
-  std::uint32_t right;
+  Halfedge edge;        // on w's side: opposite w in their face
+  std::uint32_t right;  // at its tail
   std::uint32_t left;
   Vec2 to_right;
   Vec2 to_left;  // counterclockwise from to_right, by less than pi

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/arrive_lanes.h"
 #include "core/vec3.h"
@@ -210,7 +211,7 @@ void BackTracedFront::trace_round() {
     if (known.base == kNone) continue;  // straight from the source
     const bool bends_at_tail = known.crossing == ArrivalLanes::kBendsAtTail;
     if (!bends_at_tail && known.crossing != ArrivalLanes::kBendsAtHead) {
-      trace(i, known.base, known.crossing);
+      trace(i, known.base, known.crossing, best);
       continue;
     }
     const FaceRecord& face = surface_.faces[face_of(known.base)];
@@ -222,50 +223,40 @@ void BackTracedFront::trace_round() {
     best = std::min({best, by_tail, by_head});
     // At a pinched vertex only one end may have a distance.
     if (!(std::max(by_tail, by_head) < kUnreached)) continue;
-    best = round_a_vertex(round[i], face.vertex[bends_at_tail ? c : n], best);
+    trace_round_a_vertex(i, face.vertex[bends_at_tail ? c : n]);
   }
   flush_traces();
 }
 
-// The next lane is for the vertex at that place of the round.
-void BackTracedFront::trace(std::uint32_t place, Halfedge base, double crossing) {
-  traced_[traces_.add(base, crossing, scratch_.best[place])] = place;
-  if (traces_.full()) flush_near();
+// The next lane is for the vertex at that place of the round. What is known to be best is
+// told: in the round it may or may not be less already, by the vertex' other traces.
+void BackTracedFront::trace(std::uint32_t place, Halfedge base, double crossing, double best) {
+  traced_[traces_.add(base, crossing, best)] = place;
+  if (traces_.full()) flush_traces();
+}
+
+void BackTracedFront::trace(std::uint32_t place, const TraceStart& start, double best) {
+  traced_[traces_.add(start, best)] = place;
+  if (traces_.full()) flush_traces();
 }
 
 void BackTracedFront::flush_traces() {
-  flush_near();
-  flush_far();
-}
-
-void BackTracedFront::flush_near() {
   if (traces_.count == 0) return;
   if (stops_.empty()) {
-    trace_lanes(surface_, distance_, takes_, BackTrace::Reach::near, vectors_, traces_);
+    trace_lanes(surface_, distance_, takes_, vectors_, traces_);
   } else {
     const BackTrace one(surface_, distance_, stops_, takes_);
     for (std::size_t i = 0; i < traces_.count; ++i) {
-      traces_.best[i] = one.over(traces_.base[i], traces_.crossing[i], traces_.best[i]);
+      double& best = traces_.best[i];
+      best = traces_.begins_elsewhere(i) ? one.least(traces_.start[i], best)
+                                         : one.over(traces_.base[i], traces_.crossing[i], best);
     }
   }
   for (std::size_t i = 0; i < traces_.count; ++i) {
     double& best = scratch_.best[traced_[i]];
     best = std::min(best, traces_.best[i]);
-    if (!stops_.empty() || !traces_.is_unsure[i]) continue;
-    traced_far_[far_traces_.add(traces_.base[i], traces_.crossing[i], best)] = traced_[i];
-    if (far_traces_.full()) flush_far();
   }
-  traces_.count = 0;
-}
-
-void BackTracedFront::flush_far() {
-  if (far_traces_.count == 0) return;
-  trace_lanes(surface_, distance_, takes_, BackTrace::Reach::far, vectors_, far_traces_);
-  for (std::size_t i = 0; i < far_traces_.count; ++i) {
-    double& best = scratch_.best[traced_far_[i]];
-    best = std::min(best, far_traces_.best[i]);
-  }
-  far_traces_.count = 0;
+  traces_.clear();
 }
 
 // A distance above what the front expected needs a second look: every other face whose
@@ -273,7 +264,7 @@ void BackTracedFront::flush_far() {
 void BackTracedFront::ask_other_faces() {
   const std::vector<std::uint32_t>& round = scratch_.round;
   std::vector<Halfedge>& bases = scratch_.bases;
-  std::vector<std::uint32_t>& asks = scratch_.asks;
+  std::vector<BackTracedScratch::Ask>& asks = scratch_.asks;
   bases.clear();
   asks.clear();
   for (std::uint32_t i = 0; i < round.size(); ++i) {
@@ -289,12 +280,13 @@ void BackTracedFront::ask_other_faces() {
       if (!(distance_[face.vertex[n]] + distance_[face.vertex[next_corner(n)]] < kUnreached))
         continue;
       bases.push_back(base);
-      asks.push_back(i);
+      asks.push_back({i, scratch_.best[i]});
     }
   }
   arrive_over_bases(bases.size(), [&](std::size_t at, double distance, float crossing) {
     const bool straight = crossing >= 0 && crossing <= 1;
-    if (straight && distance < scratch_.best[asks[at]]) trace(asks[at], bases[at], crossing);
+    const auto [place, best] = asks[at];
+    if (straight && distance < best) trace(place, bases[at], crossing, best);
   });
   flush_traces();
 }
@@ -373,12 +365,12 @@ void BackTracedFront::spread_along_edges(std::uint32_t v) {
 
 // The way to the vertex seems to bend at another one. On either side of that one, the
 // faces round it are unfolded until the one its own way came through: if that way goes
-// straight on past it, the trace begins there.
-double BackTracedFront::round_a_vertex(std::uint32_t vertex, std::uint32_t bend,
-                                       double best) const {
+// straight on past it, a trace begins there.
+void BackTracedFront::trace_round_a_vertex(std::uint32_t place, std::uint32_t bend) {
+  const std::uint32_t vertex = scratch_.round[place];
+  double best = scratch_.best[place];
   const Halfedge bend_base = scratch_.vertices[bend].base;
-  if (bend_base == kNone) return best;  // in sight of the source
-  const BackTrace trace(surface_, distance_, stops_, takes_);
+  if (bend_base == kNone) return;  // in sight of the source
   const FaceRecord& last = surface_.faces[face_of(bend_base)];
   for (const std::uint32_t corner : surface_.corners(vertex)) {
     const std::uint32_t first = face_of(corner);
@@ -387,7 +379,7 @@ double BackTracedFront::round_a_vertex(std::uint32_t vertex, std::uint32_t bend,
     const bool ahead = face.vertex[next_corner(c)] == bend;
     if (first == face_of(bend_base) || (!ahead && face.vertex[previous_corner(c)] != bend))
       continue;
-    // The bend to the right, mirrored if need be.
+    // The bend to the right, mirrored if need be until the trace begins.
     const std::uint32_t b = ahead ? next_corner(c) : previous_corner(c);
     const std::uint32_t r = ahead ? previous_corner(c) : next_corner(c);
     const double length = std::sqrt(std::max(face.length2(ahead ? c : b), 0.0));
@@ -422,8 +414,15 @@ double BackTracedFront::round_a_vertex(std::uint32_t vertex, std::uint32_t bend,
         const Vec2 aim = to_bend + distance_[bend] * unit(through - to_bend);
         // Past the bend on this side, and within the first face.
         if (cross(to_bend, aim) > 0 && cross(aim, to_rim) >= 0) {
-          best = trace.least(
-              {out, bend, face.vertex[r], along_ray(aim, to_bend), along_ray(aim, to_rim)}, best);
+          TraceStart start{out, bend, face.vertex[r], along_ray(aim, to_bend),
+                           along_ray(aim, to_rim)};
+          if (!ahead) {
+            std::swap(start.right, start.left);
+            std::swap(start.to_right, start.to_left);
+            start.to_right.y *= -1;
+            start.to_left.y *= -1;
+          }
+          trace(place, start, best);
         }
         break;
       }
@@ -433,7 +432,7 @@ double BackTracedFront::round_a_vertex(std::uint32_t vertex, std::uint32_t bend,
       edge = halfedge(face_of(across), at_bend ? apex : next_corner(at));
     }
   }
-  return best;
+  scratch_.best[place] = std::min(scratch_.best[place], best);
 }
 
 void BackTracedFront::forget(std::uint32_t vertex) {

@@ -24,6 +24,11 @@ struct FrontVertex {
 
 // Memory that a query works in, kept for the next query on the same thread.
 struct BackTracedScratch {
+  struct Ask {
+    std::uint32_t place;  // in the round
+    double best;          // before it asked
+  };
+
   VertexBuckets waiting;
   std::vector<FrontVertex> vertices;
   std::vector<double> distance;  // of one of several waves; kUnreached between waves
@@ -33,7 +38,7 @@ struct BackTracedScratch {
   std::vector<std::uint32_t> round;
   std::vector<double> best;
   std::vector<Halfedge> bases;
-  std::vector<std::uint32_t> asks;  // whose base that is, by its place in the round
+  std::vector<Ask> asks;  // whose base that is
 };
 
 }  // namespace geodesic
