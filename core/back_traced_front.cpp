@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "core/arrive_lanes.h"
+#include "core/lane_arithmetic.h"
+#include "core/sort_few.h"
 #include "core/vec3.h"
 #include "core/virtual_source.h"
 
@@ -32,12 +35,21 @@ constexpr double kLeastGain = 0.001;
 constexpr double kEarly = 0.5;
 constexpr int kMostRoundsInBucket = 256;
 
+// Corners at a vertex, but for a few vertices: with as many always, no branch depends on
+// how many there are, which nobody could predict.
+constexpr std::size_t kMostCorners = 8;
+
 // A traced distance above its estimate by more than this part of the base edge: the
 // estimate was of two sources, or the trace took the wrong side of something.
 constexpr double kSuspicious = 0.02;
 
 // Faces round a vertex that a bend is unfolded over, before its angle is beyond pi.
 constexpr int kMostFacesRound = 12;
+
+// At corner c, the side to the nearer of the other two corners, and the farther one: at
+// [2c + 1] where the next corner is nearer than the previous one, else at [2c].
+constexpr std::array<std::uint8_t, 6> kNearerSide{2, 0, 0, 1, 1, 2};
+constexpr std::array<std::uint8_t, 6> kFartherCorner{1, 2, 2, 0, 0, 1};
 
 double shortest2(const FaceRecord& face) {
   return std::min({face.length2(0), face.length2(1), face.length2(2)});
@@ -126,9 +138,9 @@ void BackTracedFront::see(std::uint32_t vertex, double straight) {
 void BackTracedFront::lower(std::uint32_t vertex, double estimate, Halfedge base, float crossing) {
   FrontVertex& known = scratch_.vertices[vertex];
   const double before = std::abs(known.estimate);
+  if (!(estimate < before + least_gain_)) return;
   // In sight, but for those that go on past it, it has its base all the same.
   if (known.base == kNone && base != kNone && before < kUnreached) {
-    if (!(estimate < before + least_gain_)) return;
     known.base = base;
     known.crossing = crossing;
   }
@@ -140,9 +152,8 @@ void BackTracedFront::lower(std::uint32_t vertex, double estimate, Halfedge base
     return;
   }
   if (!(estimate < before)) return;
-  const bool waits_there = before < kUnreached && scratch_.waiting.in_same_bucket(estimate, before);
   known = {estimate, base, crossing};
-  if (!waits_there) scratch_.waiting.push(vertex, estimate);
+  scratch_.waiting.push(vertex, estimate, before);
 }
 
 bool BackTracedFront::accept_next(double last) {
@@ -190,7 +201,7 @@ void BackTracedFront::take_round() {
   round.resize(count);
   // So that nothing depends on the order in which they came to wait, and because what is
   // near in number is near in memory.
-  std::sort(round.begin(), round.end());
+  sort_few(round);
 }
 
 // Whether one of those to be accepted may yet have a say in the estimate of the vertex.
@@ -204,7 +215,14 @@ bool BackTracedFront::is_early(std::uint32_t vertex, double least) const {
 void BackTracedFront::trace_round() {
   const std::vector<std::uint32_t>& round = scratch_.round;
   scratch_.best.resize(round.size());
+  const std::size_t at_once = std::min(kMostCorners, surface_.all_corners.size());
   for (std::uint32_t i = 0; i < round.size(); ++i) {
+    // For the spread: a few at a time, for many at once would have to queue.
+    const std::size_t begin = std::min<std::size_t>(surface_.corner_begin[round[i]],
+                                                    surface_.all_corners.size() - at_once);
+    for (const std::uint32_t corner : surface_.all_corners.subspan(begin, at_once)) {
+      __builtin_prefetch(&surface_.faces[face_of(corner)]);
+    }
     const FrontVertex& known = scratch_.vertices[round[i]];
     double& best = scratch_.best[i];
     best = distance_[round[i]];
@@ -268,9 +286,6 @@ void BackTracedFront::ask_other_faces() {
   bases.clear();
   asks.clear();
   for (std::uint32_t i = 0; i < round.size(); ++i) {
-    for (const std::uint32_t corner : surface_.corners(round[i])) {
-      __builtin_prefetch(&surface_.faces[face_of(corner)]);  // for the spread
-    }
     if (!is_doubtful(round[i], scratch_.best[i])) continue;
     for (const std::uint32_t corner : surface_.corners(round[i])) {
       const std::uint32_t n = next_corner(corner_of(corner));
@@ -319,32 +334,56 @@ void BackTracedFront::arrive_over_bases(std::size_t count, Tell tell) {
 }
 
 void BackTracedFront::spread() {
-  std::size_t corners = 0;
-  for (const std::uint32_t v : scratch_.round) corners += surface_.corners(v).size();
-  std::vector<Halfedge>& bases = scratch_.bases;
-  bases.resize(corners + ArrivalLanes::kLanes);
-  std::size_t count = 0;
   for (const std::uint32_t v : scratch_.round) {
     if (adjacency_.is_pinched(v)) spread_along_edges(v);
-    const double own = distance_[v];
-    for (const std::uint32_t corner : surface_.corners(v)) {
-      const FaceRecord& face = surface_.faces[face_of(corner)];
-      const std::uint32_t c = corner_of(corner);
-      const std::uint32_t behind = previous_corner(c);
-      const double at_ahead = distance_[face.vertex[next_corner(c)]];
-      const double at_behind = distance_[face.vertex[behind]];
-      const bool ahead_is_nearer = at_ahead < at_behind;
-      const double nearer = ahead_is_nearer ? at_ahead : at_behind;
-      const double farther = ahead_is_nearer ? at_behind : at_ahead;
-      // Without a branch, which nobody could predict.
-      bases[count] = halfedge(face_of(corner), ahead_is_nearer ? c : behind);
-      __builtin_prefetch(&scratch_.vertices[opposite(bases[count])]);
-      count += static_cast<std::size_t>((nearer < kUnreached) & (own < farther));
-    }
   }
+  const std::size_t corners = list_corners();
+  std::vector<Halfedge>& bases = scratch_.bases;
+  bases.resize(corners + ArrivalLanes::kLanes);
+  const FaceRecord* const faces = surface_.faces.data();
+  const double* const distance = distance_.data();
+  const FrontVertex* const vertices = scratch_.vertices.data();
+  Halfedge* next = bases.data();
+  for (std::size_t i = 0; i < corners; ++i) {
+    const std::uint32_t corner = scratch_.corners[i];
+    const FaceRecord& face = faces[face_of(corner)];
+    const std::uint32_t c = corner_of(corner);
+    const double own = distance[face.vertex[c]];
+    const double at_ahead = distance[face.vertex[lanes::kNextCorner[c]]];
+    const double at_behind = distance[face.vertex[lanes::kPreviousCorner[c]]];
+    const double nearer = std::min(at_ahead, at_behind);
+    const double farther = std::max(at_ahead, at_behind);
+    // Without a branch, which nobody could predict.
+    const std::size_t which = 2 * c + static_cast<std::size_t>(at_ahead < at_behind);
+    *next = corner - c + kNearerSide[which];
+    __builtin_prefetch(&vertices[face.vertex[kFartherCorner[which]]]);
+    next += static_cast<std::size_t>((nearer < kUnreached) & (own < farther));
+  }
+  const auto count = static_cast<std::size_t>(next - bases.data());
   arrive_over_bases(count, [&](std::size_t at, double distance, float crossing) {
     lower(opposite(bases[at]), distance, bases[at], crossing);
   });
+}
+
+// The corners at the round's vertices, one after the other; how many there are. Behind
+// them is what nobody asked for.
+std::size_t BackTracedFront::list_corners() {
+  std::vector<std::uint32_t>& corners = scratch_.corners;
+  const std::span<const std::uint32_t> all = surface_.all_corners;
+  std::size_t count = 0;
+  for (const std::uint32_t v : scratch_.round) {
+    const std::size_t begin = surface_.corner_begin[v];
+    const std::size_t at_vertex = surface_.corner_begin[v + 1] - begin;
+    const std::size_t room = count + std::max(at_vertex, kMostCorners);
+    if (corners.size() < room) corners.resize(2 * room);
+    if (at_vertex <= kMostCorners && begin + kMostCorners <= all.size()) [[likely]] {
+      std::memcpy(corners.data() + count, all.data() + begin, kMostCorners * sizeof(std::uint32_t));
+    } else {
+      std::memcpy(corners.data() + count, all.data() + begin, at_vertex * sizeof(std::uint32_t));
+    }
+    count += at_vertex;
+  }
+  return count;
 }
 
 // Where faces meet in nothing but the vertex, no triangle beyond it has two accepted

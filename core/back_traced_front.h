@@ -58,6 +58,7 @@ class BackTracedFront {
  private:
   void see(std::uint32_t vertex, double straight);
   void lower(std::uint32_t vertex, double estimate, Halfedge base, float crossing);
+  [[nodiscard]] std::size_t list_corners();
   void spread_along_edges(std::uint32_t vertex);
   void take_round();
   [[nodiscard]] bool is_early(std::uint32_t vertex, double least) const;

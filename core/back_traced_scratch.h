@@ -37,6 +37,7 @@ struct BackTracedScratch {
   // Of those that are accepted together.
   std::vector<std::uint32_t> round;
   std::vector<double> best;
+  std::vector<std::uint32_t> corners;
   std::vector<Halfedge> bases;
   std::vector<Ask> asks;  // whose base that is
 };
