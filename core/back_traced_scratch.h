@@ -31,6 +31,8 @@ struct BackTracedScratch {
 
   VertexBuckets waiting;
   std::vector<FrontVertex> vertices;
+  bool is_clean = false;  // they are as constructed: the last query came to its end
+  std::vector<std::uint32_t> visited;
   std::vector<double> distance;  // of one of several waves; kUnreached between waves
   std::vector<std::uint8_t> is_target;
   std::vector<Wedge> wedges;

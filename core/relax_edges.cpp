@@ -12,50 +12,85 @@ namespace {
 // What is above by less than this part of an edge's length is above by rounding.
 constexpr double kRounding = 1e-12;
 
-}  // namespace
+class EdgeRelaxer {
+ public:
+  EdgeRelaxer(const Adjacency& adjacency, double max, bool reaches_more, Field& field)
+      : adjacency_(adjacency),
+        positions_(adjacency.mesh().positions()),
+        max_(max),
+        reaches_more_(reaches_more),
+        field_(field),
+        distance_(field.distance) {}
 
-void relax_edges(const Adjacency& adjacency, double max, bool reaches_more, Field& field,
-                 Poll& poll) {
-  const std::span<double> distance = field.distance;
   // By positions: all the faces' records would be twice as much to read.
-  const std::span<const Vec3> positions = adjacency.mesh().positions();
-  std::vector<std::uint32_t> lowered;
-  const auto is_above = [&](std::uint32_t u, std::uint32_t v) -> unsigned {
-    const Vec3 edge = positions[v] - positions[u];
-    const double difference = distance[v] - distance[u];  // not a number between unreached ones
+  [[nodiscard]] unsigned is_above(std::uint32_t u, std::uint32_t v) const {
+    const Vec3 edge = positions_[v] - positions_[u];
+    const double difference = distance_[v] - distance_[u];  // no number between unreached ones
     return difference * difference > (1 + kRounding) * dot(edge, edge) ? 1 : 0;
-  };
-  const auto relax = [&](std::uint32_t u, std::uint32_t v) {
-    if (is_above(u, v) == 0) return;
-    if (distance[u] > distance[v]) std::swap(u, v);
-    const double along = distance[u] + geodesic::distance(positions[u], positions[v]);
-    if (!(along < distance[v]) || along > max) return;
-    if (distance[v] == kUnreached && !reaches_more) return;
-    distance[v] = along;
-    if (!field.nearest_source.empty()) field.nearest_source[v] = field.nearest_source[u];
-    lowered.push_back(v);
-  };
-  const std::span<const Triangle> faces = adjacency.mesh().faces();
-  for (const Triangle& face : faces) {
-    if (poll.cancelled()) return;
-    const auto [a, b, c] = face;
-    // Without a branch each.
-    if ((is_above(a, b) | is_above(b, c) | is_above(c, a)) == 0) [[likely]]
-      continue;
-    relax(a, b);
-    relax(b, c);
-    relax(c, a);
   }
-  while (!lowered.empty() && !poll.cancelled()) {
-    const std::uint32_t v = lowered.back();
-    lowered.pop_back();
-    for (const std::uint32_t corner : adjacency.corners(v)) {
-      const FaceRecord& face = adjacency.face(face_of(corner));
-      const std::uint32_t c = corner_of(corner);
-      relax(v, face.vertex[next_corner(c)]);
-      relax(v, face.vertex[previous_corner(c)]);
+
+  void relax(std::uint32_t u, std::uint32_t v) {
+    if (is_above(u, v) == 0) return;
+    if (distance_[u] > distance_[v]) std::swap(u, v);
+    const double along = distance_[u] + geodesic::distance(positions_[u], positions_[v]);
+    if (!(along < distance_[v]) || along > max_) return;
+    if (distance_[v] == kUnreached && !reaches_more_) return;
+    distance_[v] = along;
+    if (!field_.nearest_source.empty()) field_.nearest_source[v] = field_.nearest_source[u];
+    lowered_.push_back(v);
+  }
+
+  // What is above those that were lowered.
+  void go_on(Poll& poll) {
+    while (!lowered_.empty() && !poll.cancelled()) {
+      const std::uint32_t v = lowered_.back();
+      lowered_.pop_back();
+      for (const std::uint32_t corner : adjacency_.corners(v)) {
+        const FaceRecord& face = adjacency_.face(face_of(corner));
+        const std::uint32_t c = corner_of(corner);
+        relax(v, face.vertex[next_corner(c)]);
+        relax(v, face.vertex[previous_corner(c)]);
+      }
     }
   }
+
+ private:
+  const Adjacency& adjacency_;
+  std::span<const Vec3> positions_;
+  double max_;
+  bool reaches_more_;
+  Field& field_;
+  std::span<double> distance_;
+  std::vector<std::uint32_t> lowered_;
+};
+
+}  // namespace
+
+void relax_edges(const Adjacency& adjacency, double max, Field& field, Poll& poll) {
+  EdgeRelaxer relaxer(adjacency, max, true, field);
+  for (const auto& [a, b, c] : adjacency.mesh().faces()) {
+    if (poll.cancelled()) return;
+    // Without a branch each.
+    if ((relaxer.is_above(a, b) | relaxer.is_above(b, c) | relaxer.is_above(c, a)) == 0) continue;
+    relaxer.relax(a, b);
+    relaxer.relax(b, c);
+    relaxer.relax(c, a);
+  }
+  relaxer.go_on(poll);
+}
+
+void relax_edges_among(std::span<const std::uint32_t> vertices, const Adjacency& adjacency,
+                       double max, Field& field, Poll& poll) {
+  EdgeRelaxer relaxer(adjacency, max, false, field);
+  const std::span<const Triangle> faces = adjacency.mesh().faces();
+  for (const std::uint32_t v : vertices) {
+    if (poll.cancelled()) return;
+    // A face's three sides go out from one of its vertices each.
+    for (const std::uint32_t corner : adjacency.corners(v)) {
+      relaxer.relax(v, faces[face_of(corner)][next_corner(corner_of(corner))]);
+    }
+  }
+  relaxer.go_on(poll);
 }
 
 }  // namespace geodesic
