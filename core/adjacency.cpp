@@ -127,6 +127,12 @@ void Adjacency::fill_rings(Poll& poll) {
       ++report_.edges;
       if (end - begin == 1) ++report_.edges_boundary;
       if (end - begin > 2) ++report_.edges_non_manifold;
+      const auto goes_out = [&](std::size_t i) {
+        return faces_[face_of(sides[i].h)].vertex[corner_of(sides[i].h)] == v;
+      };
+      if (end - begin > 2 || (end - begin == 2 && goes_out(begin) == goes_out(begin + 1))) {
+        is_oriented_ = false;
+      }
       begin = end;
     }
   }

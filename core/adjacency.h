@@ -63,7 +63,9 @@ class Adjacency {
 
   // The faces of the mesh, and those that cut the same surface up best for what is
   // computed from triangle to triangle: the same where nothing was to be improved.
-  [[nodiscard]] Triangulation triangulation() const { return {faces_, corner_begin_, corners_}; }
+  [[nodiscard]] Triangulation triangulation() const {
+    return {faces_, corner_begin_, corners_, is_oriented_};
+  }
   [[nodiscard]] Triangulation delaunay() const;
 
   // Whether the faces at a vertex fall into parts that share no edge there, as in
@@ -93,6 +95,7 @@ class Adjacency {
   std::vector<FaceRecord> faces_;
   std::vector<std::uint32_t> corner_begin_;  // vertex_count + 1
   std::vector<std::uint32_t> corners_;
+  bool is_oriented_ = true;
   std::vector<bool> pinched_;                          // per vertex; empty when no vertex is
   std::shared_ptr<const IntrinsicDelaunay> delaunay_;  // null when no edge was flipped
   TopologyReport report_;

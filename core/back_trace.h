@@ -30,8 +30,8 @@ namespace geodesic {
 // Where a trace begins. w is at the origin, and the ray runs along the x axis: `to_right`
 // is not above it, `to_left` not below.
 struct TraceStart {
-  Halfedge edge;  // on w's side: opposite w in their face
-  std::uint32_t right;
+  Halfedge edge;        // on w's side: opposite w in their face
+  std::uint32_t right;  // at its tail
   std::uint32_t left;
   Vec2 to_right;
   Vec2 to_left;  // counterclockwise from to_right, by less than pi
@@ -58,14 +58,14 @@ class BackTrace {
   // At most so many faces are unfolded.
   [[nodiscard]] static constexpr int most_faces(Takes takes, Reach reach) {
     if (reach == Reach::near) return takes == Takes::paths ? 15 : 10;
-    return takes == Takes::paths ? 40 : 24;
+    return takes == Takes::paths ? 48 : 30;
   }
   // The shares between which a trace is unsure.
   struct Shares {
     double least, most;
   };
   [[nodiscard]] static constexpr Shares unsure(Takes takes) {
-    return takes == Takes::paths ? Shares{0.002, 0.1} : Shares{0.004, 0.05};
+    return takes == Takes::paths ? Shares{0.001, 0.1} : Shares{0.003, 0.1};
   }
 
   // A virtual source nearer than this part of the best path would be of two sources.

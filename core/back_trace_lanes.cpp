@@ -32,7 +32,7 @@ struct State {
   Reals right_x, right_y, left_x, left_y;
   Reals right_bound_x, right_bound_y, left_bound_x, left_bound_y;
   Reals at_right, at_left, best;
-  Flags alive, crossed, beyond_is_surface;
+  Flags alive, crossed, beyond_is_surface, at_border;
   Ids edge, across, right_vertex;
 };
 
@@ -42,28 +42,36 @@ GEODESIC_LANES_INLINE void begin(const FaceRecord* faces, const double* distance
   using Lanes = lanes::Lanes<kWide>;
   using Reals = typename Lanes::Reals;
   using Flags = typename Lanes::Flags;
-  Reals p, q, w, area, crossing;
+  const FaceRecord* face[kWide];
+  std::size_t corner[kWide];
+  std::size_t next[kWide];
+  std::size_t previous[kWide];
+  std::size_t lane[kWide];
   for (std::size_t j = 0; j < kWide; ++j) {
     // Lanes without a trace do the same as the first one, with nobody to see it.
-    const std::size_t i = first + j < traces.count ? first + j : 0;
-    const Halfedge base = traces.base[i];
-    const FaceRecord& face = faces[face_of(base)];
-    const std::uint32_t c = corner_of(base);
-    const std::uint32_t n = next_corner(c);
-    p[j] = face.dot[c];
-    q[j] = face.dot[n];
-    w[j] = face.dot[previous_corner(c)];
-    area[j] = face.area2;
-    s.at_right[j] = distance[face.vertex[c]];
-    s.at_left[j] = distance[face.vertex[n]];
-    s.right_vertex[j] = face.vertex[c];
-    s.edge[j] = base;
-    s.across[j] = face.ring[c];
-    s.beyond_is_surface[j] = face.ring[c] == base ? 0 : -1;
-    crossing[j] = traces.crossing[i];
-    s.best[j] = traces.best[i];
-    __builtin_prefetch(&faces[face_of(face.ring[c])]);
+    lane[j] = first + j < traces.count ? first + j : 0;
+    const Halfedge base = traces.base[lane[j]];
+    face[j] = &faces[face_of(base)];
+    corner[j] = corner_of(base);
+    next[j] = lanes::kNextCorner[corner[j]];
+    previous[j] = lanes::kPreviousCorner[corner[j]];
+    __builtin_prefetch(&faces[face_of(face[j]->ring[corner[j]])]);
   }
+  Reals p, q, w, area, crossing;
+  Lanes::gather(p, [&](std::size_t j) { return face[j]->dot[corner[j]]; });
+  Lanes::gather(q, [&](std::size_t j) { return face[j]->dot[next[j]]; });
+  Lanes::gather(w, [&](std::size_t j) { return face[j]->dot[previous[j]]; });
+  Lanes::gather(area, [&](std::size_t j) { return face[j]->area2; });
+  Lanes::gather(s.at_right, [&](std::size_t j) { return distance[face[j]->vertex[corner[j]]]; });
+  Lanes::gather(s.at_left, [&](std::size_t j) { return distance[face[j]->vertex[next[j]]]; });
+  Lanes::gather(crossing, [&](std::size_t j) { return traces.crossing[lane[j]]; });
+  Lanes::gather(s.best, [&](std::size_t j) { return traces.best[lane[j]]; });
+  const auto gather_ids = [](auto& ids, auto id) {
+    Lanes::gather(ids, [&](std::size_t j) { return std::uint64_t{id(j)}; });
+  };
+  gather_ids(s.right_vertex, [&](std::size_t j) { return face[j]->vertex[corner[j]]; });
+  gather_ids(s.edge, [&](std::size_t j) { return traces.base[lane[j]]; });
+  gather_ids(s.across, [&](std::size_t j) { return face[j]->ring[corner[j]]; });
   const Reals zero = {};
   Reals length;
   const Reals right2 = p + w;
@@ -91,8 +99,33 @@ GEODESIC_LANES_INLINE void begin(const FaceRecord* faces, const double* distance
   s.left_bound_x = s.left_x;
   s.left_bound_y = s.left_y;
   s.alive = s.right_x < kUnreached;
-  s.beyond_is_surface &= s.alive;
+  s.beyond_is_surface = s.alive;
+  s.at_border = s.edge == s.across;
   s.crossed = Flags{};
+}
+
+// The same for those that begin elsewhere than over a base.
+template <std::size_t kWide>
+GEODESIC_LANES_INLINE void begin_elsewhere(const FaceRecord* faces, const double* distance,
+                                           const TraceLanes& traces, std::size_t first,
+                                           State<kWide>& s) {
+  for (std::size_t j = 0; j < kWide; ++j) {
+    if (!traces.begins_elsewhere(first + j)) continue;
+    const TraceStart& start = traces.start[first + j];
+    const Halfedge across = faces[face_of(start.edge)].ring[corner_of(start.edge)];
+    s.right_x[j] = s.right_bound_x[j] = start.to_right.x;
+    s.right_y[j] = s.right_bound_y[j] = start.to_right.y;
+    s.left_x[j] = s.left_bound_x[j] = start.to_left.x;
+    s.left_y[j] = s.left_bound_y[j] = start.to_left.y;
+    s.at_right[j] = distance[start.right];
+    s.at_left[j] = distance[start.left];
+    s.best[j] = traces.best[first + j];
+    s.right_vertex[j] = start.right;
+    s.edge[j] = start.edge;
+    s.across[j] = across;
+    s.alive[j] = s.beyond_is_surface[j] = -1;
+    s.at_border[j] = across == start.edge ? -1 : 0;
+  }
 }
 
 // What is read of the faces that the traces go over next.
@@ -108,59 +141,70 @@ struct Ahead {
 };
 
 // The next faces of the traces. Where there are more than two on an edge, the nearest.
-template <std::size_t kWide>
+template <std::size_t kWide, bool kOriented>
 GEODESIC_LANES_INLINE void look_ahead(const FaceRecord* faces, const double* distance,
                                       State<kWide>& s, Ahead<kWide>& to) {
   using Lanes = lanes::Lanes<kWide>;
-  Halfedge at[kWide];
-  const FaceRecord* face[kWide];
-  std::uint32_t corner[kWide];
-  std::uint32_t next[kWide];
-  std::uint32_t previous[kWide];
-  std::uint32_t apex[kWide];
-  for (std::size_t i = 0; i < kWide; ++i) {
-    at[i] = static_cast<Halfedge>(s.across[i]);
-    if (faces[face_of(at[i])].ring[corner_of(at[i])] != s.edge[i]) [[unlikely]] {
-      at[i] = nearest_beyond(faces, distance, static_cast<Halfedge>(s.edge[i]));
-      s.across[i] = at[i];
+  if constexpr (!kOriented) {
+    for (std::size_t i = 0; i < kWide; ++i) {
+      const auto at = static_cast<Halfedge>(s.across[i]);
+      if (faces[face_of(at)].ring[corner_of(at)] != s.edge[i]) [[unlikely]] {
+        s.across[i] = nearest_beyond(faces, distance, static_cast<Halfedge>(s.edge[i]));
+      }
     }
-    face[i] = &faces[face_of(at[i])];
-    corner[i] = corner_of(at[i]);
+  }
+  const FaceRecord* face[kWide];
+  std::size_t corner[kWide];
+  std::size_t next[kWide];
+  std::size_t previous[kWide];
+  for (std::size_t i = 0; i < kWide; ++i) {
+    const auto at = static_cast<Halfedge>(s.across[i]);
+    face[i] = &faces[face_of(at)];
+    corner[i] = corner_of(at);
     next[i] = lanes::kNextCorner[corner[i]];
     previous[i] = lanes::kPreviousCorner[corner[i]];
-    apex[i] = face[i]->vertex[previous[i]];
-    at[i] -= corner[i];
   }
+  Lanes::gather(to.at_apex, [&](std::size_t i) { return distance[face[i]->vertex[previous[i]]]; });
   Lanes::gather(to.dot, [&](std::size_t i) { return face[i]->dot[corner[i]]; });
   Lanes::gather(to.next_dot, [&](std::size_t i) { return face[i]->dot[next[i]]; });
   Lanes::gather(to.area, [&](std::size_t i) { return face[i]->area2; });
-  Lanes::gather(to.at_apex, [&](std::size_t i) { return distance[apex[i]]; });
   const auto gather_ids = [](auto& ids, auto id) {
     Lanes::gather(ids, [&](std::size_t i) { return std::uint64_t{id(i)}; });
   };
-  gather_ids(to.apex, [&](std::size_t i) { return apex[i]; });
-  gather_ids(to.vertex, [&](std::size_t i) { return face[i]->vertex[corner[i]]; });
-  gather_ids(to.next, [&](std::size_t i) { return at[i] + next[i]; });
-  gather_ids(to.previous, [&](std::size_t i) { return at[i] + previous[i]; });
   gather_ids(to.over_next, [&](std::size_t i) { return face[i]->ring[next[i]]; });
   gather_ids(to.over_previous, [&](std::size_t i) { return face[i]->ring[previous[i]]; });
+  if constexpr (!kOriented) {
+    gather_ids(to.apex, [&](std::size_t i) { return face[i]->vertex[previous[i]]; });
+    gather_ids(to.vertex, [&](std::size_t i) { return face[i]->vertex[corner[i]]; });
+    const auto others = [&](const std::size_t* which) {
+      return [&s, which](std::size_t i) { return (s.across[i] & ~std::uint64_t{3}) + which[i]; };
+    };
+    gather_ids(to.next, others(next));
+    gather_ids(to.previous, others(previous));
+  }
 }
 
 // Unfolds the faces ahead over their bases, and goes on to the edges beyond. Adds to
 // `going` which of the traces do.
-template <std::size_t kWide>
+template <std::size_t kWide, bool kOriented>
 GEODESIC_LANES_INLINE void unfold(const Ahead<kWide>& ahead, State<kWide>& s,
                                   typename lanes::Lanes<kWide>::Flags& going) {
   using Lanes = lanes::Lanes<kWide>;
   using Reals = typename Lanes::Reals;
   using Flags = typename Lanes::Flags;
+  using Ids = typename Lanes::Ids;
   const Reals farther = s.at_right < s.at_left ? s.at_left : s.at_right;
   const Flags may_be_farther = ~s.crossed & (ahead.at_apex < kUnreached);
+  s.beyond_is_surface &= ~(s.alive & s.at_border);
   s.alive &= s.beyond_is_surface & ((ahead.at_apex < farther) | may_be_farther);
   s.crossed |= s.alive;
-  const Flags forward = ahead.vertex == s.right_vertex;
+  // The halfedge's tail is to the right.
+  const Flags forward = kOriented ? Flags{} : Flags(ahead.vertex == s.right_vertex);
   const Reals per_base2 = 1.0 / (ahead.dot + ahead.next_dot);
-  const Reals along = (forward ? ahead.dot : ahead.next_dot) * per_base2;
+  const Reals along = (kOriented ? ahead.next_dot
+                       : forward ? ahead.dot
+                                 : ahead.next_dot) *
+                      per_base2;
   const Reals height = ahead.area * per_base2;
   const Reals base_x = s.left_x - s.right_x;
   const Reals base_y = s.left_y - s.right_y;
@@ -188,11 +232,18 @@ GEODESIC_LANES_INLINE void unfold(const Ahead<kWide>& ahead, State<kWide>& s,
   s.right_bound_x = bounds_right ? x : s.right_bound_x;
   s.right_bound_y = bounds_right ? y : s.right_bound_y;
 
-  const Flags to_previous = (on_left & forward) | (on_right & ~forward);
-  const Flags to_next = (on_left & ~forward) | (on_right & forward);
-  s.edge = to_next ? ahead.next : to_previous ? ahead.previous : s.edge;
-  s.across = to_next ? ahead.over_next : to_previous ? ahead.over_previous : s.across;
-  s.right_vertex = on_right ? ahead.apex : s.right_vertex;
+  if constexpr (kOriented) {
+    const Ids from = s.across;
+    s.across = on_left ? ahead.over_next : on_right ? ahead.over_previous : from;
+    s.at_border = Flags(s.across ^ from) < 4;  // across is the same face
+  } else {
+    const Flags to_previous = (on_left & forward) | (on_right & ~forward);
+    const Flags to_next = (on_left & ~forward) | (on_right & forward);
+    s.edge = to_next ? ahead.next : to_previous ? ahead.previous : s.edge;
+    s.across = to_next ? ahead.over_next : to_previous ? ahead.over_previous : s.across;
+    s.right_vertex = on_right ? ahead.apex : s.right_vertex;
+    s.at_border = s.edge == s.across;
+  }
   going |= s.alive;
 }
 
@@ -244,63 +295,81 @@ GEODESIC_LANES_INLINE void meet_circles(BackTrace::Takes takes, BackTrace::Reach
 struct Task {
   const FaceRecord* faces;
   const double* distance;
+  bool is_oriented;
   BackTrace::Takes takes;
-  BackTrace::Reach reach;
 };
 
 // The same steps as in BackTrace, each for all lanes.
-template <std::size_t kWide>
+template <std::size_t kWide, bool kOriented>
 GEODESIC_LANES_INLINE void trace(const Task& task, TraceLanes& traces) {
   using Lanes = lanes::Lanes<kWide>;
-  const auto [faces, distance, takes, reach] = task;
+  constexpr std::size_t kParts = TraceLanes::kLanes / kWide;
+  const auto [faces, distance, is_oriented, takes] = task;
   const std::size_t parts = (traces.count + kWide - 1) / kWide;
-  State<kWide> states[TraceLanes::kLanes / kWide];
+  State<kWide> states[kParts];
+  std::size_t part_of[kParts];
   for (std::size_t part = 0; part < parts; ++part) {
     begin<kWide>(faces, distance, traces, part * kWide, states[part]);
-  }
-  Ahead<kWide> ahead{};
-  const int most = BackTrace::most_faces(takes, reach);
-  for (int step = 0; step < most; ++step) {
-    typename Lanes::Flags going = {};
-    for (std::size_t part = 0; part < parts; ++part) {
-      State<kWide>& s = states[part];
-      look_ahead<kWide>(faces, distance, s, ahead);
-      unfold<kWide>(ahead, s, going);
-      if (step + 1 < most) {
-        s.beyond_is_surface &= ~(s.edge == s.across);
-      }
-      // While the other parts have their turn.
-      for (std::size_t j = 0; j < kWide; ++j) __builtin_prefetch(&faces[s.across[j] >> 2U]);
+    if ((traces.elsewhere >> (part * kWide)) != 0) {
+      begin_elsewhere<kWide>(faces, distance, traces, part * kWide, states[part]);
     }
-    if (!Lanes::any(going)) break;
+    part_of[part] = part;
+  }
+  // Near all of them, then far those with an unsure one among them.
+  std::size_t count = parts;
+  int step = 0;
+  for (const auto reach : {BackTrace::Reach::near, BackTrace::Reach::far}) {
+    Ahead<kWide> ahead{};
+    for (const int most = BackTrace::most_faces(takes, reach); step < most; ++step) {
+      typename Lanes::Flags going = {};
+      for (std::size_t i = 0; i < count; ++i) {
+        State<kWide>& s = states[part_of[i]];
+        look_ahead<kWide, kOriented>(faces, distance, s, ahead);
+        unfold<kWide, kOriented>(ahead, s, going);
+        // While the other parts have their turn.
+        for (std::size_t j = 0; j < kWide; ++j) __builtin_prefetch(&faces[s.across[j] >> 2U]);
+      }
+      if (!Lanes::any(going)) break;
+    }
+    std::size_t unsure_parts = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      State<kWide>& s = states[part_of[i]];
+      typename Lanes::Flags unsure;
+      meet_circles<kWide>(takes, reach, s, unsure);
+      s.alive &= unsure;
+      if (Lanes::any(s.alive)) part_of[unsure_parts++] = part_of[i];
+    }
+    count = unsure_parts;
+    if (count == 0) break;
   }
   for (std::size_t part = 0; part < parts; ++part) {
-    typename Lanes::Flags unsure;
-    meet_circles<kWide>(takes, reach, states[part], unsure);
-    for (std::size_t i = 0; i < kWide; ++i) traces.is_unsure[part * kWide + i] = unsure[i] != 0;
     std::memcpy(traces.best.data() + part * kWide, &states[part].best, sizeof states[part].best);
   }
 }
 
-void trace_plain(const Task& task, TraceLanes& traces) { trace<lanes::kPlain>(task, traces); }
+template <std::size_t kWide>
+GEODESIC_LANES_INLINE void trace_any(const Task& task, TraceLanes& traces) {
+  task.is_oriented ? trace<kWide, true>(task, traces) : trace<kWide, false>(task, traces);
+}
+
+void trace_plain(const Task& task, TraceLanes& traces) { trace_any<lanes::kPlain>(task, traces); }
 
 #ifdef __x86_64__
 __attribute__((target("avx2"))) void trace_avx2(const Task& task, TraceLanes& traces) {
-  trace<lanes::kWithAvx2>(task, traces);
+  trace_any<lanes::kWithAvx2>(task, traces);
 }
 
 __attribute__((target("avx512f,avx512vl,avx512dq"))) void trace_avx512(const Task& task,
                                                                        TraceLanes& traces) {
-  trace<lanes::kWithAvx2>(task, traces);
+  trace_any<lanes::kWithAvx2>(task, traces);
 }
 #endif
 
 }  // namespace
 
 void trace_lanes(const Triangulation& surface, std::span<const double> distance,
-                 BackTrace::Takes takes, BackTrace::Reach reach, Vectors vectors,
-                 TraceLanes& traces) {
-  const Task task{surface.faces.data(), distance.data(), takes, reach};
+                 BackTrace::Takes takes, Vectors vectors, TraceLanes& traces) {
+  const Task task{surface.faces.data(), distance.data(), surface.is_oriented, takes};
 #ifdef __x86_64__
   if (vectors == Vectors::avx512) return trace_avx512(task, traces);
   if (vectors == Vectors::avx2) return trace_avx2(task, traces);

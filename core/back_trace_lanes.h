@@ -24,23 +24,35 @@ struct TraceLanes {
   std::array<Halfedge, kLanes> base{};
   std::array<double, kLanes> crossing{};
   std::array<double, kLanes> best{};
-  // Of traces that looked back near only: whether they are to look farther.
-  std::array<bool, kLanes> is_unsure{};
+  // Those that begin elsewhere than over a base, each a bit, and where.
+  std::uint32_t elsewhere = 0;
+  std::array<TraceStart, kLanes> start{};
 
-  // There must be room. Returns the lane.
+  // There must be room. Return the lane.
   std::size_t add(Halfedge over, double at, double so_far) {
     base[count] = over;
     crossing[count] = at;
     best[count] = so_far;
     return count++;
   }
+  std::size_t add(const TraceStart& from, double so_far) {
+    start[count] = from;
+    elsewhere |= 1U << count;
+    return add(from.edge, 0.5, so_far);
+  }
+  [[nodiscard]] bool begins_elsewhere(std::size_t lane) const {
+    return ((elsewhere >> lane) & 1U) != 0;
+  }
   [[nodiscard]] bool full() const { return count == kLanes; }
+  void clear() {
+    count = 0;
+    elsewhere = 0;
+  }
 };
 
-// Lowers `best` of every lane as BackTrace::over does, for a source at a vertex: looking
-// back far where `reach` says so, or near; then those that are unsure must go far.
+// Lowers `best` of every lane as BackTrace::over does, or BackTrace::least, for a source at
+// a vertex.
 void trace_lanes(const Triangulation& surface, std::span<const double> distance,
-                 BackTrace::Takes takes, BackTrace::Reach reach, Vectors vectors,
-                 TraceLanes& lanes);
+                 BackTrace::Takes takes, Vectors vectors, TraceLanes& lanes);
 
 }  // namespace geodesic

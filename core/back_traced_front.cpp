@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
+#include <utility>
 
 #include "core/arrive_lanes.h"
+#include "core/lane_arithmetic.h"
+#include "core/sort_few.h"
 #include "core/vec3.h"
 #include "core/virtual_source.h"
 
@@ -31,12 +35,21 @@ constexpr double kLeastGain = 0.001;
 constexpr double kEarly = 0.5;
 constexpr int kMostRoundsInBucket = 256;
 
+// Corners at a vertex, but for a few vertices: with as many always, no branch depends on
+// how many there are, which nobody could predict.
+constexpr std::size_t kMostCorners = 8;
+
 // A traced distance above its estimate by more than this part of the base edge: the
 // estimate was of two sources, or the trace took the wrong side of something.
 constexpr double kSuspicious = 0.02;
 
 // Faces round a vertex that a bend is unfolded over, before its angle is beyond pi.
 constexpr int kMostFacesRound = 12;
+
+// At corner c, the side to the nearer of the other two corners, and the farther one: at
+// [2c + 1] where the next corner is nearer than the previous one, else at [2c].
+constexpr std::array<std::uint8_t, 6> kNearerSide{2, 0, 0, 1, 1, 2};
+constexpr std::array<std::uint8_t, 6> kFartherCorner{1, 2, 2, 0, 0, 1};
 
 double shortest2(const FaceRecord& face) {
   return std::min({face.length2(0), face.length2(1), face.length2(2)});
@@ -125,9 +138,9 @@ void BackTracedFront::see(std::uint32_t vertex, double straight) {
 void BackTracedFront::lower(std::uint32_t vertex, double estimate, Halfedge base, float crossing) {
   FrontVertex& known = scratch_.vertices[vertex];
   const double before = std::abs(known.estimate);
+  if (!(estimate < before + least_gain_)) return;
   // In sight, but for those that go on past it, it has its base all the same.
   if (known.base == kNone && base != kNone && before < kUnreached) {
-    if (!(estimate < before + least_gain_)) return;
     known.base = base;
     known.crossing = crossing;
   }
@@ -139,9 +152,8 @@ void BackTracedFront::lower(std::uint32_t vertex, double estimate, Halfedge base
     return;
   }
   if (!(estimate < before)) return;
-  const bool waits_there = before < kUnreached && scratch_.waiting.in_same_bucket(estimate, before);
   known = {estimate, base, crossing};
-  if (!waits_there) scratch_.waiting.push(vertex, estimate);
+  scratch_.waiting.push(vertex, estimate, before);
 }
 
 bool BackTracedFront::accept_next(double last) {
@@ -189,7 +201,7 @@ void BackTracedFront::take_round() {
   round.resize(count);
   // So that nothing depends on the order in which they came to wait, and because what is
   // near in number is near in memory.
-  std::sort(round.begin(), round.end());
+  sort_few(round);
 }
 
 // Whether one of those to be accepted may yet have a say in the estimate of the vertex.
@@ -203,14 +215,21 @@ bool BackTracedFront::is_early(std::uint32_t vertex, double least) const {
 void BackTracedFront::trace_round() {
   const std::vector<std::uint32_t>& round = scratch_.round;
   scratch_.best.resize(round.size());
+  const std::size_t at_once = std::min(kMostCorners, surface_.all_corners.size());
   for (std::uint32_t i = 0; i < round.size(); ++i) {
+    // For the spread: a few at a time, for many at once would have to queue.
+    const std::size_t begin = std::min<std::size_t>(surface_.corner_begin[round[i]],
+                                                    surface_.all_corners.size() - at_once);
+    for (const std::uint32_t corner : surface_.all_corners.subspan(begin, at_once)) {
+      __builtin_prefetch(&surface_.faces[face_of(corner)]);
+    }
     const FrontVertex& known = scratch_.vertices[round[i]];
     double& best = scratch_.best[i];
     best = distance_[round[i]];
     if (known.base == kNone) continue;  // straight from the source
     const bool bends_at_tail = known.crossing == ArrivalLanes::kBendsAtTail;
     if (!bends_at_tail && known.crossing != ArrivalLanes::kBendsAtHead) {
-      trace(i, known.base, known.crossing);
+      trace(i, known.base, known.crossing, best);
       continue;
     }
     const FaceRecord& face = surface_.faces[face_of(known.base)];
@@ -222,50 +241,40 @@ void BackTracedFront::trace_round() {
     best = std::min({best, by_tail, by_head});
     // At a pinched vertex only one end may have a distance.
     if (!(std::max(by_tail, by_head) < kUnreached)) continue;
-    best = round_a_vertex(round[i], face.vertex[bends_at_tail ? c : n], best);
+    trace_round_a_vertex(i, face.vertex[bends_at_tail ? c : n]);
   }
   flush_traces();
 }
 
-// The next lane is for the vertex at that place of the round.
-void BackTracedFront::trace(std::uint32_t place, Halfedge base, double crossing) {
-  traced_[traces_.add(base, crossing, scratch_.best[place])] = place;
-  if (traces_.full()) flush_near();
+// The next lane is for the vertex at that place of the round. What is known to be best is
+// told: in the round it may or may not be less already, by the vertex' other traces.
+void BackTracedFront::trace(std::uint32_t place, Halfedge base, double crossing, double best) {
+  traced_[traces_.add(base, crossing, best)] = place;
+  if (traces_.full()) flush_traces();
+}
+
+void BackTracedFront::trace(std::uint32_t place, const TraceStart& start, double best) {
+  traced_[traces_.add(start, best)] = place;
+  if (traces_.full()) flush_traces();
 }
 
 void BackTracedFront::flush_traces() {
-  flush_near();
-  flush_far();
-}
-
-void BackTracedFront::flush_near() {
   if (traces_.count == 0) return;
   if (stops_.empty()) {
-    trace_lanes(surface_, distance_, takes_, BackTrace::Reach::near, vectors_, traces_);
+    trace_lanes(surface_, distance_, takes_, vectors_, traces_);
   } else {
     const BackTrace one(surface_, distance_, stops_, takes_);
     for (std::size_t i = 0; i < traces_.count; ++i) {
-      traces_.best[i] = one.over(traces_.base[i], traces_.crossing[i], traces_.best[i]);
+      double& best = traces_.best[i];
+      best = traces_.begins_elsewhere(i) ? one.least(traces_.start[i], best)
+                                         : one.over(traces_.base[i], traces_.crossing[i], best);
     }
   }
   for (std::size_t i = 0; i < traces_.count; ++i) {
     double& best = scratch_.best[traced_[i]];
     best = std::min(best, traces_.best[i]);
-    if (!stops_.empty() || !traces_.is_unsure[i]) continue;
-    traced_far_[far_traces_.add(traces_.base[i], traces_.crossing[i], best)] = traced_[i];
-    if (far_traces_.full()) flush_far();
   }
-  traces_.count = 0;
-}
-
-void BackTracedFront::flush_far() {
-  if (far_traces_.count == 0) return;
-  trace_lanes(surface_, distance_, takes_, BackTrace::Reach::far, vectors_, far_traces_);
-  for (std::size_t i = 0; i < far_traces_.count; ++i) {
-    double& best = scratch_.best[traced_far_[i]];
-    best = std::min(best, far_traces_.best[i]);
-  }
-  far_traces_.count = 0;
+  traces_.clear();
 }
 
 // A distance above what the front expected needs a second look: every other face whose
@@ -273,13 +282,10 @@ void BackTracedFront::flush_far() {
 void BackTracedFront::ask_other_faces() {
   const std::vector<std::uint32_t>& round = scratch_.round;
   std::vector<Halfedge>& bases = scratch_.bases;
-  std::vector<std::uint32_t>& asks = scratch_.asks;
+  std::vector<BackTracedScratch::Ask>& asks = scratch_.asks;
   bases.clear();
   asks.clear();
   for (std::uint32_t i = 0; i < round.size(); ++i) {
-    for (const std::uint32_t corner : surface_.corners(round[i])) {
-      __builtin_prefetch(&surface_.faces[face_of(corner)]);  // for the spread
-    }
     if (!is_doubtful(round[i], scratch_.best[i])) continue;
     for (const std::uint32_t corner : surface_.corners(round[i])) {
       const std::uint32_t n = next_corner(corner_of(corner));
@@ -289,12 +295,13 @@ void BackTracedFront::ask_other_faces() {
       if (!(distance_[face.vertex[n]] + distance_[face.vertex[next_corner(n)]] < kUnreached))
         continue;
       bases.push_back(base);
-      asks.push_back(i);
+      asks.push_back({i, scratch_.best[i]});
     }
   }
   arrive_over_bases(bases.size(), [&](std::size_t at, double distance, float crossing) {
     const bool straight = crossing >= 0 && crossing <= 1;
-    if (straight && distance < scratch_.best[asks[at]]) trace(asks[at], bases[at], crossing);
+    const auto [place, best] = asks[at];
+    if (straight && distance < best) trace(place, bases[at], crossing, best);
   });
   flush_traces();
 }
@@ -327,32 +334,56 @@ void BackTracedFront::arrive_over_bases(std::size_t count, Tell tell) {
 }
 
 void BackTracedFront::spread() {
-  std::size_t corners = 0;
-  for (const std::uint32_t v : scratch_.round) corners += surface_.corners(v).size();
-  std::vector<Halfedge>& bases = scratch_.bases;
-  bases.resize(corners + ArrivalLanes::kLanes);
-  std::size_t count = 0;
   for (const std::uint32_t v : scratch_.round) {
     if (adjacency_.is_pinched(v)) spread_along_edges(v);
-    const double own = distance_[v];
-    for (const std::uint32_t corner : surface_.corners(v)) {
-      const FaceRecord& face = surface_.faces[face_of(corner)];
-      const std::uint32_t c = corner_of(corner);
-      const std::uint32_t behind = previous_corner(c);
-      const double at_ahead = distance_[face.vertex[next_corner(c)]];
-      const double at_behind = distance_[face.vertex[behind]];
-      const bool ahead_is_nearer = at_ahead < at_behind;
-      const double nearer = ahead_is_nearer ? at_ahead : at_behind;
-      const double farther = ahead_is_nearer ? at_behind : at_ahead;
-      // Without a branch, which nobody could predict.
-      bases[count] = halfedge(face_of(corner), ahead_is_nearer ? c : behind);
-      __builtin_prefetch(&scratch_.vertices[opposite(bases[count])]);
-      count += static_cast<std::size_t>((nearer < kUnreached) & (own < farther));
-    }
   }
+  const std::size_t corners = list_corners();
+  std::vector<Halfedge>& bases = scratch_.bases;
+  bases.resize(corners + ArrivalLanes::kLanes);
+  const FaceRecord* const faces = surface_.faces.data();
+  const double* const distance = distance_.data();
+  const FrontVertex* const vertices = scratch_.vertices.data();
+  Halfedge* next = bases.data();
+  for (std::size_t i = 0; i < corners; ++i) {
+    const std::uint32_t corner = scratch_.corners[i];
+    const FaceRecord& face = faces[face_of(corner)];
+    const std::uint32_t c = corner_of(corner);
+    const double own = distance[face.vertex[c]];
+    const double at_ahead = distance[face.vertex[lanes::kNextCorner[c]]];
+    const double at_behind = distance[face.vertex[lanes::kPreviousCorner[c]]];
+    const double nearer = std::min(at_ahead, at_behind);
+    const double farther = std::max(at_ahead, at_behind);
+    // Without a branch, which nobody could predict.
+    const std::size_t which = 2 * c + static_cast<std::size_t>(at_ahead < at_behind);
+    *next = corner - c + kNearerSide[which];
+    __builtin_prefetch(&vertices[face.vertex[kFartherCorner[which]]]);
+    next += static_cast<std::size_t>((nearer < kUnreached) & (own < farther));
+  }
+  const auto count = static_cast<std::size_t>(next - bases.data());
   arrive_over_bases(count, [&](std::size_t at, double distance, float crossing) {
     lower(opposite(bases[at]), distance, bases[at], crossing);
   });
+}
+
+// The corners at the round's vertices, one after the other; how many there are. Behind
+// them is what nobody asked for.
+std::size_t BackTracedFront::list_corners() {
+  std::vector<std::uint32_t>& corners = scratch_.corners;
+  const std::span<const std::uint32_t> all = surface_.all_corners;
+  std::size_t count = 0;
+  for (const std::uint32_t v : scratch_.round) {
+    const std::size_t begin = surface_.corner_begin[v];
+    const std::size_t at_vertex = surface_.corner_begin[v + 1] - begin;
+    const std::size_t room = count + std::max(at_vertex, kMostCorners);
+    if (corners.size() < room) corners.resize(2 * room);
+    if (at_vertex <= kMostCorners && begin + kMostCorners <= all.size()) [[likely]] {
+      std::memcpy(corners.data() + count, all.data() + begin, kMostCorners * sizeof(std::uint32_t));
+    } else {
+      std::memcpy(corners.data() + count, all.data() + begin, at_vertex * sizeof(std::uint32_t));
+    }
+    count += at_vertex;
+  }
+  return count;
 }
 
 // Where faces meet in nothing but the vertex, no triangle beyond it has two accepted
@@ -373,12 +404,12 @@ void BackTracedFront::spread_along_edges(std::uint32_t v) {
 
 // The way to the vertex seems to bend at another one. On either side of that one, the
 // faces round it are unfolded until the one its own way came through: if that way goes
-// straight on past it, the trace begins there.
-double BackTracedFront::round_a_vertex(std::uint32_t vertex, std::uint32_t bend,
-                                       double best) const {
+// straight on past it, a trace begins there.
+void BackTracedFront::trace_round_a_vertex(std::uint32_t place, std::uint32_t bend) {
+  const std::uint32_t vertex = scratch_.round[place];
+  double best = scratch_.best[place];
   const Halfedge bend_base = scratch_.vertices[bend].base;
-  if (bend_base == kNone) return best;  // in sight of the source
-  const BackTrace trace(surface_, distance_, stops_, takes_);
+  if (bend_base == kNone) return;  // in sight of the source
   const FaceRecord& last = surface_.faces[face_of(bend_base)];
   for (const std::uint32_t corner : surface_.corners(vertex)) {
     const std::uint32_t first = face_of(corner);
@@ -387,7 +418,7 @@ double BackTracedFront::round_a_vertex(std::uint32_t vertex, std::uint32_t bend,
     const bool ahead = face.vertex[next_corner(c)] == bend;
     if (first == face_of(bend_base) || (!ahead && face.vertex[previous_corner(c)] != bend))
       continue;
-    // The bend to the right, mirrored if need be.
+    // The bend to the right, mirrored if need be until the trace begins.
     const std::uint32_t b = ahead ? next_corner(c) : previous_corner(c);
     const std::uint32_t r = ahead ? previous_corner(c) : next_corner(c);
     const double length = std::sqrt(std::max(face.length2(ahead ? c : b), 0.0));
@@ -422,8 +453,15 @@ double BackTracedFront::round_a_vertex(std::uint32_t vertex, std::uint32_t bend,
         const Vec2 aim = to_bend + distance_[bend] * unit(through - to_bend);
         // Past the bend on this side, and within the first face.
         if (cross(to_bend, aim) > 0 && cross(aim, to_rim) >= 0) {
-          best = trace.least(
-              {out, bend, face.vertex[r], along_ray(aim, to_bend), along_ray(aim, to_rim)}, best);
+          TraceStart start{out, bend, face.vertex[r], along_ray(aim, to_bend),
+                           along_ray(aim, to_rim)};
+          if (!ahead) {
+            std::swap(start.right, start.left);
+            std::swap(start.to_right, start.to_left);
+            start.to_right.y *= -1;
+            start.to_left.y *= -1;
+          }
+          trace(place, start, best);
         }
         break;
       }
@@ -433,7 +471,7 @@ double BackTracedFront::round_a_vertex(std::uint32_t vertex, std::uint32_t bend,
       edge = halfedge(face_of(across), at_bend ? apex : next_corner(at));
     }
   }
-  return best;
+  scratch_.best[place] = std::min(scratch_.best[place], best);
 }
 
 void BackTracedFront::forget(std::uint32_t vertex) {

@@ -58,20 +58,20 @@ class BackTracedFront {
  private:
   void see(std::uint32_t vertex, double straight);
   void lower(std::uint32_t vertex, double estimate, Halfedge base, float crossing);
+  [[nodiscard]] std::size_t list_corners();
   void spread_along_edges(std::uint32_t vertex);
   void take_round();
   [[nodiscard]] bool is_early(std::uint32_t vertex, double least) const;
   void trace_round();
   void ask_other_faces();
   [[nodiscard]] bool is_doubtful(std::uint32_t vertex, double best) const;
-  void trace(std::uint32_t place, Halfedge base, double crossing);
+  void trace(std::uint32_t place, Halfedge base, double crossing, double best);
+  void trace(std::uint32_t place, const TraceStart& start, double best);
+  void trace_round_a_vertex(std::uint32_t place, std::uint32_t bend);
   void flush_traces();
-  void flush_near();
-  void flush_far();
   // The estimates over the first `count` of the scratch's bases, told by their place.
   template <class Tell>
   void arrive_over_bases(std::size_t count, Tell tell);
-  [[nodiscard]] double round_a_vertex(std::uint32_t vertex, std::uint32_t bend, double best) const;
   [[nodiscard]] std::uint32_t opposite(Halfedge h) const {
     return surface_.faces[face_of(h)].vertex[previous_corner(corner_of(h))];
   }
@@ -85,10 +85,9 @@ class BackTracedFront {
   double least_gain_ = 0;             // that makes an accepted vertex wait again
   int rounds_in_bucket_ = 0;
   Vectors vectors_ = best_vectors();
-  // Traces that wait for company, and those of them that are to look farther.
-  TraceLanes traces_, far_traces_;
-  // Their places in the round.
-  std::array<std::uint32_t, TraceLanes::kLanes> traced_{}, traced_far_{};
+  // Traces that wait for company, and their places in the round.
+  TraceLanes traces_;
+  std::array<std::uint32_t, TraceLanes::kLanes> traced_{};
 };
 
 }  // namespace geodesic

@@ -24,16 +24,24 @@ struct FrontVertex {
 
 // Memory that a query works in, kept for the next query on the same thread.
 struct BackTracedScratch {
+  struct Ask {
+    std::uint32_t place;  // in the round
+    double best;          // before it asked
+  };
+
   VertexBuckets waiting;
   std::vector<FrontVertex> vertices;
+  bool is_clean = false;  // they are as constructed: the last query came to its end
+  std::vector<std::uint32_t> visited;
   std::vector<double> distance;  // of one of several waves; kUnreached between waves
   std::vector<std::uint8_t> is_target;
   std::vector<Wedge> wedges;
   // Of those that are accepted together.
   std::vector<std::uint32_t> round;
   std::vector<double> best;
+  std::vector<std::uint32_t> corners;
   std::vector<Halfedge> bases;
-  std::vector<std::uint32_t> asks;  // whose base that is, by its place in the round
+  std::vector<Ask> asks;  // whose base that is
 };
 
 }  // namespace geodesic

@@ -69,7 +69,14 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
   limits.max *= 1 + kRounding;
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
   Field field = unreached_field(Method::back_traced, sources, vertex_count);
-  scratch.vertices.assign(vertex_count, {});
+  if (!scratch.is_clean || scratch.vertices.size() != vertex_count) {
+    scratch.vertices.assign(vertex_count, {});
+  }
+  scratch.is_clean = false;
+  // A search for a pair costs what it goes over, not what the mesh has.
+  const bool is_search = sources.size() == 1 && limits.detour.is_bounded();
+  std::vector<std::uint32_t>& visited = scratch.visited;
+  visited.clear();
   const auto takes =
       bound == Bound::upper ? BackTrace::Takes::paths : BackTrace::Takes::virtual_sources;
   Poll poll(cancel);
@@ -77,7 +84,9 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
     BackTracedFront front(adjacency, takes, scratch, field.distance.doubles());
     RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
     auto wave = run_wave(front, adjacency, sources, 0, {}, limits.max, limits.detour, targets, poll,
-                         [](std::uint32_t) {});
+                         [&](std::uint32_t v) {
+                           if (is_search) visited.push_back(v);
+                         });
     if (!wave) return fail(wave.error());
     if (sources[0].offset != 0) {
       for (double& d : field.distance.doubles()) d += sources[0].offset;
@@ -96,9 +105,17 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
         [&](std::uint32_t v) { front.forget(v); });
     if (!waves) return fail(waves.error());
   }
-  // Where a detour ended the front, what it left out is left out.
-  relax_edges(adjacency, reach(limits, field), !limits.detour.is_bounded(), field, poll);
+  const double max = reach(limits, field);
+  if (is_search) {
+    // Where the detour ended the front, what it left out is left out.
+    relax_edges_among(visited, adjacency, max, field, poll);
+    for (const std::uint32_t v : visited) scratch.vertices[v] = {};
+  } else {
+    relax_edges(adjacency, max, field, poll);
+    std::fill(scratch.vertices.begin(), scratch.vertices.end(), FrontVertex{});
+  }
   if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  scratch.is_clean = true;
   field.distance.round_to_floats(bound);
   if (asked.max < kUnreached) field.forget_beyond(asked.max);
   field.count_reached();

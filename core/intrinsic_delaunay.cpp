@@ -27,6 +27,7 @@ constexpr std::uint64_t kMostFlipsPerFace = 64;
 Result<IntrinsicDelaunay> IntrinsicDelaunay::build(const Triangulation& mesh,
                                                    const Cancel& cancel) {
   IntrinsicDelaunay result;
+  result.is_oriented_ = mesh.is_oriented;
   Poll poll(cancel);
   polled_copy(result.faces_, mesh.faces, poll);
   if (!poll.ask()) result.flip_edges(poll);

@@ -32,7 +32,9 @@ class IntrinsicDelaunay {
                                                        const Cancel& cancel);
 
   // Valid while this object is.
-  [[nodiscard]] Triangulation triangulation() const { return {faces_, corner_begin_, corners_}; }
+  [[nodiscard]] Triangulation triangulation() const {
+    return {faces_, corner_begin_, corners_, is_oriented_};
+  }
 
   // Whether the edge of a halfedge may be flipped: it has two faces, and their apexes
   // are two vertices.
@@ -54,6 +56,7 @@ class IntrinsicDelaunay {
   std::vector<FaceRecord> faces_;
   std::vector<std::uint32_t> corner_begin_;  // vertex_count + 1
   std::vector<std::uint32_t> corners_;
+  bool is_oriented_ = false;  // as the mesh is: flips keep it so
   std::uint64_t flips_ = 0;
 };
 

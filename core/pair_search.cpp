@@ -8,6 +8,7 @@
 
 #include "core/arrive_at_point.h"
 #include "core/edge_path.h"
+#include "core/refine_path.h"
 #include "core/shorten_path.h"
 #include "core/surface_patch.h"
 
@@ -63,12 +64,8 @@ bool is_most_within(const Mesh& mesh, const Path& guess, double longest) {
 class PairSearch {
  public:
   PairSearch(Method method, const MethodOptions& options, SolveScratch& scratch,
-             const Cancel& cancel, bool with_path)
-      : method_(method),
-        options_(options),
-        scratch_(scratch),
-        cancel_(cancel),
-        with_path_(with_path) {}
+             const Cancel& cancel, PairPath path)
+      : method_(method), options_(options), scratch_(scratch), cancel_(cancel), path_(path) {}
 
   // By a field that stops at the target, and goes on only where the way to it is no
   // longer than `longest`.
@@ -77,8 +74,8 @@ class PairSearch {
     const std::vector<std::uint32_t> targets = vertices_about(adjacency, to);
     FieldLimits limits;
     // A path that goes by approximate distances looks at what is farther than the target.
-    if (is_exact(method_) || !(with_path_ || longest < kUnreached)) limits.targets = targets;
-    limits.keep_details = with_path_ || !to.at_vertex();
+    if (is_exact(method_) || !(with_path() || longest < kUnreached)) limits.targets = targets;
+    limits.keep_details = with_path() || !to.at_vertex();
     const std::span<const Vec3> positions = adjacency.mesh().positions();
     const Vec3 goal = position_of(adjacency.mesh(), to);
     double about = 0;  // those round the target are to be reached as well
@@ -89,7 +86,22 @@ class PairSearch {
     if (!field) return fail(field.error());
     Pair pair;
     pair.distance = PointArrivals(adjacency, *field).distance_at(to);
-    if (with_path_) pair.path = trace_path(adjacency, *field, to);
+    if (!with_path()) return pair;
+    pair.path = trace_path(adjacency, *field, to);
+    if (!pair.path || path_ != PairPath::refined || is_exact(method_)) return pair;
+    auto refined = refine_path(adjacency, *field, to, *pair.path, cancel_);
+    if (!refined) return fail(refined.error());
+    pair.path = std::move(*refined);
+    return pair;
+  }
+
+  // The pair with its path refined, if that is asked for: by an exact method the traced one
+  // is on the right side of everything.
+  Result<Pair> straightened(const Adjacency& adjacency, Result<Pair> pair) {
+    if (!pair || !pair->path || path_ != PairPath::refined) return pair;
+    auto shorter = shorten_path(adjacency, *pair->path, cancel_);
+    if (!shorter) return fail(shorter.error());
+    pair->path = std::move(*shorter);
     return pair;
   }
 
@@ -126,11 +138,13 @@ class PairSearch {
   }
 
  private:
+  [[nodiscard]] bool with_path() const { return path_ != PairPath::none; }
+
   Method method_;
   const MethodOptions& options_;
   SolveScratch& scratch_;
   const Cancel& cancel_;
-  bool with_path_;
+  PairPath path_;
 };
 
 }  // namespace
@@ -140,9 +154,9 @@ bool searches_pairs(Method method) {
 }
 
 Result<Pair> pair_search(Method method, const MethodOptions& options, const Adjacency& adjacency,
-                         const Source& from, const SurfacePoint& to, bool with_path,
+                         const Source& from, const SurfacePoint& to, PairPath path,
                          SolveScratch& scratch, const Cancel& cancel) {
-  PairSearch search(method, options, scratch, cancel, with_path);
+  PairSearch search(method, options, scratch, cancel, path);
   if (!searches_pairs(method)) return search.by_field(adjacency, from, to, kUnreached);
   const auto guess = edge_path(adjacency, from.point, to, scratch.wavefront, cancel);
   if (!guess) return fail(guess.error());
@@ -150,7 +164,9 @@ Result<Pair> pair_search(Method method, const MethodOptions& options, const Adja
   // A search may be too small to ask or tell on its own.
   cancel.report(kPathAlongEdges);
   if (cancel.requested()) return fail(ErrorCode::cancelled, "the computation was cancelled");
-  if (is_exact(method)) return search.in_patch(adjacency, from, to, **guess);
+  if (is_exact(method)) {
+    return search.straightened(adjacency, search.in_patch(adjacency, from, to, **guess));
+  }
   if (method == Method::dijkstra) {
     return search.by_field(adjacency, from, to, (1 + kRounding) * (*guess)->length);
   }

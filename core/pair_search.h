@@ -7,6 +7,7 @@
 // two, and of a scan some tenth of the vertices.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "core/adjacency.h"
@@ -20,6 +21,9 @@
 
 namespace geodesic {
 
+// What is asked for besides the distance: no path, trace_path's, or refine_path's.
+enum class PairPath : std::uint8_t { none, traced, refined };
+
 struct Pair {
   double distance = kUnreached;  // with the source's offset
   std::optional<Path> path;      // if asked for, and there is one
@@ -29,19 +33,17 @@ struct Pair {
 // target.
 [[nodiscard]] bool searches_pairs(Method method);
 
-// The distance of `to`, and the path that trace_path gives, as from a field of the whole
-// surface. By `dijkstra` the distance has the same bits; by `exact` and `chen_han` it
-// differs by rounding, at most 1e-12 of it. The other methods compute a vertex from its
-// neighbours only approximately, and one beyond the ellipsoid may have a say in one
-// within: they get a margin, and where the result comes near its edge a wider one, in
-// the end the whole surface. So on scans the bits are those of the whole field; on
-// meshes stretched 8 times one pair in fifty differs, by up to 3e-7.
-// For a method that searches no pairs this is such a field; without a path, one that
-// stops at the target.
-// Errors: as solve_field.
+// The distance of `to`, and the path asked for, as from a field of the whole surface. By `dijkstra`
+// the distance has the same bits; by `exact` and `chen_han` it differs by rounding, at most 1e-12
+// of it. The other methods compute a vertex from its neighbours only approximately, and one beyond
+// the ellipsoid may have a say in one within: they get a margin, and where the result comes near
+// its edge a wider one, in the end the whole surface. So on scans the bits are those of the whole
+// field; on meshes stretched 8 times one pair in fifty differs, by up to 3e-7. For a method that
+// searches no pairs this is such a field; without a path, one that stops at the target. Errors: as
+// solve_field.
 [[nodiscard]] Result<Pair> pair_search(Method method, const MethodOptions& options,
                                        const Adjacency& adjacency, const Source& from,
-                                       const SurfacePoint& to, bool with_path,
-                                       SolveScratch& scratch, const Cancel& cancel);
+                                       const SurfacePoint& to, PairPath path, SolveScratch& scratch,
+                                       const Cancel& cancel);
 
 }  // namespace geodesic

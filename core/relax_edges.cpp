@@ -11,58 +11,86 @@ namespace {
 
 // What is above by less than this part of an edge's length is above by rounding.
 constexpr double kRounding = 1e-12;
-// Of squared lengths by positions, which differ from those by corners in their last bits;
-// on a thin face, in more of them.
-constexpr double kNearly = 1 - 1e-6;
+
+class EdgeRelaxer {
+ public:
+  EdgeRelaxer(const Adjacency& adjacency, double max, bool reaches_more, Field& field)
+      : adjacency_(adjacency),
+        positions_(adjacency.mesh().positions()),
+        max_(max),
+        reaches_more_(reaches_more),
+        field_(field),
+        distance_(field.distance.doubles()) {}
+
+  // By positions: all the faces' records would be twice as much to read.
+  [[nodiscard]] unsigned is_above(std::uint32_t u, std::uint32_t v) const {
+    const Vec3 edge = positions_[v] - positions_[u];
+    const double difference = distance_[v] - distance_[u];  // no number between unreached ones
+    return difference * difference > (1 + kRounding) * dot(edge, edge) ? 1 : 0;
+  }
+
+  void relax(std::uint32_t u, std::uint32_t v) {
+    if (is_above(u, v) == 0) return;
+    if (distance_[u] > distance_[v]) std::swap(u, v);
+    const double along = distance_[u] + geodesic::distance(positions_[u], positions_[v]);
+    if (!(along < distance_[v]) || along > max_) return;
+    if (distance_[v] == kUnreached && !reaches_more_) return;
+    distance_[v] = along;
+    if (!field_.nearest_source.empty()) field_.nearest_source[v] = field_.nearest_source[u];
+    lowered_.push_back(v);
+  }
+
+  // What is above those that were lowered.
+  void go_on(Poll& poll) {
+    while (!lowered_.empty() && !poll.cancelled()) {
+      const std::uint32_t v = lowered_.back();
+      lowered_.pop_back();
+      for (const std::uint32_t corner : adjacency_.corners(v)) {
+        const FaceRecord& face = adjacency_.face(face_of(corner));
+        const std::uint32_t c = corner_of(corner);
+        relax(v, face.vertex[next_corner(c)]);
+        relax(v, face.vertex[previous_corner(c)]);
+      }
+    }
+  }
+
+ private:
+  const Adjacency& adjacency_;
+  std::span<const Vec3> positions_;
+  double max_;
+  bool reaches_more_;
+  Field& field_;
+  std::span<double> distance_;
+  std::vector<std::uint32_t> lowered_;
+};
 
 }  // namespace
 
-void relax_edges(const Adjacency& adjacency, double max, bool reaches_more, Field& field,
-                 Poll& poll) {
-  std::vector<double>& distance = field.distance.doubles();
-  std::vector<std::uint32_t> lowered;
-  const auto relax = [&](std::uint32_t u, std::uint32_t v, double length2) {
-    if (distance[u] > distance[v]) std::swap(u, v);
-    const double difference = distance[v] - distance[u];  // not a number between unreached ones
-    if (!(difference * difference > length2 * (1 + kRounding))) return;
-    const double along = distance[u] + std::sqrt(std::max(length2, 0.0));
-    if (!(along < distance[v]) || along > max) return;
-    if (distance[v] == kUnreached && !reaches_more) return;
-    distance[v] = along;
-    if (!field.nearest_source.empty()) field.nearest_source[v] = field.nearest_source[u];
-    lowered.push_back(v);
-  };
-  // Positions are half of what the faces' records are to read, and tell nearly always that
-  // there is nothing to be done.
-  const std::span<const Vec3> positions = adjacency.mesh().positions();
-  const auto may_be_above = [&](std::uint32_t u, std::uint32_t v) -> unsigned {
-    const Vec3 edge = positions[v] - positions[u];
-    const double difference = distance[v] - distance[u];
-    return difference * difference > kNearly * dot(edge, edge) ? 1 : 0;
-  };
-  const std::span<const Triangle> faces = adjacency.mesh().faces();
-  for (std::uint32_t f = 0; f < faces.size(); ++f) {
+void relax_edges(const Adjacency& adjacency, double max, Field& field, Poll& poll) {
+  EdgeRelaxer relaxer(adjacency, max, true, field);
+  for (const auto& [a, b, c] : adjacency.mesh().faces()) {
     if (poll.cancelled()) return;
-    const auto [a, b, c] = faces[f];
-    if (!(std::min({distance[a], distance[b], distance[c]}) < kUnreached)) continue;
     // Without a branch each.
-    if ((may_be_above(a, b) | may_be_above(b, c) | may_be_above(c, a)) == 0) continue;
-    const FaceRecord& face = adjacency.face(f);
-    for (std::uint32_t i = 0; i < 3; ++i) {
-      relax(face.vertex[i], face.vertex[next_corner(i)], face.length2(i));
-    }
+    if ((relaxer.is_above(a, b) | relaxer.is_above(b, c) | relaxer.is_above(c, a)) == 0) continue;
+    relaxer.relax(a, b);
+    relaxer.relax(b, c);
+    relaxer.relax(c, a);
   }
-  while (!lowered.empty() && !poll.cancelled()) {
-    const std::uint32_t v = lowered.back();
-    lowered.pop_back();
+  relaxer.go_on(poll);
+}
+
+void relax_edges_among(std::span<const std::uint32_t> vertices, const Adjacency& adjacency,
+                       double max, Field& field, Poll& poll) {
+  EdgeRelaxer relaxer(adjacency, max, false, field);
+  const std::span<const Triangle> faces = adjacency.mesh().faces();
+  for (const std::uint32_t v : vertices) {
+    if (poll.cancelled()) return;
+    // A face's three sides go out from one of its vertices each.
     for (const std::uint32_t corner : adjacency.corners(v)) {
-      const FaceRecord& face = adjacency.face(face_of(corner));
-      const std::uint32_t c = corner_of(corner);
-      const std::uint32_t behind = previous_corner(c);
-      relax(v, face.vertex[next_corner(c)], face.length2(c));
-      relax(v, face.vertex[behind], face.length2(behind));
+      relaxer.relax(v, faces[face_of(corner)][next_corner(corner_of(corner))]);
     }
   }
+  relaxer.go_on(poll);
 }
 
 }  // namespace geodesic

@@ -2,6 +2,9 @@
 // compute a vertex from whole triangles only, and may pass an edge by.
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "core/adjacency.h"
 #include "core/cancel.h"
 #include "core/field.h"
@@ -10,9 +13,11 @@ namespace geodesic {
 
 // Lowers what is above, and what that is below in turn, up to `max`; vertices that get
 // a lesser distance are of the source that it came from. Leaves off when the poll says
-// to stop. One look at each edge, and nothing more where nothing is to be done. Without
-// `reaches_more`, vertices without a distance stay so.
-void relax_edges(const Adjacency& adjacency, double max, bool reaches_more, Field& field,
-                 Poll& poll);
+// to stop. One look at each edge, and nothing more where nothing is to be done.
+void relax_edges(const Adjacency& adjacency, double max, Field& field, Poll& poll);
+
+// The same where only these vertices have a distance; the others stay without.
+void relax_edges_among(std::span<const std::uint32_t> vertices, const Adjacency& adjacency,
+                       double max, Field& field, Poll& poll);
 
 }  // namespace geodesic

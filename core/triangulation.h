@@ -13,6 +13,8 @@ struct Triangulation {
   std::span<const FaceRecord> faces;
   std::span<const std::uint32_t> corner_begin;  // vertex_count + 1
   std::span<const std::uint32_t> all_corners;
+  // Every edge is in one face, or in two that go along it opposite ways.
+  bool is_oriented = false;
 
   // The corners at a vertex, in ascending order.
   [[nodiscard]] std::span<const std::uint32_t> corners(std::uint32_t vertex) const {

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/mesh.h"
@@ -35,12 +36,15 @@ class VertexBuckets {
   [[nodiscard]] bool empty() const { return in_ring_ == 0 && beyond_.empty(); }
 
   // Keys are finite and not negative. One below the bucket that was taken last counts as of that.
-  void push(std::uint32_t vertex, double key) { push_into(bucket_of(key), vertex); }
+  // One that waits already does so by a greater key, `before`.
+  void push(std::uint32_t vertex, double key,
+            double before = std::numeric_limits<double>::infinity()) {
+    const std::uint64_t bucket = bucket_of(key);
+    const bool waits_there = std::isfinite(before) && bucket_of(before) == bucket;
+    if (!waits_there) push_into(bucket, vertex);
+  }
   // Back into the bucket that was taken last.
   void push_back(std::uint32_t vertex) { push_into(now_, vertex); }
-  [[nodiscard]] bool in_same_bucket(double a, double b) const {
-    return bucket_of(a) == bucket_of(b);
-  }
   // Whether the bucket that was taken last would hold this key, and whether it has again a
   // vertex in it.
   [[nodiscard]] bool is_now(double key) const { return number(key) == now_; }

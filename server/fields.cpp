@@ -130,11 +130,11 @@ bool Fields::is_to_be_searched(const FieldQuestion& question) {
   return asked_.is_first(key) && cache_.find(key) == nullptr;
 }
 
-Result<Pair> Fields::search(const FieldQuestion& question, const SurfacePoint& to, bool with_path,
+Result<Pair> Fields::search(const FieldQuestion& question, const SurfacePoint& to, PairPath path,
                             SolveScratch& scratch, const Cancel& cancel, const Caller& caller) {
   const Timed timed(caller, Stage::search);
   return pair_search(question.method.which, question.method.options, *question.adjacency,
-                     question.sources.front(), to, with_path, scratch, cancel);
+                     question.sources.front(), to, path, scratch, cancel);
 }
 
 Result<PointDistances> Fields::at_points(const FieldQuestion& question,
@@ -222,7 +222,7 @@ Result<PointDistances> Fields::search_points(const FieldQuestion& question,
                                              const Caller& caller) {
   PointDistances result;
   for (const SurfacePoint& point : points) {
-    const auto pair = search(question, point, false, scratch, cancel, caller);
+    const auto pair = search(question, point, PairPath::none, scratch, cancel, caller);
     if (!pair) return fail(pair.error());
     const bool is_within = pair->distance <= question.max;
     result.distances.push_back(is_within ? pair->distance : kUnreached);

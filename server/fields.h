@@ -63,7 +63,7 @@ class Fields {
   // The way from the question's only source to one point, and if wanted the path that a
   // whole field would give. In the slot that `scratch` is of; keeps nothing.
   [[nodiscard]] Result<Pair> search(const FieldQuestion& question, const SurfacePoint& to,
-                                    bool with_path, SolveScratch& scratch, const Cancel& cancel,
+                                    PairPath path, SolveScratch& scratch, const Cancel& cancel,
                                     const Caller& caller);
 
   // From a whole field that is there. Or else, for a single point, as is_to_be_searched

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/join_paths.h"
+#include "core/refine_path.h"
 #include "core/shorten_path.h"
 #include "core/steiner_path.h"
 #include "core/straightest_geodesic.h"
@@ -47,10 +48,10 @@ class LegFinder {
     hit_ = false;
     return fields_.compute(
         [&](SolveScratch& scratch, const Cancel& cancel) -> Result<MaybePath> {
-          auto pair = fields_.search(question, to, true, scratch, cancel, caller_);
+          const PairPath path = is_refined() ? PairPath::refined : PairPath::traced;
+          auto pair = fields_.search(question, to, path, scratch, cancel, caller_);
           if (!pair) return fail(std::move(pair.error()));
-          const Timed tracing(caller_, Stage::trace);
-          return refined(*question.adjacency, std::move(pair->path), cancel);
+          return std::move(pair->path);
         },
         part_of_leg(0, 1));
   }
@@ -63,10 +64,13 @@ class LegFinder {
     if (!field) return fail(field.error());
     hit_ = hit_.value_or(true) && field->hit;
     return fields_.compute(
-        [&](SolveScratch&, const Cancel& cancel) {
+        [&](SolveScratch&, const Cancel& cancel) -> Result<MaybePath> {
           const Timed tracing(caller_, Stage::trace);
-          return refined(*question.adjacency, trace_path(*question.adjacency, *field->value, to),
-                         cancel);
+          MaybePath path = trace_path(*question.adjacency, *field->value, to);
+          if (!path || !is_refined()) return path;
+          auto refined = refine_path(*question.adjacency, *field->value, to, *path, cancel);
+          if (!refined) return fail(std::move(refined.error()));
+          return MaybePath(std::move(*refined));
         },
         part_of_leg(kFieldOfLeg, 1));
   }
@@ -79,7 +83,10 @@ class LegFinder {
           auto path = steiner_path(*question.adjacency, question.sources.front(), to,
                                    request_.method.options, scratch.wavefront, cancel);
           if (!path) return fail(std::move(path.error()));
-          return refined(*question.adjacency, std::move(*path), cancel);
+          if (!*path || !is_refined()) return path;
+          auto shorter = shorten_path(*question.adjacency, **path, cancel);
+          if (!shorter) return fail(std::move(shorter.error()));
+          return MaybePath(std::move(*shorter));
         },
         part_of_leg(0, 1));
   }
@@ -88,12 +95,7 @@ class LegFinder {
     return caller_.part((found_ + begin) / legs_, (found_ + end) / legs_);
   }
 
-  Result<MaybePath> refined(const Adjacency& adjacency, MaybePath path, const Cancel& cancel) {
-    if (!path || request_.refine == proto::Refine::none) return path;
-    auto shorter = shorten_path(adjacency, *path, cancel);
-    if (!shorter) return fail(std::move(shorter.error()));
-    return MaybePath(std::move(*shorter));
-  }
+  [[nodiscard]] bool is_refined() const { return request_.refine != proto::Refine::none; }
 
   Fields& fields_;
   const proto::PathRequest& request_;

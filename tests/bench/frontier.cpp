@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/back_trace_lanes.h"
-#include "core/shorten_path.h"
+#include "core/refine_path.h"
 #include "tests/bench/edge_dijkstra.h"
 #include "tests/bench/errors.h"
 #include "tests/bench/frontier_meshes.h"
@@ -227,7 +227,8 @@ void print_paths(const FrontierMesh& mesh, std::size_t sources, std::size_t targ
         path =
             trace_path(prepared.adjacency(), field, point_at_vertex(prepared.adjacency(), target));
         if (!path) give_up("no path where there is a distance");
-        auto refined = shorten_path(prepared.adjacency(), *path, Cancel());
+        auto refined = refine_path(prepared.adjacency(), field,
+                                   point_at_vertex(prepared.adjacency(), target), *path, Cancel());
         if (!refined) give_up(refined.error().detail);
         path = std::move(*refined);
       }));
@@ -266,8 +267,7 @@ void print_vectors() {
     for (std::size_t round = 0; round < kRounds; ++round) {
       ms.push_back(processor_ms_of([&] {
         for (TraceLanes batch : batches) {
-          trace_lanes(faces, distance, BackTrace::Takes::virtual_sources, BackTrace::Reach::near,
-                      vectors, batch);
+          trace_lanes(faces, distance, BackTrace::Takes::virtual_sources, vectors, batch);
         }
       }));
     }

@@ -58,7 +58,8 @@ void print_row(const FrontierMesh& mesh, const Prepared& prepared, const PairMet
     });
     std::optional<Pair> pair;
     const double searched = processor_ms_of([&] {
-      auto found = pair_search(by.method, {}, adjacency, from, to, true, scratch, Cancel());
+      auto found =
+          pair_search(by.method, {}, adjacency, from, to, PairPath::traced, scratch, Cancel());
       if (!found) give_up(found.error().detail);
       pair = std::move(*found);
     });

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "core/arrive_lanes.h"
@@ -76,9 +77,21 @@ std::size_t check_arrivals(const Triangulation& surface, const std::vector<doubl
   return compared;
 }
 
+// Where BackTrace::over begins, told as the place itself.
+TraceStart start_over(const Triangulation& surface, const Start& start) {
+  const FaceRecord& face = surface.faces[face_of(start.base)];
+  const std::uint32_t c = corner_of(start.base);
+  const double length = std::sqrt(face.length2(previous_corner(c)));
+  const Vec2 right{length, 0};
+  const Vec2 left{face.dot[previous_corner(c)] / length, face.area2 / length};
+  const Vec2 aim = right + start.crossing * (left - right);
+  return {start.base, face.vertex[c], face.vertex[next_corner(c)], along_ray(aim, right),
+          along_ray(aim, left)};
+}
+
 struct Counts {
   std::size_t compared = 0;
-  std::size_t looked_far = 0;
+  std::size_t oriented = 0;
 };
 
 void check_lanes(const Surface& surface, RandomMesh& random, std::uint32_t source, Counts& counts) {
@@ -91,6 +104,7 @@ void check_lanes(const Surface& surface, RandomMesh& random, std::uint32_t sourc
   for (const Triangulation& faces :
        {surface.adjacency().triangulation(), surface.adjacency().delaunay()}) {
     const std::vector<Start> starts = starts_on(faces, field.distance.doubles(), random);
+    if (faces.is_oriented) counts.oriented += starts.size();
     counts.compared += check_arrivals(faces, field.distance.doubles(), starts);
     for (const auto takes : {BackTrace::Takes::paths, BackTrace::Takes::virtual_sources}) {
       const BackTrace one(faces, field.distance.doubles(), {}, takes);
@@ -99,24 +113,24 @@ void check_lanes(const Surface& surface, RandomMesh& random, std::uint32_t sourc
             std::min<std::size_t>(1 + random.below(TraceLanes::kLanes), starts.size() - first);
         for (const Vectors vectors : vectors_here()) {
           TraceLanes lanes;
-          for (std::size_t i = 0; i < count; ++i) {
-            lanes.add(starts[first + i].base, starts[first + i].crossing, kUnreached);
-          }
-          trace_lanes(faces, field.distance.doubles(), takes, BackTrace::Reach::near, vectors,
-                      lanes);
-          TraceLanes far;
-          std::vector<std::size_t> lane_of_far;
-          for (std::size_t i = 0; i < count; ++i) {
-            if (!lanes.is_unsure[i]) continue;
-            far.add(lanes.base[i], lanes.crossing[i], lanes.best[i]);
-            lane_of_far.push_back(i);
-          }
-          trace_lanes(faces, field.distance.doubles(), takes, BackTrace::Reach::far, vectors, far);
-          for (std::size_t i = 0; i < far.count; ++i) lanes.best[lane_of_far[i]] = far.best[i];
-          counts.looked_far += far.count;
+          std::array<TraceStart, TraceLanes::kLanes> elsewhere{};
           for (std::size_t i = 0; i < count; ++i) {
             const Start& start = starts[first + i];
-            CHECK(lanes.best[i] == one.over(start.base, start.crossing, kUnreached));
+            elsewhere[i] = start_over(faces, start);
+            if (i % 3 == 1 && norm(elsewhere[i].to_right) < kUnreached) {
+              lanes.add(elsewhere[i], kUnreached);
+            } else {
+              lanes.add(start.base, start.crossing, kUnreached);
+            }
+          }
+          const TraceLanes before = lanes;
+          trace_lanes(faces, field.distance.doubles(), takes, vectors, lanes);
+          for (std::size_t i = 0; i < count; ++i) {
+            const Start& start = starts[first + i];
+            const double alone = before.begins_elsewhere(i)
+                                     ? one.least(elsewhere[i], kUnreached)
+                                     : one.over(start.base, start.crossing, kUnreached);
+            CHECK(lanes.best[i] == alone);
             ++counts.compared;
           }
         }
@@ -143,12 +157,14 @@ TEST_CASE("LanesComputeWhatOneTraceAndOneArrivalDo") {
     const Surface surface(mesh.soup);
     check_lanes(surface, random, surface.vertex(mesh.source), counts);
   }
-  // Large enough for traces that look far.
+  // Large enough for traces that are unsure and look far.
   TriangleSoup hills = shapes::terrain(40, 12, 3);
   for (Vec3& p : hills.positions) p.x *= 4;
   RandomMesh random(2);
   const Surface surface(hills);
   check_lanes(surface, random, surface.vertex(800), counts);
   CHECK(counts.compared > 10000);
-  CHECK(counts.looked_far > 100);
+  // There is a way of its own for these, and one for the others.
+  CHECK(counts.oriented > 1000);
+  CHECK(counts.oriented < counts.compared / 10);
 }

@@ -68,6 +68,10 @@ void check_is_sound(const Surface& surface, const IntrinsicDelaunay& delaunay) {
       const std::set<std::uint32_t> ends{face.vertex[c], face.vertex[next_corner(c)]};
       CHECK(ends == std::set<std::uint32_t>{other.vertex[o], other.vertex[next_corner(o)]});
       CHECK(face.length2(c) == doctest::Approx(other.length2(o)).epsilon(1e-9));
+      if (cut.is_oriented) {
+        CHECK(cut.ring(across) == h);
+        CHECK(face.vertex[c] == other.vertex[next_corner(o)]);
+      }
       // Rings are cycles.
       Halfedge back = across;
       int steps = 0;
@@ -100,6 +104,24 @@ std::size_t edges_to_flip(const IntrinsicDelaunay& delaunay) {
 }
 
 }  // namespace
+
+TEST_CASE("FlipsKeepASurfaceOriented") {
+  const Surface surface(crooked_plane(8));
+  const IntrinsicDelaunay delaunay = delaunay_of(surface);
+  CHECK(delaunay.flips() > 0);
+  CHECK(surface.adjacency().triangulation().is_oriented);
+  CHECK(delaunay.triangulation().is_oriented);
+  check_is_sound(surface, delaunay);
+
+  TriangleSoup turned = crooked_plane(8);
+  std::swap(turned.faces[50][0], turned.faces[50][1]);
+  CHECK(!Surface(turned).adjacency().triangulation().is_oriented);
+  TriangleSoup book = crooked_plane(8);
+  book.positions.push_back({0, 0, 1});
+  book.faces.push_back({book.faces[50][0], book.faces[50][1],
+                        static_cast<std::uint32_t>(book.positions.size() - 1)});
+  CHECK(!Surface(book).adjacency().triangulation().is_oriented);
+}
 
 TEST_CASE("EveryEdgeThatCanBeFlippedIsDelaunay") {
   for (const TriangleSoup& soup :

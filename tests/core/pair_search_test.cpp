@@ -66,8 +66,8 @@ Pair pair_of(const Surface& surface, const PairMethod& by, const Source& from,
   SolveScratch scratch;
   MethodOptions options;
   options.bound = by.bound;
-  auto pair =
-      pair_search(by.method, options, surface.adjacency(), from, to, true, scratch, Cancel());
+  auto pair = pair_search(by.method, options, surface.adjacency(), from, to, PairPath::traced,
+                          scratch, Cancel());
   REQUIRE(pair);
   return std::move(*pair);
 }
@@ -245,8 +245,9 @@ TEST_CASE("ASearchForAPairCanBeCancelled") {
   for (const PairMethod& by : kPairMethods) {
     CAPTURE(by.name);
     SolveScratch scratch;
-    const auto pair = pair_search(by.method, {}, surface.adjacency(), {surface.at(0), 0},
-                                  surface.at(3), true, scratch, Cancel([] { return true; }));
+    const auto pair =
+        pair_search(by.method, {}, surface.adjacency(), {surface.at(0), 0}, surface.at(3),
+                    PairPath::traced, scratch, Cancel([] { return true; }));
     REQUIRE_FALSE(pair);
     CHECK(pair.error().code == ErrorCode::cancelled);
   }

@@ -56,6 +56,28 @@ TEST_CASE("BucketsAreTakenInTheOrderOfTheirKeys") {
   }
 }
 
+TEST_CASE("AKeyThatWasLoweredWithinItsBucketWaitsThereOnce") {
+  for (const double width : {1.0, 0.0}) {  // 0: all share one
+    CAPTURE(width);
+    VertexBuckets buckets;
+    buckets.reset(width);
+    buckets.push(7, 3.5);
+    buckets.push(7, 3.25, 3.5);
+    std::vector<std::uint32_t> taken;
+    buckets.take(taken);
+    CHECK(taken == std::vector<std::uint32_t>{7});
+    CHECK(buckets.empty());
+  }
+  VertexBuckets buckets;
+  buckets.reset(1);
+  buckets.push(7, 3.5);
+  buckets.push(7, 2.5, 3.5);
+  std::vector<std::uint32_t> taken;
+  buckets.take(taken);
+  CHECK(taken == std::vector<std::uint32_t>{7});
+  CHECK(!buckets.empty());  // it is in the other one still
+}
+
 TEST_CASE("AKeyBelowTheBucketThatWasTakenLastIsOfThatOne") {
   VertexBuckets buckets;
   buckets.reset(1);
@@ -69,8 +91,7 @@ TEST_CASE("AKeyBelowTheBucketThatWasTakenLastIsOfThatOne") {
   buckets.push_back(3);
   buckets.push(4, 11);
   CHECK(buckets.has_more_now());
-  CHECK(buckets.in_same_bucket(3, 10.9));
-  CHECK(!buckets.in_same_bucket(3, 11));
+  buckets.push(3, 4, 10.9);  // waits there already
   CHECK(buckets.is_now(10.1));
   CHECK(!buckets.is_now(9.9));
   CHECK(!buckets.is_beyond(10));

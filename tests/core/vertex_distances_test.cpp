@@ -159,7 +159,7 @@ TEST_CASE("APairHasTheDistanceOfTheRoundedField") {
     const Field field = auto_field(surface, {from}, bound);
     for (const std::uint32_t to : {17U, 800U, 5000U, 10'000U}) {
       const auto pair = pair_search(Method::back_traced, options, surface.adjacency(), from,
-                                    surface.at(to), false, scratch, Cancel());
+                                    surface.at(to), PairPath::none, scratch, Cancel());
       REQUIRE(pair);
       CHECK(pair->distance == field.distance[surface.vertex(to)]);
     }

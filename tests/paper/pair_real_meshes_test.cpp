@@ -21,7 +21,8 @@ namespace {
 Pair searched(const Surface& surface, Method method, const SurfacePoint& from,
               const SurfacePoint& to) {
   SolveScratch scratch;
-  auto pair = pair_search(method, {}, surface.adjacency(), {from, 0}, to, true, scratch, Cancel());
+  auto pair = pair_search(method, {}, surface.adjacency(), {from, 0}, to, PairPath::traced, scratch,
+                          Cancel());
   REQUIRE(pair);
   REQUIRE(pair->path);
   return std::move(*pair);

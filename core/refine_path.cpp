@@ -1,0 +1,61 @@
+#include "core/refine_path.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/arrive_at_point.h"
+#include "core/shorten_path.h"
+
+namespace geodesic {
+namespace {
+
+// A path longer than the field's distance by this part of it: three times the mean error
+// of `back_traced` on scans.
+constexpr double kDoubtful = 3e-4;
+
+// The path's last point goes on to the target within that face.
+void go_on(const Adjacency& adjacency, std::uint32_t face, std::uint32_t c,
+           const SurfacePoint& target, Path& path) {
+  SurfacePoint corner{face, {0, 0, 0}, adjacency.face(face).vertex[c]};
+  corner.bary[c] = 1;
+  PathPoint& last = path.points.back();
+  last.point = corner;
+  const Vec3 end = position_of(adjacency.mesh(), target);
+  path.length += distance(last.position, end);
+  path.points.push_back({target, end});
+}
+
+}  // namespace
+
+Result<Path> refine_path(const Adjacency& adjacency, const Field& field, const SurfacePoint& target,
+                         const Path& traced, const Cancel& cancel) {
+  auto best = shorten_path(adjacency, traced, cancel);
+  if (!best || field.method != Method::back_traced) return best;
+  const auto delayed = [&](const Path& path) {
+    return field.sources[path.source].offset + path.length;
+  };
+  const double expected = PointArrivals(adjacency, field).distance_at(target);
+  if (!(delayed(*best) - expected > kDoubtful * best->length)) return best;
+  std::vector<std::uint32_t> asked;
+  if (target.at_vertex()) asked.push_back(target.vertex);
+  for (const SurfacePoint& place : in_all_faces(adjacency, target)) {
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      const std::uint32_t neighbour = adjacency.face(place.face).vertex[c];
+      if (std::find(asked.begin(), asked.end(), neighbour) != asked.end()) continue;
+      asked.push_back(neighbour);
+      std::optional<Path> other =
+          trace_path(adjacency, field, point_at_vertex(adjacency, neighbour));
+      if (!other) continue;
+      go_on(adjacency, place.face, c, place, *other);
+      auto shorter = shorten_path(adjacency, *other, cancel);
+      if (!shorter) return shorter;
+      if (delayed(*shorter) < delayed(*best)) best = std::move(shorter);
+    }
+  }
+  return best;
+}
+
+}  // namespace geodesic
