@@ -15,6 +15,8 @@ namespace {
 // A path longer than the field's distance by this part of it: three times the mean error
 // of `back_traced` on scans.
 constexpr double kDoubtful = 3e-4;
+// So many neighbours are asked at most: a mesh may have as many round one vertex as it likes.
+constexpr std::size_t kMostAsked = 24;
 
 // The path's last point goes on to the target within that face.
 void go_on(const Adjacency& adjacency, std::uint32_t face, std::uint32_t c,
@@ -44,6 +46,7 @@ Result<Path> refine_path(const Adjacency& adjacency, const Field& field, const S
   for (const SurfacePoint& place : in_all_faces(adjacency, target)) {
     for (std::uint32_t c = 0; c < 3; ++c) {
       const std::uint32_t neighbour = adjacency.face(place.face).vertex[c];
+      if (asked.size() > kMostAsked) return best;
       if (std::find(asked.begin(), asked.end(), neighbour) != asked.end()) continue;
       asked.push_back(neighbour);
       std::optional<Path> other =
