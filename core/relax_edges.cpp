@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace geodesic {
@@ -37,14 +39,18 @@ class EdgeRelaxer {
     if (distance_[v] == kUnreached && !reaches_more_) return;
     distance_[v] = along;
     if (!field_.nearest_source.empty()) field_.nearest_source[v] = field_.nearest_source[u];
-    lowered_.push_back(v);
+    lowered_.push_back({along, v});
+    std::push_heap(lowered_.begin(), lowered_.end(), std::greater());
   }
 
-  // What is above those that were lowered.
+  // What is above those that were lowered, the nearest first, as Dijkstra does: in any
+  // other order a vertex could be lowered again and again.
   void go_on(Poll& poll) {
     while (!lowered_.empty() && !poll.cancelled()) {
-      const std::uint32_t v = lowered_.back();
+      std::pop_heap(lowered_.begin(), lowered_.end(), std::greater());
+      const auto [distance, v] = lowered_.back();
       lowered_.pop_back();
+      if (distance > distance_[v]) continue;  // lowered once more since
       for (const std::uint32_t corner : adjacency_.corners(v)) {
         const FaceRecord& face = adjacency_.face(face_of(corner));
         const std::uint32_t c = corner_of(corner);
@@ -61,7 +67,7 @@ class EdgeRelaxer {
   bool reaches_more_;
   Field& field_;
   std::span<double> distance_;
-  std::vector<std::uint32_t> lowered_;
+  std::vector<std::pair<double, std::uint32_t>> lowered_;  // a heap
 };
 
 }  // namespace
