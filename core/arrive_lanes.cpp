@@ -53,17 +53,20 @@ GEODESIC_LANES_INLINE void arrive_some(const FaceRecord* faces, const double* di
   const Reals to_p2 = p + w;
   const Reals to_q2 = q + w;
   Reals square = (run * run + rise * rise) / base2;
-  square = at_q ? (to_q2 > 0 ? to_q2 : zero) : square;
-  square = at_p ? (to_p2 > 0 ? to_p2 : zero) : square;
+  Lanes::choose(square, at_q, to_q2 > 0 ? to_q2 : zero, square);
+  Lanes::choose(square, at_p, to_p2 > 0 ? to_p2 : zero, square);
   Reals d;
   Lanes::root(d, square);
-  d = (at_p ? dp : at_q ? dq : zero) + d;
+  Reals before;
+  Lanes::choose(before, at_q, dq, zero);
+  Lanes::choose(before, at_p, dp, before);
+  d = before + d;
   Reals flat = sx / base2;
   flat = flat < 0 ? zero : flat;
   flat = flat > 1 ? one : flat;
   Reals crossing = rise > 0 ? meets / whole : flat;
-  crossing = at_p ? zero + ArrivalLanes::kBendsAtTail : crossing;
-  crossing = at_q ? zero + ArrivalLanes::kBendsAtHead : crossing;
+  Lanes::choose(crossing, at_p, zero + ArrivalLanes::kBendsAtTail, crossing);
+  Lanes::choose(crossing, at_q, zero + ArrivalLanes::kBendsAtHead, crossing);
   std::memcpy(to_distance, &d, sizeof d);
   for (std::size_t i = 0; i < kWide; ++i) to_crossing[i] = static_cast<float>(crossing[i]);
 }

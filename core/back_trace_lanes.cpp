@@ -201,10 +201,9 @@ GEODESIC_LANES_INLINE void unfold(const Ahead<kWide>& ahead, State<kWide>& s,
   // The halfedge's tail is to the right.
   const Flags forward = kOriented ? Flags{} : Flags(ahead.vertex == s.right_vertex);
   const Reals per_base2 = 1.0 / (ahead.dot + ahead.next_dot);
-  const Reals along = (kOriented ? ahead.next_dot
-                       : forward ? ahead.dot
-                                 : ahead.next_dot) *
-                      per_base2;
+  Reals along = ahead.next_dot;
+  if constexpr (!kOriented) Lanes::choose(along, forward, ahead.dot, along);
+  along *= per_base2;
   const Reals height = ahead.area * per_base2;
   const Reals base_x = s.left_x - s.right_x;
   const Reals base_y = s.left_y - s.right_y;
@@ -216,32 +215,35 @@ GEODESIC_LANES_INLINE void unfold(const Ahead<kWide>& ahead, State<kWide>& s,
   Lanes::root(length, x * x + y * y);
   const Reals by = ahead.at_apex + length;
   const Flags nearer = s.alive & within_left & within_right & (by < s.best);
-  s.best = nearer ? by : s.best;
+  Lanes::choose(s.best, nearer, by, s.best);
   const Flags on_left = s.alive & (y > 0);
   const Flags on_right = s.alive & ~(y > 0);
   const Flags bounds_left = on_left & within_left;
   const Flags bounds_right = on_right & within_right;
-  s.left_x = on_left ? x : s.left_x;
-  s.left_y = on_left ? y : s.left_y;
-  s.at_left = on_left ? ahead.at_apex : s.at_left;
-  s.left_bound_x = bounds_left ? x : s.left_bound_x;
-  s.left_bound_y = bounds_left ? y : s.left_bound_y;
-  s.right_x = on_right ? x : s.right_x;
-  s.right_y = on_right ? y : s.right_y;
-  s.at_right = on_right ? ahead.at_apex : s.at_right;
-  s.right_bound_x = bounds_right ? x : s.right_bound_x;
-  s.right_bound_y = bounds_right ? y : s.right_bound_y;
+  Lanes::choose(s.left_x, on_left, x, s.left_x);
+  Lanes::choose(s.left_y, on_left, y, s.left_y);
+  Lanes::choose(s.at_left, on_left, ahead.at_apex, s.at_left);
+  Lanes::choose(s.left_bound_x, bounds_left, x, s.left_bound_x);
+  Lanes::choose(s.left_bound_y, bounds_left, y, s.left_bound_y);
+  Lanes::choose(s.right_x, on_right, x, s.right_x);
+  Lanes::choose(s.right_y, on_right, y, s.right_y);
+  Lanes::choose(s.at_right, on_right, ahead.at_apex, s.at_right);
+  Lanes::choose(s.right_bound_x, bounds_right, x, s.right_bound_x);
+  Lanes::choose(s.right_bound_y, bounds_right, y, s.right_bound_y);
 
   if constexpr (kOriented) {
     const Ids from = s.across;
-    s.across = on_left ? ahead.over_next : on_right ? ahead.over_previous : from;
+    Lanes::choose(s.across, on_right, ahead.over_previous, from);
+    Lanes::choose(s.across, on_left, ahead.over_next, s.across);
     s.at_border = Flags(s.across ^ from) < 4;  // across is the same face
   } else {
     const Flags to_previous = (on_left & forward) | (on_right & ~forward);
     const Flags to_next = (on_left & ~forward) | (on_right & forward);
-    s.edge = to_next ? ahead.next : to_previous ? ahead.previous : s.edge;
-    s.across = to_next ? ahead.over_next : to_previous ? ahead.over_previous : s.across;
-    s.right_vertex = on_right ? ahead.apex : s.right_vertex;
+    Lanes::choose(s.edge, to_previous, ahead.previous, s.edge);
+    Lanes::choose(s.edge, to_next, ahead.next, s.edge);
+    Lanes::choose(s.across, to_previous, ahead.over_previous, s.across);
+    Lanes::choose(s.across, to_next, ahead.over_next, s.across);
+    Lanes::choose(s.right_vertex, on_right, ahead.apex, s.right_vertex);
     s.at_border = s.edge == s.across;
   }
   going |= s.alive;
@@ -262,10 +264,11 @@ GEODESIC_LANES_INLINE void meet_circles(BackTrace::Takes takes, BackTrace::Reach
   const Reals sum = s.at_right + s.at_left;
   const Reals difference = s.at_right - s.at_left;
   const Reals sx = 0.5 * (square + difference * sum);
-  const Reals sy2 = 0.25 * (sum * sum - square) * (square - difference * difference);
+  Reals sy2 = 0.25 * (sum * sum - square) * (square - difference * difference);
   Flags meet = s.beyond_is_surface & (sy2 > 0);
   Reals sy;
-  Lanes::root(sy, meet ? sy2 : Reals{});
+  Lanes::choose(sy2, meet, sy2, Reals{});
+  Lanes::root(sy, sy2);
   const Reals per_base2 = 1.0 / square;
   const Reals along = sx * per_base2;
   const Reals down = sy * per_base2;
@@ -288,7 +291,7 @@ GEODESIC_LANES_INLINE void meet_circles(BackTrace::Takes takes, BackTrace::Reach
   }
   if (takes == BackTrace::Takes::virtual_sources) {
     const Flags taken = meet & ~unsure & (straight < s.best);
-    s.best = taken ? straight : s.best;
+    Lanes::choose(s.best, taken, straight, s.best);
   }
 }
 

@@ -11,28 +11,29 @@
 namespace geodesic::exact {
 namespace {
 
-// Four lanes, which plain processors cut into registers of two.
-using Lane = lanes::Lanes<lanes::kWithAvx2>;
-using Reals = Lane::Reals;
-using Flags = Lane::Flags;
-constexpr std::size_t kWide = lanes::kWithAvx2;
-
+template <class Reals>
 GEODESIC_LANES_INLINE void read(Reals& to, const double* from) {
   std::memcpy(&to, from, sizeof to);
 }
+template <class Reals>
 GEODESIC_LANES_INLINE void write(double* to, const Reals& from) {
   std::memcpy(to, &from, sizeof from);
 }
 
+template <std::size_t kWide>
 GEODESIC_LANES_INLINE std::size_t crossings(Beams& beams, std::size_t first, std::size_t last,
                                             double apex_x, double apex_y, double base) {
+  using Lane = lanes::Lanes<kWide>;
+  using Reals = typename Lane::Reals;
+  using Flags = typename Lane::Flags;
   // A beam whose end the line misses by no more than this part of the base sees the corner.
   constexpr double kNearlyMet = 1e-9;
   constexpr double kNotStraight = 1 + 0x1p-50;
   const double near = kNearlyMet * base;
   Reals least = Reals{} + kUnreached;
   Reals where{};
-  Reals number{0, 1, 2, 3};
+  Reals number;
+  for (std::size_t i = 0; i < kWide; ++i) number[i] = static_cast<double>(i);
   const auto count = static_cast<double>(last - first);
   for (std::size_t i = first; i < last; i += kWide, number = number + double{kWide}) {
     Reals begin, end, x, y, offset;
@@ -55,10 +56,10 @@ GEODESIC_LANES_INLINE std::size_t crossings(Beams& beams, std::size_t first, std
     Lane::root(there, run * run + y * y);
     Lane::root(on, rest * rest + apex_y * apex_y);
     Reals distance = offset + there + on;
-    distance = straight ? distance : distance * kNotStraight;
+    Lane::choose(distance, straight, distance, distance * kNotStraight);
     const Flags better = (distance < least) & (number < count);
-    least = better ? distance : least;
-    where = better ? number : where;
+    Lane::choose(least, better, distance, least);
+    Lane::choose(where, better, number, where);
   }
   std::size_t best = 0;
   for (std::size_t i = 1; i < kWide; ++i) {
@@ -71,8 +72,12 @@ GEODESIC_LANES_INLINE std::size_t crossings(Beams& beams, std::size_t first, std
 // rises from the base's tail at an angle A, at
 //   t = p y / (y cos A + (x - p) sin A),
 // and seen from the side the source is at (x cos A - y sin A, -(y cos A + x sin A)).
+template <std::size_t kWide>
 GEODESIC_LANES_INLINE void to_side(const Beams& beams, std::size_t first, std::size_t last,
                                    const SideFrame& side, Children& children) {
+  using Lane = lanes::Lanes<kWide>;
+  using Reals = typename Lane::Reals;
+  using Flags = typename Lane::Flags;
   const double cosine = side.cosine;
   const double sine = side.sine;
   const double length = side.length;
@@ -121,7 +126,7 @@ GEODESIC_LANES_INLINE void to_side(const Beams& beams, std::size_t first, std::s
     const Reals at_begin = offset + ray_begin;
     const Reals at_end = offset + ray_end;
     Reals least = at_begin < at_end ? at_begin : at_end;
-    least = ((child_x > begin) & (child_x < end)) ? offset + child_y : least;
+    Lane::choose(least, (child_x > begin) & (child_x < end), offset + child_y, least);
 
     // As in clip_at_ends and too_narrow: nothing to cut.
     const Reals rays = ray_begin + ray_end;
@@ -132,7 +137,9 @@ GEODESIC_LANES_INLINE void to_side(const Beams& beams, std::size_t first, std::s
         (side.at_tail + begin >= at_begin * (1 - kTie)) &
         (side.at_head + to_head >= at_end * (1 - kTie)) & (end - begin > kLeastWidth * scale) &
         (least < side.settled) & (least <= side.max);
-    const Flags passes = comes & (clear ? Flags{} + kWhole : Flags{} + kDoubtful);
+    Flags passes;
+    Lane::choose(passes, clear, Flags{} + kWhole, Flags{} + kDoubtful);
+    passes &= comes;
 
     write(children.begin.data() + i, begin);
     write(children.end.data() + i, end);
@@ -145,8 +152,12 @@ GEODESIC_LANES_INLINE void to_side(const Beams& beams, std::size_t first, std::s
   }
 }
 
+template <std::size_t kWide>
 GEODESIC_LANES_INLINE void pair(std::size_t first, std::size_t last, bool upwards, double length,
                                 Children& children, Ties& ties) {
+  using Lane = lanes::Lanes<kWide>;
+  using Reals = typename Lane::Reals;
+  using Flags = typename Lane::Flags;
   const double touch = kTouch * length;
   // Children i and i + 1, or i + 1 and i, the way that they lie on the edge.
   const std::size_t to_left = upwards ? 0 : 1;
@@ -186,7 +197,11 @@ GEODESIC_LANES_INLINE void pair(std::size_t first, std::size_t last, bool upward
 // nearly straight: a secant or two mostly meet the place where it is nought. Where they come
 // from the same side again and again, the other end counts for half (the Illinois rule: Dowell
 // and Jarratt 1971).
+template <std::size_t kWide>
 GEODESIC_LANES_INLINE void meet(const Beams& beams, const Children& children, Ties& ties) {
+  using Lane = lanes::Lanes<kWide>;
+  using Reals = typename Lane::Reals;
+  using Flags = typename Lane::Flags;
   constexpr int kSecants = 8;
   for (std::size_t i = 0; i < ties.size; i += kWide) {
     Reals ax, ay, a_offset, bx, by, b_offset, low, high, at_high_a, at_low_b;
@@ -225,7 +240,7 @@ GEODESIC_LANES_INLINE void meet(const Beams& beams, const Children& children, Ti
     const Flags only_b = (g_left < -tie) & (g_right <= tie) & ~((slope_low > 0) & (slope_high < 0));
     Reals left = low;
     Reals right = high;
-    Reals place{}, at_a{}, at_b{};
+    Reals place{}, at_a{}, at_b{}, end_at_a, end_at_b;
     Flags found{};
     Flags was_left{};
     Flags was_right{};
@@ -236,24 +251,29 @@ GEODESIC_LANES_INLINE void meet(const Beams& beams, const Children& children, Ti
       Lane::root(ray_b, (next - bx) * (next - bx) + by2);
       const Reals next_at_a = a_offset + ray_a;
       const Reals next_at_b = b_offset + ray_b;
-      place = found ? place : next;
-      at_a = found ? at_a : next_at_a;
-      at_b = found ? at_b : next_at_b;
+      Lane::choose(place, found, place, next);
+      Lane::choose(at_a, found, at_a, next_at_a);
+      Lane::choose(at_b, found, at_b, next_at_b);
       const Reals g = next_at_b - next_at_a;
       found = found | ((g <= enough) & (g >= -enough));
       if (!Lane::any(crosses & ~found)) break;
       const Flags on_left = g > 0;
       const Flags on_right = ~on_left;
-      left = on_left ? next : left;
-      right = on_right ? next : right;
-      g_left = on_left ? g : ((on_right & was_right) ? 0.5 * g_left : g_left);
-      g_right = on_right ? g : ((on_left & was_left) ? 0.5 * g_right : g_right);
+      Lane::choose(left, on_left, next, left);
+      Lane::choose(right, on_right, next, right);
+      Lane::choose(g_left, on_right & was_right, 0.5 * g_left, g_left);
+      Lane::choose(g_left, on_left, g, g_left);
+      Lane::choose(g_right, on_left & was_left, 0.5 * g_right, g_right);
+      Lane::choose(g_right, on_right, g, g_right);
       was_left = on_left;
       was_right = on_right;
     }
-    place = crosses ? place : (only_a ? high : low);
-    at_a = crosses ? at_a : (only_a ? at_high_a : at_low_a);
-    at_b = crosses ? at_b : (only_a ? at_high_b : at_low_b);
+    Lane::choose(low, only_a, high, low);
+    Lane::choose(place, crosses, place, low);
+    Lane::choose(end_at_a, only_a, at_high_a, at_low_a);
+    Lane::choose(at_a, crosses, at_a, end_at_a);
+    Lane::choose(end_at_b, only_a, at_high_b, at_low_b);
+    Lane::choose(at_b, crosses, at_b, end_at_b);
     found = (found & crosses) | only_a | only_b;
     write(ties.place.data() + i, place);
     write(ties.at_left.data() + i, at_a);
@@ -264,38 +284,38 @@ GEODESIC_LANES_INLINE void meet(const Beams& beams, const Children& children, Ti
 
 std::size_t crossings_plain(Beams& beams, std::size_t first, std::size_t last, double x, double y,
                             double base) {
-  return crossings(beams, first, last, x, y, base);
+  return crossings<lanes::kPlain>(beams, first, last, x, y, base);
 }
 void to_side_plain(const Beams& beams, std::size_t first, std::size_t last, const SideFrame& side,
                    Children& children) {
-  to_side(beams, first, last, side, children);
+  to_side<lanes::kPlain>(beams, first, last, side, children);
 }
 void pair_plain(std::size_t first, std::size_t last, bool upwards, double length,
                 Children& children, Ties& ties) {
-  pair(first, last, upwards, length, children, ties);
+  pair<lanes::kPlain>(first, last, upwards, length, children, ties);
 }
 void meet_plain(const Beams& beams, const Children& children, Ties& ties) {
-  meet(beams, children, ties);
+  meet<lanes::kPlain>(beams, children, ties);
 }
 
 #ifdef __x86_64__
 __attribute__((target("avx2"))) std::size_t crossings_avx2(Beams& beams, std::size_t first,
                                                            std::size_t last, double x, double y,
                                                            double base) {
-  return crossings(beams, first, last, x, y, base);
+  return crossings<lanes::kWithAvx2>(beams, first, last, x, y, base);
 }
 __attribute__((target("avx2"))) void to_side_avx2(const Beams& beams, std::size_t first,
                                                   std::size_t last, const SideFrame& side,
                                                   Children& children) {
-  to_side(beams, first, last, side, children);
+  to_side<lanes::kWithAvx2>(beams, first, last, side, children);
 }
 __attribute__((target("avx2"))) void pair_avx2(std::size_t first, std::size_t last, bool upwards,
                                                double length, Children& children, Ties& ties) {
-  pair(first, last, upwards, length, children, ties);
+  pair<lanes::kWithAvx2>(first, last, upwards, length, children, ties);
 }
 __attribute__((target("avx2"))) void meet_avx2(const Beams& beams, const Children& children,
                                                Ties& ties) {
-  meet(beams, children, ties);
+  meet<lanes::kWithAvx2>(beams, children, ties);
 }
 #endif
 

@@ -71,6 +71,18 @@ struct Lanes {
     }
   }
 
+  // `yes` in the lanes of `flags`, else `no`. Bit by bit where compilers do not know that a
+  // flag, other than a comparison, is all bits or none, and would ask at some length.
+  template <class Values>
+  static GEODESIC_LANES_INLINE void choose(Values& to, const Flags& flags, const Values& yes,
+                                           const Values& no) {
+    if constexpr (kWide == 2) {
+      to = (Values)((flags & (Flags)yes) | (~flags & (Flags)no));
+    } else {
+      to = flags ? yes : no;
+    }
+  }
+
   static GEODESIC_LANES_INLINE bool any(const Flags& flags) {
     std::int64_t all = 0;
     for (std::size_t i = 0; i < kWide; ++i) all |= flags[i];

@@ -5,7 +5,8 @@
 
 namespace geodesic {
 
-// Those of another processor must not be asked for.
+// `plain` are those that every processor of the kind has: SSE2, NEON. Others than this
+// processor's must not be asked for.
 enum class Vectors : std::uint8_t { plain, avx2, avx512 };
 
 // The best of those that this processor has.

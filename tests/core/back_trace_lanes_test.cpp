@@ -91,7 +91,8 @@ TraceStart start_over(const Triangulation& surface, const Start& start) {
 
 struct Counts {
   std::size_t compared = 0;
-  std::size_t oriented = 0;
+  std::size_t oriented = 0;  // starts on surfaces that are, and on others
+  std::size_t others = 0;
 };
 
 void check_lanes(const Surface& surface, RandomMesh& random, std::uint32_t source, Counts& counts) {
@@ -104,7 +105,7 @@ void check_lanes(const Surface& surface, RandomMesh& random, std::uint32_t sourc
   for (const Triangulation& faces :
        {surface.adjacency().triangulation(), surface.adjacency().delaunay()}) {
     const std::vector<Start> starts = starts_on(faces, field.distance.doubles(), random);
-    if (faces.is_oriented) counts.oriented += starts.size();
+    (faces.is_oriented ? counts.oriented : counts.others) += starts.size();
     counts.compared += check_arrivals(faces, field.distance.doubles(), starts);
     for (const auto takes : {BackTrace::Takes::paths, BackTrace::Takes::virtual_sources}) {
       const BackTrace one(faces, field.distance.doubles(), {}, takes);
@@ -166,5 +167,5 @@ TEST_CASE("LanesComputeWhatOneTraceAndOneArrivalDo") {
   CHECK(counts.compared > 10000);
   // There is a way of its own for these, and one for the others.
   CHECK(counts.oriented > 1000);
-  CHECK(counts.oriented < counts.compared / 10);
+  CHECK(counts.others > 1000);
 }
