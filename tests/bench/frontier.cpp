@@ -309,7 +309,8 @@ void print_fields() {
 }  // namespace
 
 void print_frontier(const FrontierOptions& options) {
-  const std::vector<FrontierMesh> meshes = frontier_meshes(options.quick);
+  const std::vector<FrontierMesh> meshes =
+      options.files.empty() ? frontier_meshes(options.quick) : meshes_of(options.files);
   std::vector<MeshRow> rows;
   std::puts(
       "### 1. The default, `method=auto`\n\n"
@@ -353,7 +354,6 @@ void print_frontier(const FrontierOptions& options) {
   }
   print_vectors();
   print_fields();
-  std::puts("\nRow 8, tables on all cores, is measured by `tests/load/table_slots.py`.");
 }
 
 }  // namespace geodesic::bench

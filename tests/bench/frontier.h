@@ -2,14 +2,20 @@
 // reached, cell by cell. `geodesic_bench --frontier`.
 #pragma once
 
+#include <string>
+#include <vector>
+
 namespace geodesic::bench {
 
 struct FrontierOptions {
   // Meshes of at most 200,000 vertices, and fewer sources and pairs: a few minutes.
   bool quick = false;
+  // Mesh files to measure instead of the frontier's own meshes, as scans.
+  std::vector<std::string> files;
 };
 
-// Prints Markdown tables. Ends the process when a method fails.
+// Prints Markdown tables. Ends the process when a method fails, or a file
+// cannot be read.
 void print_frontier(const FrontierOptions& options);
 
 }  // namespace geodesic::bench

@@ -27,4 +27,7 @@ struct FrontierMesh {
 // those of at most 200,000 vertices.
 [[nodiscard]] std::vector<FrontierMesh> frontier_meshes(bool quick);
 
+// Those of mesh files, as scans. Ends the process when one cannot be read.
+[[nodiscard]] std::vector<FrontierMesh> meshes_of(const std::vector<std::string>& files);
+
 }  // namespace geodesic::bench

@@ -1,13 +1,16 @@
 // What is measured must be right itself.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <vector>
 
 #include "tests/bench/errors.h"
+#include "tests/bench/irregular_plane.h"
 #include "tests/bench/peak_memory.h"
 #include "tests/bench/peer.h"
 #include "tests/bench/prepared.h"
@@ -121,4 +124,34 @@ TEST_CASE("APeerThatIsNotInstalledSaysSo") {
   const auto peer = bench::Peer::start(bench::kPeerSolvers[0], "nowhere", "nowhere", 0);
   REQUIRE_FALSE(peer.has_value());
   CHECK(peer.error() == "not installed");
+}
+
+TEST_CASE("TheBumpyPlaneIsADelaunayTriangulation") {
+  const TriangleSoup soup = bench::irregular_plane(400, 0, 3);
+  const TriangleSoup raised = bench::irregular_plane(400, 20, 3);
+  REQUIRE(soup.positions.size() == 400);
+  std::vector<bool> used(400, false);
+  double area = 0;
+  for (const auto& f : soup.faces) {
+    const Vec3& a = soup.positions[f[0]];
+    const Vec3 ab = soup.positions[f[1]] - a;
+    const Vec3 ac = soup.positions[f[2]] - a;
+    const double twice = ab.x * ac.y - ab.y * ac.x;
+    CHECK(twice > 0);
+    area += 0.5 * twice;
+    // From a, the middle of the circle round the face; nobody is in it.
+    const Vec3 middle{(ac.y * dot(ab, ab) - ab.y * dot(ac, ac)) / (2 * twice),
+                      (ab.x * dot(ac, ac) - ac.x * dot(ab, ab)) / (2 * twice), 0};
+    const double radius = norm(middle);
+    for (const Vec3& p : soup.positions) CHECK(norm(p - a - middle) > radius * (1 - 1e-6));
+    for (const std::uint32_t v : f) used[v] = true;
+  }
+  CHECK(std::count(used.begin(), used.end(), true) == 400);
+  // What lies between the points' hull and the square is not covered.
+  CHECK(area > 0.9 * 400);
+  CHECK(area < 400);
+  double highest = 0;
+  for (const Vec3& p : raised.positions) highest = std::max(highest, p.z);
+  CHECK(highest > 8);
+  CHECK(highest < 13);
 }

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include "proto/decode_mesh.h"
+#include "tests/bench/prepared.h"
 #include "tests/fixtures/among_squares.h"
 #include "tests/paper/real_meshes.h"
 
@@ -143,6 +145,12 @@ std::vector<Subject> scanned_subjects() {
     if (auto subject = scanned_subject(name)) subjects.push_back(std::move(*subject));
   }
   return subjects;
+}
+
+TriangleSoup soup_of_file(const std::string& file) {
+  auto decoded = proto::decode_mesh(fixtures::read_bytes(file), proto::DecodeLimits{});
+  if (!decoded) give_up(file + ": " + decoded.error().detail);
+  return std::move(decoded->soup);
 }
 
 }  // namespace geodesic::bench

@@ -54,4 +54,7 @@ struct Holes {
 [[nodiscard]] std::vector<Subject> scanned_subjects();
 [[nodiscard]] std::optional<Subject> scanned_subject(const std::string& name);
 
+// Of any format that the server reads. Ends the process when it cannot be read.
+[[nodiscard]] TriangleSoup soup_of_file(const std::string& file);
+
 }  // namespace geodesic::bench
