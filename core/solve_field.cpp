@@ -33,7 +33,7 @@ Result<Field> solve_field(Method method, const MethodOptions& options, const Adj
       }
       // No trace comes to a vertex near the way there, so that paths along them are 1 to 20 %
       // too long; and a sliver's sides have few windows.
-      if (options.bound == Bound::upper && is_of_slivers(adjacency.delaunay())) {
+      if (options.bound == Bound::upper && leads_across_slivers(adjacency, sources)) {
         return field_within(0, adjacency, sources, limits, scratch.exact, cancel);
       }
       return back_traced_field(adjacency, sources, limits, options.bound, scratch.back_traced,
