@@ -36,10 +36,11 @@ double median(std::vector<double> values) {
 
 const char* verdict(bool reached) { return reached ? "yes" : "**no**"; }
 
-// A vertex in a face each, source vertex 0 first.
-std::vector<std::uint32_t> vertices_of(const Prepared& prepared, std::size_t count) {
+// A vertex in a face each, that of the source vertex first.
+std::vector<std::uint32_t> vertices_of(const Prepared& prepared, std::uint32_t first,
+                                       std::size_t count) {
   std::mt19937 random(7);
-  std::vector<std::uint32_t> vertices{prepared.vertex(0)};
+  std::vector<std::uint32_t> vertices{prepared.vertex(first)};
   while (vertices.size() < count) {
     const auto v = static_cast<std::uint32_t>(random() % prepared.mesh().vertex_count());
     if (!prepared.adjacency().corners(v).empty()) vertices.push_back(v);
@@ -117,7 +118,7 @@ MeshRow measure(const FrontierMesh& mesh, std::size_t source_count) {
   Solver automatic(Method::back_traced, Bound::none);
   Solver upper(Method::back_traced, Bound::upper);
   Solver exact(Method::exact, Bound::none);
-  const auto sources = vertices_of(prepared, source_count);
+  const auto sources = vertices_of(prepared, mesh.first_source, source_count);
   std::vector<double> exact_ms;
   std::array<std::vector<double>, kTolerances.size()> within_ms;
   std::vector<Solver> within;
@@ -210,7 +211,7 @@ void print_paths(const FrontierMesh& mesh, std::size_t sources, std::size_t targ
   const Prepared prepared(mesh.soup);
   Solver automatic(Method::back_traced, Bound::none);
   Solver exact(Method::exact, Bound::none);
-  const auto vertices = vertices_of(prepared, sources * (targets + 1));
+  const auto vertices = vertices_of(prepared, mesh.first_source, sources * (targets + 1));
   double longer = 0;
   std::size_t much_longer = 0;
   std::size_t pairs = 0;

@@ -1,6 +1,7 @@
 // The meshes that the engine's frontier is measured on, and what it aims at on each.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct FrontierMesh {
   bool is_scan = false;
   bool large = false;              // half a million vertices or more
   bool shuffles_previous = false;  // the mesh before it, in another order
+  std::uint32_t first_source = 0;  // a source vertex
 };
 
 // With the scans, where the shared folder is there; says on stderr where not. `quick`:
