@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "core/field.h"
@@ -28,6 +27,7 @@ class EdgePath {
         start_(position_of(adjacency.mesh(), from)),
         goal_(position_of(adjacency.mesh(), to)),
         ends_(in_all_faces(adjacency, to)),
+        is_oriented_(adjacency.triangulation().is_oriented),
         heap_(scratch.heap),
         distance_(scratch.distance),
         before_(scratch.parents) {
@@ -72,12 +72,16 @@ class EdgePath {
       const FaceRecord& face = adjacency_.face(face_of(corner));
       const std::uint32_t c = corner_of(corner);
       const std::uint32_t behind = previous_corner(c);
-      for (const auto& [w, side] :
-           {std::pair{face.vertex[next_corner(c)], c}, std::pair{face.vertex[behind], behind}}) {
-        if (heap_.accepted(w)) continue;
-        lower(w, distance_[v] + std::sqrt(std::max(face.length2(side), 0.0)), {v, face_of(corner)});
-      }
+      spread_along(v, corner, face.vertex[next_corner(c)], face.length2(c));
+      // Else it is the next one in the face beyond.
+      if (is_oriented_ && face.ring[behind] != halfedge(face_of(corner), behind)) continue;
+      spread_along(v, corner, face.vertex[behind], face.length2(behind));
     }
+  }
+
+  void spread_along(std::uint32_t v, std::uint32_t corner, std::uint32_t w, double length2) {
+    if (heap_.accepted(w)) return;
+    lower(w, distance_[v] + std::sqrt(std::max(length2, 0.0)), {v, face_of(corner)});
   }
 
   void arrive_from(std::uint32_t v) {
@@ -148,6 +152,7 @@ class EdgePath {
   const Vec3 start_;
   const Vec3 goal_;
   const std::vector<SurfacePoint> ends_;  // the target in each of its faces
+  const bool is_oriented_;
   VertexHeap& heap_;
   std::vector<double>& distance_;
   std::vector<Before>& before_;

@@ -23,9 +23,10 @@ constexpr double kRounding = 1e-9;
 constexpr double kMarginEdges = 16;
 constexpr double kMarginPart = 0.01;
 
-// A path along edges is usually longer than the shortest by more than this. What is
-// found within a length so much smaller is the shortest, too; else it was too little.
-constexpr double kAlongEdges = 1.07;
+// A path along edges is usually longer than the shortest by about as much. What is
+// found within a length so much smaller, and half the margin, is the shortest, too; else it
+// was too little.
+constexpr double kAlongEdges = 1.1;
 
 // The part of the time that the path along edges takes.
 constexpr double kPathAlongEdges = 0.1;
