@@ -17,7 +17,7 @@
 namespace geodesic {
 
 // At most this many times as long as the shortest way along edges.
-inline constexpr double kWeightOfTheRest = 1.25;
+inline constexpr double kWeightOfTheRest = 1.4;
 
 // From a point in a face it goes straight to the corners. Nothing when there is no way
 // over the surface. Errors: cancelled.
