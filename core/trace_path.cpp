@@ -11,6 +11,9 @@
 namespace geodesic {
 namespace {
 
+// Relative, in distances by different faces.
+constexpr double kRounding = 1e-9;
+
 // One straight piece of the path, going back: from `start` to `end` within a face.
 struct Leg {
   std::uint32_t face;
@@ -78,10 +81,25 @@ class Tracer {
       for (std::size_t i = 0; i + 1 < steps.size(); ++i) walk(steps[i]);
       return steps.back();
     }
-    if (blocked) {
-      return arrivals_.to_end_of_side(step.face, corner_of(step.base), step.start);
+    if (!blocked) return step;
+    // Through faces without area a shortest path may come back to a vertex, by no way at all:
+    // on through another face, with the same distance.
+    if (field_.windows) {
+      const StepBack other = through_others(point_at_vertex(adjacency_, vertex));
+      if (other.distance <= step.distance * (1 + kRounding)) return other;
     }
-    return step;
+    return arrivals_.to_end_of_side(step.face, corner_of(step.base), step.start);
+  }
+
+  // Through whichever face not yet entered gives the point the least distance.
+  [[nodiscard]] StepBack through_others(const SurfacePoint& here) const {
+    StepBack best;
+    for (const SurfacePoint& place : in_all_faces(adjacency_, here)) {
+      if (!may_enter(place.face)) continue;
+      const StepBack step = arrivals_.through_face(place);
+      if (step.distance < best.distance) best = step;
+    }
+    return best;
   }
 
   // Step 3: on across the edge, through whichever face beyond it gives the point
@@ -93,13 +111,7 @@ class Tracer {
   // on along the edge to the end that is closer, which was accepted before
   // anything that was computed from it.
   StepBack from_edge(const StepBack& arrived) {
-    StepBack best;
-    const SurfacePoint here{face_of(arrived.base), arrived.bary, kNone};
-    for (const SurfacePoint& place : in_all_faces(adjacency_, here)) {
-      if (!may_enter(place.face)) continue;
-      const StepBack step = arrivals_.through_face(place);
-      if (step.distance < best.distance) best = step;
-    }
+    const StepBack best = through_others({face_of(arrived.base), arrived.bary, kNone});
     if (best.to != StepBack::To::nowhere) return best;
     return arrivals_.to_end_of_side(arrived.face, corner_of(arrived.base), arrived.bary);
   }

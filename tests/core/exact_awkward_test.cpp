@@ -124,6 +124,23 @@ TEST_CASE("ExactPassesThroughFacesWithoutArea") {
   }
 }
 
+// Two faces on one line, back to back, between a vertex and its own place on the edge
+// opposite: a path may come back to where it was, and must not take the way round then.
+TEST_CASE("ExactPathsLeaveFacesOnOneLineAgain") {
+  TriangleSoup soup;
+  soup.positions = {{0, 2, 1}, {1, 4, 2}, {2, 6, 3}, {4.06, -0.06, 0}};
+  soup.faces = {{2, 0, 1}, {3, 0, 1}, {0, 1, 2}, {2, 1, 3}};
+  const Surface surface(soup);
+  const Field field = surface.field_by(Method::exact, {Source{surface.at(3), 0}});
+  for (const std::uint32_t v : {0U, 1U, 2U}) {
+    const double straight = distance(soup.positions[v], soup.positions[3]);
+    CHECK(field.distance[surface.vertex(v)] == doctest::Approx(straight).epsilon(1e-12));
+    const auto path = trace_path(surface.adjacency(), field, surface.at(v));
+    REQUIRE(path.has_value());
+    CHECK(path->length == doctest::Approx(straight).epsilon(1e-12));
+  }
+}
+
 TEST_CASE("ExactPassesThroughCapsOfAnyThinness") {
   for (const double thin : {1e-2, 1e-5, 1e-8, 1e-11, 1e-14, 1e-17}) {
     CAPTURE(thin);
