@@ -68,6 +68,11 @@ UnfoldedApex apex_at(const FaceRecord& face, std::uint32_t c, const Weights& bar
           squared_distance(face, bary, weights_at_corner(n))};
 }
 
+// Ways are as long as each other up to this part of their length.
+constexpr double kTie = 1e-12;
+// A step stays where it is if its square is less than this part of its face's longest side's.
+constexpr double kStays2 = 1e-14;
+
 StepBack to_vertex(const FaceRecord& face, std::uint32_t f, std::uint32_t corner,
                    const Weights& start, double distance) {
   StepBack step;
@@ -120,6 +125,24 @@ PointArrivals::PointArrivals(const Adjacency& adjacency, const Field& field)
   }
   std::stable_sort(source_places_.begin(), source_places_.end(),
                    [](const SourcePlace& a, const SourcePlace& b) { return a.face < b.face; });
+}
+
+// In the order that steps of the same length are taken in.
+int PointArrivals::steps_to_go(const StepBack& step) const {
+  if (step.to == StepBack::To::source) return 0;
+  const FaceRecord& face = adjacency_.face(step.face);
+  const double largest2 = std::max({face.length2(0), face.length2(1), face.length2(2)});
+  if (!(squared_distance(face, step.start, step.bary) > kStays2 * largest2)) return 3;
+  return step.to == StepBack::To::vertex ? 1 : 2;
+}
+
+bool PointArrivals::is_better(const StepBack& step, const StepBack& than) const {
+  if (step.distance < than.distance * (1 - kTie)) return true;
+  if (!(step.distance <= than.distance * (1 + kTie)) || step.to == StepBack::To::nowhere) {
+    return false;
+  }
+  const int more = steps_to_go(step) - steps_to_go(than);
+  return more != 0 ? more < 0 : step.distance < than.distance;
 }
 
 // The method's own rule for a third vertex.
@@ -260,7 +283,7 @@ StepBack PointArrivals::through_faces_at(std::uint32_t vertex) const {
   StepBack best;
   for (const SurfacePoint& place : in_all_faces(adjacency_, point_at_vertex(adjacency_, vertex))) {
     const StepBack step = through_face(place);
-    if (step.distance < best.distance) best = step;
+    if (is_better(step, best)) best = step;
   }
   if (best.to != StepBack::To::nowhere || !adjacency_.corners(vertex).empty()) return best;
   // An isolated vertex: nothing but a source there can have reached it.

@@ -44,6 +44,11 @@ class PointArrivals {
   // the face's corners, and straight from sources in the same face.
   [[nodiscard]] StepBack through_face(const SurfacePoint& place) const;
 
+  // Whether a step is to be taken rather than another one from the same point: a shorter
+  // way, and of two that are as long, up to rounding, the one that is sooner at its end. Through
+  // faces without area a way may lead back to where it is, so a step that stays there is last.
+  [[nodiscard]] bool is_better(const StepBack& step, const StepBack& than) const;
+
   // The way to a vertex, by its parents.
   [[nodiscard]] StepBack by_parents(std::uint32_t vertex) const;
 
@@ -62,6 +67,7 @@ class PointArrivals {
   [[nodiscard]] double distance_at(const SurfacePoint& point) const;
 
  private:
+  [[nodiscard]] int steps_to_go(const StepBack& step) const;
   struct SourcePlace {
     std::uint32_t face;
     std::uint32_t source;

@@ -73,7 +73,18 @@ void Frames::number_edges(const Adjacency& adjacency, Poll& poll) {
         if (edges_[frame.edge[c]].tail != tail) frame.reversed |= 1U << c;
       }
     }
+    if (has_a_twin_before(f)) frame.reversed |= FaceFrame::kCopy;
   }
+}
+
+bool Frames::has_a_twin_before(std::uint32_t f) const {
+  const auto& edge = faces_[f].edge;
+  const Halfedge h = halfedge(f, 0);
+  for (Halfedge i = surface_.ring(h); i != h; i = surface_.ring(i)) {
+    const std::uint32_t g = face_of(i);
+    if (g < f && std::is_permutation(edge.begin(), edge.end(), faces_[g].edge.begin())) return true;
+  }
+  return false;
 }
 
 // Returns the rough sums of the angles at the vertices.

@@ -19,8 +19,11 @@ namespace geodesic::exact {
 
 struct FaceFrame {
   std::array<std::uint32_t, 3> edge;  // side c, from vertex[c] to vertex[c + 1]
-  std::uint32_t reversed;             // bit c: side c goes from the edge's head to its tail
+  // Bit c: side c goes from the edge's head to its tail; bit 3: a face before has the same edges.
+  std::uint32_t reversed;
 
+  [[nodiscard]] bool is_copy() const { return (reversed & kCopy) != 0; }
+  static constexpr std::uint32_t kCopy = 8;
   [[nodiscard]] bool is_reversed(std::uint32_t c) const { return ((reversed >> c) & 1U) != 0; }
 };
 
@@ -71,6 +74,7 @@ class Frames {
  private:
   void forget_arrivals(Poll& poll);
   void number_edges(const Adjacency& adjacency, Poll& poll);
+  [[nodiscard]] bool has_a_twin_before(std::uint32_t f) const;
   [[nodiscard]] std::vector<double> measure_faces(Poll& poll);
   void classify_vertices(const Adjacency& adjacency, std::span<const double> angle_sum, Poll& poll);
 

@@ -123,7 +123,10 @@ void Propagation::set_out(std::uint32_t e) {
   if (covered < edge.length) gap(covered, edge.length);
   Halfedge h = edge.first;
   do {
-    if (!from_one || h != from) load_beams(windows, h);
+    // Over a face with the same edges as another one it is as far as over that one. And light
+    // thrown to and fro between such faces, if thin, would gain by rounding for ever.
+    const bool is_worth_it = (!from_one || h != from) && !frames_.face(face_of(h)).is_copy();
+    if (is_worth_it) load_beams(windows, h);
     h = h == edge.first ? edge.second : surface_.ring(h);
   } while (h != edge.first);
   for (Window& w : windows) w.propagated = true;

@@ -63,7 +63,7 @@ class Tracer {
     StepBack best;
     for (const SurfacePoint& place : in_all_faces(adjacency_, target)) {
       const StepBack step = arrivals_.through_face(place);
-      if (step.distance < best.distance) best = step;
+      if (arrivals_.is_better(step, best)) best = step;
     }
     return best;
   }
@@ -97,7 +97,7 @@ class Tracer {
     for (const SurfacePoint& place : in_all_faces(adjacency_, here)) {
       if (!may_enter(place.face)) continue;
       const StepBack step = arrivals_.through_face(place);
-      if (step.distance < best.distance) best = step;
+      if (arrivals_.is_better(step, best)) best = step;
     }
     return best;
   }
