@@ -30,6 +30,11 @@ constexpr double kAtEnd = 1e-9;
 constexpr double kRoundings = 16 * 6e-8;
 constexpr double kRoundedAtEnd = 1e-4;  // at most, however short the edge
 
+// Ways are as long as each other up to this part of their length.
+constexpr double kTie = 1e-12;
+// A step stays where it is if its square is less than this part of its face's longest side's.
+constexpr double kStays2 = 1e-14;
+
 // A point of an edge closer to one of `steiner`'s points than this part of their
 // spacing is that point.
 constexpr double kAtNode = 1e-6;
@@ -67,11 +72,6 @@ UnfoldedApex apex_at(const FaceRecord& face, std::uint32_t c, const Weights& bar
           above * face.area2, squared_distance(face, bary, weights_at_corner(c)),
           squared_distance(face, bary, weights_at_corner(n))};
 }
-
-// Ways are as long as each other up to this part of their length.
-constexpr double kTie = 1e-12;
-// A step stays where it is if its square is less than this part of its face's longest side's.
-constexpr double kStays2 = 1e-14;
 
 StepBack to_vertex(const FaceRecord& face, std::uint32_t f, std::uint32_t corner,
                    const Weights& start, double distance) {

@@ -68,6 +68,7 @@ class PointArrivals {
 
  private:
   [[nodiscard]] int steps_to_go(const StepBack& step) const;
+
   struct SourcePlace {
     std::uint32_t face;
     std::uint32_t source;

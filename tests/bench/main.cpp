@@ -163,11 +163,13 @@ int main(int argc, char** argv) {
   bench::RunOptions options;
   app.add_flag("--quick", quick,
                "only the meshes from formulas, without those of a million vertices");
-  app.add_flag("--frontier", frontier,
-               "what the engine aims at, cell by cell, with a verdict each; nothing else");
+  auto* const only_frontier =
+      app.add_flag("--frontier", frontier,
+                   "what the engine aims at, cell by cell, with a verdict each; nothing else");
   app.add_option("--mesh", only, "only the meshes of these names");
   app.add_option("FILE", files, "with --frontier: these meshes instead of its own")
-      ->check(CLI::ExistingFile);
+      ->check(CLI::ExistingFile)
+      ->needs(only_frontier);
   app.add_option("--peers", options.peers, "folder of the peers' Python environments");
   app.add_option("--json", json_file, "also write the figures to this file, as JSON");
   CLI11_PARSE(app, count, arguments.data());
