@@ -15,39 +15,25 @@
 #include <new>
 #include <utility>
 
+#include "core/closest_on_triangle.h"
+#include "core/far_search.h"
 #include "core/ray_search.h"
 
 namespace geodesic {
 namespace {
 
-using Weights = std::array<double, 3>;
+using Weights = TriangleWeights;
 
 struct OnTriangle {
   double distance2;
   Weights bary;
 };
 
-// Where the foot of the perpendicular falls on the segment a-b, 0 at a, 1 at b.
-double foot_on_segment(Vec3 p, Vec3 a, Vec3 b) {
-  const Vec3 ab = b - a;
-  const double length2 = dot(ab, ab);
-  return length2 > 0 ? std::clamp(dot(p - a, ab) / length2, 0.0, 1.0) : 0.0;
-}
-
 OnTriangle closest_on_triangle(Vec3 p, const std::array<Vec3, 3>& corner) {
   const Vec3 normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
-  const double normal2 = dot(normal, normal);
-  if (normal2 > 0) {
-    Weights bary;
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      const Vec3 a = corner[next_corner(c)];
-      const Vec3 b = corner[previous_corner(c)];
-      bary[c] = dot(normal, cross(b - a, p - a)) / normal2;
-    }
-    if (bary[0] > 0 && bary[1] > 0 && bary[2] > 0) {
-      const double height = dot(normal, p - corner[0]) / std::sqrt(normal2);
-      return {height * height, bary};
-    }
+  if (const auto bary = foot_inside(p, corner, normal)) {
+    const double height = dot(normal, p - corner[0]) / norm(normal);
+    return {height * height, *bary};
   }
   OnTriangle best{std::numeric_limits<double>::infinity(), {1, 0, 0}};
   for (std::uint32_t c = 0; c < 3; ++c) {
@@ -68,6 +54,7 @@ OnTriangle closest_on_triangle(Vec3 p, const std::array<Vec3, 3>& corner) {
 struct Search {
   const Mesh* mesh;
   Vec3 from;
+  Poll poll;
   double scale;   // from mesh units to the hierarchy's
   double margin;  // what single precision may be off by, in the hierarchy's units
   double best2 = std::numeric_limits<double>::infinity();
@@ -90,6 +77,10 @@ struct Search {
 
 bool consider_face(RTCPointQueryFunctionArguments* arguments) {
   auto& search = *static_cast<Search*>(arguments->userPtr);
+  if (search.poll.cancelled()) {  // there is no other way to end it
+    arguments->query->radius = 0;
+    return true;
+  }
   if (!search.consider(arguments->primID)) return false;
   const auto radius =
       static_cast<float>(std::sqrt(search.best2) * search.scale * 1.00001 + search.margin);
@@ -107,6 +98,7 @@ using EmbreeContext = RTCRayQueryContext;
 
 struct RayContext : EmbreeContext {
   RaySearch* search = nullptr;
+  Poll* poll = nullptr;
 };
 
 // What of a ray's way single precision may be off by, in the hierarchy's units.
@@ -115,8 +107,12 @@ constexpr double kRayMargin = 1e-5;
 void meet_face(const RTCIntersectFunctionNArguments* arguments) {
   if (arguments->valid[0] == 0) return;
   RaySearch& search = *static_cast<RayContext*>(arguments->context)->search;
-  if (!search.consider(arguments->primID)) return;
   float& end = RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, arguments->N), arguments->N, 0);
+  if (static_cast<RayContext*>(arguments->context)->poll->cancelled()) {
+    end = -std::numeric_limits<float>::infinity();  // ends the search
+    return;
+  }
+  if (!search.consider(arguments->primID)) return;
   end = std::min(end, static_cast<float>(search.reach() + kRayMargin));
 }
 
@@ -125,6 +121,10 @@ bool goes_on(void* user, double done) {
   const Cancel& cancel = *static_cast<const Cancel*>(user);
   cancel.report(std::clamp(done, 0.0, 1.0));
   return !cancel.requested();
+}
+
+Error was_cancelled() {
+  return {ErrorCode::cancelled, "the computation was cancelled", {}, {}, {}};
 }
 
 bool count_memory(void* user, ssize_t bytes, bool /*after*/) {
@@ -137,7 +137,7 @@ bool count_memory(void* user, ssize_t bytes, bool /*after*/) {
 // The mesh moved and scaled into [-1, 1], where single precision is at its best.
 // Embree knows of the faces only their boxes.
 struct ClosestPointIndex::Scene {
-  Scene(const Mesh& of, const Box& box) : mesh(of), unit(box) {}
+  explicit Scene(const Mesh& of) : mesh(of), unit(of.box()), far(of, unit) {}
   ~Scene() {
     if (scene != nullptr) rtcReleaseScene(scene);
     if (device != nullptr) rtcReleaseDevice(device);
@@ -164,6 +164,7 @@ struct ClosestPointIndex::Scene {
 
   const Mesh& mesh;
   UnitBox unit;
+  FarSearch far;
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   std::atomic<std::int64_t> memory{0};
@@ -178,15 +179,14 @@ Result<std::shared_ptr<const ClosestPointIndex>> ClosestPointIndex::build(
   std::shared_ptr<const ClosestPointIndex> index(
       new ClosestPointIndex(std::move(adjacency), cancel));
   if (!index->scene_->is_whole) {
-    return fail(ErrorCode::cancelled, "the computation was cancelled");
+    return fail(was_cancelled());
   }
   return index;
 }
 
 ClosestPointIndex::ClosestPointIndex(std::shared_ptr<const Adjacency> adjacency,
                                      const Cancel& cancel)
-    : adjacency_(std::move(adjacency)),
-      scene_(std::make_unique<Scene>(adjacency_->mesh(), adjacency_->mesh().box())) {
+    : adjacency_(std::move(adjacency)), scene_(std::make_unique<Scene>(adjacency_->mesh())) {
   // One thread: core has no threads of its own.
   scene_->device = rtcNewDevice("threads=1,set_affinity=0");
   if (scene_->device == nullptr) throw std::bad_alloc();
@@ -212,13 +212,19 @@ ClosestPointIndex::ClosestPointIndex(std::shared_ptr<const Adjacency> adjacency,
 
 ClosestPointIndex::~ClosestPointIndex() = default;
 
-ClosestPoint ClosestPointIndex::closest(Vec3 from) const {
+ClosestPoint ClosestPointIndex::closest(Vec3 from) const { return *closest(from, Cancel()); }
+
+Result<ClosestPoint> ClosestPointIndex::closest(Vec3 from, const Cancel& cancel) const {
   const Vec3 q = scene_->unit.inside(from);
   const double away = std::max({std::abs(q.x), std::abs(q.y), std::abs(q.z)});
-  Search search{&adjacency_->mesh(), from, scene_->unit.scale, 1e-6 * (1 + away)};
-  // So far away that single precision tells no face from another, look at all.
-  constexpr double kTooFar = 1e5;
-  if (away < kTooFar) {
+  // From farther away, single precision no longer tells from each other faces that differ by a
+  // millionth of the mesh's size.
+  constexpr double kFar = 4;
+  FarSearch::Found found;
+  if (away > kFar) {
+    found = scene_->far.closest(q, cancel);
+  } else {
+    Search search{&adjacency_->mesh(), from, Poll(cancel), scene_->unit.scale, 1e-6 * (1 + away)};
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
     RTCPointQuery query;
@@ -228,19 +234,25 @@ ClosestPoint ClosestPointIndex::closest(Vec3 from) const {
     query.time = 0;
     query.radius = std::numeric_limits<float>::infinity();
     rtcPointQuery(scene_->scene, &query, &context, consider_face, &search);
+    if (!search.poll.stopped()) found = {search.face, search.bary};
   }
-  if (search.face == kNone) {
-    for (std::uint32_t f = 0; f < search.mesh->face_count(); ++f) search.consider(f);
-  }
-  const SurfacePoint point = point_on_face(*adjacency_, search.face, search.bary);
-  return {point, distance(from, position_of(*search.mesh, point))};
+  if (found.face == kNone) return fail(was_cancelled());
+  const SurfacePoint point = point_on_face(*adjacency_, found.face, found.bary);
+  return ClosestPoint{point, distance(from, position_of(adjacency_->mesh(), point))};
 }
 
 std::optional<RayHit> ClosestPointIndex::first_hit(Vec3 origin, Vec3 direction) const {
+  return *first_hit(origin, direction, Cancel());
+}
+
+Result<std::optional<RayHit>> ClosestPointIndex::first_hit(Vec3 origin, Vec3 direction,
+                                                           const Cancel& cancel) const {
   auto search = RaySearch::begin(*adjacency_, scene_->unit, origin, direction);
   if (!search) return std::nullopt;
+  Poll poll(cancel);
   RayContext context;
   context.search = &*search;
+  context.poll = &poll;
   RTCRayHit ray{};
   const Vec3 from = search->origin();
   const Vec3 ahead = search->direction();
@@ -263,13 +275,14 @@ std::optional<RayHit> ClosestPointIndex::first_hit(Vec3 origin, Vec3 direction) 
   arguments.context = &context;
   rtcIntersect1(scene_->scene, &ray, &arguments);
 #endif
+  if (poll.stopped()) return fail(was_cancelled());
   const auto point = search->hit();
   if (!point) return std::nullopt;
   return RayHit{*point, distance(origin, position_of(adjacency_->mesh(), *point))};
 }
 
 std::size_t ClosestPointIndex::bytes() const {
-  return sizeof(*this) + sizeof(Scene) +
+  return sizeof(*this) + sizeof(Scene) + scene_->far.bytes() +
          static_cast<std::size_t>(std::max<std::int64_t>(scene_->memory.load(), 0));
 }
 

@@ -26,7 +26,8 @@ struct RayHit {
 // A bounding volume hierarchy over the faces of a mesh, built once and shared.
 // Embree holds and searches the hierarchy in single precision, with a margin: it
 // finds faces that may be meant. What they mean, distances and hits, is ours to
-// compute, in double precision.
+// compute, in double precision; and from farther than single precision sees, the
+// search is ours too (far_search.h).
 class ClosestPointIndex {
  public:
   explicit ClosestPointIndex(std::shared_ptr<const Adjacency> adjacency);
@@ -37,9 +38,13 @@ class ClosestPointIndex {
   ClosestPointIndex(const ClosestPointIndex&) = delete;
   ClosestPointIndex& operator=(const ClosestPointIndex&) = delete;
 
-  // `from` must be finite. Among faces at the same distance the one of the lower
-  // number is taken. Any number of threads may ask at once.
+  // `from` must be finite and no component beyond Mesh::kMaxCoordinate. Among faces at the same
+  // distance the one of the lower number is taken (from far away: far_search.h). From the middle
+  // of a sphere all faces are as far, and each is looked at; elsewhere few are, however far
+  // away `from` is. Any number of threads may ask at once.
   [[nodiscard]] ClosestPoint closest(Vec3 from) const;
+  // Errors: cancelled.
+  [[nodiscard]] Result<ClosestPoint> closest(Vec3 from, const Cancel& cancel) const;
 
   // The first point of the surface that a ray meets, from either side of a face;
   // nothing if it misses. Both must be finite and no component beyond
@@ -50,6 +55,9 @@ class ClosestPointIndex {
   // goes on, as it does past a face that it sees edge-on. Any number of threads may
   // ask at once.
   [[nodiscard]] std::optional<RayHit> first_hit(Vec3 origin, Vec3 direction) const;
+  // Errors: cancelled.
+  [[nodiscard]] Result<std::optional<RayHit>> first_hit(Vec3 origin, Vec3 direction,
+                                                        const Cancel& cancel) const;
 
   // Memory held, without the mesh.
   [[nodiscard]] std::size_t bytes() const;

@@ -93,7 +93,8 @@ std::optional<RaySearch> RaySearch::begin(const Adjacency& adjacency, const Unit
   direction = {direction.x / largest, direction.y / largest, direction.z / largest};
   // Each step stops short of the box by what it may be off, so the next one, from
   // much nearer, sees better; 1e120 units need nine.
-  for (;;) {
+  constexpr int kMostSteps = 32;
+  for (int i = 0; i < kMostSteps; ++i) {
     const Vec3 from = unit.inside(origin);
     const double away = largest_component(from);
     const double slack = 16 * kEpsilon * away;
