@@ -63,7 +63,7 @@ Result<FieldQueries::Place> FieldQueries::find(const std::string& mesh, const Ca
   // Preparing is no part of a query's progress: it is mostly done already.
   auto adjacency = catalog_.adjacency(mesh, caller.part(0, 0));
   if (!adjacency) return fail(std::move(adjacency.error()));
-  return Place(catalog_, mesh, std::move(*adjacency), caller);
+  return Place(*this, mesh, std::move(*adjacency), caller);
 }
 
 Result<FieldQueries::Place> FieldQueries::find(const std::string& mesh,

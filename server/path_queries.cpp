@@ -139,24 +139,26 @@ Result<Answered<proto::PathReply>> FieldQueries::answer(const std::string& mesh,
   reply.mesh = mesh;
   reply.method = request.method.which;
   reply.refine = request.refine;
-  const auto from = place->point(request.from, reply.from);
-  if (!from) return fail(from.error());
-  auto stops = place->points(request.via, reply.via);
-  if (!stops) return fail(stops.error());
-  const auto to = place->point(request.to, reply.to);
-  if (!to) return fail(to.error());
-  stops->push_back(*to);
+  // All at once: a search for points waits for a compute slot.
+  std::vector<proto::PointRequest> asked{request.from};
+  asked.insert(asked.end(), request.via.begin(), request.via.end());
+  asked.push_back(request.to);
+  const auto points = place->points(asked, reply.via);
+  if (!points) return fail(points.error());
+  reply.from = std::move(reply.via.front());
+  reply.to = std::move(reply.via.back());
+  reply.via.erase(reply.via.begin());
+  reply.via.pop_back();
 
-  LegFinder finder(fields_, request, caller, stops->size());
+  LegFinder finder(fields_, request, caller, points->size() - 1);
   std::vector<Path> legs;
-  SurfacePoint start = *from;
-  for (const SurfacePoint& stop : *stops) {
-    auto leg = finder.find({mesh, place->adjacency(), request.method, {Source{start, 0}}}, stop);
+  for (std::size_t i = 1; i < points->size(); ++i) {
+    const Source start{(*points)[i - 1], 0};
+    auto leg = finder.find({mesh, place->adjacency(), request.method, {start}}, (*points)[i]);
     if (!leg) return fail(std::move(leg.error()));
     answer.cache_hit = finder.cache_hit();
     if (!*leg) return answer;  // not reachable
     legs.push_back(std::move(**leg));
-    start = stop;
   }
   const Path path = join_paths(legs);
   reply.reachable = true;

@@ -13,43 +13,24 @@
 #include "proto/point_request.h"
 #include "proto/query_replies.h"
 #include "server/field_queries.h"
-#include "server/mesh_catalog.h"
-#include "server/resolve_point.h"
 
 namespace geodesic::server {
 
-// Refers to the catalogue, the id and `caller` of the query.
+// Refers to the queries, the id and `caller` of the query.
 class FieldQueries::Place {
  public:
-  Place(MeshCatalog& catalog, const std::string& mesh, std::shared_ptr<const Adjacency> adjacency,
+  Place(FieldQueries& queries, const std::string& mesh, std::shared_ptr<const Adjacency> adjacency,
         const Caller& caller)
-      : adjacency_(std::move(adjacency)),
-        closest_([&catalog, &mesh, &caller] { return catalog.closest_points(mesh, caller); }) {}
+      : queries_(queries), id_(mesh), adjacency_(std::move(adjacency)), caller_(caller) {}
 
   [[nodiscard]] const std::shared_ptr<const Adjacency>& adjacency() const { return adjacency_; }
   [[nodiscard]] const Mesh& mesh() const { return adjacency_->mesh(); }
 
-  // The place, and what the reply says of it in `echo`.
-  [[nodiscard]] Result<SurfacePoint> point(const proto::PointRequest& request,
-                                           proto::ResolvedPoint& echo) const {
-    auto placed = resolve_point(*adjacency_, closest_, request);
-    if (!placed) return fail(std::move(placed.error()));
-    echo = std::move(placed->echo);
-    return placed->point;
-  }
+  // The places, and what the reply says of each in `echo`. In a compute slot where the surface
+  // has to be searched for any of them.
   [[nodiscard]] Result<std::vector<SurfacePoint>> points(
       const std::vector<proto::PointRequest>& requests,
-      std::vector<proto::ResolvedPoint>& echo) const {
-    std::vector<SurfacePoint> points;
-    points.reserve(requests.size());
-    echo.reserve(requests.size());
-    for (const proto::PointRequest& request : requests) {
-      auto found = point(request, echo.emplace_back());
-      if (!found) return fail(std::move(found.error()));
-      points.push_back(*found);
-    }
-    return points;
-  }
+      std::vector<proto::ResolvedPoint>& echo) const;
   // The points with their offsets.
   [[nodiscard]] Result<std::vector<Source>> sources(
       const std::vector<proto::PointRequest>& requests,
@@ -64,9 +45,21 @@ class FieldQueries::Place {
     return sources;
   }
 
+  // One place.
+  [[nodiscard]] Result<SurfacePoint> point(const proto::PointRequest& request,
+                                           proto::ResolvedPoint& echo) const {
+    std::vector<proto::ResolvedPoint> echoes;
+    const auto found = points({request}, echoes);
+    if (!found) return fail(found.error());
+    echo = std::move(echoes.front());
+    return found->front();
+  }
+
  private:
+  FieldQueries& queries_;
+  const std::string& id_;
   std::shared_ptr<const Adjacency> adjacency_;
-  ClosestPoints closest_;
+  const Caller& caller_;
 };
 
 }  // namespace geodesic::server

@@ -80,39 +80,44 @@ Result<void> check_coordinates(Vec3 point, const std::string& parameter) {
   return {};
 }
 
-Result<PlacedPoint> closest_to(const Adjacency& adjacency, const ClosestPoints& closest,
-                               const proto::SpaceRequest& request, const std::string& parameter) {
+Result<PlacedPoint> closest_to(const Adjacency& adjacency, const ClosestPointIndex& index,
+                               const proto::SpaceRequest& request, const std::string& parameter,
+                               const Cancel& cancel) {
   if (auto usable = check_coordinates(request.xyz, parameter); !usable) return fail(usable.error());
-  const auto index = closest();
-  if (!index) return fail(index.error());
-  const ClosestPoint found = (*index)->closest(request.xyz);
-  if (request.max_snap && found.distance > *request.max_snap) {
+  const auto found = index.closest(request.xyz, cancel);
+  if (!found) return fail(found.error());
+  if (request.max_snap && found->distance > *request.max_snap) {
     return fail(ErrorCode::snap_too_far,
-                "the surface is " + std::to_string(found.distance) + " away", parameter);
+                "the surface is " + std::to_string(found->distance) + " away", parameter);
   }
-  PlacedPoint result = placed(adjacency.mesh(), found.point);
-  result.echo.snap_distance = found.distance;
+  PlacedPoint result = placed(adjacency.mesh(), found->point);
+  result.echo.snap_distance = found->distance;
   return result;
 }
 
-Result<PlacedPoint> first_on_ray(const Adjacency& adjacency, const ClosestPoints& closest,
-                                 const proto::RayRequest& request, const std::string& parameter) {
+Result<PlacedPoint> first_on_ray(const Adjacency& adjacency, const ClosestPointIndex& index,
+                                 const proto::RayRequest& request, const std::string& parameter,
+                                 const Cancel& cancel) {
   if (auto usable = check_coordinates(request.origin, parameter); !usable) {
     return fail(usable.error());
   }
-  const auto index = closest();
-  if (!index) return fail(index.error());
-  const auto hit = (*index)->first_hit(request.origin, request.direction);
-  if (!hit) return fail(ErrorCode::no_hit, "the ray does not meet the surface", parameter);
-  PlacedPoint result = placed(adjacency.mesh(), hit->point);
-  result.echo.ray_distance = hit->distance;
+  const auto hit = index.first_hit(request.origin, request.direction, cancel);
+  if (!hit) return fail(hit.error());
+  if (!*hit) return fail(ErrorCode::no_hit, "the ray does not meet the surface", parameter);
+  PlacedPoint result = placed(adjacency.mesh(), (*hit)->point);
+  result.echo.ray_distance = (*hit)->distance;
   return result;
 }
 
 }  // namespace
 
-Result<PlacedPoint> resolve_point(const Adjacency& adjacency, const ClosestPoints& closest,
-                                  const proto::PointRequest& request) {
+bool is_searched(const proto::PointRequest& request) {
+  return std::holds_alternative<proto::SpaceRequest>(request.where) ||
+         std::holds_alternative<proto::RayRequest>(request.where);
+}
+
+Result<PlacedPoint> resolve_point(const Adjacency& adjacency, const ClosestPointIndex* index,
+                                  const proto::PointRequest& request, const Cancel& cancel) {
   if (const auto* vertex = std::get_if<proto::VertexRequest>(&request.where)) {
     return at_vertex(adjacency, vertex->vertex, request.parameter);
   }
@@ -120,10 +125,10 @@ Result<PlacedPoint> resolve_point(const Adjacency& adjacency, const ClosestPoint
     return on_face(adjacency, *face, request.parameter);
   }
   if (const auto* ray = std::get_if<proto::RayRequest>(&request.where)) {
-    return first_on_ray(adjacency, closest, *ray, request.parameter);
+    return first_on_ray(adjacency, *index, *ray, request.parameter, cancel);
   }
-  return closest_to(adjacency, closest, std::get<proto::SpaceRequest>(request.where),
-                    request.parameter);
+  return closest_to(adjacency, *index, std::get<proto::SpaceRequest>(request.where),
+                    request.parameter, cancel);
 }
 
 proto::ResolvedPoint reply_point(const Mesh& mesh, const SurfacePoint& point) {

@@ -1,10 +1,8 @@
 // From a point as a client names it to a place on a mesh, and back.
 #pragma once
 
-#include <functional>
-#include <memory>
-
 #include "core/adjacency.h"
+#include "core/cancel.h"
 #include "core/closest_point.h"
 #include "core/error.h"
 #include "core/surface_point.h"
@@ -19,14 +17,16 @@ struct PlacedPoint {
   proto::ResolvedPoint echo;  // what the reply says of it
 };
 
-// Gives the index that finds closest points and hits; called only if one is needed.
-using ClosestPoints = std::function<Result<std::shared_ptr<const ClosestPointIndex>>()>;
+// Whether the surface must be searched for it: in a compute slot, for a search may be long.
+[[nodiscard]] bool is_searched(const proto::PointRequest& request);
 
-// Errors: index_out_of_range, snap_too_far, no_hit, value_out_of_range, mesh_invalid
-// (a point on a face without surface that touches no other), and those of `closest`.
+// `index` may be null unless the point is searched. Errors: index_out_of_range, snap_too_far,
+// no_hit, value_out_of_range, mesh_invalid (a point on a face without surface that touches no
+// other), cancelled.
 [[nodiscard]] Result<PlacedPoint> resolve_point(const Adjacency& adjacency,
-                                                const ClosestPoints& closest,
-                                                const proto::PointRequest& request);
+                                                const ClosestPointIndex* index,
+                                                const proto::PointRequest& request,
+                                                const Cancel& cancel);
 
 // What a reply says of a place on the mesh.
 [[nodiscard]] proto::ResolvedPoint reply_point(const Mesh& mesh, const SurfacePoint& point);

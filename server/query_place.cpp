@@ -1,0 +1,43 @@
+#include "server/query_place.h"
+
+#include <algorithm>
+#include <cstdint>
+
+namespace geodesic::server {
+
+Result<std::vector<SurfacePoint>> FieldQueries::Place::points(
+    const std::vector<proto::PointRequest>& requests,
+    std::vector<proto::ResolvedPoint>& echo) const {
+  // It is built and kept elsewhere, and waits for a slot of its own.
+  std::shared_ptr<const ClosestPointIndex> index;
+  const bool searches = std::any_of(requests.begin(), requests.end(), is_searched);
+  if (searches) {
+    auto built = queries_.catalog_.closest_points(id_, caller_.part(0, 0));
+    if (!built) return fail(std::move(built.error()));
+    index = std::move(*built);
+  }
+  const auto resolve = [&](const Cancel& cancel) -> Result<std::vector<SurfacePoint>> {
+    std::vector<SurfacePoint> points;
+    points.reserve(requests.size());
+    echo.reserve(requests.size());
+    constexpr std::uint32_t kPointsBetween = 64;
+    Poll poll(cancel, kPointsBetween);
+    for (const proto::PointRequest& request : requests) {
+      if (poll.cancelled()) return fail(ErrorCode::cancelled, "the client is gone");
+      auto placed = resolve_point(*adjacency_, index.get(), request, cancel);
+      if (!placed) return fail(std::move(placed.error()));
+      echo.push_back(std::move(placed->echo));
+      points.push_back(placed->point);
+    }
+    return points;
+  };
+  // Where nothing has to be searched, to look up and to wait in a queue would be the longer way.
+  if (!searches) {
+    auto found = resolve(Cancel(std::cref(caller_)));
+    if (!found && found.error().code == ErrorCode::cancelled) return fail(caller_.why_stopped());
+    return found;
+  }
+  return queries_.in_slot(resolve, caller_.part(0, 0));
+}
+
+}  // namespace geodesic::server
