@@ -135,7 +135,8 @@ Result<std::optional<StoredMesh>> DirectoryStorage::find(std::string_view id) {
                     static_cast<std::int64_t>(source.st_mtime)};
 }
 
-Result<void> DirectoryStorage::write(ObjectKind kind, std::string_view id, std::string_view bytes) {
+Result<std::string> DirectoryStorage::write(ObjectKind kind, std::string_view id,
+                                            std::string_view bytes) {
   const fs::path path = path_of(kind, id);
   const fs::path temporary = temporary_path();
   Result<void> done;
@@ -144,21 +145,26 @@ Result<void> DirectoryStorage::write(ObjectKind kind, std::string_view id, std::
     const std::lock_guard lock(directories_);
     done = make_directory(path.parent_path());
   }
-  if (!done) return done;
+  if (!done) return fail(std::move(done.error()));
   done = write_file(temporary, bytes);
   if (done && ::rename(temporary.c_str(), path.c_str()) != 0) {
     done = disk_error("rename a file", path, errno);
   }
   if (!done) {
     ::unlink(temporary.c_str());
-    return done;
+    return fail(std::move(done.error()));
   }
-  return sync_directory(path.parent_path());
+  done = sync_directory(path.parent_path());
+  if (!done) return fail(std::move(done.error()));
+  return std::string();
 }
 
-Result<std::optional<std::string>> DirectoryStorage::read(ObjectKind kind, std::string_view id,
-                                                          std::uint64_t /*expected_bytes*/) {
-  return read_file(path_of(kind, id));
+Result<std::optional<StoredObject>> DirectoryStorage::read(ObjectKind kind, std::string_view id,
+                                                           std::uint64_t /*expected_bytes*/) {
+  auto bytes = read_file(path_of(kind, id));
+  if (!bytes) return fail(std::move(bytes.error()));
+  if (!*bytes) return std::nullopt;
+  return StoredObject{std::move(**bytes), {}};
 }
 
 Result<void> DirectoryStorage::erase(std::string_view id) {
@@ -171,7 +177,7 @@ Result<void> DirectoryStorage::erase(std::string_view id) {
   return {};
 }
 
-Result<void> DirectoryStorage::quarantine(std::string_view id) {
+Result<void> DirectoryStorage::quarantine(std::string_view id, std::string_view /*damaged*/) {
   const fs::path from = path_of(ObjectKind::source, id);
   const fs::path to = root_ / "quarantine" / id;
   if (::rename(from.c_str(), to.c_str()) != 0 && errno != ENOENT) {

@@ -32,12 +32,12 @@ class DirectoryStorage final : public ObjectStorage {
   [[nodiscard]] bool is_shared() const override { return false; }
   [[nodiscard]] Result<std::vector<StoredMesh>> scan() override;
   [[nodiscard]] Result<std::optional<StoredMesh>> find(std::string_view id) override;
-  [[nodiscard]] Result<void> write(ObjectKind kind, std::string_view id,
-                                   std::string_view bytes) override;
-  [[nodiscard]] Result<std::optional<std::string>> read(ObjectKind kind, std::string_view id,
-                                                        std::uint64_t expected_bytes) override;
+  [[nodiscard]] Result<std::string> write(ObjectKind kind, std::string_view id,
+                                          std::string_view bytes) override;
+  [[nodiscard]] Result<std::optional<StoredObject>> read(ObjectKind kind, std::string_view id,
+                                                         std::uint64_t expected_bytes) override;
   [[nodiscard]] Result<void> erase(std::string_view id) override;
-  [[nodiscard]] Result<void> quarantine(std::string_view id) override;
+  [[nodiscard]] Result<void> quarantine(std::string_view id, std::string_view damaged) override;
   void note_use(std::string_view id) override;
   [[nodiscard]] Result<void> check() override;
 

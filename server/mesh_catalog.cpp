@@ -74,11 +74,12 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const proto::Imp
   if (!stored) return fail(stored.error());
   if (*stored) {
     auto description = metadata(id, caller);
-    if (description) return Upload{id, std::move(*description), false};
+    Result<void> sure = description ? make_sure(id, bytes) : fail(description.error());
+    if (sure) return Upload{id, std::move(*description), false};
     // Removed since, or found damaged: then this upload puts it back.
-    const ErrorCode code = description.error().code;
+    const ErrorCode code = sure.error().code;
     if (code != ErrorCode::mesh_unknown && code != ErrorCode::store_corrupt) {
-      return fail(std::move(description.error()));
+      return fail(std::move(sure.error()));
     }
   }
 
@@ -108,6 +109,14 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const proto::Imp
       caller);
   if (!upload) return fail(upload.error());
   return *upload->value;
+}
+
+Result<void> MeshCatalog::make_sure(const std::string& id, std::string_view bytes) {
+  if (store_.is_surely_whole(id)) return {};
+  const auto description = store_.get_metadata(id);
+  if (!description) return fail(description.error());
+  if (!*description) return unknown_mesh();
+  return store_.put(id, bytes, **description);
 }
 
 Result<MeshCatalog::Built> MeshCatalog::build(const std::string& bytes,

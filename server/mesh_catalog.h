@@ -114,6 +114,8 @@ class MeshCatalog {
     std::shared_ptr<const Mesh> mesh;
   };
 
+  // Stores the bytes of a known mesh again, unless those that are there are surely they.
+  [[nodiscard]] Result<void> make_sure(const std::string& id, std::string_view bytes);
   [[nodiscard]] Result<Built> build(const std::string& bytes, const proto::ImportOptions& options,
                                     const Caller& caller);
   [[nodiscard]] Result<Described> describe(const std::string& id, const std::string& bytes,

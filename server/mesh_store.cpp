@@ -90,21 +90,27 @@ Result<void> MeshStore::put(std::string_view id, std::string_view bytes,
   if (sha256_hex(bytes) != source_digest(id)) {
     return fail(ErrorCode::digest_mismatch, "the bytes do not have the given SHA-256");
   }
-  const auto stored = is_stored(id);
-  if (!stored) return fail(stored.error());
-  if (*stored) {
+  auto stored = is_stored(id);
+  if (!stored) return fail(std::move(stored.error()));
+  if (*stored && is_surely_whole(id)) {
     auto replaced = put_metadata(id, metadata);
     // Somebody may have removed it meanwhile: then it is put anew.
     if (replaced || replaced.error().code != ErrorCode::mesh_unknown) return replaced;
+    stored = false;
   }
-  const auto room = make_room(bytes.size() + metadata.size());
-  if (!room) return fail(room.error());
+  std::optional<Room> room;  // what is there has its own
+  if (!*stored) {
+    auto made = make_room(bytes.size() + metadata.size());
+    if (!made) return fail(std::move(made.error()));
+    room.emplace(std::move(*made));
+  }
   const std::lock_guard lock(stripe(id));
   // Somebody else may have put it meanwhile: then the same once more, in its place.
   const bool is_new = !index_.contains(id);
   if (auto written = write_both(id, bytes, metadata); !written) {
-    // Nothing of a failed put may remain; what an earlier one stored stays.
-    if (is_new) (void)storage_->erase(id);
+    // Nothing of a failed put may remain; what an earlier one stored stays, and so does
+    // what another process may have stored.
+    if (is_new && !storage_->is_shared()) (void)storage_->erase(id);
     return written;
   }
   index_.insert({std::string(id), bytes.size() + metadata.size(), seconds_now()});
@@ -116,8 +122,12 @@ Result<void> MeshStore::put(std::string_view id, std::string_view bytes,
 
 Result<void> MeshStore::write_both(std::string_view id, std::string_view bytes,
                                    std::string_view metadata) {
-  if (auto done = counted(storage_->write(ObjectKind::source, id, bytes)); !done) return done;
-  return counted(storage_->write(ObjectKind::metadata, id, metadata));
+  auto source = counted(storage_->write(ObjectKind::source, id, bytes));
+  if (!source) return fail(std::move(source.error()));
+  note_whole(id, std::move(*source));
+  auto description = counted(storage_->write(ObjectKind::metadata, id, metadata));
+  if (!description) return fail(std::move(description.error()));
+  return {};
 }
 
 Result<MeshStore::Room> MeshStore::make_room(std::uint64_t bytes) {
@@ -142,9 +152,15 @@ Result<void> MeshStore::put_metadata(std::string_view id, std::string_view metad
   if (!is_mesh_id(id)) return unknown_mesh();
   const std::lock_guard lock(stripe(id));
   if (!index_.contains(id)) return unknown_mesh();
-  if (auto done = counted(storage_->write(ObjectKind::metadata, id, metadata)); !done) return done;
-  if (auto now = storage_->find(id); now && *now) index_.insert(**now);
+  auto written = counted(storage_->write(ObjectKind::metadata, id, metadata));
+  if (!written) return fail(std::move(written.error()));
   metadata_.erase(std::string(id));
+  const auto now = storage_->find(id);
+  if (now && !*now) {  // another process has removed it since
+    forget(id);
+    return unknown_mesh();
+  }
+  if (now) index_.insert(**now);
   return {};
 }
 
@@ -154,7 +170,10 @@ Result<std::string> MeshStore::get_source(std::string_view id) {
   if (!*known) return unknown_mesh();
   auto bytes = counted(storage_->read(ObjectKind::source, id, index_.bytes_of(id).value_or(0)));
   if (!bytes) return fail(std::move(bytes.error()));
-  if (*bytes && sha256_hex(**bytes) == source_digest(id)) return std::move(**bytes);
+  if (*bytes && sha256_hex((*bytes)->bytes) == source_digest(id)) {
+    note_whole(id, std::move((*bytes)->version));
+    return std::move((*bytes)->bytes);
+  }
   return read_again_or_quarantine(id);
 }
 
@@ -165,19 +184,23 @@ Result<std::string> MeshStore::read_again_or_quarantine(std::string_view id) {
   if (!index_.contains(id)) return unknown_mesh();
   auto bytes = counted(storage_->read(ObjectKind::source, id, index_.bytes_of(id).value_or(0)));
   if (!bytes) return fail(std::move(bytes.error()));
-  if (*bytes && sha256_hex(**bytes) == source_digest(id)) return std::move(**bytes);
+  if (*bytes && sha256_hex((*bytes)->bytes) == source_digest(id)) {
+    note_whole(id, std::move((*bytes)->version));
+    return std::move((*bytes)->bytes);
+  }
   if (!*bytes && storage_->is_shared()) {  // another process has removed it
     forget(id);
     return unknown_mesh();
   }
+  const StoredObject damaged = *bytes ? std::move(**bytes) : StoredObject{};
   // Out of the index whatever happens, so that it is not served and is logged once.
   forget(id);
   ++corrupt_;
   {
     const std::lock_guard state(state_mutex_);
-    damaged_.emplace(id);
+    damaged_.insert_or_assign(std::string(id), damaged.version);
   }
-  const bool moved = static_cast<bool>(counted(storage_->quarantine(id)));
+  const bool moved = static_cast<bool>(counted(storage_->quarantine(id, damaged.bytes)));
   spdlog::error("store: {} is {}; {}", id, *bytes ? "not what was stored" : "missing",
                 moved ? "it is in quarantine now" : "it could not be put into quarantine");
   return fail(ErrorCode::store_corrupt, "the stored bytes are damaged; upload the mesh again");
@@ -193,7 +216,7 @@ Result<std::optional<std::string>> MeshStore::get_metadata(std::string_view id) 
         auto read = counted(storage_->read(ObjectKind::metadata, id, kExpectedMetadataBytes));
         if (!read) return fail(std::move(read.error()));
         if (!*read) return unknown_mesh();
-        return std::make_shared<const std::string>(std::move(**read));
+        return std::make_shared<const std::string>(std::move((*read)->bytes));
       });
   if (metadata) return *metadata->value;
   if (metadata.error().code == ErrorCode::mesh_unknown) return std::nullopt;
@@ -225,17 +248,41 @@ Result<bool> MeshStore::ask_storage(std::string_view id) {
   const std::lock_guard lock(stripe(id));
   auto found = counted(storage_->find(id));
   if (!found) return fail(std::move(found.error()));
-  if (!*found) {
+  if (!*found || is_what_was_damaged(**found)) {
     forget(id);
     return false;
   }
   index_.insert(**found);
+  const std::lock_guard lock_state(state_mutex_);
+  damaged_.erase(std::string(id));
+  const auto whole = whole_.find(id);
+  if (whole != whole_.end() && whole->second != (*found)->version) whole_.erase(whole);
   return true;
+}
+
+void MeshStore::note_whole(std::string_view id, std::string version) {
+  if (version.empty()) return;
+  const std::lock_guard lock(state_mutex_);
+  whole_.insert_or_assign(std::string(id), std::move(version));
+}
+
+bool MeshStore::is_surely_whole(std::string_view id) const {
+  // In a storage of its own, damage shows when the mesh is read.
+  if (!storage_->is_shared()) return true;
+  const std::lock_guard lock(state_mutex_);
+  return whole_.contains(id);
+}
+
+bool MeshStore::is_what_was_damaged(const StoredMesh& mesh) const {
+  if (mesh.version.empty()) return false;
+  const std::lock_guard lock(state_mutex_);
+  const auto found = damaged_.find(mesh.id);
+  return found != damaged_.end() && found->second == mesh.version;
 }
 
 bool MeshStore::is_damaged(std::string_view id) const {
   const std::lock_guard lock(state_mutex_);
-  return damaged_.find(id) != damaged_.end();
+  return damaged_.contains(id);
 }
 
 Result<bool> MeshStore::remove(std::string_view id) {
@@ -248,7 +295,7 @@ Result<bool> MeshStore::erase(std::string_view id) {
   const std::lock_guard lock(stripe(id));
   if (auto erased = counted(storage_->erase(id)); !erased) return fail(std::move(erased.error()));
   const bool known = index_.erase(id);
-  metadata_.erase(std::string(id));
+  forget(id);
   const std::lock_guard state(state_mutex_);
   damaged_.erase(std::string(id));
   return known;
@@ -257,6 +304,8 @@ Result<bool> MeshStore::erase(std::string_view id) {
 void MeshStore::forget(std::string_view id) {
   index_.erase(id);
   metadata_.erase(std::string(id));
+  const std::lock_guard lock(state_mutex_);
+  whole_.erase(std::string(id));
 }
 
 std::vector<std::string> MeshStore::list(std::string_view after_id, std::size_t limit) const {
@@ -280,7 +329,13 @@ Result<void> MeshStore::rescan() {
     index_.end_scan(std::nullopt);
     return fail(std::move(found.error()));
   }
-  for (const std::string& id : index_.end_scan(std::move(*found))) metadata_.erase(id);
+  std::erase_if(*found, [&](const StoredMesh& mesh) { return is_what_was_damaged(mesh); });
+  for (const std::string& id : index_.end_scan(std::move(*found))) {
+    // Not from the index: a put may have come back to it in this moment.
+    metadata_.erase(id);
+    const std::lock_guard state(state_mutex_);
+    whole_.erase(id);
+  }
   scanned_ = std::chrono::steady_clock::now();
   return {};
 }

@@ -11,6 +11,14 @@
 // was not acknowledged leaves nothing or a whole source without metadata, which
 // is listed and can be completed by another `put` or by `put_metadata`.
 //
+// Several processes may share a storage. Then a process deletes a mesh only because it
+// was asked to, or to make room: never because a write of its own failed, or because it
+// has read damaged bytes, for another one may have stored the same mesh meanwhile and
+// said so. A removal takes the metadata first and the source last, the reverse of a put.
+// So a source that is there after both has its metadata, whatever the order in which
+// their requests arrived. What is there already is taken to be what is being put only if
+// this process has written or read that very version of it; else it is written again.
+//
 // All methods may be called from any thread. No error names a path or a host:
 // they are shown to clients; the log has them. Any method that reaches the storage
 // may fail with its errors: `store_failed`, `store_full`, `store_unavailable`.
@@ -21,10 +29,10 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,8 +58,9 @@ class MeshStore {
 
   // Stores `bytes` and `metadata` under `id`, which must begin with the SHA-256 of
   // the bytes (`digest_mismatch` otherwise; `mesh_unknown` if it is no id). Already stored: the
-  // bytes are kept, the metadata is replaced. May evict other meshes. `store_full` over the budget.
-  // After an error nothing of this put remains, as far as the storage can be reached.
+  // bytes are kept if they are known to be whole, the metadata is replaced. May evict other
+  // meshes. `store_full` over the budget. After an error nothing of this put remains, as far
+  // as the storage can be reached; in a shared storage, what was written before the error stays.
   [[nodiscard]] Result<void> put(std::string_view id, std::string_view bytes,
                                  std::string_view metadata);
 
@@ -77,6 +86,10 @@ class MeshStore {
 
   // The same, but where other processes use the storage it is always asked.
   [[nodiscard]] Result<bool> is_stored(std::string_view id);
+
+  // Whether the bytes of a mesh that `is_stored` has just found are surely those that it
+  // was stored with. If not, putting them again is the way to be sure.
+  [[nodiscard]] bool is_surely_whole(std::string_view id) const;
 
   // Whether the mesh was found damaged, and neither put again nor removed since.
   // Who still has it in memory may go on with that.
@@ -111,6 +124,10 @@ class MeshStore {
                                         std::string_view metadata);
   [[nodiscard]] Result<std::string> read_again_or_quarantine(std::string_view id);
   [[nodiscard]] Result<bool> ask_storage(std::string_view id);
+  // Remembers that the source of that version has the right bytes.
+  void note_whole(std::string_view id, std::string version);
+  // Whether a mesh is what was found damaged, unchanged since.
+  [[nodiscard]] bool is_what_was_damaged(const StoredMesh& mesh) const;
   Result<bool> erase(std::string_view id);
   // Forgets a mesh that is not in the storage.
   void forget(std::string_view id);
@@ -126,9 +143,11 @@ class MeshStore {
   std::array<std::mutex, 64> stripes_;
   std::mutex scan_mutex_;
   std::chrono::steady_clock::time_point scanned_;
-  mutable std::mutex state_mutex_;  // of the next two
+  mutable std::mutex state_mutex_;  // of the next three
   Result<void> health_;
-  std::set<std::string, std::less<>> damaged_;
+  using Versions = std::map<std::string, std::string, std::less<>>;  // by id
+  Versions damaged_;
+  Versions whole_;  // of known meshes in a shared storage
   std::atomic<std::uint64_t> evictions_{0};
   std::atomic<std::uint64_t> refusals_{0};
   std::atomic<std::uint64_t> corrupt_{0};

@@ -15,6 +15,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
@@ -25,8 +26,16 @@ enum class ObjectKind : std::uint8_t { source, metadata };
 
 struct StoredMesh {
   std::string id;
-  std::uint64_t bytes = 0;  // what its objects take, as far as a scan sees
-  std::int64_t used = 0;    // when it was last used, or written: seconds since 1970
+  std::uint64_t bytes = 0;   // what its objects take, as far as a scan sees
+  std::int64_t used = 0;     // when it was last used, or written: seconds since 1970
+  std::string version = {};  // of its source, as `StoredObject` has it
+};
+
+struct StoredObject {
+  std::string bytes;
+  // Changes whenever the object is written with other bytes. Empty where nobody else
+  // writes, and where the storage does not tell.
+  std::string version;
 };
 
 class ObjectStorage {
@@ -48,21 +57,24 @@ class ObjectStorage {
   // One mesh as a scan would see it; nothing if it is not there.
   [[nodiscard]] virtual Result<std::optional<StoredMesh>> find(std::string_view id) = 0;
 
-  [[nodiscard]] virtual Result<void> write(ObjectKind kind, std::string_view id,
-                                           std::string_view bytes) = 0;
+  // The version of what was written. After an error it may be there all the same.
+  [[nodiscard]] virtual Result<std::string> write(ObjectKind kind, std::string_view id,
+                                                  std::string_view bytes) = 0;
 
-  // The bytes, unchecked; nothing if there is no such object. `expected_bytes` is
-  // about how many there should be; where many more come, the answer may be cut.
-  [[nodiscard]] virtual Result<std::optional<std::string>> read(ObjectKind kind,
-                                                                std::string_view id,
-                                                                std::uint64_t expected_bytes) = 0;
+  // All of the bytes, unchecked; nothing if there is no such object. `expected_bytes`
+  // is about how many there should be, 0 where that is not known.
+  [[nodiscard]] virtual Result<std::optional<StoredObject>> read(ObjectKind kind,
+                                                                 std::string_view id,
+                                                                 std::uint64_t expected_bytes) = 0;
 
   // Removes the metadata, then the source; durably. It may be gone already.
   [[nodiscard]] virtual Result<void> erase(std::string_view id) = 0;
 
-  // Moves a damaged source out of the way, kept for the operator, and removes its
-  // metadata. It may be gone already.
-  [[nodiscard]] virtual Result<void> quarantine(std::string_view id) = 0;
+  // Keeps the bytes of a damaged source, `damaged`, for the operator. A storage that no
+  // other process uses moves them out of the way and removes their metadata. A shared one
+  // removes nothing: another process may have put the mesh again meanwhile. The mesh may
+  // be gone already.
+  [[nodiscard]] virtual Result<void> quarantine(std::string_view id, std::string_view damaged) = 0;
 
   // Remembers, if it can, that the mesh was used now.
   virtual void note_use(std::string_view id) = 0;

@@ -97,6 +97,19 @@ std::size_t write_download(const char* from, std::size_t size, std::size_t count
   return n;
 }
 
+}  // namespace
+
+std::string strong_tag(std::string_view text) {
+  if (text.starts_with("W/")) return {};
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') {
+    text.remove_prefix(1);
+    text.remove_suffix(1);
+  }
+  return std::string(text);
+}
+
+namespace {
+
 bool is_later(int status) {
   return status == 429 || status == 500 || status == 502 || status == 503 || status == 504;
 }
@@ -241,9 +254,6 @@ S3Client::Attempt S3Client::try_once(CURL* handle, const S3Request& request) con
   Headers headers;
   // Signed with the rest, so that the server refuses bytes damaged on their way.
   add_header(headers, "x-amz-content-sha256: " + sha256_hex(upload.bytes));
-  if (!request.copy_source.empty()) {
-    add_header(headers, "x-amz-copy-source: /" + location_.bucket + "/" + request.copy_source);
-  }
   if (!location_.session_token.empty()) {
     add_header(headers, "x-amz-security-token: " + location_.session_token);
   }
@@ -302,9 +312,13 @@ S3Client::Attempt S3Client::try_once(CURL* handle, const S3Request& request) con
   long status = 0;
   curl_easy_getinfo(handle, CURLINFO_RESPONSE_CODE, &status);
   attempt.reply.status = static_cast<int>(status);
-  curl_off_t length = 0;
+  curl_off_t length = -1;
   curl_easy_getinfo(handle, CURLINFO_CONTENT_LENGTH_DOWNLOAD_T, &length);
-  attempt.reply.content_length = length > 0 ? static_cast<std::uint64_t>(length) : 0;
+  if (length >= 0) attempt.reply.content_length = static_cast<std::uint64_t>(length);
+  curl_header* tag = nullptr;
+  if (curl_easy_header(handle, "ETag", 0, CURLH_HEADER, -1, &tag) == CURLHE_OK) {
+    attempt.reply.entity_tag = strong_tag(tag->value);
+  }
   curl_off_t changed = 0;
   curl_easy_getinfo(handle, CURLINFO_FILETIME_T, &changed);
   attempt.reply.last_modified = changed > 0 ? changed : 0;

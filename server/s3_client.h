@@ -38,7 +38,6 @@ struct S3Request {
   std::string key;  // in the bucket, of letters, digits and - . _ ~ /; empty: the bucket itself
   std::map<std::string, std::string> query;  // unescaped
   std::optional<std::string_view> body;      // of a PUT; the bytes outlive the request
-  std::string copy_source;                   // PUT: copy this key of the bucket instead
   std::uint64_t max_reply_bytes = 1 << 20;   // a longer body is cut there
   bool is_probe = false;                     // one short try, even when all else is refused
 };
@@ -46,10 +45,14 @@ struct S3Request {
 struct S3Reply {
   int status = 0;
   std::string body;
-  bool cut = false;  // the body was longer than allowed
-  std::uint64_t content_length = 0;
-  std::int64_t last_modified = 0;  // seconds since 1970; 0: not told
+  bool cut = false;                             // the body was longer than allowed
+  std::optional<std::uint64_t> content_length;  // as the server has told it
+  std::string entity_tag;                       // a strong one, without its quotes; or empty
+  std::int64_t last_modified = 0;               // seconds since 1970; 0: not told
 };
+
+// What is between the quotes of an entity tag; nothing if it is weak.
+[[nodiscard]] std::string strong_tag(std::string_view text);
 
 class S3Client {
  public:

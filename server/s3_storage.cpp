@@ -16,6 +16,8 @@ namespace {
 
 constexpr std::uint64_t kMostListBytes = 4 << 20;  // 1,000 keys take half a megabyte
 constexpr int kMostPages = 100'000;                // 100 million objects
+// What S3 takes in one PUT, so that nothing of ours is larger.
+constexpr std::uint64_t kMostObjectBytes = std::uint64_t{5} << 30;
 constexpr std::size_t kListsAtOnce = 8;
 
 tl::unexpected<Error> not_there() {
@@ -59,7 +61,8 @@ Result<S3Storage::Page> S3Storage::list_page(const std::string& digits, const st
     key.erase(0, folder.size());
     if (!is_mesh_id(key)) continue;
     page.meshes.push_back({std::move(key), std::strtoull(item.child_value("Size"), nullptr, 10),
-                           seconds_of(item.child_value("LastModified"))});
+                           seconds_of(item.child_value("LastModified")),
+                           strong_tag(item.child_value("ETag"))});
   }
   if (std::string_view(list.child_value("IsTruncated")) == "true") {
     page.next = list.child_value("NextContinuationToken");
@@ -118,30 +121,52 @@ Result<std::optional<StoredMesh>> S3Storage::find(std::string_view id) {
   const auto reply = client_.send(request);
   if (!reply) return fail(reply.error());
   if (reply->status == 404) return std::nullopt;
-  return StoredMesh{std::string(id), reply->content_length, reply->last_modified};
+  StoredMesh mesh{std::string(id), reply->content_length.value_or(0), reply->last_modified,
+                  reply->entity_tag};
+  if (reply->content_length) return mesh;
+  // Some servers leave the length out of a HEAD's answer. Their lists have it.
+  const auto page = list_page(mesh.id, "");
+  if (!page) return fail(page.error());
+  for (const StoredMesh& listed : page->meshes) {
+    if (listed.id == mesh.id) mesh.bytes = listed.bytes;
+  }
+  return mesh;
 }
 
-Result<void> S3Storage::write(ObjectKind kind, std::string_view id, std::string_view bytes) {
+Result<std::string> S3Storage::put_key(const std::string& key, std::string_view bytes) {
   S3Request request;
   request.method = "PUT";
-  request.key = key_of(kind, id);
+  request.key = key;
   request.body = bytes;
-  const auto reply = client_.send(request);
-  if (!reply) return fail(reply.error());
+  auto reply = client_.send(request);
+  if (!reply) return fail(std::move(reply.error()));
   if (reply->status == 404) return not_there();
-  return {};
+  return std::move(reply->entity_tag);
 }
 
-Result<std::optional<std::string>> S3Storage::read(ObjectKind kind, std::string_view id,
-                                                   std::uint64_t expected_bytes) {
+Result<std::string> S3Storage::write(ObjectKind kind, std::string_view id, std::string_view bytes) {
+  return put_key(key_of(kind, id), bytes);
+}
+
+Result<std::optional<StoredObject>> S3Storage::read(ObjectKind kind, std::string_view id,
+                                                    std::uint64_t expected_bytes) {
   S3Request request;
   request.key = key_of(kind, id);
-  // Room for an error's XML; what is longer than it should be is damaged anyway.
+  // Room for an error's XML.
   request.max_reply_bytes = std::max<std::uint64_t>(expected_bytes, 1 << 20);
   auto reply = client_.send(request);
   if (!reply) return fail(std::move(reply.error()));
+  if (reply->cut) {
+    // The expectation was wrong. What was cut tells nothing about the object.
+    request.max_reply_bytes = kMostObjectBytes;
+    reply = client_.send(request);
+    if (!reply) return fail(std::move(reply.error()));
+    if (reply->cut) return fail(ErrorCode::store_failed, "an object of the store is too large");
+  }
   if (reply->status == 404) return std::nullopt;
-  return std::move(reply->body);
+  // Without a length, a body that ended early looks whole: it must not stand for a version.
+  if (!reply->content_length) reply->entity_tag.clear();
+  return StoredObject{std::move(reply->body), std::move(reply->entity_tag)};
 }
 
 Result<void> S3Storage::erase_key(const std::string& key) {
@@ -158,19 +183,10 @@ Result<void> S3Storage::erase(std::string_view id) {
   return erase_key(key_of(ObjectKind::source, id));
 }
 
-Result<void> S3Storage::quarantine(std::string_view id) {
-  S3Request copy;
-  copy.method = "PUT";
-  copy.key = client_.location().prefix + "quarantine/" + std::string(id);
-  copy.copy_source = key_of(ObjectKind::source, id);
-  copy.body = std::string_view();
-  const auto copied = client_.send(copy);
-  if (!copied) return fail(copied.error());
-  // A copy that failed half way is answered 200 with an error in its body.
-  if (copied->status != 404 && copied->body.find("<Error>") != std::string::npos) {
-    return fail(ErrorCode::store_failed, "the object store could not copy an object");
-  }
-  return erase(id);
+Result<void> S3Storage::quarantine(std::string_view id, std::string_view damaged) {
+  const auto kept = put_key(client_.location().prefix + "quarantine/" + std::string(id), damaged);
+  if (!kept) return fail(kept.error());
+  return {};
 }
 
 Result<void> S3Storage::check() {

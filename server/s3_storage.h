@@ -3,10 +3,15 @@
 //
 //   PREFIXobjects/<id>      the bytes as uploaded
 //   PREFIXmeta/<id>.json    the metadata, opaque here
-//   PREFIXquarantine/<id>   bytes found not to be what was stored
+//   PREFIXquarantine/<id>   a copy of bytes found not to be what was stored
 //
-// S3 writes an object whole or not at all. When a mesh was last used is not kept
-// there: after a restart, the time of the upload stands for it.
+// S3 writes an object whole or not at all. A version is the object's entity tag. When a
+// mesh was last used is not kept there: after a restart, the time of the upload stands
+// for it.
+//
+// Nothing but `erase` deletes: few servers delete an object only if it is still the one
+// that was looked at, so any other delete might take away what another process has just
+// stored and acknowledged.
 #pragma once
 
 #include "server/object_storage.h"
@@ -23,12 +28,12 @@ class S3Storage final : public ObjectStorage {
   [[nodiscard]] bool is_shared() const override { return true; }
   [[nodiscard]] Result<std::vector<StoredMesh>> scan() override;
   [[nodiscard]] Result<std::optional<StoredMesh>> find(std::string_view id) override;
-  [[nodiscard]] Result<void> write(ObjectKind kind, std::string_view id,
-                                   std::string_view bytes) override;
-  [[nodiscard]] Result<std::optional<std::string>> read(ObjectKind kind, std::string_view id,
-                                                        std::uint64_t expected_bytes) override;
+  [[nodiscard]] Result<std::string> write(ObjectKind kind, std::string_view id,
+                                          std::string_view bytes) override;
+  [[nodiscard]] Result<std::optional<StoredObject>> read(ObjectKind kind, std::string_view id,
+                                                         std::uint64_t expected_bytes) override;
   [[nodiscard]] Result<void> erase(std::string_view id) override;
-  [[nodiscard]] Result<void> quarantine(std::string_view id) override;
+  [[nodiscard]] Result<void> quarantine(std::string_view id, std::string_view damaged) override;
   void note_use(std::string_view /*id*/) override {}
   [[nodiscard]] Result<void> check() override;
 
@@ -38,9 +43,10 @@ class S3Storage final : public ObjectStorage {
     std::string next;  // empty: the last one
   };
   [[nodiscard]] std::string key_of(ObjectKind kind, std::string_view id) const;
-  [[nodiscard]] Result<Page> list_page(const std::string& ids_from, const std::string& token);
+  [[nodiscard]] Result<Page> list_page(const std::string& digits, const std::string& token);
   // The meshes of which the ids begin with `digits`.
   [[nodiscard]] Result<std::vector<StoredMesh>> list_all(const std::string& digits);
+  [[nodiscard]] Result<std::string> put_key(const std::string& key, std::string_view bytes);
   [[nodiscard]] Result<void> erase_key(const std::string& key);
 
   S3Client client_;
