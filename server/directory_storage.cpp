@@ -74,8 +74,9 @@ Result<std::unique_ptr<ObjectStorage>> DirectoryStorage::open(const fs::path& di
                 fmt::format("cannot use {} as the store: {}", directory.string(), reason));
   };
   std::error_code error;
-  fs::create_directories(directory, error);
+  const fs::path absolute = fs::absolute(directory, error);
   if (error) return cannot(error.message());
+  if (auto made = make_directories(absolute); !made) return cannot(made.error().detail);
   File lock(::open((directory / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
   if (!lock) return cannot(std::generic_category().message(errno));
   if (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0) {
@@ -143,7 +144,13 @@ Result<std::string> DirectoryStorage::write(ObjectKind kind, std::string_view id
   {
     // One at a time: who finds the directory there must find it synced as well.
     const std::lock_guard lock(directories_);
-    done = make_directory(path.parent_path());
+    const fs::path directory = path.parent_path();
+    if (!durable_.contains(directory)) {
+      done = make_directory(directory);
+      if (done) durable_.insert(directory);
+    } else if (::mkdir(directory.c_str(), 0755) == 0) {  // somebody has removed it
+      done = sync_directory(directory.parent_path());
+    }
   }
   if (!done) return fail(std::move(done.error()));
   done = write_file(temporary, bytes);
@@ -173,7 +180,8 @@ Result<void> DirectoryStorage::erase(std::string_view id) {
   const fs::path path = path_of(ObjectKind::source, id);
   const Result<bool> source = remove_file(path);
   if (!source) return fail(source.error());
-  if (*source) return sync_directory(path.parent_path());
+  // Even if it was gone: who removed it may have ended before the directory was synced.
+  if (*source || fs::is_directory(path.parent_path())) return sync_directory(path.parent_path());
   return {};
 }
 

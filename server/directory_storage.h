@@ -7,7 +7,8 @@
 //   DIR/quarantine/<id>      bytes found not to be what was stored
 //
 // A file is written under a temporary name, synced, renamed, and its directory
-// synced. The time of its last change says when a mesh was last used.
+// synced; so is each directory into the one above it, the store's own included. The time of its
+// last change says when a mesh was last used.
 #pragma once
 
 #include <atomic>
@@ -15,6 +16,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <set>
 
 #include "server/durable_file.h"
 #include "server/object_storage.h"
@@ -53,6 +55,7 @@ class DirectoryStorage final : public ObjectStorage {
   const std::filesystem::path root_;
   const File lock_;  // holds the flock
   std::mutex directories_;
+  std::set<std::filesystem::path> durable_;  // those known to be synced into their parents
   std::atomic<std::uint64_t> temporaries_{0};
 };
 

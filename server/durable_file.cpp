@@ -37,8 +37,27 @@ Result<void> sync_directory(const fs::path& directory) {
 }
 
 Result<void> make_directory(const fs::path& directory) {
-  if (::mkdir(directory.c_str(), 0755) == 0) return sync_directory(directory.parent_path());
-  if (errno != EEXIST) return disk_error("create a directory", directory, errno);
+  if (::mkdir(directory.c_str(), 0755) != 0 && errno != EEXIST) {
+    return disk_error("create a directory", directory, errno);
+  }
+  return sync_directory(directory.parent_path());
+}
+
+Result<void> make_directories(const fs::path& directory) {
+  fs::path path;
+  for (const fs::path& part : directory) {
+    path /= part;
+    if (!path.has_relative_path()) continue;  // the root
+    struct stat status {};
+    const bool is_there = ::stat(path.c_str(), &status) == 0;
+    if (is_there && ::access(path.parent_path().c_str(), R_OK) != 0) continue;
+    if (is_there && !S_ISDIR(status.st_mode)) {
+      return disk_error("create a directory", path, ENOTDIR);
+    }
+    const Result<void> made = is_there ? sync_directory(path.parent_path()) : make_directory(path);
+    // What others have made farther up is synced as far as their file systems allow it.
+    if (!made && (!is_there || path == directory)) return made;
+  }
   return {};
 }
 

@@ -36,8 +36,13 @@ class File {
 // Makes the names in a directory survive a loss of power.
 [[nodiscard]] Result<void> sync_directory(const std::filesystem::path& directory);
 
-// Creates a directory below an existing one, durably; it may be there.
+// Creates a directory below an existing one, durably. One that is there is made durable
+// as well: who created it may have ended before that.
 [[nodiscard]] Result<void> make_directory(const std::filesystem::path& directory);
+
+// The same with all directories above it. Of those that are there and that this process may
+// not read, it is taken that they will stay.
+[[nodiscard]] Result<void> make_directories(const std::filesystem::path& directory);
 
 // Creates a file, which must not be there, and makes its bytes survive a loss of
 // power; not its name.
