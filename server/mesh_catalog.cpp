@@ -113,7 +113,7 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const proto::Imp
 
 Result<void> MeshCatalog::make_sure(const std::string& id, std::string_view bytes) {
   if (store_.is_surely_whole(id)) return {};
-  const auto description = store_.get_metadata(id);
+  const auto description = description_of(id);
   if (!description) return fail(description.error());
   if (!*description) return unknown_mesh();
   return store_.put(id, bytes, **description);
@@ -174,7 +174,7 @@ Result<MeshCatalog::Described> MeshCatalog::describe(const std::string& id,
 }
 
 Result<std::string> MeshCatalog::metadata(const std::string& id, const Caller& caller) {
-  auto stored = store_.get_metadata(id);
+  auto stored = description_of(id);
   if (!stored) return fail(std::move(stored.error()));
   if (!*stored) {
     auto description = described_anew(id, caller);
@@ -184,9 +184,17 @@ Result<std::string> MeshCatalog::metadata(const std::string& id, const Caller& c
   return proto::with_state(**stored, meshes_.peek(id), prepared_.peek(adjacency_key(id)));
 }
 
+Result<std::optional<std::string>> MeshCatalog::description_of(const std::string& id) {
+  auto stored = store_.get_metadata(id);
+  if (!stored || !*stored) return stored;
+  const auto options = proto::import_options_of(**stored);
+  if (!options || !is_of_options(id, proto::canonical_text(*options))) return std::nullopt;
+  return stored;
+}
+
 Result<proto::ImportOptions> MeshCatalog::options_of(const std::string& id) {
   if (!has_options(id)) return proto::ImportOptions{};
-  const auto description = store_.get_metadata(id);
+  const auto description = description_of(id);
   if (!description) return fail(description.error());
   // Cut off between the two files, an upload has left bytes of which nobody knows how
   // they were to be read.

@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -121,6 +122,9 @@ class MeshCatalog {
   [[nodiscard]] Result<Described> describe(const std::string& id, const std::string& bytes,
                                            const proto::ImportOptions& options,
                                            const Caller& caller);
+  // What is kept about a stored mesh, or nothing if that is not there, cannot be read, or
+  // tells of other options than those in the mesh's id.
+  [[nodiscard]] Result<std::optional<std::string>> description_of(const std::string& id);
   // How a stored mesh is to be read. Errors: mesh_unknown and the store's.
   [[nodiscard]] Result<proto::ImportOptions> options_of(const std::string& id);
   // Does one step in making a mesh usable, and notes how long it took.

@@ -40,7 +40,7 @@ TEST_CASE("OptionsMakeAnotherMeshOfTheSameBytes") {
   CHECK(first.status == 201);
   const json joined = body_of(first);
   const std::string id = joined["id"];
-  CHECK(id.size() == 64 + 1 + 12);
+  CHECK(id.size() == 64 + 1 + 32);
   CHECK(id.starts_with(digest + "~"));
   CHECK(header_of(first, "Location") == "/v1/meshes/" + id);
   CHECK(joined["import"] == json{{"weld", "0.001"}});
@@ -95,6 +95,66 @@ TEST_CASE("WithoutItsDescriptionNobodyKnowsHowAMeshWasToBeRead") {
   CHECK(service.get("/v1/meshes/" + id + "/distance?from=v:0").status == 404);
   CHECK(service.ask("POST", "/v1/meshes?scale=2", glb).status == 201);
   CHECK(body_of(service.get("/v1/meshes/" + id))["area"] == doctest::Approx(4));
+}
+
+TEST_CASE("AMeshOfAnOldShorterIdIsStillThereAndNewOnesGetLongerIds") {
+  const TemporaryFolder folder;
+  const std::string glb = glb_of(nearly_a_square());
+  const std::string id = mesh_id(sha256_hex(glb), R"({"scale":2})");
+  const std::string old_id = id.substr(0, 64 + 1 + 12);
+  {
+    Service service(folder.path());
+    CHECK(service.ask("POST", "/v1/meshes?scale=2", glb).status == 201);
+  }
+  // As the version before has stored it.
+  namespace fs = std::filesystem;
+  const std::string shard = id.substr(0, 2);
+  fs::rename(folder.path() / "objects" / shard / id, folder.path() / "objects" / shard / old_id);
+  fs::rename(folder.path() / "meta" / shard / (id + ".json"),
+             folder.path() / "meta" / shard / (old_id + ".json"));
+  Service service(folder.path());
+  CHECK(body_of(service.get("/v1/meshes"))["meshes"].size() == 1);
+  CHECK(service.get("/v1/meshes/" + old_id).status == 200);
+  CHECK(*service.get("/v1/meshes/" + old_id + "/source").body == glb);
+  const json before = distances(service, old_id);
+  CHECK(before[0].get<double>() == doctest::Approx(2));
+  CHECK(service.get("/v1/meshes/" + id).status == 404);
+  CHECK(body_of(service.ask("POST", "/v1/meshes?scale=2", glb))["id"] == id);
+  CHECK(distances(service, id) == before);
+  CHECK(service.ask("DELETE", "/v1/meshes/" + old_id).status == 204);
+  CHECK(service.get("/v1/meshes/" + id).status == 200);
+}
+
+TEST_CASE("AnIdNeverAnswersForOtherOptionsThanItsOwn") {
+  const TemporaryFolder folder;
+  const std::string glb = glb_of(nearly_a_square());
+  const std::string digest = sha256_hex(glb);
+  std::string twice;
+  {
+    Service service(folder.path());
+    twice = body_of(service.ask("POST", "/v1/meshes?scale=2", glb))["id"];
+    CHECK(service.ask("POST", "/v1/meshes?scale=3", glb).status == 201);
+    CHECK(service.ask("POST", "/v1/meshes", glb).status == 201);
+  }
+  const std::string thrice = mesh_id(digest, R"({"scale":3})");
+  // As if two options had one digest: the description is another's.
+  const auto meta = [&](const std::string& id) {
+    return folder.path() / "meta" / id.substr(0, 2) / (id + ".json");
+  };
+  for (const std::string& id : {twice, digest}) {
+    std::filesystem::copy_file(meta(thrice), meta(id),
+                               std::filesystem::copy_options::overwrite_existing);
+  }
+  Service service(folder.path());
+  CHECK(service.get("/v1/meshes/" + twice).status == 404);
+  CHECK(service.get("/v1/meshes/" + twice + "/distance?from=v:0").status == 404);
+  CHECK(service.ask("POST", "/v1/meshes?scale=2", glb).status == 201);
+  CHECK(body_of(service.get("/v1/meshes/" + twice))["import"] == json{{"scale", 2}});
+  CHECK(distances(service, twice)[0].get<double>() == doctest::Approx(2));
+  CHECK(distances(service, thrice)[0].get<double>() == doctest::Approx(3));
+  // Read with no options, bytes tell all that there is to tell.
+  CHECK(body_of(service.get("/v1/meshes/" + digest))["import"] == json::object());
+  CHECK(distances(service, digest)[0].get<double>() == doctest::Approx(1));
 }
 
 TEST_CASE("OptionsThatCannotBeAreRefusedNamingTheParameter") {
