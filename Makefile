@@ -7,7 +7,7 @@ JOBS ?= $(shell nproc)
 export PORT HOST JOBS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build run test test-s3 test-crash bench paper load fuzz format lint clean
+.PHONY: help setup build run test test-s3 test-crash bench paper load torture fuzz format lint clean
 MAKEFLAGS += --no-print-directory
 
 help: ## list these targets
@@ -47,6 +47,9 @@ paper: build ## reproduce the paper, in build/paper and docs/paper (minutes)
 load: build ## load the server for some minutes and compare with what was asked
 	@scripts/setup load
 	@scripts/run_load
+
+torture: build ## ask everything at once and at random for ten minutes
+	@tests/load/torture.py build/release
 
 fuzz: ## run each fuzzer for SECONDS
 	@scripts/setup fuzz

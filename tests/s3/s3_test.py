@@ -3,8 +3,9 @@
 
     s3_test.py GEODESICD S3_STORE_TEST
 
-Starts the server, runs the unit tests against it, then geodesicd itself: a restart, a
-server that hangs, and one that is gone. Skipped where python3-swift is not installed
+Starts the server, runs the unit tests against it, then geodesicd itself: everything at
+once for some seconds (tests/load/torture.py), a restart, a server that hangs, and one
+that is gone. Skipped where python3-swift is not installed
 (`scripts/setup s3` installs it).
 """
 
@@ -153,6 +154,12 @@ def main():
             make_bucket(endpoint, folder)
             unit = subprocess.run([unit_tests], env=environment, check=False)
             expect("the unit tests pass", unit.returncode == 0)
+            torture = subprocess.run(
+                [sys.executable, str(HERE.parent / "load" / "torture.py"), str(pathlib.Path(program).parent),
+                 "--seconds", "20", "--clients", "4",
+                 "--store", f"s3://{BUCKET}/torture?endpoint={endpoint}"],
+                env={**os.environ, **KEYS}, check=False)
+            expect("what is asked at random is answered right", torture.returncode == 0)
             service = run_service(program, folder, endpoint, proxy)
             swift.terminate()
             swift.wait()

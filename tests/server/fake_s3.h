@@ -12,6 +12,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <cstdlib>
 #include <functional>
 #include <map>
 #include <memory>
@@ -42,6 +43,7 @@ class FakeS3 {
   enum class Act : std::uint8_t { serve, refuse, serve_and_refuse };
 
   FakeS3() : listener_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    ::setenv("no_proxy", "*", 1);  // libcurl's, which might have one to go through
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -88,9 +90,21 @@ class FakeS3 {
     objects_.erase(key);
   }
 
-  // Both are called on a thread of the server's, without a lock; set while nobody calls.
-  std::function<Act(const Call&)> before;  // what to do
-  std::function<void(const Call&)> after;  // it is done, and not yet answered
+  // Both are called on a thread of the server's, without a lock.
+  struct Script {
+    std::function<Act(const Call&)> before = nullptr;  // what to do
+    std::function<void(const Call&)> after = nullptr;  // it is done, and not yet answered
+  };
+  // While nobody calls.
+  void follow(Script script) {
+    settle();
+    script_ = std::move(script);
+    settle();
+  }
+  // What one thread has written before it calls this, another sees that calls it later.
+  // Every call does so at its beginning and at its end.
+  void settle() { const std::lock_guard lock(settling_); }
+
   std::atomic<bool> tells_length_of_head{true};
   std::atomic<bool> tells_length_of_get{true};  // else the end of the connection is the end
   std::atomic<bool> tells_tags{true};
@@ -161,12 +175,13 @@ class FakeS3 {
   }
 
   std::string answer(const Call& call) {
-    const Act act = before ? before(call) : Act::serve;
+    settle();
+    const Act act = script_.before ? script_.before(call) : Act::serve;
     constexpr std::string_view refused =
         "HTTP/1.1 403 Forbidden\r\nContent-Length: 0\r\nConnection: close\r\n\r\n";
-    if (act == Act::refuse) return std::string(refused);
-    std::string reply = serve(call);
-    if (after) after(call);
+    std::string reply = act == Act::refuse ? std::string(refused) : serve(call);
+    if (act != Act::refuse && script_.after) script_.after(call);
+    settle();
     return act == Act::serve ? reply : std::string(refused);
   }
 
@@ -231,6 +246,8 @@ class FakeS3 {
   int listener_;
   int port_ = 0;
   std::atomic<bool> stopping_{false};
+  Script script_;
+  std::mutex settling_;
   mutable std::mutex mutex_;
   std::map<std::string, std::string> objects_;
   std::thread acceptor_;

@@ -5,6 +5,7 @@
 // GEODESICD_SEED=N repeats a random run.
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <map>
 #include <optional>
@@ -64,12 +65,10 @@ class Servers {
   struct Outcome {
     bool first = false;
     std::optional<bool> second;
-    bool first_made_all_calls = false;
   };
 
   Outcome run(const Plan& plan) {
-    s3_.before = nullptr;
-    s3_.after = nullptr;
+    s3_.follow({});
     const std::string id = id_of(plan);
     for (const std::string& key : {source(id), "meta/" + id + ".json", "quarantine/" + id}) {
       s3_.erase(key);
@@ -92,20 +91,23 @@ class Servers {
     };
     const auto intrude = [&] {
       is_second = true;
+      s3_.settle();
       outcome.second = deed(*second, plan.second, plan);
+      s3_.settle();
       is_second = false;
     };
-    s3_.before = [&](const FakeS3::Call&) {
+    FakeS3::Script script;
+    script.before = [&](const FakeS3::Call&) {
       if (is_second) return act(plan.second_fails, seconds++);
       if (firsts == plan.call && !plan.is_after) intrude();
       return act(plan.first_fails, firsts++);
     };
-    s3_.after = [&](const FakeS3::Call&) {
+    script.after = [&](const FakeS3::Call&) {
       if (!is_second && firsts - 1 == plan.call && plan.is_after) intrude();
     };
+    s3_.follow(std::move(script));
     outcome.first = deed(*first, plan.first, plan);
-    s3_.before = nullptr;
-    s3_.after = nullptr;
+    s3_.follow({});
     return outcome;
   }
 
@@ -300,11 +302,13 @@ TEST_CASE("a mesh that this server knows to be whole is not written again") {
   const std::string id = sha256_hex("x");
   const auto one = s3.open();
   REQUIRE(one->put(id, "x", "{}"));
-  int writes = 0;
-  s3.before = [&](const FakeS3::Call& call) {
+  std::atomic<int> writes = 0;
+  FakeS3::Script script;
+  script.before = [&](const FakeS3::Call& call) {
     writes += call.method == "PUT" && call.key.starts_with("objects/");
     return FakeS3::Act::serve;
   };
+  s3.follow(std::move(script));
   REQUIRE(one->put(id, "x", "{}"));
   CHECK(writes == 0);
   const auto two = s3.open();
