@@ -11,7 +11,7 @@ import threading
 import time
 
 from torture_meshes import obj
-from torture_questions import batch_of, is_same
+from torture_questions import OF_THE_MOMENT, batch_of, is_same
 
 # What an error may say, by status. All else is a fault.
 CODES = {
@@ -27,12 +27,10 @@ CODES = {
     503: {"overloaded", "store_unavailable"},
     504: {"deadline"},
 }
-# These depend on what else goes on; any other must be the quiet server's answer too.
-OF_THE_MOMENT = {"mesh_unknown", "job_unknown", "job_unfinished", "job_cancelled", "cancelled",
-                 "too_many_requests", "overloaded", "store_unavailable", "deadline",
-                 "too_much_memory"}
 PATIENCE = 60  # seconds in which any answer must come
 LATE = 10      # seconds by which an answer may pass its own deadline
+
+MOST_KEPT = 100_000  # bytes of an answer that is kept to compare with again
 
 Reply = collections.namedtuple("Reply", "status headers body")
 
@@ -95,9 +93,11 @@ class Quiet:
                 if mesh.id not in self._known:
                     self._connection.ask("POST", "/v1/meshes" + mesh.options, mesh.data)
                     self._known.add(mesh.id)
-                self._answers[key] = self._connection.ask(
-                    question.method, mesh.base + question.target, question.body)
-                if len(self._answers) > 3000:
+                answer = self._connection.ask(question.method, mesh.base + question.target, question.body)
+                if len(answer.body) > MOST_KEPT:
+                    return answer
+                self._answers[key] = answer
+                if len(self._answers) > 2000:
                     self._answers.popitem(last=False)
             return self._answers[key]
 
