@@ -131,6 +131,8 @@ void Front::pass(const Exit& exit, const Part& part, const Window& from) {
   window.end = part.end;
   window.x = part.x;
   window.y = std::max(part.y, kHair * exit.length);
+  const double along = window.x - std::clamp(window.x, window.begin, window.end);
+  if (exit.length < kPoint * length(along, window.y)) return;
   // No shortest path crosses a face twice.
   if (window.crossed >= std::min(adjacency_.mesh().face_count(), kMostCrossed)) return;
   window.crossed = window.crossed + 1;
@@ -270,8 +272,8 @@ void Front::spread_part(const Window& w, const UnfoldedFace& face) {
     const double begin = mirrored ? face.base - w.end : w.begin;
     const double end = mirrored ? face.base - w.begin : w.end;
     const double x = mirrored ? face.base - w.x : w.x;
-    const double apex_x = mirrored ? face.base - face.apex_x : face.apex_x;
-    const double cut = mirrored ? face.base - to_apex : to_apex;
+    const double apex_x = mirrored ? face.apex_back : face.apex_x;
+    const double cut = mirrored ? (w.y * apex_x + x * face.apex_y) / (w.y + face.apex_y) : to_apex;
     const double side_length = mirrored ? face.right : face.left;
     if (!(begin < cut)) return;
     const Part part = over_side(begin, end, x, w.y, apex_x, face.apex_y, cut, side_length);

@@ -57,6 +57,9 @@ struct UnfoldedFace {
   double right;  // and from its end
   double apex_x;
   double apex_y;
+  // The apex's x counted back from the base's end. Not base - apex_x: of a base far longer than the
+  // right side, its rounding would turn that side.
+  double apex_back;
 
   [[nodiscard]] static UnfoldedFace over(const Adjacency& adjacency, Halfedge h) {
     const FaceRecord& face = adjacency.face(face_of(h));
@@ -76,6 +79,7 @@ struct UnfoldedFace {
     unfolded.right = distance(end, apex);
     unfolded.apex_x = face.dot[c] / unfolded.base;
     unfolded.apex_y = face.area2 / unfolded.base;
+    unfolded.apex_back = face.dot[next_corner(c)] / unfolded.base;
     return unfolded;
   }
 };
@@ -131,6 +135,14 @@ inline constexpr double kGap = 1e-12;
   const double to_end = length(part.end - part.x, part.y);
   return width * part.y <= kGap * to_begin * to_end;
 }
+
+// An edge shorter than this part of the way that light comes straight to it is a point: where on it
+// a ray meets it, rounding decides. What goes through it goes by its ends, and is longer by no
+// more than twice its length.
+inline constexpr double kPoint = 1e-12;
+
+// A side shorter than this part of another side of its face may be one: paths bend at its ends.
+inline constexpr double kShort = 1e-10;
 
 // Ways shorter by less than this part of their length are as long.
 inline constexpr double kTie = 1e-13;

@@ -83,6 +83,8 @@ GEODESIC_LANES_INLINE void to_side(const Beams& beams, std::size_t first, std::s
   const double length = side.length;
   const Reals none{};
   const Reals whole = none + length;
+  // A source above a side's line by no more than this part of its distance is on it.
+  constexpr double kOnLine = 1e-8;
   // From the base's tail to its head is the same as back again, mirrored.
   const double shift = side.on_right ? side.base_length : 0;
   const double sign = side.on_right ? -1 : 1;
@@ -111,11 +113,15 @@ GEODESIC_LANES_INLINE void to_side(const Beams& beams, std::size_t first, std::s
     high = high < whole ? high : whole;
     high = below_far > 0 ? high : (far > 0 ? whole : none);
     high = far < crossing ? high : whole;
-    const Flags comes = (near < crossing) & (low < high);
+    const Reals along = x * cosine - y * sine;
+    const Reals depth = y * cosine + x * sine;
+    // Seen from above the side, the source is not at its end but for rounding: where the side is
+    // as short as that, the beam came there by rounding.
+    const Reals run = along > 0 ? along : -along;
+    const Flags comes = (near < crossing) & (low < high) & (depth >= -kOnLine * run);
 
-    Reals child_y = y * cosine + x * sine;
-    child_y = child_y > 0 ? child_y : none;
-    const Reals child_x = edge_shift + edge_sign * (x * cosine - y * sine);
+    const Reals child_y = depth > 0 ? depth : none;
+    const Reals child_x = edge_shift + edge_sign * along;
     const Reals begin = side.flipped ? length - high : low;
     const Reals end = side.flipped ? length - low : high;
     Reals ray_begin, ray_end;

@@ -16,6 +16,12 @@ namespace {
 constexpr double kAngle = 1e-9;
 // A face lower than this part of its longest side is too thin to measure angles in.
 constexpr double kThin = 1e-10;
+// The length of side c of a face that need not be one of the mesh. Where it is lost in the face's
+// products, the face is one of the mesh.
+double length_of(const FaceRecord& face, std::uint32_t c, std::span<const Vec3> positions) {
+  if (!face.loses_length(c)) return std::sqrt(face.length2(c));
+  return distance(positions[face.vertex[c]], positions[face.vertex[next_corner(c)]]);
+}
 
 }  // namespace
 
@@ -66,8 +72,8 @@ void Frames::number_edges(const Adjacency& adjacency, Poll& poll) {
       for (Halfedge i = record.ring[c]; i != h; i = surface_.ring(i)) first = std::min(first, i);
       if (first == h) {
         frame.edge[c] = static_cast<std::uint32_t>(edges_.size());
-        const double length = is_mesh ? distance(positions[tail], positions[head])
-                                      : std::sqrt(std::max(record.length2(c), 0.0));
+        const double length =
+            is_mesh ? distance(positions[tail], positions[head]) : length_of(record, c, positions);
         edges_.push_back({length, tail, head, h, record.ring[c]});
       } else {
         frame.edge[c] = edge_of(first);

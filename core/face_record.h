@@ -7,7 +7,9 @@
 //                    vertex[c + 2] opposite it.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "core/virtual_source.h"
@@ -35,6 +37,13 @@ struct alignas(64) FaceRecord {
 
   // Squared length of the edge vertex[c] - vertex[c + 1].
   [[nodiscard]] double length2(std::uint32_t c) const { return dot[c] + dot[next_corner(c)]; }
+  // Whether that says little: of an edge far shorter than the others the two products are
+  // nearly opposite, and their sum is what rounding leaves of them, if not zero.
+  [[nodiscard]] bool loses_length(std::uint32_t c) const {
+    constexpr double kLeft = 1e-9;  // half of the digits
+    const double product = std::max(std::abs(dot[c]), std::abs(dot[next_corner(c)]));
+    return !(length2(c) > kLeft * product);
+  }
   // The corner that the longest edge begins at, so that the edge is c - next_corner(c).
   [[nodiscard]] std::uint32_t longest_side() const {
     const std::uint32_t c = length2(1) > length2(0) ? 1 : 0;

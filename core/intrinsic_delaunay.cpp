@@ -100,6 +100,14 @@ void IntrinsicDelaunay::flip_edges(Poll& poll) {
   }
 }
 
+namespace {
+
+bool loses_a_length(const FaceRecord& face) {
+  return face.loses_length(0) || face.loses_length(1) || face.loses_length(2);
+}
+
+}  // namespace
+
 // The edge a - b between the apexes c and d becomes the edge d - c:
 //
 //        c                  c
@@ -135,9 +143,16 @@ bool IntrinsicDelaunay::flip(Halfedge h) {
   const double ad2 = other.dot[a2] + other.dot[d2];
   const double bd2 = other.dot[b2] + other.dot[d2];
   const double cd2 = ac2 + ad2 - 2 * at_a;
+  FaceRecord left = one;
+  FaceRecord right = other;
+  left.dot = {at_a, ad2 - at_a, ac2 - at_a};
+  left.area2 = area_a;
+  right.dot = {at_b, bc2 - at_b, bd2 - at_b};
+  right.area2 = area_b;
   // Written so that what is not a number fails.
   if (!(area_a > kLeastHeight * std::max({ac2, ad2, cd2})) ||
-      !(area_b > kLeastHeight * std::max({bc2, bd2, cd2}))) {
+      !(area_b > kLeastHeight * std::max({bc2, bd2, cd2})) || loses_a_length(one) ||
+      loses_a_length(other) || loses_a_length(left) || loses_a_length(right)) {
     return false;
   }
 
@@ -169,20 +184,16 @@ bool IntrinsicDelaunay::flip(Halfedge h) {
     while (ring(p) != moved[i].from) p = ring(p);
     before[i] = now(p);
   }
-  FaceRecord& left = faces_[f];
-  FaceRecord& right = faces_[g];
   const std::uint32_t a = one.vertex[a1];
   const std::uint32_t b = one.vertex[b1];
   const std::uint32_t c = one.vertex[c1];
   const std::uint32_t d = other.vertex[d2];
   left.vertex = {a, d, c};
-  left.dot = {at_a, ad2 - at_a, ac2 - at_a};
-  left.area2 = area_a;
   right.vertex = {b, c, d};
-  right.dot = {at_b, bc2 - at_b, bd2 - at_b};
-  right.area2 = area_b;
   left.ring[1] = halfedge(g, 1);
   right.ring[1] = halfedge(f, 1);
+  faces_[f] = left;
+  faces_[g] = right;
   for (std::size_t i = 0; i < 4; ++i) {
     const auto set = [&](Halfedge from, Halfedge to) {
       faces_[face_of(from)].ring[corner_of(from)] = to;

@@ -10,7 +10,9 @@
 // Faces are numbered and glued as those of the mesh (face_record.h, adjacency.h), but two corners'
 // edge is not one of the mesh's, and two vertices may have several edges between them. No face has
 // the same vertex twice: an edge whose flip would lead there stays. So do edges of the boundary,
-// those of three faces or more, and those whose flip would leave a face without area.
+// those of three faces or more, and those whose flip would leave a face without area, or one with
+// a side so short that the face's products do not say how long it is (FaceRecord::loses_length):
+// such a face is one of the mesh.
 #pragma once
 
 #include <cstddef>
