@@ -43,6 +43,7 @@ Adjacency Adjacency::build(std::shared_ptr<const Mesh> mesh) {
 Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cancel& cancel) {
   Adjacency adjacency;
   adjacency.mesh_ = std::move(mesh);
+  adjacency.identity_ = std::make_shared<const char>();
   Poll poll(cancel);
   int done = 0;
   for (const auto step : {&Adjacency::fill_geometry, &Adjacency::fill_corners,

@@ -40,8 +40,10 @@ Result<Box> checked_box(const TriangleSoup& soup, Poll& poll) {
       return fail(ErrorCode::mesh_invalid,
                   "the position of vertex " + std::to_string(i) + " is not finite or too large");
     }
-    box.min = {std::min(box.min.x, p.x), std::min(box.min.y, p.y), std::min(box.min.z, p.z)};
-    box.max = {std::max(box.max.x, p.x), std::max(box.max.y, p.y), std::max(box.max.z, p.z)};
+    // Of the positions that the mesh gets: a box of 1e-310 would have no finite scale.
+    const Vec3 q{flushed(p.x), flushed(p.y), flushed(p.z)};
+    box.min = {std::min(box.min.x, q.x), std::min(box.min.y, q.y), std::min(box.min.z, q.z)};
+    box.max = {std::max(box.max.x, q.x), std::max(box.max.y, q.y), std::max(box.max.z, q.z)};
   }
   return box;
 }
