@@ -50,7 +50,7 @@ Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cance
                           &Adjacency::fill_rings, &Adjacency::find_pinched_vertices,
                           &Adjacency::count_components, &Adjacency::count_boundary_loops}) {
     (adjacency.*step)(poll);
-    if (poll.ask()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+    if (poll.ask()) return fail_stopped(cancel);
     cancel.report(++done / 7.0);
   }
   auto delaunay = IntrinsicDelaunay::build(adjacency.triangulation(), cancel);

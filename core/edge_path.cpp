@@ -40,7 +40,7 @@ class EdgePath {
     start();
     Poll poll(cancel);
     while (!heap_.empty() && heap_.least().key < length_) {
-      if (poll.cancelled()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+      if (poll.cancelled()) return fail_stopped(cancel);
       const std::uint32_t v = heap_.pop().vertex;
       arrive_from(v);
       spread_from(v);

@@ -40,6 +40,8 @@ void Frames::build(const Adjacency& adjacency, const Triangulation& surface, Pol
   const std::size_t face_count = surface.faces.size();
   if (faces_.size() != face_count) polled_assign(faces_, face_count, FaceFrame{}, poll);
   edges_.clear();
+  const std::size_t edge_count = adjacency.report().edges;
+  if (edge_count > edges_.capacity() && !poll.may_take(edge_count * sizeof(Edge))) return;
   edges_.reserve(adjacency.report().edges);
   bends_.assign(adjacency.mesh().vertex_count(), Bends::nowhere);
   number_edges(adjacency, poll);

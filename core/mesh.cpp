@@ -158,7 +158,7 @@ Result<Mesh> Mesh::build(const TriangleSoup& soup, Weld weld, const Cancel& canc
   if (!poll.ask()) mesh.order_faces(soup, poll);
   cancel.report(0.9);
   if (!poll.ask()) mesh.measure(poll);
-  if (poll.ask()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  if (poll.ask()) return fail_stopped(cancel);
   if (mesh.faces_.empty()) {
     return fail(ErrorCode::mesh_invalid, "every face has two corners at the same position");
   }

@@ -327,10 +327,10 @@ Result<std::optional<Path>> steiner_path(const Adjacency& adjacency, const Sourc
     for (Crossing& crossing : crossings) crossing.step *= 2;
     const double before = length;
     for (int pass = 0; pass < kMostPasses; ++pass) {
-      if (cancel.requested()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+      if (cancel.requested()) return fail_stopped(cancel);
       StripGraph graph(adjacency, from.point, to, crossings, steps);
       const double found = graph.shortest(shorter, scratch.heap, poll);
-      if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+      if (poll.stopped()) return fail_stopped(cancel);
       if (!(found < length)) break;
       const double gain = length - found;
       std::swap(crossings, shorter);

@@ -3,27 +3,18 @@
 #include <doctest/doctest.h>
 
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <random>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "core/exact_field.h"
 #include "core/shapes.h"
+#include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;
 
 namespace {
-
-std::uint32_t seed() {
-  const char* const fixed = std::getenv("GEODESICD_SEED");
-  const std::uint32_t seed =
-      fixed != nullptr ? static_cast<std::uint32_t>(std::stoul(fixed)) : std::random_device()();
-  MESSAGE("GEODESICD_SEED=" << seed);
-  return seed;
-}
 
 TriangleSoup stretched_terrain(std::uint32_t side, double height, std::uint32_t seed) {
   TriangleSoup soup = shapes::terrain(side, height, seed);
@@ -67,7 +58,7 @@ TEST_CASE("KeptFramesAreNotThoseOfAnAdjacencyThatIsGone") {
 }
 
 TEST_CASE("KeptFramesAreNotThoseOfOtherSurfacesOfAnySize") {
-  std::mt19937 random(seed());
+  std::mt19937 random(fixtures::test_seed());
   for (int trial = 0; trial < 20; ++trial) {
     const std::uint32_t side = 3 + random() % 10;
     const auto mesh = mesh_of(stretched_terrain(side, 1.0 + random() % 6, random()));
