@@ -148,7 +148,7 @@ LitWindows Propagation::lit_windows(Poll& poll) const {
       const Window& w = edge.windows[i];
       const PseudoSource& root = memory_.roots[w.root];
       for (Halfedge h = surface_.ring(w.from); h != w.from; h = surface_.ring(h)) {
-        if (!keep_of_.empty() && !keep_of_[face_of(h)]) continue;
+        if (keeps_some_ && !keep_of_[face_of(h)]) continue;
         if (frames_.is_reversed(h)) {
           lit.add(h, {length - w.end, length - w.begin, length - w.x, w.y, root.offset, root.vertex,
                       root.source});

@@ -62,6 +62,7 @@ Propagation::Propagation(const Adjacency& adjacency, const Triangulation& surfac
 }
 
 void Propagation::keep_windows_of(std::span<const std::uint32_t> faces) {
+  keeps_some_ = true;
   keep_of_.assign(surface_.faces.size(), false);
   keep_on_edge_.assign(edges_.size(), false);
   for (const std::uint32_t f : faces) {

@@ -177,8 +177,8 @@ class Propagation {
   // most that part. The last thing to ask. Incomplete if the poll says to stop.
   void raise_to_paths(Poll& poll);
 
-  // The windows left, for each face that they light and that has all of its own. Not all of them if the poll says to
-  // stop.
+  // The windows left, for each face that they light and that has all of its own. Not all of them if
+  // the poll says to stop.
   [[nodiscard]] LitWindows lit_windows(Poll& poll) const;
 
   // Gives the windows' memory back: the last thing to do. Not all if the poll says to stop.
@@ -231,7 +231,7 @@ class Propagation {
   [[nodiscard]] bool turn(std::uint32_t corner, bool over_next, double angle);
 
   [[nodiscard]] bool keeps_windows_on(std::uint32_t e) const {
-    return keep_windows_ && (keep_on_edge_.empty() || keep_on_edge_[e]);
+    return keep_windows_ && (!keeps_some_ || keep_on_edge_[e]);
   }
 
   [[nodiscard]] std::uint32_t nearest(std::uint32_t v) const {
@@ -254,8 +254,9 @@ class Propagation {
   double tolerance_;
   Vectors vectors_ = best_vectors();
   bool keep_windows_;
-  std::vector<bool> keep_of_;       // by face; empty: of all, if any
-  std::vector<bool> keep_on_edge_;  // by edge, likewise
+  bool keeps_some_ = false;         // only those of these:
+  std::vector<bool> keep_of_;       // by face
+  std::vector<bool> keep_on_edge_;  // by edge
   // A new pseudo-source behind so many windows spares most of them. Of fewer, as on slivers
   // and flat parts, it makes more.
   std::size_t crowd_;
