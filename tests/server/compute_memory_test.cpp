@@ -149,7 +149,7 @@ TEST_CASE("a query that takes too much is 422 with the limit, and others go on")
   const std::string base = "/v1/meshes/" + service.upload(glb_of(bumpy(150)));
   for (const std::string ask :
        {"/distance?from=v:0&method=exact", "/path?from=f:7:0.3,0.3&to=v:22000&method=exact",
-        "/distance?from=f:7:0.3,0.3&method=chen_han",
+        "/path?from=f:7:0.3,0.3&to=v:22000&method=chen_han",
         "/distance?from=v:0&method=steiner&points_per_edge=20"}) {
     CAPTURE(ask);
     const HttpResponse refused = service.get(base + ask);
