@@ -38,6 +38,7 @@ auto ComputeMemory::stats() const -> Stats {
 
 JobMemory::JobMemory(ComputeMemory& all, std::uint64_t kept)
     : all_(all),
+      found_(kept),
       limit_(all.limit_),
       held_(static_cast<std::int64_t>(kept)),
       told_(held_),
@@ -60,9 +61,9 @@ MemoryBudget* JobMemory::budget_here() {
 }
 
 void JobMemory::limit_to_query() {
-  const std::uint64_t limit = all_.query_limit_;
-  if (limit == 0 || (limit_ != 0 && limit_ <= limit)) return;
-  limit_ = limit;
+  const std::uint64_t query = all_.query_limit_;
+  if (query == 0 || (limit_ != 0 && limit_ <= query + found_)) return;
+  limit_ = query + found_;
   is_query_ = true;
 }
 
@@ -81,13 +82,14 @@ std::optional<Error> JobMemory::ask(std::uint64_t bytes) {
   const std::uint64_t wanted = held() + bytes;
   if (limit_ != 0 && wanted > limit_) {
     ++all_.refused_;
+    const std::uint64_t beside = is_query_ ? found_ : 0;
     return Error{ErrorCode::too_much_memory,
                  is_query_ ? "the query takes more memory than one may: auto takes little, and "
                              "`tolerance` or a nearer `max` less"
                            : "this takes more memory than all computations may have together",
                  {},
-                 limit_,
-                 wanted};
+                 limit_ - beside,
+                 wanted - beside};
   }
   ++all_.crowded_out_;
   return Error{ErrorCode::overloaded,

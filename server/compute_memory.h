@@ -65,7 +65,8 @@ class JobMemory {
   // Its budget, for a Cancel; null where no job runs.
   [[nodiscard]] static MemoryBudget* budget_here();
 
-  // From now on the job has no more than a query may.
+  // From now on the job has no more than a query may, besides what it found in its slot: a
+  // query that is refused is so whatever was asked before.
   void limit_to_query();
 
   [[nodiscard]] MemoryBudget& budget() { return budget_; }
@@ -92,7 +93,8 @@ class JobMemory {
   void tell();
 
   ComputeMemory& all_;
-  std::uint64_t limit_;  // 0: no bound
+  const std::uint64_t found_;  // in the slot
+  std::uint64_t limit_;        // 0: no bound
   bool is_query_ = false;
   std::int64_t held_;
   std::int64_t told_;  // of that, what `all_` knows
