@@ -74,6 +74,8 @@ class JobMemory {
   // What the job holds, with what was kept. What was freed elsewhere is in it still.
   [[nodiscard]] std::uint64_t held() const;
 
+  // The job is done but for putting things in order, which takes little and may not fail.
+  void lift_limits() { asks_ = true; }
   // So much of it stays with the slot.
   void keep(std::uint64_t bytes) { kept_ = bytes; }
   [[nodiscard]] std::uint64_t kept() const { return kept_; }
@@ -100,7 +102,7 @@ class JobMemory {
   std::int64_t told_;  // of that, what `all_` knows
   std::int64_t most_;
   std::uint64_t kept_;
-  bool asks_ = false;
+  bool asks_ = false;  // nothing is refused
   MemoryBudget budget_;
 };
 

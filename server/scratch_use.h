@@ -18,6 +18,7 @@ class ScratchUse {
   ScratchUse& operator=(const ScratchUse&) = delete;
   ~ScratchUse() {
     if (is_kept_) return;
+    memory_.lift_limits();
     scratch_ = SolveScratch();
     memory_.keep(0);
   }
