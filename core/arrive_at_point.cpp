@@ -23,6 +23,7 @@ Weights weights_at_corner(std::uint32_t corner) {
 // A crossing closer to an end of its edge than this part of the edge is that end:
 // the face across would see nothing of the surface on the vertex's other side.
 constexpr double kAtEnd = 1e-9;
+constexpr double kAtEndSurely = 1e-14;  // the same where rounding alone decides
 
 // Distances that are floats move a crossing by some of their roundings. A vertex on the way
 // that was missed by that little sent one path in a hundred over a regular plane astray, by
@@ -116,10 +117,11 @@ StepBack over_side(const FaceRecord& face, std::uint32_t f, std::uint32_t c, con
 
 }  // namespace
 
-PointArrivals::PointArrivals(const Adjacency& adjacency, const Field& field)
-    : adjacency_(adjacency), field_(field) {
+PointArrivals::PointArrivals(const Adjacency& adjacency, const Field& field, Poll* poll)
+    : adjacency_(adjacency), field_(field), poll_(poll) {
   for (std::uint32_t s = 0; s < field.sources.size(); ++s) {
     for (const SurfacePoint& place : in_all_faces(adjacency, field.sources[s].point)) {
+      if (stopped()) return;
       source_places_.push_back({place.face, s, place.bary});
     }
   }
@@ -250,8 +252,18 @@ StepBack PointArrivals::through_windows(const SurfacePoint& place) const {
   if (!field_.windows) return best;
   const LitWay way = shortest_lit_way(adjacency_, *field_.windows, place);
   if (!(way.distance < best.distance)) return best;
-  return over_side(adjacency_.face(place.face), place.face, way.corner, place.bary,
-                   {way.distance, Fig4::a, way.crossing});
+  const FaceRecord& face = adjacency_.face(place.face);
+  // By a vertex at the end of the side if that costs nothing. It does where the way leads round
+  // something narrower than kAtEnd, such as the ring at a pole.
+  const std::uint32_t end = way.crossing < 0.5 ? way.corner : next_corner(way.corner);
+  double at_end = kAtEndSurely;
+  if (std::min(way.crossing, 1 - way.crossing) < kAtEnd) {
+    const double by_end = field_.distance[face.vertex[end]] +
+                          std::sqrt(squared_distance(face, place.bary, weights_at_corner(end)));
+    if (by_end <= way.distance * (1 + kTie)) at_end = kAtEnd;
+  }
+  return over_side(face, place.face, way.corner, place.bary, {way.distance, Fig4::a, way.crossing},
+                   at_end);
 }
 
 StepBack PointArrivals::through_face(const SurfacePoint& place) const {
@@ -282,6 +294,7 @@ StepBack PointArrivals::through_face(const SurfacePoint& place) const {
 StepBack PointArrivals::through_faces_at(std::uint32_t vertex) const {
   StepBack best;
   for (const SurfacePoint& place : in_all_faces(adjacency_, point_at_vertex(adjacency_, vertex))) {
+    if (stopped()) return best;
     const StepBack step = through_face(place);
     if (is_better(step, best)) best = step;
   }
@@ -321,6 +334,7 @@ std::vector<StepBack> PointArrivals::to_lesser_vertex(std::uint32_t vertex) cons
   StepBack best;
   std::vector<StepBack> steps;
   for (const std::uint32_t corner : adjacency_.corners(vertex)) {
+    if (stopped()) return {};
     const std::uint32_t f = face_of(corner);
     const std::uint32_t c = corner_of(corner);
     const FaceRecord& face = adjacency_.face(f);
@@ -391,6 +405,7 @@ double PointArrivals::distance_at(const SurfacePoint& point) const {
   if (point.at_vertex()) return field_.distance[point.vertex];
   double least = kUnreached;
   for (const SurfacePoint& place : in_all_faces(adjacency_, point)) {
+    if (stopped()) return kUnreached;
     least = std::min(least, through_face(place).distance);
   }
   return least;

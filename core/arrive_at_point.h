@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/adjacency.h"
+#include "core/cancel.h"
 #include "core/field.h"
 #include "core/surface_point.h"
 #include "core/virtual_source.h"
@@ -36,8 +37,10 @@ struct StepBack {
 
 class PointArrivals {
  public:
-  // Both must outlive this object.
-  PointArrivals(const Adjacency& adjacency, const Field& field);
+  // All must outlive this object. The poll, if there is one, is asked once a face, for a
+  // vertex or an edge may have as many as it likes; what is answered after it says to stop
+  // is of no use.
+  PointArrivals(const Adjacency& adjacency, const Field& field, Poll* poll = nullptr);
 
   // The shortest way to a point that lies in `place.face`, through that face
   // only: over each side whose ends both have a distance, straight from each of
@@ -68,6 +71,7 @@ class PointArrivals {
 
  private:
   [[nodiscard]] int steps_to_go(const StepBack& step) const;
+  [[nodiscard]] bool stopped() const { return poll_ != nullptr && poll_->cancelled(); }
 
   struct SourcePlace {
     std::uint32_t face;
@@ -95,6 +99,7 @@ class PointArrivals {
 
   const Adjacency& adjacency_;
   const Field& field_;
+  Poll* poll_;
   std::vector<SourcePlace> source_places_;  // ascending by face
 };
 

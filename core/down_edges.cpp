@@ -11,7 +11,7 @@ namespace geodesic {
 
 // Dijkstra 1959, over no more than the vertices it needs.
 std::vector<StepBack> down_edges(const Adjacency& adjacency, const Field& field,
-                                 std::uint32_t vertex) {
+                                 std::uint32_t vertex, double below, Poll& poll) {
   struct Reached {
     double along = kUnreached;
     Halfedge by = kNone;  // the edge it was reached by, as a corner or the one before
@@ -22,11 +22,13 @@ std::vector<StepBack> down_edges(const Adjacency& adjacency, const Field& field,
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   reached[vertex].along = 0;
   queue.push({0, vertex});
+  // Each side of each face is gone along once from either end: a vertex is done with when
+  // it comes out of the queue, and what is pushed is shorter than what was known.
   while (!queue.empty()) {
     const auto [along, v] = queue.top();
     queue.pop();
     if (along > reached[v].along) continue;
-    if (field.distance[v] < field.distance[vertex]) {
+    if (field.distance[v] < below) {
       std::vector<StepBack> steps;
       for (std::uint32_t w = v; w != vertex; w = reached[w].from) {
         const Halfedge h = reached[w].by;
@@ -47,6 +49,7 @@ std::vector<StepBack> down_edges(const Adjacency& adjacency, const Field& field,
       return steps;
     }
     for (const std::uint32_t corner : adjacency.corners(v)) {
+      if (poll.cancelled()) return {};
       const FaceRecord& face = adjacency.face(face_of(corner));
       const std::uint32_t c = corner_of(corner);
       for (const std::uint32_t side : {c, previous_corner(c)}) {

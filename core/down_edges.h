@@ -7,14 +7,15 @@
 
 #include "core/adjacency.h"
 #include "core/arrive_at_point.h"
+#include "core/cancel.h"
 #include "core/field.h"
 
 namespace geodesic {
 
-// From a vertex along edges to the nearest one, that way, with a lesser distance: none
-// only from a vertex that no other of its component is below. Takes as long as the
-// vertices in between are many, of which approximate fields have few.
+// From a vertex along edges to the nearest one, that way, whose distance is less than
+// `below`: none when its component has no such vertex. Goes through as many vertices as are
+// on the way, in the worst case once through all of them; of no use if the poll says to stop.
 [[nodiscard]] std::vector<StepBack> down_edges(const Adjacency& adjacency, const Field& field,
-                                               std::uint32_t vertex);
+                                               std::uint32_t vertex, double below, Poll& poll);
 
 }  // namespace geodesic

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "core/field.h"
@@ -26,7 +28,6 @@ class EdgePath {
         to_(to),
         start_(position_of(adjacency.mesh(), from)),
         goal_(position_of(adjacency.mesh(), to)),
-        ends_(in_all_faces(adjacency, to)),
         is_oriented_(adjacency.triangulation().is_oriented),
         heap_(scratch.heap),
         distance_(scratch.distance),
@@ -36,39 +37,52 @@ class EdgePath {
     before_.resize(positions_.size());
   }
 
+  // A vertex comes out of the heap once, and each face at it is looked at once then.
   Result<std::optional<Path>> find(const Cancel& cancel) {
-    start();
     Poll poll(cancel);
-    while (!heap_.empty() && heap_.least().key < length_) {
-      if (poll.cancelled()) return fail_stopped(cancel);
+    list_ends(poll);
+    start(poll);
+    while (!poll.stopped() && !heap_.empty() && heap_.least().key < length_) {
       const std::uint32_t v = heap_.pop().vertex;
       arrive_from(v);
-      spread_from(v);
+      spread_from(v, poll);
     }
+    if (poll.stopped()) return fail_stopped(cancel);
     if (length_ == kUnreached) return std::nullopt;
     return assemble();
   }
 
  private:
-  void start() {
+  // The faces that the target lies in, which may be many, by their corners.
+  void list_ends(Poll& poll) {
+    for (const SurfacePoint& end : in_all_faces(adjacency_, to_)) {
+      if (poll.cancelled()) return;
+      end_faces_.insert(end.face);
+      for (const std::uint32_t v : adjacency_.face(end.face).vertex)
+        face_to_end_.emplace(v, end.face);
+    }
+  }
+
+  void start(Poll& poll) {
     if (from_.at_vertex()) lower(from_.vertex, 0, {kNone, kNone});
     if (from_.at_vertex() && to_.at_vertex() && from_.vertex == to_.vertex) length_ = 0;
     for (const SurfacePoint& place : in_all_faces(adjacency_, from_)) {
+      if (poll.cancelled()) return;
       if (!from_.at_vertex()) {
         for (const std::uint32_t v : adjacency_.face(place.face).vertex) {
           lower(v, geodesic::distance(start_, positions_[v]), {kNone, place.face});
         }
       }
-      for (const SurfacePoint& end : ends_) {
-        // kNone, unless it is a vertex
-        if (end.face != place.face) continue;
-        arrive({from_.vertex, end.face}, geodesic::distance(start_, goal_));
-      }
+      if (!end_faces_.contains(place.face)) continue;
+      // kNone, unless it is a vertex
+      arrive({from_.vertex, place.face}, geodesic::distance(start_, goal_));
     }
   }
 
-  void spread_from(std::uint32_t v) {
+  void spread_from(std::uint32_t v, Poll& poll) {
+    if (poll.cancelled()) return;
     for (const std::uint32_t corner : adjacency_.corners(v)) {
+      if (poll.cancelled()) return;
       const FaceRecord& face = adjacency_.face(face_of(corner));
       const std::uint32_t c = corner_of(corner);
       const std::uint32_t behind = previous_corner(c);
@@ -85,11 +99,9 @@ class EdgePath {
   }
 
   void arrive_from(std::uint32_t v) {
-    for (const SurfacePoint& end : ends_) {
-      const auto& corners = adjacency_.face(end.face).vertex;
-      if (std::find(corners.begin(), corners.end(), v) == corners.end()) continue;
-      arrive({v, end.face}, distance_[v] + geodesic::distance(positions_[v], goal_));
-    }
+    const auto end = face_to_end_.find(v);
+    if (end == face_to_end_.end()) return;
+    arrive({v, end->second}, distance_[v] + geodesic::distance(positions_[v], goal_));
   }
 
   void arrive(Before before, double length) {
@@ -151,13 +163,15 @@ class EdgePath {
   const SurfacePoint& to_;
   const Vec3 start_;
   const Vec3 goal_;
-  const std::vector<SurfacePoint> ends_;  // the target in each of its faces
   const bool is_oriented_;
   VertexHeap& heap_;
   std::vector<double>& distance_;
   std::vector<Before>& before_;
-  double length_ = kUnreached;  // of the shortest whole way so far
-  Before last_;                 // from where it comes to the target
+  double length_ = kUnreached;                   // of the shortest whole way so far
+  Before last_;                                  // from where it comes to the target
+  std::unordered_set<std::uint32_t> end_faces_;  // that the target lies in
+  // From each corner of those faces, the first of them.
+  std::unordered_map<std::uint32_t, std::uint32_t> face_to_end_;
 };
 
 }  // namespace

@@ -87,8 +87,8 @@ Result<CrossedFaces> crossed_faces(const Adjacency& adjacency, const Field& fiel
 // Follows the lines of one level from face to face.
 class LineWalker {
  public:
-  LineWalker(const Adjacency& adjacency, const Field& field)
-      : adjacency_(adjacency), field_(field), passed_(adjacency.faces().size(), 0) {}
+  LineWalker(const Adjacency& adjacency, const Field& field, Poll& poll)
+      : adjacency_(adjacency), field_(field), poll_(poll), passed_(adjacency.faces().size(), 0) {}
 
   // `round`: differs from level to level, and is not 0.
   void start_level(double level, std::uint32_t round) {
@@ -97,7 +97,7 @@ class LineWalker {
   }
   [[nodiscard]] bool passed(std::uint32_t face) const { return passed_[face] == round_; }
 
-  // The whole line through a face that the level crosses.
+  // The whole line through a face that the level crosses; of no use if the poll says to stop.
   Isoline line_through(std::uint32_t face) {
     Isoline line;
     line.level = level_;
@@ -157,9 +157,12 @@ class LineWalker {
 
   // Goes on across `side`, adding the crossings after it. Whether it came round to
   // where it started; then all of the line is in `points`.
+  //
+  // A face that the level crosses has two such sides, and an edge that it goes on over two
+  // faces: so it can come back to no face but that where it started.
   bool walk(Halfedge side, std::vector<Vec3>& points) {
     const std::uint32_t start = face_of(side);
-    for (;;) {
+    while (!poll_.cancelled()) {
       const Halfedge across = adjacency_.ring(side);
       if (across == side || adjacency_.ring(across) != side) return false;
       const std::uint32_t face = face_of(across);
@@ -170,6 +173,7 @@ class LineWalker {
       side = one == across ? other : one;
       points.push_back(crossing(side));
     }
+    return false;
   }
 
   [[nodiscard]] bool reached(std::uint32_t f) const {
@@ -184,6 +188,7 @@ class LineWalker {
 
   const Adjacency& adjacency_;
   const Field& field_;
+  Poll& poll_;
   std::vector<std::uint32_t> passed_;  // by face: the last round that did
   double level_ = 0;
   std::uint32_t round_ = 0;
@@ -198,7 +203,7 @@ Result<std::vector<Isoline>> isolines(const Adjacency& adjacency, const Field& f
   const auto crossed = crossed_faces(adjacency, field, levels, max_segments, poll);
   if (!crossed) return fail(crossed.error());
   std::vector<Isoline> lines;
-  LineWalker walker(adjacency, field);
+  LineWalker walker(adjacency, field, poll);
   const std::uint64_t segments = crossed->face.size();
   std::uint64_t seen = 2 * segments;
   for (std::size_t level = 0; level < levels.size(); ++level) {
@@ -209,6 +214,7 @@ Result<std::vector<Isoline>> isolines(const Adjacency& adjacency, const Field& f
       }
       if (walker.passed(face)) continue;
       Isoline line = walker.line_through(face);
+      if (poll.stopped()) return fail_stopped(cancel);
       if (line.points.size() > 1) lines.push_back(std::move(line));
     }
   }

@@ -93,9 +93,13 @@ class PairSearch {
         solve_field(method_, options_, adjacency, {&from, 1}, limits, scratch_, cancel_);
     if (!field) return fail(field.error());
     Pair pair;
-    pair.distance = PointArrivals(adjacency, *field).distance_at(to);
+    Poll poll(cancel_);
+    pair.distance = PointArrivals(adjacency, *field, &poll).distance_at(to);
+    if (poll.stopped()) return fail_stopped(cancel_);
     if (!with_path()) return pair;
-    pair.path = trace_path(adjacency, *field, to);
+    auto traced = trace_path(adjacency, *field, to, cancel_);
+    if (!traced) return fail(std::move(traced.error()));
+    pair.path = std::move(*traced);
     if (!pair.path || path_ != PairPath::refined || is_exact(method_)) return pair;
     auto refined = refine_path(adjacency, *field, to, *pair.path, cancel_);
     if (!refined) return fail(refined.error());
@@ -141,7 +145,10 @@ class PairSearch {
     double margin =
         kMarginPart * guess.length + margin_edges(method_) * adjacency.report().mean_edge;
     double longest = guess.length / kAlongEdges;
+    // The margin doubles until what is within is most of the surface.
     while (!is_most_within(adjacency.mesh(), guess, longest + margin)) {
+      // A field may be too small to ask on its own.
+      if (cancel_.requested()) return fail_stopped(cancel_);
       auto pair = by_field(adjacency, from, to, longest + margin);
       if (!pair || pair->distance - from.offset <= longest + margin / 2) return pair;
       if (longest == guess.length) margin *= 2;

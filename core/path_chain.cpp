@@ -27,11 +27,11 @@ DirectionAtVertex direction(const Adjacency& adjacency, std::uint32_t face, std:
 // The gate that a path takes at a point inside an edge, seen from the face it
 // goes into.
 std::optional<Gate> gate_at(const Adjacency& adjacency, std::uint32_t before,
-                            const SurfacePoint& point) {
+                            const SurfacePoint& point, Poll& poll) {
   for (std::uint32_t c = 0; c < 3; ++c) {
     if (point.bary[previous_corner(c)] != 0) continue;
     const Halfedge in = halfedge(point.face, c);
-    for (Halfedge h = adjacency.ring(in); h != in; h = adjacency.ring(h)) {
+    for (Halfedge h = adjacency.ring(in); h != in && !poll.cancelled(); h = adjacency.ring(h)) {
       if (face_of(h) == before) return Gate{h, in};
     }
   }
@@ -40,7 +40,7 @@ std::optional<Gate> gate_at(const Adjacency& adjacency, std::uint32_t before,
 
 }  // namespace
 
-std::optional<Chain> read_chain(const Adjacency& adjacency, const Path& path) {
+std::optional<Chain> read_chain(const Adjacency& adjacency, const Path& path, Poll& poll) {
   const auto& points = path.points;
   if (points.size() < 2) return std::nullopt;
   Chain chain;
@@ -49,13 +49,14 @@ std::optional<Chain> read_chain(const Adjacency& adjacency, const Path& path) {
   section.strip.first_face = points.front().point.face;
   std::size_t started = 0;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    if (poll.cancelled()) return std::nullopt;
     const std::uint32_t face = points[i].point.face;
     const bool last = i + 2 == points.size();
     const SurfacePoint& next = points[i + 1].point;
     if (face == kNone || !seen_from_face(adjacency, next, face)) return std::nullopt;
     if (!last && !next.at_vertex()) {
       if (next.face == face) continue;
-      const auto gate = gate_at(adjacency, face, next);
+      const auto gate = gate_at(adjacency, face, next, poll);
       if (!gate) return std::nullopt;
       section.strip.cross(*gate);
       continue;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/adjacency.h"
+#include "core/cancel.h"
 #include "core/face_strip.h"
 #include "core/surface_point.h"
 #include "core/trace_path.h"
@@ -44,8 +45,9 @@ struct Chain {
 
 // Sections from vertex to vertex of a path, as it goes: not straight, without
 // crossings and length. Nothing when the path has no segment, or when two segments
-// are in faces that do not meet in the point between them.
-[[nodiscard]] std::optional<Chain> read_chain(const Adjacency& adjacency, const Path& path);
+// are in faces that do not meet in the point between them, or the poll says to stop.
+[[nodiscard]] std::optional<Chain> read_chain(const Adjacency& adjacency, const Path& path,
+                                              Poll& poll);
 
 // The path along a chain that is straightened, with the source and the ends of `given`.
 [[nodiscard]] Path write_path(const Adjacency& adjacency, const Chain& chain, const Path& given);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/arrive_at_point.h"
@@ -39,7 +39,9 @@ Result<Path> refine_path(const Adjacency& adjacency, const Field& field, const S
   const auto delayed = [&](const Path& path) {
     return field.sources[path.source].offset + path.length;
   };
-  const double expected = PointArrivals(adjacency, field).distance_at(target);
+  Poll poll(cancel);
+  const double expected = PointArrivals(adjacency, field, &poll).distance_at(target);
+  if (poll.stopped()) return fail(ErrorCode::cancelled, "the path is no longer wanted");
   if (!(delayed(*best) - expected > kDoubtful * best->length)) return best;
   std::vector<std::uint32_t> asked;
   if (target.at_vertex()) asked.push_back(target.vertex);
@@ -49,11 +51,11 @@ Result<Path> refine_path(const Adjacency& adjacency, const Field& field, const S
       if (asked.size() > kMostAsked) return best;
       if (std::find(asked.begin(), asked.end(), neighbour) != asked.end()) continue;
       asked.push_back(neighbour);
-      std::optional<Path> other =
-          trace_path(adjacency, field, point_at_vertex(adjacency, neighbour));
-      if (!other) continue;
-      go_on(adjacency, place.face, c, place, *other);
-      auto shorter = shorten_path(adjacency, *other, cancel);
+      auto other = trace_path(adjacency, field, point_at_vertex(adjacency, neighbour), cancel);
+      if (!other) return fail(std::move(other.error()));
+      if (!*other) continue;
+      go_on(adjacency, place.face, c, place, **other);
+      auto shorter = shorten_path(adjacency, **other, cancel);
       if (!shorter) return shorter;
       if (delayed(*shorter) < delayed(*best)) best = std::move(shorter);
     }

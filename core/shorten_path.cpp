@@ -24,14 +24,17 @@ constexpr double kThroughVertex = 1e-12;
 class Shortener {
  public:
   Shortener(const Adjacency& adjacency, const Cancel& cancel)
-      : adjacency_(adjacency), fans_(adjacency), poll_(cancel) {}
+      : adjacency_(adjacency), poll_(cancel), fans_(adjacency, poll_) {}
 
   Result<Path> shorten(const Path& path) {
-    auto chain = read_chain(adjacency_, path);
-    if (!chain) return path;
-    pull_straight(*chain);
-    while (slip(*chain)) ++counts_.rounds;
-    if (cancelled_) return fail(ErrorCode::cancelled, "the path is no longer wanted");
+    auto chain = read_chain(adjacency_, path, poll_);
+    if (!chain && !poll_.stopped()) return path;
+    if (chain) pull_straight(*chain);
+    // Each round takes some part off the length, or lets a vertex pass that it lets pass once;
+    // and all of them together unfold no more than kMostFacesUnfolded.
+    while (chain && slip(*chain)) ++counts_.rounds;
+    if (cancelled_ || poll_.stopped())
+      return fail(ErrorCode::cancelled, "the path is no longer wanted");
     Path result = write_path(adjacency_, *chain, path);
     return result.length < path.length * (1 - kLeastGain) ? std::move(result) : path;
   }
@@ -227,8 +230,8 @@ class Shortener {
     std::vector<std::optional<Fan>> fans(chain.knots.size());
     bool any = false;
     for (std::size_t i = 1; i < end; ++i) {
-      if (!std::exchange(chain.knots[i].unsettled, false)) continue;
       cancelled_ = cancelled_ || poll_.cancelled();
+      if (!std::exchange(chain.knots[i].unsettled, false)) continue;
       fans[i] = fans_.least(chain.knots[i].place.vertex, chain.sections[i - 1].arrives,
                             chain.sections[i].leaves, kBelow);
       any = any || fans[i];
@@ -306,12 +309,12 @@ class Shortener {
   }
 
   const Adjacency& adjacency_;
+  Poll poll_;
   FanSearch fans_;
   Funnel funnel_;
   UnfoldedStrip section_plane_;
   // Of the section laid last: gates crossed at an end, and whether that is their left.
   std::vector<std::pair<std::size_t, bool>> run_through_;
-  Poll poll_;
   std::unordered_set<std::uint32_t> slipped_even_;  // vertices where a change was even
   bool cancelled_ = false;
   ShortenCounts counts_;

@@ -47,7 +47,7 @@ Halfedge least_in_ring(const Adjacency& adjacency, Halfedge h) {
 class StripGraph {
  public:
   StripGraph(const Adjacency& adjacency, const SurfacePoint& from, const SurfacePoint& to,
-             const std::vector<Crossing>& path, std::uint32_t steps)
+             const std::vector<Crossing>& path, std::uint32_t steps, Poll& poll)
       : adjacency_(adjacency), steps_(steps), ends_{&from, &to} {
     for (const std::uint32_t end : {0U, 1U}) {
       nodes_.push_back(
@@ -58,9 +58,9 @@ class StripGraph {
       }
     }
     for (const Crossing& crossing : path) add_window(crossing);
-    add_edges_at_vertices();
-    make_nodes();
-    gather_faces();
+    add_edges_at_vertices(poll);
+    make_nodes(poll);
+    gather_faces(poll);
   }
 
   // The shortest way from start to end: its points between them, and its length;
@@ -75,6 +75,7 @@ class StripGraph {
       if (poll.cancelled()) return kUnreached;
       const VertexHeap::Entry next = heap.pop();
       for (const std::uint32_t f : faces_at_[next.vertex]) {
+        if (poll.cancelled()) return kUnreached;
         for (const std::uint32_t node : nodes_in_[f]) {
           if (heap.accepted(node)) continue;
           const double d = next.key + distance(nodes_[next.vertex].at, nodes_[node].at);
@@ -124,12 +125,13 @@ class StripGraph {
                         crossing.step + std::min(to_high - 1, kReach)});
   }
 
-  void add_edges_at_vertices() {
+  void add_edges_at_vertices(Poll& poll) {
     std::sort(near_.begin(), near_.end());
     near_.erase(std::unique(near_.begin(), near_.end()), near_.end());
     const std::uint32_t reach = std::min(kReach, steps_ - 1);
     for (const std::uint32_t v : near_) {
       for (const std::uint32_t corner : adjacency_.corners(v)) {
+        if (poll.cancelled()) return;
         const std::uint32_t c = corner_of(corner);
         for (const std::uint32_t side : {c, previous_corner(c)}) {
           const Halfedge edge = least_in_ring(adjacency_, halfedge(face_of(corner), side));
@@ -140,11 +142,11 @@ class StripGraph {
     }
   }
 
-  void make_nodes() {
+  void make_nodes(Poll& poll) {
     std::sort(windows_.begin(), windows_.end(), [](const Window& a, const Window& b) {
       return std::pair{a.edge, a.first} < std::pair{b.edge, b.first};
     });
-    for (std::size_t i = 0; i < windows_.size();) {
+    for (std::size_t i = 0; i < windows_.size() && !poll.cancelled();) {
       const Halfedge edge = windows_[i].edge;
       const auto [low, high] = ends_of(edge);
       make_vertex(low);
@@ -171,11 +173,12 @@ class StripGraph {
 
   // Every face with a point on a side, and those of the path's ends. All its nodes
   // are joined to each other: what is on one side, along it.
-  void gather_faces() {
+  void gather_faces(Poll& poll) {
     faces_at_.resize(nodes_.size());
     for (const auto& [edge, first, last] : points_of_edge_) {
       Halfedge h = edge;
       do {
+        if (poll.cancelled()) return;
         const std::uint32_t f = number_of(face_of(h));
         for (std::uint32_t node = first; node < last; ++node) join(f, node);
         h = adjacency_.ring(h);
@@ -268,7 +271,7 @@ std::vector<SurfacePoint> places_of(const Adjacency& adjacency, const Crossing& 
 
 // The polyline: each of its segments lies in a face that both its ends lie in.
 Path assemble(const Adjacency& adjacency, const SurfacePoint& from, const SurfacePoint& to,
-              const std::vector<Crossing>& crossings, std::uint32_t steps) {
+              const std::vector<Crossing>& crossings, std::uint32_t steps, Poll& poll) {
   const Mesh& mesh = adjacency.mesh();
   Path path;
   std::vector<SurfacePoint> here = in_all_faces(adjacency, from);
@@ -280,6 +283,7 @@ Path assemble(const Adjacency& adjacency, const SurfacePoint& from, const Surfac
     std::sort(there.begin(), there.end(),
               [](const SurfacePoint& a, const SurfacePoint& b) { return a.face < b.face; });
     for (const SurfacePoint& place : here) {
+      if (poll.cancelled()) return path;
       const auto arrives = std::lower_bound(
           there.begin(), there.end(), place,
           [](const SurfacePoint& a, const SurfacePoint& b) { return a.face < b.face; });
@@ -313,7 +317,9 @@ Result<std::optional<Path>> steiner_path(const Adjacency& adjacency, const Sourc
   const auto field = steiner_field_towards(adjacency, {from.point, 0}, to, options.points_per_edge,
                                            scratch, cancel.part(0, kSearch));
   if (!field) return fail(field.error());
-  std::optional<Path> traced = trace_path(adjacency, *field, to);
+  auto trace = trace_path(adjacency, *field, to, cancel);
+  if (!trace) return fail(std::move(trace.error()));
+  std::optional<Path>& traced = *trace;
   // What lies in one face is straight already.
   if (!traced || traced->points.size() <= 2) return traced;
 
@@ -328,8 +334,9 @@ Result<std::optional<Path>> steiner_path(const Adjacency& adjacency, const Sourc
     const double before = length;
     for (int pass = 0; pass < kMostPasses; ++pass) {
       if (cancel.requested()) return fail_stopped(cancel);
-      StripGraph graph(adjacency, from.point, to, crossings, steps);
-      const double found = graph.shortest(shorter, scratch.heap, poll);
+      StripGraph graph(adjacency, from.point, to, crossings, steps, poll);
+      const double found =
+          poll.stopped() ? kUnreached : graph.shortest(shorter, scratch.heap, poll);
       if (poll.stopped()) return fail_stopped(cancel);
       if (!(found < length)) break;
       const double gain = length - found;
@@ -339,7 +346,8 @@ Result<std::optional<Path>> steiner_path(const Adjacency& adjacency, const Sourc
     }
     if (before - length < options.tolerance * before) break;
   }
-  Path refined = assemble(adjacency, from.point, to, crossings, steps);
+  Path refined = assemble(adjacency, from.point, to, crossings, steps, poll);
+  if (poll.stopped()) return fail_stopped(cancel);
   return refined.length < traced->length ? std::move(refined) : std::move(*traced);
 }
 

@@ -17,8 +17,11 @@ namespace {
 using End = StraightestGeodesic::End;
 using Weights = std::array<double, 3>;
 
-// A crossing closer to an end of its edge than this part of the edge is that vertex.
+// A crossing closer to an end of its edge than this part of the edge is that vertex …
 constexpr double kAtVertex = 1e-12;
+// … where the line passes it by less than this angle too: a line may well go round a ring that
+// is no wider than that part of the edges that begin there.
+constexpr double kPasses = 1e-9;
 // What may be missing of the length, as a part of it: rounding, so that a line
 // that ends on an edge does not go on into the next face.
 constexpr double kLengthSlack = 1e-13;
@@ -42,6 +45,7 @@ class Walk {
   Result<StraightestGeodesic> go(Departure here, double length) {
     double left = length;
     for (std::uint64_t faces = 0;; ++faces) {
+      // Passing a vertex counts as one face, however many it has: those are polled.
       if (poll_.cancelled()) return fail(ErrorCode::cancelled, "the path is no longer wanted");
       if (faces == kMostFacesCrossed) {
         return fail_limit(ErrorCode::too_large, "the geodesic crosses too many faces",
@@ -58,8 +62,8 @@ class Walk {
 
       const Exit leaves = exit(flat, here);
       Weights out{0, 0, 0};
-      out[leaves.side] = 1 - leaves.part;
-      out[next_corner(leaves.side)] = leaves.part;
+      out[leaves.side] = leaves.of_tail;
+      out[next_corner(leaves.side)] = leaves.of_head;
       const SurfacePoint there = flat.point(adjacency_, out);
       const Vec3 position = position_of(mesh_, there);
       const double step = distance(result_.path.points.back().position, position);
@@ -74,25 +78,34 @@ class Walk {
       add(there, position);
       if (left <= kLengthSlack * length) return finish(flat, here.heading, End::length);
       const auto next = there.at_vertex() ? over_vertex(flat, there.vertex, here.heading)
-                                          : over_edge(flat, leaves.side, leaves.part, here.heading);
+                                          : over_edge(flat, leaves, here.heading);
+      if (poll_.stopped()) return fail(ErrorCode::cancelled, "the path is no longer wanted");
       if (!next) return finish(flat, here.heading, next.error());
       here = *next;
     }
   }
 
-  // The departure in the face beyond a side, or why there is none. `part` is how far
-  // along the side the point is.
-  tl::expected<Departure, End> over_edge(const FlatFace& flat, std::uint32_t side, double part,
-                                         Vec2 heading) const {
-    const Halfedge out = flat.side(side);
+  // A point on a side, by the weights of its ends. Both, for one may be far below the rounding
+  // of the other.
+  struct Exit {
+    std::uint32_t side;
+    double of_tail;
+    double of_head;
+    double ahead = 0;  // of the point, in the direction of the heading
+  };
+
+  // The departure in the face beyond a side, or why there is none.
+  tl::expected<Departure, End> over_edge(const FlatFace& flat, const Exit& at, Vec2 heading) const {
+    const Halfedge out = flat.side(at.side);
     const Halfedge in = adjacency_.ring(out);
     if (in == out) return tl::unexpected(End::boundary);
     if (adjacency_.ring(in) != out) return tl::unexpected(End::non_manifold);
     const bool same_way = vertex_at(in) == vertex_at(out);
-    const double along = dot(heading, flat.edges[side]);
-    const double outward = std::max(-cross(flat.edges[side], heading), 0.0);
-    return Departure{in, same_way ? Weights{1 - part, part, 0} : Weights{part, 1 - part, 0},
-                     unit({same_way ? along : -along, outward})};
+    const double along = dot(heading, flat.edges[at.side]);
+    const double outward = std::max(-cross(flat.edges[at.side], heading), 0.0);
+    return Departure{
+        in, same_way ? Weights{at.of_tail, at.of_head, 0} : Weights{at.of_head, at.of_tail, 0},
+        unit({same_way ? along : -along, outward})};
   }
 
   // A departure from a vertex: into the face of `corner`, turned by `angle` from the
@@ -103,7 +116,8 @@ class Walk {
 
   // Turns on through a fan of faces: by `angle`, from the edge `side` at the vertex
   // into the side's own face and on. At a boundary or non-manifold edge, why it ends.
-  tl::expected<Departure, End> turn(std::uint32_t vertex, Halfedge side, double angle) const {
+  // The face that it is in then does not matter, if the poll says to stop.
+  tl::expected<Departure, End> turn(std::uint32_t vertex, Halfedge side, double angle) {
     for (std::size_t faces = adjacency_.corners(vertex).size();; --faces) {
       const std::uint32_t f = face_of(side);
       const bool is_next = vertex_at(side) == vertex;
@@ -118,18 +132,19 @@ class Walk {
         return tl::unexpected(across == other ? End::boundary : End::non_manifold);
       }
       // Once round a closed fan: what is left of the angle is a rounding error.
-      if (faces <= 1) return from_corner(corner, is_next ? here : 0);
+      if (faces <= 1 || poll_.cancelled()) return from_corner(corner, is_next ? here : 0);
       side = across;
     }
   }
 
   // The sum of all angles at a vertex, when they make one closed fan; if not, what is
   // in the way.
-  [[nodiscard]] tl::expected<double, End> total_angle(std::uint32_t vertex) const {
+  [[nodiscard]] tl::expected<double, End> total_angle(std::uint32_t vertex) {
     if (adjacency_.is_pinched(vertex)) return tl::unexpected(End::vertex);
     double sum = 0;
     std::optional<End> obstacle;
     for (const std::uint32_t corner : adjacency_.corners(vertex)) {
+      if (poll_.cancelled()) break;
       sum += corner_angle(adjacency_.face(face_of(corner)), corner_of(corner));
       for (const Halfedge side : {corner, other_side_at(adjacency_, corner, vertex)}) {
         const Halfedge across = adjacency_.ring(side);
@@ -152,12 +167,6 @@ class Walk {
   }
 
  private:
-  struct Exit {
-    std::uint32_t side;
-    double part;   // how far along the side
-    double ahead;  // of the point, in the direction of the heading
-  };
-
   // The side by which a heading leaves the face. A ray leaves between a corner to its
   // right and the next one to its left.
   static Exit exit(const FlatFace& flat, const Departure& here) {
@@ -168,15 +177,17 @@ class Walk {
       const double before = std::max(-left(side), 0.0);
       const double behind = std::max(left(end), 0.0);
       const double ahead[2] = {dot(here.heading, to[side]), dot(here.heading, to[end])};
-      double part = 0;
+      Exit exit{side, 1, 0};
       if (before + behind > 0) {
-        part = before / (before + behind);
+        exit.of_tail = behind / (before + behind);
+        exit.of_head = before / (before + behind);
       } else if (ahead[1] > ahead[0]) {
-        part = 1;  // along the side, to the end that lies farther on
+        exit = {side, 0, 1};  // along the side, to the end that lies farther on
       }
-      if (part < kAtVertex) part = 0;
-      if (part > 1 - kAtVertex) part = 1;
-      return Exit{side, part, (1 - part) * ahead[0] + part * ahead[1]};
+      if (exit.of_head < kAtVertex && before <= kPasses * norm(to[side])) exit = {side, 1, 0};
+      if (exit.of_tail < kAtVertex && behind <= kPasses * norm(to[end])) exit = {side, 0, 1};
+      exit.ahead = exit.of_tail * ahead[0] + exit.of_head * ahead[1];
+      return exit;
     };
     // From the tail of the base, by the side opposite; from elsewhere on the base, not
     // by the base again.
@@ -185,7 +196,7 @@ class Walk {
       const bool by_first = apex > 0 || (apex == 0 && here.heading.x >= 0);
       return by(here.at[1] == 0 || by_first ? 1 : 2);
     }
-    Exit best{0, 0, -std::numeric_limits<double>::infinity()};
+    Exit best{0, 1, 0, -std::numeric_limits<double>::infinity()};
     for (std::uint32_t side = 0; side < 3; ++side) {
       if (left(side) > 0 || left(next_corner(side)) < 0) continue;
       const Exit found = by(side);
@@ -196,7 +207,7 @@ class Walk {
 
   // Half of the vertex's angle, counted from where the line came from.
   tl::expected<Departure, End> over_vertex(const FlatFace& flat, std::uint32_t vertex,
-                                           Vec2 heading) const {
+                                           Vec2 heading) {
     const auto total = total_angle(vertex);
     if (!total) return tl::unexpected(total.error());
     std::uint32_t i = 0;
@@ -320,9 +331,11 @@ Result<StraightestGeodesic> straightest_geodesic(const Adjacency& adjacency,
   vector = (1 / norm(vector)) * vector;
 
   Candidate best;
+  Poll poll(cancel);
   double longest_projection = 0;
   bool at_boundary = false;
   for (const SurfacePoint& place : in_all_faces(adjacency, from)) {
+    if (poll.cancelled()) return fail(ErrorCode::cancelled, "the path is no longer wanted");
     const Candidate candidate = closest_in_face(adjacency, place, vector);
     longest_projection = std::max(longest_projection, norm(candidate.projection));
     at_boundary = at_boundary || candidate.at_boundary;
@@ -353,13 +366,16 @@ Result<StraightestGeodesic> straightest_geodesic_at_angle(const Adjacency& adjac
   Walk walk(adjacency, cancel);
   if (from.at_vertex()) {
     const Halfedge corner = adjacency.corners(from.vertex).front();
-    if (const auto total = closed_fan_angle(adjacency, corner); total && *total > 0) {
+    Poll poll(cancel);
+    const auto total = closed_fan_angle(adjacency, corner, poll);
+    if (total && *total > 0) {
       angle = std::fmod(angle, *total);
       if (angle < 0) angle += *total;
     }
     // The other way round begins in the face across the first edge.
     const Halfedge across = adjacency.ring(corner);
     const bool manifold = across != corner && adjacency.ring(across) == corner;
+    if (poll.stopped()) return fail(ErrorCode::cancelled, "the path is no longer wanted");
     const auto departure = angle >= -kAngleSlack
                                ? walk.turn(from.vertex, corner, std::max(angle, 0.0))
                            : manifold ? walk.turn(from.vertex, across, -angle)
@@ -374,15 +390,15 @@ Result<StraightestGeodesic> straightest_geodesic_at_angle(const Adjacency& adjac
   const Vec2 heading{std::cos(angle), std::sin(angle)};
   const std::uint32_t side = side_under(from);
   if (side == kNone) return walk.go({halfedge(from.face, 0), from.bary, heading}, length);
-  const double part = from.bary[next_corner(side)];
+  const Walk::Exit at{side, from.bary[side], from.bary[next_corner(side)]};
   const double inward = cross(flat.edges[side], heading);
   if (inward >= -kNoProjection) {
     return walk.go({halfedge(from.face, side),
-                    {1 - part, part, 0},
+                    {at.of_tail, at.of_head, 0},
                     unit({dot(heading, flat.edges[side]), std::max(inward, 0.0)})},
                    length);
   }
-  const auto departure = walk.over_edge(flat, side, part, heading);
+  const auto departure = walk.over_edge(flat, at, heading);
   if (departure) return walk.go(*departure, length);
   return walk.only(from, flat, heading, departure.error());
 }

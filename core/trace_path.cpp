@@ -3,10 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <unordered_set>
 #include <vector>
 
 #include "core/arrive_at_point.h"
 #include "core/down_edges.h"
+#include "core/edge_path.h"
+#include "core/edge_points.h"
+#include "core/leave_cluster.h"
 
 namespace geodesic {
 namespace {
@@ -14,72 +19,144 @@ namespace {
 // Relative, in distances by different faces.
 constexpr double kRounding = 1e-9;
 
+// A step costs from a tenth of a microsecond to some; a question, as much.
+constexpr std::uint32_t kStepsBetweenQuestions = 256;
+
 // One straight piece of the path, going back: from `start` to `end` within a face.
 struct Leg {
   std::uint32_t face;
   std::array<double, 3> start;
   std::array<double, 3> end;
+  std::uint32_t to_vertex;  // kNone when it does not end at one
 };
 
+// Why a trace ends, whatever the distances are. It goes from vertex to vertex, over edges in
+// between. Each step over an edge enters a face that it has not been in (or, by `steiner`, leads
+// to a point of its graph that is closer to the sources than any before). A vertex is come to by
+// a usual step once; the second time by way of its cluster, which is looked at once for each
+// vertex; and from then on by going down along edges to what is closer than every vertex come to
+// so far, which there are no more of than vertices. What is still not at a source after that
+// many steps has no distances that lead to one.
 class Tracer {
  public:
-  Tracer(const Adjacency& adjacency, const Field& field)
+  Tracer(const Adjacency& adjacency, const Field& field, const Cancel& cancel)
       : adjacency_(adjacency),
         field_(field),
-        arrivals_(adjacency, field),
-        entered_(adjacency.faces().size(), false) {}
+        cancel_(cancel),
+        poll_(cancel, kStepsBetweenQuestions),
+        arrivals_(adjacency, field, &poll_),
+        entered_(adjacency.faces().size(), false),
+        come_to_(adjacency.mesh().vertex_count(), false) {}
 
-  std::optional<Path> trace(const SurfacePoint& target) {
+  Result<std::optional<Path>> trace(const SurfacePoint& target) {
     StepBack step = first_step(target);
-    while (step.to != StepBack::To::nowhere) {
-      walk(step);
-      switch (step.to) {
-        case StepBack::To::source:
-          return assemble(step.source);
-        case StepBack::To::vertex:
-          step = from_vertex(step.vertex);
-          break;
-        case StepBack::To::edge:
-          step = from_edge(step);
-          break;
-        case StepBack::To::nowhere:
-          break;
-      }
+    if (step.to == StepBack::To::nowhere && !target.at_vertex() && !poll_.stopped()) {
+      return std::nullopt;
     }
-    return std::nullopt;
+    for (std::uint64_t left = most_steps(); step.to != StepBack::To::nowhere && left > 0; --left) {
+      if (poll_.cancelled()) break;
+      walk(step);
+      if (step.to == StepBack::To::source) return assemble(step.source);
+      step = step.to == StepBack::To::vertex ? from_vertex(step.vertex) : from_edge(step);
+    }
+    if (poll_.stopped()) return fail(ErrorCode::cancelled, "the path is no longer wanted");
+    return along_edges(target);
   }
 
  private:
   void walk(const StepBack& step) {
     if (step.face == kNone) return;
     entered_[step.face] = true;
-    legs_.push_back({step.face, step.start, step.bary});
+    const bool to_vertex = step.to == StepBack::To::vertex;
+    legs_.push_back({step.face, step.start, step.bary, to_vertex ? step.vertex : kNone});
+  }
+
+  // All but the last of several steps one after the other.
+  StepBack walk_to_last(const std::vector<StepBack>& steps) {
+    if (steps.empty()) return {};
+    for (std::size_t i = 0; i + 1 < steps.size(); ++i) walk(steps[i]);
+    return steps.back();
+  }
+
+  // Several times what the reasons above allow.
+  [[nodiscard]] std::uint64_t most_steps() const {
+    const std::uint64_t points = field_.edge_points ? field_.edge_points->distance.size() : 0;
+    return 8 * (entered_.size() + come_to_.size() + points + 1);
   }
 
   // Step 1 of the paper: a vertex by its parents, an inner point of a face by the
   // shortest of the ways over the face's sides.
   StepBack first_step(const SurfacePoint& target) {
+    target_ = target.vertex;
     if (target.at_vertex()) return from_vertex(target.vertex);
     StepBack best;
     for (const SurfacePoint& place : in_all_faces(adjacency_, target)) {
+      if (poll_.cancelled()) return {};
       const StepBack step = arrivals_.through_face(place);
       if (arrivals_.is_better(step, best)) best = step;
     }
     return best;
   }
 
+  StepBack from_vertex(std::uint32_t vertex) {
+    lowest_ = std::min(lowest_, field_.distance[vertex]);
+    if (!come_to_[vertex]) {
+      come_to_[vertex] = true;
+      const StepBack step = on_from_vertex(vertex);
+      const bool is_found = step.to != StepBack::To::nowhere;
+      // A vertex next to one as close to the sources, up to rounding, may have its distance from
+      // there, which no face tells.
+      if (is_found && !(field_.windows && is_longer_than_stated(step, vertex))) return step;
+      const StepBack other = out_of_cluster(vertex);
+      if (is_found && !arrivals_.is_better(other, step)) return step;
+      if (other.to != StepBack::To::nowhere) return walk_to_last(steps_out_);
+    } else {
+      cut_loop(vertex);
+      if (out_of_cluster(vertex).to != StepBack::To::nowhere) return walk_to_last(steps_out_);
+    }
+    return walk_to_last(down_edges(adjacency_, field_, vertex, lowest_, poll_));
+  }
+
+  [[nodiscard]] bool is_longer_than_stated(const StepBack& step, std::uint32_t vertex) const {
+    return step.distance > field_.distance[vertex] * (1 + kRounding);
+  }
+
+  // The last of the steps out of the vertex's cluster, which are left in steps_out_; once for
+  // each vertex, and then nowhere.
+  StepBack out_of_cluster(std::uint32_t vertex) {
+    if (!looked_about_.insert(vertex).second) return {};
+    const auto entered = [this](std::uint32_t face) { return bool(entered_[face]); };
+    const auto passed = [this](std::uint32_t v) { return bool(come_to_[v]); };
+    steps_out_ = leave_cluster(adjacency_, field_, arrivals_, vertex, entered, passed, poll_);
+    return steps_out_.empty() ? StepBack{} : steps_out_.back();
+  }
+
+  // A path that is at a vertex again need not have gone round; unless what led there before
+  // has been cut off with a longer way round.
+  void cut_loop(std::uint32_t vertex) {
+    if (legs_.empty()) return;
+    if (target_ != vertex) {
+      const auto before =
+          std::find_if(std::next(legs_.rbegin()), legs_.rend(),
+                       [vertex](const Leg& leg) { return leg.to_vertex == vertex; });
+      if (before != legs_.rend()) legs_.erase(before.base(), legs_.end());
+    } else {
+      legs_.clear();
+    }
+  }
+
   // Steps 2 to 4 from a vertex. A front of `fast_marching` may have come to it from
   // beyond the base of an obtuse face, before its neighbours; one of `back_traced` over
   // faces that are not the mesh's.
-  StepBack from_vertex(std::uint32_t vertex) {
+  StepBack on_from_vertex(std::uint32_t vertex) {
     const StepBack step = arrivals_.by_parents(vertex);
     const bool blocked = step.to == StepBack::To::edge && !may_enter(step.face);
     if (by_distance_alone() && (blocked || step.to == StepBack::To::nowhere)) {
       std::vector<StepBack> steps = arrivals_.to_lesser_vertex(vertex);
-      if (steps.empty()) steps = down_edges(adjacency_, field_, vertex);
-      if (steps.empty()) return {};
-      for (std::size_t i = 0; i + 1 < steps.size(); ++i) walk(steps[i]);
-      return steps.back();
+      if (steps.empty()) {
+        steps = down_edges(adjacency_, field_, vertex, field_.distance[vertex], poll_);
+      }
+      return walk_to_last(steps);
     }
     if (!blocked) return step;
     // Through faces without area a shortest path may come back to a vertex, by no way at all:
@@ -92,9 +169,10 @@ class Tracer {
   }
 
   // Through whichever face not yet entered gives the point the least distance.
-  [[nodiscard]] StepBack through_others(const SurfacePoint& here) const {
+  [[nodiscard]] StepBack through_others(const SurfacePoint& here) {
     StepBack best;
     for (const SurfacePoint& place : in_all_faces(adjacency_, here)) {
+      if (poll_.cancelled()) return {};
       if (!may_enter(place.face)) continue;
       const StepBack step = arrivals_.through_face(place);
       if (arrivals_.is_better(step, best)) best = step;
@@ -124,6 +202,24 @@ class Tracer {
   // In the graph of `steiner` every step leads to a lesser distance as it is.
   [[nodiscard]] bool may_enter(std::uint32_t face) const {
     return field_.method == Method::steiner || !entered_[face];
+  }
+
+  // Where the distances do not lead to a source: some path, to that of the sources that the
+  // target's distance says that it is from.
+  Result<std::optional<Path>> along_edges(const SurfacePoint& target) {
+    std::uint32_t nearest = target.vertex;
+    if (!target.at_vertex()) {
+      const auto& corners = adjacency_.face(target.face).vertex;
+      nearest = *std::min_element(corners.begin(), corners.end(), [&](auto a, auto b) {
+        return field_.distance[a] < field_.distance[b];
+      });
+    }
+    std::uint32_t source = field_.nearest_source.empty() ? 0 : field_.nearest_source[nearest];
+    if (source == kNone) return std::nullopt;
+    WavefrontScratch scratch;
+    auto path = edge_path(adjacency_, field_.sources[source].point, target, scratch, cancel_);
+    if (path && *path) (*path)->source = source;
+    return path;
   }
 
   Path assemble(std::uint32_t source) const {
@@ -163,17 +259,24 @@ class Tracer {
 
   const Adjacency& adjacency_;
   const Field& field_;
+  const Cancel& cancel_;
+  Poll poll_;
   PointArrivals arrivals_;
+  std::uint32_t target_ = kNone;  // when it is a vertex
   std::vector<Leg> legs_;
-  std::vector<bool> entered_;  // by face
+  std::vector<StepBack> steps_out_;
+  std::vector<bool> entered_;                       // by face
+  std::vector<bool> come_to_;                       // by vertex
+  std::unordered_set<std::uint32_t> looked_about_;  // vertices whose clusters were left
+  double lowest_ = kUnreached;                      // of the distances of vertices come to
 };
 
 }  // namespace
 
-std::optional<Path> trace_path(const Adjacency& adjacency, const Field& field,
-                               const SurfacePoint& target) {
+Result<std::optional<Path>> trace_path(const Adjacency& adjacency, const Field& field,
+                                       const SurfacePoint& target, const Cancel& cancel) {
   if (target.at_vertex() && field.distance[target.vertex] == kUnreached) return std::nullopt;
-  return Tracer(adjacency, field).trace(target);
+  return Tracer(adjacency, field, cancel).trace(target);
 }
 
 }  // namespace geodesic

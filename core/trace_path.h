@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "core/adjacency.h"
+#include "core/cancel.h"
+#include "core/error.h"
 #include "core/field.h"
 #include "core/surface_point.h"
 #include "core/vec3.h"
@@ -28,7 +30,12 @@ struct Path {
 // Nothing when the target has no distance in this field. The field must reach
 // all vertices that are closer than the target: a field of all vertices, or one
 // that stopped at the target.
-[[nodiscard]] std::optional<Path> trace_path(const Adjacency& adjacency, const Field& field,
-                                             const SurfacePoint& target);
+//
+// It always comes to an end: it enters a face once and comes to a vertex at most three
+// times, whatever the distances are. Where distances do not lead to a source, the path is one
+// along edges instead. Errors: cancelled.
+[[nodiscard]] Result<std::optional<Path>> trace_path(const Adjacency& adjacency, const Field& field,
+                                                     const SurfacePoint& target,
+                                                     const Cancel& cancel);
 
 }  // namespace geodesic

@@ -5,11 +5,13 @@
 
 namespace geodesic {
 
-std::optional<double> closed_fan_angle(const Adjacency& adjacency, std::uint32_t corner) {
+std::optional<double> closed_fan_angle(const Adjacency& adjacency, std::uint32_t corner,
+                                       Poll& poll) {
   const std::uint32_t vertex = adjacency.face(face_of(corner)).vertex[corner_of(corner)];
   double sum = 0;
   Halfedge side = corner;
   do {
+    if (poll.cancelled()) return std::nullopt;
     const std::uint32_t f = face_of(side);
     sum += corner_angle(adjacency.face(f), corner_at(adjacency, f, vertex));
     const Halfedge other = other_side_at(adjacency, side, vertex);
@@ -72,6 +74,7 @@ std::optional<Fan> FanSearch::least(std::uint32_t vertex, const DirectionAtVerte
     if (at.angle > sides_[at.side].angle) continue;
     const Halfedge out = halfedge_of(at.side);
     for (Halfedge in = adjacency_.ring(out); in != out; in = adjacency_.ring(in)) {
+      if (poll_.cancelled()) return std::nullopt;
       const std::uint32_t f = face_of(in);
       const std::uint32_t c = corner_of(in);
       if (f == to.face) {

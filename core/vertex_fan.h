@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/adjacency.h"
+#include "core/cancel.h"
 #include "core/face_strip.h"
 
 namespace geodesic {
@@ -35,9 +36,10 @@ namespace geodesic {
 }
 
 // The sum of the angles of the fan that a corner is in, or nothing when the fan ends at
-// a boundary or at a non-manifold edge.
+// a boundary or at a non-manifold edge. Goes round once: over edges of two faces the way on is
+// one to one, so it comes back to where it began. Of no use if the poll says to stop.
 [[nodiscard]] std::optional<double> closed_fan_angle(const Adjacency& adjacency,
-                                                     std::uint32_t corner);
+                                                     std::uint32_t corner, Poll& poll);
 
 // A direction from a vertex into a face there: its angles to the two edges.
 struct DirectionAtVertex {
@@ -55,12 +57,14 @@ struct Fan {
 // Finds fans at vertices; keeps its memory for the next search.
 class FanSearch {
  public:
-  explicit FanSearch(const Adjacency& adjacency) : adjacency_(adjacency) {}
+  // Both must outlive this object.
+  FanSearch(const Adjacency& adjacency, Poll& poll) : adjacency_(adjacency), poll_(poll) {}
 
   // The fan with the least angle between two directions at a vertex, or nothing
   // when none has an angle below `bound`, or the faces meet in nothing but the
   // vertex. At a vertex of one fan of faces there are two ways to go, at a boundary
-  // one; a non-manifold edge leads on into each of its faces.
+  // one; a non-manifold edge leads on into each of its faces, so that a spine of n pages takes
+  // up to n^2 steps. Of no use once the poll says to stop.
   [[nodiscard]] std::optional<Fan> least(std::uint32_t vertex, const DirectionAtVertex& from,
                                          const DirectionAtVertex& to, double bound);
 
@@ -85,6 +89,7 @@ class FanSearch {
   void reach(Halfedge h, double angle, std::uint32_t from, Halfedge entered_by);
 
   const Adjacency& adjacency_;
+  Poll& poll_;
   std::uint32_t vertex_ = kNone;
   std::vector<Side> sides_;
   Queue queue_;

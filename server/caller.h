@@ -28,9 +28,17 @@ struct Caller {
       Caller(Gone&& is_gone)
       : gone(std::forward<Gone>(is_gone)) {}
 
-  std::string client;                 // equal for what shares one turn in a queue; "": anonymous
-  std::function<bool()> gone;         // may be empty: never. Must not throw
-  std::shared_ptr<StageTimes> times;  // where the time goes; may be null
+  // What it asks, to be named in the log.
+  struct Asked {
+    std::string id;  // X-Request-Id
+    std::string method;
+    std::string target;  // as sent
+  };
+
+  std::string client;                  // equal for what shares one turn in a queue; "": anonymous
+  std::function<bool()> gone;          // may be empty: never. Must not throw
+  std::shared_ptr<StageTimes> times;   // where the time goes; may be null
+  std::shared_ptr<const Asked> asked;  // may be null
   std::optional<Clock::time_point> deadline;  // after it, nobody wants the answer
   // Told, by whichever thread computes, which part is done, 0 to 1; may be empty. Who
   // computes in several steps need not take care that it never falls.

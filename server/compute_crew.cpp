@@ -17,7 +17,8 @@ Result<void> ComputePool::run_each_erased(std::size_t count, Part part, const Ca
     job->crew = crew;
     if (auto admitted = admit(job, caller); !admitted) return admitted;
     if (auto ran = wait_for(job, caller, lock); !ran) return ran;
-    crew->alone.wait(lock, [&] { return crew->slots == 0; });
+    wait_for_running(
+        crew->alone, [&] { return crew->slots == 0; }, caller, lock);
     if (caller.times) caller.times->add(Stage::queue, job->waited);  // nobody else does now
     if (!job->outcome) return std::move(job->outcome);               // sent away
   }

@@ -146,9 +146,9 @@ Result<void> ComputePool::wait_for(const std::shared_ptr<Job>& job, const Caller
     }
     if (!reason || job->finished) continue;
     if (!queue_.erase(caller.client, job)) {
-      // It runs, and so refers to the caller's stack: wait for it. It polls
-      // its caller itself.
-      job->finished_signal.wait(lock, [&] { return job->finished; });
+      // It runs, and so refers to the caller's stack.
+      wait_for_running(
+          job->finished_signal, [&] { return job->finished; }, caller, lock);
       break;
     }
     note_queue();

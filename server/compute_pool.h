@@ -11,7 +11,9 @@
 //    lately, is `overloaded` too;
 //  - a queued job whose deadline passes ends with `deadline`, and one whose client
 //    is gone with `cancelled`.
-// A running job is never interrupted: it polls its caller through its own `Cancel`.
+// A running job is never interrupted: it polls its caller through its own `Cancel`. One that
+// still runs a second after its caller has stopped holds a slot for nobody: that is a fault of
+// ours, and is said in the log and counted.
 //
 // A computation of many parts (`run_each`) queues for one slot as a job does. While it
 // has that one, slots that nobody waits for help it; as soon as somebody does, one of
@@ -64,10 +66,12 @@ class ComputePool {
     std::uint64_t running = 0;
     std::uint64_t helping = 0;  // of these, what gives way to whoever waits
     std::uint64_t queued = 0;
-    std::uint64_t clients = 0;   // that have jobs queued
-    std::uint64_t finished = 0;  // jobs, and parts, run to their end since the start
-    std::uint64_t rejected = 0;  // for want of room or time, some after having queued
-    std::uint64_t given_up = 0;  // taken back by their callers while queued
+    std::uint64_t clients = 0;      // that have jobs queued
+    std::uint64_t finished = 0;     // jobs, and parts, run to their end since the start
+    std::uint64_t rejected = 0;     // for want of room or time, some after having queued
+    std::uint64_t given_up = 0;     // taken back by their callers while queued
+    std::uint64_t unanswering = 0;  // that run a second after their callers have stopped
+    std::uint64_t unanswered = 0;   // how many ever did
   };
 
   struct QueueLimits {
@@ -154,6 +158,9 @@ class ComputePool {
   Result<void> run_erased(std::function<void(Worker&)> body, const Caller& caller);
   // Waits until a job that was admitted has run, or takes it back.
   Result<void> wait_for(const std::shared_ptr<Job>& job, const Caller& caller, Lock& lock);
+  // Waits for what runs and polls its caller itself, until `done()`. (compute_watch.cpp)
+  void wait_for_running(std::condition_variable& signal, const std::function<bool()>& done,
+                        const Caller& caller, Lock& lock);
   // Takes a job into the queue, or says why not.
   Result<void> admit(const std::shared_ptr<Job>& job, const Caller& caller);
   // How long a job of this client's would wait, by what jobs took lately.

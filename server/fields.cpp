@@ -1,6 +1,7 @@
 #include "server/fields.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "core/arrive_at_point.h"
 #include "core/exact_pair.h"
@@ -40,16 +41,20 @@ std::string key_of(const FieldQuestion& question, Details details) {
   return key;
 }
 
-// Every vertex whose distance decides that of one of the points.
-std::vector<std::uint32_t> vertices_about(const Adjacency& adjacency,
-                                          std::span<const SurfacePoint> points) {
+// Every vertex whose distance decides that of one of the points. An edge may have as many
+// faces as it likes.
+Result<std::vector<std::uint32_t>> vertices_about(const Adjacency& adjacency,
+                                                  std::span<const SurfacePoint> points,
+                                                  const Cancel& cancel) {
   std::vector<std::uint32_t> vertices;
+  Poll poll(cancel);
   for (const SurfacePoint& point : points) {
     if (point.at_vertex()) {
       vertices.push_back(point.vertex);
       continue;
     }
     for (const SurfacePoint& place : in_all_faces(adjacency, point)) {
+      if (poll.cancelled()) return fail_stopped(cancel);
       for (const std::uint32_t v : adjacency.face(place.face).vertex) vertices.push_back(v);
     }
   }
@@ -74,14 +79,15 @@ Details details_for(std::span<const SurfacePoint> points) {
 }
 
 // The number of the source that a point's distance is from; kNone where there is none.
-std::uint32_t label_at(const Adjacency& adjacency, const Field& field, const SurfacePoint& point,
-                       double distance) {
+Result<std::uint32_t> label_at(const Adjacency& adjacency, const Field& field,
+                               const SurfacePoint& point, double distance, const Cancel& cancel) {
   if (distance == kUnreached) return kNone;
   if (field.nearest_source.empty()) return 0;
   if (point.at_vertex()) return field.nearest_source[point.vertex];
   // Inside a face, where several sources may meet: where its path leads.
-  const auto path = trace_path(adjacency, field, point);
-  return path ? path->source : kNone;
+  auto path = trace_path(adjacency, field, point, cancel);
+  if (!path) return fail(std::move(path.error()));
+  return *path ? (*path)->source : kNone;
 }
 
 // What the field says of the points, as far as `max`.
@@ -89,15 +95,18 @@ Result<PointDistances> read_field(const Adjacency& adjacency, const Field& field
                                   std::span<const SurfacePoint> points, bool labels,
                                   const Cancel& cancel) {
   PointDistances result;
-  const PointArrivals arrivals(adjacency, field);
-  result.distances.reserve(points.size());
   Poll poll(cancel, 256);
+  const PointArrivals arrivals(adjacency, field, &poll);
+  result.distances.reserve(points.size());
   for (const SurfacePoint& point : points) {
-    if (poll.cancelled()) return fail_stopped(cancel);
     const double found = arrivals.distance_at(point);
+    if (poll.cancelled()) return fail_stopped(cancel);
     const double distance = found <= max ? found : kUnreached;
     result.distances.push_back(distance);
-    if (labels) result.labels.push_back(label_at(adjacency, field, point, distance));
+    if (!labels) continue;
+    auto label = label_at(adjacency, field, point, distance, cancel);
+    if (!label) return fail(std::move(label.error()));
+    result.labels.push_back(*label);
   }
   return result;
 }
@@ -186,9 +195,10 @@ Result<PointDistances> Fields::at_points(const FieldQuestion& question,
     }
   }
   return compute(
-      [&](SolveScratch& scratch, const Cancel& cancel) {
-        return read_points(question, points, vertices_about(*question.adjacency, points), labels,
-                           scratch, cancel, caller);
+      [&](SolveScratch& scratch, const Cancel& cancel) -> Result<PointDistances> {
+        const auto targets = vertices_about(*question.adjacency, points, cancel);
+        if (!targets) return fail(targets.error());
+        return read_points(question, points, *targets, labels, scratch, cancel, caller);
       },
       caller);
 }
@@ -196,7 +206,8 @@ Result<PointDistances> Fields::at_points(const FieldQuestion& question,
 Result<PointDistances> Fields::table(const FieldQuestion& question,
                                      std::span<const SurfacePoint> from,
                                      std::span<const SurfacePoint> to, const Caller& caller) {
-  const std::vector<std::uint32_t> targets = vertices_about(*question.adjacency, to);
+  const auto targets = vertices_about(*question.adjacency, to, Cancel(std::cref(caller)));
+  if (!targets) return fail(targets.error());
   PointDistances table;
   table.hit = true;
   table.distances.resize(from.size() * to.size());
@@ -210,7 +221,7 @@ Result<PointDistances> Fields::table(const FieldQuestion& question,
     ScratchUse scratch = scratch_of(worker);
     const Cancel cancel([&] { return give_way() || caller(); }, part.caller().progress,
                         &worker.memory->budget());
-    auto found = read_points(own, to, targets, false, scratch.get(), cancel, part.caller());
+    auto found = read_points(own, to, *targets, false, scratch.get(), cancel, part.caller());
     scratch.done(found ? found->distances.capacity() * sizeof(double) : 0);
     if (!found) return fail(std::move(found.error()));
     std::copy(found->distances.begin(), found->distances.end(),

@@ -71,6 +71,8 @@ void judge_head(const HttpOptions& options, HttpConnection::Head outcome, std::s
   request.query = std::move(head.query);
   request.remote = remote;
   request.caller.client = client_of(remote);
+  request.caller.asked = std::make_shared<const Caller::Asked>(
+      Caller::Asked{request.id, request.method, request.target});
   request.caller.gone = [watch = exchange.connection.watch()] { return watch->gone(); };
   if (!exchange.refused) judge_body(options, exchange);
   request.headers = std::move(head.headers);

@@ -115,8 +115,10 @@ Result<JobReport> Jobs::start(HttpRequest request) {
   job->report.created = std::chrono::system_clock::now();
   job->client = request.caller.client;
   const std::uint64_t bytes = request.body.size() + kBytesOfJob;
-  // The job outlives the connection: nothing of its caller may stay but the name.
+  // The job outlives the connection: nothing of its caller may stay but what it is called.
+  auto asked = std::move(request.caller.asked);
   request.caller = Caller();
+  request.caller.asked = std::move(asked);
   request.caller.client = job->client;
   request.caller.is_patient = true;
   // The request is a part of the job, so these may point to it.

@@ -149,6 +149,16 @@ struct Metrics::Families {
   Counter& finished = ended.Add({{"outcome", "finished"}});
   Counter& rejected = ended.Add({{"outcome", "rejected"}});
   Counter& given_up = ended.Add({{"outcome", "given_up"}});
+  Gauge& unanswering = BuildGauge()
+                           .Name("geodesicd_compute_unanswering")
+                           .Help("Computations that still run a second after they were cancelled")
+                           .Register(registry)
+                           .Add({});
+  Counter& unanswered = BuildCounter()
+                            .Name("geodesicd_compute_unanswered_total")
+                            .Help("Computations that ran on for a second after being cancelled")
+                            .Register(registry)
+                            .Add({});
   Family<Gauge>& jobs = BuildGauge()
                             .Name("geodesicd_jobs")
                             .Help("Jobs (Prefer: respond-async), by state; ended: still kept")
@@ -398,6 +408,8 @@ std::string Metrics::text(const Present& present) {
   f.compute_budget.Set(static_cast<double>(present.memory.limits.all));
   follow(f.too_much_memory, present.memory.refused);
   follow(f.crowded_out, present.memory.crowded_out);
+  f.unanswering.Set(static_cast<double>(present.pool.unanswering));
+  follow(f.unanswered, present.pool.unanswered);
   f.jobs_queued.Set(static_cast<double>(present.jobs.queued));
   f.jobs_running.Set(static_cast<double>(present.jobs.running));
   f.jobs_ended.Set(static_cast<double>(present.jobs.ended));

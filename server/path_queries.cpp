@@ -66,9 +66,10 @@ class LegFinder {
     return fields_.compute(
         [&](SolveScratch&, const Cancel& cancel) -> Result<MaybePath> {
           const Timed tracing(caller_, Stage::trace);
-          MaybePath path = trace_path(*question.adjacency, *field->value, to);
-          if (!path || !is_refined()) return path;
-          auto refined = refine_path(*question.adjacency, *field->value, to, *path, cancel);
+          auto path = trace_path(*question.adjacency, *field->value, to, cancel);
+          if (!path) return fail(std::move(path.error()));
+          if (!*path || !is_refined()) return path;
+          auto refined = refine_path(*question.adjacency, *field->value, to, **path, cancel);
           if (!refined) return fail(std::move(refined.error()));
           return MaybePath(std::move(*refined));
         },

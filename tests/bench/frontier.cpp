@@ -225,9 +225,10 @@ void print_paths(const FrontierMesh& mesh, std::size_t sources, std::size_t targ
       if (!(truth.distance[target] > 0) || truth.distance[target] == kUnreached) continue;
       std::optional<Path> path;
       ms.push_back(processor_ms_of([&] {
-        path =
-            trace_path(prepared.adjacency(), field, point_at_vertex(prepared.adjacency(), target));
-        if (!path) give_up("no path where there is a distance");
+        auto traced = trace_path(prepared.adjacency(), field,
+                                 point_at_vertex(prepared.adjacency(), target), Cancel());
+        if (!traced || !*traced) give_up("no path where there is a distance");
+        path = std::move(*traced);
         auto refined = refine_path(prepared.adjacency(), field,
                                    point_at_vertex(prepared.adjacency(), target), *path, Cancel());
         if (!refined) give_up(refined.error().detail);

@@ -54,7 +54,7 @@ void print_row(const FrontierMesh& mesh, const Prepared& prepared, const PairMet
       auto solved = solve_field(by.method, {}, adjacency, {&from, 1}, {}, scratch, Cancel());
       if (!solved) give_up(solved.error().detail);
       field = std::move(*solved);
-      (void)trace_path(adjacency, *field, to);
+      (void)trace_path(adjacency, *field, to, Cancel());
     });
     std::optional<Pair> pair;
     const double searched = processor_ms_of([&] {

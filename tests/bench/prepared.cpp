@@ -29,10 +29,11 @@ Field Prepared::solve(Method method, std::uint32_t source_vertex, SolveScratch& 
 }
 
 Path Prepared::path(const Field& field, std::uint32_t source_vertex) const {
-  auto path = trace_path(*adjacency_, field, point_at_vertex(*adjacency_, vertex(source_vertex)));
-  if (!path)
+  auto path =
+      trace_path(*adjacency_, field, point_at_vertex(*adjacency_, vertex(source_vertex)), Cancel());
+  if (!path || !*path)
     give_up(std::string(proto::name_of(field.method)) + ": no path where there is a distance");
-  return std::move(*path);
+  return std::move(**path);
 }
 
 std::vector<double> Prepared::in_source_order(std::span<const double> by_vertex) const {

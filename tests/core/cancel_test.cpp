@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -12,13 +13,18 @@
 #include <utility>
 #include <vector>
 
+#include "core/arrive_at_point.h"
 #include "core/closest_point.h"
+#include "core/down_edges.h"
+#include "core/edge_path.h"
 #include "core/farthest_points.h"
 #include "core/isolines.h"
+#include "core/leave_cluster.h"
 #include "core/shapes.h"
 #include "core/shorten_path.h"
 #include "core/solve_field.h"
 #include "core/steiner_path.h"
+#include "core/straightest_geodesic.h"
 #include "core/trace_path.h"
 #include "core/weld.h"
 #include "core/window_table.h"
@@ -144,10 +150,140 @@ std::vector<Named> all_computations() {
                                                      {}, scratch, cancel));
                  }});
   all.push_back({"shortening", [](const Cancel& cancel) {
-                   const auto path =
-                       trace_path(terrain().adjacency, dijkstra_field(),
-                                  point_at_vertex(terrain().adjacency, dijkstra_field().farthest));
+                   const auto path = *trace_path(
+                       terrain().adjacency, dijkstra_field(),
+                       point_at_vertex(terrain().adjacency, dijkstra_field().farthest), Cancel());
                    return without_value(shorten_path(terrain().adjacency, *path, cancel));
+                 }});
+  return all;
+}
+
+// A flat cone of so many faces round its tip, vertex 0.
+TriangleSoup hub(std::uint32_t faces) {
+  TriangleSoup soup;
+  soup.positions.push_back({0, 0, 0.3});
+  for (std::uint32_t i = 0; i < faces; ++i) {
+    const double angle = 6.283185307179586 * i / faces;
+    soup.positions.push_back({std::cos(angle), std::sin(angle), 0});
+    soup.faces.push_back({0, i + 1, (i + 1) % faces + 1});
+  }
+  return soup;
+}
+
+constexpr std::uint32_t kHubFaces = 20'000;
+const Surface& disc() {
+  static const Surface surface(hub(kHubFaces));
+  return surface;
+}
+
+// So long that a path along it is.
+const Surface& strip() {
+  static const Surface surface(shapes::plane(4000, 2));
+  return surface;
+}
+
+std::uint32_t disc_vertex(std::uint32_t source) { return disc().mesh->vertex_of_source()[source]; }
+SurfacePoint on_disc(std::uint32_t source) {
+  return point_at_vertex(disc().adjacency, disc_vertex(source));
+}
+
+Field field_on_disc(Method method, std::uint32_t from) {
+  SolveScratch scratch;
+  const Source source{on_disc(from), 0};
+  return std::move(*solve_field(method, {}, disc().adjacency, {&source, 1}, {}, scratch, Cancel()));
+}
+
+// Over the middle of the disc, from one side to the other.
+Path over_the_hub() {
+  const Field field = field_on_disc(Method::dijkstra, 1);
+  return std::move(**trace_path(disc().adjacency, field, on_disc(1 + kHubFaces / 3), Cancel()));
+}
+
+// What follows a path, or looks for one: nobody knows how much there is to do. Over long
+// ways, and over vertices with many faces.
+std::vector<Named> all_path_tools() {
+  std::vector<Named> all;
+  all.push_back({"trace", [](const Cancel& cancel) {
+                   static const Field field = [] {
+                     SolveScratch scratch;
+                     const Source source{point_at_vertex(strip().adjacency, 0), 0};
+                     return std::move(*solve_field(Method::dijkstra, {}, strip().adjacency,
+                                                   {&source, 1}, {}, scratch, Cancel()));
+                   }();
+                   return without_value(
+                       trace_path(strip().adjacency, field,
+                                  point_at_vertex(strip().adjacency, field.farthest), cancel));
+                 }});
+  all.push_back({"exact trace", [](const Cancel& cancel) {
+                   static const Field field = field_on_disc(Method::exact, 1);
+                   return without_value(trace_path(disc().adjacency, field, on_disc(0), cancel));
+                 }});
+  all.push_back({"edge path", [](const Cancel& cancel) {
+                   WavefrontScratch scratch;
+                   const std::uint32_t last = strip().mesh->vertex_of_source()[3999];
+                   return without_value(edge_path(
+                       strip().adjacency,
+                       point_at_vertex(strip().adjacency, strip().mesh->vertex_of_source()[0]),
+                       point_at_vertex(strip().adjacency, last), scratch, cancel));
+                 }});
+  all.push_back({"edge path over a hub", [](const Cancel& cancel) {
+                   WavefrontScratch scratch;
+                   return without_value(
+                       edge_path(disc().adjacency, on_disc(0), on_disc(9), scratch, cancel));
+                 }});
+  all.push_back({"down edges", [](const Cancel& cancel) {
+                   Poll poll(cancel);
+                   // Nothing is below it.
+                   (void)down_edges(terrain().adjacency, dijkstra_field(), 7, 0, poll);
+                   if (poll.stopped()) return Result<void>(fail(ErrorCode::cancelled, ""));
+                   return Result<void>();
+                 }});
+  all.push_back({"leaving a cluster", [](const Cancel& cancel) {
+                   static const Field field = field_on_disc(Method::exact, 1);
+                   Poll poll(cancel);
+                   const PointArrivals arrivals(disc().adjacency, field, &poll);
+                   const auto never = [](std::uint32_t) { return false; };
+                   (void)leave_cluster(disc().adjacency, field, arrivals, disc_vertex(0), never,
+                                       never, poll);
+                   if (poll.stopped()) return Result<void>(fail(ErrorCode::cancelled, ""));
+                   return Result<void>();
+                 }});
+  all.push_back({"distances of points", [](const Cancel& cancel) {
+                   const Field field = field_on_disc(Method::dijkstra, 0);
+                   Poll poll(cancel);
+                   // The source alone lies in every face.
+                   const PointArrivals arrivals(disc().adjacency, field, &poll);
+                   if (poll.stopped()) return Result<void>(fail(ErrorCode::cancelled, ""));
+                   return Result<void>();
+                 }});
+  all.push_back({"shortening over a hub", [](const Cancel& cancel) {
+                   static const Path path = over_the_hub();
+                   return without_value(shorten_path(disc().adjacency, path, cancel));
+                 }});
+  all.push_back({"straightest over a hub", [](const Cancel& cancel) {
+                   return without_value(
+                       straightest_geodesic(disc().adjacency, on_disc(1), {-1, 0, 0.3}, 9, cancel));
+                 }});
+  all.push_back({"straightest from a hub", [](const Cancel& cancel) {
+                   return without_value(
+                       straightest_geodesic_at_angle(disc().adjacency, on_disc(0), 5, 9, cancel));
+                 }});
+  all.push_back({"straightest along a knot", [](const Cancel& cancel) {
+                   static const Surface knot(shapes::torus_knot(60, 10, 0.3));
+                   return without_value(straightest_geodesic_at_angle(
+                       knot.adjacency, point_at_vertex(knot.adjacency, 5), 0.3, 3000, cancel));
+                 }});
+  all.push_back({"steiner path over a hub", [](const Cancel& cancel) {
+                   WavefrontScratch scratch;
+                   return without_value(steiner_path(disc().adjacency, {on_disc(1), 0},
+                                                     on_disc(1 + kHubFaces / 2), {}, scratch,
+                                                     cancel));
+                 }});
+  all.push_back({"one long isoline", [](const Cancel& cancel) {
+                   static const Field field = field_on_disc(Method::dijkstra, 0);
+                   const std::vector<double> levels{0.5};
+                   return without_value(
+                       isolines(disc().adjacency, field, levels, 1'000'000, cancel));
                  }});
   return all;
 }
@@ -155,7 +291,9 @@ std::vector<Named> all_computations() {
 }  // namespace
 
 TEST_CASE("EveryComputationStopsAtWhicheverQuestionIsAnsweredWithYes") {
-  for (const auto& [name, run] : all_computations()) {
+  std::vector<Named> all = all_computations();
+  for (Named& named : all_path_tools()) all.push_back(std::move(named));
+  for (const auto& [name, run] : all) {
     CAPTURE(name);
     Listener whole;
     REQUIRE(run(whole.cancel()));

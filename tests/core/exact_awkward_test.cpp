@@ -138,7 +138,7 @@ TEST_CASE("ExactPathsLeaveFacesOnOneLineAgain") {
     const Field field = surface.field_by(Method::exact, {Source{surface.at(3), 0}});
     for (const std::uint32_t v : {0U, 1U, 2U}) {
       const double d = field.distance[surface.vertex(v)];
-      const auto path = trace_path(surface.adjacency(), field, surface.at(v));
+      const auto path = *trace_path(surface.adjacency(), field, surface.at(v), Cancel());
       REQUIRE(path.has_value());
       check_close(path->length, d);
       if (v == 1) check_close(d, distance(soup.positions[1], soup.positions[3]));

@@ -32,7 +32,7 @@ TEST_CASE("RefinedPathsAreOnTheRightSideOfHills") {
       // At vertices and inside of faces.
       const SurfacePoint to =
           v % 2 == 0 ? point_at_vertex(adjacency, v) : SurfacePoint{v, {0.25, 0.25, 0.5}, kNone};
-      const auto traced = trace_path(adjacency, field, to);
+      const auto traced = *trace_path(adjacency, field, to, Cancel());
       REQUIRE(traced);
       const auto shorter = shorten_path(adjacency, *traced, Cancel());
       const auto refined = refine_path(adjacency, field, to, *traced, Cancel());
@@ -78,7 +78,7 @@ TEST_CASE("ASearchRefinesItsPathAsOneDoesThroughTheField") {
       const Source from{any(), 0};
       const SurfacePoint to = any();
       const Field field = surface.field_by(method, {from});
-      const auto traced = trace_path(adjacency, field, to);
+      const auto traced = *trace_path(adjacency, field, to, Cancel());
       REQUIRE(traced);
       const auto expected = refine_path(adjacency, field, to, *traced, Cancel());
       SolveScratch scratch;

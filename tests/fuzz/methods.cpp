@@ -53,9 +53,9 @@ void fuzz_methods(Input input) {
     expect(d <= edges.distance[v] * (1 + kRounding) + slack, "no farther than along edges");
     expect(d >= distance(mesh->positions()[v], mesh->positions()[vertex]) * (1 - kRounding) - slack,
            "no nearer than straight");
-    const auto path = trace_path(adjacency, exact, point_at_vertex(adjacency, v));
-    expect(path.has_value(), "what is reached has a path");
-    expect(std::abs(path->length - d) <= kRounding * d + slack, "as long as its distance");
+    const auto path = trace_path(adjacency, exact, point_at_vertex(adjacency, v), Cancel());
+    expect(path && *path, "what is reached has a path");
+    expect(std::abs((*path)->length - d) <= kRounding * d + slack, "as long as its distance");
   }
   for (const Method method :
        {Method::wavefront, Method::novotni, Method::fast_marching, Method::steiner}) {
@@ -65,9 +65,9 @@ void fuzz_methods(Input input) {
       expect(!std::isnan(d) && d >= 0, "a distance is not negative");
       expect((d == kUnreached) == (exact.distance[v] == kUnreached), "what has a way is reached");
       if (d == kUnreached) continue;
-      const auto path = trace_path(adjacency, field, point_at_vertex(adjacency, v));
-      expect(path.has_value(), "what is reached has a path");
-      expect(path->length >= exact.distance[v] * (1 - kRounding) - slack,
+      const auto path = trace_path(adjacency, field, point_at_vertex(adjacency, v), Cancel());
+      expect(path && *path, "what is reached has a path");
+      expect((*path)->length >= exact.distance[v] * (1 - kRounding) - slack,
              "no path is shorter than the shortest");
     }
   }

@@ -1,6 +1,8 @@
 #include "server/compute_pool.h"
 
 #include <doctest/doctest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
 #include <atomic>
 #include <chrono>
@@ -8,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <new>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -293,6 +296,53 @@ TEST_CASE("a running job that stops for its deadline ends with deadline") {
       },
       caller);
   CHECK(stopped.error().code == ErrorCode::deadline);
+}
+
+TEST_CASE("a job that does not stop is counted and named, and its slot comes back") {
+  std::ostringstream log;
+  const auto before = spdlog::default_logger();
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+      "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log)));
+  for (const bool by_deadline : {true, false}) {
+    Gate gate;
+    ComputePool pool(1, 4);
+    std::atomic<bool> is_gone{false};
+    Caller caller([&] { return is_gone.load(); });
+    caller.asked = std::make_shared<const Caller::Asked>(
+        Caller::Asked{by_deadline ? "request-7" : "request-8", "GET", "/v1/meshes/a/path?to=v:9"});
+    if (by_deadline) caller.deadline = Caller::Clock::now() + 20ms;
+    const auto begin = Caller::Clock::now();
+    auto stuck = std::async(std::launch::async, [&] { return pool.run(gate.job(), caller); });
+    wait_until([&] { return pool.stats().running == 1; });
+    CHECK(pool.stats().unanswering == 0);
+    is_gone = !by_deadline;
+    wait_until([&] { return pool.stats().unanswering == 1; });
+    CHECK(Caller::Clock::now() - begin >= 1s);
+    CHECK(pool.stats().unanswered == 1);
+    gate.open();
+    CHECK(stuck.get() == 1);
+    CHECK(pool.stats().unanswering == 0);
+    CHECK(pool.stats().unanswered == 1);
+    CHECK(pool.run([](Worker&) -> Result<int> { return 2; }) == 2);
+  }
+  spdlog::set_default_logger(before);
+  CHECK(log.str().find("request-7 GET /v1/meshes/a/path?to=v:9 still computes 1.") !=
+        std::string::npos);
+  CHECK(log.str().find("request-8 GET /v1/meshes/a/path?to=v:9 has ended") != std::string::npos);
+}
+
+TEST_CASE("a job that stops in time is not counted as one that does not") {
+  ComputePool pool(1, 4);
+  Caller caller;
+  caller.deadline = Caller::Clock::now() + 20ms;
+  const auto stopped = pool.run(
+      [&](Worker&) -> Result<int> {
+        std::this_thread::sleep_for(200ms);
+        return fail(ErrorCode::cancelled, "cancelled");
+      },
+      caller);
+  CHECK(stopped.error().code == ErrorCode::deadline);
+  CHECK(pool.stats().unanswered == 0);
 }
 
 TEST_CASE("a wait has a bound, and a deadline that cannot be met is refused at once") {
