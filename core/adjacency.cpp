@@ -43,13 +43,14 @@ Adjacency Adjacency::build(std::shared_ptr<const Mesh> mesh) {
 Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cancel& cancel) {
   Adjacency adjacency;
   adjacency.mesh_ = std::move(mesh);
+  adjacency.identity_ = std::make_shared<const char>();
   Poll poll(cancel);
   int done = 0;
   for (const auto step : {&Adjacency::fill_geometry, &Adjacency::fill_corners,
                           &Adjacency::fill_rings, &Adjacency::find_pinched_vertices,
                           &Adjacency::count_components, &Adjacency::count_boundary_loops}) {
     (adjacency.*step)(poll);
-    if (poll.ask()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+    if (poll.ask()) return fail_stopped(cancel);
     cancel.report(++done / 7.0);
   }
   auto delaunay = IntrinsicDelaunay::build(adjacency.triangulation(), cancel);

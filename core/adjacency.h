@@ -48,8 +48,10 @@ class Adjacency {
                                                const Cancel& cancel);
 
   [[nodiscard]] const Mesh& mesh() const { return *mesh_; }
-  // The same, for who wants to know later whether it was this one.
-  [[nodiscard]] std::weak_ptr<const Mesh> weak_mesh() const { return mesh_; }
+  // Known again by its owner (std::weak_ptr::owner_before), for who keeps what follows from
+  // these arrays: copies share it, and nothing that is built later has it, though it may
+  // come to lie at the same address.
+  [[nodiscard]] std::weak_ptr<const void> identity() const { return identity_; }
   [[nodiscard]] std::span<const FaceRecord> faces() const { return faces_; }
   [[nodiscard]] const FaceRecord& face(std::uint32_t f) const { return faces_[f]; }
 
@@ -92,6 +94,7 @@ class Adjacency {
   void count_boundary_loops(Poll& poll);
 
   std::shared_ptr<const Mesh> mesh_;
+  std::shared_ptr<const void> identity_;
   std::vector<FaceRecord> faces_;
   std::vector<std::uint32_t> corner_begin_;  // vertex_count + 1
   std::vector<std::uint32_t> corners_;

@@ -56,7 +56,7 @@ Result<void> run_wave(BackTracedFront& front, const Adjacency& adjacency,
     front.spread();
   }
   front.end();
-  if (cancelled) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  if (cancelled) return fail_stopped(poll);
   return {};
 }
 
@@ -114,7 +114,7 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
     relax_edges(adjacency, max, field, poll);
     std::fill(scratch.vertices.begin(), scratch.vertices.end(), FrontVertex{});
   }
-  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  if (poll.stopped()) return fail_stopped(cancel);
   scratch.is_clean = true;
   field.distance.round_to_floats(bound);
   if (asked.max < kUnreached) field.forget_beyond(asked.max);

@@ -1,24 +1,44 @@
-// How a running computation learns that its answer is no longer wanted, and how it
-// tells how far it has come. Core has no clock and no sockets: whoever starts a
-// computation says what ends it (a deadline, a client that hung up, a process that
-// stops) and who hears of its progress.
+// How a running computation learns that its answer is no longer wanted or takes too much
+// memory, and how it tells how far it has come. Core has no clock and no sockets: whoever
+// starts a computation says what ends it (a deadline, a client that hung up, a process that
+// stops, a budget) and who hears of its progress.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <utility>
 
+#include "core/error.h"
+#include "core/memory_budget.h"
+
 namespace geodesic {
 
 class Cancel {
  public:
   Cancel() = default;  // never
-  explicit Cancel(std::function<bool()> poll, std::function<void(double)> progress = {})
-      : poll_(std::move(poll)), progress_(std::move(progress)) {}
+  // The budget must outlive this; null: any amount.
+  explicit Cancel(std::function<bool()> poll, std::function<void(double)> progress = {},
+                  MemoryBudget* memory = nullptr)
+      : poll_(std::move(poll)), progress_(std::move(progress)), memory_(memory) {}
 
   // True once the computation should stop. Asked every few thousand steps, by
   // the computing thread.
-  [[nodiscard]] bool requested() const { return poll_ && poll_(); }
+  [[nodiscard]] bool requested() const {
+    return (memory_ != nullptr && memory_->refusal()) || (poll_ && poll_());
+  }
+
+  // The budget of the computation, or null.
+  [[nodiscard]] MemoryBudget* memory() const { return memory_; }
+  // Whether so many bytes more may be taken; if not, the computation should stop.
+  [[nodiscard]] bool may_take(std::uint64_t bytes) const {
+    return memory_ == nullptr || memory_->may_take(bytes);
+  }
+
+  // What a computation that stopped ends with.
+  [[nodiscard]] Error why_stopped() const {
+    if (memory_ != nullptr && memory_->refusal()) return *memory_->refusal();
+    return {ErrorCode::cancelled, "the computation was cancelled", {}, {}, {}};
+  }
 
   // Tells which part of the computation is done, from 0 to 1; on the computing
   // thread, about as often as `requested` is asked.
@@ -29,7 +49,7 @@ class Cancel {
   // For one of several computations, which is the part from `begin` to `end` of
   // them all. This one must outlive it.
   [[nodiscard]] Cancel part(double begin, double end) const {
-    Cancel part(poll_);
+    Cancel part(poll_, {}, memory_);
     if (progress_) {
       part.progress_ = [this, begin, end](double done) { report(begin + (end - begin) * done); };
     }
@@ -39,7 +59,13 @@ class Cancel {
  private:
   std::function<bool()> poll_;
   std::function<void(double)> progress_;
+  MemoryBudget* memory_ = nullptr;
 };
+
+// The error of a computation that was told to stop, whatever told it.
+[[nodiscard]] inline tl::unexpected<Error> fail_stopped(const Cancel& cancel) {
+  return fail(cancel.why_stopped());
+}
 
 // Asks a Cancel once in so many steps of a loop, however many functions share it.
 class Poll {
@@ -65,6 +91,17 @@ class Poll {
     return stopped_;
   }
 
+  // Whether so many bytes more may be taken; if not, it has been told to stop. Asked before
+  // they are taken.
+  [[nodiscard]] bool may_take(std::uint64_t bytes) {
+    if (stopped_ || cancel_.may_take(bytes)) return !stopped_;
+    stopped_ = true;
+    left_ = 1;
+    return false;
+  }
+  [[nodiscard]] MemoryBudget* memory() const { return cancel_.memory(); }
+  [[nodiscard]] Error why_stopped() const { return cancel_.why_stopped(); }
+
   // Whether it has been told to stop; asks nobody.
   [[nodiscard]] bool stopped() const { return stopped_; }
 
@@ -74,5 +111,9 @@ class Poll {
   std::uint32_t left_;
   bool stopped_ = false;
 };
+
+[[nodiscard]] inline tl::unexpected<Error> fail_stopped(const Poll& poll) {
+  return fail(poll.why_stopped());
+}
 
 }  // namespace geodesic

@@ -14,7 +14,7 @@ Result<Field> chen_han_field(const Adjacency& adjacency, std::span<const Source>
   scratch.accepted.assign(vertex_count, 0);
   Poll poll(cancel);
   chen_han::Front front(adjacency, field, limits, scratch, poll);
-  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  if (poll.stopped()) return fail_stopped(cancel);
   for (std::uint32_t s = 0; s < sources.size(); ++s) front.start(s);
 
   // Whatever comes out of the queue later is farther: the distances up to its key are
@@ -22,7 +22,7 @@ Result<Field> chen_han_field(const Adjacency& adjacency, std::span<const Source>
   double last = limits.max;
   while (!scratch.queue.empty() && scratch.queue.least_key() <= limits.max) {
     if (poll.cancelled(front.reached(), vertex_count)) {
-      return fail(ErrorCode::cancelled, "the computation was cancelled");
+      return fail_stopped(cancel);
     }
     const chen_han::Queue::Next next = scratch.queue.pop();
     if (next.vertex == kNone) {
@@ -41,7 +41,7 @@ Result<Field> chen_han_field(const Adjacency& adjacency, std::span<const Source>
   }
   field.forget_beyond(last);
   if (limits.keep_details) field.windows = front.take_windows();
-  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  if (poll.stopped()) return fail_stopped(cancel);
   field.count_reached();
   return field;
 }

@@ -156,12 +156,14 @@ void Front::pass(const Exit& exit, const Part& part, const Window& from) {
     Window& into = same_way ? window : mirrored;
     if (!(into.begin < into.end)) continue;
     into.into = h;
+    if (scratch_.queue.is_full() && !poll_.may_take(scratch_.queue.bytes_to_grow())) return;
     scratch_.queue.push_window(key, into);
   }
 }
 
 // SeenWindows::enter for a window that counts positions from the side's origin.
 bool Front::enter_edge(const Exit& exit, Window& window) {
+  if (scratch_.seen.is_full() && !poll_.may_take(scratch_.seen.bytes_to_grow())) return false;
   const bool same_way =
       adjacency_.face(face_of(exit.side)).vertex[corner_of(exit.side)] == exit.origin;
   window.into = exit.side;

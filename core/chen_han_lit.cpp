@@ -39,7 +39,7 @@ void Front::copy_lit_to_duplicate_faces() {
   for (std::uint32_t f = 0; f < copies.size(); ++f) {
     if (skipped(f)) copies[scratch_.same_as[f]].push_back(f);
   }
-  LitWindows copied;
+  LitWindows copied(poll_.memory());
   lit_.for_each([&](const LitWindows::Entry& entry) {
     const auto& [h, original] = entry;
     copied.add(h, original);

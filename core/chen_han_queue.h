@@ -25,6 +25,11 @@ class Queue {
     free_.clear();
   }
   [[nodiscard]] bool empty() const { return entries_.empty(); }
+  // Whether the next window makes it grow, and by how many bytes.
+  [[nodiscard]] bool is_full() const { return free_.empty() && pool_.size() == pool_.capacity(); }
+  [[nodiscard]] std::size_t bytes_to_grow() const {
+    return 2 * pool_.capacity() * (sizeof(Window) + sizeof(Entry) + sizeof(std::uint64_t));
+  }
   [[nodiscard]] double least_key() const { return entries_.front().key; }
 
   void push_window(double key, const Window& window) {

@@ -19,6 +19,9 @@ class SeenWindows {
     first_.assign(4 * face_count, kNone);
     windows_.clear();
   }
+  // Whether the next window makes it grow, and by how many bytes.
+  [[nodiscard]] bool is_full() const { return windows_.size() == windows_.capacity(); }
+  [[nodiscard]] std::size_t bytes_to_grow() const { return 2 * windows_.capacity() * sizeof(Seen); }
   // A window about to cross its edge, of length `base`, is remembered and numbered.
   // When its strip is branched, it is first cut where an earlier one is nearer, or lights
   // the same from the same place. False when nothing is left.

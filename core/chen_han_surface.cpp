@@ -30,7 +30,8 @@ Front::Front(const Adjacency& adjacency, Field& field, const FieldLimits& limits
       distance_(field.distance.doubles()),
       limits_(limits),
       scratch_(scratch),
-      poll_(poll) {
+      poll_(poll),
+      lit_(poll.memory()) {
   const std::size_t face_count = adjacency.mesh().face_count();
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
   scratch.queue.clear();

@@ -179,7 +179,7 @@ Result<std::shared_ptr<const ClosestPointIndex>> ClosestPointIndex::build(
   std::shared_ptr<const ClosestPointIndex> index(
       new ClosestPointIndex(std::move(adjacency), cancel));
   if (!index->scene_->is_whole) {
-    return fail(was_cancelled());
+    return fail_stopped(cancel);
   }
   return index;
 }

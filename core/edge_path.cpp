@@ -47,7 +47,7 @@ class EdgePath {
       arrive_from(v);
       spread_from(v, poll);
     }
-    if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+    if (poll.stopped()) return fail_stopped(cancel);
     if (length_ == kUnreached) return std::nullopt;
     return assemble();
   }

@@ -35,6 +35,7 @@ std::string_view name_of(ErrorCode code) {
     GEODESIC_CODE(job_unknown)
     GEODESIC_CODE(job_unfinished)
     GEODESIC_CODE(job_cancelled)
+    GEODESIC_CODE(too_much_memory)
     GEODESIC_CODE(overloaded)
     GEODESIC_CODE(too_many_requests)
     GEODESIC_CODE(draining)

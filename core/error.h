@@ -42,6 +42,7 @@ enum class ErrorCode : std::uint8_t {
   job_unknown,         // no job of that id (any more)
   job_unfinished,      // the job has no result yet
   job_cancelled,       // the job was cancelled and has no result
+  too_much_memory,     // the computation would take more memory than one may
   overloaded,          // the queue is full: try again later
   too_many_requests,   // this client asks for more than its share: try again later
   draining,            // the process is about to stop

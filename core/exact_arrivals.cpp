@@ -109,7 +109,7 @@ void Propagation::settle(std::uint32_t e, double farthest) {
   Edge& edge = edges_[e];
   if (edge.let_go || !(farthest < edge.settled)) return;
   edge.settled = farthest;
-  if (!keep_windows_) memory_.queue.push({farthest, e, Waiting::What::settled_edge});
+  if (!keeps_windows_on(e)) memory_.queue.push({farthest, e, Waiting::What::settled_edge});
 }
 
 void Propagation::let_go(std::uint32_t e) {
@@ -139,14 +139,16 @@ void Propagation::lower(std::uint32_t v, double distance, const PseudoSource& ro
 void Propagation::drop_windows(Poll& poll) { memory_.pool.reset(poll); }
 
 LitWindows Propagation::lit_windows(Poll& poll) const {
-  LitWindows lit;
+  LitWindows lit(poll.memory());
   for (std::uint32_t e = 0; e < edges_.size() && !poll.stopped(); ++e) {
+    if (!keeps_windows_on(e)) continue;
     const Edge& edge = edges_[e];
     const double length = frames_.edge(e).length;
     for (std::uint32_t i = 0; i < edge.size && !poll.cancelled(); ++i) {
       const Window& w = edge.windows[i];
       const PseudoSource& root = memory_.roots[w.root];
       for (Halfedge h = surface_.ring(w.from); h != w.from; h = surface_.ring(h)) {
+        if (keeps_some_ && !keep_of_[face_of(h)]) continue;
         if (frames_.is_reversed(h)) {
           lit.add(h, {length - w.end, length - w.begin, length - w.x, w.y, root.offset, root.vertex,
                       root.source});

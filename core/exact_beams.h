@@ -29,7 +29,7 @@ struct Beams {
   // Room for so many.
   void make_room(std::size_t count) {
     const std::size_t room = count + kColumnSlack;
-    if (begin.size() >= room) return;
+    if (root.size() >= room) return;  // the last to grow: if memory ran out halfway, it has not
     const std::size_t rounded = std::bit_ceil(room);
     for (auto* column : {&begin, &end, &x, &y, &offset, &crossing}) column->resize(rounded, 0);
     root.resize(rounded, 0);
@@ -60,7 +60,7 @@ struct Children {
   // Room for so many. What was there need not be there any more.
   void make_room(std::size_t count) {
     const std::size_t room = count + kColumnSlack;
-    if (begin.size() >= room) return;
+    if (tie.size() >= room) return;
     const std::size_t rounded = std::bit_ceil(room);
     for (auto* column : {&begin, &end, &x, &y, &at_begin, &at_end, &least}) {
       column->assign(rounded, 0);
@@ -85,7 +85,7 @@ struct Ties {
   // Room for so many. What was there need not be there any more.
   void make_room(std::size_t count) {
     const std::size_t room = count + kColumnSlack;
-    if (place.size() >= room) return;
+    if (found.size() >= room) return;
     const std::size_t rounded = std::bit_ceil(room);
     for (auto* column : {&place, &at_left, &at_right}) column->assign(rounded, 0);
     for (auto* column : {&left, &right}) column->assign(rounded, 0);

@@ -17,11 +17,27 @@ ExactScratch& ExactScratch::operator=(ExactScratch&&) noexcept = default;
 
 namespace {
 
+// What a whole field takes at the least besides edges and faces, which ask for themselves: of a
+// vertex its distance and what is known of its ways; of an edge, where windows are kept, one in
+// the front's memory and one on either side in the table.
+std::uint64_t least_bytes(const Adjacency& adjacency, bool keep_windows) {
+  const std::uint64_t of_vertex =
+      sizeof(double) + sizeof(exact::ArrivalAtVertex) + sizeof(exact::Bends) + sizeof(double);
+  const std::uint64_t of_edge = sizeof(exact::Window) + sizeof(LitWindows::Entry);
+  return adjacency.mesh().vertex_count() * of_vertex +
+         (keep_windows ? adjacency.report().edges * of_edge : 0);
+}
+
 Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
                                std::span<const Source> sources, double tolerance, bool keep_windows,
                                const FieldLimits& limits, ExactScratch& scratch,
                                const Cancel& cancel) {
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
+  const bool is_whole = limits.targets.empty() && limits.max == kUnreached;
+  const bool keeps_all = keep_windows && limits.detail_faces.empty();
+  if (is_whole && !cancel.may_take(least_bytes(adjacency, keeps_all))) {
+    return fail_stopped(cancel);
+  }
   Field field = unreached_field(method, sources, vertex_count);
   Poll poll(cancel);
   const bool at_vertices = std::all_of(sources.begin(), sources.end(),
@@ -32,7 +48,10 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
       on_mesh ? adjacency.triangulation() : exact::surface_for_windows(adjacency, sources, poll);
   exact::Propagation propagation(adjacency, surface, *scratch.memory, field, limits.max, tolerance,
                                  keep_windows, poll);
-  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  if (poll.stopped()) return fail_stopped(cancel);
+  if (keep_windows && !limits.detail_faces.empty()) {
+    propagation.keep_windows_of(limits.detail_faces);
+  }
   for (std::uint32_t s = 0; s < sources.size(); ++s) propagation.start(sources[s], s);
 
   std::vector<std::uint32_t> targets(limits.targets.begin(), limits.targets.end());
@@ -51,7 +70,7 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   do {
     while (!(stopped = arrived()) && propagation.step()) {
       if (steps.cancelled(propagation.reached(), vertex_count)) {
-        return fail(ErrorCode::cancelled, "the computation was cancelled");
+        return fail_stopped(cancel);
       }
     }
   } while (!stopped && propagation.mend(poll));
@@ -71,7 +90,7 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
     field.windows =
         std::make_shared<const WindowTable>(adjacency.faces().size(), std::move(lit), poll);
   }
-  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  if (poll.stopped()) return fail_stopped(cancel);
   field.count_reached();
   return field;
 }

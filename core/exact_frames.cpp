@@ -26,19 +26,22 @@ double length_of(const FaceRecord& face, std::uint32_t c, std::span<const Vec3> 
 }  // namespace
 
 void Frames::build(const Adjacency& adjacency, const Triangulation& surface, Poll& poll) {
-  // The same arrays of the same mesh hold the same, whoever made them.
-  const std::weak_ptr<const Mesh> mesh = adjacency.weak_mesh();
-  const bool same_mesh = !mesh.owner_before(mesh_) && !mesh_.owner_before(mesh);
-  if (same_mesh && surface.faces.data() == surface_.faces.data()) {
+  const std::weak_ptr<const void> identity = adjacency.identity();
+  const bool same = !identity.owner_before(built_for_) && !built_for_.owner_before(identity);
+  const bool is_mesh = surface.faces.data() == adjacency.faces().data();
+  surface_ = surface;
+  if (same && is_mesh == is_mesh_) {
     forget_arrivals(poll);
     return;
   }
-  mesh_.reset();
-  surface_ = surface;
+  built_for_.reset();
+  is_mesh_ = is_mesh;
   // Every face is written below: what the last query left is as good as new.
   const std::size_t face_count = surface.faces.size();
   if (faces_.size() != face_count) polled_assign(faces_, face_count, FaceFrame{}, poll);
   edges_.clear();
+  const std::size_t edge_count = adjacency.report().edges;
+  if (edge_count > edges_.capacity() && !poll.may_take(edge_count * sizeof(Edge))) return;
   edges_.reserve(adjacency.report().edges);
   bends_.assign(adjacency.mesh().vertex_count(), Bends::nowhere);
   number_edges(adjacency, poll);
@@ -46,7 +49,7 @@ void Frames::build(const Adjacency& adjacency, const Triangulation& surface, Pol
   const std::vector<double> angle_sum = measure_faces(poll);
   if (poll.stopped()) return;
   classify_vertices(adjacency, angle_sum, poll);
-  if (!poll.stopped()) mesh_ = mesh;
+  if (!poll.stopped()) built_for_ = identity;
 }
 
 void Frames::forget_arrivals(Poll& poll) {
@@ -58,7 +61,6 @@ void Frames::forget_arrivals(Poll& poll) {
 
 // An edge gets its number from the first of its halfedges.
 void Frames::number_edges(const Adjacency& adjacency, Poll& poll) {
-  const bool is_mesh = surface_.faces.data() == adjacency.faces().data();
   const auto positions = adjacency.mesh().positions();
   for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
     const FaceRecord& record = surface_.faces[f];
@@ -73,7 +75,7 @@ void Frames::number_edges(const Adjacency& adjacency, Poll& poll) {
       if (first == h) {
         frame.edge[c] = static_cast<std::uint32_t>(edges_.size());
         const double length =
-            is_mesh ? distance(positions[tail], positions[head]) : length_of(record, c, positions);
+            is_mesh_ ? distance(positions[tail], positions[head]) : length_of(record, c, positions);
         edges_.push_back({length, tail, head, h, record.ring[c]});
       } else {
         frame.edge[c] = edge_of(first);

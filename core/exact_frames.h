@@ -79,7 +79,9 @@ class Frames {
   void classify_vertices(const Adjacency& adjacency, std::span<const double> angle_sum, Poll& poll);
 
   Triangulation surface_;
-  std::weak_ptr<const Mesh> mesh_;  // that it was built for; of none while it is built
+  // Of the adjacency that they were built for; of none while they are built.
+  std::weak_ptr<const void> built_for_;
+  bool is_mesh_ = false;  // the surface is the mesh's own faces
   std::vector<Edge> edges_;
   std::vector<FaceFrame> faces_;
   std::vector<Bends> bends_;

@@ -61,6 +61,16 @@ Propagation::Propagation(const Adjacency& adjacency, const Triangulation& surfac
   memory.above.assign(tolerance > 0 ? vertex_count : 0, 0);
 }
 
+void Propagation::keep_windows_of(std::span<const std::uint32_t> faces) {
+  keeps_some_ = true;
+  keep_of_.assign(surface_.faces.size(), false);
+  keep_on_edge_.assign(edges_.size(), false);
+  for (const std::uint32_t f : faces) {
+    keep_of_[f] = true;
+    for (const std::uint32_t e : frames_.face(f).edge) keep_on_edge_[e] = true;
+  }
+}
+
 std::uint32_t Propagation::add_root(const PseudoSource& root) {
   memory_.roots.push_back(root);
   memory_.offsets.push_back(root.offset);

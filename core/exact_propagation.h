@@ -150,6 +150,9 @@ class Propagation {
   Propagation(const Adjacency& adjacency, const Triangulation& surface, PropagationMemory& memory,
               Field& field, double max, double tolerance, bool keep_windows, Poll& poll);
 
+  // Only the windows of these faces of the mesh are to be kept. Before the first source.
+  void keep_windows_of(std::span<const std::uint32_t> faces);
+
   // So many windows on an edge are a crowd, in which a vertex may become a source; for
   // tests, which want it to happen on small meshes.
   void set_crowd(std::size_t windows) { crowd_ = windows; }
@@ -174,8 +177,8 @@ class Propagation {
   // most that part. The last thing to ask. Incomplete if the poll says to stop.
   void raise_to_paths(Poll& poll);
 
-  // The windows left, for each face that they light. Not all of them if the poll says to
-  // stop.
+  // The windows left, for each face that they light and that has all of its own. Not all of them if
+  // the poll says to stop.
   [[nodiscard]] LitWindows lit_windows(Poll& poll) const;
 
   // Gives the windows' memory back: the last thing to do. Not all if the poll says to stop.
@@ -227,6 +230,10 @@ class Propagation {
   void lower_along_sides(std::uint32_t corner, std::uint32_t root);
   [[nodiscard]] bool turn(std::uint32_t corner, bool over_next, double angle);
 
+  [[nodiscard]] bool keeps_windows_on(std::uint32_t e) const {
+    return keep_windows_ && (!keeps_some_ || keep_on_edge_[e]);
+  }
+
   [[nodiscard]] std::uint32_t nearest(std::uint32_t v) const {
     return field_.nearest_source.empty() ? 0 : field_.nearest_source[v];
   }
@@ -247,6 +254,9 @@ class Propagation {
   double tolerance_;
   Vectors vectors_ = best_vectors();
   bool keep_windows_;
+  bool keeps_some_ = false;         // only those of these:
+  std::vector<bool> keep_of_;       // by face
+  std::vector<bool> keep_on_edge_;  // by edge
   // A new pseudo-source behind so many windows spares most of them. Of fewer, as on slivers
   // and flat parts, it makes more.
   std::size_t crowd_;

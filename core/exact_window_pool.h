@@ -1,6 +1,7 @@
 // Memory for the edges' lists of windows: blocks of 1, 2, 3, 4, 6, 8, 12, ... windows from
 // large slabs. A released block waits for the next list of its size; nothing goes
-// back to the system before the pool does, except blocks too large for a slab.
+// back to the system before the pool does, except blocks too large for a slab. The budget is
+// asked for slabs a few ahead: what it refuses, the computation learns when it polls next.
 #pragma once
 
 #include <array>
@@ -28,6 +29,7 @@ class WindowPool {
   // A block of `capacity` windows, a value of capacity_for; not initialised.
   [[nodiscard]] Window* take(std::uint32_t capacity) {
     if (capacity > kSlab) {
+      ask_for(std::size_t{capacity} * sizeof(Window));
       auto block = std::make_unique_for_overwrite<Window[]>(capacity);
       Window* windows = block.get();
       large_.emplace(windows, std::move(block));
@@ -61,6 +63,7 @@ class WindowPool {
     large_.clear();
     slab_ = 0;
     left_ = 0;
+    memory_ = poll.memory();
     while (slabs_.size() > kKeptSlabs && !poll.ask()) slabs_.pop_back();
   }
 
@@ -68,6 +71,11 @@ class WindowPool {
   static constexpr std::uint32_t kSlab = 4096;   // a quarter of a megabyte
   static constexpr std::size_t kKeptSlabs = 64;  // 16 MB
   static constexpr std::size_t kClasses = 26;    // up to a slab
+  static constexpr std::size_t kSlabsAhead = 16;
+
+  void ask_for(std::size_t bytes) {
+    if (memory_ != nullptr) (void)memory_->may_take(bytes);
+  }
 
   [[nodiscard]] static std::size_t class_of(std::uint32_t capacity) {
     const auto power = static_cast<std::size_t>(std::bit_width(capacity)) - 1;
@@ -84,12 +92,14 @@ class WindowPool {
       left_ -= capacity;
     }
     if (slab_ == slabs_.size()) {
+      ask_for(kSlabsAhead * kSlab * sizeof(Window));
       slabs_.push_back(std::make_unique_for_overwrite<Window[]>(kSlab));
     }
     ++slab_;
     left_ = kSlab;
   }
 
+  MemoryBudget* memory_ = nullptr;  // of the query that it was reset for
   std::vector<std::unique_ptr<Window[]>> slabs_;
   std::size_t slab_ = 0;    // slabs in use
   std::uint32_t left_ = 0;  // windows never handed out in the last of them

@@ -41,7 +41,7 @@ Result<FarthestPoints> farthest_points(Method method, const MethodOptions& optio
                                    cancel.part(done / fields, (done + 1) / fields));
     done += 1;
     if (!field) return fail(field.error());
-    if (cancel.requested()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+    if (cancel.requested()) return fail_stopped(cancel);
     for (std::size_t v = 0; v < distance.size(); ++v) {
       distance[v] = std::min(distance[v], field->distance[v]);
     }
@@ -57,7 +57,7 @@ Result<FarthestPoints> farthest_points(Method method, const MethodOptions& optio
   FarthestPoint next = farthest_of(adjacency, distance);
   while (next.vertex != kNone && result.points.size() < count) {
     // A field may be too small to ask on its own.
-    if (cancel.requested()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+    if (cancel.requested()) return fail_stopped(cancel);
     result.points.push_back(next);
     limits.max = next.radius + slack;
     const Source source{point_at_vertex(adjacency, next.vertex), 0};

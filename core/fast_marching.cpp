@@ -276,7 +276,7 @@ Result<Field> fast_marching_field(const Adjacency& adjacency, std::span<const So
   FastMarching front(adjacency, field, scratch);
   Poll poll(cancel);
   front.split_obtuse_faces(poll);
-  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  if (poll.stopped()) return fail_stopped(cancel);
   auto settled = settle_vertices(front, heap, limits, scratch.is_target, poll, field);
   if (!settled) return fail(std::move(settled.error()));
   return field;

@@ -46,6 +46,9 @@ struct FieldLimits {
   // Keep what paths and points inside faces need besides the vertices' distances:
   // the windows of an exact method, the points on edges of `steiner`.
   bool keep_details = true;
+  // When not empty: `exact` keeps them of these faces alone, which takes little memory where
+  // all of them would take much. Points in other faces, and paths there, then lack windows.
+  std::span<const std::uint32_t> detail_faces;
   // When bounded: fronts need not go on from vertices that are too far out of the way to
   // the targets. Others than these then read kUnreached, or more than their distance. For
   // `wavefront`, `novotni`, `dijkstra` and `back_traced`, from one source; others go

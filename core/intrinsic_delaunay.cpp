@@ -38,7 +38,7 @@ Result<IntrinsicDelaunay> IntrinsicDelaunay::build(const Triangulation& mesh,
     polled_copy(result.corner_begin_, mesh.corner_begin, poll);
     polled_copy(result.corners_, mesh.all_corners, poll);
   }
-  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  if (poll.stopped()) return fail_stopped(cancel);
   return result;
 }
 

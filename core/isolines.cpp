@@ -48,7 +48,7 @@ Result<CrossedFaces> crossed_faces(const Adjacency& adjacency, const Field& fiel
   std::uint64_t seen = 0;
   for (const FaceRecord& face : adjacency.faces()) {
     if (poll.cancelled(seen++, 3 * face_count)) {
-      return fail(ErrorCode::cancelled, "the computation was cancelled");
+      return fail_stopped(poll);
     }
     const LevelRange range = levels_across(face, field.distance, levels);
     ++change[range.first];
@@ -58,6 +58,10 @@ Result<CrossedFaces> crossed_faces(const Adjacency& adjacency, const Field& fiel
   if (segments > max_segments) {
     return fail_limit(ErrorCode::too_large, "the isolines have too many segments", max_segments,
                       segments);
+  }
+  // A segment has its face, and a point on a line that may have grown by doubling.
+  if (!poll.may_take(segments * (sizeof(std::uint32_t) + 2 * sizeof(Vec3)))) {
+    return fail_stopped(poll);
   }
   CrossedFaces crossed;
   crossed.begin.assign(levels.size() + 1, 0);
@@ -70,7 +74,7 @@ Result<CrossedFaces> crossed_faces(const Adjacency& adjacency, const Field& fiel
   std::vector<std::size_t> fill(crossed.begin.begin(), crossed.begin.end() - 1);
   for (std::uint32_t f = 0; f < adjacency.faces().size(); ++f) {
     if (poll.cancelled(seen++, 3 * face_count)) {
-      return fail(ErrorCode::cancelled, "the computation was cancelled");
+      return fail_stopped(poll);
     }
     const LevelRange range = levels_across(adjacency.face(f), field.distance, levels);
     for (std::size_t level = range.first; level < range.last; ++level) {
@@ -206,11 +210,11 @@ Result<std::vector<Isoline>> isolines(const Adjacency& adjacency, const Field& f
     walker.start_level(levels[level], static_cast<std::uint32_t>(level + 1));
     for (const std::uint32_t face : crossed->of(level)) {
       if (poll.cancelled(seen++, 3 * segments)) {
-        return fail(ErrorCode::cancelled, "the computation was cancelled");
+        return fail_stopped(poll);
       }
       if (walker.passed(face)) continue;
       Isoline line = walker.line_through(face);
-      if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+      if (poll.stopped()) return fail_stopped(poll);
       if (line.points.size() > 1) lines.push_back(std::move(line));
     }
   }

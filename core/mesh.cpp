@@ -40,8 +40,10 @@ Result<Box> checked_box(const TriangleSoup& soup, Poll& poll) {
       return fail(ErrorCode::mesh_invalid,
                   "the position of vertex " + std::to_string(i) + " is not finite or too large");
     }
-    box.min = {std::min(box.min.x, p.x), std::min(box.min.y, p.y), std::min(box.min.z, p.z)};
-    box.max = {std::max(box.max.x, p.x), std::max(box.max.y, p.y), std::max(box.max.z, p.z)};
+    // Of the positions that the mesh gets: a box of 1e-310 would have no finite scale.
+    const Vec3 q{flushed(p.x), flushed(p.y), flushed(p.z)};
+    box.min = {std::min(box.min.x, q.x), std::min(box.min.y, q.y), std::min(box.min.z, q.z)};
+    box.max = {std::max(box.max.x, q.x), std::max(box.max.y, q.y), std::max(box.max.z, q.z)};
   }
   return box;
 }
@@ -156,7 +158,7 @@ Result<Mesh> Mesh::build(const TriangleSoup& soup, Weld weld, const Cancel& canc
   if (!poll.ask()) mesh.order_faces(soup, poll);
   cancel.report(0.9);
   if (!poll.ask()) mesh.measure(poll);
-  if (poll.ask()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  if (poll.ask()) return fail_stopped(cancel);
   if (mesh.faces_.empty()) {
     return fail(ErrorCode::mesh_invalid, "every face has two corners at the same position");
   }

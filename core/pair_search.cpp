@@ -8,6 +8,7 @@
 
 #include "core/arrive_at_point.h"
 #include "core/edge_path.h"
+#include "core/exact_pair.h"
 #include "core/refine_path.h"
 #include "core/shorten_path.h"
 #include "core/surface_patch.h"
@@ -48,9 +49,9 @@ std::vector<std::uint32_t> vertices_about(const Adjacency& adjacency, const Surf
 // less than the straight lines say: at half of them the search is still well worth it.)
 constexpr double kMostOfTheSurface = 0.9;
 
-// Whether a way of that length may lead over most of the surface, by a sample of the
-// vertices: their order follows a curve through space, so one in so many is anywhere.
-bool is_most_within(const Mesh& mesh, const Path& guess, double longest) {
+// About how many vertices a way of that length may lead by, from a sample of them: their
+// order follows a curve through space, so one in so many is anywhere.
+double vertices_within(const Mesh& mesh, const Path& guess, double longest) {
   constexpr std::uint32_t kSample = 1000;
   const Vec3 from = guess.points.front().position;
   const Vec3 to = guess.points.back().position;
@@ -60,7 +61,12 @@ bool is_most_within(const Mesh& mesh, const Path& guess, double longest) {
     const Vec3 place = mesh.positions()[v];
     if (distance(from, place) + distance(place, to) <= longest) ++within;
   }
-  return within * step > kMostOfTheSurface * mesh.vertex_count();
+  return static_cast<double>(within) * step;
+}
+
+// Whether that is most of the surface.
+bool is_most_within(const Mesh& mesh, const Path& guess, double longest) {
+  return vertices_within(mesh, guess, longest) > kMostOfTheSurface * mesh.vertex_count();
 }
 
 class PairSearch {
@@ -89,7 +95,7 @@ class PairSearch {
     Pair pair;
     Poll poll(cancel_);
     pair.distance = PointArrivals(adjacency, *field, &poll).distance_at(to);
-    if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+    if (poll.stopped()) return fail_stopped(poll);
     if (!with_path()) return pair;
     auto traced = trace_path(adjacency, *field, to, cancel_);
     if (!traced) return fail(std::move(traced.error()));
@@ -117,6 +123,10 @@ class PairSearch {
     const auto shorter = shorten_path(adjacency, guess, cancel_);
     if (!shorter) return fail(shorter.error());
     const double longest = (1 + kRounding) * shorter->length;
+    if (method_ == Method::exact &&
+        vertices_within(adjacency.mesh(), guess, longest) > kManyForWindows) {
+      return exact_pair(adjacency, from, to, with_path(), scratch_.exact, cancel_);
+    }
     if (is_most_within(adjacency.mesh(), guess, longest)) {
       return by_field(adjacency, from, to, kUnreached);
     }
@@ -138,7 +148,7 @@ class PairSearch {
     // The margin doubles until what is within is most of the surface.
     while (!is_most_within(adjacency.mesh(), guess, longest + margin)) {
       // A field may be too small to ask on its own.
-      if (cancel_.requested()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+      if (cancel_.requested()) return fail_stopped(cancel_);
       auto pair = by_field(adjacency, from, to, longest + margin);
       if (!pair || pair->distance - from.offset <= longest + margin / 2) return pair;
       if (longest == guess.length) margin *= 2;
@@ -173,7 +183,7 @@ Result<Pair> pair_search(Method method, const MethodOptions& options, const Adja
   if (!*guess) return Pair{};
   // A search may be too small to ask or tell on its own.
   cancel.report(kPathAlongEdges);
-  if (cancel.requested()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  if (cancel.requested()) return fail_stopped(cancel);
   if (is_exact(method)) {
     return search.straightened(adjacency, search.in_patch(adjacency, from, to, **guess));
   }

@@ -1,5 +1,6 @@
 // Filling memory that is so large that it must be possible to stop halfway: the
-// first touch of a hundred megabytes takes as long as thousands of steps.
+// first touch of a hundred megabytes takes as long as thousands of steps. And so large that
+// the budget is asked before.
 #pragma once
 
 #include <algorithm>
@@ -16,6 +17,7 @@ template <class T>
 void polled_assign(std::vector<T>& values, std::size_t count, const T& value, Poll& poll) {
   constexpr std::size_t kAtOnce = (std::size_t{1} << 23U) / sizeof(T);  // 8 MiB, a few ms
   values.clear();
+  if (count > values.capacity() && !poll.may_take(count * sizeof(T))) return;
   values.reserve(count);
   while (values.size() < count && !poll.stopped()) {
     values.resize(std::min(count, values.size() + kAtOnce), value);
@@ -28,6 +30,7 @@ template <class Values, class T>
 void polled_copy(Values& values, std::span<const T> from, Poll& poll) {
   constexpr std::size_t kAtOnce = (std::size_t{1} << 23U) / sizeof(T);
   values.clear();
+  if (from.size() > values.capacity() && !poll.may_take(from.size() * sizeof(T))) return;
   values.reserve(from.size());
   while (values.size() < from.size() && !poll.stopped()) {
     const auto rest = from.subspan(values.size());

@@ -245,7 +245,7 @@ Result<Field> search(const Adjacency& adjacency, std::span<const Source> sources
   // A node has about six times as many neighbours as there are points on an edge.
   Poll poll(cancel, std::max(8192 / points_per_edge, 1U));
   SteinerGraph graph(adjacency, points_per_edge, poll);
-  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  if (poll.stopped()) return fail_stopped(cancel);
   const std::size_t point_count = graph.node_count() - vertex_count;
   Field field;
   field.method = Method::steiner;
@@ -258,7 +258,7 @@ Result<Field> search(const Adjacency& adjacency, std::span<const Source> sources
     field.nearest_source.assign(vertex_count, kNone);
     polled_assign(points->nearest_source, point_count, kNone, poll);
   }
-  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  if (poll.stopped()) return fail_stopped(cancel);
   VertexHeap& heap = scratch.heap;
   heap.reset(graph.node_count());
   SteinerFront front(adjacency, graph, field, *points, heap);
@@ -269,7 +269,7 @@ Result<Field> search(const Adjacency& adjacency, std::span<const Source> sources
   std::uint64_t accepted = 0;
   while (!heap.empty() && !targets.done()) {
     if (poll.cancelled(accepted++, graph.node_count())) {
-      return fail(ErrorCode::cancelled, "the computation was cancelled");
+      return fail_stopped(cancel);
     }
     const VertexHeap::Entry next = heap.pop();
     if (next.key > limits.max || (goal && next.key > goal->best())) {

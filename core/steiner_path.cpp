@@ -333,11 +333,11 @@ Result<std::optional<Path>> steiner_path(const Adjacency& adjacency, const Sourc
     for (Crossing& crossing : crossings) crossing.step *= 2;
     const double before = length;
     for (int pass = 0; pass < kMostPasses; ++pass) {
-      if (cancel.requested()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+      if (cancel.requested()) return fail_stopped(cancel);
       StripGraph graph(adjacency, from.point, to, crossings, steps, poll);
       const double found =
           poll.stopped() ? kUnreached : graph.shortest(shorter, scratch.heap, poll);
-      if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+      if (poll.stopped()) return fail_stopped(cancel);
       if (!(found < length)) break;
       const double gain = length - found;
       std::swap(crossings, shorter);
@@ -347,7 +347,7 @@ Result<std::optional<Path>> steiner_path(const Adjacency& adjacency, const Sourc
     if (before - length < options.tolerance * before) break;
   }
   Path refined = assemble(adjacency, from.point, to, crossings, steps, poll);
-  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  if (poll.stopped()) return fail_stopped(poll);
   return refined.length < traced->length ? std::move(refined) : std::move(*traced);
 }
 

@@ -45,7 +45,7 @@ Result<SurfacePatch> SurfacePatch::cut(const Adjacency& adjacency, const Surface
   for (std::uint32_t f = 0; f < mesh.face_count() && !poll.cancelled(); ++f) {
     if (is_near(f)) patch.faces_.push_back(f);
   }
-  if (poll.stopped()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  if (poll.stopped()) return fail_stopped(cancel);
   if (patch.faces_.size() == mesh.face_count()) return patch;
   // Both ends are vertices of faces of the patch, or else they have no path.
   TriangleSoup soup;

@@ -40,7 +40,7 @@ template <class Front>
   std::uint64_t accepted = 0;
   while (!heap.empty() && !targets.done()) {
     if (poll.cancelled(accepted++, vertex_count)) {
-      return fail(ErrorCode::cancelled, "the computation was cancelled");
+      return fail_stopped(poll);
     }
     const VertexHeap::Entry next = heap.pop();
     if (next.key > limits.max) {

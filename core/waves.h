@@ -86,7 +86,7 @@ Result<void> run_wave(Front& front, const Adjacency& adjacency, const Source& so
     if (front.distance(v) > max) front.forget(v);
     accepted(v);
   }
-  if (cancelled) return fail(ErrorCode::cancelled, "the computation was cancelled");
+  if (cancelled) return fail_stopped(poll);
   return {};
 }
 

@@ -34,8 +34,12 @@ class LitWindows {
  public:
   using Entry = std::pair<Halfedge, LitWindow>;
 
+  // The budget is asked for each block; what it refuses, the computation learns when it polls
+  // next. It must outlive this, or be null.
+  explicit LitWindows(MemoryBudget* memory = nullptr) : memory_(memory) {}
+
   void add(Halfedge h, const LitWindow& window) {
-    if (blocks_.empty() || blocks_.back().size() == kBlock) blocks_.emplace_back().reserve(kBlock);
+    if (blocks_.empty() || blocks_.back().size() == kBlock) add_block();
     blocks_.back().emplace_back(h, window);
     ++size_;
   }
@@ -81,6 +85,13 @@ class LitWindows {
 
  private:
   static constexpr std::size_t kBlock = 1U << 14U;  // just below a megabyte
+  // Not within `add`, which is to be short.
+  __attribute__((noinline)) void add_block() {
+    if (memory_ != nullptr) (void)memory_->may_take(kBlock * sizeof(Entry));
+    blocks_.emplace_back().reserve(kBlock);
+  }
+
+  MemoryBudget* memory_;
   std::vector<std::vector<Entry>> blocks_;
   std::size_t size_ = 0;
 };

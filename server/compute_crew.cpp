@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/run_guarded.h"
-
 namespace geodesic::server {
 
 Result<void> ComputePool::run_each_erased(std::size_t count, Part part, const Caller& caller) {
@@ -54,7 +52,10 @@ void ComputePool::work_on_parts(Crew& crew, Worker& worker, Lock& lock) {
     lock.unlock();
     const Clock::time_point begin = Clock::now();
     Result<void> outcome;
-    Result<void> ran = run_guarded([&] { outcome = crew.part(worker, i, give_way); });
+    Result<void> ran = run_counted(worker, [&] {
+      outcome = crew.part(worker, i, give_way);
+      if (!outcome && worker.memory->refusal()) outcome = fail(*worker.memory->refusal());
+    });
     if (ran) ran = std::move(outcome);
     const Clock::duration taken = Clock::now() - begin;
     lock.lock();

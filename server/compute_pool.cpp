@@ -1,6 +1,9 @@
 #include "server/compute_pool.h"
 
+#include <malloc.h>
+
 #include <algorithm>
+#include <new>
 
 #include "server/compute_crew.h"
 #include "server/run_guarded.h"
@@ -173,6 +176,12 @@ void ComputePool::work(std::size_t slot) {
       note_queue();
       run_job(job, worker, lock);
     }
+    if (worker.has_freed_much) {
+      worker.has_freed_much = false;
+      lock.unlock();
+      ::malloc_trim(0);  // the C library would keep it for the next job like this one
+      lock.lock();
+    }
     --counts_.running;
   }
 }
@@ -189,7 +198,7 @@ void ComputePool::run_job(const std::shared_ptr<Job>& job, Worker& worker, Lock&
     join_crew(job->crew, worker, lock);
   } else {
     lock.unlock();
-    Result<void> outcome = run_guarded([&] { job->body(worker); });
+    Result<void> outcome = run_counted(worker, [&] { job->body(worker); });
     const Clock::duration taken = Clock::now() - begin;
     lock.lock();
     usual_time_ += (taken - usual_time_) / 16;
@@ -198,6 +207,28 @@ void ComputePool::run_job(const std::shared_ptr<Job>& job, Worker& worker, Lock&
   }
   job->finished = true;
   job->finished_signal.notify_one();
+}
+
+Result<void> ComputePool::run_counted(Worker& worker, const std::function<void()>& body) {
+  std::optional<Error> refusal;
+  Result<void> outcome;
+  {
+    JobMemory memory(memory_, worker.kept);
+    worker.memory = &memory;
+    outcome = run_guarded([&] {
+      try {
+        body();
+      } catch (const std::bad_alloc&) {
+        if (!memory.refusal()) throw;
+        refusal = memory.refusal();
+      }
+    });
+    worker.kept = memory.kept();
+    worker.has_freed_much = worker.has_freed_much || memory.has_freed_much();
+    worker.memory = nullptr;
+  }
+  if (refusal) return fail(std::move(*refusal));
+  return outcome;
 }
 
 void ComputePool::drain() {

@@ -21,7 +21,7 @@
 // long table is done by all cores, and delays others no more than a single job.
 //
 // Each worker has a slot number, so that scratch memory can be kept per worker
-// and used without a lock.
+// and used without a lock. What a job allocates counts (compute_memory.h).
 #pragma once
 
 #include <atomic>
@@ -41,6 +41,7 @@
 
 #include "core/error.h"
 #include "server/caller.h"
+#include "server/compute_memory.h"
 #include "server/fair_queue.h"
 #include "server/stage_times.h"
 
@@ -50,6 +51,9 @@ namespace geodesic::server {
 // at the same time share one.
 struct Worker {
   std::size_t slot;
+  JobMemory* memory = nullptr;  // of the job
+  std::uint64_t kept = 0;       // bytes that the last job left to the slot
+  bool has_freed_much = false;
 };
 
 // Whether a part of a computation is to end for now, because somebody waits for its slot.
@@ -95,10 +99,13 @@ class ComputePool {
 
   // For jobs to come; those that wait already keep the wait they were promised.
   void set_limits(const QueueLimits& limits);
+  // For what is allocated from now on.
+  void set_memory_limits(const ComputeMemory::Limits& limits) { memory_.set_limits(limits); }
+  [[nodiscard]] ComputeMemory::Stats memory() const { return memory_.stats(); }
 
   // Runs `job(Worker&)`, which returns Result<R>, on a worker and returns its
   // result. Blocks. Errors of its own: `overloaded` (see above, or the job ran
-  // out of memory: both mean "not now"), `too_many_requests`, `draining`,
+  // out of memory: both mean "not now"), `too_much_memory`, `too_many_requests`, `draining`,
   // `cancelled` and `deadline` (the caller left or its time passed while queued;
   // asked about every 50 ms) and `internal` (the job threw). A job that reports
   // `cancelled` after its caller's deadline ends with `deadline`. Not to be called
@@ -108,7 +115,13 @@ class ComputePool {
       -> std::invoke_result_t<Job&, Worker&> {
     using Answer = std::invoke_result_t<Job&, Worker&>;
     std::optional<Answer> answer;
-    Result<void> ran = run_erased([&](Worker& worker) { answer.emplace(job(worker)); }, caller);
+    Result<void> ran = run_erased(
+        [&](Worker& worker) {
+          answer.emplace(job(worker));
+          // Whatever it says, that is what it stopped by.
+          if (!*answer && worker.memory->refusal()) *answer = fail(*worker.memory->refusal());
+        },
+        caller);
     if (!ran) return fail(std::move(ran.error()));
     if (!*answer && answer->error().code == ErrorCode::cancelled && caller.deadline_over()) {
       return fail(caller.why_stopped());
@@ -158,6 +171,8 @@ class ComputePool {
   }
   void work(std::size_t slot);
   void run_job(const std::shared_ptr<Job>& job, Worker& worker, Lock& lock);
+  // Runs what a job, or a part of one, does, and counts its memory.
+  [[nodiscard]] Result<void> run_counted(Worker& worker, const std::function<void()>& body);
 
   // compute_crew.cpp
   using Part = std::function<Result<void>(Worker&, std::size_t, const GiveWay&)>;
@@ -176,6 +191,7 @@ class ComputePool {
   [[nodiscard]] std::uint64_t busy() const { return counts_.running - counts_.helping; }
   void note_queue() { is_queue_empty_.store(queue_.empty(), std::memory_order_relaxed); }
 
+  ComputeMemory memory_;
   mutable std::mutex mutex_;
   std::condition_variable job_ready_;
   FairQueue<std::shared_ptr<Job>> queue_;

@@ -83,6 +83,13 @@ std::span<const Option> options() {
       Option{"queue-seconds", Kind::whole_number, &Config::queue_seconds, "SECONDS",
              "Longest wait for a compute slot; longer is answered 503; 0: any", 0, max_seconds,
              follows},
+      Option{"query-memory-bytes", Kind::bytes, &Config::query_memory_bytes, "BYTES",
+             "Memory that one query may take; more is answered 422; 0: as for all", 0, no_bound,
+             follows},
+      Option{"compute-memory-bytes", Kind::bytes, &Config::compute_memory_bytes, "BYTES",
+             "Memory of all computations together, with preparing meshes; 0: what the machine or "
+             "container has, less 1GiB, the caches and the decoder",
+             0, no_bound, follows},
       Option{"max-body-bytes", Kind::bytes, &Config::max_body_bytes, "BYTES",
              "Most bytes of an uploaded mesh", 1, no_bound, follows},
       Option{"max-json-bytes", Kind::bytes, &Config::max_json_bytes, "BYTES",

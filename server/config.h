@@ -39,18 +39,21 @@ struct Config {
   std::uint64_t queue_per_client = 0;  // 0: no bound
   std::uint64_t queue_seconds = 10;    // 0: no bound
 
+  std::uint64_t query_memory_bytes = std::uint64_t{1} << 30;
+  std::uint64_t compute_memory_bytes = 0;  // 0: what there is (memory_limits.h)
+
   std::uint64_t max_body_bytes = std::uint64_t{256} << 20;
   std::uint64_t max_json_bytes = std::uint64_t{8} << 20;
   std::uint64_t max_vertices = 20'000'000;
   std::uint64_t max_faces = 40'000'000;
 
   std::string decoder = "process";  // or in-process
-  std::uint64_t decoder_memory_bytes = std::uint64_t{4} << 30;
+  std::uint64_t decoder_memory_bytes = std::uint64_t{2} << 30;
   std::uint64_t decoder_seconds = 60;
 
-  std::uint64_t mesh_cache_bytes = std::uint64_t{1} << 30;
-  std::uint64_t adjacency_cache_bytes = std::uint64_t{2} << 30;
-  std::uint64_t field_cache_bytes = std::uint64_t{1} << 30;
+  std::uint64_t mesh_cache_bytes = std::uint64_t{512} << 20;
+  std::uint64_t adjacency_cache_bytes = std::uint64_t{1536} << 20;
+  std::uint64_t field_cache_bytes = std::uint64_t{768} << 20;
   std::uint64_t reply_cache_bytes = std::uint64_t{256} << 20;
 
   std::uint64_t body_timeout_seconds = 300;

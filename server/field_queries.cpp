@@ -96,7 +96,7 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const std::string& m
                                limit_of(request.method, request.max)};
 
   if (request.at.empty()) {
-    const auto field = fields_.whole(question, caller);
+    const auto field = fields_.whole(question, Details::none, caller);
     if (!field) return fail(field.error());
     answer.cache_hit = field->hit;
     take_whole_field(place->mesh(), *field->value, request.labels, reply);

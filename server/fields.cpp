@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "core/arrive_at_point.h"
+#include "core/exact_pair.h"
 #include "core/trace_path.h"
 #include "proto/number.h"
 #include "server/joint_caller.h"
@@ -12,9 +13,15 @@
 namespace geodesic::server {
 namespace {
 
+// Whether fields by the method are larger with details.
+bool has_details(Method method) {
+  return method == Method::exact || method == Method::chen_han || method == Method::steiner;
+}
+
 // The question spelt out; two spellings of one point are one key.
-std::string key_of(const FieldQuestion& question) {
+std::string key_of(const FieldQuestion& question, Details details) {
   std::string key = question.mesh + "/" + proto::field_key(question.method) + "/";
+  if (details == Details::kept && has_details(question.method.which)) key += "details/";
   proto::append_number(key, question.max);
   for (const Source& source : question.sources) {
     if (source.point.at_vertex()) {
@@ -47,11 +54,28 @@ Result<std::vector<std::uint32_t>> vertices_about(const Adjacency& adjacency,
       continue;
     }
     for (const SurfacePoint& place : in_all_faces(adjacency, point)) {
-      if (poll.cancelled()) return fail(ErrorCode::cancelled, "the client is gone");
+      if (poll.cancelled()) return fail_stopped(cancel);
       for (const std::uint32_t v : adjacency.face(place.face).vertex) vertices.push_back(v);
     }
   }
   return vertices;
+}
+
+// Every face that one of the points lies in.
+std::vector<std::uint32_t> faces_about(const Adjacency& adjacency,
+                                       std::span<const SurfacePoint> points) {
+  std::vector<std::uint32_t> faces;
+  for (const SurfacePoint& point : points) {
+    if (point.at_vertex()) continue;
+    for (const SurfacePoint& place : in_all_faces(adjacency, point)) faces.push_back(place.face);
+  }
+  return faces;
+}
+
+Details details_for(std::span<const SurfacePoint> points) {
+  const bool at_vertices = std::all_of(points.begin(), points.end(),
+                                       [](const SurfacePoint& point) { return point.at_vertex(); });
+  return at_vertices ? Details::none : Details::kept;
 }
 
 // The number of the source that a point's distance is from; kNone where there is none.
@@ -76,7 +100,7 @@ Result<PointDistances> read_field(const Adjacency& adjacency, const Field& field
   result.distances.reserve(points.size());
   for (const SurfacePoint& point : points) {
     const double found = arrivals.distance_at(point);
-    if (poll.cancelled()) return fail(ErrorCode::cancelled, "the client is gone");
+    if (poll.cancelled()) return fail_stopped(cancel);
     const double distance = found <= max ? found : kUnreached;
     result.distances.push_back(distance);
     if (!labels) continue;
@@ -116,12 +140,14 @@ Result<Field> Fields::solve(const FieldQuestion& question, const FieldLimits& li
   return field;
 }
 
-Result<LruCache<Field>::Lookup> Fields::whole(const FieldQuestion& question, const Caller& caller) {
+Result<LruCache<Field>::Lookup> Fields::whole(const FieldQuestion& question, Details details,
+                                              const Caller& caller) {
   return cache_.get_or_create(
-      key_of(question),
+      key_of(question, details),
       [&]() -> Result<std::shared_ptr<const Field>> {
         FieldLimits limits;
         limits.max = question.max;
+        limits.keep_details = details == Details::kept;
         auto field = compute(
             [&](SolveScratch& scratch, const Cancel& cancel) {
               return solve(question, limits, scratch, cancel, caller);
@@ -133,9 +159,13 @@ Result<LruCache<Field>::Lookup> Fields::whole(const FieldQuestion& question, con
       caller);
 }
 
-bool Fields::is_to_be_searched(const FieldQuestion& question) {
+bool Fields::is_to_be_searched(const FieldQuestion& question, Details details) {
   if (!can_be_searched(question)) return false;
-  const std::string key = key_of(question);
+  if (details == Details::kept && question.method.which == Method::exact &&
+      question.adjacency->mesh().vertex_count() > kManyForWindows) {
+    return true;
+  }
+  const std::string key = key_of(question, details);
   return asked_.is_first(key) && cache_.find(key) == nullptr;
 }
 
@@ -150,8 +180,9 @@ Result<PointDistances> Fields::at_points(const FieldQuestion& question,
                                          std::span<const SurfacePoint> points, bool labels,
                                          const Caller& caller) {
   if (points.size() == 1 && can_be_searched(question)) {
-    if (!is_to_be_searched(question)) {
-      const auto field = whole(question, caller);
+    const Details details = details_for(points);
+    if (!is_to_be_searched(question, details)) {
+      const auto field = whole(question, details, caller);
       if (!field) return fail(field.error());
       auto read = compute(
           [&](SolveScratch&, const Cancel& cancel) {
@@ -186,9 +217,12 @@ Result<PointDistances> Fields::table(const FieldQuestion& question,
     JointCaller::Part part(joint, row);
     FieldQuestion own = question;
     own.sources = {Source{from[row], 0}};
-    const Cancel cancel([&] { return give_way() || caller(); }, part.caller().progress);
-    auto found =
-        read_points(own, to, *targets, false, scratch_[worker.slot], cancel, part.caller());
+    worker.memory->limit_to_query();
+    ScratchUse scratch = scratch_of(worker);
+    const Cancel cancel([&] { return give_way() || caller(); }, part.caller().progress,
+                        &worker.memory->budget());
+    auto found = read_points(own, to, *targets, false, scratch.get(), cancel, part.caller());
+    scratch.done(found ? found->distances.capacity() * sizeof(double) : 0);
     if (!found) return fail(std::move(found.error()));
     std::copy(found->distances.begin(), found->distances.end(),
               table.distances.begin() + static_cast<std::ptrdiff_t>(row * to.size()));
@@ -207,18 +241,21 @@ Result<PointDistances> Fields::read_points(const FieldQuestion& question,
                                            std::span<const std::uint32_t> targets, bool labels,
                                            SolveScratch& scratch, const Cancel& cancel,
                                            const Caller& caller) {
-  std::shared_ptr<const Field> field = cache_.find(key_of(question));
+  const Details details = details_for(points);
+  std::shared_ptr<const Field> field = cache_.find(key_of(question, details));
   const bool hit = field != nullptr;
   if (!field && points.size() <= kFewTargets && can_be_searched(question)) {
     return search_points(question, points, scratch, cancel, caller);
   }
   if (!field) {
-    const bool at_vertices = std::all_of(
-        points.begin(), points.end(), [](const SurfacePoint& point) { return point.at_vertex(); });
     FieldLimits limits;
     limits.max = question.max;
     limits.targets = targets;
-    limits.keep_details = !at_vertices;
+    limits.keep_details = details == Details::kept;
+    // A label may be at the end of a path, over any of the faces.
+    const std::vector<std::uint32_t> faces =
+        labels ? std::vector<std::uint32_t>() : faces_about(*question.adjacency, points);
+    limits.detail_faces = faces;
     auto part = solve(question, limits, scratch, cancel, caller);
     if (!part) return fail(std::move(part.error()));
     field = std::make_shared<const Field>(std::move(*part));

@@ -25,6 +25,7 @@
 #include "server/lru_cache.h"
 #include "server/mesh_catalog.h"
 #include "server/metrics.h"
+#include "server/scratch_use.h"
 
 namespace geodesic::server {
 
@@ -36,6 +37,10 @@ struct FieldQuestion {
   std::vector<Source> sources;
   double max = std::numeric_limits<double>::infinity();  // mesh units
 };
+
+// Whether a field is to serve points inside faces and paths, too. By an exact method these need
+// much more memory than vertices do, so a field is kept with or without.
+enum class Details { none, kept };
 
 // The distances of some points.
 struct PointDistances {
@@ -53,12 +58,12 @@ class Fields {
   // The field of all vertices up to the question's `max`, from the cache or
   // computed.
   [[nodiscard]] Result<LruCache<Field>::Lookup> whole(const FieldQuestion& question,
-                                                      const Caller& caller);
+                                                      Details details, const Caller& caller);
 
   // Whether the field is not there, and it is better to search for one target than to
   // compute and keep it: for the first question about a source on a large mesh. The
-  // second one is told to take the whole field.
-  [[nodiscard]] bool is_to_be_searched(const FieldQuestion& question);
+  // second one is told to take the whole field, unless its details would take too much memory.
+  [[nodiscard]] bool is_to_be_searched(const FieldQuestion& question, Details details);
 
   // The way from the question's only source to one point, and if wanted the path that a
   // whole field would give. In the slot that `scratch` is of; keeps nothing.
@@ -85,7 +90,12 @@ class Fields {
   [[nodiscard]] auto compute(Job&& job, const Caller& caller) {
     return pool_.run(
         [&](Worker& worker) {
-          return job(scratch_[worker.slot], Cancel(std::cref(caller), caller.progress));
+          worker.memory->limit_to_query();
+          ScratchUse scratch = scratch_of(worker);
+          auto result = job(scratch.get(),
+                            Cancel(std::cref(caller), caller.progress, &worker.memory->budget()));
+          scratch.done(result ? bytes_of(*result) : 0);
+          return result;
         },
         caller);
   }
@@ -101,6 +111,19 @@ class Fields {
 
  private:
   static constexpr std::size_t kSourcesRemembered = 4096;
+  // Scratch memory of all slots may be this part of what all computations may have.
+  static constexpr std::uint64_t kIdlePart = 4;
+
+  [[nodiscard]] ScratchUse scratch_of(const Worker& worker) {
+    const std::uint64_t all = pool_.memory().limits.all;
+    return {scratch_[worker.slot], *worker.memory, all / kIdlePart / scratch_.size()};
+  }
+  // What a job hands on, where that is large.
+  template <class Handed>
+  [[nodiscard]] static std::uint64_t bytes_of(const Handed& handed) {
+    if constexpr (requires { handed.bytes(); }) return handed.bytes();
+    return 0;
+  }
 
   // The same without the case of one point, in the slot that `scratch` is of. `targets`
   // decide the distances of the points.

@@ -26,6 +26,7 @@
 #include "server/field_queries.h"
 #include "server/http_server.h"
 #include "server/http_tls.h"
+#include "server/memory_limits.h"
 #include "server/mesh_catalog.h"
 #include "server/mesh_store.h"
 #include "server/metrics.h"
@@ -161,6 +162,7 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
   }
   Metrics metrics(GEODESIC_VERSION);
   ComputePool pool(config.compute_threads, queue_limits(config));
+  pool.set_memory_limits(memory_limits(config));
   pool.observe_waits([&](StageTimes::Duration waited) { metrics.queued(waited.count()); });
   MeshCatalog catalog(**store, pool, catalog_limits(config), metrics, decoders.get());
   FieldQueries queries(catalog, pool, config.field_cache_bytes, metrics);

@@ -7,6 +7,7 @@
 
 #include "core/weld.h"
 #include "proto/mesh_metadata.h"
+#include "server/compute_memory.h"
 #include "server/mesh_form.h"
 #include "server/sha256.h"
 
@@ -33,7 +34,9 @@ std::size_t bytes_of(const std::shared_ptr<const ClosestPointIndex>& index) {
 constexpr double kBuilding = 0.5;
 constexpr double kDecoding = 0.4;
 
-Cancel cancel_of(const Caller& caller) { return Cancel(std::cref(caller), caller.progress); }
+Cancel cancel_of(const Caller& caller) {
+  return Cancel(std::cref(caller), caller.progress, JobMemory::budget_here());
+}
 
 Result<std::shared_ptr<const Adjacency>> prepare(std::shared_ptr<const Mesh> mesh,
                                                  const Caller& caller) {

@@ -163,6 +163,23 @@ struct Metrics::Families {
                             .Name("geodesicd_jobs")
                             .Help("Jobs (Prefer: respond-async), by state; ended: still kept")
                             .Register(registry);
+  Gauge& compute_bytes = BuildGauge()
+                             .Name("geodesicd_compute_memory_bytes")
+                             .Help("Bytes that computations hold")
+                             .Register(registry)
+                             .Add({});
+  Gauge& compute_budget = BuildGauge()
+                              .Name("geodesicd_compute_memory_budget_bytes")
+                              .Help("Bytes that computations may hold together; 0: any")
+                              .Register(registry)
+                              .Add({});
+  Family<Counter>& memory_refusals =
+      BuildCounter()
+          .Name("geodesicd_compute_memory_refusals_total")
+          .Help("Computations ended for want of memory: more than one may have, or beside others")
+          .Register(registry);
+  Counter& too_much_memory = memory_refusals.Add({{"reason", "too_much"}});
+  Counter& crowded_out = memory_refusals.Add({{"reason", "crowded_out"}});
   Gauge& jobs_queued = jobs.Add({{"state", "queued"}});
   Gauge& jobs_running = jobs.Add({{"state", "running"}});
   Gauge& jobs_ended = jobs.Add({{"state", "ended"}});
@@ -389,6 +406,10 @@ std::string Metrics::text(const Present& present) {
   follow(f.given_up, present.pool.given_up);
   f.unanswering.Set(static_cast<double>(present.pool.unanswering));
   follow(f.unanswered, present.pool.unanswered);
+  f.compute_bytes.Set(static_cast<double>(present.memory.bytes));
+  f.compute_budget.Set(static_cast<double>(present.memory.limits.all));
+  follow(f.too_much_memory, present.memory.refused);
+  follow(f.crowded_out, present.memory.crowded_out);
   f.jobs_queued.Set(static_cast<double>(present.jobs.queued));
   f.jobs_running.Set(static_cast<double>(present.jobs.running));
   f.jobs_ended.Set(static_cast<double>(present.jobs.ended));

@@ -24,6 +24,7 @@ class Metrics {
   // What others keep, at the moment of a scrape.
   struct Present {
     ComputePool::Stats pool;
+    ComputeMemory::Stats memory;
     CacheStats meshes, adjacency, fields, replies;
     StoreStats store;
     Jobs::Stats jobs;

@@ -35,9 +35,9 @@ class LegFinder {
   [[nodiscard]] std::optional<bool> cache_hit() const { return hit_; }
 
   Result<MaybePath> find(const FieldQuestion& question, const SurfacePoint& to) {
-    auto leg = request_.method.which == Method::steiner ? by_refinement(question, to)
-               : fields_.is_to_be_searched(question)    ? by_search(question, to)
-                                                        : by_field(question, to);
+    auto leg = request_.method.which == Method::steiner             ? by_refinement(question, to)
+               : fields_.is_to_be_searched(question, Details::kept) ? by_search(question, to)
+                                                                    : by_field(question, to);
     found_ += 1;
     return leg;
   }
@@ -60,7 +60,7 @@ class LegFinder {
   // stops at the target. Whoever asks for a second path from a source asks for the next
   // one as the mouse moves.
   Result<MaybePath> by_field(const FieldQuestion& question, const SurfacePoint& to) {
-    const auto field = fields_.whole(question, part_of_leg(0, kFieldOfLeg));
+    const auto field = fields_.whole(question, Details::kept, part_of_leg(0, kFieldOfLeg));
     if (!field) return fail(field.error());
     hit_ = hit_.value_or(true) && field->hit;
     return fields_.compute(

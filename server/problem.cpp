@@ -70,6 +70,8 @@ Row row_of(ErrorCode code) {
       return {409, "The job has not ended"};
     case ErrorCode::job_cancelled:
       return {409, "The job was cancelled"};
+    case ErrorCode::too_much_memory:
+      return {422, "More memory than a computation may take"};
     case ErrorCode::overloaded:
       return {503, "Overloaded", 1};
     case ErrorCode::too_many_requests:

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/check_config.h"
+#include "server/memory_limits.h"
 #include "server/tokens.h"
 
 namespace geodesic::server {
@@ -73,6 +74,7 @@ auto Reload::run() -> Result<Outcome> {
   parts_.routes.access().set_tokens(std::move(tokens));
   parts_.routes.set_config(config);
   parts_.pool.set_limits(queue_limits(config));
+  parts_.pool.set_memory_limits(memory_limits(config));
   parts_.catalog.set_limits(catalog_limits(config));
   parts_.queries.set_cache_budget(config.field_cache_bytes);
   for (HttpServer* const listener : parts_.listeners) listener->set_patience(http_patience(config));

@@ -194,6 +194,7 @@ HttpResponse Routes::operate(Call& call) {
 std::string Routes::metrics_text() {
   Metrics::Present present;
   present.pool = pool_.stats();
+  present.memory = pool_.memory();
   present.meshes = catalog_.mesh_cache();
   present.adjacency = catalog_.adjacency_cache();
   present.fields = queries_.field_cache();
@@ -224,6 +225,7 @@ std::string Routes::cache_report() const {
 HttpResponse Routes::status() {
   const auto config = config_.get();
   const ComputePool::Stats pool = pool_.stats();
+  const ComputeMemory::Stats memory = pool_.memory();
   const Jobs::Stats jobs = jobs_.stats();
   const ordered_json status{{"name", "geodesicd"},
                             {"version", GEODESIC_VERSION},
@@ -246,14 +248,17 @@ HttpResponse Routes::status() {
                               {"job_result_bytes", config->job_result_bytes},
                               {"job_seconds", config->job_seconds},
                               {"body_timeout_seconds", config->body_timeout_seconds},
-                              {"queue", config->queue}}},
+                              {"queue", config->queue},
+                              {"query_memory_bytes", memory.limits.query},
+                              {"compute_memory_bytes", memory.limits.all}}},
                             {"compute",
                              {{"slots", pool.slots},
                               {"running", pool.running},
                               {"queued", pool.queued},
                               {"finished", pool.finished},
                               {"rejected", pool.rejected},
-                              {"given_up", pool.given_up}}},
+                              {"given_up", pool.given_up},
+                              {"memory_bytes", memory.bytes}}},
                             {"jobs",
                              {{"queued", jobs.queued},
                               {"running", jobs.running},

@@ -63,7 +63,7 @@ Result<Answered<proto::IsolinesReply>> FieldQueries::answer(const std::string& m
   FieldQuestion question{mesh, place->adjacency(), request.method, std::move(*sources)};
   // A line at `max` needs the vertices just beyond it.
   if (request.max) question.max = *request.max + 2 * longest_edge(*place->adjacency());
-  const auto field = fields_.whole(question, caller.part(0, kFieldOfIsolines));
+  const auto field = fields_.whole(question, Details::none, caller.part(0, kFieldOfIsolines));
   if (!field) return fail(field.error());
   answer.cache_hit = field->hit;
 

@@ -39,6 +39,29 @@ TEST_CASE("WeldsPositiveAndNegativeZero") {
   CHECK(mesh->vertex_count() == 4);
 }
 
+// Below Mesh::kMinCoordinate positions are zero, and so is the box that their order is
+// counted in: its scale was infinite. Seen by UBSan (float-cast-overflow), and in the box.
+TEST_CASE("PositionsNextToNothingAreZero") {
+  for (const double tiny : {1e-310, 5e-324, 1e-61, -1e-310}) {
+    CAPTURE(tiny);
+    TriangleSoup soup;
+    soup.positions = {{0, 0, 0}, {tiny, 0, 0}, {0, tiny, 0}, {tiny, tiny, tiny}};
+    soup.faces = {{0, 1, 2}, {1, 2, 3}};
+    CHECK_FALSE(Mesh::build(soup));  // all at one place
+    const auto unwelded = Mesh::build(soup, Weld::off);
+    CHECK_FALSE(unwelded);
+
+    soup.positions.push_back({1, 0, 0});
+    soup.positions.push_back({0, 1, 0});
+    soup.faces.push_back({3, 4, 5});
+    const auto mesh = Mesh::build(soup);
+    REQUIRE(mesh);
+    CHECK(mesh->vertex_count() == 3);
+    CHECK(mesh->box().min == Vec3{0, 0, 0});
+    CHECK(mesh->box().max == Vec3{1, 1, 0});
+  }
+}
+
 TEST_CASE("EverySourceVertexKeepsItsPosition") {
   const TriangleSoup soup = shapes::shuffled(shapes::torus_knot(60, 8, 0.3), 7);
   const auto mesh = Mesh::build(soup);

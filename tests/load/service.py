@@ -58,6 +58,11 @@ class Service:
         self._log.close()
         shutil.rmtree(self.folder, ignore_errors=True)
 
+    @property
+    def pid(self):
+        """Of the server's process."""
+        return self._process.pid
+
     def log(self):
         """The end of what the server wrote."""
         return (self.folder / "log").read_text(encoding="utf-8")[-2000:]

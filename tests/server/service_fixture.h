@@ -19,6 +19,7 @@
 #include "server/config.h"
 #include "server/field_queries.h"
 #include "server/http_head.h"
+#include "server/memory_limits.h"
 #include "server/mesh_catalog.h"
 #include "server/mesh_store.h"
 #include "server/open_store.h"
@@ -71,7 +72,9 @@ class Service {
         pool(slots, 256),
         catalog(*store, pool, catalog_limits(config), metrics),
         queries(catalog, pool, config.field_cache_bytes, metrics),
-        routes(config, catalog, queries, pool, metrics) {}
+        routes(config, catalog, queries, pool, metrics) {
+    pool.set_memory_limits(memory_limits(config));
+  }
 
   HttpResponse ask(std::string method, const std::string& target, std::string body = {},
                    std::vector<NameValue> headers = {}) {

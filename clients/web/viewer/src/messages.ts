@@ -44,6 +44,7 @@ export const MESSAGES: Record<ErrorCode, Message> = {
   job_unknown: { title: 'This work is not there any more', advice: 'The server has forgotten it: start it again.' },
   job_unfinished: { title: 'This work has not ended yet', advice: TRY_AGAIN },
   job_cancelled: { title: 'This work was cancelled', advice: 'Start it again if it is wanted.' },
+  too_much_memory: { title: 'This takes more memory than the server allows', advice: 'Choose the method auto, or a tolerance.' },
   overloaded: { title: 'The server has too much to do', advice: TRY_AGAIN },
   too_many_requests: { title: 'This page asked for too much at once', advice: TRY_AGAIN },
   draining: { title: 'The server is about to stop', advice: 'It will most likely be back soon.' },

@@ -1,0 +1,31 @@
+// The exact way between two points where the windows of the whole surface would take too much
+// memory: gigabytes from half a million faces on. Windows are kept only where they are asked
+// for: at the target, and along the path.
+#pragma once
+
+#include "core/adjacency.h"
+#include "core/cancel.h"
+#include "core/error.h"
+#include "core/exact_field.h"
+#include "core/field.h"
+#include "core/pair_search.h"
+#include "core/surface_point.h"
+
+namespace geodesic {
+
+// From so many vertices on, that is better than windows everywhere.
+inline constexpr std::uint32_t kManyForWindows = 75'000;
+
+// The distance of `to`, and with `with_path` the shortest path there; nothing where there is
+// none.
+//
+// One field gives the distance and, traced back by distances alone, about where the path is. A
+// second one keeps the windows of the faces round that, and the path goes by these. Its length
+// is compared with the distance: where the shortest path is elsewhere, as close to where two
+// are as long, the faces are more the second time.
+// Errors: cancelled; too_much_memory also where no path as short as the distance was found.
+[[nodiscard]] Result<Pair> exact_pair(const Adjacency& adjacency, const Source& from,
+                                      const SurfacePoint& to, bool with_path, ExactScratch& scratch,
+                                      const Cancel& cancel);
+
+}  // namespace geodesic

@@ -1,0 +1,22 @@
+// How much memory the computations may take, by the configuration and by what there is.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "server/compute_memory.h"
+#include "server/config.h"
+
+namespace geodesic::server {
+
+// What this process may use: the machine's memory, or less if its control group has less
+// (Linux: /sys/fs/cgroup/memory.max, or memory/memory.limit_in_bytes). 0 if nobody tells.
+[[nodiscard]] std::uint64_t memory_there_is(const std::filesystem::path& groups = "/sys/fs/cgroup");
+
+// Of the computations. Where the configuration leaves it open, all together may have what
+// there is less the caches, a decoder and 1 GiB for what arrives and leaves; at the least a
+// quarter of what there is.
+[[nodiscard]] ComputeMemory::Limits memory_limits(const Config& config,
+                                                  std::uint64_t there_is = memory_there_is());
+
+}  // namespace geodesic::server

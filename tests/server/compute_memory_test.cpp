@@ -1,0 +1,210 @@
+// What computations hold is counted and bounded, each and all together, and comes back.
+#include "server/compute_memory.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <future>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "server/memory_limits.h"
+#include "tests/fixtures/test_seed.h"
+#include "tests/server/plane_service.h"
+
+using namespace geodesic;
+using namespace geodesic::server;
+using namespace geodesic::server::test;
+
+namespace {
+
+constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
+
+// Takes so much, and touches none of it.
+auto taking(std::uint64_t bytes) {
+  return [bytes](Worker&) -> Result<std::size_t> {
+    const std::unique_ptr<char[]> memory(new char[bytes]);
+    return memory == nullptr ? 0 : bytes;
+  };
+}
+auto query_taking(std::uint64_t bytes) {
+  return [bytes](Worker& worker) -> Result<std::size_t> {
+    worker.memory->limit_to_query();
+    return taking(bytes)(worker);
+  };
+}
+
+TriangleSoup bumpy(std::uint32_t side) {
+  TriangleSoup soup = shapes::plane(side, side);
+  for (Vec3& p : soup.positions) {
+    const double x = 10 * p.x / side;
+    const double y = 10 * p.y / side;
+    p = {x, y, 0.6 * std::sin(3 * x) * std::cos(2 * y) + 0.1 * std::sin(17 * x + 3 * y)};
+  }
+  return soup;
+}
+
+}  // namespace
+
+TEST_CASE("a job that wants more than one may have is refused, with what and how much") {
+  ComputePool pool(1, 4);
+  pool.set_memory_limits({10 * kMiB, 20 * kMiB});
+  CHECK(pool.run(query_taking(9 * kMiB)) == 9 * kMiB);
+  CHECK(pool.run(taking(18 * kMiB)) == 18 * kMiB);
+  const auto query = pool.run(query_taking(11 * kMiB));
+  REQUIRE_FALSE(query);
+  CHECK(query.error().code == ErrorCode::too_much_memory);
+  CHECK(query.error().limit == 10 * kMiB);
+  CHECK(query.error().actual >= 11 * kMiB);
+  const auto other = pool.run(taking(21 * kMiB));
+  REQUIRE_FALSE(other);
+  CHECK(other.error().code == ErrorCode::too_much_memory);
+  CHECK(other.error().limit == 20 * kMiB);
+  CHECK(pool.memory().refused == 2);
+  CHECK(pool.memory().bytes == 0);
+  CHECK(pool.run(query_taking(9 * kMiB)) == 9 * kMiB);
+}
+
+TEST_CASE("growth in small steps is refused as well, and a job that goes on regardless") {
+  ComputePool pool(1, 4);
+  pool.set_memory_limits({4 * kMiB, 200 * kMiB});
+  const auto grown = pool.run([](Worker& worker) -> Result<std::size_t> {
+    worker.memory->limit_to_query();
+    std::vector<std::unique_ptr<int>> numbers;
+    for (int i = 0; i < 100'000'000; ++i) {
+      try {
+        numbers.push_back(std::make_unique<int>(i));
+      } catch (const std::bad_alloc&) {
+        if (worker.memory->held() > 40 * kMiB) throw;
+      }
+    }
+    return numbers.size();
+  });
+  REQUIRE_FALSE(grown);
+  CHECK(grown.error().code == ErrorCode::too_much_memory);
+  CHECK(pool.memory().bytes == 0);
+}
+
+TEST_CASE("a job that has no room beside others is told to come back, and later there is") {
+  ComputePool pool(2, 4);
+  pool.set_memory_limits({80 * kMiB, 100 * kMiB});
+  std::promise<void> held;
+  std::promise<void> leave;
+  auto first = std::async(std::launch::async, [&] {
+    return pool.run([&](Worker&) -> Result<int> {
+      const std::unique_ptr<char[]> memory(new char[60 * kMiB]);
+      held.set_value();
+      leave.get_future().wait();
+      return memory == nullptr ? 0 : 1;
+    });
+  });
+  held.get_future().wait();
+  CHECK(pool.memory().bytes >= 59 * kMiB);
+  const auto second = pool.run(query_taking(50 * kMiB));
+  REQUIRE_FALSE(second);
+  CHECK(second.error().code == ErrorCode::overloaded);
+  CHECK(pool.run(query_taking(30 * kMiB)) == 30 * kMiB);
+  leave.set_value();
+  CHECK(first.get() == 1);
+  CHECK(pool.run(query_taking(50 * kMiB)) == 50 * kMiB);
+  CHECK(pool.memory().crowded_out == 1);
+  CHECK(pool.memory().bytes == 0);
+}
+
+TEST_CASE("the limits follow what there is, less what others may have") {
+  constexpr std::uint64_t kGiB = 1024 * kMiB;
+  const Config config;
+  const auto in_container = memory_limits(config, 8 * kGiB);
+  CHECK(in_container.query == config.query_memory_bytes);
+  CHECK(in_container.all >= 2 * in_container.query);
+  CHECK(in_container.all + config.mesh_cache_bytes + config.adjacency_cache_bytes +
+            config.field_cache_bytes + config.reply_cache_bytes + config.decoder_memory_bytes +
+            kGiB <=
+        8 * kGiB);
+  CHECK(memory_limits(config, kGiB).all == kGiB / 4);
+  Config given;
+  given.compute_memory_bytes = 3 * kGiB;
+  given.query_memory_bytes = 0;
+  CHECK(memory_limits(given, kGiB).all == 3 * kGiB);
+
+  const TemporaryFolder groups;
+  const std::uint64_t machine = memory_there_is(groups.path());
+  CHECK(machine > kGiB / 4);
+  std::ofstream(groups.path() / "memory.max") << "max\n";
+  CHECK(memory_there_is(groups.path()) == machine);
+  std::ofstream(groups.path() / "memory.max") << 200 * kMiB << "\n";
+  CHECK(memory_there_is(groups.path()) == 200 * kMiB);
+}
+
+TEST_CASE("a query that takes too much is 422 with the limit, and others go on") {
+  Config config;
+  config.query_memory_bytes = 8 * kMiB;
+  config.compute_memory_bytes = 256 * kMiB;
+  const TemporaryFolder folder;
+  Service service(folder.path(), config);
+  const std::string base = "/v1/meshes/" + service.upload(glb_of(bumpy(150)));
+  for (const std::string ask :
+       {"/distance?from=v:0&method=exact", "/path?from=f:7:0.3,0.3&to=v:22000&method=exact",
+        "/path?from=f:7:0.3,0.3&to=v:22000&method=chen_han",
+        "/distance?from=v:0&method=steiner&points_per_edge=20"}) {
+    CAPTURE(ask);
+    const HttpResponse refused = service.get(base + ask);
+    check_problem(refused, 422, "too_much_memory");
+    const json problem = body_of(refused);
+    CHECK(problem["limit"] == 8 * kMiB);
+    CHECK(problem["actual"] > 8 * kMiB);
+    CHECK(problem["detail"].get<std::string>().find("auto") != std::string::npos);
+    CHECK(service.get(base + "/distance?from=v:0&method=auto").status == 200);
+  }
+  const json status = body_of(service.get("/v1/status"));
+  CHECK(status["limits"]["query_memory_bytes"] == 8 * kMiB);
+  CHECK(status["limits"]["compute_memory_bytes"] == 256 * kMiB);
+  CHECK(status["compute"]["memory_bytes"] <= 64 * kMiB);
+  const std::string metrics = *service.get("/metrics").body;
+  CHECK(metrics.find("geodesicd_compute_memory_refusals_total{reason=\"too_much\"} 4") !=
+        std::string::npos);
+}
+
+// Whatever a query is allowed, it gets the answer that it would get with all the memory there
+// is, or is refused; and what it held comes back.
+TEST_CASE("any budget gives the whole answer or none") {
+  std::mt19937 random(fixtures::test_seed());
+  const TemporaryFolder folder;
+  Config config;
+  config.compute_memory_bytes = 512 * kMiB;
+  config.query_memory_bytes = 400 * kMiB;
+  config.reply_cache_bytes = 0;
+  config.field_cache_bytes = 0;
+  Service service(folder.path(), config);
+  const std::string base = "/v1/meshes/" + service.upload(glb_of(bumpy(90)));
+  const std::vector<std::string> methods{"exact",     "chen_han",      "steiner", "auto",
+                                         "wavefront", "fast_marching", "dijkstra"};
+  int refused = 0;
+  for (int round = 0; round < 60; ++round) {
+    const std::string method = methods[random() % methods.size()];
+    const std::string from = "from=f:" + std::to_string(random() % 1000) + ":0.2,0.3";
+    const std::string to = "v:" + std::to_string(random() % 8000);
+    const std::string target = base + (random() % 2 == 0 ? "/distance?" : "/path?to=" + to + "&") +
+                               from + "&method=" + method;
+    CAPTURE(target);
+    service.pool.set_memory_limits({400 * kMiB, 512 * kMiB});
+    const HttpResponse whole = service.get(target);
+    REQUIRE(whole.status == 200);
+    service.pool.set_memory_limits({1 + random() % (16 * kMiB), 512 * kMiB});
+    const HttpResponse some = service.get(target);
+    if (some.status == 200) {
+      const bool is_path = target.find("/path") != std::string::npos;
+      // A second question about a source is answered from a whole field.
+      if (!is_path) CHECK(*some.body == *whole.body);
+    } else {
+      ++refused;
+      check_problem(some, 422, "too_much_memory");
+    }
+    CHECK(service.pool.memory().bytes <= 512 * kMiB / 4);
+  }
+  CHECK(refused > 0);
+}
