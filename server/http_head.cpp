@@ -159,6 +159,11 @@ std::optional<HeadError> parse_request_line(std::string_view line, const HeadLim
   return {};
 }
 
+bool decides_framing(std::string_view name) {
+  return equals_ignoring_case(name, "Host") || equals_ignoring_case(name, "Content-Length") ||
+         equals_ignoring_case(name, "Transfer-Encoding");
+}
+
 std::optional<HeadError> parse_headers(std::string_view bytes, const HeadLimits& limits,
                                        HttpHead& head) {
   while (true) {
@@ -172,12 +177,17 @@ std::optional<HeadError> parse_headers(std::string_view bytes, const HeadLimits&
     if (colon == std::string_view::npos || !is_token(line.substr(0, colon))) {
       return bad("a header line is not 'name: value'");
     }
+    const std::string_view name = line.substr(0, colon);
     const std::string_view value = trim(line.substr(colon + 1));
+    // A tab around a value is a blank to some and part of the value to others.
+    if (line.find('\t', colon) != line.npos && decides_framing(name)) {
+      return bad("a header that says where a request ends or goes holds a tab", std::string(name));
+    }
     if (std::any_of(value.begin(), value.end(),
                     [](char c) { return is_control(c) && c != '\t'; })) {
-      return bad("a header value holds a control character", std::string(line.substr(0, colon)));
+      return bad("a header value holds a control character", std::string(name));
     }
-    head.headers.emplace_back(line.substr(0, colon), value);
+    head.headers.emplace_back(name, value);
   }
   if (!bytes.empty()) return bad("bytes after the empty line of a head");
   return {};
