@@ -58,6 +58,8 @@ std::span<const Option> options() {
              0, no_bound, follows},
       Option{"cors-origins", Kind::text, &Config::cors_origins, "ORIGINS",
              "Origins whose pages may call the API, with commas between them; *: any; empty: none"},
+      Option{"cors-write-origins", Kind::text, &Config::cors_write_origins, "ORIGINS",
+             "Of these, whose pages may also upload and delete, beside the server's own; *: any"},
       Option{"store", Kind::text, &Config::store, "PLACE",
              "Directory of the uploaded meshes, or s3://BUCKET/PREFIX?endpoint=URL&region=NAME"},
       Option{"store-max-bytes", Kind::bytes, &Config::store_max_bytes, "BYTES",

@@ -31,6 +31,7 @@ struct Config {
   std::string tls_key;
   std::string tokens;  // empty: everybody may do everything
   std::string cors_origins = "*";
+  std::string cors_write_origins;  // empty: only our own
 
   std::uint64_t io_threads = 64;
   std::uint64_t max_connections = 10'000;

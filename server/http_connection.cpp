@@ -39,24 +39,25 @@ void give_back(std::string& buffer) {
 
 bool PeerWatch::gone() const {
   const std::lock_guard lock(mutex_);
-  if (socket_ < 0) return true;
-  pollfd query{socket_, POLLRDHUP, 0};
+  if (!socket_) return true;
+  pollfd query{socket_.get(), POLLRDHUP, 0};
   return ::poll(&query, 1, 0) > 0 && (query.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
 }
 
 void PeerWatch::cut() const {
   const std::lock_guard lock(mutex_);
-  if (socket_ >= 0) ::shutdown(socket_, SHUT_RDWR);
+  if (socket_) ::shutdown(socket_.get(), SHUT_RDWR);
 }
 
 void PeerWatch::close() {
   const std::lock_guard lock(mutex_);
-  if (socket_ >= 0) ::close(socket_);
-  socket_ = -1;
+  socket_.close();
 }
 
-HttpConnection::HttpConnection(int socket, std::unique_ptr<TlsSession> tls)
-    : socket_(socket), watch_(std::make_shared<PeerWatch>(socket)), tls_(std::move(tls)) {
+HttpConnection::HttpConnection(UniqueFd socket, std::unique_ptr<TlsSession> tls)
+    : socket_(socket.get()),
+      watch_(std::make_shared<PeerWatch>(std::move(socket))),
+      tls_(std::move(tls)) {
   ::fcntl(socket_, F_SETFL, ::fcntl(socket_, F_GETFL) | O_NONBLOCK);
 }
 

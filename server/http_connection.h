@@ -12,9 +12,11 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "server/http_progress.h"
 #include "server/http_tls.h"
+#include "server/unique_fd.h"
 
 namespace geodesic::server {
 
@@ -22,7 +24,7 @@ namespace geodesic::server {
 // Outlives it, and then says yes.
 class PeerWatch {
  public:
-  explicit PeerWatch(int socket) : socket_(socket) {}
+  explicit PeerWatch(UniqueFd socket) : socket_(std::move(socket)) {}
   // The peer has closed, or half-closed, its end; or the connection is closed.
   [[nodiscard]] bool gone() const;
   // Ends all reading and writing at once; whoever waits for the socket wakes up.
@@ -32,7 +34,7 @@ class PeerWatch {
 
  private:
   mutable std::mutex mutex_;
-  int socket_;  // -1 once closed, so that no other file is mistaken for it
+  UniqueFd socket_;  // none once closed, so that no other file is mistaken for it
 };
 
 class HttpConnection {
@@ -40,8 +42,8 @@ class HttpConnection {
   using Clock = std::chrono::steady_clock;
   using Milliseconds = std::chrono::milliseconds;
 
-  // Takes the socket over. `tls` null: plain.
-  explicit HttpConnection(int socket, std::unique_ptr<TlsSession> tls = nullptr);
+  // `tls` null: plain.
+  explicit HttpConnection(UniqueFd socket, std::unique_ptr<TlsSession> tls = nullptr);
   ~HttpConnection();
   HttpConnection(const HttpConnection&) = delete;
   HttpConnection& operator=(const HttpConnection&) = delete;

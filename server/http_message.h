@@ -20,6 +20,7 @@ struct HttpRequest {
   std::string method;              // as sent, such as "GET"; may be one that nobody knows
   std::string path;                // percent-decoded, without the query; starts with '/', or is "*"
   std::string target;              // raw, as sent
+  std::string authority;           // the host, perhaps with a port, that it is for; "": not said
   std::vector<NameValue> query;    // percent-decoded ('+' is a space), in order
   std::vector<NameValue> headers;  // raw values, names as sent, in order
   std::string body;                // raw

@@ -273,6 +273,11 @@ struct Metrics::Families {
                            .Help("Open connections of the API's listener")
                            .Register(registry)
                            .Add({});
+  Counter& accept_failures = BuildCounter()
+                                 .Name("geodesicd_accept_failures_total")
+                                 .Help("Failed attempts to accept a connection")
+                                 .Register(registry)
+                                 .Add({});
   Gauge& ready = BuildGauge()
                      .Name("geodesicd_ready")
                      .Help("1 while new requests are welcome")
@@ -436,6 +441,7 @@ std::string Metrics::text(const Present& present) {
   follow(f.store_corrupt, present.store.corrupt);
   follow(f.store_failures, present.store.failures);
   f.connections.Set(static_cast<double>(present.connections));
+  follow(f.accept_failures, present.accept_failures);
   f.ready.Set(present.ready ? 1 : 0);
   const Process process = process_now();
   f.resident.Set(process.resident_bytes);

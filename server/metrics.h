@@ -29,7 +29,8 @@ class Metrics {
     StoreStats store;
     Jobs::Stats jobs;
     DecoderProcesses::Stats decoders;
-    std::uint64_t connections = 0;  // open on the API's listener
+    std::uint64_t connections = 0;      // open on the API's listener
+    std::uint64_t accept_failures = 0;  // of the API's listener
     bool ready = true;
   };
 

@@ -65,7 +65,7 @@ std::size_t bytes_of(const HttpResponse& reply) { return reply.body->size() + 20
 Routes::Routes(const Config& config, MeshCatalog& catalog, FieldQueries& queries, ComputePool& pool,
                Metrics& metrics)
     : config_(config),
-      cross_origin_(config.cors_origins),
+      cross_origin_(config.cors_origins, config.cors_write_origins),
       replies_(config.reply_cache_bytes, bytes_of),
       catalog_(catalog),
       queries_(queries),
@@ -79,13 +79,18 @@ std::uint64_t Routes::max_body(std::string_view method, std::string_view path) c
   return upload ? config_->max_body_bytes : config_->max_json_bytes;
 }
 
+bool Routes::wants_body(HttpRequest& request) const {
+  return !cross_origin_.refuse(request) && access_.admits(request);
+}
+
 HttpResponse Routes::answer(HttpRequest& request) {
   request.caller.times = std::make_shared<StageTimes>();
   HttpResponse response;
   if (CrossOrigin::is_preflight(request)) {
     response = cross_origin_.answer_preflight(request);
   } else {
-    response = route(request);
+    auto refusal = cross_origin_.refuse(request);
+    response = refusal ? std::move(*refusal) : route(request);
     cross_origin_.allow(request, response);
   }
   if (response.is_finished) return response;
@@ -183,6 +188,9 @@ HttpResponse Routes::operate(Call& call) {
   } else {
     if (path == "/readyz") {
       if (draining_) return call.problem(ErrorCode::draining, "about to stop");
+      if (!listener_().is_accepting) {
+        return call.problem(ErrorCode::overloaded, "connections wait that cannot be accepted");
+      }
       if (const auto store = catalog_.store_health(); !store) return call.problem(store.error());
     }
     response = json_reply(R"({"status":"ok"})");
@@ -202,8 +210,10 @@ std::string Routes::metrics_text() {
   present.store = catalog_.store_stats();
   present.jobs = jobs_.stats();
   present.decoders = catalog_.decoder_stats();
-  present.connections = connections_ ? connections_() : 0;
-  present.ready = !draining_ && catalog_.store_health();
+  const Listener listener = listener_();
+  present.connections = listener.connections;
+  present.accept_failures = listener.accept_failures;
+  present.ready = !draining_ && listener.is_accepting && catalog_.store_health();
   return metrics_.text(present);
 }
 

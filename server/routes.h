@@ -32,6 +32,8 @@ class Routes {
   Routes(const Config& config, MeshCatalog& catalog, FieldQueries& queries, ComputePool& pool,
          Metrics& metrics);
 
+  // Whether a request's body is worth receiving, by its head. Tells the request whose it is.
+  [[nodiscard]] bool wants_body(HttpRequest& request) const;
   // Answers any request. May be called from any thread.
   [[nodiscard]] HttpResponse answer(HttpRequest& request);
   // Only probes, metrics and what is in the caches: for a listener of its own.
@@ -51,8 +53,13 @@ class Routes {
   // What is served at `/` instead of the plain page. To be called before any request.
   void set_viewer(ViewerFiles viewer) { viewer_ = std::move(viewer); }
 
-  // How many connections are open, for the metrics. To be called before any request.
-  void count_connections(std::function<std::uint64_t()> count) { connections_ = std::move(count); }
+  // How the API's listener fares, for metrics and readiness. To be called before any request.
+  struct Listener {
+    std::uint64_t connections = 0;  // open now
+    std::uint64_t accept_failures = 0;
+    bool is_accepting = true;
+  };
+  void watch_listener(std::function<Listener()> look) { listener_ = std::move(look); }
 
   // Replaces the settings for requests to come.
   void set_config(const Config& config) {
@@ -126,7 +133,7 @@ class Routes {
   FieldQueries& queries_;
   ComputePool& pool_;
   Metrics& metrics_;
-  std::function<std::uint64_t()> connections_;
+  std::function<Listener()> listener_ = [] { return Listener{}; };
   std::atomic<bool> draining_{false};
   Jobs jobs_;  // last: its threads use the others
 };

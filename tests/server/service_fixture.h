@@ -89,6 +89,7 @@ class Service {
       request.query = *query;
     }
     request.headers = std::move(headers);
+    if (const std::string* host = request.header("Host")) request.authority = *host;
     request.body = std::move(body);
     request.id = "test";
     return routes.answer(request);
