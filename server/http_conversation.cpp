@@ -187,7 +187,9 @@ void HttpConversation::charge_body() {
 void HttpConversation::release_body() { edge_.body_bytes -= std::exchange(charged_, 0); }
 
 void HttpConversation::release_reply() {
-  if (exchange_) edge_.reply_bytes -= std::exchange(exchange_->reply_charged, 0);
+  if (!exchange_) return;
+  edge_.reply_bytes -= std::exchange(exchange_->reply_charged, 0);
+  exchange_->reply_reserved.reset();
 }
 
 void HttpConversation::refuse_body(Error error) {

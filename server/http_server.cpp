@@ -22,6 +22,7 @@
 #include "server/http_head.h"
 #include "server/http_workers.h"
 #include "server/problem.h"
+#include "server/reply_file.h"
 #include "server/request_log.h"
 
 // How cpp-httplib is used. It binds, listens and accepts, and it writes replies.
@@ -181,6 +182,7 @@ class HttpServer::Impl final : public httplib::Server {
           response.set_content(R"({"type":"/problems/internal","status":500,"code":"internal"})",
                                std::string(problem_media_type));
           current_exchange->reply_body.reset();
+          current_exchange->reply_file.reset();
           current_exchange->close = true;
         });
   }
@@ -247,6 +249,7 @@ class HttpServer::Impl final : public httplib::Server {
     current_exchange = nullptr;
     exchange.failed = !written;
     if (written && exchange.reply_body) exchange.connection.queue(std::move(exchange.reply_body));
+    if (written && exchange.reply_file) exchange.connection.queue(std::move(exchange.reply_file));
   }
 
   HttpResponse handle(Exchange& exchange) {
@@ -274,7 +277,8 @@ class HttpServer::Impl final : public httplib::Server {
           Error{ErrorCode::overloaded, "too many replies are being streamed", {}, {}, {}},
           exchange.request);
     }
-    if (reply.body && !is_head && !charge_reply(exchange, reply.body->size())) {
+    if (reply.file) reply.body = nullptr;
+    if (reply.body && !reply.reserved && !is_head && !charge_reply(exchange, reply.body->size())) {
       reply = HttpResponse::problem(
           Error{ErrorCode::overloaded, "too many replies wait for their clients", {}, {}, {}},
           exchange.request);
@@ -287,7 +291,7 @@ class HttpServer::Impl final : public httplib::Server {
       if (is_ours(name)) continue;
       response.set_header(without_controls(name, spare_name), without_controls(value, spare_value));
     }
-    const bool has_content = reply.stream || (reply.body && !reply.body->empty());
+    const bool has_content = reply.stream || reply.file || (reply.body && !reply.body->empty());
     const std::string type = reply.content_type.empty()
                                  ? "application/octet-stream"
                                  : without_controls(reply.content_type, spare_value);
@@ -298,9 +302,13 @@ class HttpServer::Impl final : public httplib::Server {
       exchange.omit_length = true;
     } else if (has_content) {
       response.set_header("Content-Type", type);
-      response.set_header("Content-Length", std::to_string(reply.body->size()));
+      response.set_header("Content-Length",
+                          std::to_string(reply.file ? reply.file->size() : reply.body->size()));
+      if (is_head) return;
       // Follows the head by itself: it is not copied, and no thread waits for it.
-      if (!is_head) exchange.reply_body = std::move(reply.body);
+      exchange.reply_body = std::move(reply.body);
+      exchange.reply_file = std::move(reply.file);
+      exchange.reply_reserved = std::move(reply.reserved);
     }
   }
 

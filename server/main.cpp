@@ -72,6 +72,7 @@ HttpOptions http_options(const Config& config, const Address& address, const Rou
   options.keep_alive = std::chrono::seconds(config.keep_alive_seconds);
   options.body_timeout = std::chrono::seconds(config.body_timeout_seconds);
   options.min_receive_rate = config.min_upload_rate;
+  options.max_replies_in_flight = config.reply_memory_bytes;
   options.max_body = [&routes](std::string_view method, std::string_view path) {
     return routes.max_body(method, path);
   };
