@@ -112,6 +112,11 @@ Result<Parameters> Parameters::from_json(std::string_view body) {
   return Parameters(std::move(values));
 }
 
+std::size_t Parameters::count(std::string_view name) const {
+  const auto it = values_->by_name.find(name);
+  return it == values_->by_name.end() ? 0 : it->size();
+}
+
 Result<std::vector<PointRequest>> Parameters::points(std::string_view name) {
   std::vector<PointRequest> points;
   const json* values = values_->find(name);
@@ -126,6 +131,9 @@ Result<std::vector<PointRequest>> Parameters::points(std::string_view name) {
 }
 
 Result<PointRequest> Parameters::point(std::string_view name) {
+  if (count(name) > 1) {
+    return fail(ErrorCode::bad_syntax, "this parameter takes one point", std::string(name));
+  }
   auto all = points(name);
   if (!all) {
     // The only one there can be has no number.
@@ -134,10 +142,8 @@ Result<PointRequest> Parameters::point(std::string_view name) {
     if (where.starts_with(first)) where.erase(name.size(), first.size() - name.size());
     return fail(std::move(all.error()));
   }
-  if (all->size() != 1) {
-    return fail(ErrorCode::bad_syntax,
-                all->empty() ? "this parameter is missing" : "this parameter takes one point",
-                std::string(name));
+  if (all->empty()) {
+    return fail(ErrorCode::bad_syntax, "this parameter is missing", std::string(name));
   }
   all->front().parameter = std::string(name);
   return std::move(all->front());

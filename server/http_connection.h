@@ -16,6 +16,7 @@
 
 #include "server/http_progress.h"
 #include "server/http_tls.h"
+#include "server/reply_file.h"
 #include "server/unique_fd.h"
 
 namespace geodesic::server {
@@ -72,6 +73,8 @@ class HttpConnection {
   // may anything be queued after it until it is sent).
   void queue(std::string_view bytes);
   void queue(std::shared_ptr<const std::string> bytes);
+  // A file is read as it is sent; where it cannot be read to its end, `send` is `closed`.
+  void queue(std::shared_ptr<const ReplyFile> file);
   [[nodiscard]] std::uint64_t unsent() const;
   // Sends what the socket takes; done: nothing is left.
   [[nodiscard]] Progress send();
@@ -87,6 +90,7 @@ class HttpConnection {
 
  private:
   [[nodiscard]] Progress read(char* out, std::size_t size, std::size_t& count);
+  [[nodiscard]] bool read_on();
   [[nodiscard]] Progress write(const char* data, std::size_t size, bool more, std::size_t& count);
 
   const int socket_;
@@ -101,6 +105,10 @@ class HttpConnection {
   std::size_t out_sent_ = 0;
   std::shared_ptr<const std::string> body_;  // follows `out_`
   std::size_t body_sent_ = 0;
+  std::shared_ptr<const ReplyFile> file_;  // likewise
+  std::uint64_t file_read_ = 0;
+  std::string piece_;  // of the file, being sent
+  std::size_t piece_sent_ = 0;
   std::uint64_t bytes_sent_ = 0;
 };
 

@@ -181,6 +181,7 @@ void HttpConversation::release_reply() {
   if (!exchange_) return;
   const std::uint64_t bytes = std::exchange(exchange_->reply_charged, 0);
   if (bytes != 0) edge_.replies.give_back(exchange_->request.caller.client, bytes);
+  exchange_->reply_reserved.reset();
 }
 
 void HttpConversation::refuse_body(Error error) {

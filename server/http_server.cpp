@@ -27,6 +27,7 @@
 #include "server/http_listener.h"
 #include "server/http_workers.h"
 #include "server/problem.h"
+#include "server/reply_file.h"
 #include "server/request_log.h"
 
 // How cpp-httplib is used. It binds and listens, and it writes replies. What it would make of
@@ -181,6 +182,7 @@ class HttpServer::Impl final : public httplib::Server {
           response.set_content(R"({"type":"/problems/internal","status":500,"code":"internal"})",
                                std::string(problem_media_type));
           current_exchange->reply_body.reset();
+          current_exchange->reply_file.reset();
           current_exchange->close = true;
         });
   }
@@ -261,6 +263,7 @@ class HttpServer::Impl final : public httplib::Server {
     current_exchange = nullptr;
     exchange.failed = !written;
     if (written && exchange.reply_body) exchange.connection.queue(std::move(exchange.reply_body));
+    if (written && exchange.reply_file) exchange.connection.queue(std::move(exchange.reply_file));
   }
 
   HttpResponse handle(Exchange& exchange) {
@@ -290,8 +293,9 @@ class HttpServer::Impl final : public httplib::Server {
         reply = HttpResponse::problem(begun.error(), exchange.request);
       }
     }
+    if (reply.file) reply.body = nullptr;
     // Clients that do not take what they asked for must not fill the memory with it.
-    if (reply.body && !is_head && reply.body->size() > kSmallReply) {
+    if (reply.body && !reply.reserved && !is_head && reply.body->size() > kSmallReply) {
       if (auto charged = edge_.replies.take(client, reply.body->size()); charged) {
         exchange.reply_charged = reply.body->size();
       } else {
@@ -306,7 +310,7 @@ class HttpServer::Impl final : public httplib::Server {
       if (is_ours(name)) continue;
       response.set_header(without_controls(name, spare_name), without_controls(value, spare_value));
     }
-    const bool has_content = reply.stream || (reply.body && !reply.body->empty());
+    const bool has_content = reply.stream || reply.file || (reply.body && !reply.body->empty());
     const std::string type = reply.content_type.empty()
                                  ? "application/octet-stream"
                                  : without_controls(reply.content_type, spare_value);
@@ -317,9 +321,13 @@ class HttpServer::Impl final : public httplib::Server {
       exchange.omit_length = true;
     } else if (has_content) {
       response.set_header("Content-Type", type);
-      response.set_header("Content-Length", std::to_string(reply.body->size()));
+      response.set_header("Content-Length",
+                          std::to_string(reply.file ? reply.file->size() : reply.body->size()));
+      if (is_head) return;
       // Follows the head by itself: it is not copied, and no thread waits for it.
-      if (!is_head) exchange.reply_body = std::move(reply.body);
+      exchange.reply_body = std::move(reply.body);
+      exchange.reply_file = std::move(reply.file);
+      exchange.reply_reserved = std::move(reply.reserved);
     }
   }
 

@@ -77,6 +77,7 @@ HttpOptions http_options(const Config& config, const Address& address, const Rou
   options.min_receive_rate = config.min_upload_rate;
   // One body as large as may be must have room.
   options.max_bodies_in_flight = std::max(options.max_bodies_in_flight, config.max_body_bytes);
+  options.max_replies_in_flight = config.reply_memory_bytes;
   options.max_body = [&routes](std::string_view method, std::string_view path) {
     return routes.max_body(method, path);
   };

@@ -196,6 +196,21 @@ struct Metrics::Families {
   Counter& jobs_failed = jobs_total.Add({{"outcome", "failed"}});
   Counter& jobs_cancelled = jobs_total.Add({{"outcome", "cancelled"}});
   Counter& jobs_refused = jobs_total.Add({{"outcome", "refused"}});
+  Gauge& reply_bytes = BuildGauge()
+                           .Name("geodesicd_reply_memory_bytes")
+                           .Help("Bytes reserved for large replies that are being made or sent")
+                           .Register(registry)
+                           .Add({});
+  Gauge& reply_budget = BuildGauge()
+                            .Name("geodesicd_reply_memory_budget_bytes")
+                            .Help("Bytes that large replies may take together")
+                            .Register(registry)
+                            .Add({});
+  Counter& replies_refused = BuildCounter()
+                                 .Name("geodesicd_replies_refused_total")
+                                 .Help("Replies that were not made for want of memory")
+                                 .Register(registry)
+                                 .Add({});
   Gauge& decoders = BuildGauge()
                         .Name("geodesicd_decoders")
                         .Help("Processes that decode a file")
@@ -423,6 +438,9 @@ std::string Metrics::text(const Present& present) {
   follow(f.jobs_failed, present.jobs.failed);
   follow(f.jobs_cancelled, present.jobs.cancelled);
   follow(f.jobs_refused, present.jobs.refused);
+  f.reply_bytes.Set(static_cast<double>(present.reply_memory.bytes));
+  f.reply_budget.Set(static_cast<double>(present.reply_memory.budget));
+  follow(f.replies_refused, present.reply_memory.refused);
   f.decoders.Set(static_cast<double>(present.decoders.running));
   follow(f.decoded, present.decoders.decoded);
   follow(f.decode_refused, present.decoders.refused);

@@ -15,6 +15,7 @@
 #include "server/decoder_processes.h"
 #include "server/jobs.h"
 #include "server/lru_cache.h"
+#include "server/reply_budget.h"
 #include "server/store_budget.h"
 
 namespace geodesic::server {
@@ -26,6 +27,7 @@ class Metrics {
     ComputePool::Stats pool;
     ComputeMemory::Stats memory;
     CacheStats meshes, adjacency, fields, replies;
+    ReplyBudget::Stats reply_memory;
     StoreStats store;
     Jobs::Stats jobs;
     DecoderProcesses::Stats decoders;

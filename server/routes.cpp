@@ -67,6 +67,7 @@ Routes::Routes(const Config& config, MeshCatalog& catalog, FieldQueries& queries
     : config_(config),
       cross_origin_(config.cors_origins, config.cors_write_origins),
       replies_(config.reply_cache_bytes, bytes_of),
+      reply_budget_(config.reply_memory_bytes),
       catalog_(catalog),
       queries_(queries),
       pool_(pool),
@@ -93,7 +94,6 @@ HttpResponse Routes::answer(HttpRequest& request) {
     response = refusal ? std::move(*refusal) : route(request);
     cross_origin_.allow(request, response);
   }
-  if (response.is_finished) return response;
   finish_reply(request, response);
   add_timing(*request.caller.times, response);
   return response;
@@ -207,6 +207,7 @@ std::string Routes::metrics_text() {
   present.adjacency = catalog_.adjacency_cache();
   present.fields = queries_.field_cache();
   present.replies = replies_.stats();
+  present.reply_memory = reply_budget_.stats();
   present.store = catalog_.store_stats();
   present.jobs = jobs_.stats();
   present.decoders = catalog_.decoder_stats();
@@ -237,48 +238,51 @@ HttpResponse Routes::status() {
   const ComputePool::Stats pool = pool_.stats();
   const ComputeMemory::Stats memory = pool_.memory();
   const Jobs::Stats jobs = jobs_.stats();
-  const ordered_json status{{"name", "geodesicd"},
-                            {"version", GEODESIC_VERSION},
-                            {"draining", draining_.load()},
-                            {"meshes", catalog_.size()},
-                            {"limits",
-                             {{"max_body_bytes", config->max_body_bytes},
-                              {"max_json_bytes", config->max_json_bytes},
-                              {"max_vertices", config->max_vertices},
-                              {"max_faces", config->max_faces},
-                              {"max_sources", proto::kMaxSources},
-                              {"max_points", proto::kMaxPoints},
-                              {"max_via", proto::kMaxVia},
-                              {"max_table_entries", proto::kMaxTableEntries},
-                              {"max_steiner_nodes", proto::kMaxSteinerNodes},
-                              {"max_levels", proto::kMaxLevels},
-                              {"max_isoline_segments", proto::kMaxIsolineSegments},
-                              {"max_samples", proto::kMaxSamples},
-                              {"max_jobs", config->max_jobs},
-                              {"job_result_bytes", config->job_result_bytes},
-                              {"job_seconds", config->job_seconds},
-                              {"body_timeout_seconds", config->body_timeout_seconds},
-                              {"queue", config->queue},
-                              {"query_memory_bytes", memory.limits.query},
-                              {"compute_memory_bytes", memory.limits.all}}},
-                            {"compute",
-                             {{"slots", pool.slots},
-                              {"running", pool.running},
-                              {"queued", pool.queued},
-                              {"finished", pool.finished},
-                              {"rejected", pool.rejected},
-                              {"given_up", pool.given_up},
-                              {"memory_bytes", memory.bytes}}},
-                            {"jobs",
-                             {{"queued", jobs.queued},
-                              {"running", jobs.running},
-                              {"ended", jobs.ended},
-                              {"bytes", jobs.bytes}}},
-                            {"caches",
-                             {{"meshes", cache_json(catalog_.mesh_cache())},
-                              {"adjacency", cache_json(catalog_.adjacency_cache())},
-                              {"fields", cache_json(queries_.field_cache())},
-                              {"replies", cache_json(replies_.stats())}}}};
+  const ReplyBudget::Stats replies = reply_budget_.stats();
+  const ordered_json status{
+      {"name", "geodesicd"},
+      {"version", GEODESIC_VERSION},
+      {"draining", draining_.load()},
+      {"meshes", catalog_.size()},
+      {"limits",
+       {{"max_body_bytes", config->max_body_bytes},
+        {"max_json_bytes", config->max_json_bytes},
+        {"max_vertices", config->max_vertices},
+        {"max_faces", config->max_faces},
+        {"max_sources", proto::kMaxSources},
+        {"max_points", proto::kMaxPoints},
+        {"max_via", proto::kMaxVia},
+        {"max_table_entries", proto::kMaxTableEntries},
+        {"max_steiner_nodes", proto::kMaxSteinerNodes},
+        {"max_levels", proto::kMaxLevels},
+        {"max_isoline_segments", proto::kMaxIsolineSegments},
+        {"max_samples", proto::kMaxSamples},
+        {"max_batch_lines", kMaxBatchLines},
+        {"reply_memory_bytes", config->reply_memory_bytes},
+        {"max_jobs", config->max_jobs},
+        {"job_result_bytes", config->job_result_bytes},
+        {"job_seconds", config->job_seconds},
+        {"body_timeout_seconds", config->body_timeout_seconds},
+        {"queue", config->queue}}},
+      {"compute",
+       {{"slots", pool.slots},
+        {"running", pool.running},
+        {"queued", pool.queued},
+        {"finished", pool.finished},
+        {"rejected", pool.rejected},
+        {"given_up", pool.given_up}}},
+      {"jobs",
+       {{"queued", jobs.queued},
+        {"running", jobs.running},
+        {"ended", jobs.ended},
+        {"bytes", jobs.bytes}}},
+      {"replies",
+       {{"bytes", replies.bytes}, {"budget", replies.budget}, {"refused", replies.refused}}},
+      {"caches",
+       {{"meshes", cache_json(catalog_.mesh_cache())},
+        {"adjacency", cache_json(catalog_.adjacency_cache())},
+        {"fields", cache_json(queries_.field_cache())},
+        {"replies", cache_json(replies_.stats())}}}};
   HttpResponse response = json_reply(status.dump());
   response.set_header("Cache-Control", "no-store");
   return response;

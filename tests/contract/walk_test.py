@@ -155,6 +155,7 @@ def wrong_values(operation):
         yield query + [("method", "none")], None
         yield query + [("precision", "99")], None
         yield query + [("limit", "5000")], None
+        yield query + [("deadline_ms", "0")], None
 
 
 def walk_refusals(walk, server, contract):
