@@ -8,27 +8,25 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/cancel.h"
 #include "core/chen_han_window.h"
 
 namespace geodesic::chen_han {
 
 class SeenWindows {
  public:
-  // Forgets everything; keeps memory.
-  void reset(std::size_t face_count) {
-    first_.assign(4 * face_count, kNone);
-    windows_.clear();
-  }
+  // Forgets everything; keeps memory. Of no use if the poll says to stop, here or below.
+  void reset(const Adjacency& adjacency, Poll& poll);
   // A window about to cross its edge, of length `base`, is remembered and numbered.
   // When its strip is branched, it is first cut where an earlier one is nearer, or lights
   // the same from the same place. False when nothing is left.
   //
   // No face lacks light for that: it may be the one that the earlier window came
   // through, but there the later one's way is bent back at the edge.
-  [[nodiscard]] bool enter(const Adjacency& adjacency, Window& window, double base);
+  [[nodiscard]] bool enter(Window& window, double base, Poll& poll);
 
   // Cuts it once more, by what has come since.
-  [[nodiscard]] bool trim_again(const Adjacency& adjacency, Window& window, double base) const;
+  [[nodiscard]] bool trim_again(Window& window, double base, Poll& poll) const;
 
  private:
   struct Seen {
@@ -44,10 +42,15 @@ class SeenWindows {
     Halfedge edge;
     bool mirrored;
   };
-  [[nodiscard]] static Frame frame_of(const Adjacency& adjacency, Halfedge h);
+  [[nodiscard]] Frame frame_of(Halfedge h) const {
+    return {static_cast<Halfedge>(frames_[h] >> 1U), (frames_[h] & 1U) != 0};
+  }
   [[nodiscard]] static bool cut_where_nearer(const Seen& seen, Window& window, double base);
-  [[nodiscard]] bool trim(Halfedge edge, Window& window, double base) const;
+  [[nodiscard]] bool trim(Halfedge edge, Window& window, double base, Poll& poll) const;
 
+  // By halfedge: twice that of its edge's frame, one more if it is mirrored. Looked for in the
+  // ring each time, thousands of windows over an edge of thousands of faces would take millions.
+  std::vector<std::uint64_t> frames_;
   std::vector<std::uint32_t> first_;  // by halfedge
   std::vector<Seen> windows_;
 };
