@@ -68,7 +68,6 @@ double bucket_width(std::span<const FaceRecord> faces) {
 }  // namespace
 
 void BackTracedFront::start(const SurfacePoint& source) {
-  const Vec3 at = position_of(adjacency_.mesh(), source);
   const auto places = in_all_faces(adjacency_, source);
   // Only the mesh's own faces say where a point inside one is.
   surface_ = source.at_vertex() ? adjacency_.delaunay() : adjacency_.triangulation();
@@ -110,8 +109,8 @@ void BackTracedFront::start(const SurfacePoint& source) {
         wedges.push_back({halfedge(place.face, c), face.vertex[c], tail, head, tail, head});
       }
     }
-    for (const std::uint32_t v : face.vertex) {
-      see(v, geodesic::distance(at, adjacency_.mesh().positions()[v]));
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      see(face.vertex[c], distance_to_corner(adjacency_.mesh(), place, c));
     }
   }
   std::sort(stops_.begin(), stops_.end());

@@ -20,14 +20,13 @@ class EdgeDijkstra {
         heap_(heap) {}
 
   void start(const Source& source, std::uint32_t number) {
-    const Vec3 at = position_of(adjacency_.mesh(), source.point);
     if (source.point.at_vertex()) {
       lower(source.point.vertex, source.offset, {kNone, number}, number);
     }
     for (const SurfacePoint& place : in_all_faces(adjacency_, source.point)) {
-      for (const std::uint32_t v : adjacency_.face(place.face).vertex) {
-        const double d = distance(at, adjacency_.mesh().positions()[v]);
-        lower(v, source.offset + d, {kNone, number}, number);
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        const double d = distance_to_corner(adjacency_.mesh(), place, c);
+        lower(adjacency_.face(place.face).vertex[c], source.offset + d, {kNone, number}, number);
       }
     }
   }

@@ -30,13 +30,12 @@ class Wavefront {
   // source at a vertex, straight across the face from any other. Straight lines
   // in space, they are the shortest ways there can be. Returns these vertices.
   std::vector<std::uint32_t> start(const Source& source, std::uint32_t number) {
-    const Vec3 at = position_of(adjacency_.mesh(), source.point);
     const Parents straight{kNone, number};
     if (source.point.at_vertex()) lower(source.point.vertex, source.offset, straight);
     for (const SurfacePoint& place : in_all_faces(adjacency_, source.point)) {
-      for (const std::uint32_t v : adjacency_.face(place.face).vertex) {
-        const Vec3 to = adjacency_.mesh().positions()[v];
-        lower(v, source.offset + geodesic::distance(at, to), straight);
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        lower(adjacency_.face(place.face).vertex[c],
+              source.offset + distance_to_corner(adjacency_.mesh(), place, c), straight);
       }
     }
     std::vector<std::uint32_t> first_ring;
