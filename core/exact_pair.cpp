@@ -86,10 +86,10 @@ class ExactPair {
   }
 
   // About where the path is.
-  std::optional<Path> rough_path(Field field) {
+  Result<std::optional<Path>> rough_path(Field field, const Cancel& cancel) {
     field.windows.reset();
     field.method = Method::back_traced;  // by distances alone
-    return trace_path(adjacency_, field, to_);
+    return trace_path(adjacency_, field, to_, cancel);
   }
 
  private:
@@ -111,17 +111,19 @@ Result<Pair> exact_pair(const Adjacency& adjacency, const Source& from, const Su
   Pair pair;
   pair.distance = PointArrivals(adjacency, *field).distance_at(to);
   if (!with_path || pair.distance == kUnreached) return pair;
-  const auto rough = search.rough_path(std::move(*field));
-  if (!rough) return pair;
-  FaceSet faces = faces_along(adjacency, *rough);
+  const auto rough = search.rough_path(std::move(*field), cancel);
+  if (!rough) return fail(rough.error());
+  if (!*rough) return pair;
+  FaceSet faces = faces_along(adjacency, **rough);
   for (std::uint32_t rings = 0, wanted = kRings; wanted <= kMostRings;
        wanted += kMostRings - kRings) {
     for (; rings < wanted; ++rings) faces.grow(adjacency);
     const auto near = search.field(faces, cancel.part(kFirstField, 1));
     if (!near) return fail(near.error());
-    auto path = trace_path(adjacency, *near, to);
-    if (path && from.offset + path->length <= pair.distance * (1 + kLonger)) {
-      pair.path = std::move(path);
+    auto path = trace_path(adjacency, *near, to, cancel);
+    if (!path) return fail(std::move(path.error()));
+    if (*path && from.offset + (*path)->length <= pair.distance * (1 + kLonger)) {
+      pair.path = std::move(*path);
       return pair;
     }
   }
