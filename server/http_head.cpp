@@ -106,7 +106,10 @@ std::optional<HeadError> parse_target(HttpHead& head) {
     if (!equals_ignoring_case(target.substr(0, scheme.size()), scheme)) continue;
     const std::size_t end = std::min(target.find_first_of("/?#", scheme.size()), target.size());
     head.authority = target.substr(scheme.size(), end - scheme.size());
-    if (!is_authority(head.authority)) return bad("the request target names no host");
+    // Here others take letters, digits, hyphens and dots only.
+    if (!is_authority(head.authority) || head.authority.find_first_of("_~") != std::string::npos) {
+      return bad("the request target names no host");
+    }
     target = end == target.size() ? std::string_view("/") : target.substr(end);
     break;
   }

@@ -89,7 +89,7 @@ BAD = [
         "", "/%", "/%4", "/%zz", "/%00", "/..", "/../v1/methods", "/%2e%2e/x", "/v1/../../x",
         "v1/methods", "*", "http://", "http:///x", "http://u@h/", "http://h:abc/", "http://a b/",
         "http://[::1/", "http://h..h/", "/\x00", "/\x01", "/\x7f", "/a b", "/a\tb", "ftp://h/",
-        "//h/../..", "http:/h", "://h/", "http://?", "http://h\\x/", "/#%")),
+        "//h/../..", "http:/h", "://h/", "http://?", "http://h\\x/", "http://a_b/", "http://a~b/", "/#%")),
     *(line.encode("latin-1") + b"\r\nHost: x\r\n\r\n" for line in (
         "GET", "GET /", "GET  /v1/methods HTTP/1.1", "get /v1/methods HTTP/1.1",
         "GET /v1/methods HTTP/1.1 x", "GET /v1/methods HTTP/x.1", "GET /v1/methods http/1.1",

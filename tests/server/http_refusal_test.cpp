@@ -166,6 +166,7 @@ TEST_CASE("a Host that names no host is refused, and so is an authority of a tar
     check_refused(edge, get("http://" + host + "/"), 400, "bad_syntax");
   }
   check_refused(edge, get("http:///x"), 400, "bad_syntax");
+  check_refused(edge, get("http://a_b/x"), 400, "bad_syntax");
   check_refused(edge, get("https://?x"), 400, "bad_syntax");
   for (const std::string host : {"h", "h:", "h:0", "h:65535", "127.0.0.1:80", "[::1]", "[::1]:8080",
                                  "a.b-c_d~e.", "[::ffff:1.2.3.4]"}) {
@@ -173,6 +174,7 @@ TEST_CASE("a Host that names no host is refused, and so is an authority of a tar
     RawClient client(edge.port);
     client.send("GET /x HTTP/1.1\r\nHost: " + host + "\r\n\r\n");
     CHECK(client.receive().status == 200);
+    if (host.find('_') != std::string::npos) continue;
     client.send(get("http://" + host + "/y"));
     CHECK(seen(client.receive())["path"] == "/y");
   }
