@@ -56,7 +56,7 @@ struct Config {
   std::uint64_t adjacency_cache_bytes = std::uint64_t{1536} << 20;
   std::uint64_t field_cache_bytes = std::uint64_t{768} << 20;
   std::uint64_t reply_cache_bytes = std::uint64_t{256} << 20;
-  std::uint64_t reply_memory_bytes = std::uint64_t{2} << 30;
+  std::uint64_t reply_memory_bytes = std::uint64_t{1} << 30;
 
   std::uint64_t body_timeout_seconds = 300;
   std::uint64_t min_upload_rate = std::uint64_t{1} << 10;  // bytes a second; 0: any

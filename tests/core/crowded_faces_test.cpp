@@ -1,7 +1,5 @@
 // Faces on one edge, or at one vertex, by the ten thousands: copies of a face, books, fans. They
 // are solved like other surfaces, in memory as for those, and whoever waits may leave off.
-#include "core/crowded_edges.h"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -10,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/crowded_edges.h"
 #include "core/pair_search.h"
 #include "tests/fixtures/surface.h"
 
