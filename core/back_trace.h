@@ -120,7 +120,10 @@ class BackTrace {
     if (surface_.is_even || !spread.is_wide()) return found;
     best = std::min({best, at_tail + side_not_below(face, previous_corner(c)),
                      at_head + side_not_below(face, n)});
-    return is_laid_out ? trace<true>(start, best, spread) : best;
+    // Over a side as short as that rounding says where the face is, and its ends are as good.
+    constexpr double kLeastBase2 = 1e-12;
+    const bool is_placed = base2 > kLeastBase2 * std::max(p + w, q + w);
+    return is_laid_out && is_placed ? trace<true>(start, best, spread) : best;
   }
 
   // The least of `best` and what the trace finds.

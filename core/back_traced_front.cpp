@@ -98,6 +98,9 @@ void BackTracedFront::start(const SurfacePoint& source) {
       see(face.vertex[previous_corner(c)],
           std::max(norm(to_left), side_not_below(face, previous_corner(c))));
       if (wedges.size() == kFacesInSight) continue;
+      // Beside a side as short as that, rounding says where the other one is.
+      constexpr double kLeastSide = 1e-6;
+      if (!surface_.is_even && !(length > kLeastSide * longest_side(face))) continue;
       wedges.push_back(
           wedge_over(face, halfedge(face_of(corner), next_corner(c)), right, to_right, to_left));
     }
