@@ -116,7 +116,7 @@ std::span<const Option> options() {
       Option{"reply-cache-bytes", Kind::bytes, &Config::reply_cache_bytes, "BYTES",
              "Memory for encoded replies to GET", 0, no_bound, follows},
       Option{"reply-memory-bytes", Kind::bytes, &Config::reply_memory_bytes, "BYTES",
-             "Memory for replies being made or sent; more are answered 503, larger ones 413",
+             "Memory for replies being made or sent; more are answered 503, larger ones 422",
              std::uint64_t{16} << 20, no_bound, follows},
       Option{"body-timeout-seconds", Kind::whole_number, &Config::body_timeout_seconds, "SECONDS",
              "Time for a request's body to arrive", 1, max_seconds, follows},

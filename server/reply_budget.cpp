@@ -31,7 +31,7 @@ Result<std::shared_ptr<ReplyBudget::Share>> ReplyBudget::reserve(std::uint64_t b
   Stats& stats = account_->stats;
   if (bytes > stats.budget) {
     ++stats.refused;
-    return fail_limit(ErrorCode::too_large,
+    return fail_limit(ErrorCode::too_much_memory,
                       "this reply takes more memory than the server has for replies; ask for less, "
                       "or in a binary format",
                       stats.budget, bytes);

@@ -40,7 +40,7 @@ class ReplyBudget {
 
   explicit ReplyBudget(std::uint64_t bytes);
 
-  // Errors: too_large where there is not so much in all, so that nobody need try again;
+  // Errors: too_much_memory where there is not so much in all, so that nobody need try again;
   // overloaded where others have it now.
   [[nodiscard]] Result<std::shared_ptr<Share>> reserve(std::uint64_t bytes);
 

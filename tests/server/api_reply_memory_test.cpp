@@ -36,7 +36,7 @@ TEST_CASE("AReplyBudgetIsSharedAndGivenBack") {
   CHECK(second.error().code == ErrorCode::overloaded);  // another time it may fit
   const auto never = budget.reserve(101);
   REQUIRE_FALSE(never);
-  CHECK(never.error().code == ErrorCode::too_large);
+  CHECK(never.error().code == ErrorCode::too_much_memory);
   CHECK(never.error().limit == 100);
   CHECK(never.error().actual == 101);
   (*first)->shrink(60);
@@ -57,7 +57,7 @@ TEST_CASE("AReplyThatNeverFitsIsRefusedForGoodAndNamesTheLimit") {
   PlaneService plane(with_reply_memory(1'000'000));
   const std::string base = plane.add(shapes::plane(200, 150));
   const HttpResponse refused = plane.service.get(base + "/distance?from=v:0");
-  check_problem(refused, 413, "too_large");
+  check_problem(refused, 422, "too_much_memory");
   CHECK(body_of(refused)["limit"] == 1'000'000);
   CHECK(body_of(refused)["actual"] > 1'000'000);
   CHECK(header_of(refused, "Retry-After").empty());
