@@ -17,11 +17,10 @@ namespace {
 // rounding: on a flat grid no vertex is one.
 constexpr double kSaddle = 1e-12;
 
-// Whether one of the two sides that meet in a corner is far shorter than another side.
-bool is_beside_short_side(const FaceRecord& face, std::uint32_t c) {
-  const double least2 = std::min(face.length2(c), face.length2(previous_corner(c)));
-  const double most2 = std::max(face.length2(c), face.length2(next_corner(c)));
-  return least2 < kShort * kShort * most2;
+// Whether a face is so thin, or one of its sides so short, that rounding decides by which side of
+// a corner a ray goes past it. Paths may bend at its corners then, whatever the angles there.
+bool is_thin(const FaceRecord& face) {
+  return !(face.area2 > kThin * face.length2(face.longest_side()));
 }
 
 }  // namespace
@@ -115,7 +114,7 @@ bool Front::bends_by_its_faces(std::uint32_t vertex) const {
     if (skipped(face_of(corner))) continue;
     const FaceRecord& face = adjacency_.face(face_of(corner));
     const std::uint32_t c = corner_of(corner);
-    if (is_beside_short_side(face, c)) return true;
+    if (is_thin(face)) return true;
     angles += std::atan2(face.area2, face.dot[c]);
     for (const Halfedge side : {corner, halfedge(face_of(corner), previous_corner(c))}) {
       std::uint32_t across = 0;
