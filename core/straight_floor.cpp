@@ -17,7 +17,7 @@ class StraightLines {
   StraightLines(const Mesh& mesh, Field& field)
       : positions_(mesh.positions()), distance_(field.distance.doubles()), field_(field) {
     for (const Source& source : field.sources) {
-      sources_.push_back({position_of(mesh, source.point), source.offset});
+      sources_.push_back(from(mesh, source));
     }
   }
 
@@ -25,7 +25,7 @@ class StraightLines {
     const std::uint32_t number = field_.nearest_source.empty() ? 0 : field_.nearest_source[v];
     if (number >= sources_.size()) return;  // not reached
     const From& source = sources_[number];
-    const Vec3 line = positions_[v] - source.position;
+    const Vec3 line = (positions_[v] - source.corner) - source.beyond;
     const double over_surface = distance_[v] - source.offset;
     if (!(over_surface * over_surface < dot(line, line))) return;
     const double straight = norm(line);
@@ -38,9 +38,9 @@ class StraightLines {
       return;
     }
     // Nearly always, and nearly nothing is to be raised.
-    const Vec3 from = sources_[0].position;
+    const From& source = sources_[0];
     for (std::uint32_t v = begin; v < end; ++v) {
-      const Vec3 line = positions_[v] - from;
+      const Vec3 line = (positions_[v] - source.corner) - source.beyond;
       if (distance_[v] * distance_[v] < dot(line, line)) [[unlikely]]
         raise(v);
     }
@@ -48,10 +48,23 @@ class StraightLines {
   [[nodiscard]] bool is_any_below() const { return is_any_below_; }
 
  private:
+  // Where a source is, from a corner of its face: its position itself would be rounded as
+  // coarsely as the mesh lies far from the origin.
   struct From {
-    Vec3 position;
+    Vec3 corner;
+    Vec3 beyond;  // from there to the source
     double offset;
   };
+  static From from(const Mesh& mesh, const Source& source) {
+    const SurfacePoint& point = source.point;
+    const auto positions = mesh.positions();
+    if (point.at_vertex()) return {positions[point.vertex], {}, source.offset};
+    const Triangle& t = mesh.faces()[point.face];
+    const Vec3 corner = positions[t[0]];
+    return {corner,
+            point.bary[1] * (positions[t[1]] - corner) + point.bary[2] * (positions[t[2]] - corner),
+            source.offset};
+  }
   std::span<const Vec3> positions_;
   std::span<double> distance_;
   const Field& field_;
