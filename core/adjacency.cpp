@@ -8,6 +8,8 @@
 #include "core/corner_lists.h"
 #include "core/intrinsic_delaunay.h"
 #include "core/polled_fill.h"
+#include "core/polled_sort.h"
+#include "core/unfold_rounding.h"
 
 namespace geodesic {
 namespace {
@@ -77,7 +79,9 @@ void Adjacency::fill_geometry(Poll& poll) {
     // large part of a needle's.
     const std::uint32_t longest = record.longest_side();
     record.area2 = norm(cross(side[next_corner(longest)], side[previous_corner(longest)]));
+    has_flat_faces_ = has_flat_faces_ || is_lower_than(kFlat, record);
   }
+  is_even_ = is_even(faces_, poll);
 }
 
 void Adjacency::fill_corners(Poll& poll) {
@@ -100,11 +104,13 @@ void Adjacency::fill_rings(Poll& poll) {
     return std::tie(a.far_end, a.opposite, a.h) < std::tie(b.far_end, b.opposite, b.h);
   };
   std::vector<EdgeSide> sides;
+  std::vector<EdgeSide> spare;
   double total_length = 0;
   std::uint64_t duplicate_sides = 0;
   for (std::uint32_t v = 0; v < mesh_->vertex_count() && !poll.cancelled(); ++v) {
     sides.clear();
     for (const std::uint32_t corner : corners(v)) {
+      if (poll.cancelled()) return;
       const std::uint32_t f = face_of(corner);
       const std::uint32_t c = corner_of(corner);
       const std::uint32_t ahead = faces_[f].vertex[next_corner(c)];
@@ -112,7 +118,8 @@ void Adjacency::fill_rings(Poll& poll) {
       if (ahead > v) sides.push_back({ahead, behind, corner});
       if (behind > v) sides.push_back({behind, ahead, halfedge(f, previous_corner(c))});
     }
-    std::sort(sides.begin(), sides.end(), earlier);
+    polled_sort(sides, 0, sides.size(), earlier, spare, poll);
+    if (poll.stopped()) return;
     for (std::size_t begin = 0; begin < sides.size();) {
       std::size_t end = begin + 1;
       while (end < sides.size() && sides[end].far_end == sides[begin].far_end) {
@@ -128,6 +135,7 @@ void Adjacency::fill_rings(Poll& poll) {
       ++report_.edges;
       if (end - begin == 1) ++report_.edges_boundary;
       if (end - begin > 2) ++report_.edges_non_manifold;
+      is_crowded_ = is_crowded_ || end - begin > Triangulation::kCrowd;
       const auto goes_out = [&](std::size_t i) {
         return faces_[face_of(sides[i].h)].vertex[corner_of(sides[i].h)] == v;
       };
@@ -144,7 +152,7 @@ void Adjacency::fill_rings(Poll& poll) {
 
 // The faces that can be reached from the vertex's first face by crossing edges
 // that end in the vertex.
-std::size_t Adjacency::faces_in_first_fan(std::uint32_t vertex) const {
+std::size_t Adjacency::faces_in_first_fan(std::uint32_t vertex, Poll& poll) const {
   const auto all = corners(vertex);
   const auto other_side = [&](Halfedge side) {
     // The other edge of the same face that ends in the vertex.
@@ -158,7 +166,7 @@ std::size_t Adjacency::faces_in_first_fan(std::uint32_t vertex) const {
   bool manifold = true;
   const Halfedge first = all.front();
   for (Halfedge side : {first, other_side(first)}) {
-    for (;;) {
+    while (!poll.cancelled()) {
       const Halfedge across = ring(side);
       if (across == side) break;  // boundary
       if (ring(across) != side) {
@@ -183,7 +191,7 @@ std::size_t Adjacency::faces_in_first_fan(std::uint32_t vertex) const {
     seen[i] = true;
   };
   reach(face_of(first));
-  for (std::size_t i = 0; i < reached.size(); ++i) {
+  for (std::size_t i = 0; i < reached.size() && !poll.cancelled(); ++i) {
     const Halfedge side = all[reached[i]];
     reach(face_of(ring(side)));
     reach(face_of(ring(other_side(side))));
@@ -194,7 +202,8 @@ std::size_t Adjacency::faces_in_first_fan(std::uint32_t vertex) const {
 void Adjacency::find_pinched_vertices(Poll& poll) {
   for (std::uint32_t v = 0; v < mesh_->vertex_count() && !poll.cancelled(); ++v) {
     const std::size_t all = corners(v).size();
-    if (all < 2 || faces_in_first_fan(v) == all) continue;
+    if (all < 2 || faces_in_first_fan(v, poll) == all) continue;
+    if (poll.stopped()) return;
     if (pinched_.empty()) pinched_.assign(mesh_->vertex_count(), false);
     pinched_[v] = true;
     ++report_.vertices_pinched;
@@ -225,7 +234,7 @@ void Adjacency::count_boundary_loops(Poll& poll) {
   const auto on_boundary = [this](Halfedge h) { return ring(h) == h; };
   const auto follow = [&](Halfedge boundary, std::uint32_t pivot) {
     Halfedge h = boundary;
-    for (;;) {
+    while (!poll.cancelled()) {
       // The other edge at the pivot in the same face.
       const std::uint32_t f = face_of(h);
       const std::uint32_t c = corner_of(h);

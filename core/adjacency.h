@@ -66,7 +66,7 @@ class Adjacency {
   // The faces of the mesh, and those that cut the same surface up best for what is
   // computed from triangle to triangle: the same where nothing was to be improved.
   [[nodiscard]] Triangulation triangulation() const {
-    return {faces_, corner_begin_, corners_, is_oriented_};
+    return {faces_, corner_begin_, corners_, is_oriented_, is_even_, has_flat_faces_, is_crowded_};
   }
   [[nodiscard]] Triangulation delaunay() const;
 
@@ -89,7 +89,7 @@ class Adjacency {
   void fill_corners(Poll& poll);
   void fill_rings(Poll& poll);
   void find_pinched_vertices(Poll& poll);
-  [[nodiscard]] std::size_t faces_in_first_fan(std::uint32_t vertex) const;
+  [[nodiscard]] std::size_t faces_in_first_fan(std::uint32_t vertex, Poll& poll) const;
   void count_components(Poll& poll);
   void count_boundary_loops(Poll& poll);
 
@@ -99,6 +99,9 @@ class Adjacency {
   std::vector<std::uint32_t> corner_begin_;  // vertex_count + 1
   std::vector<std::uint32_t> corners_;
   bool is_oriented_ = true;
+  bool is_even_ = false;
+  bool has_flat_faces_ = false;
+  bool is_crowded_ = false;
   std::vector<bool> pinched_;                          // per vertex; empty when no vertex is
   std::shared_ptr<const IntrinsicDelaunay> delaunay_;  // null when no edge was flipped
   TopologyReport report_;

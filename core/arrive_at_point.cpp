@@ -6,6 +6,7 @@
 #include "core/edge_points.h"
 #include "core/fast_marching.h"
 #include "core/novotni.h"
+#include "core/side_length.h"
 #include "core/virtual_source.h"
 #include "core/window_light.h"
 
@@ -53,25 +54,41 @@ bool has_no_parents(Method method) {
          method == Method::back_traced || has_windows(method);
 }
 
+// The squared lengths of a face's sides, from the one that starts at corner 0.
+using Sides2 = std::array<double, 3>;
+
+Sides2 sides_of(const Adjacency& adjacency, std::uint32_t f) {
+  // Half of the digits: no product of two sides is greater than the greatest of their squares.
+  constexpr double kLeft = 1e-9;
+  const FaceRecord& face = adjacency.face(f);
+  Sides2 side2{face.length2(0), face.length2(1), face.length2(2)};
+  const double least = std::min(std::min(side2[0], side2[1]), side2[2]);
+  if (!(least > kLeft * (side2[0] + side2[1] + side2[2]))) [[unlikely]] {
+    for (std::uint32_t c = 0; c < 3; ++c) side2[c] = side_length2(adjacency, f, c);
+  }
+  return side2;
+}
+
 // Squared distance between two points of a face; differences of weights add up to
 // zero, so |sum u_i x_i|^2 = -sum over sides u_i u_j |x_i - x_j|^2.
-double squared_distance(const FaceRecord& face, const Weights& a, const Weights& b) {
+double squared_distance(const Sides2& side2, const Weights& a, const Weights& b) {
   double sum = 0;
   for (std::uint32_t c = 0; c < 3; ++c) {
     const std::uint32_t n = next_corner(c);
-    sum -= (a[c] - b[c]) * (a[n] - b[n]) * face.length2(c);
+    sum -= (a[c] - b[c]) * (a[n] - b[n]) * side2[c];
   }
   return std::max(sum, 0.0);
 }
 
 // The point as an apex over the side that starts at corner c.
-UnfoldedApex apex_at(const FaceRecord& face, std::uint32_t c, const Weights& bary) {
+UnfoldedApex apex_at(const FaceRecord& face, const Sides2& side2, std::uint32_t c,
+                     const Weights& bary) {
   const std::uint32_t n = next_corner(c);
   const double above = bary[previous_corner(c)];
   const double base2 = face.length2(c);
   return {bary[n] * base2 + above * face.dot[c], bary[c] * base2 + above * face.dot[n],
-          above * face.area2, squared_distance(face, bary, weights_at_corner(c)),
-          squared_distance(face, bary, weights_at_corner(n))};
+          above * face.area2, squared_distance(side2, bary, weights_at_corner(c)),
+          squared_distance(side2, bary, weights_at_corner(n))};
 }
 
 StepBack to_vertex(const FaceRecord& face, std::uint32_t f, std::uint32_t corner,
@@ -134,7 +151,9 @@ int PointArrivals::steps_to_go(const StepBack& step) const {
   if (step.to == StepBack::To::source) return 0;
   const FaceRecord& face = adjacency_.face(step.face);
   const double largest2 = std::max({face.length2(0), face.length2(1), face.length2(2)});
-  if (!(squared_distance(face, step.start, step.bary) > kStays2 * largest2)) return 3;
+  if (!(squared_distance(sides_of(adjacency_, step.face), step.start, step.bary) >
+        kStays2 * largest2))
+    return 3;
   return step.to == StepBack::To::vertex ? 1 : 2;
 }
 
@@ -166,14 +185,15 @@ Arrival PointArrivals::over_base(std::uint32_t p, std::uint32_t q, const Unfolde
 }
 
 StepBack PointArrivals::from_sources_in_face(const SurfacePoint& place) const {
-  const FaceRecord& face = adjacency_.face(place.face);
   StepBack best;
   const auto first =
       std::lower_bound(source_places_.begin(), source_places_.end(), place.face,
                        [](const SourcePlace& source, std::uint32_t f) { return source.face < f; });
+  if (first == source_places_.end() || first->face != place.face) return best;
+  const Sides2 side2 = sides_of(adjacency_, place.face);
   for (auto it = first; it != source_places_.end() && it->face == place.face; ++it) {
-    const double d =
-        field_.sources[it->source].offset + std::sqrt(squared_distance(face, place.bary, it->bary));
+    const double d = field_.sources[it->source].offset +
+                     std::sqrt(squared_distance(side2, place.bary, it->bary));
     if (d < best.distance) {
       best.to = StepBack::To::source;
       best.distance = d;
@@ -206,18 +226,20 @@ double PointArrivals::below(const SurfacePoint& place) const {
 }
 
 StepBack PointArrivals::straight_in_face(const SurfacePoint& place, double limit) const {
+  const Sides2 side2 = sides_of(adjacency_, place.face);
   const FaceRecord& face = adjacency_.face(place.face);
   StepBack best = from_sources_in_face(place);
   for (std::uint32_t c = 0; c < 3; ++c) {
     const double d = field_.distance[face.vertex[c]];
     if (!(d < limit)) continue;
-    const double along = d + std::sqrt(squared_distance(face, place.bary, weights_at_corner(c)));
+    const double along = d + std::sqrt(squared_distance(side2, place.bary, weights_at_corner(c)));
     if (along < best.distance) best = to_vertex(face, place.face, c, place.bary, along);
   }
   return best;
 }
 
 StepBack PointArrivals::through_graph(const SurfacePoint& place) const {
+  const Sides2 side2 = sides_of(adjacency_, place.face);
   const FaceRecord& face = adjacency_.face(place.face);
   const double limit = below(place);
   StepBack best = straight_in_face(place, limit);
@@ -234,7 +256,7 @@ StepBack PointArrivals::through_graph(const SurfacePoint& place) const {
       Weights bary{0, 0, 0};
       bary[high] = (double(i) + 1) / (double(points.per_edge) + 1);
       bary[low] = 1 - bary[high];
-      const double through = d + std::sqrt(squared_distance(face, place.bary, bary));
+      const double through = d + std::sqrt(squared_distance(side2, place.bary, bary));
       if (!(through < best.distance)) continue;
       best.to = StepBack::To::edge;
       best.distance = through;
@@ -259,7 +281,8 @@ StepBack PointArrivals::through_windows(const SurfacePoint& place) const {
   double at_end = kAtEndSurely;
   if (std::min(way.crossing, 1 - way.crossing) < kAtEnd) {
     const double by_end = field_.distance[face.vertex[end]] +
-                          std::sqrt(squared_distance(face, place.bary, weights_at_corner(end)));
+                          std::sqrt(squared_distance(sides_of(adjacency_, place.face), place.bary,
+                                                     weights_at_corner(end)));
     if (by_end <= way.distance * (1 + kTie)) at_end = kAtEnd;
   }
   return over_side(face, place.face, way.corner, place.bary, {way.distance, Fig4::a, way.crossing},
@@ -269,19 +292,20 @@ StepBack PointArrivals::through_windows(const SurfacePoint& place) const {
 StepBack PointArrivals::through_face(const SurfacePoint& place) const {
   if (field_.method == Method::steiner) return through_graph(place);
   if (has_windows(field_.method)) return through_windows(place);
+  const Sides2 side2 = sides_of(adjacency_, place.face);
   const FaceRecord& face = adjacency_.face(place.face);
   StepBack best = from_sources_in_face(place);
   const double limit = below(place);
   for (std::uint32_t c = 0; c < 3; ++c) {
     const double d = field_.distance[face.vertex[c]];
     if (d == kUnreached) continue;
-    const double along = d + std::sqrt(squared_distance(face, place.bary, weights_at_corner(c)));
+    const double along = d + std::sqrt(squared_distance(side2, place.bary, weights_at_corner(c)));
     if (along < best.distance && d < limit) {
       best = to_vertex(face, place.face, c, place.bary, along);
     }
     const double d_next = field_.distance[face.vertex[next_corner(c)]];
     if (d_next == kUnreached || place.bary[previous_corner(c)] == 0) continue;
-    const UnfoldedApex apex = apex_at(face, c, place.bary);
+    const UnfoldedApex apex = apex_at(face, side2, c, place.bary);
     const Arrival arrival = over_base(face.vertex[c], face.vertex[next_corner(c)], apex);
     if (!(arrival.distance < best.distance)) continue;
     const double at_end = field_.distance.are_floats() ? rounded_at_end(face, c, arrival) : kAtEnd;
@@ -370,10 +394,11 @@ std::vector<StepBack> PointArrivals::to_lesser_vertex(std::uint32_t vertex) cons
 
 StepBack PointArrivals::to_end_of_side(std::uint32_t f, std::uint32_t c,
                                        const std::array<double, 3>& start) const {
+  const Sides2 side2 = sides_of(adjacency_, f);
   const FaceRecord& face = adjacency_.face(f);
   const auto by = [&](std::uint32_t corner) {
     return field_.distance[face.vertex[corner]] +
-           std::sqrt(squared_distance(face, start, weights_at_corner(corner)));
+           std::sqrt(squared_distance(side2, start, weights_at_corner(corner)));
   };
   const std::uint32_t n = next_corner(c);
   const double by_first = by(c);

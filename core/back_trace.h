@@ -13,6 +13,11 @@
 // edges so far. An apex inside the funnel is in sight of w: its distance and the
 // straight line from it are the length of a path on the surface. After K faces the two
 // circles of the paper (section 3.2) round the last edge's ends give the virtual source.
+//
+// Where the sides on the way differ by many powers of ten, rounding may turn what is unfolded:
+// a corner off by a hair, at the end of a side that is no longer than some hairs. Such a trace
+// begins anew, with care: it keeps account of how far what it unfolded may be turned, adds what
+// that may take from a length, and ends before an edge that says nothing of a direction any more.
 #pragma once
 
 #include <algorithm>
@@ -20,9 +25,13 @@
 #include <cstdint>
 #include <span>
 
+#include "core/crowded_edges.h"
 #include "core/face_record.h"
 #include "core/field.h"
+#include "core/side_not_below.h"
+#include "core/surface_point.h"
 #include "core/triangulation.h"
+#include "core/unfold_rounding.h"
 #include "core/vec2.h"
 
 namespace geodesic {
@@ -70,14 +79,13 @@ class BackTrace {
 
   // A virtual source nearer than this part of the best path would be of two sources.
   static constexpr double kLeastOfBest = 0.9;
-  // … and from inside the first face, where no vertex need be near the way.
-  static constexpr double kLeastWithinFace = 0.7;  // across a square, between its sides: 0.71
 
-  // `distance` has an entry per vertex, kUnreached where there is none yet; `stops` are
-  // the faces that have a source in them, ascending. All must outlive this object.
+  // `distance` has an entry per vertex, kUnreached where there is none yet; `stops` are the
+  // source's places in the faces that have it in them, by ascending faces. All must outlive
+  // this object, as must what it knows of crowded edges.
   BackTrace(const Triangulation& surface, std::span<const double> distance,
-            std::span<const std::uint32_t> stops, Takes takes)
-      : surface_(surface), distance_(distance), stops_(stops), takes_(takes) {}
+            std::span<const SurfacePoint> stops, Takes takes, const CrowdedEdges* crowds = nullptr)
+      : surface_(surface), distance_(distance), stops_(stops), takes_(takes), crowds_(crowds) {}
 
   // The least of `best`, of the ways along both sides of the face of `base` to the vertex
   // opposite it, and of what the trace from there finds, over the base at `crossing`: 0 at
@@ -90,45 +98,63 @@ class BackTrace {
     const double q = face.dot[n];
     const double w = face.dot[previous_corner(c)];
     const double area = face.area2;
-    best = std::min(best, distance_[face.vertex[c]] + std::sqrt(std::max(p + w, 0.0)));
-    best = std::min(best, distance_[face.vertex[n]] + std::sqrt(std::max(q + w, 0.0)));
+    const double at_tail = distance_[face.vertex[c]];
+    const double at_head = distance_[face.vertex[n]];
     // Over the base as the x axis, times its length, w is at (p, area); the ray runs to
     // where it crosses the base from there.
     const double base2 = p + q;
     const double across = crossing * base2;
     const double along = across - p;
     const double scale = 1.0 / (std::sqrt(along * along + area * area) * std::sqrt(base2));
+    const TraceStart start{base,
+                           face.vertex[c],
+                           face.vertex[n],
+                           {scale * (area * area - p * along), scale * (-area * across)},
+                           {scale * (area * area + q * along), scale * (area * (base2 - across))}};
     // No number where the face is too thin to say.
-    if (!(scale * (area * area - p * along) < kUnreached)) return best;
-    return least({base,
-                  face.vertex[c],
-                  face.vertex[n],
-                  {scale * (area * area - p * along), scale * (-area * across)},
-                  {scale * (area * area + q * along), scale * (area * (base2 - across))}},
-                 best);
+    const bool is_laid_out = start.to_right.x < kUnreached;
+    Spread spread{std::max({p + w, q + w, base2}), std::min({p + w, q + w, base2}), 0};
+    double found = std::min({best, at_tail + std::sqrt(std::max(p + w, 0.0)),
+                             at_head + std::sqrt(std::max(q + w, 0.0))});
+    if (is_laid_out) found = trace<false>(start, found, spread);
+    if (surface_.is_even || !spread.is_wide()) return found;
+    best = std::min({best, at_tail + side_not_below(face, previous_corner(c)),
+                     at_head + side_not_below(face, n)});
+    // Over a side as short as that rounding says where the face is, and its ends are as good.
+    constexpr double kLeastBase2 = 1e-12;
+    const bool is_placed = base2 > kLeastBase2 * std::max(p + w, q + w);
+    return is_laid_out && is_placed ? trace<true>(start, best, spread) : best;
   }
 
   // The least of `best` and what the trace finds.
   [[nodiscard]] double least(const TraceStart& start, double best) const {
-    Trace trace{start.to_right,           start.to_left,         start.to_right, start.to_left,
-                distance_[start.right],   distance_[start.left], start.right,    start.edge,
-                surface_.ring(start.edge)};
-    best = look_back(trace, Reach::near, best);
-    if (trace.ends == Ends::at_border) return best;
-    double straight = straight_to_virtual_source(trace, best);
-    if (trace.ends == Ends::nowhere && is_unsure(trace, straight, best)) {
-      best = look_back(trace, Reach::far, best);
-      if (trace.ends == Ends::at_border) return best;
-      straight = straight_to_virtual_source(trace, best);
+    Spread spread = spread_of(start);
+    const double found = trace<false>(start, best, spread);
+    return surface_.is_even || !spread.is_wide() ? found : trace<true>(start, best, spread);
+  }
+
+  // What was unfolded, by the squares of lengths.
+  struct Spread {
+    double farthest2;  // from the origin, or the longest side of the first face
+    double start2;     // the shortest side of the first face
+    double finest;     // one over the shortest of the edges that were crossed after that
+
+    [[nodiscard]] bool is_wide() const {
+      return farthest2 * finest > UnfoldRounding::kMostSpread2 ||
+             !(farthest2 <= UnfoldRounding::kMostSpread2 * start2);
     }
-    // From the source's own face that is where the source is.
-    const bool is_path = trace.ends == Ends::at_source;
-    return takes_ == Takes::virtual_sources || is_path ? std::min(best, straight) : best;
+  };
+  [[nodiscard]] static Spread spread_of(const TraceStart& start) {
+    const Vec2 base = start.to_left - start.to_right;
+    const double right2 = dot(start.to_right, start.to_right);
+    const double left2 = dot(start.to_left, start.to_left);
+    const double base2 = dot(base, base);
+    return {std::max({right2, left2, base2}), std::min({right2, left2, base2}), 0};
   }
 
  private:
   // What stopped a trace before it had gone over as many faces as it may.
-  enum class Ends : std::uint8_t { nowhere, at_border, at_source, where_distances_grow };
+  enum class Ends : std::uint8_t { nowhere, at_border, at_source, where_distances_grow, lost };
 
   struct Trace {
     Vec2 right, left;
@@ -138,20 +164,48 @@ class BackTrace {
     Halfedge edge, across;
     int faces = 0;
     Ends ends = Ends::nowhere;
+    // With care only: by how much the edge ahead may be turned or scaled about one of its ends,
+    // and by how much its ends may be off besides.
+    double turn = 0;
+    double rounding = 0;
   };
 
+  template <bool kCareful>
+  [[nodiscard]] double trace(const TraceStart& start, double best, Spread& spread) const {
+    Trace trace{start.to_right,           start.to_left,         start.to_right, start.to_left,
+                distance_[start.right],   distance_[start.left], start.right,    start.edge,
+                surface_.ring(start.edge)};
+    if constexpr (kCareful) {
+      spread = spread_of(start);
+      const FaceRecord& face = surface_.faces[face_of(start.edge)];
+      take_account(trace, UnfoldRounding::of_corner(face, std::sqrt(spread.farthest2)));
+    }
+    best = look_back<kCareful>(trace, Reach::near, best, spread);
+    if (trace.ends != Ends::nowhere && trace.ends != Ends::where_distances_grow) return best;
+    double straight = straight_to_virtual_source(trace, best);
+    if (trace.ends == Ends::nowhere && (kCareful || is_unsure(trace, straight, best))) {
+      best = look_back<kCareful>(trace, Reach::far, best, spread);
+      if (trace.ends != Ends::nowhere && trace.ends != Ends::where_distances_grow) return best;
+      straight = straight_to_virtual_source(trace, best);
+    }
+    // Of a virtual source no account is kept: how far it is off depends on both distances.
+    return !kCareful && takes_ == Takes::virtual_sources ? std::min(best, straight) : best;
+  }
+
   // Goes on over the faces; the least of `best` and the ways past their vertices.
-  [[nodiscard]] double look_back(Trace& t, Reach reach, double best) const {
+  template <bool kCareful>
+  [[nodiscard]] double look_back(Trace& t, Reach reach, double best, Spread& spread) const {
     for (const int most = most_faces(takes_, reach); t.faces < most; ++t.faces) {
       if (t.across == t.edge) {
         t.ends = Ends::at_border;
         return best;
       }
-      if (surface_.ring(t.across) != t.edge) t.across = nearest_beyond(t.edge);
-      if (!stops_.empty() && std::binary_search(stops_.begin(), stops_.end(), face_of(t.across))) {
-        t.ends = Ends::at_source;
-        return best;
+      if (kCareful && !(t.turn <= UnfoldRounding::kMostTurn)) {
+        t.ends = Ends::lost;
+        return std::min(best, along_edge(t, spread));
       }
+      if (surface_.ring(t.across) != t.edge) t.across = nearest_beyond(t.edge);
+      const SurfacePoint* const stop = stop_in(face_of(t.across));
       const FaceRecord& face = surface_.faces[face_of(t.across)];
       const std::uint32_t c = corner_of(t.across);
       const std::uint32_t n = next_corner(c);
@@ -160,7 +214,7 @@ class BackTrace {
       // Past the source, and where waves meet, distances grow; but over one thin face they
       // may as well.
       const bool may_be_farther = t.faces == 0 && at_apex < kUnreached;
-      if (!(at_apex < std::max(t.at_right, t.at_left)) && !may_be_farther) {
+      if (stop == nullptr && !(at_apex < std::max(t.at_right, t.at_left)) && !may_be_farther) {
         t.ends = Ends::where_distances_grow;
         return best;
       }
@@ -172,9 +226,32 @@ class BackTrace {
       const Vec2 base = t.left - t.right;
       const Vec2 to_apex{t.right.x + along * base.x + height * base.y,
                          t.right.y + along * base.y - height * base.x};
+      const double apex2 = dot(to_apex, to_apex);
+      spread.farthest2 = std::max(spread.farthest2, apex2);
+      spread.finest = std::max(spread.finest, per_base2);
+      double rounding = 0;
+      if constexpr (kCareful) {
+        rounding = UnfoldRounding::of_corner(face, std::sqrt(spread.farthest2));
+      }
+      if (stop != nullptr) {
+        t.ends = Ends::at_source;
+        const double at_right = stop->bary[forward ? c : n];
+        const double at_left = stop->bary[forward ? n : c];
+        const Vec2 to_source = at_right * t.right + at_left * t.left + stop->bary[apex] * to_apex;
+        const bool in_sight =
+            cross(to_source, t.left_bound) >= 0 && cross(t.right_bound, to_source) >= 0;
+        const double straight = norm(to_source);
+        return in_sight
+                   ? std::min(best, straight + may_lack<kCareful>(t, rounding, straight, spread))
+                   : best;
+      }
       const bool within_left = cross(to_apex, t.left_bound) >= 0;
       const bool within_right = cross(t.right_bound, to_apex) >= 0;
-      if (within_left && within_right) best = std::min(best, at_apex + norm(to_apex));
+      if (within_left && within_right) {
+        const double straight = std::sqrt(apex2);
+        best =
+            std::min(best, at_apex + straight + may_lack<kCareful>(t, rounding, straight, spread));
+      }
       if (to_apex.y > 0) {
         t.left = to_apex;
         t.at_left = at_apex;
@@ -188,13 +265,45 @@ class BackTrace {
         t.edge = halfedge(face_of(t.across), forward ? n : apex);
       }
       t.across = surface_.ring(t.edge);
+      if constexpr (kCareful) take_account(t, rounding);
     }
     return best;
   }
 
+  // The place of the source in that face, if it is there.
+  [[nodiscard]] const SurfacePoint* stop_in(std::uint32_t face) const {
+    const auto at =
+        std::lower_bound(stops_.begin(), stops_.end(), face,
+                         [](const SurfacePoint& s, std::uint32_t f) { return s.face < f; });
+    return at != stops_.end() && at->face == face ? &*at : nullptr;
+  }
+
+  // What is unfolded beyond the edge is as if turned about one of its ends.
+  static void take_account(Trace& t, double rounding) {
+    t.rounding = rounding;
+    t.turn += rounding / norm(t.left - t.right);
+  }
+  template <bool kCareful>
+  [[nodiscard]] static double may_lack(const Trace& t, double rounding, double straight,
+                                       const Spread& spread) {
+    if constexpr (!kCareful) return 0;
+    return UnfoldRounding::lack(straight, std::sqrt(spread.farthest2), t.turn, rounding);
+  }
+  // The way along the ray to the edge, and along that to one of its ends.
+  [[nodiscard]] double along_edge(const Trace& t, const Spread& spread) const {
+    const Vec2 edge = t.left - t.right;
+    const double share = t.right.y < 0 ? t.right.y / (t.right.y - t.left.y) : 0;
+    const double length = norm(edge);
+    const double straight = std::abs(t.right.x + share * edge.x);
+    const double lack = UnfoldRounding::lack(straight, std::sqrt(spread.farthest2),
+                                             UnfoldRounding::kMostTurn, t.rounding);
+    return straight + lack +
+           std::min(t.at_right + share * length, t.at_left + (1 - share) * length);
+  }
+
   // The distance of the point where the two circles round the ends of the trace's edge
-  // meet; in the face of a source itself they meet in the source. kUnreached where they
-  // do not, and with virtual sources, where that point is not to be taken for one.
+  // meet. kUnreached where they do not, and with virtual sources, where that point is not to be
+  // taken for one.
   [[nodiscard]] double straight_to_virtual_source(const Trace& t, double best) const {
     const Vec2 base = t.left - t.right;
     const double base2 = dot(base, base);
@@ -210,14 +319,13 @@ class BackTrace {
     const Vec2 source{t.right.x + along * base.x + down * base.y,
                       t.right.y + along * base.y - down * base.x};
     const double straight = norm(source);
-    if (takes_ == Takes::paths && t.ends != Ends::at_source) return straight;
+    if (takes_ == Takes::paths) return straight;
     const bool in_sight = cross(source, t.left_bound) >= 0 && cross(t.right_bound, source) >= 0;
     if (!in_sight) return kUnreached;
     // No wave came over the first edge: its ends were reached by two that meet there.
-    if (t.faces == 0 && t.ends != Ends::at_source) return kUnreached;
+    if (t.faces == 0) return kUnreached;
     // Far nearer than any path back there: the two distances are of two sources.
-    const double least = t.faces == 0 ? kLeastWithinFace : kLeastOfBest;
-    return straight >= least * best ? straight : kUnreached;
+    return straight >= kLeastOfBest * best ? straight : kUnreached;
   }
 
   [[nodiscard]] bool is_unsure(const Trace& t, double straight, double best) const {
@@ -228,6 +336,10 @@ class BackTrace {
 
   // Of several faces on an edge the one whose apex is nearest to the source.
   [[nodiscard]] Halfedge nearest_beyond(Halfedge edge) const {
+    if (const Halfedge known = crowds_ != nullptr ? crowds_->nearest_beyond(edge) : kNone;
+        known != kNone) {
+      return known;
+    }
     const auto at_apex = [this](Halfedge h) {
       return distance_[surface_.faces[face_of(h)].vertex[previous_corner(corner_of(h))]];
     };
@@ -240,8 +352,9 @@ class BackTrace {
 
   Triangulation surface_;
   std::span<const double> distance_;
-  std::span<const std::uint32_t> stops_;
+  std::span<const SurfacePoint> stops_;
   Takes takes_;
+  const CrowdedEdges* crowds_;
 };
 
 }  // namespace geodesic

@@ -9,7 +9,12 @@ namespace geodesic {
 namespace {
 
 // Of several faces on an edge the one whose apex is nearest to the source.
-Halfedge nearest_beyond(const FaceRecord* faces, const double* distance, Halfedge edge) {
+Halfedge nearest_beyond(const FaceRecord* faces, const double* distance, const CrowdedEdges* crowds,
+                        Halfedge edge) {
+  if (const Halfedge known = crowds != nullptr ? crowds->nearest_beyond(edge) : kNone;
+      known != kNone) {
+    return known;
+  }
   const auto ring = [faces](Halfedge h) { return faces[face_of(h)].ring[corner_of(h)]; };
   const auto at_apex = [&](Halfedge h) {
     return distance[faces[face_of(h)].vertex[previous_corner(corner_of(h))]];
@@ -32,6 +37,7 @@ struct State {
   Reals right_x, right_y, left_x, left_y;
   Reals right_bound_x, right_bound_y, left_bound_x, left_bound_y;
   Reals at_right, at_left, best;
+  Reals farthest2, start2, finest;  // BackTrace::Spread
   Flags alive, crossed, beyond_is_surface, at_border;
   Ids edge, across, right_vertex;
 };
@@ -84,6 +90,11 @@ GEODESIC_LANES_INLINE void begin(const FaceRecord* faces, const double* distance
   s.best = by < s.best ? by : s.best;
 
   const Reals base2 = p + q;
+  const Reals longer2 = right2 > left2 ? right2 : left2;
+  const Reals shorter2 = right2 < left2 ? right2 : left2;
+  s.farthest2 = base2 > longer2 ? base2 : longer2;
+  s.start2 = base2 < shorter2 ? base2 : shorter2;
+  s.finest = zero;
   const Reals across = crossing * base2;
   const Reals along = across - p;
   Reals base_length;
@@ -117,6 +128,9 @@ GEODESIC_LANES_INLINE void begin_elsewhere(const FaceRecord* faces, const double
     s.right_y[j] = s.right_bound_y[j] = start.to_right.y;
     s.left_x[j] = s.left_bound_x[j] = start.to_left.x;
     s.left_y[j] = s.left_bound_y[j] = start.to_left.y;
+    const BackTrace::Spread spread = BackTrace::spread_of(start);
+    s.farthest2[j] = spread.farthest2;
+    s.start2[j] = spread.start2;
     s.at_right[j] = distance[start.right];
     s.at_left[j] = distance[start.left];
     s.best[j] = traces.best[first + j];
@@ -143,13 +157,14 @@ struct Ahead {
 // The next faces of the traces. Where there are more than two on an edge, the nearest.
 template <std::size_t kWide, bool kOriented>
 GEODESIC_LANES_INLINE void look_ahead(const FaceRecord* faces, const double* distance,
-                                      State<kWide>& s, Ahead<kWide>& to) {
+                                      const CrowdedEdges* crowds, State<kWide>& s,
+                                      Ahead<kWide>& to) {
   using Lanes = lanes::Lanes<kWide>;
   if constexpr (!kOriented) {
     for (std::size_t i = 0; i < kWide; ++i) {
       const auto at = static_cast<Halfedge>(s.across[i]);
       if (faces[face_of(at)].ring[corner_of(at)] != s.edge[i]) [[unlikely]] {
-        s.across[i] = nearest_beyond(faces, distance, static_cast<Halfedge>(s.edge[i]));
+        s.across[i] = nearest_beyond(faces, distance, crowds, static_cast<Halfedge>(s.edge[i]));
       }
     }
   }
@@ -186,7 +201,7 @@ GEODESIC_LANES_INLINE void look_ahead(const FaceRecord* faces, const double* dis
 
 // Unfolds the faces ahead over their bases, and goes on to the edges beyond. Adds to
 // `going` which of the traces do.
-template <std::size_t kWide, bool kOriented>
+template <std::size_t kWide, bool kOriented, bool kEven>
 GEODESIC_LANES_INLINE void unfold(const Ahead<kWide>& ahead, State<kWide>& s,
                                   typename lanes::Lanes<kWide>::Flags& going) {
   using Lanes = lanes::Lanes<kWide>;
@@ -212,7 +227,13 @@ GEODESIC_LANES_INLINE void unfold(const Ahead<kWide>& ahead, State<kWide>& s,
   const Flags within_left = x * s.left_bound_y - y * s.left_bound_x >= 0;
   const Flags within_right = s.right_bound_x * y - s.right_bound_y * x >= 0;
   Reals length;
-  Lanes::root(length, x * x + y * y);
+  const Reals length2 = x * x + y * y;
+  Lanes::root(length, length2);
+  if constexpr (!kEven) {
+    // Of those that have ended, too: nobody minds some care in vain.
+    s.farthest2 = length2 > s.farthest2 ? length2 : s.farthest2;
+    s.finest = per_base2 > s.finest ? per_base2 : s.finest;
+  }
   const Reals by = ahead.at_apex + length;
   const Flags nearer = s.alive & within_left & within_right & (by < s.best);
   Lanes::choose(s.best, nearer, by, s.best);
@@ -299,15 +320,18 @@ struct Task {
   const FaceRecord* faces;
   const double* distance;
   bool is_oriented;
+  bool is_even;
   BackTrace::Takes takes;
+  const CrowdedEdges* crowds;
 };
 
-// The same steps as in BackTrace, each for all lanes.
-template <std::size_t kWide, bool kOriented>
-GEODESIC_LANES_INLINE void trace(const Task& task, TraceLanes& traces) {
+// The same steps as in BackTrace, each for all lanes. Returns a bit for each trace that is to be
+// begun anew, with care, and leaves its `best` as it was.
+template <std::size_t kWide, bool kOriented, bool kEven>
+GEODESIC_LANES_INLINE std::uint32_t trace(const Task& task, TraceLanes& traces) {
   using Lanes = lanes::Lanes<kWide>;
   constexpr std::size_t kParts = TraceLanes::kLanes / kWide;
-  const auto [faces, distance, is_oriented, takes] = task;
+  const auto [faces, distance, is_oriented, is_even, takes, crowds] = task;
   const std::size_t parts = (traces.count + kWide - 1) / kWide;
   State<kWide> states[kParts];
   std::size_t part_of[kParts];
@@ -327,8 +351,8 @@ GEODESIC_LANES_INLINE void trace(const Task& task, TraceLanes& traces) {
       typename Lanes::Flags going = {};
       for (std::size_t i = 0; i < count; ++i) {
         State<kWide>& s = states[part_of[i]];
-        look_ahead<kWide, kOriented>(faces, distance, s, ahead);
-        unfold<kWide, kOriented>(ahead, s, going);
+        look_ahead<kWide, kOriented>(faces, distance, crowds, s, ahead);
+        unfold<kWide, kOriented, kEven>(ahead, s, going);
         // While the other parts have their turn.
         for (std::size_t j = 0; j < kWide; ++j) __builtin_prefetch(&faces[s.across[j] >> 2U]);
       }
@@ -345,40 +369,81 @@ GEODESIC_LANES_INLINE void trace(const Task& task, TraceLanes& traces) {
     count = unsure_parts;
     if (count == 0) break;
   }
+  std::uint32_t wide = 0;
   for (std::size_t part = 0; part < parts; ++part) {
-    std::memcpy(traces.best.data() + part * kWide, &states[part].best, sizeof states[part].best);
+    State<kWide>& s = states[part];
+    if constexpr (kEven) {
+      std::memcpy(traces.best.data() + part * kWide, &s.best, sizeof s.best);
+      continue;
+    }
+    const typename Lanes::Flags is_wide = (s.farthest2 * s.finest > UnfoldRounding::kMostSpread2) |
+                                          ~(s.farthest2 <= UnfoldRounding::kMostSpread2 * s.start2);
+    if (Lanes::any(is_wide)) {
+      for (std::size_t i = 0; i < kWide; ++i) {
+        if (is_wide[i] == 0) continue;
+        wide |= 1U << (part * kWide + i);
+        s.best[i] = traces.best[part * kWide + i];
+      }
+    }
+    std::memcpy(traces.best.data() + part * kWide, &s.best, sizeof s.best);
   }
+  return wide;
 }
 
 template <std::size_t kWide>
-GEODESIC_LANES_INLINE void trace_any(const Task& task, TraceLanes& traces) {
-  task.is_oriented ? trace<kWide, true>(task, traces) : trace<kWide, false>(task, traces);
+GEODESIC_LANES_INLINE std::uint32_t trace_any(const Task& task, TraceLanes& traces) {
+  if (task.is_oriented) {
+    return task.is_even ? trace<kWide, true, true>(task, traces)
+                        : trace<kWide, true, false>(task, traces);
+  }
+  return task.is_even ? trace<kWide, false, true>(task, traces)
+                      : trace<kWide, false, false>(task, traces);
 }
 
-void trace_plain(const Task& task, TraceLanes& traces) { trace_any<lanes::kPlain>(task, traces); }
+std::uint32_t trace_plain(const Task& task, TraceLanes& traces) {
+  return trace_any<lanes::kPlain>(task, traces);
+}
 
 #ifdef __x86_64__
-__attribute__((target("avx2"))) void trace_avx2(const Task& task, TraceLanes& traces) {
-  trace_any<lanes::kWithAvx2>(task, traces);
+__attribute__((target("avx2"))) std::uint32_t trace_avx2(const Task& task, TraceLanes& traces) {
+  return trace_any<lanes::kWithAvx2>(task, traces);
 }
 
-__attribute__((target("avx512f,avx512vl,avx512dq"))) void trace_avx512(const Task& task,
-                                                                       TraceLanes& traces) {
-  trace_any<lanes::kWithAvx2>(task, traces);
+__attribute__((target("avx512f,avx512vl,avx512dq"))) std::uint32_t trace_avx512(
+    const Task& task, TraceLanes& traces) {
+  return trace_any<lanes::kWithAvx2>(task, traces);
 }
 #endif
 
 }  // namespace
 
 void trace_lanes(const Triangulation& surface, std::span<const double> distance,
-                 BackTrace::Takes takes, Vectors vectors, TraceLanes& traces) {
-  const Task task{surface.faces.data(), distance.data(), surface.is_oriented, takes};
+                 BackTrace::Takes takes, Vectors vectors, TraceLanes& traces,
+                 const CrowdedEdges* crowds) {
+  const Task task{surface.faces.data(), distance.data(), surface.is_oriented,
+                  surface.is_even,      takes,           crowds};
+  std::uint32_t wide = 0;
 #ifdef __x86_64__
-  if (vectors == Vectors::avx512) return trace_avx512(task, traces);
-  if (vectors == Vectors::avx2) return trace_avx2(task, traces);
-#endif
+  if (vectors == Vectors::avx512) {
+    wide = trace_avx512(task, traces);
+  } else if (vectors == Vectors::avx2) {
+    wide = trace_avx2(task, traces);
+  } else {
+    wide = trace_plain(task, traces);
+  }
+#else
   (void)vectors;
-  trace_plain(task, traces);
+  wide = trace_plain(task, traces);
+#endif
+  if (wide == 0) [[likely]]
+    return;
+  const BackTrace one(surface, distance, {}, takes, crowds);
+  for (std::size_t i = 0; i < traces.count; ++i) {
+    if (((wide >> i) & 1U) == 0) continue;
+    double& best = traces.best[i];
+    best = traces.begins_elsewhere(i) ? one.least(traces.start[i], best)
+                                      : one.over(traces.base[i], traces.crossing[i], best);
+  }
 }
 
 }  // namespace geodesic

@@ -55,6 +55,13 @@ double shortest2(const FaceRecord& face) {
   return std::min({face.length2(0), face.length2(1), face.length2(2)});
 }
 
+// Whether rounding may turn what is beyond the face by more than 1e-12, so that it is not unfolded
+// round a bend.
+bool is_too_thin(const FaceRecord& face) {
+  const double longest2 = std::max({face.length2(0), face.length2(1), face.length2(2)});
+  return !(longest2 <= UnfoldRounding::kMostSpread2 * shortest2(face));
+}
+
 double bucket_width(std::span<const FaceRecord> faces) {
   const std::size_t step = faces.size() / kSampledFaces + 1;
   double sum = 0;
@@ -68,10 +75,10 @@ double bucket_width(std::span<const FaceRecord> faces) {
 }  // namespace
 
 void BackTracedFront::start(const SurfacePoint& source) {
-  const Vec3 at = position_of(adjacency_.mesh(), source);
   const auto places = in_all_faces(adjacency_, source);
   // Only the mesh's own faces say where a point inside one is.
   surface_ = source.at_vertex() ? adjacency_.delaunay() : adjacency_.triangulation();
+  scratch_.crowds.reset(surface_, poll_);
   const double width = bucket_width(surface_.faces);
   scratch_.waiting.reset(width);
   least_gain_ = kLeastGain * width;
@@ -80,22 +87,29 @@ void BackTracedFront::start(const SurfacePoint& source) {
   if (source.at_vertex()) {
     see(source.vertex, 0);
     for (const std::uint32_t corner : surface_.corners(source.vertex)) {
+      if (poll_.cancelled()) return;
       const std::uint32_t c = corner_of(corner);
       const FaceRecord& face = surface_.faces[face_of(corner)];
       const std::uint32_t right = face.vertex[next_corner(c)];
       const double length = std::sqrt(std::max(face.length2(c), 0.0));
       const Vec2 to_right{length, 0};
       const Vec2 to_left{face.dot[c] / length, face.area2 / length};  // may be no number
-      see(right, length);
-      see(face.vertex[previous_corner(c)], norm(to_left));
+      see(right, side_not_below(face, c));
+      see(face.vertex[previous_corner(c)],
+          std::max(norm(to_left), side_not_below(face, previous_corner(c))));
+      if (wedges.size() == kFacesInSight) continue;
+      // Beside a side as short as that, rounding says where the other one is.
+      constexpr double kLeastSide = 1e-6;
+      if (!surface_.is_even && !(length > kLeastSide * longest_side(face))) continue;
       wedges.push_back(
-          {halfedge(face_of(corner), next_corner(c)), right, to_right, to_left, to_right, to_left});
+          wedge_over(face, halfedge(face_of(corner), next_corner(c)), right, to_right, to_left));
     }
   }
   for (const SurfacePoint& place : places) {
+    if (poll_.cancelled()) return;
     const FaceRecord& face = adjacency_.face(place.face);
     if (!source.at_vertex()) {
-      stops_.push_back(place.face);
+      stops_.push_back(place);
       for (std::uint32_t c = 0; c < 3; ++c) {
         // The triangle of the source and this side: where its ends are, with the source
         // at the origin and the side's direction as the x axis.
@@ -107,14 +121,16 @@ void BackTracedFront::start(const SurfacePoint& source) {
             place.bary[next_corner(c)] * base2 + place.bary[previous_corner(c)] * face.dot[c];
         const Vec2 tail{-foot / base, -height / base};
         const Vec2 head{(base2 - foot) / base, -height / base};
-        wedges.push_back({halfedge(place.face, c), face.vertex[c], tail, head, tail, head});
+        if (wedges.size() == kFacesInSight) continue;
+        wedges.push_back(wedge_over(face, halfedge(place.face, c), face.vertex[c], tail, head));
       }
     }
-    for (const std::uint32_t v : face.vertex) {
-      see(v, geodesic::distance(at, adjacency_.mesh().positions()[v]));
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      see(face.vertex[c], distance_to_corner(adjacency_.mesh(), place, c));
     }
   }
-  std::sort(stops_.begin(), stops_.end());
+  std::sort(stops_.begin(), stops_.end(),
+            [](const SurfacePoint& a, const SurfacePoint& b) { return a.face < b.face; });
   look_around(surface_, wedges, kFacesInSight,
               [this](std::uint32_t v, double straight) { see(v, straight); });
 }
@@ -132,10 +148,14 @@ double BackTracedFront::lag() const {
 void BackTracedFront::see(std::uint32_t vertex, double straight) {
   if (!(straight < distance_[vertex])) return;
   distance_[vertex] = straight;
+  if (surface_.is_crowded) scratch_.crowds.tell(surface_, vertex, straight);
   lower(vertex, straight, kNone, 0);
 }
 
-void BackTracedFront::lower(std::uint32_t vertex, double estimate, Halfedge base, float crossing) {
+// Inlined by force: it is most of what spreading does.
+__attribute__((always_inline)) inline void BackTracedFront::lower(std::uint32_t vertex,
+                                                                  double estimate, Halfedge base,
+                                                                  float crossing) {
   FrontVertex& known = scratch_.vertices[vertex];
   const double before = std::abs(known.estimate);
   if (!(estimate < before + least_gain_)) return;
@@ -169,6 +189,7 @@ bool BackTracedFront::accept_next(double last) {
   for (std::size_t i = 0; i < scratch_.round.size(); ++i) {
     const std::uint32_t v = scratch_.round[i];
     distance_[v] = scratch_.best[i];
+    if (surface_.is_crowded) scratch_.crowds.tell(surface_, v, scratch_.best[i]);
     scratch_.vertices[v].estimate *= -1;
   }
   return true;
@@ -217,6 +238,7 @@ void BackTracedFront::trace_round() {
   scratch_.best.resize(round.size());
   const std::size_t at_once = std::min(kMostCorners, surface_.all_corners.size());
   for (std::uint32_t i = 0; i < round.size(); ++i) {
+    if (poll_.cancelled()) break;
     // For the spread: a few at a time, for many at once would have to queue.
     const std::size_t begin = std::min<std::size_t>(surface_.corner_begin[round[i]],
                                                     surface_.all_corners.size() - at_once);
@@ -235,9 +257,12 @@ void BackTracedFront::trace_round() {
     const FaceRecord& face = surface_.faces[face_of(known.base)];
     const std::uint32_t c = corner_of(known.base);
     const std::uint32_t n = next_corner(c);
-    const double by_tail =
-        distance_[face.vertex[c]] + std::sqrt(std::max(face.length2(previous_corner(c)), 0.0));
-    const double by_head = distance_[face.vertex[n]] + std::sqrt(std::max(face.length2(n), 0.0));
+    const auto length = [&](std::uint32_t side) {
+      return surface_.is_even ? std::sqrt(std::max(face.length2(side), 0.0))
+                              : side_not_below(face, side);
+    };
+    const double by_tail = distance_[face.vertex[c]] + length(previous_corner(c));
+    const double by_head = distance_[face.vertex[n]] + length(n);
     best = std::min({best, by_tail, by_head});
     // At a pinched vertex only one end may have a distance.
     if (!(std::max(by_tail, by_head) < kUnreached)) continue;
@@ -261,9 +286,9 @@ void BackTracedFront::trace(std::uint32_t place, const TraceStart& start, double
 void BackTracedFront::flush_traces() {
   if (traces_.count == 0) return;
   if (stops_.empty()) {
-    trace_lanes(surface_, distance_, takes_, vectors_, traces_);
+    trace_lanes(surface_, distance_, takes_, vectors_, traces_, &scratch_.crowds);
   } else {
-    const BackTrace one(surface_, distance_, stops_, takes_);
+    const BackTrace one(surface_, distance_, stops_, takes_, &scratch_.crowds);
     for (std::size_t i = 0; i < traces_.count; ++i) {
       double& best = traces_.best[i];
       best = traces_.begins_elsewhere(i) ? one.least(traces_.start[i], best)
@@ -288,6 +313,7 @@ void BackTracedFront::ask_other_faces() {
   for (std::uint32_t i = 0; i < round.size(); ++i) {
     if (!is_doubtful(round[i], scratch_.best[i])) continue;
     for (const std::uint32_t corner : surface_.corners(round[i])) {
+      if (poll_.cancelled()) break;
       const std::uint32_t n = next_corner(corner_of(corner));
       const Halfedge base = halfedge(face_of(corner), n);
       const FaceRecord& face = surface_.faces[face_of(corner)];
@@ -324,6 +350,7 @@ void BackTracedFront::arrive_over_bases(std::size_t count, Tell tell) {
   std::fill(bases.begin() + static_cast<std::ptrdiff_t>(count), bases.end(), bases[0]);
   ArrivalLanes arrivals;
   for (std::size_t first = 0; first < count; first += kLanes) {
+    if (poll_.cancelled()) return;
     arrive_lanes(surface_.faces, distance_,
                  std::span<const Halfedge, kLanes>(bases.data() + first, kLanes), vectors_,
                  arrivals);
@@ -412,9 +439,11 @@ void BackTracedFront::trace_round_a_vertex(std::uint32_t place, std::uint32_t be
   if (bend_base == kNone) return;  // in sight of the source
   const FaceRecord& last = surface_.faces[face_of(bend_base)];
   for (const std::uint32_t corner : surface_.corners(vertex)) {
+    if (poll_.cancelled()) return;
     const std::uint32_t first = face_of(corner);
     const std::uint32_t c = corner_of(corner);
     const FaceRecord& face = surface_.faces[first];
+    if (!surface_.is_even && is_too_thin(face)) continue;
     const bool ahead = face.vertex[next_corner(c)] == bend;
     if (first == face_of(bend_base) || (!ahead && face.vertex[previous_corner(c)] != bend))
       continue;
@@ -435,6 +464,7 @@ void BackTracedFront::trace_round_a_vertex(std::uint32_t place, std::uint32_t be
       const Halfedge across = surface_.ring(edge);
       if (across == edge || surface_.ring(across) != edge) break;
       const FaceRecord& next = surface_.faces[face_of(across)];
+      if (!surface_.is_even && is_too_thin(next)) break;
       const std::uint32_t at = corner_of(across);
       const std::uint32_t apex = previous_corner(at);
       const bool at_bend = next.vertex[at] == bend;

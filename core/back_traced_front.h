@@ -16,6 +16,7 @@
 #include "core/back_trace.h"
 #include "core/back_trace_lanes.h"
 #include "core/back_traced_scratch.h"
+#include "core/cancel.h"
 #include "core/field.h"
 #include "core/triangulation.h"
 #include "core/vectors.h"
@@ -24,11 +25,12 @@ namespace geodesic {
 
 class BackTracedFront {
  public:
-  // `distance` has an entry per vertex, as have the scratch's vertices; they are
+  // Each step leaves off, with nothing whole, when the poll says to stop. `distance` has an entry
+  // per vertex, as have the scratch's vertices; they are
   // kUnreached and as constructed wherever this wave has not been.
   BackTracedFront(const Adjacency& adjacency, BackTrace::Takes takes, BackTracedScratch& scratch,
-                  std::span<double> distance)
-      : adjacency_(adjacency), takes_(takes), scratch_(scratch), distance_(distance) {}
+                  std::span<double> distance, Poll& poll)
+      : adjacency_(adjacency), takes_(takes), scratch_(scratch), distance_(distance), poll_(poll) {}
 
   // Considers the vertices in the same face as the source, straight from there, and
   // those that a look around from the source finds in sight of it.
@@ -80,9 +82,10 @@ class BackTracedFront {
   BackTrace::Takes takes_;
   BackTracedScratch& scratch_;
   std::span<double> distance_;
-  Triangulation surface_;             // what this wave goes over
-  std::vector<std::uint32_t> stops_;  // the faces with the source in them, ascending
-  double least_gain_ = 0;             // that makes an accepted vertex wait again
+  Poll& poll_;
+  Triangulation surface_;            // what this wave goes over
+  std::vector<SurfacePoint> stops_;  // the source's places, by ascending faces
+  double least_gain_ = 0;            // that makes an accepted vertex wait again
   int rounds_in_bucket_ = 0;
   Vectors vectors_ = best_vectors();
   // Traces that wait for company, and their places in the round.

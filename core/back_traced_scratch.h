@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/crowded_edges.h"
 #include "core/face_record.h"
 #include "core/field.h"
 #include "core/sight.h"
@@ -36,6 +37,7 @@ struct BackTracedScratch {
   std::vector<double> distance;  // of one of several waves; kUnreached between waves
   std::vector<std::uint8_t> is_target;
   std::vector<Wedge> wedges;
+  CrowdedEdges crowds;
   // Of those that are accepted together.
   std::vector<std::uint32_t> round;
   std::vector<double> best;

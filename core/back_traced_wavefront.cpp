@@ -1,10 +1,13 @@
 #include "core/back_traced_wavefront.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "core/back_traced_front.h"
+#include "core/edge_dijkstra.h"
 #include "core/relax_edges.h"
+#include "core/straight_floor.h"
 #include "core/vertex_front.h"
 #include "core/waves.h"
 
@@ -44,6 +47,7 @@ Result<void> run_wave(BackTracedFront& front, const Adjacency& adjacency,
   std::uint64_t done = number * vertex_count;
   bool cancelled = false;
   while ((!targets.done() || front.may_improve()) && !cancelled && front.accept_next(last)) {
+    if (poll.stopped()) break;
     for (const std::uint32_t v : front.accepted()) {
       cancelled = poll.cancelled(std::min(done++, total), total) || cancelled;
       targets.accept(v);
@@ -56,7 +60,7 @@ Result<void> run_wave(BackTracedFront& front, const Adjacency& adjacency,
     front.spread();
   }
   front.end();
-  if (cancelled) return fail_stopped(poll);
+  if (cancelled || poll.stopped()) return fail_stopped(poll);
   return {};
 }
 
@@ -81,7 +85,7 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
       bound == Bound::upper ? BackTrace::Takes::paths : BackTrace::Takes::virtual_sources;
   Poll poll(cancel);
   if (sources.size() == 1) {
-    BackTracedFront front(adjacency, takes, scratch, field.distance.doubles());
+    BackTracedFront front(adjacency, takes, scratch, field.distance.doubles(), poll);
     RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
     auto wave = run_wave(front, adjacency, sources, 0, {}, limits.max, limits.detour, targets, poll,
                          [&](std::uint32_t v) {
@@ -95,7 +99,7 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
     if (const double max = reach(limits, field); max < kUnreached) field.forget_beyond(max);
   } else {
     scratch.distance.assign(vertex_count, kUnreached);
-    BackTracedFront front(adjacency, takes, scratch, scratch.distance);
+    BackTracedFront front(adjacency, takes, scratch, scratch.distance, poll);
     auto waves = detail::run_waves(
         front, limits, field, scratch.is_target,
         [&](std::uint32_t s, double max, RemainingTargets& targets, auto accepted) {
@@ -106,16 +110,27 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
     if (!waves) return fail(waves.error());
   }
   const double max = reach(limits, field);
+  bool is_any_below = false;
   if (is_search) {
     // Where the detour ended the front, what it left out is left out.
     relax_edges_among(visited, adjacency, max, field, poll);
+    is_any_below = raise_to_straight_lines(adjacency.mesh(), visited, field, poll);
     for (const std::uint32_t v : visited) scratch.vertices[v] = {};
   } else {
     relax_edges(adjacency, max, field, poll);
+    is_any_below = raise_to_straight_lines(adjacency.mesh(), field, poll);
     std::fill(scratch.vertices.begin(), scratch.vertices.end(), FrontVertex{});
   }
   if (poll.stopped()) return fail_stopped(cancel);
   scratch.is_clean = true;
+  if (is_any_below && bound == Bound::upper) {
+    // One of them was no path's length, whatever made it so: the ways along edges are.
+    WavefrontScratch along_edges;
+    auto safe = edge_dijkstra_field(adjacency, sources, asked, along_edges, cancel);
+    if (!safe) return fail(safe.error());
+    field.distance = std::move(safe->distance);
+    field.nearest_source = std::move(safe->nearest_source);
+  }
   field.distance.round_to_floats(bound);
   if (asked.max < kUnreached) field.forget_beyond(asked.max);
   field.count_reached();

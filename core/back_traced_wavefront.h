@@ -23,9 +23,9 @@ namespace geodesic {
 // The distances from the nearest of the sources; each source has a wave of its own, as
 // in wavefront.h. With Bound::upper each value is the length of a path on the surface,
 // and never below the true distance but for rounding (1e-9 of it); without, it may be,
-// by as little as it is above elsewhere. Never above the shortest way along edges, but for
-// rounding: the front goes by doubles, and in the end each is as_float. `parents` stays
-// empty.
+// by as little as it is above elsewhere. Never below the straight line in space. Never above the
+// shortest way along edges, but for rounding: the front goes by doubles, and in the end each is
+// as_float. `parents` stays empty.
 //
 // O(n log n) for n vertices and one source. Errors: cancelled.
 [[nodiscard]] Result<Field> back_traced_field(const Adjacency& adjacency,

@@ -62,11 +62,12 @@ void Front::start(std::uint32_t number) {
     lower(v, source.offset, number);
     return;
   }
-  const Vec3 at = position_of(adjacency_.mesh(), source.point);
   for (const SurfacePoint& place : in_all_faces(adjacency_, source.point)) {
+    if (poll_.cancelled()) return;
     if (skipped(place.face)) continue;
-    for (const std::uint32_t v : adjacency_.face(place.face).vertex) {
-      lower(v, source.offset + distance(at, adjacency_.mesh().positions()[v]), number);
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      lower(adjacency_.face(place.face).vertex[c],
+            source.offset + distance_to_corner(adjacency_.mesh(), place, c), number);
     }
     for (std::uint32_t c = 0; c < 3; ++c) {
       const double above = place.bary[previous_corner(c)];
@@ -95,6 +96,7 @@ void Front::spread_from(std::uint32_t vertex) {
   from.source = number;
   from.split_by = kNone;
   for (const std::uint32_t corner : adjacency_.corners(vertex)) {
+    if (poll_.cancelled()) return;
     const std::uint32_t f = face_of(corner);
     if (skipped(f)) continue;
     const Halfedge side = halfedge(f, next_corner(corner_of(corner)));
@@ -141,7 +143,9 @@ void Front::pass(const Exit& exit, const Part& part, const Window& from) {
   if (useless_on(exit.origin, exit.other, exit.length, window)) return;
   std::uint32_t across = 0;
   for (Halfedge h = adjacency_.ring(exit.side); h != exit.side; h = adjacency_.ring(h)) {
-    if (!skipped(face_of(h))) ++across;
+    if (poll_.cancelled()) return;
+    // Whether there are none, one or more is all that is asked.
+    if (!skipped(face_of(h)) && ++across > 1) break;
   }
   if (across == 0) return;
   window.branched = from.branched != 0 || exit.from_flat_face || across > 1 ? 1 : 0;
@@ -151,6 +155,7 @@ void Front::pass(const Exit& exit, const Part& part, const Window& from) {
   Window mirrored = window;
   mirrored.mirror(exit.length);
   for (Halfedge h = adjacency_.ring(exit.side); h != exit.side; h = adjacency_.ring(h)) {
+    if (poll_.cancelled()) return;
     if (skipped(face_of(h))) continue;
     const bool same_way = adjacency_.face(face_of(h)).vertex[corner_of(h)] == exit.origin;
     Window& into = same_way ? window : mirrored;
@@ -168,7 +173,7 @@ bool Front::enter_edge(const Exit& exit, Window& window) {
       adjacency_.face(face_of(exit.side)).vertex[corner_of(exit.side)] == exit.origin;
   window.into = exit.side;
   if (!same_way) window.mirror(exit.length);
-  const bool entered = scratch_.seen.enter(adjacency_, window, exit.length);
+  const bool entered = scratch_.seen.enter(window, exit.length, poll_);
   if (!same_way) window.mirror(exit.length);
   return entered;
 }
@@ -181,7 +186,7 @@ void Front::spread(Window window) {
     if (window.left != 0 ? crossing < window.split_limit : crossing > window.split_limit) return;
   }
   if (useless_in(face, window)) return;
-  if (window.branched != 0 && !scratch_.seen.trim_again(adjacency_, window, face.base)) return;
+  if (window.branched != 0 && !scratch_.seen.trim_again(window, face.base, poll_)) return;
   key_ = window.least();
   if (limits_.keep_details) keep(window);
   for_each_piece(window.into, {window.begin, window.end, window.x, window.y, window.offset},

@@ -3,26 +3,38 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/polled_fill.h"
+
 namespace geodesic::chen_han {
 namespace {
 
 // Sources closer together than this part of their edge are one and the same: more
-// than rounding moves them, and a ray between them strays no farther than that.
+// than rounding moves them, and a ray between them strays no farther than that. But rounding moves
+// what is a million edges away by more: by a part of its distance.
 constexpr double kSamePlace = 1e-10;
+constexpr double kSameDistance = 1e-13;
 
 // Where a nearer window ends to be nearer, to this many bits of its length.
 constexpr int kHalvings = 24;
 
 }  // namespace
 
-SeenWindows::Frame SeenWindows::frame_of(const Adjacency& adjacency, Halfedge h) {
-  Halfedge least = h;
-  for (Halfedge other = adjacency.ring(h); other != h; other = adjacency.ring(other)) {
-    least = std::min(least, other);
+void SeenWindows::reset(const Adjacency& adjacency, Poll& poll) {
+  const std::size_t count = 4 * adjacency.faces().size();
+  windows_.clear();
+  polled_assign(first_, count, kNone, poll);
+  constexpr std::uint64_t kNotYet = ~std::uint64_t{0};
+  polled_assign(frames_, count, kNotYet, poll);
+  for (Halfedge least = 0; least < count && !poll.cancelled(); ++least) {
+    if (corner_of(least) > 2 || frames_[least] != kNotYet) continue;
+    const std::uint32_t tail = adjacency.face(face_of(least)).vertex[corner_of(least)];
+    Halfedge h = least;
+    do {
+      const bool same_way = adjacency.face(face_of(h)).vertex[corner_of(h)] == tail;
+      frames_[h] = (std::uint64_t{least} << 1U) | (same_way ? 0U : 1U);
+      h = adjacency.ring(h);
+    } while (h != least && !poll.cancelled());
   }
-  const bool same_way = adjacency.face(face_of(h)).vertex[corner_of(h)] ==
-                        adjacency.face(face_of(least)).vertex[corner_of(least)];
-  return {least, !same_way};
 }
 
 bool SeenWindows::cut_where_nearer(const Seen& seen, Window& window, double base) {
@@ -58,10 +70,11 @@ bool SeenWindows::cut_where_nearer(const Seen& seen, Window& window, double base
   return window.begin < window.end;
 }
 
-bool SeenWindows::trim(Halfedge edge, Window& window, double base) const {
+bool SeenWindows::trim(Halfedge edge, Window& window, double base, Poll& poll) const {
   const double hair = kGap * base;
-  const double same = kSamePlace * base;
+  const double same = std::max(kSamePlace * base, kSameDistance * window.least());
   for (std::uint32_t i = first_[edge]; i != kNone; i = windows_[i].next) {
+    if (poll.cancelled()) return false;
     const Seen& seen = windows_[i];
     if (i == window.seen || seen.end <= window.begin || seen.begin >= window.end) continue;
     const bool same_place = std::abs(seen.x - window.x) <= same &&
@@ -82,11 +95,11 @@ bool SeenWindows::trim(Halfedge edge, Window& window, double base) const {
   return true;
 }
 
-bool SeenWindows::enter(const Adjacency& adjacency, Window& window, double base) {
-  const Frame frame = frame_of(adjacency, window.into);
+bool SeenWindows::enter(Window& window, double base, Poll& poll) {
+  const Frame frame = frame_of(window.into);
   window.seen = static_cast<std::uint32_t>(windows_.size());
   if (frame.mirrored) window.mirror(base);
-  if (window.branched != 0 && !trim(frame.edge, window, base)) return false;
+  if (window.branched != 0 && !trim(frame.edge, window, base, poll)) return false;
   windows_.push_back(
       {window.begin, window.end, window.x, window.y, window.offset, first_[frame.edge]});
   first_[frame.edge] = window.seen;
@@ -94,10 +107,10 @@ bool SeenWindows::enter(const Adjacency& adjacency, Window& window, double base)
   return true;
 }
 
-bool SeenWindows::trim_again(const Adjacency& adjacency, Window& window, double base) const {
-  const Frame frame = frame_of(adjacency, window.into);
+bool SeenWindows::trim_again(Window& window, double base, Poll& poll) const {
+  const Frame frame = frame_of(window.into);
   if (frame.mirrored) window.mirror(base);
-  if (!trim(frame.edge, window, base)) return false;
+  if (!trim(frame.edge, window, base, poll)) return false;
   if (frame.mirrored) window.mirror(base);
   return window.begin < window.end;
 }

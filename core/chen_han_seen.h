@@ -8,17 +8,15 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/cancel.h"
 #include "core/chen_han_window.h"
 
 namespace geodesic::chen_han {
 
 class SeenWindows {
  public:
-  // Forgets everything; keeps memory.
-  void reset(std::size_t face_count) {
-    first_.assign(4 * face_count, kNone);
-    windows_.clear();
-  }
+  // Forgets everything; keeps memory. Of no use if the poll says to stop, here or below.
+  void reset(const Adjacency& adjacency, Poll& poll);
   // Whether the next window makes it grow, and by how many bytes.
   [[nodiscard]] bool is_full() const { return windows_.size() == windows_.capacity(); }
   [[nodiscard]] std::size_t bytes_to_grow() const { return 2 * windows_.capacity() * sizeof(Seen); }
@@ -28,10 +26,10 @@ class SeenWindows {
   //
   // No face lacks light for that: it may be the one that the earlier window came
   // through, but there the later one's way is bent back at the edge.
-  [[nodiscard]] bool enter(const Adjacency& adjacency, Window& window, double base);
+  [[nodiscard]] bool enter(Window& window, double base, Poll& poll);
 
   // Cuts it once more, by what has come since.
-  [[nodiscard]] bool trim_again(const Adjacency& adjacency, Window& window, double base) const;
+  [[nodiscard]] bool trim_again(Window& window, double base, Poll& poll) const;
 
  private:
   struct Seen {
@@ -47,10 +45,15 @@ class SeenWindows {
     Halfedge edge;
     bool mirrored;
   };
-  [[nodiscard]] static Frame frame_of(const Adjacency& adjacency, Halfedge h);
+  [[nodiscard]] Frame frame_of(Halfedge h) const {
+    return {static_cast<Halfedge>(frames_[h] >> 1U), (frames_[h] & 1U) != 0};
+  }
   [[nodiscard]] static bool cut_where_nearer(const Seen& seen, Window& window, double base);
-  [[nodiscard]] bool trim(Halfedge edge, Window& window, double base) const;
+  [[nodiscard]] bool trim(Halfedge edge, Window& window, double base, Poll& poll) const;
 
+  // By halfedge: twice that of its edge's frame, one more if it is mirrored. Looked for in the
+  // ring each time, thousands of windows over an edge of thousands of faces would take millions.
+  std::vector<std::uint64_t> frames_;
   std::vector<std::uint32_t> first_;  // by halfedge
   std::vector<Seen> windows_;
 };

@@ -2,10 +2,13 @@
 // where paths may bend, which faces repeat others, where sources lie.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <tuple>
 
 #include "core/chen_han_front.h"
 #include "core/polled_fill.h"
+#include "core/polled_sort.h"
 
 namespace geodesic::chen_han {
 namespace {
@@ -14,11 +17,10 @@ namespace {
 // rounding: on a flat grid no vertex is one.
 constexpr double kSaddle = 1e-12;
 
-// Whether one of the two sides that meet in a corner is far shorter than another side.
-bool is_beside_short_side(const FaceRecord& face, std::uint32_t c) {
-  const double least2 = std::min(face.length2(c), face.length2(previous_corner(c)));
-  const double most2 = std::max(face.length2(c), face.length2(next_corner(c)));
-  return least2 < kShort * kShort * most2;
+// Whether a face is so thin, or one of its sides so short, that rounding decides by which side of
+// a corner a ray goes past it. Paths may bend at its corners then, whatever the angles there.
+bool is_thin(const FaceRecord& face) {
+  return !(face.area2 > kThin * face.length2(face.longest_side()));
 }
 
 }  // namespace
@@ -45,7 +47,7 @@ Front::Front(const Adjacency& adjacency, Field& field, const FieldLimits& limits
   mark_faces_with_sources();
   if (adjacency.report().faces_duplicate > 0) mark_duplicate_faces();
   see_all_ = needs_seen_windows();
-  if (see_all_) scratch.seen.reset(face_count);
+  if (see_all_) scratch.seen.reset(adjacency, poll);
 }
 
 void Front::mark_faces_with_sources() {
@@ -65,25 +67,29 @@ void Front::mark_faces_with_sources() {
 // corners. So only the first of them takes part, besides those with a source inside.
 void Front::mark_duplicate_faces() {
   const auto faces = adjacency_.faces();
-  const auto has_source = [&](std::uint32_t f) {
-    return !scratch_.source_in_face.empty() && scratch_.source_in_face[f] != 0;
+  struct Corners {
+    Triangle sorted;
+    std::uint32_t face;
+    bool operator<(const Corners& other) const {
+      return std::tie(sorted, face) < std::tie(other.sorted, other.face);
+    }
   };
-  const auto corners_of = [&](std::uint32_t f) {
-    Triangle t = faces[f].vertex;
-    std::sort(t.begin(), t.end());
-    return t;
-  };
-  scratch_.same_as.resize(faces.size());
-  for (std::uint32_t f = 0; f < faces.size() && !poll_.cancelled(); ++f) {
+  std::vector<Corners> all;
+  std::vector<Corners> spare;
+  polled_assign(scratch_.same_as, faces.size(), std::uint32_t{0}, poll_);
+  all.reserve(faces.size());
+  for (std::uint32_t f = 0; f < scratch_.same_as.size() && !poll_.cancelled(); ++f) {
     scratch_.same_as[f] = f;
-    if (has_source(f)) continue;
-    const Triangle corners = corners_of(f);
-    const Halfedge start = halfedge(f, 0);
-    for (Halfedge h = adjacency_.ring(start); h != start; h = adjacency_.ring(h)) {
-      const std::uint32_t other = face_of(h);
-      if (other < scratch_.same_as[f] && !has_source(other) && corners_of(other) == corners) {
-        scratch_.same_as[f] = other;
-      }
+    const bool has_source = !scratch_.source_in_face.empty() && scratch_.source_in_face[f] != 0;
+    if (has_source) continue;
+    Triangle sorted = faces[f].vertex;
+    std::sort(sorted.begin(), sorted.end());
+    all.push_back({sorted, f});
+  }
+  polled_sort(all, 0, all.size(), std::less<>(), spare, poll_);
+  for (std::size_t i = 1; i < all.size() && !poll_.cancelled(); ++i) {
+    if (all[i].sorted == all[i - 1].sorted) {
+      scratch_.same_as[all[i].face] = scratch_.same_as[all[i - 1].face];
     }
   }
 }
@@ -104,14 +110,16 @@ bool Front::bends_by_its_faces(std::uint32_t vertex) const {
   if (adjacency_.is_pinched(vertex)) return true;
   double angles = 0;
   for (const std::uint32_t corner : adjacency_.corners(vertex)) {
+    if (poll_.cancelled()) return true;
     if (skipped(face_of(corner))) continue;
     const FaceRecord& face = adjacency_.face(face_of(corner));
     const std::uint32_t c = corner_of(corner);
-    if (is_beside_short_side(face, c)) return true;
+    if (is_thin(face)) return true;
     angles += std::atan2(face.area2, face.dot[c]);
     for (const Halfedge side : {corner, halfedge(face_of(corner), previous_corner(c))}) {
       std::uint32_t across = 0;
       for (Halfedge h = adjacency_.ring(side); h != side; h = adjacency_.ring(h)) {
+        if (poll_.cancelled()) return true;
         if (!skipped(face_of(h))) ++across;
       }
       if (across != 1) return true;

@@ -141,8 +141,8 @@ inline constexpr double kGap = 1e-12;
 // more than twice its length.
 inline constexpr double kPoint = 1e-12;
 
-// A side shorter than this part of another side of its face may be one: paths bend at its ends.
-inline constexpr double kShort = 1e-10;
+// A face lower than this part of its longest side is thin.
+inline constexpr double kThin = 1e-10;
 
 // Ways shorter by less than this part of their length are as long.
 inline constexpr double kTie = 1e-13;

@@ -123,10 +123,6 @@ bool goes_on(void* user, double done) {
   return !cancel.requested();
 }
 
-Error was_cancelled() {
-  return {ErrorCode::cancelled, "the computation was cancelled", {}, {}, {}};
-}
-
 bool count_memory(void* user, ssize_t bytes, bool /*after*/) {
   static_cast<std::atomic<std::int64_t>*>(user)->fetch_add(bytes);
   return true;
@@ -236,7 +232,7 @@ Result<ClosestPoint> ClosestPointIndex::closest(Vec3 from, const Cancel& cancel)
     rtcPointQuery(scene_->scene, &query, &context, consider_face, &search);
     if (!search.poll.stopped()) found = {search.face, search.bary};
   }
-  if (found.face == kNone) return fail(was_cancelled());
+  if (found.face == kNone) return fail_stopped(cancel);
   const SurfacePoint point = point_on_face(*adjacency_, found.face, found.bary);
   return ClosestPoint{point, distance(from, position_of(adjacency_->mesh(), point))};
 }
@@ -275,7 +271,7 @@ Result<std::optional<RayHit>> ClosestPointIndex::first_hit(Vec3 origin, Vec3 dir
   arguments.context = &context;
   rtcIntersect1(scene_->scene, &ray, &arguments);
 #endif
-  if (poll.stopped()) return fail(was_cancelled());
+  if (poll.stopped()) return fail_stopped(cancel);
   const auto point = search->hit();
   if (!point) return std::nullopt;
   return RayHit{*point, distance(origin, position_of(adjacency_->mesh(), *point))};

@@ -7,6 +7,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/side_length.h"
+
 namespace geodesic {
 
 // Dijkstra 1959, over no more than the vertices it needs.
@@ -54,7 +56,7 @@ std::vector<StepBack> down_edges(const Adjacency& adjacency, const Field& field,
       const std::uint32_t c = corner_of(corner);
       for (const std::uint32_t side : {c, previous_corner(c)}) {
         const std::uint32_t w = face.vertex[side == c ? next_corner(c) : side];
-        const double length = along + std::sqrt(std::max(face.length2(side), 0.0));
+        const double length = along + std::sqrt(side_length2(adjacency, face_of(corner), side));
         Reached& there = reached[w];
         if (!(length < there.along)) continue;
         there = {length, halfedge(face_of(corner), side), v};

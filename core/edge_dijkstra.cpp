@@ -14,20 +14,21 @@ class EdgeDijkstra {
  public:
   EdgeDijkstra(const Adjacency& adjacency, const Detour& detour, Field& field, VertexHeap& heap)
       : adjacency_(adjacency),
+        positions_(adjacency.mesh().positions()),
+        is_even_(adjacency.triangulation().is_even),
         detour_(field.sources.size() == 1 ? detour : Detour{}),
         field_(field),
         distance_(field.distance.doubles()),
         heap_(heap) {}
 
   void start(const Source& source, std::uint32_t number) {
-    const Vec3 at = position_of(adjacency_.mesh(), source.point);
     if (source.point.at_vertex()) {
       lower(source.point.vertex, source.offset, {kNone, number}, number);
     }
     for (const SurfacePoint& place : in_all_faces(adjacency_, source.point)) {
-      for (const std::uint32_t v : adjacency_.face(place.face).vertex) {
-        const double d = distance(at, adjacency_.mesh().positions()[v]);
-        lower(v, source.offset + d, {kNone, number}, number);
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        const double d = distance_to_corner(adjacency_.mesh(), place, c);
+        lower(adjacency_.face(place.face).vertex[c], source.offset + d, {kNone, number}, number);
       }
     }
   }
@@ -45,7 +46,8 @@ class EdgeDijkstra {
       for (const auto& [w, side] :
            {std::pair{face.vertex[next_corner(c)], c}, std::pair{face.vertex[behind], behind}}) {
         if (heap_.accepted(w)) continue;
-        const double length = std::sqrt(std::max(face.length2(side), 0.0));
+        const double length = is_even_ ? std::sqrt(std::max(face.length2(side), 0.0))
+                                       : distance(positions_[v], positions_[w]);
         lower(w, distance_[v] + length, {v, v}, source);
       }
     }
@@ -68,6 +70,9 @@ class EdgeDijkstra {
   }
 
   const Adjacency& adjacency_;
+  const std::span<const Vec3> positions_;
+  // Else rounding may leave nothing of a face's short side.
+  const bool is_even_;
   const Detour detour_;
   Field& field_;
   std::span<double> distance_;  // the field's

@@ -29,6 +29,7 @@ class EdgePath {
         start_(position_of(adjacency.mesh(), from)),
         goal_(position_of(adjacency.mesh(), to)),
         is_oriented_(adjacency.triangulation().is_oriented),
+        is_even_(adjacency.triangulation().is_even),
         heap_(scratch.heap),
         distance_(scratch.distance),
         before_(scratch.parents) {
@@ -95,7 +96,9 @@ class EdgePath {
 
   void spread_along(std::uint32_t v, std::uint32_t corner, std::uint32_t w, double length2) {
     if (heap_.accepted(w)) return;
-    lower(w, distance_[v] + std::sqrt(std::max(length2, 0.0)), {v, face_of(corner)});
+    const double length = is_even_ ? std::sqrt(std::max(length2, 0.0))
+                                   : geodesic::distance(positions_[v], positions_[w]);
+    lower(w, distance_[v] + length, {v, face_of(corner)});
   }
 
   void arrive_from(std::uint32_t v) {
@@ -164,6 +167,7 @@ class EdgePath {
   const Vec3 start_;
   const Vec3 goal_;
   const bool is_oriented_;
+  const bool is_even_;  // else rounding may leave nothing of a face's short side
   VertexHeap& heap_;
   std::vector<double>& distance_;
   std::vector<Before>& before_;

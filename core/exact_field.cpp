@@ -69,7 +69,7 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   Poll steps(cancel, 16);
   do {
     while (!(stopped = arrived()) && propagation.step()) {
-      if (steps.cancelled(propagation.reached(), vertex_count)) {
+      if (poll.stopped() || steps.cancelled(propagation.reached(), vertex_count)) {
         return fail_stopped(cancel);
       }
     }

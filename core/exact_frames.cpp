@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <numbers>
+#include <tuple>
 
 #include "core/polled_fill.h"
+#include "core/polled_sort.h"
 #include "core/rough_angle.h"
 
 namespace geodesic::exact {
@@ -59,44 +62,80 @@ void Frames::forget_arrivals(Poll& poll) {
   }
 }
 
-// An edge gets its number from the first of its halfedges.
+// An edge gets its number from the first of its halfedges, which gives it to the others: a ring
+// is gone round once, however many faces it has.
 void Frames::number_edges(const Adjacency& adjacency, Poll& poll) {
   const auto positions = adjacency.mesh().positions();
+  for (FaceFrame& frame : faces_) {
+    if (poll.cancelled()) return;
+    frame = {{kNone, kNone, kNone}, 0};
+  }
   for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
     const FaceRecord& record = surface_.faces[f];
-    FaceFrame& frame = faces_[f];
-    frame.reversed = 0;
     for (std::uint32_t c = 0; c < 3; ++c) {
+      if (faces_[f].edge[c] != kNone) continue;
       const Halfedge h = halfedge(f, c);
       const std::uint32_t tail = record.vertex[c];
       const std::uint32_t head = record.vertex[next_corner(c)];
-      Halfedge first = h;
-      for (Halfedge i = record.ring[c]; i != h; i = surface_.ring(i)) first = std::min(first, i);
-      if (first == h) {
-        frame.edge[c] = static_cast<std::uint32_t>(edges_.size());
-        const double length =
-            is_mesh_ ? distance(positions[tail], positions[head]) : length_of(record, c, positions);
-        edges_.push_back({length, tail, head, h, record.ring[c]});
-      } else {
-        frame.edge[c] = edge_of(first);
-        if (edges_[frame.edge[c]].tail != tail) frame.reversed |= 1U << c;
+      const auto number = static_cast<std::uint32_t>(edges_.size());
+      faces_[f].edge[c] = number;
+      for (Halfedge i = record.ring[c]; i != h && !poll.cancelled(); i = surface_.ring(i)) {
+        FaceFrame& frame = faces_[face_of(i)];
+        frame.edge[corner_of(i)] = number;
+        if (surface_.faces[face_of(i)].vertex[corner_of(i)] != tail) {
+          frame.reversed |= 1U << corner_of(i);
+        }
       }
+      const double length =
+          is_mesh_ ? distance(positions[tail], positions[head]) : length_of(record, c, positions);
+      edges_.push_back({length, tail, head, h, record.ring[c]});
     }
-    if (has_a_twin_before(f)) frame.reversed |= FaceFrame::kCopy;
   }
+  if (!poll.stopped()) mark_copies(poll);
 }
 
-bool Frames::has_a_twin_before(std::uint32_t f) const {
-  // A sum first: on an edge with thousands of faces each is asked of all.
-  const auto sum = [](const auto& e) { return std::uint64_t{e[0]} + e[1] + e[2]; };
-  const auto& edge = faces_[f].edge;
-  const Halfedge h = halfedge(f, 0);
-  for (Halfedge i = surface_.ring(h); i != h; i = surface_.ring(i)) {
-    const std::uint32_t g = face_of(i);
-    if (g >= f || sum(faces_[g].edge) != sum(edge)) continue;
-    if (std::is_permutation(edge.begin(), edge.end(), faces_[g].edge.begin())) return true;
+// Faces with the same edges meet on each of them. On most edges two faces meet; on one of
+// thousands, they are sorted by their edges.
+void Frames::mark_copies(Poll& poll) {
+  struct Sides {
+    std::array<std::uint32_t, 3> edges;  // ascending
+    std::uint32_t face;
+    bool operator<(const Sides& other) const {
+      return std::tie(edges, face) < std::tie(other.edges, other.face);
+    }
+  };
+  const auto sides_of = [this](Halfedge h) {
+    Sides sides{faces_[face_of(h)].edge, face_of(h)};
+    std::sort(sides.edges.begin(), sides.edges.end());
+    return sides;
+  };
+  const auto sum_of = [this](Halfedge h) {
+    const auto& edge = faces_[face_of(h)].edge;
+    return std::uint64_t{edge[0]} + edge[1] + edge[2];
+  };
+  std::vector<Sides> around;
+  std::vector<Sides> spare;
+  for (const Edge& edge : edges_) {
+    if (poll.cancelled()) return;
+    if (edge.on_boundary()) continue;
+    const bool are_two = surface_.ring(edge.second) == edge.first;
+    if (are_two && sum_of(edge.first) != sum_of(edge.second)) continue;
+    around.clear();
+    Halfedge h = edge.first;
+    do {
+      // Each face once, on its least edge.
+      const Sides sides = sides_of(h);
+      if (&edges_[sides.edges[0]] == &edge) around.push_back(sides);
+      h = surface_.ring(h);
+    } while (h != edge.first && !poll.cancelled());
+    polled_sort(around, 0, around.size(), std::less<>(), spare, poll);
+    if (poll.stopped()) return;
+    for (std::size_t i = 1; i < around.size(); ++i) {
+      if (around[i].edges == around[i - 1].edges) {
+        faces_[around[i].face].reversed |= FaceFrame::kCopy;
+      }
+    }
   }
-  return false;
 }
 
 // Returns the rough sums of the angles at the vertices.
@@ -144,6 +183,7 @@ void Frames::classify_vertices(const Adjacency& adjacency, std::span<const doubl
     if (std::abs(sum - straight) < kRoughAngle * static_cast<double>(corners.size())) {
       sum = 0;
       for (const std::uint32_t corner : corners) {
+        if (poll.cancelled()) return;
         const FaceRecord& record = surface_.faces[face_of(corner)];
         sum += std::atan2(record.area2, record.dot[corner_of(corner)]);
       }

@@ -74,7 +74,7 @@ class Frames {
  private:
   void forget_arrivals(Poll& poll);
   void number_edges(const Adjacency& adjacency, Poll& poll);
-  [[nodiscard]] bool has_a_twin_before(std::uint32_t f) const;
+  void mark_copies(Poll& poll);
   [[nodiscard]] std::vector<double> measure_faces(Poll& poll);
   void classify_vertices(const Adjacency& adjacency, std::span<const double> angle_sum, Poll& poll);
 

@@ -109,9 +109,7 @@ Result<Pair> exact_pair(const Adjacency& adjacency, const Source& from, const Su
   auto field = search.field(at_target, with_path ? cancel.part(0, kFirstField) : cancel);
   if (!field) return fail(std::move(field.error()));
   Pair pair;
-  Poll poll(cancel);
-  pair.distance = PointArrivals(adjacency, *field, &poll).distance_at(to);
-  if (poll.stopped()) return fail_stopped(cancel);
+  pair.distance = PointArrivals(adjacency, *field).distance_at(to);
   if (!with_path || pair.distance == kUnreached) return pair;
   const auto rough = search.rough_path(std::move(*field), cancel);
   if (!rough) return fail(rough.error());

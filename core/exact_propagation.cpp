@@ -30,6 +30,7 @@ Propagation::Propagation(const Adjacency& adjacency, const Triangulation& surfac
                          PropagationMemory& memory, Field& field, double max, double tolerance,
                          bool keep_windows, Poll& poll)
     : adjacency_(adjacency),
+      poll_(poll),
       surface_(surface),
       memory_(memory),
       frames_(memory.frames),
@@ -138,7 +139,7 @@ void Propagation::set_out(std::uint32_t e) {
     const bool is_worth_it = (!from_one || h != from) && !frames_.face(face_of(h)).is_copy();
     if (is_worth_it) load_beams(windows, h);
     h = h == edge.first ? edge.second : surface_.ring(h);
-  } while (h != edge.first);
+  } while (h != edge.first && !poll_.cancelled());
   for (Window& w : windows) w.propagated = true;
   settle(e, farthest + least_gap);
 }
@@ -186,6 +187,7 @@ void Propagation::load_beams(std::span<const Window> windows, Halfedge h) {
 // The lists cross their faces and arrive on the sides beyond.
 void Propagation::cross_faces() {
   if (memory_.over_faces.empty()) return;
+  if (poll_.stopped()) return;
   for (ListOverFace& list : memory_.over_faces) unfold(list);
   for (ListOverFace& list : memory_.over_faces) find_nearest(list);
   for (const ListOverFace& list : memory_.over_faces) reach_apex(list);
@@ -206,7 +208,10 @@ void Propagation::cross_faces() {
       find_ties(vectors_, memory_.beams, memory_.children[i], memory_.ties[i]);
     }
   }
-  for (const ListOverSide& list : memory_.over_sides) arrive(list);
+  for (const ListOverSide& list : memory_.over_sides) {
+    if (poll_.cancelled()) return;
+    arrive(list);
+  }
 }
 
 void Propagation::unfold(ListOverFace& list) const {

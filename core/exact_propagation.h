@@ -146,7 +146,8 @@ class Propagation {
   // poll says to stop.
   //
   // Windows run over `surface`: the faces of the mesh or any others that cut it up. Of others
-  // no windows may be kept, and sources lie at vertices.
+  // no windows may be kept, and sources lie at vertices. It asks the poll where one step is long:
+  // at a vertex or an edge of thousands of faces.
   Propagation(const Adjacency& adjacency, const Triangulation& surface, PropagationMemory& memory,
               Field& field, double max, double tolerance, bool keep_windows, Poll& poll);
 
@@ -244,6 +245,7 @@ class Propagation {
   [[nodiscard]] double head_start(std::uint32_t v) const;
 
   const Adjacency& adjacency_;
+  Poll& poll_;
   Triangulation surface_;
   PropagationMemory& memory_;
   const Frames& frames_;

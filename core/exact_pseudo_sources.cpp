@@ -36,6 +36,7 @@ void Propagation::start(const Source& source, std::uint32_t number) {
   }
   const std::uint32_t root = add_root({source.offset, kNone, number});
   for (const SurfacePoint& place : in_all_faces(adjacency_, source.point)) {
+    if (poll_.cancelled()) return;
     start_inside(place, source, root);
   }
 }
@@ -46,12 +47,11 @@ void Propagation::start_inside(const SurfacePoint& place, const Source& source,
                                std::uint32_t root) {
   const std::uint32_t f = place.face;
   const PseudoSource from = memory_.roots[root];
-  const Vec3 at = position_of(adjacency_.mesh(), place);
   for (std::uint32_t c = 0; c < 3; ++c) {
     const double ahead = place.bary[next_corner(c)];
     const double behind = place.bary[previous_corner(c)];
     const std::uint32_t v = surface_.faces[f].vertex[c];
-    lower(v, source.offset + distance(at, adjacency_.mesh().positions()[v]), from,
+    lower(v, source.offset + distance_to_corner(adjacency_.mesh(), place, c), from,
           {halfedge(f, c), false, frames_.length(f, next_corner(c)) * (behind / (ahead + behind))});
   }
   for (std::uint32_t c = 0; c < 3; ++c) {
@@ -103,8 +103,12 @@ void Propagation::bend_at(std::uint32_t v) {
 }
 
 void Propagation::send_everywhere(std::uint32_t v, std::uint32_t root) {
-  for (const std::uint32_t corner : surface_.corners(v)) lower_along_sides(corner, root);
   for (const std::uint32_t corner : surface_.corners(v)) {
+    if (poll_.cancelled()) return;
+    lower_along_sides(corner, root);
+  }
+  for (const std::uint32_t corner : surface_.corners(v)) {
+    if (poll_.cancelled()) return;
     light_from_corner(corner, root, 0, std::numbers::pi);
   }
 }
@@ -113,7 +117,10 @@ void Propagation::send_everywhere(std::uint32_t v, std::uint32_t root) {
 // turning from the way back, between pi and the whole angle less pi.
 void Propagation::send_beyond(std::uint32_t v, std::uint32_t root) {
   constexpr double kPi = std::numbers::pi;
-  for (const std::uint32_t corner : surface_.corners(v)) lower_along_sides(corner, root);
+  for (const std::uint32_t corner : surface_.corners(v)) {
+    if (poll_.cancelled()) return;
+    lower_along_sides(corner, root);
+  }
   const ArrivalAtVertex arrival = memory_.arrivals[v];
   const std::uint32_t f = face_of(arrival.corner);
   const std::uint32_t c = corner_of(arrival.corner);
@@ -135,7 +142,7 @@ void Propagation::send_beyond(std::uint32_t v, std::uint32_t root) {
   }
   const double slack = kSlack + kRoughAngle * static_cast<double>(memory_.fan.size() + 2);
   last += slack;
-  for (std::size_t i = 0; i < memory_.fan.size(); ++i) {
+  for (std::size_t i = 0; i < memory_.fan.size() && !poll_.cancelled(); ++i) {
     const FanFace face = memory_.fan[i];
     const double begin = std::max(kPi - slack, face.begin) - face.begin;
     const double end = std::min(last, face.end) - face.begin;
@@ -159,7 +166,7 @@ bool Propagation::turn(std::uint32_t corner, bool over_next, double angle) {
       over_next ? corner : halfedge(face_of(corner), previous_corner(corner_of(corner)));
   for (;;) {
     const Halfedge across = surface_.ring(side);
-    if (across == side) return false;
+    if (across == side || poll_.cancelled()) return false;
     const std::uint32_t f = face_of(across);
     if (f == face_of(corner)) return true;
     const std::uint32_t c = corner_of(across);

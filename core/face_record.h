@@ -34,6 +34,9 @@ struct alignas(64) FaceRecord {
   std::array<Halfedge, 3> ring;  // the next halfedge on the same edge, cyclic
   std::array<double, 3> dot;     // at each corner, the dot product of the two edges leaving it
   double area2;                  // twice the area
+  // How far a corner may be from its place, laid out with the others, of the longest side:
+  // what flips of edges have lost (intrinsic_delaunay.h). None on a mesh's own faces.
+  float error = 0;
 
   // Squared length of the edge vertex[c] - vertex[c + 1].
   [[nodiscard]] double length2(std::uint32_t c) const { return dot[c] + dot[next_corner(c)]; }

@@ -126,11 +126,11 @@ class FastMarching {
   }
 
   void start(const Source& source, std::uint32_t number) {
-    const Vec3 at = position_of(adjacency_.mesh(), source.point);
     if (source.point.at_vertex()) lower(source.point.vertex, source.offset, number);
     for (const SurfacePoint& place : in_all_faces(adjacency_, source.point)) {
-      for (const std::uint32_t v : adjacency_.face(place.face).vertex) {
-        lower(v, source.offset + distance(at, adjacency_.mesh().positions()[v]), number);
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        lower(adjacency_.face(place.face).vertex[c],
+              source.offset + distance_to_corner(adjacency_.mesh(), place, c), number);
       }
     }
   }

@@ -11,8 +11,8 @@
 // edge is not one of the mesh's, and two vertices may have several edges between them. No face has
 // the same vertex twice: an edge whose flip would lead there stays. So do edges of the boundary,
 // those of three faces or more, and those whose flip would leave a face without area, or one with
-// a side so short that the face's products do not say how long it is (FaceRecord::loses_length):
-// such a face is one of the mesh.
+// a side so short that the face's products do not say how long it is (FaceRecord::loses_length), or
+// lose more of the distances than 1e-11, where sides differ by many powers of ten.
 #pragma once
 
 #include <cstddef>
@@ -35,7 +35,7 @@ class IntrinsicDelaunay {
 
   // Valid while this object is.
   [[nodiscard]] Triangulation triangulation() const {
-    return {faces_, corner_begin_, corners_, is_oriented_};
+    return {faces_, corner_begin_, corners_, is_oriented_, is_even_, has_flat_faces_, is_crowded_};
   }
 
   // Whether the edge of a halfedge may be flipped: it has two faces, and their apexes
@@ -59,6 +59,9 @@ class IntrinsicDelaunay {
   std::vector<std::uint32_t> corner_begin_;  // vertex_count + 1
   std::vector<std::uint32_t> corners_;
   bool is_oriented_ = false;  // as the mesh is: flips keep it so
+  bool is_crowded_ = false;   // likewise
+  bool is_even_ = false;
+  bool has_flat_faces_ = false;  // of the mesh
   std::uint64_t flips_ = 0;
 };
 

@@ -214,7 +214,7 @@ Result<std::vector<Isoline>> isolines(const Adjacency& adjacency, const Field& f
       }
       if (walker.passed(face)) continue;
       Isoline line = walker.line_through(face);
-      if (poll.stopped()) return fail_stopped(cancel);
+      if (poll.stopped()) return fail_stopped(poll);
       if (line.points.size() > 1) lines.push_back(std::move(line));
     }
   }

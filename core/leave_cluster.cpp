@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "core/side_length.h"
+
 namespace geodesic {
 namespace {
 
@@ -40,7 +42,7 @@ std::vector<std::uint32_t> gather(const Adjacency& adjacency, const Field& field
       const std::uint32_t c = corner_of(corner);
       for (const std::uint32_t end : {next_corner(c), previous_corner(c)}) {
         const std::uint32_t side = end == next_corner(c) ? c : end;
-        if (!(face.length2(side) <= longest * longest)) continue;
+        if (!(side_length2(adjacency, face_of(corner), side) <= longest * longest)) continue;
         const StepBack step = along_side(face, face_of(corner), c, end, field.distance[found[i]]);
         if (cluster.emplace(step.vertex, Came{found[i], step}).second) {
           found.push_back(step.vertex);

@@ -95,7 +95,7 @@ class PairSearch {
     Pair pair;
     Poll poll(cancel_);
     pair.distance = PointArrivals(adjacency, *field, &poll).distance_at(to);
-    if (poll.stopped()) return fail_stopped(cancel_);
+    if (poll.stopped()) return fail_stopped(poll);
     if (!with_path()) return pair;
     auto traced = trace_path(adjacency, *field, to, cancel_);
     if (!traced) return fail(std::move(traced.error()));
@@ -177,7 +177,12 @@ Result<Pair> pair_search(Method method, const MethodOptions& options, const Adja
                          const Source& from, const SurfacePoint& to, PairPath path,
                          SolveScratch& scratch, const Cancel& cancel) {
   PairSearch search(method, options, scratch, cancel, path);
-  if (!searches_pairs(method)) return search.by_field(adjacency, from, to, kUnreached);
+  // Windows go no farther than the target by themselves, and take no notice of a detour.
+  const bool by_windows =
+      !is_exact(method) && goes_by_windows(method, options, adjacency, {&from, 1});
+  if (!searches_pairs(method) || by_windows) {
+    return search.by_field(adjacency, from, to, kUnreached);
+  }
   const auto guess = edge_path(adjacency, from.point, to, scratch.wavefront, cancel);
   if (!guess) return fail(guess.error());
   if (!*guess) return Pair{};

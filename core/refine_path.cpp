@@ -41,7 +41,7 @@ Result<Path> refine_path(const Adjacency& adjacency, const Field& field, const S
   };
   Poll poll(cancel);
   const double expected = PointArrivals(adjacency, field, &poll).distance_at(target);
-  if (poll.stopped()) return fail(ErrorCode::cancelled, "the path is no longer wanted");
+  if (poll.stopped()) return fail_stopped(poll);
   if (!(delayed(*best) - expected > kDoubtful * best->length)) return best;
   std::vector<std::uint32_t> asked;
   if (target.at_vertex()) asked.push_back(target.vertex);

@@ -33,8 +33,7 @@ class Shortener {
     // Each round takes some part off the length, or lets a vertex pass that it lets pass once;
     // and all of them together unfold no more than kMostFacesUnfolded.
     while (chain && slip(*chain)) ++counts_.rounds;
-    if (cancelled_ || poll_.stopped())
-      return fail(ErrorCode::cancelled, "the path is no longer wanted");
+    if (poll_.stopped()) return fail_stopped(poll_);
     Path result = write_path(adjacency_, *chain, path);
     return result.length < path.length * (1 - kLeastGain) ? std::move(result) : path;
   }

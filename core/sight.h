@@ -1,12 +1,14 @@
 // What a source sees: the vertices that straight lines from it reach without a bend.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "core/face_record.h"
 #include "core/triangulation.h"
+#include "core/unfold_rounding.h"
 #include "core/vec2.h"
 
 namespace geodesic {
@@ -19,19 +21,36 @@ struct Wedge {
   Vec2 to_left;
   Vec2 right_bound;
   Vec2 left_bound;
+  // How far what is beyond the edge may be turned by rounding (unfold_rounding.h), and how far
+  // away the farthest was.
+  double turn = 0;
+  double farthest = 0;
 };
+
+// A wedge out of a face over that edge of it, all that can be seen of it.
+[[nodiscard]] inline Wedge wedge_over(const FaceRecord& face, Halfedge edge, std::uint32_t right,
+                                      Vec2 to_right, Vec2 to_left) {
+  const double farthest = std::max(norm(to_right), norm(to_left));
+  const double turn = UnfoldRounding::of_corner(face, farthest) / norm(to_left - to_right);
+  return {edge, right, to_right, to_left, to_right, to_left, turn, farthest};
+}
 
 // Tells `see` of every vertex that one of the wedges comes to, and how far it is that
 // way: each is the length of a path on the surface. The wedges go on as if through a
-// surface without an end, those that have crossed fewer faces first, until `most` of
-// them have. Works in the vector it is given.
+// surface without an end, those that have crossed fewer faces first, until they have crossed
+// `most` of them (a wedge that crosses none counts as one). Works in the vector it is given, to
+// which no more than two wedges for each of those come.
 template <class See>
 void look_around(const Triangulation& surface, std::vector<Wedge>& wedges, std::size_t most,
                  See see) {
-  for (std::size_t i = 0; i < wedges.size() && i < most; ++i) {
+  std::size_t crossed = 0;
+  for (std::size_t i = 0; i < wedges.size() && crossed < most; ++i) {
     const Wedge wedge = wedges[i];
-    for (Halfedge across = surface.ring(wedge.edge); across != wedge.edge;
-         across = surface.ring(across)) {
+    // Nor do they go on where nobody can say which way.
+    if (!(wedge.turn <= UnfoldRounding::kMostTurn)) continue;
+    Halfedge across = surface.ring(wedge.edge);
+    if (across == wedge.edge) ++crossed;
+    for (; across != wedge.edge && crossed < most; across = surface.ring(across), ++crossed) {
       const FaceRecord& face = surface.faces[face_of(across)];
       const std::uint32_t c = corner_of(across);
       const std::uint32_t n = next_corner(c);
@@ -44,17 +63,25 @@ void look_around(const Triangulation& surface, std::vector<Wedge>& wedges, std::
                            (face.area2 / base2) * Vec2{base.y, -base.x};
       const bool within_left = cross(to_apex, wedge.left_bound) >= 0;
       const bool within_right = cross(wedge.right_bound, to_apex) >= 0;
-      if (within_left && within_right) see(face.vertex[apex], norm(to_apex));
+      const double straight = norm(to_apex);
+      const double farthest = std::max(wedge.farthest, straight);
+      const double rounding = UnfoldRounding::of_corner(face, farthest);
+      if (within_left && within_right) {
+        see(face.vertex[apex],
+            straight + UnfoldRounding::lack(straight, farthest, wedge.turn, rounding));
+      }
       // To the right of the apex, and to the left of it.
       if (within_right) {
         wedges.push_back({halfedge(face_of(across), forward ? apex : n), wedge.right,
                           wedge.to_right, to_apex, wedge.right_bound,
-                          within_left ? to_apex : wedge.left_bound});
+                          within_left ? to_apex : wedge.left_bound,
+                          wedge.turn + rounding / norm(to_apex - wedge.to_right), farthest});
       }
       if (within_left) {
         wedges.push_back({halfedge(face_of(across), forward ? n : apex), face.vertex[apex], to_apex,
                           wedge.to_left, within_right ? to_apex : wedge.right_bound,
-                          wedge.left_bound});
+                          wedge.left_bound, wedge.turn + rounding / norm(wedge.to_left - to_apex),
+                          farthest});
       }
     }
   }

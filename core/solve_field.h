@@ -25,6 +25,12 @@ struct SolveScratch {
   BackTracedScratch back_traced;
 };
 
+// Whether these options have windows computed, whatever the method is called: of `exact`, within a
+// tolerance, or for an upper bound across slivers. Such a field stops at its targets by itself, and
+// takes no detour.
+[[nodiscard]] bool goes_by_windows(Method method, const MethodOptions& options,
+                                   const Adjacency& adjacency, std::span<const Source> sources);
+
 // The distances from the nearest of the sources by `method`. With no source
 // everything is unreached. What each method promises is said in its own header.
 // Errors: cancelled; value_out_of_range for options that `steiner` cannot use.

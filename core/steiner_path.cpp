@@ -347,7 +347,7 @@ Result<std::optional<Path>> steiner_path(const Adjacency& adjacency, const Sourc
     if (before - length < options.tolerance * before) break;
   }
   Path refined = assemble(adjacency, from.point, to, crossings, steps, poll);
-  if (poll.stopped()) return fail_stopped(cancel);
+  if (poll.stopped()) return fail_stopped(poll);
   return refined.length < traced->length ? std::move(refined) : std::move(*traced);
 }
 

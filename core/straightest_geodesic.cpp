@@ -46,7 +46,7 @@ class Walk {
     double left = length;
     for (std::uint64_t faces = 0;; ++faces) {
       // Passing a vertex counts as one face, however many it has: those are polled.
-      if (poll_.cancelled()) return fail(ErrorCode::cancelled, "the path is no longer wanted");
+      if (poll_.cancelled()) return fail_stopped(poll_);
       if (faces == kMostFacesCrossed) {
         return fail_limit(ErrorCode::too_large, "the geodesic crosses too many faces",
                           kMostFacesCrossed, faces + 1, "length");
@@ -79,7 +79,7 @@ class Walk {
       if (left <= kLengthSlack * length) return finish(flat, here.heading, End::length);
       const auto next = there.at_vertex() ? over_vertex(flat, there.vertex, here.heading)
                                           : over_edge(flat, leaves, here.heading);
-      if (poll_.stopped()) return fail(ErrorCode::cancelled, "the path is no longer wanted");
+      if (poll_.stopped()) return fail_stopped(poll_);
       if (!next) return finish(flat, here.heading, next.error());
       here = *next;
     }
@@ -335,7 +335,7 @@ Result<StraightestGeodesic> straightest_geodesic(const Adjacency& adjacency,
   double longest_projection = 0;
   bool at_boundary = false;
   for (const SurfacePoint& place : in_all_faces(adjacency, from)) {
-    if (poll.cancelled()) return fail(ErrorCode::cancelled, "the path is no longer wanted");
+    if (poll.cancelled()) return fail_stopped(poll);
     const Candidate candidate = closest_in_face(adjacency, place, vector);
     longest_projection = std::max(longest_projection, norm(candidate.projection));
     at_boundary = at_boundary || candidate.at_boundary;
@@ -375,7 +375,7 @@ Result<StraightestGeodesic> straightest_geodesic_at_angle(const Adjacency& adjac
     // The other way round begins in the face across the first edge.
     const Halfedge across = adjacency.ring(corner);
     const bool manifold = across != corner && adjacency.ring(across) == corner;
-    if (poll.stopped()) return fail(ErrorCode::cancelled, "the path is no longer wanted");
+    if (poll.stopped()) return fail_stopped(poll);
     const auto departure = angle >= -kAngleSlack
                                ? walk.turn(from.vertex, corner, std::max(angle, 0.0))
                            : manifold ? walk.turn(from.vertex, across, -angle)

@@ -40,6 +40,15 @@ Vec3 position_of(const Mesh& mesh, const SurfacePoint& point) {
          point.bary[2] * mesh.positions()[t[2]];
 }
 
+double distance_to_corner(const Mesh& mesh, const SurfacePoint& point, std::uint32_t c) {
+  const Triangle& t = mesh.faces()[point.face];
+  const auto positions = mesh.positions();
+  const std::uint32_t n = next_corner(c);
+  const std::uint32_t p = previous_corner(c);
+  return norm(point.bary[n] * (positions[t[n]] - positions[t[c]]) +
+              point.bary[p] * (positions[t[p]] - positions[t[c]]));
+}
+
 std::vector<SurfacePoint> in_all_faces(const Adjacency& adjacency, const SurfacePoint& point) {
   std::vector<SurfacePoint> places;
   if (point.at_vertex()) {

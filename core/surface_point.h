@@ -33,6 +33,12 @@ struct SurfacePoint {
 
 [[nodiscard]] Vec3 position_of(const Mesh& mesh, const SurfacePoint& point);
 
+// How far it is straight from a point of a face to the face's corner c. From the corner's point of
+// view: differences of positions have the mesh's digits, however far it lies from the origin, and
+// the point's own position has not.
+[[nodiscard]] double distance_to_corner(const Mesh& mesh, const SurfacePoint& point,
+                                        std::uint32_t c);
+
 // Every face that the point lies in, with its weights there: one for an inner
 // point, the faces round an edge, or those round a vertex (none at an isolated one).
 [[nodiscard]] std::vector<SurfacePoint> in_all_faces(const Adjacency& adjacency,

@@ -59,7 +59,7 @@ class Tracer {
       if (step.to == StepBack::To::source) return assemble(step.source);
       step = step.to == StepBack::To::vertex ? from_vertex(step.vertex) : from_edge(step);
     }
-    if (poll_.stopped()) return fail(ErrorCode::cancelled, "the path is no longer wanted");
+    if (poll_.stopped()) return fail_stopped(poll_);
     return along_edges(target);
   }
 

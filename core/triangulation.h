@@ -15,6 +15,15 @@ struct Triangulation {
   std::span<const std::uint32_t> all_corners;
   // Every edge is in one face, or in two that go along it opposite ways.
   bool is_oriented = false;
+  // No side is more than a thousand times as long as another: rounding turns nothing that is
+  // unfolded over some dozens of such faces (unfold_rounding.h).
+  bool is_even = false;
+  // A face is lower than kFlat (unfold_rounding.h).
+  bool has_flat_faces = false;
+  // An edge is in more than kCrowd faces: copies of a face, or the pages of a book. What asks them
+  // all, whenever it comes by, takes the square of them.
+  bool is_crowded = false;
+  static constexpr std::size_t kCrowd = 16;
 
   // The corners at a vertex, in ascending order.
   [[nodiscard]] std::span<const std::uint32_t> corners(std::uint32_t vertex) const {

@@ -10,6 +10,7 @@
 
 #include "core/adjacency.h"
 #include "core/field.h"
+#include "core/unfold_rounding.h"
 #include "core/virtual_source.h"
 
 namespace geodesic::detail {
@@ -24,19 +25,22 @@ class Wavefront {
   // empty wherever this wave has not been, and so is the queue.
   Wavefront(const Adjacency& adjacency, Queue& queue, std::span<double> distance,
             std::span<Parents> parents)
-      : adjacency_(adjacency), queue_(queue), distance_(distance), parents_(parents) {}
+      : adjacency_(adjacency),
+        has_flat_faces_(adjacency.triangulation().has_flat_faces),
+        queue_(queue),
+        distance_(distance),
+        parents_(parents) {}
 
   // Accepts the vertices in the same face as the source: along the edge from a
   // source at a vertex, straight across the face from any other. Straight lines
   // in space, they are the shortest ways there can be. Returns these vertices.
   std::vector<std::uint32_t> start(const Source& source, std::uint32_t number) {
-    const Vec3 at = position_of(adjacency_.mesh(), source.point);
     const Parents straight{kNone, number};
     if (source.point.at_vertex()) lower(source.point.vertex, source.offset, straight);
     for (const SurfacePoint& place : in_all_faces(adjacency_, source.point)) {
-      for (const std::uint32_t v : adjacency_.face(place.face).vertex) {
-        const Vec3 to = adjacency_.mesh().positions()[v];
-        lower(v, source.offset + geodesic::distance(at, to), straight);
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        lower(adjacency_.face(place.face).vertex[c],
+              source.offset + distance_to_corner(adjacency_.mesh(), place, c), straight);
       }
     }
     std::vector<std::uint32_t> first_ring;
@@ -53,6 +57,15 @@ class Wavefront {
       const FaceRecord& face = adjacency_.face(face_of(corner));
       const std::uint32_t ahead = face.vertex[next_corner(c)];
       const std::uint32_t behind = face.vertex[previous_corner(c)];
+      if (has_flat_faces_ && is_lower_than(kFlat, face)) {
+        // Along its sides, of which one may be all that leads on.
+        lower_along_edge(v, ahead);
+        lower_along_edge(v, behind);
+        // Of a needle's short side rounding has left nothing.
+        const auto [shorter, longer] =
+            std::minmax({face.length2(0), face.length2(1), face.length2(2)});
+        if (!(shorter > kWithoutArea * kWithoutArea * longer)) continue;
+      }
       const bool ahead_accepted = queue_.accepted(ahead);
       if (ahead_accepted == queue_.accepted(behind)) continue;
       if (ahead_accepted) {
@@ -92,6 +105,12 @@ class Wavefront {
     }
   }
 
+  void lower_along_edge(std::uint32_t v, std::uint32_t w) {
+    if (queue_.accepted(w)) return;
+    const auto positions = adjacency_.mesh().positions();
+    lower(w, distance_[v] + geodesic::distance(positions[v], positions[w]), {v, v});
+  }
+
   void update(std::uint32_t w, std::uint32_t p, std::uint32_t q, const UnfoldedApex& apex) {
     lower(w, kArrive(distance_[p], distance_[q], apex).distance, {p, q});
   }
@@ -104,6 +123,7 @@ class Wavefront {
   }
 
   const Adjacency& adjacency_;
+  const bool has_flat_faces_;
   Queue& queue_;
   std::span<double> distance_;
   std::span<Parents> parents_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/face_over_edge.h"
+
 namespace geodesic {
 namespace {
 
@@ -24,10 +26,16 @@ LitWay shortest_lit_way(const Adjacency& adjacency, const WindowTable& windows,
   for (std::uint32_t c = 0; c < 3; ++c) {
     const double above = place.bary[previous_corner(c)];
     const double length2 = face.length2(c);
-    if (above == 0 || !(length2 > 0)) continue;
-    const double length = std::sqrt(length2);
-    const double x = place.bary[next_corner(c)] * length + above * (face.dot[c] / length);
-    const double y = above * (face.area2 / length);
+    if (above == 0 || (!(length2 > 0) && !face.loses_length(c))) continue;
+    double length = std::sqrt(length2);
+    double x = place.bary[next_corner(c)] * length + above * (face.dot[c] / length);
+    double y = above * (face.area2 / length);
+    if (face.loses_length(c)) {
+      const FaceOverEdge over = face_over_edge(adjacency.mesh(), halfedge(place.face, c));
+      length = over.length;
+      x = place.bary[next_corner(c)] * length + above * over.apex_from_tail.x;
+      y = above * over.apex_from_tail.y;
+    }
     for (const LitWindow& window : windows.into(halfedge(place.face, c))) {
       const double at = crossing_of(window, x, y);
       const double d = window.offset + std::hypot(at - window.x, window.y) + std::hypot(x - at, y);

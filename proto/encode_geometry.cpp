@@ -42,6 +42,11 @@ bool fits_float32(const Box& box) {
 
 }  // namespace
 
+std::uint64_t memory_of_geometry(const Mesh& mesh) {
+  return std::uint64_t{72} * mesh.source_vertex_count() +
+         std::uint64_t{36} * mesh.source_face_count() + 4096;
+}
+
 Result<std::string> geometry_glb(const Mesh& mesh) {
   if (!fits_float32(mesh.box())) {
     return fail(ErrorCode::unsupported,

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +15,9 @@
 #include "core/mesh.h"
 
 namespace geodesic::proto {
+
+// The bytes of memory that either of these takes at most while it is made.
+[[nodiscard]] std::uint64_t memory_of_geometry(const Mesh& mesh);
 
 // As a GLB of one triangle primitive. Positions are rounded to float32, which is what
 // they were unless a node moved them. Errors: unsupported, when float32 or the size

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <unordered_set>
+#include <vector>
 
 #include "proto/number.h"
 
@@ -13,6 +17,27 @@ using nlohmann::json;
 
 // No query nests deeper than a list of points with lists of numbers.
 constexpr int kMaxDepth = 8;
+
+// The first name that comes twice in one object: of two values, no reader can know which one
+// is meant (RFC 8259, section 4).
+class RepeatedKeys {
+ public:
+  void note(json::parse_event_t event, const json& parsed) {
+    if (event == json::parse_event_t::object_start) {
+      open_.emplace_back();
+    } else if (event == json::parse_event_t::object_end && !open_.empty()) {
+      open_.pop_back();
+    } else if (event == json::parse_event_t::key && !repeated_ && !open_.empty()) {
+      const auto& name = parsed.get_ref<const std::string&>();
+      if (!open_.back().insert(name).second) repeated_ = name;
+    }
+  }
+  [[nodiscard]] const std::optional<std::string>& repeated() const { return repeated_; }
+
+ private:
+  std::vector<std::unordered_set<std::string>> open_;  // names of the objects around
+  std::optional<std::string> repeated_;
+};
 
 // A finite number, or a text that is one.
 std::optional<double> finite_number(const json& value) {
@@ -57,10 +82,12 @@ Parameters Parameters::from_query(const std::vector<std::pair<std::string, std::
 Result<Parameters> Parameters::from_json(std::string_view body) {
   auto values = std::make_unique<Values>();
   bool too_deep = false;
+  RepeatedKeys keys;
   json document;
   try {
-    document = json::parse(body, [&](int depth, json::parse_event_t, json&) {
+    document = json::parse(body, [&](int depth, json::parse_event_t event, json& parsed) {
       too_deep |= depth > kMaxDepth;
+      if (!too_deep) keys.note(event, parsed);
       return !too_deep;
     });
   } catch (const json::exception& error) {
@@ -72,6 +99,10 @@ Result<Parameters> Parameters::from_json(std::string_view body) {
                 "body");
   }
   if (too_deep) return fail(ErrorCode::bad_syntax, "the body is nested too deeply", "body");
+  if (keys.repeated()) {
+    return fail(ErrorCode::bad_syntax, "this name comes twice in one JSON object",
+                *keys.repeated());
+  }
   if (!document.is_object()) {
     return fail(ErrorCode::bad_syntax, "the body is not a JSON object", "body");
   }
@@ -79,6 +110,11 @@ Result<Parameters> Parameters::from_json(std::string_view body) {
     values->by_name[name] = value.is_array() ? std::move(value) : json::array({std::move(value)});
   }
   return Parameters(std::move(values));
+}
+
+std::size_t Parameters::count(std::string_view name) const {
+  const auto it = values_->by_name.find(name);
+  return it == values_->by_name.end() ? 0 : it->size();
 }
 
 Result<std::vector<PointRequest>> Parameters::points(std::string_view name) {
@@ -95,6 +131,9 @@ Result<std::vector<PointRequest>> Parameters::points(std::string_view name) {
 }
 
 Result<PointRequest> Parameters::point(std::string_view name) {
+  if (count(name) > 1) {
+    return fail(ErrorCode::bad_syntax, "this parameter takes one point", std::string(name));
+  }
   auto all = points(name);
   if (!all) {
     // The only one there can be has no number.
@@ -103,10 +142,8 @@ Result<PointRequest> Parameters::point(std::string_view name) {
     if (where.starts_with(first)) where.erase(name.size(), first.size() - name.size());
     return fail(std::move(all.error()));
   }
-  if (all->size() != 1) {
-    return fail(ErrorCode::bad_syntax,
-                all->empty() ? "this parameter is missing" : "this parameter takes one point",
-                std::string(name));
+  if (all->empty()) {
+    return fail(ErrorCode::bad_syntax, "this parameter is missing", std::string(name));
   }
   all->front().parameter = std::string(name);
   return std::move(all->front());

@@ -5,6 +5,7 @@
 // whatever nobody asked for, so that a misspelt parameter is never ignored.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -31,6 +32,8 @@ class Parameters {
   Parameters& operator=(Parameters&&) noexcept;
   ~Parameters();
 
+  // How many values there are under a name.
+  [[nodiscard]] std::size_t count(std::string_view name) const;
   // All points under a name; in JSON one point or an array. Errors: bad_syntax,
   // value_out_of_range, naming the one at fault such as "from[2]".
   [[nodiscard]] Result<std::vector<PointRequest>> points(std::string_view name);

@@ -83,7 +83,7 @@ class Drawing {
     Poll poll(cancel);
     shade_vertices();
     for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
-      if (poll.cancelled()) return fail(ErrorCode::cancelled, "the computation was cancelled");
+      if (poll.cancelled()) return fail_stopped(poll);
       draw_face(mesh_.faces()[f]);
     }
     const double thick = scale_ * std::max(1.5, 0.0022 * std::min(options_.width, options_.height));

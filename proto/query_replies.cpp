@@ -113,7 +113,7 @@ void append_method(std::string& out, Method method) {
 
 std::string to_json(const DistanceReply& reply, int digits) {
   std::string out = opening(reply.mesh);
-  out.reserve(reply.distances.size() * 19 + 1024);
+  out.reserve(reply.distances.size() * 25 + 1024);
   append_method(out, reply.method);
   out += ",\"from\":";
   append_points(out, reply.from, digits);

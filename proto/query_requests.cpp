@@ -97,18 +97,20 @@ Result<void> check_no_offset(const std::vector<PointRequest>& points) {
 }
 
 Result<void> read_sources(Parameters& parameters, std::vector<PointRequest>& sources) {
+  // Counted before they are taken apart.
+  if (auto few = check_count(parameters.count("from"), kMaxSources, "from"); !few) return few;
   auto from = parameters.points("from");
   if (!from) return fail(std::move(from.error()));
   sources = std::move(*from);
-  return check_count(sources.size(), kMaxSources, "from");
+  return {};
 }
 
 Result<void> read_points(Parameters& parameters, const char* name, std::size_t most,
                          std::vector<PointRequest>& points) {
+  if (auto few = check_count(parameters.count(name), most, name); !few) return few;
   auto read = parameters.points(name);
   if (!read) return fail(std::move(read.error()));
   points = std::move(*read);
-  if (auto few = check_count(points.size(), most, name); !few) return few;
   return check_no_offset(points);
 }
 
@@ -142,7 +144,6 @@ Result<void> read_refine(Parameters& parameters, Refine& refine) {
 
 // Ascending, each once.
 Result<void> check_levels(std::vector<double>& levels) {
-  if (auto few = check_count(levels.size(), kMaxLevels, "levels"); !few) return few;
   for (std::size_t i = 0; i < levels.size(); ++i) {
     if (levels[i] < 0) {
       return fail(ErrorCode::value_out_of_range, "a distance is not negative",
@@ -155,6 +156,7 @@ Result<void> check_levels(std::vector<double>& levels) {
 }
 
 Result<void> read_levels(Parameters& parameters, IsolinesRequest& request) {
+  if (auto few = check_count(parameters.count("levels"), kMaxLevels, "levels"); !few) return few;
   auto levels = parameters.numbers("levels");
   if (!levels) return fail(std::move(levels.error()));
   const auto step = parameters.number("step");

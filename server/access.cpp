@@ -83,8 +83,16 @@ auto Access::judge(const HttpRequest& request) const -> Verdict {
   return verdict;
 }
 
-bool Access::allows(const HttpRequest& request) const {
-  return judge(request).outcome == Outcome::allowed;
+void Access::name_client(const Verdict& verdict, HttpRequest& request) {
+  // No address looks like this, so that nobody can take another's turns.
+  if (!verdict.name.empty()) request.caller.client = "token:" + verdict.name;
+}
+
+bool Access::admits(HttpRequest& request) const {
+  const Verdict verdict = judge(request);
+  if (verdict.outcome != Outcome::allowed) return false;
+  name_client(verdict, request);
+  return true;
 }
 
 std::optional<HttpResponse> Access::check(HttpRequest& request) const {
@@ -93,8 +101,7 @@ std::optional<HttpResponse> Access::check(HttpRequest& request) const {
   std::string challenge = "Bearer realm=\"geodesicd\"";
   switch (verdict.outcome) {
     case Outcome::allowed:
-      // No address looks like this, so that nobody can take another's turns.
-      if (!verdict.name.empty()) request.caller.client = "token:" + verdict.name;
+      name_client(verdict, request);
       return {};
     case Outcome::absent:
       error.detail = "this needs a token, in the header 'Authorization: Bearer TOKEN'";

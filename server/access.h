@@ -57,8 +57,9 @@ class Access {
   // the reply, a 401 or 403.
   [[nodiscard]] std::optional<HttpResponse> check(HttpRequest& request) const;
 
-  // Whether `check` would let it go on; to be asked before its body is received.
-  [[nodiscard]] bool allows(const HttpRequest& request) const;
+  // Whether `check` would let it go on; to be asked before its body is received. If so, its
+  // caller's client is set as by `check`.
+  [[nodiscard]] bool admits(HttpRequest& request) const;
 
  private:
   enum class Outcome : std::uint8_t { allowed, absent, invalid, expired, lacking };
@@ -68,6 +69,7 @@ class Access {
     std::string name;  // of the token; empty if none was asked for, or it is unknown
   };
   [[nodiscard]] Verdict judge(const HttpRequest& request) const;
+  static void name_client(const Verdict& verdict, HttpRequest& request);
 
   const Clock now_;
   Current<std::optional<Tokens>> tokens_;

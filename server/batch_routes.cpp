@@ -1,5 +1,7 @@
 // Many queries in one request, each a line of JSON (NDJSON): answered in their order,
 // line by line as they are done.
+#include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -8,6 +10,7 @@
 
 #include "proto/parameters.h"
 #include "server/call.h"
+#include "server/hurried.h"
 #include "server/problem.h"
 #include "server/routes.h"
 
@@ -22,6 +25,7 @@ struct Batch {
   std::string body;
   HttpRequest request;   // for whom: without its body
   std::size_t done = 0;  // bytes of the body
+  bool is_over = false;  // before its end
 
   [[nodiscard]] double part_done() const {
     return static_cast<double>(done) / static_cast<double>(body.size());
@@ -50,15 +54,34 @@ std::string reply_line(const std::optional<std::string>& id, int status, const c
   return line;
 }
 
+std::string problem_line(const std::optional<std::string>& id, const Error& error,
+                         const HttpRequest& request) {
+  const int status = http_status(error.code);
+  return reply_line(id, status, "problem",
+                    to_problem_json(error, request.target, request.id, status));
+}
+
+// At most so many, those that are blank included.
+std::size_t lines_of(std::string_view body) {
+  return static_cast<std::size_t>(std::count(body.begin(), body.end(), '\n')) + 1;
+}
+
 }  // namespace
 
 HttpResponse Routes::batch(Call& call) {
-  if (!call.request.query.empty()) {
+  auto parameters = proto::Parameters::from_query(call.request.query);
+  const auto hurry = hurried(call.request.caller, parameters);
+  if (!hurry) return call.problem(hurry.error());
+  if (const auto known = parameters.check_all_known(); !known) {
     return call.problem(Error{ErrorCode::unknown_parameter,
-                              "parameters of a batch are in its lines",
-                              call.request.query.front().first,
+                              "parameters of a batch are in its lines, but for deadline_ms",
+                              known.error().parameter,
                               {},
                               {}});
+  }
+  if (const std::size_t lines = lines_of(call.request.body); lines > kMaxBatchLines) {
+    return call.problem(
+        Error{ErrorCode::too_large, "too many lines in one batch", "body", kMaxBatchLines, lines});
   }
   // While the reply has not begun, an unknown mesh can still be told by its status.
   if (auto metadata = catalog_.metadata(call.id, call.request.caller); !metadata) {
@@ -68,13 +91,20 @@ HttpResponse Routes::batch(Call& call) {
   batch->mesh = call.id;
   batch->body = std::move(call.request.body);
   batch->request = call.request;
+  batch->request.caller = *hurry;
   HttpResponse response;
   response.content_type = kMediaType;
   response.set_header("Cache-Control", "no-store");
   response.stream = [this, batch](std::string& chunk) {
     std::string_view text;
     const double begin = batch->part_done();
-    if (batch->request.caller() || !batch->next(text)) return false;
+    if (batch->is_over || !batch->next(text)) return false;
+    if (batch->request.caller()) {
+      // The rest has no answers; why, is the last line.
+      batch->is_over = true;
+      chunk = problem_line(std::nullopt, batch->request.caller.why_stopped(), batch->request);
+      return true;
+    }
     const Caller caller = batch->request.caller.part(begin, batch->part_done());
     chunk = answer_line(batch->mesh, text, batch->request, caller);
     return true;
@@ -87,6 +117,8 @@ std::string Routes::answer_line(const std::string& mesh, std::string_view text,
                                 const HttpRequest& request, const Caller& caller) {
   std::optional<std::string> id;
   const auto answer = [&]() -> Result<HttpResponse> {
+    const auto memory = memory_for_json(text.size());
+    if (!memory) return fail(memory.error());
     auto parameters = proto::Parameters::from_json(text);
     if (!parameters) return fail(std::move(parameters.error()));
     auto given = parameters->scalar("id");
@@ -97,13 +129,11 @@ std::string Routes::answer_line(const std::string& mesh, std::string_view text,
     if (!*action || !is_query(**action)) {
       return fail(ErrorCode::bad_syntax, "each line names its query, such as \"path\"", "query");
     }
-    return answer_any_query({mesh, **action, *parameters, nullptr, caller, nullptr, true});
+    return answer_any_query({mesh, **action, *parameters, nullptr, caller, nullptr, nullptr, true});
   };
   const auto found = answer();
   if (found) return reply_line(id, found->status, "reply", *found->body);
-  const int status = http_status(found.error().code);
-  return reply_line(id, status, "problem",
-                    to_problem_json(found.error(), request.target, request.id, status));
+  return problem_line(id, found.error(), request);
 }
 
 }  // namespace geodesic::server

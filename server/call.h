@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,6 +19,9 @@ namespace geodesic::server {
 // The queries on a mesh, by the last segment of their paths.
 inline constexpr std::array<std::string_view, 7> kQueries{"distance", "path",  "table",  "isolines",
                                                           "samples",  "trace", "nearest"};
+
+// Lines of a batch, each of which is answered.
+inline constexpr std::size_t kMaxBatchLines = 100'000;
 
 [[nodiscard]] inline bool is_query(std::string_view name) {
   return std::find(kQueries.begin(), kQueries.end(), name) != kQueries.end();

@@ -80,10 +80,13 @@ Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& c
                           {}});
     }
   }
-  // Jobs that a free worker is about to take do not count as waiting.
-  if (!caller.is_patient && queue_.size() >= limits_.jobs + (counts_.slots - busy())) {
-    if (queue_.longest() > own + 1) {
-      const std::shared_ptr<Job> displaced = queue_.take_from_longest();
+  // Jobs that a free worker is about to take do not count as waiting, nor do the few that can
+  // wait: they take no place from others, and others none from them.
+  const auto may_go = [](const std::shared_ptr<Job>& waiting) { return !waiting->is_patient; };
+  const std::size_t impatient = queue_.size() - patient_;
+  if (!caller.is_patient && impatient >= limits_.jobs + (counts_.slots - busy())) {
+    if (queue_.longest(may_go) > own + 1) {
+      const std::shared_ptr<Job> displaced = queue_.take_from_longest(may_go);
       displaced->outcome = refuse(Error{ErrorCode::too_many_requests,
                                         "the queue is full, and most of it is this client's",
                                         {},
@@ -101,6 +104,8 @@ Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& c
                           queue_.size()});
     }
   }
+  job->is_patient = caller.is_patient;
+  if (job->is_patient) ++patient_;
   queue_.push(caller.client, job);
   note_queue();
   job_ready_.notify_one();
@@ -151,6 +156,7 @@ Result<void> ComputePool::wait_for(const std::shared_ptr<Job>& job, const Caller
           job->finished_signal, [&] { return job->finished; }, caller, lock);
       break;
     }
+    if (job->is_patient) --patient_;
     note_queue();
     ++(reason->code == ErrorCode::overloaded ? counts_.rejected : counts_.given_up);
     return fail(std::move(*reason));
@@ -173,6 +179,7 @@ void ComputePool::work(std::size_t slot) {
       join_crew(crew, worker, lock);
     } else {
       const std::shared_ptr<Job> job = queue_.pop();
+      if (job->is_patient) --patient_;
       note_queue();
       run_job(job, worker, lock);
     }

@@ -79,7 +79,8 @@ class ComputePool {
     std::size_t jobs_of_client = 0;  // … of one client: `too_many_requests`. 0: no bound
     // Longest wait; a job that waited, or would wait, longer is `overloaded`. 0: no bound.
     std::chrono::milliseconds wait{0};
-    // None of these holds for callers that are patient, who are few.
+    // None of these holds for callers that are patient, who are few. Their jobs are not sent
+    // away either.
   };
 
   // `slots` 0: as many as the machine has cores.
@@ -195,6 +196,7 @@ class ComputePool {
   mutable std::mutex mutex_;
   std::condition_variable job_ready_;
   FairQueue<std::shared_ptr<Job>> queue_;
+  std::size_t patient_ = 0;                   // of these, jobs whose callers are patient
   std::atomic<bool> is_queue_empty_{true};    // to be asked without the mutex
   std::vector<std::shared_ptr<Crew>> crews_;  // that have a slot
   std::size_t giving_way_ = 0;                // slots that will be free in a moment

@@ -31,6 +31,7 @@ struct Config {
   std::string tls_key;
   std::string tokens;  // empty: everybody may do everything
   std::string cors_origins = "*";
+  std::string cors_write_origins;  // empty: only our own
 
   std::uint64_t io_threads = 64;
   std::uint64_t max_connections = 10'000;
@@ -55,6 +56,7 @@ struct Config {
   std::uint64_t adjacency_cache_bytes = std::uint64_t{1536} << 20;
   std::uint64_t field_cache_bytes = std::uint64_t{768} << 20;
   std::uint64_t reply_cache_bytes = std::uint64_t{256} << 20;
+  std::uint64_t reply_memory_bytes = std::uint64_t{1} << 30;
 
   std::uint64_t body_timeout_seconds = 300;
   std::uint64_t min_upload_rate = std::uint64_t{1} << 10;  // bytes a second; 0: any

@@ -1,6 +1,7 @@
 #include "server/decoder_process.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -82,6 +83,9 @@ void serve(const LocalMessage& message, Decode& decode, const Confinement& confi
       ::fcntl(reply, F_SETFL, O_ASYNC) != 0) {
     return;
   }
+  // What was closed before has sent no signal.
+  pollfd end{reply, POLLRDHUP, 0};
+  if (::poll(&end, 1, 0) != 0) return;
   if (!confinement.enter({order->memory_bytes, order->cpu_seconds})) {
     const Decoded free = fail(ErrorCode::internal, "a decoder process cannot be confined here");
     (void)hand_over(free, frame, reply);

@@ -174,6 +174,22 @@ Result<std::optional<StoredObject>> DirectoryStorage::read(ObjectKind kind, std:
   return StoredObject{std::move(**bytes), {}};
 }
 
+Result<std::optional<ObjectFile>> DirectoryStorage::open_source(std::string_view id) {
+  const fs::path path = path_of(ObjectKind::source, id);
+  File file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  struct stat about {};
+  if (!file || ::fstat(file.get(), &about) != 0) {
+    if (errno == ENOENT) return std::nullopt;
+    return disk_error("open a file", path, errno);
+  }
+  const auto moment = [](const timespec& time) {
+    return fmt::format("{}.{}", static_cast<std::int64_t>(time.tv_sec), time.tv_nsec);
+  };
+  std::string state = fmt::format("{}:{}:{}:{}", about.st_ino, about.st_size, moment(about.st_mtim),
+                                  moment(about.st_ctim));
+  return ObjectFile{std::move(file), static_cast<std::uint64_t>(about.st_size), std::move(state)};
+}
+
 Result<void> DirectoryStorage::erase(std::string_view id) {
   const Result<bool> metadata = remove_file(path_of(ObjectKind::metadata, id));
   if (!metadata) return fail(metadata.error());

@@ -38,6 +38,7 @@ class DirectoryStorage final : public ObjectStorage {
                                           std::string_view bytes) override;
   [[nodiscard]] Result<std::optional<StoredObject>> read(ObjectKind kind, std::string_view id,
                                                          std::uint64_t expected_bytes) override;
+  [[nodiscard]] Result<std::optional<ObjectFile>> open_source(std::string_view id) override;
   [[nodiscard]] Result<void> erase(std::string_view id) override;
   [[nodiscard]] Result<void> quarantine(std::string_view id, std::string_view damaged) override;
   void note_use(std::string_view id) override;

@@ -2,6 +2,7 @@
 // NumPy's files and frames. What has to be drawn is draw_reply.h's.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -18,6 +19,27 @@ namespace geodesic::server {
 [[nodiscard]] std::string header_number(double value);
 // Geo-Cache, where there is something to say.
 void add_cache_header(HttpResponse& response, std::optional<bool> hit);
+
+// How many numbers a reply has, more or less; and the bytes of memory that it takes until it is
+// encoded, and packed if it can be.
+struct ReplySize {
+  std::uint64_t numbers = 0;
+  std::uint64_t bytes = 0;
+};
+[[nodiscard]] ReplySize size_of(const Answered<proto::DistanceReply>& answer,
+                                const proto::ReplyFormat& format);
+[[nodiscard]] ReplySize size_of(const Answered<proto::PathReply>& answer,
+                                const proto::ReplyFormat& format);
+[[nodiscard]] ReplySize size_of(const Answered<proto::TraceReply>& answer,
+                                const proto::ReplyFormat& format);
+[[nodiscard]] ReplySize size_of(const Answered<proto::TableReply>& answer,
+                                const proto::ReplyFormat& format);
+[[nodiscard]] ReplySize size_of(const Answered<proto::IsolinesReply>& answer,
+                                const proto::ReplyFormat& format);
+[[nodiscard]] ReplySize size_of(const Answered<proto::SamplesReply>& answer,
+                                const proto::ReplyFormat& format);
+[[nodiscard]] ReplySize size_of(const Answered<proto::NearestReply>& answer,
+                                const proto::ReplyFormat& format);
 
 // As JSON; as a little-endian array, bare or with NumPy's header (distances with
 // shape (count), path points with shape (count, 3), a table with shape (rows,

@@ -11,6 +11,8 @@ std::string entity_tag(std::string_view content) {
   return tag;
 }
 
+std::string weak_tag(std::string_view tag) { return "W/" + std::string(tag); }
+
 std::string packed_tag(std::string_view tag) {
   std::string packed(tag.substr(0, tag.size() - 1));
   packed += "-gzip\"";
@@ -22,6 +24,8 @@ bool has_already(const HttpRequest& request, std::string_view tag) {
   if (header == nullptr) return false;
   std::string_view list = *header;
   if (list == "*") return true;
+  // Both sides without their weakness.
+  if (tag.starts_with("W/")) tag.remove_prefix(2);
   const std::string packed = packed_tag(tag);
   // Our tags have no comma; what is not ours matches nothing, wherever it is cut.
   while (!list.empty()) {

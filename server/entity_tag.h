@@ -13,6 +13,9 @@ namespace geodesic::server {
 // they depend on.
 [[nodiscard]] std::string entity_tag(std::string_view content);
 
+// The weak tag of that name: for replies that mean the same and may differ in their bytes.
+[[nodiscard]] std::string weak_tag(std::string_view tag);
+
 // The tag of a reply with that tag once it is packed by gzip: other bytes.
 [[nodiscard]] std::string packed_tag(std::string_view tag);
 

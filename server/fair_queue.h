@@ -54,19 +54,23 @@ class FairQueue {
     return item;
   }
 
-  // The size of the longest line; 0 if there is none.
-  [[nodiscard]] std::size_t longest() const {
+  // The most items that may go in one line; 0 if there are none.
+  template <class MayGo>
+  [[nodiscard]] std::size_t longest(const MayGo& may_go) const {
     std::size_t most = 0;
-    for (const Line& line : lines_) most = std::max(most, line.items.size());
+    for (const Line& line : lines_) most = std::max(most, count(line, may_go));
     return most;
   }
-  // Takes the newest item out of the longest line. Requires that there is one.
-  [[nodiscard]] T take_from_longest() {
+  // Takes the newest item that may go out of the line with most of them. Requires that there
+  // is one.
+  template <class MayGo>
+  [[nodiscard]] T take_from_longest(const MayGo& may_go) {
     const auto line = std::max_element(
         lines_.begin(), lines_.end(),
-        [](const Line& a, const Line& b) { return a.items.size() < b.items.size(); });
-    T item = std::move(line->items.back());
-    line->items.pop_back();
+        [&](const Line& a, const Line& b) { return count(a, may_go) < count(b, may_go); });
+    const auto newest = std::find_if(line->items.rbegin(), line->items.rend(), may_go);
+    T item = std::move(*newest);
+    line->items.erase(std::next(newest).base());
     --size_;
     drop_if_empty(line);
     return item;
@@ -91,6 +95,11 @@ class FairQueue {
     std::deque<T> items;
   };
   using Lines = std::list<Line>;
+
+  template <class MayGo>
+  static std::size_t count(const Line& line, const MayGo& may_go) {
+    return static_cast<std::size_t>(std::count_if(line.items.begin(), line.items.end(), may_go));
+  }
 
   void drop_if_empty(typename Lines::iterator line) {
     if (!line->items.empty()) return;

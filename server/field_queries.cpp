@@ -99,7 +99,12 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const std::string& m
     const auto field = fields_.whole(question, Details::none, caller);
     if (!field) return fail(field.error());
     answer.cache_hit = field->hit;
-    take_whole_field(place->mesh(), *field->value, request.labels, reply);
+    answer.numbers = place->mesh().source_vertex_count() * (request.labels ? 2 : 1);
+    answer.complete = [adjacency = place->adjacency(), kept = field->value,
+                       labels = request.labels](proto::DistanceReply& whole) {
+      take_whole_field(adjacency->mesh(), *kept, labels, whole);
+      summarise(whole);
+    };
   } else {
     const auto at = place->points(request.at, reply.at.emplace());
     if (!at) return fail(at.error());
@@ -108,8 +113,8 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const std::string& m
     answer.cache_hit = found->hit;
     reply.distances = std::move(found->distances);
     if (request.labels) reply.labels = std::move(found->labels);
+    summarise(reply);
   }
-  summarise(reply);
   return answer;
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,6 +29,10 @@ struct Answered {
   Reply reply;
   std::optional<bool> cache_hit;
   std::shared_ptr<const Adjacency> adjacency;
+  // To be called, if set, before the reply is complete: with the memory for it, where long work
+  // may be done. `numbers` are those that come then.
+  std::function<void(Reply&)> complete;
+  std::uint64_t numbers = 0;
 };
 
 // All methods may be called from any thread but a compute worker. Errors besides

@@ -94,7 +94,7 @@ class Fields {
           ScratchUse scratch = scratch_of(worker);
           auto result = job(scratch.get(),
                             Cancel(std::cref(caller), caller.progress, &worker.memory->budget()));
-          scratch.done(result ? bytes_of(*result) : 0);
+          scratch.done(bytes_of(result));
           return result;
         },
         caller);
@@ -120,8 +120,8 @@ class Fields {
   }
   // What a job hands on, where that is large.
   template <class Handed>
-  [[nodiscard]] static std::uint64_t bytes_of(const Handed& handed) {
-    if constexpr (requires { handed.bytes(); }) return handed.bytes();
+  [[nodiscard]] static std::uint64_t bytes_of(const Result<Handed>& result) {
+    if constexpr (requires { result->bytes(); }) return result ? result->bytes() : 0;
     return 0;
   }
 

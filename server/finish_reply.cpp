@@ -75,6 +75,11 @@ void pack(const HttpRequest& request, HttpResponse& response) {
 void finish_reply(const HttpRequest& request, HttpResponse& response) {
   if (response.status >= 400) response.set_header("Cache-Control", "no-store");
   tag(request, response);
+  // What only its reader may keep is not to be shown with another token.
+  const std::string* const policy = header_of(response, "Cache-Control");
+  if (policy != nullptr && policy->starts_with("private")) {
+    add_to_list(response, "Vary", "Authorization");
+  }
   pack(request, response);
   response.set_header("X-Content-Type-Options", "nosniff");
   if (const std::string_view trace = trace_of(request); !trace.empty()) {

@@ -1,4 +1,6 @@
 // The route of a mesh's geometry.
+#include <memory>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -6,6 +8,8 @@
 #include "proto/parameters.h"
 #include "proto/reply_format.h"
 #include "server/call.h"
+#include "server/engine_digest.h"
+#include "server/entity_tag.h"
 #include "server/routes.h"
 
 namespace geodesic::server {
@@ -22,21 +26,50 @@ HttpResponse Routes::mesh_geometry(Call& call) {
       proto::parse_format(parameters, call.request.header("Accept"), proto::kGeometryFormats);
   if (!format) return call.problem(format.error());
   if (const auto known = parameters.check_all_known(); !known) return call.problem(known.error());
-  const auto adjacency = catalog_.adjacency(call.id, call.request.caller);
-  if (!adjacency) return call.problem(adjacency.error());
-  const Mesh& mesh = (*adjacency)->mesh();
-  HttpResponse response;
-  const std::string type(proto::media_type_of(format->format));
-  if (format->format == proto::Format::frame) {
-    response.set_body(proto::geometry_frame(call.id, mesh), type);
-  } else {
-    auto glb = proto::geometry_glb(mesh);
-    if (!glb) return call.problem(glb.error());
-    response.set_body(std::move(*glb), type);
+  // An id names bytes, and this follows from them and from how they are read.
+  const std::string tag = entity_tag(call.id + '\0' + std::string(engine_digest()) + '\0' +
+                                     std::string(proto::name_of(format->format)));
+  auto response = has_already(call.request, tag) && catalog_.use(call.id)
+                      ? Result<HttpResponse>(not_modified(tag))
+                      : geometry_reply(call, format->format, tag);
+  if (!response) return call.problem(response.error());
+  response->set_header("Cache-Control", access_.audience() + ", max-age=31536000, immutable");
+  response->set_header("Vary", "Accept");
+  return std::move(*response);
+}
+
+// Made in a compute slot, once for all who take it at the same time.
+Result<HttpResponse> Routes::geometry_reply(const Call& call, proto::Format format,
+                                            const std::string& tag) {
+  auto body = catalog_.use(call.id) ? geometries_.find(tag) : nullptr;
+  if (!body) {
+    const auto adjacency = catalog_.adjacency(call.id, call.request.caller);
+    if (!adjacency) return fail(adjacency.error());
+    const Mesh& mesh = (*adjacency)->mesh();
+    auto made = queries_.in_slot(
+        [&](const Cancel&) -> Result<std::shared_ptr<const ChargedBody>> {
+          if (auto others = geometries_.find(tag)) return others;
+          auto reserved = reply_budget_.reserve(proto::memory_of_geometry(mesh));
+          if (!reserved) return fail(std::move(reserved.error()));
+          auto bytes = format == proto::Format::frame
+                           ? Result<std::string>(proto::geometry_frame(call.id, mesh))
+                           : proto::geometry_glb(mesh);
+          if (!bytes) return fail(std::move(bytes.error()));
+          (*reserved)->shrink(bytes->size());
+          auto whole = std::make_shared<const ChargedBody>(
+              ChargedBody{std::move(*bytes), std::move(*reserved)});
+          geometries_.add(tag, whole);
+          return whole;
+        },
+        call.request.caller);
+    if (!made) return fail(std::move(made.error()));
+    body = std::move(*made);
   }
-  // An id names bytes, and this follows from them alone.
-  response.set_header("Cache-Control", access_.audience() + ", max-age=31536000, immutable");
-  response.set_header("Vary", "Accept");
+  HttpResponse response;
+  response.content_type = proto::media_type_of(format);
+  response.body = std::shared_ptr<const std::string>(body, &body->bytes);
+  response.reserved = std::move(body);
+  response.set_header("ETag", tag);
   return response;
 }
 

@@ -70,6 +70,7 @@ std::string gzip(std::string_view bytes) {
   }
   deflateEnd(&stream);
   out.resize(written);
+  out.shrink_to_fit();  // it had room for what does not shrink
   return out;
 }
 

@@ -90,6 +90,11 @@ HttpBody::State HttpBody::take(std::string_view& arrived, std::string& body) {
       case Part::trailer:
         if (!take_line(arrived, malformed)) return malformed ? State::malformed : State::more;
         if (line_.empty()) return State::complete;
+        // As strict as with headers: folded lines start with no name.
+        if (!is_token(std::string_view(line_).substr(0, line_.find(':'))) ||
+            line_.find(':') == std::string::npos) {
+          return State::malformed;
+        }
         trailer_bytes_ += line_.size();
         if (trailer_bytes_ > max_trailers) return State::malformed;
         line_.clear();

@@ -39,24 +39,25 @@ void give_back(std::string& buffer) {
 
 bool PeerWatch::gone() const {
   const std::lock_guard lock(mutex_);
-  if (socket_ < 0) return true;
-  pollfd query{socket_, POLLRDHUP, 0};
+  if (!socket_) return true;
+  pollfd query{socket_.get(), POLLRDHUP, 0};
   return ::poll(&query, 1, 0) > 0 && (query.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
 }
 
 void PeerWatch::cut() const {
   const std::lock_guard lock(mutex_);
-  if (socket_ >= 0) ::shutdown(socket_, SHUT_RDWR);
+  if (socket_) ::shutdown(socket_.get(), SHUT_RDWR);
 }
 
 void PeerWatch::close() {
   const std::lock_guard lock(mutex_);
-  if (socket_ >= 0) ::close(socket_);
-  socket_ = -1;
+  socket_.close();
 }
 
-HttpConnection::HttpConnection(int socket, std::unique_ptr<TlsSession> tls)
-    : socket_(socket), watch_(std::make_shared<PeerWatch>(socket)), tls_(std::move(tls)) {
+HttpConnection::HttpConnection(UniqueFd socket, std::unique_ptr<TlsSession> tls)
+    : socket_(socket.get()),
+      watch_(std::make_shared<PeerWatch>(std::move(socket))),
+      tls_(std::move(tls)) {
   ::fcntl(socket_, F_SETFL, ::fcntl(socket_, F_GETFL) | O_NONBLOCK);
 }
 
@@ -163,8 +164,23 @@ void HttpConnection::queue(std::shared_ptr<const std::string> bytes) {
   }
 }
 
+void HttpConnection::queue(std::shared_ptr<const ReplyFile> file) {
+  file_ = std::move(file);
+  file_read_ = 0;
+}
+
+// The next piece of the file; false where it cannot be read.
+bool HttpConnection::read_on() {
+  piece_.resize(std::min<std::uint64_t>(read_chunk, file_->size() - file_read_));
+  piece_.resize(file_->read(file_read_, piece_.data(), piece_.size()));
+  piece_sent_ = 0;
+  file_read_ += piece_.size();
+  return !piece_.empty();
+}
+
 std::uint64_t HttpConnection::unsent() const {
-  return out_.size() - out_sent_ + (body_ ? body_->size() - body_sent_ : 0);
+  return out_.size() - out_sent_ + (body_ ? body_->size() - body_sent_ : 0) +
+         (file_ ? file_->size() - file_read_ : 0) + piece_.size() - piece_sent_;
 }
 
 Progress HttpConnection::send() {
@@ -172,12 +188,17 @@ Progress HttpConnection::send() {
     std::size_t count = 0;
     Progress progress = Progress::done;
     if (out_sent_ < out_.size()) {
-      progress =
-          write(out_.data() + out_sent_, out_.size() - out_sent_, body_ && !body_->empty(), count);
+      progress = write(out_.data() + out_sent_, out_.size() - out_sent_,
+                       (body_ && !body_->empty()) || file_, count);
       out_sent_ += count;
     } else if (body_ && body_sent_ < body_->size()) {
       progress = write(body_->data() + body_sent_, body_->size() - body_sent_, false, count);
       body_sent_ += count;
+    } else if (piece_sent_ < piece_.size()) {
+      progress = write(piece_.data() + piece_sent_, piece_.size() - piece_sent_, false, count);
+      piece_sent_ += count;
+    } else if (file_ && file_read_ < file_->size()) {
+      if (!read_on()) return Progress::closed;
     } else {
       break;
     }
@@ -187,6 +208,9 @@ Progress HttpConnection::send() {
   give_back(out_);
   out_sent_ = 0;
   body_.reset();
+  file_.reset();
+  std::string().swap(piece_);
+  piece_sent_ = 0;
   return Progress::done;
 }
 

@@ -12,9 +12,12 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "server/http_progress.h"
 #include "server/http_tls.h"
+#include "server/reply_file.h"
+#include "server/unique_fd.h"
 
 namespace geodesic::server {
 
@@ -22,7 +25,7 @@ namespace geodesic::server {
 // Outlives it, and then says yes.
 class PeerWatch {
  public:
-  explicit PeerWatch(int socket) : socket_(socket) {}
+  explicit PeerWatch(UniqueFd socket) : socket_(std::move(socket)) {}
   // The peer has closed, or half-closed, its end; or the connection is closed.
   [[nodiscard]] bool gone() const;
   // Ends all reading and writing at once; whoever waits for the socket wakes up.
@@ -32,7 +35,7 @@ class PeerWatch {
 
  private:
   mutable std::mutex mutex_;
-  int socket_;  // -1 once closed, so that no other file is mistaken for it
+  UniqueFd socket_;  // none once closed, so that no other file is mistaken for it
 };
 
 class HttpConnection {
@@ -40,8 +43,8 @@ class HttpConnection {
   using Clock = std::chrono::steady_clock;
   using Milliseconds = std::chrono::milliseconds;
 
-  // Takes the socket over. `tls` null: plain.
-  explicit HttpConnection(int socket, std::unique_ptr<TlsSession> tls = nullptr);
+  // `tls` null: plain.
+  explicit HttpConnection(UniqueFd socket, std::unique_ptr<TlsSession> tls = nullptr);
   ~HttpConnection();
   HttpConnection(const HttpConnection&) = delete;
   HttpConnection& operator=(const HttpConnection&) = delete;
@@ -70,6 +73,8 @@ class HttpConnection {
   // may anything be queued after it until it is sent).
   void queue(std::string_view bytes);
   void queue(std::shared_ptr<const std::string> bytes);
+  // A file is read as it is sent; where it cannot be read to its end, `send` is `closed`.
+  void queue(std::shared_ptr<const ReplyFile> file);
   [[nodiscard]] std::uint64_t unsent() const;
   // Sends what the socket takes; done: nothing is left.
   [[nodiscard]] Progress send();
@@ -85,6 +90,7 @@ class HttpConnection {
 
  private:
   [[nodiscard]] Progress read(char* out, std::size_t size, std::size_t& count);
+  [[nodiscard]] bool read_on();
   [[nodiscard]] Progress write(const char* data, std::size_t size, bool more, std::size_t& count);
 
   const int socket_;
@@ -99,6 +105,10 @@ class HttpConnection {
   std::size_t out_sent_ = 0;
   std::shared_ptr<const std::string> body_;  // follows `out_`
   std::size_t body_sent_ = 0;
+  std::shared_ptr<const ReplyFile> file_;  // likewise
+  std::uint64_t file_read_ = 0;
+  std::string piece_;  // of the file, being sent
+  std::size_t piece_sent_ = 0;
   std::uint64_t bytes_sent_ = 0;
 };
 

@@ -21,16 +21,15 @@ constexpr std::size_t goodbye_chunk = 1u << 20;
 
 }  // namespace
 
-HttpConversation::HttpConversation(HttpEdge& edge, int socket, std::unique_ptr<TlsSession> tls)
+HttpConversation::HttpConversation(HttpEdge& edge, UniqueFd socket, std::unique_ptr<TlsSession> tls,
+                                   std::atomic<bool>& unwanted)
     : edge_(edge),
-      connection_(socket, std::move(tls)),
+      connection_(std::move(socket), std::move(tls)),
       remote_(connection_.peer_address()),
-      deadline_(Clock::now() + edge.options.head_timeout) {}
+      deadline_(Clock::now() + edge.options.head_timeout),
+      held_(edge.bodies, unwanted) {}
 
-HttpConversation::~HttpConversation() {
-  release_body();
-  release_reply();
-}
+HttpConversation::~HttpConversation() { release_reply(); }
 
 auto HttpConversation::wait_for(Progress progress, Clock::time_point deadline) -> Next {
   return {progress == Progress::wants_write ? WaitsFor::writable : WaitsFor::readable, deadline,
@@ -123,6 +122,7 @@ auto HttpConversation::receive_head(bool overdue) -> MaybeNext {
 
 void HttpConversation::begin_body() {
   const HttpHead& head = exchange_->head;
+  held_.begin(exchange_->request.caller.client);
   body_ =
       head.chunked ? HttpBody::chunked(exchange_->body_limit) : HttpBody::counted(head.body_bytes);
   if (head.expects_continue && connection_.arrived().empty()) {
@@ -154,14 +154,13 @@ auto HttpConversation::receive_body(bool overdue) -> MaybeNext {
     const std::size_t had = arrived.size();
     const HttpBody::State state = body_->take(arrived, bytes);
     connection_.use(had - arrived.size());
-    charge_body();
-    const std::uint64_t most = edge_.options.max_bodies_in_flight;
+    const bool has_room = held_.hold(bytes.size());
     const Clock::time_point deadline = body_deadline();
     if (state == HttpBody::State::too_large) {
       refuse_body({ErrorCode::too_large, "the body is too large", {}, exchange_->body_limit, {}});
     } else if (state == HttpBody::State::malformed) {
       refuse_body({ErrorCode::bad_syntax, "the chunks of the body do not parse", {}, {}, {}});
-    } else if (most != 0 && edge_.body_bytes > most) {
+    } else if (!has_room || (state == HttpBody::State::complete && !held_.complete())) {
       refuse_body({ErrorCode::overloaded, "too many bodies are being received", {}, {}, {}});
     } else if (state == HttpBody::State::complete) {
       return go(Phase::reply);
@@ -178,30 +177,25 @@ auto HttpConversation::receive_body(bool overdue) -> MaybeNext {
   }
 }
 
-void HttpConversation::charge_body() {
-  const std::uint64_t size = exchange_->request.body.size();
-  edge_.body_bytes += size - charged_;
-  charged_ = size;
-}
-
-void HttpConversation::release_body() { edge_.body_bytes -= std::exchange(charged_, 0); }
-
 void HttpConversation::release_reply() {
-  if (exchange_) edge_.reply_bytes -= std::exchange(exchange_->reply_charged, 0);
+  if (!exchange_) return;
+  const std::uint64_t bytes = std::exchange(exchange_->reply_charged, 0);
+  if (bytes != 0) edge_.replies.give_back(exchange_->request.caller.client, bytes);
+  exchange_->reply_reserved.reset();
 }
 
 void HttpConversation::refuse_body(Error error) {
   exchange_->refuse(std::move(error));
   exchange_->close = exchange_->body_unread = true;
   std::string().swap(exchange_->request.body);
-  release_body();
+  held_.release();
 }
 
 void HttpConversation::answer() {
   exchange_->body_bytes = exchange_->request.body.size();
   edge_.answer(*exchange_);
   std::string().swap(exchange_->request.body);
-  release_body();
+  held_.release();
   const HttpOptions& options = edge_.options;
   const Clock::time_point now = Clock::now();
   stalled_ = now + options.write_timeout;

@@ -15,7 +15,9 @@
 #include <optional>
 #include <string>
 
+#include "server/client_shares.h"
 #include "server/http_body.h"
+#include "server/http_body_budget.h"
 #include "server/http_connection.h"
 #include "server/http_exchange.h"
 #include "server/http_options.h"
@@ -32,17 +34,20 @@ struct HttpEdge {
   std::atomic<std::chrono::milliseconds> body_timeout{options.body_timeout};
   std::atomic<std::uint64_t> min_receive_rate{options.min_receive_rate};
   std::atomic<bool> stopping{false};
-  std::atomic<std::uint64_t> requests{0};     // answered since the start
-  std::atomic<std::uint64_t> body_bytes{0};   // of bodies being received or handled now
-  std::atomic<std::uint64_t> reply_bytes{0};  // of replies that are not sent yet
+  std::atomic<std::uint64_t> requests{0};  // answered since the start
+  BodyBudget bodies{options.max_bodies_in_flight, options.receive_grace};
+  // Bytes that are not sent yet, and replies that are streamed.
+  ClientShares replies{options.max_replies_in_flight, "replies wait for their clients"};
+  ClientShares streams{options.max_io_threads / 2 + 1, "replies are being streamed"};
 };
 
 class HttpConversation {
  public:
   using Clock = HttpConnection::Clock;
 
-  // Takes the socket over. `edge` must outlive it.
-  HttpConversation(HttpEdge& edge, int socket, std::unique_ptr<TlsSession> tls);
+  // `unwanted` is set when its body is to go for others'. Both must outlive it.
+  HttpConversation(HttpEdge& edge, UniqueFd socket, std::unique_ptr<TlsSession> tls,
+                   std::atomic<bool>& unwanted);
   ~HttpConversation();
   HttpConversation(const HttpConversation&) = delete;
   HttpConversation& operator=(const HttpConversation&) = delete;
@@ -76,8 +81,6 @@ class HttpConversation {
   void answer();
   void finish(bool sent);
   [[nodiscard]] Clock::time_point body_deadline() const;
-  void charge_body();
-  void release_body();
   void release_reply();
   [[nodiscard]] static Next wait_for(Progress progress, Clock::time_point deadline);
   MaybeNext go(Phase phase) {
@@ -95,7 +98,7 @@ class HttpConversation {
   bool head_begun_ = false;     // its first byte is there
   std::optional<Exchange> exchange_;
   std::optional<HttpBody> body_;
-  std::uint64_t charged_ = 0;  // of the bodies in flight
+  BodyBudget::Part held_;  // of the bodies in flight
   std::uint64_t sent_before_ = 0;
 };
 

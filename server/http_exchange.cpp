@@ -68,6 +68,7 @@ void judge_head(const HttpOptions& options, HttpConnection::Head outcome, std::s
   request.method = head.method;
   request.target = head.target;
   request.path = std::move(head.path);
+  request.authority = std::move(head.authority);
   request.query = std::move(head.query);
   request.remote = remote;
   request.caller.client = client_of(remote);

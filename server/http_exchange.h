@@ -32,7 +32,9 @@ struct Exchange {
   int status = 0;
   bool omit_length = false;                       // a reply that has no Content-Length, not even 0
   std::shared_ptr<const std::string> reply_body;  // follows the head; null: none, or streamed
+  std::shared_ptr<const ReplyFile> reply_file;    // the same, where it is a file
   std::uint64_t reply_charged = 0;                // of the replies in flight
+  std::shared_ptr<const void> reply_reserved;     // or counted by whoever made it
   bool streams = false;                           // its bytes are sent as they are made
   bool failed = false;                            // it could not be sent, or not all of it
   std::string route;

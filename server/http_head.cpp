@@ -1,5 +1,8 @@
 #include "server/http_head.h"
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
+
 #include <algorithm>
 #include <charconv>
 
@@ -22,15 +25,6 @@ HeadError unsupported(std::string detail, std::string parameter, int status) {
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-// RFC 9110, 5.6.2: what methods and header names are made of.
-bool is_token(std::string_view text) {
-  constexpr std::string_view marks = "!#$%&'*+-.^_`|~";
-  return !text.empty() && std::all_of(text.begin(), text.end(), [&](char c) {
-    return is_digit(c) || (lower(c) >= 'a' && lower(c) <= 'z') ||
-           marks.find(c) != std::string_view::npos;
-  });
-}
 
 std::string_view trim(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
@@ -58,19 +52,66 @@ bool lists(std::string_view value, std::string_view token) {
   return false;
 }
 
+int hex_digit(char c) {
+  if (is_digit(c)) return c - '0';
+  if (lower(c) >= 'a' && lower(c) <= 'f') return lower(c) - 'a' + 10;
+  return -1;
+}
+
+// RFC 3986, 2.3: what means the same whether it is percent-encoded or not.
+bool is_unreserved(char c) {
+  return is_digit(c) || (lower(c) >= 'a' && lower(c) <= 'z') || c == '-' || c == '.' || c == '_' ||
+         c == '~';
+}
+
+// A host in brackets, which are stripped: an IPv6 address.
+bool is_ipv6(std::string_view address) {
+  in6_addr bytes{};
+  return address.size() < INET6_ADDRSTRLEN &&
+         ::inet_pton(AF_INET6, std::string(address).c_str(), &bytes) == 1;
+}
+
+// Names of labels with dots between them, one at the end allowed; IPv4 addresses look so too.
+bool is_name(std::string_view host) {
+  if (host.ends_with('.')) host.remove_suffix(1);
+  return !host.empty() && !host.starts_with('.') && !host.ends_with('.') &&
+         host.find("..") == std::string_view::npos &&
+         std::all_of(host.begin(), host.end(), is_unreserved);
+}
+
+// Refuses an escaped character that means the same bare, and an escaped slash: who filters
+// paths in front of us might see another path than we do.
+std::optional<HeadError> check_escapes(std::string_view path) {
+  for (std::size_t at = path.find('%'); at != path.npos; at = path.find('%', at + 1)) {
+    const int high = at + 1 < path.size() ? hex_digit(path[at + 1]) : -1;
+    const int low = at + 2 < path.size() ? hex_digit(path[at + 2]) : -1;
+    if (high < 0 || low < 0) continue;  // told when it is decoded
+    const char c = static_cast<char>(16 * high + low);
+    if (is_unreserved(c)) {
+      return bad("the path escapes a character that is to be written as it is");
+    }
+    if (c == '/' || c == '\\') return bad("the path holds an escaped slash");
+  }
+  return {};
+}
+
 std::optional<HeadError> parse_target(HttpHead& head) {
   std::string_view target = head.target;
   if (target == "*" && head.method == "OPTIONS") {
     head.path = "*";
     return {};
   }
-  // The absolute form, which proxies send: what follows the authority counts.
+  // The absolute form, which proxies send. Its authority counts, and not the Host header.
   for (const std::string_view scheme : {"http://", "https://"}) {
-    if (target.size() > scheme.size() &&
-        equals_ignoring_case(target.substr(0, scheme.size()), scheme)) {
-      const std::size_t slash = target.find_first_of("/?", scheme.size());
-      target = slash == std::string_view::npos ? std::string_view("/") : target.substr(slash);
+    if (!equals_ignoring_case(target.substr(0, scheme.size()), scheme)) continue;
+    const std::size_t end = std::min(target.find_first_of("/?#", scheme.size()), target.size());
+    head.authority = target.substr(scheme.size(), end - scheme.size());
+    // Here others take letters, digits, hyphens and dots only.
+    if (!is_authority(head.authority) || head.authority.find_first_of("_~") != std::string::npos) {
+      return bad("the request target names no host");
     }
+    target = end == target.size() ? std::string_view("/") : target.substr(end);
+    break;
   }
   if (target.empty() || target.front() != '/') {
     return bad("the request target must start with '/'");
@@ -79,6 +120,7 @@ std::optional<HeadError> parse_target(HttpHead& head) {
     return bad("a request target has no fragment");
   }
   const std::size_t mark = target.find('?');
+  if (auto error = check_escapes(target.substr(0, mark))) return error;
   Result<std::string> path = percent_decode(target.substr(0, mark), /*plus_is_space=*/false);
   if (!path) return HeadError{std::move(path.error())};
   head.path = std::move(*path);
@@ -120,6 +162,11 @@ std::optional<HeadError> parse_request_line(std::string_view line, const HeadLim
   return {};
 }
 
+bool decides_framing(std::string_view name) {
+  return equals_ignoring_case(name, "Host") || equals_ignoring_case(name, "Content-Length") ||
+         equals_ignoring_case(name, "Transfer-Encoding");
+}
+
 std::optional<HeadError> parse_headers(std::string_view bytes, const HeadLimits& limits,
                                        HttpHead& head) {
   while (true) {
@@ -133,12 +180,17 @@ std::optional<HeadError> parse_headers(std::string_view bytes, const HeadLimits&
     if (colon == std::string_view::npos || !is_token(line.substr(0, colon))) {
       return bad("a header line is not 'name: value'");
     }
+    const std::string_view name = line.substr(0, colon);
     const std::string_view value = trim(line.substr(colon + 1));
+    // A tab around a value is a blank to some and part of the value to others.
+    if (line.find('\t', colon) != line.npos && decides_framing(name)) {
+      return bad("a header that says where a request ends or goes holds a tab", std::string(name));
+    }
     if (std::any_of(value.begin(), value.end(),
                     [](char c) { return is_control(c) && c != '\t'; })) {
-      return bad("a header value holds a control character", std::string(line.substr(0, colon)));
+      return bad("a header value holds a control character", std::string(name));
     }
-    head.headers.emplace_back(line.substr(0, colon), value);
+    head.headers.emplace_back(name, value);
   }
   if (!bytes.empty()) return bad("bytes after the empty line of a head");
   return {};
@@ -159,6 +211,10 @@ std::optional<HeadError> parse_framing(HttpHead& head) {
     }
   }
   if (host == nullptr && !head.http_1_0) return bad("HTTP/1.1 requires a Host header", "Host");
+  if (host != nullptr) {
+    if (!is_authority(*host)) return bad("the Host header names no host", "Host");
+    head.authority = *host;
+  }
   if (length != nullptr && coding != nullptr) {
     return bad("Content-Length together with Transfer-Encoding", "Transfer-Encoding");
   }
@@ -195,17 +251,40 @@ std::optional<HeadError> parse_wishes(HttpHead& head) {
   return {};
 }
 
-int hex_digit(char c) {
-  if (is_digit(c)) return c - '0';
-  if (lower(c) >= 'a' && lower(c) <= 'f') return lower(c) - 'a' + 10;
-  return -1;
-}
-
 }  // namespace
 
 bool equals_ignoring_case(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](char x, char y) { return lower(x) == lower(y); });
+}
+
+bool is_token(std::string_view text) {
+  constexpr std::string_view marks = "!#$%&'*+-.^_`|~";
+  return !text.empty() && std::all_of(text.begin(), text.end(), [&](char c) {
+    return is_digit(c) || (lower(c) >= 'a' && lower(c) <= 'z') ||
+           marks.find(c) != std::string_view::npos;
+  });
+}
+
+bool is_authority(std::string_view text) {
+  std::string_view host = text;
+  std::string_view port;
+  if (host.starts_with('[')) {
+    const std::size_t end = host.find(']');
+    if (end == std::string_view::npos || !is_ipv6(host.substr(1, end - 1))) return false;
+    port = host.substr(end + 1);
+  } else {
+    const std::size_t colon = std::min(host.find(':'), host.size());
+    port = host.substr(colon);
+    if (!is_name(host.substr(0, colon))) return false;
+  }
+  if (port.empty()) return true;
+  if (port.front() != ':') return false;
+  port.remove_prefix(1);
+  if (port.empty()) return true;  // RFC 3986, 3.2.3: that of the scheme
+  std::uint16_t number = 0;
+  const auto [stop, error] = std::from_chars(port.data(), port.data() + port.size(), number);
+  return error == std::errc() && stop == port.data() + port.size();
 }
 
 const std::string* HttpHead::header(std::string_view name) const {

@@ -17,8 +17,9 @@ namespace geodesic::server {
 
 struct HttpHead {
   std::string method;
-  std::string target;  // raw
-  std::string path;    // percent-decoded
+  std::string target;     // raw
+  std::string path;       // percent-decoded: `/` and what needs no escape were not escaped
+  std::string authority;  // for whom it is, "host:port": the target's, or the Host header's; or ""
   std::vector<std::pair<std::string, std::string>> query;
   std::vector<std::pair<std::string, std::string>> headers;
   bool http_1_0 = false;
@@ -60,6 +61,13 @@ struct HeadError {
 [[nodiscard]] inline bool is_control(char c) {
   return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
 }
+
+// RFC 9110, 5.6.2: what methods and header names are made of.
+[[nodiscard]] bool is_token(std::string_view text);
+
+// A host and perhaps a port. Narrower than RFC 3986, 3.2: a name of letters, digits, `-`, `.`,
+// `_` and `~` (no escapes, no sub-delims), an IPv4 address, or an IPv6 address in brackets.
+[[nodiscard]] bool is_authority(std::string_view text);
 
 [[nodiscard]] bool equals_ignoring_case(std::string_view a, std::string_view b);
 

@@ -14,12 +14,15 @@
 
 namespace geodesic::server {
 
+class ReplyFile;
+
 using NameValue = std::pair<std::string, std::string>;
 
 struct HttpRequest {
   std::string method;              // as sent, such as "GET"; may be one that nobody knows
   std::string path;                // percent-decoded, without the query; starts with '/', or is "*"
   std::string target;              // raw, as sent
+  std::string authority;           // the host, perhaps with a port, that it is for; "": not said
   std::vector<NameValue> query;    // percent-decoded ('+' is a space), in order
   std::vector<NameValue> headers;  // raw values, names as sent, in order
   std::string body;                // raw
@@ -44,6 +47,11 @@ struct HttpResponse {
   // Content-Length, Connection and X-Request-Id are the edge's to set.
   std::vector<NameValue> headers;
   std::shared_ptr<const std::string> body;  // null: empty. Never copied: may be a cache's.
+  // If set, `body` is ignored, and this is sent as it is read.
+  std::shared_ptr<const ReplyFile> file;
+  // What its bytes have reserved of a memory (reply_budget.h), let go once they are sent; null:
+  // the edge counts them.
+  std::shared_ptr<const void> reserved;
   // If set, `body` is ignored and the reply is chunked: called for one chunk
   // after the other until it returns false (that last chunk is not sent).
   // May block, but not for longer than a client should wait for a sign of life.
@@ -51,8 +59,6 @@ struct HttpResponse {
   // What the log line names instead of the raw target, such as
   // "/v1/meshes/{id}/distance"; empty: the target.
   std::string route;
-  // Has all that finish_reply.h adds: a reply that was kept and is given out again.
-  bool is_finished = false;
 
   void set_header(std::string name, std::string value);  // replaces one of that name
   void set_body(std::string bytes, std::string type);

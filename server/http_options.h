@@ -33,6 +33,11 @@ struct HttpFinished {
 };
 
 struct HttpOptions {
+  // How a connection is taken from the listening socket (http_listener.h); null: by accept4.
+  std::function<int(int socket)> accept;
+  // Told, by any thread, why no connection will be accepted any more, though nobody stopped
+  // the server. Must not throw.
+  std::function<void(const std::string& reason)> failed = [](const std::string&) {};
   std::string host = "127.0.0.1";   // a name or an address (IPv6 without brackets)
   int port = 0;                     // 0: any free one
   std::shared_ptr<TlsContext> tls;  // null: plain HTTP
@@ -47,15 +52,16 @@ struct HttpOptions {
   std::function<std::uint64_t(std::string_view method, std::string_view path)> max_body =
       [](std::string_view, std::string_view) { return std::uint64_t{8} << 20; };
   // Whether a request's body is worth receiving, by its head: if not, the handler is
-  // called without it, and the connection closes after the reply. May be asked by any
-  // thread; must not throw.
-  std::function<bool(const HttpRequest&)> wants_body = [](const HttpRequest&) { return true; };
+  // called without it, and the connection closes after the reply. May tell the request's
+  // caller which client's it is. May be asked by any thread; must not throw.
+  std::function<bool(HttpRequest&)> wants_body = [](HttpRequest&) { return true; };
   // Told of every request at its end, by any thread. Must not throw.
   std::function<void(const HttpFinished&)> finished = [](const HttpFinished&) {};
-  // Bytes of all bodies being received at once; more are answered 503. 0: no bound.
+  // Bytes of all bodies being received at once; for more, those that come the slowest are
+  // answered 503 (http_body_budget.h). 0: no bound.
   std::uint64_t max_bodies_in_flight = std::uint64_t{2} << 30;
   // Bytes of all replies that their clients have not taken yet; a further one becomes 503,
-  // unless it is alone. 0: no bound.
+  // or 429 for who has his share (client_shares.h). Small ones are always sent. 0: no bound.
   std::uint64_t max_replies_in_flight = std::uint64_t{2} << 30;
   std::size_t max_target_bytes = 8192;     // of the raw path and query: 414
   std::size_t max_head_bytes = 32u << 10;  // of request line and headers: 431

@@ -3,8 +3,11 @@
 // Connections wait here, not in the kernel, for the accepting thread.
 #define CPPHTTPLIB_LISTEN_BACKLOG 1024
 #include <httplib.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <spdlog/spdlog.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -13,6 +16,7 @@
 #include <ctime>
 #include <mutex>
 #include <string_view>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -20,11 +24,14 @@
 #include "server/http_conversation.h"
 #include "server/http_exchange.h"
 #include "server/http_head.h"
+#include "server/http_listener.h"
 #include "server/http_workers.h"
 #include "server/problem.h"
+#include "server/reply_file.h"
 #include "server/request_log.h"
 
-// How cpp-httplib is used. It binds, listens and accepts, and it writes replies.
+// How cpp-httplib is used. It binds and listens, and it writes replies. What it would make of
+// a failed accept, closing the socket for good, is not wanted: http_listener.h accepts.
 // It does not read what clients send: http_conversation.h does, strictly, with raw
 // values and without holding a thread; once a request is complete, cpp-httplib gets
 // a head of our own in its place, which says nothing. So none of its conveniences
@@ -123,15 +130,10 @@ class ReplyStream final : public httplib::Stream {
   std::size_t used_ = 0;
 };
 
-// cpp-httplib hands an accepted socket over as a task; ours is short.
-class AtOnce final : public httplib::TaskQueue {
- public:
-  bool enqueue(std::function<void()> adopt) override {
-    adopt();
-    return true;
-  }
-  void shutdown() override {}
-};
+// Replies up to this are sent however many wait: that all is well, or what is not.
+constexpr std::uint64_t kSmallReply = 16u << 10;
+
+int accept_one(int socket) { return ::accept4(socket, nullptr, nullptr, SOCK_CLOEXEC); }
 
 // Counts for as long as it lives.
 class Counted {
@@ -152,8 +154,8 @@ class HttpServer::Impl final : public httplib::Server {
   Impl(HttpOptions options, HttpHandler handler)
       : handler_(std::move(handler)),
         edge_{std::move(options), [this](Exchange& exchange) { answer(exchange); }},
-        workers_(edge_) {
-    set_tcp_nodelay(true);
+        workers_(edge_),
+        acceptor_(edge_.options.accept ? edge_.options.accept : accept_one) {
     // Only SO_REUSEADDR: with SO_REUSEPORT a second server would start silently.
     set_socket_options([](socket_t socket) {
       const int on = 1;
@@ -165,7 +167,6 @@ class HttpServer::Impl final : public httplib::Server {
         bind_errno_ = errno;
       }
     });
-    new_task_queue = [] { return new AtOnce; };
     Get("/", [this](const httplib::Request&, httplib::Response& response) {
       Exchange& exchange = *current_exchange;
       hand_over(handle(exchange), exchange, response);
@@ -181,6 +182,7 @@ class HttpServer::Impl final : public httplib::Server {
           response.set_content(R"({"type":"/problems/internal","status":500,"code":"internal"})",
                                std::string(problem_media_type));
           current_exchange->reply_body.reset();
+          current_exchange->reply_file.reset();
           current_exchange->close = true;
         });
   }
@@ -197,11 +199,11 @@ class HttpServer::Impl final : public httplib::Server {
                   fmt::format("cannot listen on {}:{}: {}", options.host, options.port, reason));
     }
     if (auto started = workers_.start(); !started) return fail(std::move(started.error()));
-    listener_ = std::thread([this, port] {
-      listen_after_bind();
-      if (!edge_.stopping) spdlog::critical("the listening socket on port {} failed", port);
-    });
-    wait_until_ready();
+    try {
+      listener_ = std::thread([this, port] { listen(port); });
+    } catch (const std::system_error& error) {
+      return fail(ErrorCode::internal, fmt::format("no thread can be started: {}", error.what()));
+    }
     return port;
   }
 
@@ -209,10 +211,12 @@ class HttpServer::Impl final : public httplib::Server {
     const std::lock_guard one_at_a_time(stop_mutex_);
     if (!listener_.joinable()) return true;
     edge_.stopping = true;
+    acceptor_.stop();
     // Not httplib's stop(): that makes it truncate replies on their way. This
     // merely ends accept().
     ::shutdown(svr_sock_, SHUT_RDWR);
     listener_.join();
+    ::close(svr_sock_);  // who connects now is refused
     return workers_.stop(grace);
   }
 
@@ -228,15 +232,27 @@ class HttpServer::Impl final : public httplib::Server {
     stats.threads = workers_.threads();
     stats.running = running_;
     stats.requests = edge_.requests;
-    stats.body_bytes = edge_.body_bytes;
+    stats.body_bytes = edge_.bodies.bytes();
+    stats.accept_failures = acceptor_.failures();
+    stats.is_accepting = acceptor_.is_accepting();
     return stats;
   }
 
  private:
-  bool process_and_close_socket(socket_t socket) override {
-    workers_.adopt(socket);
-    return true;
+  // Its own thread.
+  void listen(int port) {
+    const std::string reason = acceptor_.run(svr_sock_, [this](UniqueFd connection) {
+      const int on = 1;
+      ::setsockopt(connection.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+      workers_.adopt(std::move(connection));
+    });
+    if (reason.empty()) return;
+    spdlog::critical("the listening socket on port {} failed: {}", port, reason);
+    edge_.options.failed(reason);
   }
+
+  // Connections are accepted elsewhere.
+  bool process_and_close_socket(socket_t) override { return false; }
 
   // Has a complete request answered; its reply is then on the connection's queue.
   void answer(Exchange& exchange) {
@@ -247,6 +263,7 @@ class HttpServer::Impl final : public httplib::Server {
     current_exchange = nullptr;
     exchange.failed = !written;
     if (written && exchange.reply_body) exchange.connection.queue(std::move(exchange.reply_body));
+    if (written && exchange.reply_file) exchange.connection.queue(std::move(exchange.reply_file));
   }
 
   HttpResponse handle(Exchange& exchange) {
@@ -269,15 +286,21 @@ class HttpServer::Impl final : public httplib::Server {
   void hand_over(HttpResponse reply, Exchange& exchange, httplib::Response& response) {
     const bool is_head = exchange.request.method == "HEAD";
     const bool bodiless = reply.status == 204 || reply.status == 304;
-    if (reply.stream && !is_head && !bodiless && !begin_stream()) {
-      reply = HttpResponse::problem(
-          Error{ErrorCode::overloaded, "too many replies are being streamed", {}, {}, {}},
-          exchange.request);
+    const std::string& client = exchange.request.caller.client;
+    if (reply.stream && !is_head && !bodiless) {
+      // A streamed reply holds a thread.
+      if (auto begun = edge_.streams.take(client, 1); !begun) {
+        reply = HttpResponse::problem(begun.error(), exchange.request);
+      }
     }
-    if (reply.body && !is_head && !charge_reply(exchange, reply.body->size())) {
-      reply = HttpResponse::problem(
-          Error{ErrorCode::overloaded, "too many replies wait for their clients", {}, {}, {}},
-          exchange.request);
+    if (reply.file) reply.body = nullptr;
+    // Clients that do not take what they asked for must not fill the memory with it.
+    if (reply.body && !reply.reserved && !is_head && reply.body->size() > kSmallReply) {
+      if (auto charged = edge_.replies.take(client, reply.body->size()); charged) {
+        exchange.reply_charged = reply.body->size();
+      } else {
+        reply = HttpResponse::problem(charged.error(), exchange.request);
+      }
     }
     exchange.status = response.status = reply.status;
     exchange.route = std::move(reply.route);
@@ -287,7 +310,7 @@ class HttpServer::Impl final : public httplib::Server {
       if (is_ours(name)) continue;
       response.set_header(without_controls(name, spare_name), without_controls(value, spare_value));
     }
-    const bool has_content = reply.stream || (reply.body && !reply.body->empty());
+    const bool has_content = reply.stream || reply.file || (reply.body && !reply.body->empty());
     const std::string type = reply.content_type.empty()
                                  ? "application/octet-stream"
                                  : without_controls(reply.content_type, spare_value);
@@ -298,29 +321,14 @@ class HttpServer::Impl final : public httplib::Server {
       exchange.omit_length = true;
     } else if (has_content) {
       response.set_header("Content-Type", type);
-      response.set_header("Content-Length", std::to_string(reply.body->size()));
+      response.set_header("Content-Length",
+                          std::to_string(reply.file ? reply.file->size() : reply.body->size()));
+      if (is_head) return;
       // Follows the head by itself: it is not copied, and no thread waits for it.
-      if (!is_head) exchange.reply_body = std::move(reply.body);
+      exchange.reply_body = std::move(reply.body);
+      exchange.reply_file = std::move(reply.file);
+      exchange.reply_reserved = std::move(reply.reserved);
     }
-  }
-
-  // Clients that do not take what they asked for must not fill the memory with it.
-  bool charge_reply(Exchange& exchange, std::uint64_t size) {
-    const std::uint64_t most = edge_.options.max_replies_in_flight;
-    const std::uint64_t together = edge_.reply_bytes += size;
-    if (most != 0 && together > most && together != size) {
-      edge_.reply_bytes -= size;
-      return false;
-    }
-    exchange.reply_charged = size;
-    return true;
-  }
-
-  // A streamed reply holds a thread, so there may not be too many.
-  bool begin_stream() {
-    if (++streams_ <= edge_.options.max_io_threads / 2 + 1) return true;
-    --streams_;
-    return false;
   }
 
   void stream(std::function<bool(std::string&)> next, const std::string& type, Exchange& exchange,
@@ -341,7 +349,9 @@ class HttpServer::Impl final : public httplib::Server {
         return false;
       }
     };
-    const auto end = [this](bool) { --streams_; };
+    const auto end = [this, client = exchange.request.caller.client](bool) {
+      edge_.streams.give_back(client, 1);
+    };
     if (exchange.head.http_1_0) {  // knows no chunks: the end is the connection's
       response.set_content_provider(type, std::move(send), end);
       exchange.omit_length = exchange.close = true;
@@ -364,11 +374,11 @@ class HttpServer::Impl final : public httplib::Server {
   const HttpHandler handler_;
   HttpEdge edge_;
   HttpWorkers workers_;
+  HttpListener acceptor_;
   int bind_errno_ = 0;
   std::thread listener_;
   std::mutex stop_mutex_;
   std::atomic<std::uint64_t> running_{0};
-  std::atomic<std::uint64_t> streams_{0};
 };
 
 HttpServer::HttpServer(HttpOptions options, HttpHandler handler)

@@ -53,11 +53,13 @@ class HttpServer {
   void set_patience(const HttpPatience& patience);
 
   struct Stats {
-    std::uint64_t connections = 0;  // open now
-    std::uint64_t threads = 0;      // that serve them
-    std::uint64_t running = 0;      // requests in the handler now
-    std::uint64_t requests = 0;     // answered since the start
-    std::uint64_t body_bytes = 0;   // of bodies being received or handled now
+    std::uint64_t connections = 0;      // open now
+    std::uint64_t threads = 0;          // that serve them
+    std::uint64_t running = 0;          // requests in the handler now
+    std::uint64_t requests = 0;         // answered since the start
+    std::uint64_t body_bytes = 0;       // of bodies being received or handled now
+    std::uint64_t accept_failures = 0;  // attempts to accept a connection, since the start
+    bool is_accepting = true;           // connections that wait can be taken
   };
   [[nodiscard]] Stats stats() const;
 

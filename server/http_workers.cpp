@@ -39,7 +39,10 @@ constexpr std::uint64_t end_data = overdue_data - 1;
 HttpWorkers::HttpWorkers(HttpEdge& edge)
     : edge_(edge),
       place_count_(std::max<std::size_t>(1, edge.options.max_connections) + spare_places),
-      places_(std::make_unique<Place[]>(place_count_)) {}
+      places_(std::make_unique<Place[]>(place_count_)),
+      first_overdue_(place_count_) {
+  free_.reserve(place_count_);  // who leaves must not need memory
+}
 
 HttpWorkers::~HttpWorkers() {
   stop(std::chrono::milliseconds(0));
@@ -72,7 +75,7 @@ Result<void> HttpWorkers::start() {
 
 // --- connections come and go
 
-void HttpWorkers::adopt(int socket) {
+void HttpWorkers::adopt(UniqueFd socket) {
   std::size_t index = place_count_;
   {
     std::unique_lock lock(places_mutex_);
@@ -93,18 +96,19 @@ void HttpWorkers::adopt(int socket) {
   }
   if (index == place_count_) {
     spdlog::warn("too many connections: one is closed");
-    ::close(socket);
     return;
   }
   Place& place = places_[index];
   try {
     std::unique_ptr<TlsSession> tls;
-    if (edge_.options.tls) tls = edge_.options.tls->open(socket);
+    if (edge_.options.tls) tls = edge_.options.tls->open(socket.get());
     if (edge_.options.tls && !tls) throw std::bad_alloc();
-    place.conversation = std::make_unique<HttpConversation>(edge_, socket, std::move(tls));
+    place.unwanted = false;
+    place.conversation = std::make_unique<HttpConversation>(edge_, std::move(socket),
+                                                            std::move(tls), place.unwanted);
   } catch (const std::exception& thrown) {
+    // Whoever had the socket by then has closed it.
     spdlog::error("a connection could not be taken: {}", thrown.what());
-    ::close(socket);
     release(index);
     return;
   }
@@ -198,8 +202,8 @@ void HttpWorkers::serve_overdue() {
   std::size_t index = 0;
   {
     const std::lock_guard lock(overdue_mutex_);
-    index = overdue_.front();
-    overdue_.pop_front();
+    index = first_overdue_;
+    first_overdue_ = places_[index].next_overdue;
   }
   serve(index, /*overdue=*/true);
 }
@@ -257,7 +261,13 @@ void HttpWorkers::hire() {
 void HttpWorkers::hand_over(std::size_t index) {
   {
     const std::lock_guard lock(overdue_mutex_);
-    overdue_.push_back(index);
+    places_[index].next_overdue = place_count_;
+    if (first_overdue_ == place_count_) {
+      first_overdue_ = index;
+    } else {
+      places_[last_overdue_].next_overdue = index;
+    }
+    last_overdue_ = index;
   }
   const std::uint64_t one = 1;
   while (::write(overdue_event_, &one, sizeof one) != sizeof one && errno == EINTR) {
@@ -309,6 +319,7 @@ void HttpWorkers::watch_clock() {
       const std::uint64_t state = place.state.load(std::memory_order_acquire);
       if ((state & 3) != parked) continue;
       const bool over = place.deadline.load(std::memory_order_relaxed) <= now ||
+                        place.unwanted.load(std::memory_order_relaxed) ||
                         (edge_.stopping && place.idle.load(std::memory_order_relaxed));
       // What was read belongs to the ticket if it can still be taken.
       if (over && take(place, state)) hand_over(index);

@@ -14,7 +14,6 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -22,6 +21,7 @@
 
 #include "core/error.h"
 #include "server/http_conversation.h"
+#include "server/unique_fd.h"
 
 namespace geodesic::server {
 
@@ -36,10 +36,10 @@ class HttpWorkers {
   // Starts the threads. Fails with `internal` if the system refuses. To be called once.
   [[nodiscard]] Result<void> start();
 
-  // Takes an accepted socket over. Where all places are taken, a connection that
+  // Serves an accepted socket. Where all places are taken, a connection that
   // idles (or has not managed to send a request) makes room; if there is none, the
   // new one is closed.
-  void adopt(int socket);
+  void adopt(UniqueFd socket);
 
   // With `edge.stopping` set and no more `adopt`: ends idle connections, waits up to
   // `grace` for the others, cuts what is left and ends the threads. True if nothing
@@ -61,6 +61,8 @@ class HttpWorkers {
     std::atomic<Clock::rep> deadline{0};
     std::atomic<bool> idle{false};
     std::atomic<bool> dispensable{false};
+    std::atomic<bool> unwanted{false};               // its body is to go, for others'
+    std::size_t next_overdue = 0;                    // guarded by overdue_mutex_
     std::uint64_t next_ticket = 1;                   // the owner's
     std::unique_ptr<HttpConversation> conversation;  // the owner's
     std::shared_ptr<PeerWatch> watch;                // guarded by places_mutex_; null: free
@@ -102,7 +104,9 @@ class HttpWorkers {
   std::size_t used_ = 0;
 
   std::mutex overdue_mutex_;
-  std::deque<std::size_t> overdue_;
+  // A line of places, through `next_overdue`: it takes no memory, which may be what lacks.
+  std::size_t first_overdue_ = 0;  // place_count_: there is none
+  std::size_t last_overdue_ = 0;
 
   mutable std::mutex threads_mutex_;
   std::vector<std::thread> threads_;

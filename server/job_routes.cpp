@@ -131,10 +131,12 @@ HttpResponse Routes::begin_job(Call& call) {
   std::string body = std::move(call.request.body);  // not copied
   HttpRequest later = call.request;
   later.body = std::move(body);
-  // Whoever fetches the result has not got it, whatever they had before.
+  // Whoever fetches the result has not got it, whatever they had before; and it is they who say
+  // whether it may be packed.
   std::erase_if(later.headers, [](const NameValue& header) {
     return equals_ignoring_case(header.first, "Prefer") ||
-           equals_ignoring_case(header.first, "If-None-Match");
+           equals_ignoring_case(header.first, "If-None-Match") ||
+           equals_ignoring_case(header.first, "Accept-Encoding");
   });
   const auto job = jobs_.start(std::move(later));
   if (!job) return call.problem(job.error());
@@ -144,13 +146,15 @@ HttpResponse Routes::begin_job(Call& call) {
   return response;
 }
 
-// What the request's own connection would have been answered.
+// What the request's own connection would have been answered; but it is for those who know the
+// job, and for as long as the job is kept.
 HttpResponse Routes::answer_job(HttpRequest& request) {
   request.caller.times = std::make_shared<StageTimes>();
   HttpResponse response = dispatched(request);
   finish_reply(request, response);
   add_timing(*request.caller.times, response);
-  response.is_finished = true;
+  response.set_header("Cache-Control", "no-store");
+  response.reserved = nullptr;  // the jobs have a budget of their own
   return response;
 }
 
@@ -184,7 +188,21 @@ HttpResponse Routes::one_job(Call& call) {
 
 HttpResponse Routes::job_result(Call& call, const std::string& id) {
   auto result = jobs_.result(id);
-  return result ? std::move(*result) : call.problem(result.error());
+  if (!result) return call.problem(result.error());
+  return packed(std::move(*result), call.request);
+}
+
+// Packed as its reader wishes; what is large, in a compute slot.
+HttpResponse Routes::packed(HttpResponse response, const HttpRequest& reader) {
+  constexpr std::size_t kLarge = std::size_t{1} << 20;
+  if (!response.body || response.body->size() < kLarge) return response;
+  const auto done = queries_.in_slot(
+      [&](const Cancel&) -> Result<void> {
+        pack(reader, response);
+        return {};
+      },
+      reader.caller);
+  return done ? std::move(response) : HttpResponse::problem(done.error(), reader);
 }
 
 HttpResponse Routes::job_events(Call& call, const std::string& id) {

@@ -98,6 +98,10 @@ Result<void> Jobs::admit(const std::string& client, std::uint64_t bytes) {
     return refuse(ErrorCode::too_many_requests, "too many jobs of this client wait and run",
                   half(limits_.jobs), own);
   }
+  if (bytes > limits_.bytes) {  // at no time
+    return refuse(ErrorCode::too_large, "the request is larger than all memory for jobs",
+                  limits_.bytes, bytes);
+  }
   // What has ended makes room for what is wanted.
   while (bytes_ + bytes > limits_.bytes && !ended_.empty()) forget(ended_.front());
   if (bytes_ + bytes > limits_.bytes) {

@@ -1,9 +1,11 @@
 // geodesicd: geodesic distances and shortest paths on triangle meshes, over HTTP.
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -73,6 +75,9 @@ HttpOptions http_options(const Config& config, const Address& address, const Rou
   options.keep_alive = std::chrono::seconds(config.keep_alive_seconds);
   options.body_timeout = std::chrono::seconds(config.body_timeout_seconds);
   options.min_receive_rate = config.min_upload_rate;
+  // One body as large as may be must have room.
+  options.max_bodies_in_flight = std::max(options.max_bodies_in_flight, config.max_body_bytes);
+  options.max_replies_in_flight = config.reply_memory_bytes;
   options.max_body = [&routes](std::string_view method, std::string_view path) {
     return routes.max_body(method, path);
   };
@@ -174,9 +179,7 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
   const std::uint64_t connections = allow_connections(config.max_connections);
   HttpOptions api_options = http_options(config, config.listen, routes, pool.slots(), connections);
   api_options.tls = tls;
-  api_options.wants_body = [&](const HttpRequest& request) {
-    return routes.access().allows(request);
-  };
+  api_options.wants_body = [&](HttpRequest& request) { return routes.wants_body(request); };
   api_options.finished = [&](const HttpFinished& end) {
     metrics.request(end.method, end.route, end.status, end.seconds, end.bytes_in, end.bytes_out);
   };
@@ -185,11 +188,20 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
   HttpOptions admin_options = http_options(config, config.admin_listen, routes, 0, 64);
   admin_options.io_threads = 2;
   admin_options.max_io_threads = 16;
+  // A process that serves nobody had better end, so that somebody starts another.
+  std::atomic<bool> has_failed{false};
+  api_options.failed = admin_options.failed = [&](const std::string&) {
+    has_failed = true;
+    ::kill(::getpid(), SIGTERM);
+  };
   HttpServer api(std::move(api_options),
                  [&](HttpRequest& request) { return routes.answer(request); });
   HttpServer admin(std::move(admin_options),
                    [&](HttpRequest& request) { return routes.answer_admin(request); });
-  routes.count_connections([&] { return api.stats().connections; });
+  routes.watch_listener([&] {
+    const HttpServer::Stats stats = api.stats();
+    return Routes::Listener{stats.connections, stats.accept_failures, stats.is_accepting};
+  });
   if (!config.admin_listen.host.empty()) {
     const auto port = admin.start();
     if (!port) {
@@ -212,12 +224,16 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
                 {routes, catalog, queries, pool, {&api, &admin}, tls});
   int signal;
   while ((signal = wait_for_signal(stop_signals)) == SIGHUP) reload.run_and_log();
-  spdlog::info("signal {}: draining", signal);
+  if (has_failed) {
+    spdlog::critical("the server ends: nobody can reach it any more");
+  } else {
+    spdlog::info("signal {}: draining", signal);
+  }
   routes.start_draining();
   const bool complete = api.stop(std::chrono::seconds(reload.config()->drain_seconds));
   admin.stop(std::chrono::seconds(1));
   spdlog::info("{}", complete ? "stopped" : "stopped; some requests were cut off");
-  return 0;
+  return has_failed ? 1 : 0;
 }
 
 }  // namespace

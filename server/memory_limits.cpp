@@ -34,7 +34,7 @@ ComputeMemory::Limits memory_limits(const Config& config, std::uint64_t there_is
     std::uint64_t rest = there_is;
     for (const std::uint64_t part :
          {config.mesh_cache_bytes, config.adjacency_cache_bytes, config.field_cache_bytes,
-          config.reply_cache_bytes, kOther,
+          config.reply_cache_bytes, config.reply_memory_bytes, kOther,
           config.decoder == "process" ? config.decoder_memory_bytes : std::uint64_t{0}}) {
       rest -= std::min(rest, part);
     }

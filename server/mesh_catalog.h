@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -69,6 +70,11 @@ class MeshCatalog {
   [[nodiscard]] Result<std::string> metadata(const std::string& id, const Caller& caller);
   // The uploaded bytes. Errors: mesh_unknown and the store's.
   [[nodiscard]] Result<std::string> source(const std::string& id);
+  // The same as a file; null where they cannot be had as one. Errors besides: cancelled.
+  [[nodiscard]] Result<std::shared_ptr<const ReplyFile>> source_file(const std::string& id,
+                                                                     const Caller& caller) {
+    return store_.open_source(id, std::cref(caller));
+  }
   // Errors: mesh_unknown and the store's.
   [[nodiscard]] Result<void> remove(const std::string& id);
   // Up to `limit` ids after `after`, ascending.

@@ -10,8 +10,10 @@
 #include "proto/parameters.h"
 #include "server/call.h"
 #include "server/encode_reply.h"
+#include "server/entity_tag.h"
 #include "server/mesh_store.h"
 #include "server/multipart.h"
+#include "server/problem.h"
 #include "server/routes.h"
 #include "server/sha256.h"
 
@@ -27,6 +29,12 @@ std::string_view media_type_of(std::string_view format) {
   if (format == "obj") return "model/obj";
   if (format == "stl") return "model/stl";
   return "application/octet-stream";
+}
+
+// What a list says of a mesh that cannot be described, and why not: the others still can.
+std::string undescribed(const std::string& id, const Error& error, const HttpRequest& request) {
+  return R"({"id":")" + id + R"(","problem":)" +
+         to_problem_json(error, "/v1/meshes/" + id, request.id) + "}";
 }
 
 }  // namespace
@@ -121,15 +129,22 @@ HttpResponse Routes::list_meshes(Call& call) {
   }
   const auto ids = catalog_.list(cursor->value_or(""), count + 1);
   std::string page = "{\"meshes\":[";
+  std::string others;  // that cannot be described
   bool first = true;
   for (std::size_t i = 0; i < std::min<std::size_t>(ids.size(), count); ++i) {
+    if (call.request.caller()) return call.problem(call.request.caller.why_stopped());
     const auto metadata = catalog_.metadata(ids[i], call.request.caller);
     if (!metadata && metadata.error().code == ErrorCode::mesh_unknown) continue;  // just deleted
-    if (!metadata) return call.problem(metadata.error());
+    if (!metadata) {
+      if (!others.empty()) others += ',';
+      others += undescribed(ids[i], metadata.error(), call.request);
+      continue;
+    }
     if (!first) page += ',';
     first = false;
     page += *metadata;
   }
+  if (!others.empty()) page += "],\"undescribed\":[" + others;
   page += "],\"next\":";
   page += ids.size() > count ? "\"" + ids[count - 1] + "\"" : "null";
   page += "}";
@@ -144,13 +159,37 @@ HttpResponse Routes::mesh_metadata(Call& call) {
 HttpResponse Routes::mesh_source(Call& call) {
   const auto metadata = catalog_.metadata(call.id, call.request.caller);
   if (!metadata) return call.problem(metadata.error());
-  auto bytes = catalog_.source(call.id);
-  if (!bytes) return call.problem(bytes.error());
   const auto description = nlohmann::ordered_json::parse(*metadata, nullptr, false);
+  // The id is a digest of the bytes.
+  const std::string tag = "\"" + call.id + "\"";
   HttpResponse response;
-  response.set_body(std::move(*bytes), std::string(media_type_of(description.value("format", ""))));
+  if (has_already(call.request, tag)) {
+    response = not_modified(tag);
+  } else {
+    auto sent = source_reply(call, description.value("bytes", std::uint64_t{0}));
+    if (!sent) return call.problem(sent.error());
+    response = std::move(*sent);
+    response.content_type = media_type_of(description.value("format", ""));
+    response.set_header("ETag", tag);
+  }
   response.set_header("Cache-Control", access_.audience() + ", max-age=31536000, immutable");
   response.set_header("X-Content-Type-Options", "nosniff");
+  return response;
+}
+
+// As it is read from its file; or, from a store without files, in memory of its own.
+Result<HttpResponse> Routes::source_reply(const Call& call, std::uint64_t expected_bytes) {
+  HttpResponse response;
+  auto file = catalog_.source_file(call.id, call.request.caller);
+  if (!file) return fail(std::move(file.error()));
+  response.file = std::move(*file);
+  if (response.file) return response;
+  auto reserved = reply_budget_.reserve(expected_bytes);
+  if (!reserved) return fail(std::move(reserved.error()));
+  auto bytes = catalog_.source(call.id);
+  if (!bytes) return fail(std::move(bytes.error()));
+  response.set_body(std::move(*bytes), {});
+  response.reserved = std::move(*reserved);
   return response;
 }
 

@@ -185,6 +185,44 @@ Result<std::string> MeshStore::get_source(std::string_view id) {
   return read_again_or_quarantine(id);
 }
 
+bool MeshStore::is_verified(const std::string& id, const std::string& state) const {
+  const std::lock_guard lock(state_mutex_);
+  const auto known = verified_.find(id);
+  return known != verified_.end() && known->second == state;
+}
+
+Result<std::shared_ptr<const ReplyFile>> MeshStore::open_source(std::string_view id,
+                                                                const std::function<bool()>& stop) {
+  const auto known = use(id);
+  if (!known) return fail(known.error());
+  if (!*known) return unknown_mesh();
+  auto opened = counted(storage_->open_source(id));
+  if (!opened || !*opened) return nullptr;
+  const std::string key(id);
+  const std::string state = std::move((*opened)->state);
+  const auto file = std::make_shared<const ReplyFile>(std::move((*opened)->file), (*opened)->bytes);
+  if (is_verified(key, state)) return file;
+  // Whoever asks for the same mesh meanwhile is glad of the outcome.
+  const std::lock_guard one_at_a_time(verify_mutex_);
+  if (is_verified(key, state)) return file;
+  Sha256 digest;
+  std::string piece;
+  for (std::uint64_t done = 0; done < file->size(); done += piece.size()) {
+    if (stop()) return fail(ErrorCode::cancelled, "the client is gone");
+    constexpr std::size_t kPiece = std::size_t{1} << 20;
+    piece.resize(kPiece);
+    piece.resize(file->read(done, piece.data(), piece.size()));
+    if (piece.empty()) return nullptr;
+    digest.add(piece);
+  }
+  if (digest.hex() != source_digest(id)) return nullptr;
+  const std::lock_guard lock(state_mutex_);
+  constexpr std::size_t kMostKept = 10'000;
+  if (verified_.size() >= kMostKept) verified_.clear();
+  verified_[key] = state;
+  return file;
+}
+
 // Once more, alone with the mesh: it may have been removed or put since, or the
 // bytes may have been damaged on their way here.
 Result<std::string> MeshStore::read_again_or_quarantine(std::string_view id) {

@@ -29,6 +29,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -40,6 +41,7 @@
 #include "core/error.h"
 #include "server/lru_cache.h"
 #include "server/object_storage.h"
+#include "server/reply_file.h"
 #include "server/store_budget.h"
 #include "server/store_index.h"
 
@@ -71,6 +73,13 @@ class MeshStore {
   // `store_corrupt` when the bytes are not those that were stored: they are then
   // in quarantine and the mesh is unknown.
   [[nodiscard]] Result<std::string> get_source(std::string_view id);
+
+  // The same as a file to be sent as it is read; null where the storage has no files, or the
+  // bytes are to be had by `get_source` only, which also says what is wrong with them. Their digest
+  // is checked the first time, and again once the file has been touched. `stop`: asked
+  // every few milliseconds meanwhile; `cancelled`.
+  [[nodiscard]] Result<std::shared_ptr<const ReplyFile>> open_source(
+      std::string_view id, const std::function<bool()>& stop);
 
   // The metadata, or nothing if there is none; `mesh_unknown`. Kept in memory, a
   // limited amount of it.
@@ -132,6 +141,7 @@ class MeshStore {
   // Forgets a mesh that is not in the storage.
   void forget(std::string_view id);
   [[nodiscard]] std::mutex& stripe(std::string_view id);
+  [[nodiscard]] bool is_verified(const std::string& id, const std::string& state) const;
   // Counts what the storage failed to do.
   template <class T>
   Result<T> counted(Result<T> result);
@@ -143,11 +153,13 @@ class MeshStore {
   std::array<std::mutex, 64> stripes_;
   std::mutex scan_mutex_;
   std::chrono::steady_clock::time_point scanned_;
-  mutable std::mutex state_mutex_;  // of the next three
+  mutable std::mutex state_mutex_;  // of the next four
   Result<void> health_;
   using Versions = std::map<std::string, std::string, std::less<>>;  // by id
   Versions damaged_;
-  Versions whole_;  // of known meshes in a shared storage
+  Versions whole_;                               // of known meshes in a shared storage
+  std::map<std::string, std::string> verified_;  // the states of files that were, by id
+  std::mutex verify_mutex_;                      // one is at a time
   std::atomic<std::uint64_t> evictions_{0};
   std::atomic<std::uint64_t> refusals_{0};
   std::atomic<std::uint64_t> corrupt_{0};

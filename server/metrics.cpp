@@ -196,6 +196,21 @@ struct Metrics::Families {
   Counter& jobs_failed = jobs_total.Add({{"outcome", "failed"}});
   Counter& jobs_cancelled = jobs_total.Add({{"outcome", "cancelled"}});
   Counter& jobs_refused = jobs_total.Add({{"outcome", "refused"}});
+  Gauge& reply_bytes = BuildGauge()
+                           .Name("geodesicd_reply_memory_bytes")
+                           .Help("Bytes reserved for large replies that are being made or sent")
+                           .Register(registry)
+                           .Add({});
+  Gauge& reply_budget = BuildGauge()
+                            .Name("geodesicd_reply_memory_budget_bytes")
+                            .Help("Bytes that large replies may take together")
+                            .Register(registry)
+                            .Add({});
+  Counter& replies_refused = BuildCounter()
+                                 .Name("geodesicd_replies_refused_total")
+                                 .Help("Replies that were not made for want of memory")
+                                 .Register(registry)
+                                 .Add({});
   Gauge& decoders = BuildGauge()
                         .Name("geodesicd_decoders")
                         .Help("Processes that decode a file")
@@ -273,6 +288,11 @@ struct Metrics::Families {
                            .Help("Open connections of the API's listener")
                            .Register(registry)
                            .Add({});
+  Counter& accept_failures = BuildCounter()
+                                 .Name("geodesicd_accept_failures_total")
+                                 .Help("Failed attempts to accept a connection")
+                                 .Register(registry)
+                                 .Add({});
   Gauge& ready = BuildGauge()
                      .Name("geodesicd_ready")
                      .Help("1 while new requests are welcome")
@@ -404,12 +424,12 @@ std::string Metrics::text(const Present& present) {
   follow(f.finished, present.pool.finished);
   follow(f.rejected, present.pool.rejected);
   follow(f.given_up, present.pool.given_up);
+  f.unanswering.Set(static_cast<double>(present.pool.unanswering));
+  follow(f.unanswered, present.pool.unanswered);
   f.compute_bytes.Set(static_cast<double>(present.memory.bytes));
   f.compute_budget.Set(static_cast<double>(present.memory.limits.all));
   follow(f.too_much_memory, present.memory.refused);
   follow(f.crowded_out, present.memory.crowded_out);
-  f.unanswering.Set(static_cast<double>(present.pool.unanswering));
-  follow(f.unanswered, present.pool.unanswered);
   f.jobs_queued.Set(static_cast<double>(present.jobs.queued));
   f.jobs_running.Set(static_cast<double>(present.jobs.running));
   f.jobs_ended.Set(static_cast<double>(present.jobs.ended));
@@ -418,6 +438,9 @@ std::string Metrics::text(const Present& present) {
   follow(f.jobs_failed, present.jobs.failed);
   follow(f.jobs_cancelled, present.jobs.cancelled);
   follow(f.jobs_refused, present.jobs.refused);
+  f.reply_bytes.Set(static_cast<double>(present.reply_memory.bytes));
+  f.reply_budget.Set(static_cast<double>(present.reply_memory.budget));
+  follow(f.replies_refused, present.reply_memory.refused);
   f.decoders.Set(static_cast<double>(present.decoders.running));
   follow(f.decoded, present.decoders.decoded);
   follow(f.decode_refused, present.decoders.refused);
@@ -436,6 +459,7 @@ std::string Metrics::text(const Present& present) {
   follow(f.store_corrupt, present.store.corrupt);
   follow(f.store_failures, present.store.failures);
   f.connections.Set(static_cast<double>(present.connections));
+  follow(f.accept_failures, present.accept_failures);
   f.ready.Set(present.ready ? 1 : 0);
   const Process process = process_now();
   f.resident.Set(process.resident_bytes);

@@ -15,6 +15,7 @@
 #include "server/decoder_processes.h"
 #include "server/jobs.h"
 #include "server/lru_cache.h"
+#include "server/reply_budget.h"
 #include "server/store_budget.h"
 
 namespace geodesic::server {
@@ -26,10 +27,12 @@ class Metrics {
     ComputePool::Stats pool;
     ComputeMemory::Stats memory;
     CacheStats meshes, adjacency, fields, replies;
+    ReplyBudget::Stats reply_memory;
     StoreStats store;
     Jobs::Stats jobs;
     DecoderProcesses::Stats decoders;
-    std::uint64_t connections = 0;  // open on the API's listener
+    std::uint64_t connections = 0;      // open on the API's listener
+    std::uint64_t accept_failures = 0;  // of the API's listener
     bool ready = true;
   };
 

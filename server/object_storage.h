@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "server/durable_file.h"
 
 namespace geodesic::server {
 
@@ -36,6 +37,13 @@ struct StoredObject {
   // Changes whenever the object is written with other bytes. Empty where nobody else
   // writes, and where the storage does not tell.
   std::string version;
+};
+
+// An object as an open file, which stays whole when the object is removed or written anew.
+struct ObjectFile {
+  File file;
+  std::uint64_t bytes = 0;
+  std::string state;  // differs from before once anything has been done to the file
 };
 
 class ObjectStorage {
@@ -66,6 +74,12 @@ class ObjectStorage {
   [[nodiscard]] virtual Result<std::optional<StoredObject>> read(ObjectKind kind,
                                                                  std::string_view id,
                                                                  std::uint64_t expected_bytes) = 0;
+
+  // The same as a file, where the storage has files: to be read piece by piece. Nothing where it
+  // has none, or there is no such object.
+  [[nodiscard]] virtual Result<std::optional<ObjectFile>> open_source(std::string_view /*id*/) {
+    return std::nullopt;
+  }
 
   // Removes the metadata, then the source; durably. It may be gone already.
   [[nodiscard]] virtual Result<void> erase(std::string_view id) = 0;

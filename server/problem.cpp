@@ -27,7 +27,7 @@ Row row_of(ErrorCode code) {
     case ErrorCode::unauthorized:
       return {401, "A valid token is required"};
     case ErrorCode::forbidden:
-      return {403, "The token does not allow this"};
+      return {403, "This is not allowed"};
     case ErrorCode::not_acceptable:
       return {406, "No acceptable format"};
     case ErrorCode::request_timeout:

@@ -23,7 +23,7 @@ Result<std::vector<SurfacePoint>> FieldQueries::Place::points(
     constexpr std::uint32_t kPointsBetween = 64;
     Poll poll(cancel, kPointsBetween);
     for (const proto::PointRequest& request : requests) {
-      if (poll.cancelled()) return fail(ErrorCode::cancelled, "the client is gone");
+      if (poll.cancelled()) return fail_stopped(poll);
       auto placed = resolve_point(*adjacency_, index.get(), request, cancel);
       if (!placed) return fail(std::move(placed.error()));
       echo.push_back(std::move(placed->echo));

@@ -2,6 +2,8 @@
 // format asked for, and the tag by which a client knows it again.
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,30 +18,15 @@
 #include "server/cross_origin.h"
 #include "server/draw_reply.h"
 #include "server/encode_reply.h"
+#include "server/engine_digest.h"
 #include "server/entity_tag.h"
 #include "server/finish_reply.h"
+#include "server/hurried.h"
 #include "server/routes.h"
 #include "server/timed.h"
 
 namespace geodesic::server {
 namespace {
-
-constexpr std::uint64_t kLongestDeadline = 3'600'000;  // milliseconds
-
-// The caller, with less time if the query says so: `deadline_ms`, from now.
-Result<Caller> hurried(const Caller& caller, proto::Parameters& parameters) {
-  const auto milliseconds = parameters.whole("deadline_ms");
-  if (!milliseconds) return fail(milliseconds.error());
-  Caller hurried = caller;
-  if (!*milliseconds) return hurried;
-  if (**milliseconds < 1 || **milliseconds > kLongestDeadline) {
-    return fail_limit(ErrorCode::value_out_of_range, "a deadline is 1 to 3600000 milliseconds off",
-                      kLongestDeadline, **milliseconds, "deadline_ms");
-  }
-  const auto deadline = Caller::Clock::now() + std::chrono::milliseconds(**milliseconds);
-  hurried.deadline = std::min(deadline, caller.deadline.value_or(deadline));
-  return hurried;
-}
 
 // All that decides the bytes of the reply to a GET.
 std::string identity_of(const Routes::Query& query, proto::Format format) {
@@ -52,8 +39,7 @@ std::string identity_of(const Routes::Query& query, proto::Format format) {
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   // A NUL is in none of them.
   std::string identity = query.mesh;
-  for (const std::string_view part :
-       {std::string_view(GEODESIC_VERSION), query.action, proto::name_of(format)}) {
+  for (const std::string_view part : {engine_digest(), query.action, proto::name_of(format)}) {
     identity += '\0';
     identity += part;
   }
@@ -75,6 +61,39 @@ std::string kept_as(const Routes::Query& query, const std::string& identity) {
   return key;
 }
 
+// What is small is made at once: it takes less time than to wait for a compute slot.
+bool is_large(const ReplySize& size) {
+  constexpr std::uint64_t kManyNumbers = 20'000;
+  constexpr std::uint64_t kManyBytes = std::uint64_t{1} << 20;
+  return size.numbers > kManyNumbers || size.bytes > kManyBytes;
+}
+
+// An answer in numbers, or drawn.
+template <class Reply>
+Result<HttpResponse> make_reply(Answered<Reply> answer, const proto::ReplyFormat& format,
+                                const Cancel& cancel) {
+  if constexpr (requires { draw(answer, format, cancel); }) {
+    if (is_drawing(format.format)) return draw(answer, format, cancel);
+  }
+  return encode(std::move(answer), format);
+}
+
+// Distances at points and paths may be read off a field that is kept, searched for, or taken from
+// a field that ends at the points: the last digits depend on that, and so on what was asked
+// before. All other answers follow from the question and the build alone.
+template <class Request>
+bool depends_on_caches(const Request&) {
+  return false;
+}
+bool depends_on_caches(const proto::DistanceRequest& request) { return !request.at.empty(); }
+bool depends_on_caches(const proto::PathRequest&) { return true; }
+bool depends_on_caches(const proto::TableRequest&) { return true; }
+
+template <class Request>
+std::string tag_of(const Request& request, const std::string& identity) {
+  return depends_on_caches(request) ? weak_tag(entity_tag(identity)) : entity_tag(identity);
+}
+
 }  // namespace
 
 template <class Request>
@@ -93,31 +112,40 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
   }
   const std::string identity =
       query.reader != nullptr ? identity_of(query, format->format) : std::string();
+  const std::string tag = identity.empty() ? "" : tag_of(request, identity);
   if (!identity.empty()) {
-    if (auto known = known_reply(query, identity)) return std::move(*known);
+    if (auto known = known_reply(query, identity, tag)) return std::move(*known);
   }
   auto answer = queries_.answer(query.mesh, request, *caller);
   if (!answer) return fail(std::move(answer.error()));
-  Result<HttpResponse> response;
-  if constexpr (requires(const Cancel& cancel) { draw(*answer, *format, cancel); }) {
-    if (is_drawing(format->format)) {
-      response = queries_.in_slot(
-          [&](const Cancel& cancel) {
-            const Timed encoding(*caller, Stage::encode);
-            return draw(*answer, *format, cancel);
-          },
-          *caller);
-      if (!response) return response;
-    }
-  }
-  if (!is_drawing(format->format)) {
+  const ReplySize size = size_of(*answer, *format);
+  const auto make = [&](const Cancel& cancel) -> Result<HttpResponse> {
     const Timed encoding(*caller, Stage::encode);
-    response = encode(std::move(*answer), *format);
-  }
+    // Not before it has its slot: who waits for one has no use for the memory.
+    std::shared_ptr<ReplyBudget::Share> share;
+    if (is_large(size)) {
+      auto reserved = reply_budget_.reserve(size.bytes);
+      if (!reserved) return fail(std::move(reserved.error()));
+      share = std::move(*reserved);
+    }
+    if (answer->complete) answer->complete(answer->reply);
+    auto made = make_reply(std::move(*answer), *format, cancel);
+    if (!made) return made;
+    if (!identity.empty()) {
+      made->set_header("ETag", tag);
+      add_to_list(*made, "Vary", "Accept");
+    }
+    if (query.packed_for != nullptr) pack(*query.packed_for, *made);
+    if (share && made->body) {
+      share->shrink(made->body->size());
+      made->reserved = std::move(share);
+    }
+    return made;
+  };
+  auto response = is_large(size) || is_drawing(format->format) ? queries_.in_slot(make, *caller)
+                                                               : make(Cancel(std::cref(*caller)));
+  if (!response) return response;
   if (!identity.empty()) {
-    response->set_header("ETag", entity_tag(identity));
-    add_to_list(*response, "Vary", "Accept");
-    pack(*query.reader, *response);
     keep_reply(query, identity, *response);
     response->set_header("Cache-Control", query_cache_policy());
   }
@@ -126,13 +154,12 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
 
 // The same question again needs neither a compute slot nor encoding and packing; nor
 // does one whose answer the client has.
-std::optional<HttpResponse> Routes::known_reply(const Query& query, const std::string& identity) {
+std::optional<HttpResponse> Routes::known_reply(const Query& query, const std::string& identity,
+                                                const std::string& tag) {
   if (!catalog_.contains(query.mesh)) return std::nullopt;
   const auto kept = replies_.find(kept_as(query, identity));
-  const bool conditional = query.reader->header("If-None-Match") != nullptr;
   HttpResponse response;
-  if (const std::string tag = conditional ? entity_tag(identity) : "";
-      conditional && has_already(*query.reader, tag)) {
+  if (has_already(*query.reader, tag)) {
     response = not_modified(tag);
   } else if (kept && catalog_.use(query.mesh)) {  // it counts as used, as if asked itself
     response = *kept;
@@ -153,7 +180,9 @@ void Routes::keep_reply(const Query& query, const std::string& identity,
   if (!reply.body || reply.body->size() > config_->reply_cache_bytes / kShare) return;
   (void)replies_.get_or_create(kept_as(query, identity),
                                [&]() -> Result<std::shared_ptr<const HttpResponse>> {
-                                 return std::make_shared<const HttpResponse>(reply);
+                                 auto kept = std::make_shared<HttpResponse>(reply);
+                                 kept->reserved = nullptr;  // the cache has a budget of its own
+                                 return kept;
                                });
 }
 
@@ -170,12 +199,23 @@ Result<HttpResponse> Routes::answer_any_query(const Query& query) {
 // What it says holds for ever, but an engine may become better.
 std::string Routes::query_cache_policy() const { return access_.audience() + ", max-age=86400"; }
 
+Result<std::shared_ptr<ReplyBudget::Share>> Routes::memory_for_json(std::size_t bytes) {
+  constexpr std::size_t kLittle = std::size_t{64} << 10;
+  if (bytes <= kLittle) return nullptr;
+  // `[]` takes an allocation; measured on lists of them.
+  constexpr std::uint64_t kBytesOfByte = 24;
+  return reply_budget_.reserve(bytes * kBytesOfByte);
+}
+
 HttpResponse Routes::query(Call& call, std::string_view action) {
+  const auto memory = memory_for_json(call.request.body.size());
+  if (!memory) return call.problem(memory.error());
   auto parameters = call.parameters();
   if (!parameters) return call.problem(parameters.error());
   const bool is_get = call.is("GET");
   auto response = answer_any_query({call.id, action, *parameters, call.request.header("Accept"),
-                                    call.request.caller, is_get ? &call.request : nullptr, false});
+                                    call.request.caller, is_get ? &call.request : nullptr,
+                                    &call.request, false});
   if (!response) response = call.problem(response.error());
   add_to_list(*response, "Vary", "Accept");
   return std::move(*response);

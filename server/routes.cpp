@@ -65,8 +65,9 @@ std::size_t bytes_of(const HttpResponse& reply) { return reply.body->size() + 20
 Routes::Routes(const Config& config, MeshCatalog& catalog, FieldQueries& queries, ComputePool& pool,
                Metrics& metrics)
     : config_(config),
-      cross_origin_(config.cors_origins),
+      cross_origin_(config.cors_origins, config.cors_write_origins),
       replies_(config.reply_cache_bytes, bytes_of),
+      reply_budget_(config.reply_memory_bytes),
       catalog_(catalog),
       queries_(queries),
       pool_(pool),
@@ -79,16 +80,20 @@ std::uint64_t Routes::max_body(std::string_view method, std::string_view path) c
   return upload ? config_->max_body_bytes : config_->max_json_bytes;
 }
 
+bool Routes::wants_body(HttpRequest& request) const {
+  return !cross_origin_.refuse(request) && access_.admits(request);
+}
+
 HttpResponse Routes::answer(HttpRequest& request) {
   request.caller.times = std::make_shared<StageTimes>();
   HttpResponse response;
   if (CrossOrigin::is_preflight(request)) {
     response = cross_origin_.answer_preflight(request);
   } else {
-    response = route(request);
+    auto refusal = cross_origin_.refuse(request);
+    response = refusal ? std::move(*refusal) : route(request);
     cross_origin_.allow(request, response);
   }
-  if (response.is_finished) return response;
   finish_reply(request, response);
   add_timing(*request.caller.times, response);
   return response;
@@ -183,6 +188,9 @@ HttpResponse Routes::operate(Call& call) {
   } else {
     if (path == "/readyz") {
       if (draining_) return call.problem(ErrorCode::draining, "about to stop");
+      if (!listener_().is_accepting) {
+        return call.problem(ErrorCode::overloaded, "connections wait that cannot be accepted");
+      }
       if (const auto store = catalog_.store_health(); !store) return call.problem(store.error());
     }
     response = json_reply(R"({"status":"ok"})");
@@ -199,11 +207,14 @@ std::string Routes::metrics_text() {
   present.adjacency = catalog_.adjacency_cache();
   present.fields = queries_.field_cache();
   present.replies = replies_.stats();
+  present.reply_memory = reply_budget_.stats();
   present.store = catalog_.store_stats();
   present.jobs = jobs_.stats();
   present.decoders = catalog_.decoder_stats();
-  present.connections = connections_ ? connections_() : 0;
-  present.ready = !draining_ && catalog_.store_health();
+  const Listener listener = listener_();
+  present.connections = listener.connections;
+  present.accept_failures = listener.accept_failures;
+  present.ready = !draining_ && listener.is_accepting && catalog_.store_health();
   return metrics_.text(present);
 }
 
@@ -227,48 +238,54 @@ HttpResponse Routes::status() {
   const ComputePool::Stats pool = pool_.stats();
   const ComputeMemory::Stats memory = pool_.memory();
   const Jobs::Stats jobs = jobs_.stats();
-  const ordered_json status{{"name", "geodesicd"},
-                            {"version", GEODESIC_VERSION},
-                            {"draining", draining_.load()},
-                            {"meshes", catalog_.size()},
-                            {"limits",
-                             {{"max_body_bytes", config->max_body_bytes},
-                              {"max_json_bytes", config->max_json_bytes},
-                              {"max_vertices", config->max_vertices},
-                              {"max_faces", config->max_faces},
-                              {"max_sources", proto::kMaxSources},
-                              {"max_points", proto::kMaxPoints},
-                              {"max_via", proto::kMaxVia},
-                              {"max_table_entries", proto::kMaxTableEntries},
-                              {"max_steiner_nodes", proto::kMaxSteinerNodes},
-                              {"max_levels", proto::kMaxLevels},
-                              {"max_isoline_segments", proto::kMaxIsolineSegments},
-                              {"max_samples", proto::kMaxSamples},
-                              {"max_jobs", config->max_jobs},
-                              {"job_result_bytes", config->job_result_bytes},
-                              {"job_seconds", config->job_seconds},
-                              {"body_timeout_seconds", config->body_timeout_seconds},
-                              {"queue", config->queue},
-                              {"query_memory_bytes", memory.limits.query},
-                              {"compute_memory_bytes", memory.limits.all}}},
-                            {"compute",
-                             {{"slots", pool.slots},
-                              {"running", pool.running},
-                              {"queued", pool.queued},
-                              {"finished", pool.finished},
-                              {"rejected", pool.rejected},
-                              {"given_up", pool.given_up},
-                              {"memory_bytes", memory.bytes}}},
-                            {"jobs",
-                             {{"queued", jobs.queued},
-                              {"running", jobs.running},
-                              {"ended", jobs.ended},
-                              {"bytes", jobs.bytes}}},
-                            {"caches",
-                             {{"meshes", cache_json(catalog_.mesh_cache())},
-                              {"adjacency", cache_json(catalog_.adjacency_cache())},
-                              {"fields", cache_json(queries_.field_cache())},
-                              {"replies", cache_json(replies_.stats())}}}};
+  const ReplyBudget::Stats replies = reply_budget_.stats();
+  const ordered_json status{
+      {"name", "geodesicd"},
+      {"version", GEODESIC_VERSION},
+      {"draining", draining_.load()},
+      {"meshes", catalog_.size()},
+      {"limits",
+       {{"max_body_bytes", config->max_body_bytes},
+        {"max_json_bytes", config->max_json_bytes},
+        {"max_vertices", config->max_vertices},
+        {"max_faces", config->max_faces},
+        {"max_sources", proto::kMaxSources},
+        {"max_points", proto::kMaxPoints},
+        {"max_via", proto::kMaxVia},
+        {"max_table_entries", proto::kMaxTableEntries},
+        {"max_steiner_nodes", proto::kMaxSteinerNodes},
+        {"max_levels", proto::kMaxLevels},
+        {"max_isoline_segments", proto::kMaxIsolineSegments},
+        {"max_samples", proto::kMaxSamples},
+        {"max_batch_lines", kMaxBatchLines},
+        {"reply_memory_bytes", config->reply_memory_bytes},
+        {"max_jobs", config->max_jobs},
+        {"job_result_bytes", config->job_result_bytes},
+        {"job_seconds", config->job_seconds},
+        {"body_timeout_seconds", config->body_timeout_seconds},
+        {"queue", config->queue},
+        {"query_memory_bytes", memory.limits.query},
+        {"compute_memory_bytes", memory.limits.all}}},
+      {"compute",
+       {{"slots", pool.slots},
+        {"running", pool.running},
+        {"queued", pool.queued},
+        {"finished", pool.finished},
+        {"rejected", pool.rejected},
+        {"given_up", pool.given_up},
+        {"memory_bytes", memory.bytes}}},
+      {"jobs",
+       {{"queued", jobs.queued},
+        {"running", jobs.running},
+        {"ended", jobs.ended},
+        {"bytes", jobs.bytes}}},
+      {"replies",
+       {{"bytes", replies.bytes}, {"budget", replies.budget}, {"refused", replies.refused}}},
+      {"caches",
+       {{"meshes", cache_json(catalog_.mesh_cache())},
+        {"adjacency", cache_json(catalog_.adjacency_cache())},
+        {"fields", cache_json(queries_.field_cache())},
+        {"replies", cache_json(replies_.stats())}}}};
   HttpResponse response = json_reply(status.dump());
   response.set_header("Cache-Control", "no-store");
   return response;

@@ -11,7 +11,9 @@
 #include <string_view>
 
 #include "proto/parameters.h"
+#include "proto/reply_format.h"
 #include "server/access.h"
+#include "server/bodies_in_use.h"
 #include "server/caller.h"
 #include "server/compute_pool.h"
 #include "server/config.h"
@@ -23,6 +25,7 @@
 #include "server/lru_cache.h"
 #include "server/mesh_catalog.h"
 #include "server/metrics.h"
+#include "server/reply_budget.h"
 #include "server/viewer_files.h"
 
 namespace geodesic::server {
@@ -32,6 +35,8 @@ class Routes {
   Routes(const Config& config, MeshCatalog& catalog, FieldQueries& queries, ComputePool& pool,
          Metrics& metrics);
 
+  // Whether a request's body is worth receiving, by its head. Tells the request whose it is.
+  [[nodiscard]] bool wants_body(HttpRequest& request) const;
   // Answers any request. May be called from any thread.
   [[nodiscard]] HttpResponse answer(HttpRequest& request);
   // Only probes, metrics and what is in the caches: for a listener of its own.
@@ -51,13 +56,19 @@ class Routes {
   // What is served at `/` instead of the plain page. To be called before any request.
   void set_viewer(ViewerFiles viewer) { viewer_ = std::move(viewer); }
 
-  // How many connections are open, for the metrics. To be called before any request.
-  void count_connections(std::function<std::uint64_t()> count) { connections_ = std::move(count); }
+  // How the API's listener fares, for metrics and readiness. To be called before any request.
+  struct Listener {
+    std::uint64_t connections = 0;  // open now
+    std::uint64_t accept_failures = 0;
+    bool is_accepting = true;
+  };
+  void watch_listener(std::function<Listener()> look) { listener_ = std::move(look); }
 
   // Replaces the settings for requests to come.
   void set_config(const Config& config) {
     config_.set(config);
     replies_.set_budget(config.reply_cache_bytes);
+    reply_budget_.set_budget(config.reply_memory_bytes);
   }
 
   // The most bytes that a body of this request may have.
@@ -70,7 +81,8 @@ class Routes {
     proto::Parameters& parameters;
     const std::string* accept;  // an Accept header; null: none
     const Caller& caller;
-    const HttpRequest* reader;  // the GET it is, so that its reply has a tag; null: none
+    const HttpRequest* reader;      // the GET it is, so that its reply has a tag; null: none
+    const HttpRequest* packed_for;  // whose reply may be packed; null: nobody's
     bool json_only;
   };
 
@@ -93,7 +105,10 @@ class Routes {
   [[nodiscard]] HttpResponse list_meshes(Call& call);
   [[nodiscard]] HttpResponse mesh_metadata(Call& call);
   [[nodiscard]] HttpResponse mesh_source(Call& call);
+  [[nodiscard]] Result<HttpResponse> source_reply(const Call& call, std::uint64_t expected_bytes);
   [[nodiscard]] HttpResponse mesh_geometry(Call& call);
+  [[nodiscard]] Result<HttpResponse> geometry_reply(const Call& call, proto::Format format,
+                                                    const std::string& tag);
   [[nodiscard]] HttpResponse prepare_mesh(Call& call);
   [[nodiscard]] HttpResponse delete_mesh(Call& call);
   [[nodiscard]] HttpResponse query(Call& call, std::string_view action);
@@ -102,8 +117,11 @@ class Routes {
   [[nodiscard]] Result<HttpResponse> answer_query(const Query& query);
   [[nodiscard]] Result<HttpResponse> answer_any_query(const Query& query);
   [[nodiscard]] std::string query_cache_policy() const;
+  // The memory for a body's JSON while it is taken apart; null where that is little.
+  [[nodiscard]] Result<std::shared_ptr<ReplyBudget::Share>> memory_for_json(std::size_t bytes);
   [[nodiscard]] std::optional<HttpResponse> known_reply(const Query& query,
-                                                        const std::string& identity);
+                                                        const std::string& identity,
+                                                        const std::string& tag);
   void keep_reply(const Query& query, const std::string& identity, const HttpResponse& reply);
   [[nodiscard]] HttpResponse batch(Call& call);
   [[nodiscard]] std::string answer_line(const std::string& mesh, std::string_view text,
@@ -114,6 +132,7 @@ class Routes {
   [[nodiscard]] HttpResponse answer_job(HttpRequest& request);
   [[nodiscard]] HttpResponse one_job(Call& call);
   [[nodiscard]] HttpResponse job_result(Call& call, const std::string& id);
+  [[nodiscard]] HttpResponse packed(HttpResponse response, const HttpRequest& reader);
   [[nodiscard]] HttpResponse job_events(Call& call, const std::string& id);
   [[nodiscard]] HttpResponse status();
 
@@ -122,11 +141,13 @@ class Routes {
   ViewerFiles viewer_;
   const CrossOrigin cross_origin_;
   LruCache<HttpResponse> replies_;  // to GET, by mesh and question
+  ReplyBudget reply_budget_;
+  BodiesInUse geometries_;
   MeshCatalog& catalog_;
   FieldQueries& queries_;
   ComputePool& pool_;
   Metrics& metrics_;
-  std::function<std::uint64_t()> connections_;
+  std::function<Listener()> listener_ = [] { return Listener{}; };
   std::atomic<bool> draining_{false};
   Jobs jobs_;  // last: its threads use the others
 };

@@ -109,6 +109,16 @@ def walk_deadlines(walk, build, contract, store):
             walk.ask_for(504, server, operation, *request)
 
 
+def walk_memory(walk, build, contract, store):
+    """A server whose computations, all together, may take next to no memory."""
+    flags = ["--compute-memory-bytes", 1, "--mesh-cache-bytes", 1, "--adjacency-cache-bytes", 1,
+             "--field-cache-bytes", 1, "--reply-cache-bytes", 1]
+    with Server(build, *flags, store=store) as server:
+        for operation in contract.operations:
+            if "422" in operation.responses and operation.path.startswith("/v1/meshes"):
+                walk.ask(server, operation, *first_request(operation))
+
+
 def walk_drain(walk, build, contract, store, slow):
     """A server that is about to stop but has a request under way, asked on its admin
     listener."""

@@ -22,7 +22,7 @@ from ruamel.yaml import YAML
 
 from contract import Contract
 from server import Server, wait_until
-from troubles import walk_damage, walk_deadlines, walk_drain, walk_load
+from troubles import walk_damage, walk_deadlines, walk_drain, walk_load, walk_memory
 from walk import UPLOADS, Walk, first_request, least_query, samples
 
 UNKNOWN = "f" * 64
@@ -155,6 +155,7 @@ def wrong_values(operation):
         yield query + [("method", "none")], None
         yield query + [("precision", "99")], None
         yield query + [("limit", "5000")], None
+        yield query + [("deadline_ms", "0")], None
 
 
 def walk_refusals(walk, server, contract):
@@ -341,6 +342,7 @@ def main():
     walk_damage(walk, build, contract, store)
     walk_load(walk, build, contract, store, slow_id, UNREACHED)
     walk_deadlines(walk, build, contract, store)
+    walk_memory(walk, build, contract, store)
     walk_drain(walk, build, contract, store, slow_id)
     check_covered(walk, contract)
     for problem in walk.problems:

@@ -139,6 +139,10 @@ TriangleSoup random_lathe(Dice& dice) {
       if (dice.below(16) != 0) soup.faces.push_back({a, d, c});
     }
   }
+  // A ring torn apart: needles as thin as it was narrow.
+  if (dice.below(4) == 0) {
+    for (Vec3& p : soup.positions) p.x += 0.1 * dice.unit();
+  }
   if (dice.below(2) == 0) {
     for (std::uint32_t j = 1; j + 1 < columns; ++j) soup.faces.push_back({0, j, j + 1});
   }

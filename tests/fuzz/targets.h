@@ -28,7 +28,7 @@ struct Target {
   std::vector<std::string> (*seeds)();
 };
 
-// By name: gltf, draco, polygons, mesh, requests, points, frame, methods.
+// By name: gltf, draco, polygons, mesh, requests, points, frame, methods, head, body, form.
 [[nodiscard]] std::span<const Target> targets();
 
 void fuzz_decoding(Input input);
@@ -37,6 +37,9 @@ void fuzz_requests(Input input);
 void fuzz_points(Input input);
 void fuzz_frame(Input input);
 void fuzz_methods(Input input);
+void fuzz_head(Input input);
+void fuzz_body(Input input);
+void fuzz_form(Input input);
 
 // Valid files, made by our own encoder and fixtures.
 [[nodiscard]] std::vector<std::string> gltf_seeds();
@@ -46,5 +49,8 @@ void fuzz_methods(Input input);
 [[nodiscard]] std::vector<std::string> request_seeds();
 [[nodiscard]] std::vector<std::string> point_seeds();
 [[nodiscard]] std::vector<std::string> frame_seeds();
+[[nodiscard]] std::vector<std::string> head_seeds();
+[[nodiscard]] std::vector<std::string> body_seeds();
+[[nodiscard]] std::vector<std::string> form_seeds();
 
 }  // namespace geodesic::fuzz

@@ -87,9 +87,9 @@ class Mix:
         faces, vertices = self._mesh["faces"], self._mesh["vertices"]
         while time.monotonic() < self._end:
             method = draw.choice(METHODS)
-            inside = f"f:{draw.randrange(faces)}:0.3,0.3"
+            inside = f"f:{draw.randrange(faces)},0.3,0.3"
             source = draw.choice([inside, f"v:{draw.randrange(vertices)}"])
-            target = draw.choice([f"v:{draw.randrange(vertices)}", f"f:{draw.randrange(faces)}:0.2,0.5"])
+            target = draw.choice([f"v:{draw.randrange(vertices)}", f"f:{draw.randrange(faces)},0.2,0.5"])
             url = draw.choice(
                 [
                     f"/distance?from={source}",

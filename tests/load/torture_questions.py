@@ -23,9 +23,7 @@ OF_THE_MOMENT = {"mesh_unknown", "job_unknown", "job_unfinished", "job_cancelled
                  "too_much_memory"}
 
 # Faults that are known and not mended yet: meshes, and words in the question.
-POLES = ("path", "exact", "chen_han", "trace")
-KNOWN = [("sphere", POLES), ("cone cut", POLES), ("parts", POLES), ("columns", POLES),
-         ("needle", POLES), ("pancake", POLES), ("soup of all sizes", POLES)]
+KNOWN = []
 # Tags are strong where the last digits depend on what is cached.
 TAGS_ARE_TOO_STRONG = True
 

@@ -84,11 +84,11 @@ TEST_CASE("a token's turn in queues is its own, from wherever it comes") {
   access.set_tokens(tokens_of("192.0.2.9 read " + sha256_hex("geo_a")));
   CHECK(access.is_on());
   HttpRequest with = asking("GET", "/v1/status", {{"Authorization", "Bearer geo_a"}});
-  CHECK(access.allows(with));
+  CHECK(access.admits(with));
   CHECK_FALSE(access.check(with));
   CHECK(with.caller.client == "token:192.0.2.9");  // not that of the address
   HttpRequest refused = asking("GET", "/v1/status");
-  CHECK_FALSE(access.allows(refused));
+  CHECK_FALSE(access.admits(refused));
   CHECK(access.check(refused));
   HttpRequest open = asking("GET", "/");
   CHECK_FALSE(access.check(open));

@@ -84,6 +84,21 @@ TEST_CASE("ALineThatIsWrongHarmsNoOther") {
   CHECK(lines[9]["problem"]["code"] == "unknown_parameter");
 }
 
+TEST_CASE("ALineThatNamesAParameterTwiceIsRefused") {
+  PlaneService plane;
+  const auto lines =
+      lines_of(plane.service.ask("POST", plane.base + "/batch",
+                                 R"({"query":"path","from":"v:0","to":"v:1","to":"v:2"}
+{"query":"path","from":"v:0","to":{"vertex":1,"vertex":2}})"));
+  REQUIRE(lines.size() == 2);
+  for (const json& line : lines) {
+    CHECK(line["status"] == 400);
+    CHECK(line["problem"]["code"] == "bad_syntax");
+  }
+  CHECK(lines[0]["problem"]["parameter"] == "to");
+  CHECK(lines[1]["problem"]["parameter"] == "vertex");
+}
+
 TEST_CASE("ABatchIsRefusedAsAWholeWhereItCanBe") {
   PlaneService plane;
   check_problem(plane.service.ask("POST", plane.base + "/batch?x=1", "{}"), 400,

@@ -162,6 +162,18 @@ TEST_CASE("BodiesThatAreNotJson") {
   problem(R"({"from":"v:0"} trailing)", "bad_syntax", "body");
   problem("{\"from\":" + std::string(100'000, '[') + std::string(100'000, ']') + "}", "bad_syntax",
           "body");
+  // Of two values, nobody can know which one is meant.
+  problem(R"({"from":"v:0","from":"v:1"})", "bad_syntax", "from");
+  problem(R"({"from":"v:0","method":"exact","method":"exact"})", "bad_syntax", "method");
+  problem(R"({"from":"v:0","fr\u006fm":"v:1"})", "bad_syntax", "from");
+  problem(R"({"from":{"vertex":1,"vertex":2}})", "bad_syntax", "vertex");
+  problem(R"({"from":["v:0",{"vertex":1,"offset":1,"vertex":1}]})", "bad_syntax", "vertex");
+  problem(R"({"from":{"ray":{"origin":[0,0,1],"origin":[0,0,2],"direction":[0,0,-1]}}})",
+          "bad_syntax", "origin");
+  problem(R"({"":1,"":2})", "bad_syntax", "");
+  CHECK(
+      plane.service.ask("POST", plane.base + "/distance", R"({"from":[{"vertex":1},{"vertex":1}]})")
+          .status == 200);
   problem(R"({"from":1})", "bad_syntax", "from[0]");
   problem(R"({"from":{"vertex":-1}})", "bad_syntax", "from[0].vertex");
   problem(R"({"from":{"vertex":0.5}})", "bad_syntax", "from[0].vertex");

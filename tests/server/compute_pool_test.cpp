@@ -110,6 +110,35 @@ TEST_CASE("a patient caller waits however full the queue is") {
   for (auto& caller : callers) CHECK(caller.get() == 1);
 }
 
+TEST_CASE("a job that can wait is not sent away for another's, and takes nobody's place") {
+  Gate gate;
+  ComputePool pool(1, 2);
+  std::vector<std::future<Result<int>>> patient;
+  const auto call = [&](const char* client, bool is_patient) {
+    Caller caller;
+    caller.client = client;
+    caller.is_patient = is_patient;
+    return std::async(std::launch::async, [&, caller] { return pool.run(gate.job(), caller); });
+  };
+  patient.push_back(call("greedy", true));
+  wait_until([&] { return pool.stats().running == 1; });
+  for (int i = 0; i < 4; ++i) patient.push_back(call("greedy", true));
+  wait_until([&] { return pool.stats().queued == 4; });
+  // The queue has two places, and none of them is taken.
+  auto first = call("meek", false);
+  wait_until([&] { return pool.stats().queued == 5; });
+  auto second = call("greedy", false);
+  wait_until([&] { return pool.stats().queued == 6; });
+  // Full. Most of what waits is the greedy one's, but only one of these can go, and nobody
+  // has more of such than the newcomer would have.
+  CHECK(call("third", false).get().error().code == ErrorCode::overloaded);
+  gate.open();
+  for (auto& caller : patient) CHECK(caller.get() == 1);
+  CHECK(first.get() == 1);
+  CHECK(second.get() == 1);
+  CHECK(pool.stats().rejected == 1);
+}
+
 TEST_CASE("without a queue, a free slot is taken and a busy one refused") {
   Gate gate;
   ComputePool pool(1, 0);

@@ -62,7 +62,7 @@ TEST_CASE("without any source the defaults hold") {
   CHECK(line->config.listen.port == 8080);
   CHECK(line->config.admin_listen.host.empty());
   CHECK(line->config.max_body_bytes == 256u << 20);
-  CHECK(line->config.field_cache_bytes == 1u << 30);
+  CHECK(line->config.field_cache_bytes == 768u << 20);
 }
 
 TEST_CASE("a flag beats a variable beats the file beats the default") {

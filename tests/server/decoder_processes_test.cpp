@@ -3,7 +3,10 @@
 #include "server/decoder_processes.h"
 
 #include <doctest/doctest.h>
+#include <fcntl.h>
 #include <signal.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -19,6 +22,9 @@
 #include "core/shapes.h"
 #include "proto/encode_mesh.h"
 #include "server/confine_process.h"
+#include "server/decoded_frame.h"
+#include "server/decoder_process.h"
+#include "server/local_message.h"
 #include "server/mesh_form.h"
 
 using namespace geodesic;
@@ -167,6 +173,42 @@ TEST_CASE("ADecoderIsKilledOnceNobodyWantsItsAnswer") {
   Caller hurried;
   hurried.deadline = Caller::Clock::now() + 20ms;
   CHECK(processes->decode("hang", {}, {}, hurried).error().code == ErrorCode::deadline);
+}
+
+TEST_CASE("ADecoderEndsIfNobodyWantedItsAnswerFromTheStart") {
+  REQUIRE(soon([] { return decoder_pids().empty(); }));
+  auto [orders, theirs] = local_pair();
+  REQUIRE(orders);
+  const std::string argument(kDecoderArgument);
+  const pid_t process = ::fork();
+  if (process == 0) {
+    if (::dup2(theirs.get(), kDecoderSocket) != kDecoderSocket) ::_exit(1);
+    if (theirs.get() == kDecoderSocket) ::fcntl(kDecoderSocket, F_SETFD, 0);
+    ::execl(ROGUE_DECODER, ROGUE_DECODER, argument.c_str(), nullptr);
+    ::_exit(1);
+  }
+  theirs.close();
+  DecodeOrder order;
+  order.memory_bytes = std::uint64_t{256} << 20;
+  order.cpu_seconds = 3600;
+  const auto send = [&](std::string_view wish, bool is_wanted) {
+    const UniqueFd file(::memfd_create("mesh", MFD_CLOEXEC));
+    const UniqueFd frame(::memfd_create("frame", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+    REQUIRE(::write(file.get(), wish.data(), wish.size()) == static_cast<ssize_t>(wish.size()));
+    order.file_bytes = wish.size();
+    auto [mine, its] = local_pair();
+    // Closed before the decoder can have asked for a signal.
+    if (!is_wanted) mine.close();
+    REQUIRE(send_message(orders.get(), write_order(order), {file.get(), frame.get(), its.get()}));
+    its.close();
+    if (is_wanted) CHECK(receive_message(mine.get(), 100));
+  };
+  for (int i = 0; i < 5; ++i) send("hang", false);
+  send("no mesh", true);  // so all copies have been made
+  CHECK(soon([] { return decoder_pids().size() == 1; }));
+  orders.close();
+  CHECK(::waitpid(process, nullptr, 0) == process);
+  for (const pid_t left : decoder_pids()) ::kill(left, SIGKILL);
 }
 
 TEST_CASE("WhenTheDecoderProcessIsKilledAnotherIsStarted") {

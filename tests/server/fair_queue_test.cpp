@@ -37,10 +37,15 @@ TEST_CASE("the longest line gives its newest item") {
   FairQueue<int> queue;
   queue.push("a", 1);
   for (int i = 10; i < 14; ++i) queue.push("b", i);
-  CHECK(queue.longest() == 4);
-  CHECK(queue.take_from_longest() == 13);
-  CHECK(queue.take_from_longest() == 12);
+  const auto any = [](int) { return true; };
+  CHECK(queue.longest(any) == 4);
+  CHECK(queue.take_from_longest(any) == 13);
+  // Of those that may go: the line with most of them, and its newest.
+  const auto even = [](int item) { return item % 2 == 0; };
+  CHECK(queue.longest(even) == 2);
+  CHECK(queue.take_from_longest(even) == 12);
   CHECK(queue.size_of("b") == 2);
+  CHECK(queue.longest([](int item) { return item > 13; }) == 0);
   CHECK(queue.erase("a", 1));
   CHECK_FALSE(queue.erase("a", 1));
   CHECK_FALSE(queue.erase("b", 1));

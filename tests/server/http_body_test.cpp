@@ -83,6 +83,12 @@ TEST_CASE("chunks that could be read in two ways are refused, wherever they are 
            std::string_view("5;a\x01\r\nhello\r\n"),
            std::string_view("5;\0\r\nhello\r\n", 12),
            std::string_view("0\r\nT: u\n\r\n"),
+           std::string_view("0\r\nno colon\r\n\r\n"),
+           std::string_view("0\r\nnocolon\r\n\r\n"),
+           std::string_view("0\r\nT: u\r\n folded\r\n\r\n"),
+           std::string_view("0\r\n T: u\r\n\r\n"),
+           std::string_view("0\r\nT : u\r\n\r\n"),
+           std::string_view("0\r\n: u\r\n\r\n"),
        }) {
     check_all_cuts(bytes, State::malformed, "");
   }

@@ -100,7 +100,7 @@ struct Edge {
     options.max_io_threads = 128;
     // So that no test depends on how busy the machine is; those on time set their own.
     options.keep_alive = options.head_timeout = options.body_timeout = 60s;
-    options.write_timeout = 60s;
+    options.write_timeout = options.receive_grace = 60s;
     options.min_receive_rate = options.min_send_rate = 0;
     options.max_body = [](std::string_view, std::string_view path) -> std::uint64_t {
       return path == "/echo" ? 2u << 20 : 1000;

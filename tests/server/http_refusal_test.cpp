@@ -25,6 +25,9 @@ TEST_CASE("no request can be smuggled in another") {
            std::string("Content-Length: \r\n"),
            std::string("Content-Length: 99999999999999999999999\r\n"),
            std::string("Content-Length : 4\r\n"),
+           std::string("Content-Length:\t4\r\n"),
+           std::string("Content-Length: 4\t\r\n"),
+           std::string("Transfer-Encoding:\tchunked\r\n"),
            std::string(" Content-Length: 4\r\n"),
            std::string("X: a\r\n Content-Length: 4\r\n"),
            std::string("X: a\nContent-Length: 4\r\n"),
@@ -146,6 +149,49 @@ TEST_CASE("targets that do not parse are refused") {
   RawClient client(edge.port);
   client.send(get("/\xc3\xa9\xff?n=\xe2\x82\xac"));  // raw bytes, not all of them UTF-8
   CHECK(seen(client.receive())["query"][0][1] == "\u20ac");
+}
+
+TEST_CASE("a Host that names no host is refused, and so is an authority of a target") {
+  Edge edge;
+  for (const std::string host :
+       {"",          "a b",     "a/b",      "u@h",    "u:p@h", "[::1",     "h:99999",    "h:65536",
+        "h:abc",     "h:80:80", "h:-1",     "h:+1",   "h: 80", "<x>",      "a,b",        "a\\b",
+        "a?b",       "a#b",     "%zz",      "%41",    "a;b",   "a\"b",     "h:80/",      "[]",
+        "[::1]x",    "[h]",     "::1",      "[::1]:", "a..b",  ".a",       ".",          "..",
+        "[::1%25a]", ":80",     "\xc3\xa9", "[v1.a]", "a\tb",  "http://h", "[::1]:99999"}) {
+    if (host == "[::1]:") continue;  // the scheme's port, as "h:" is
+    CHECK(check_refused(edge, "GET / HTTP/1.1\r\nHost: " + host + "\r\n\r\n", 400,
+                        "bad_syntax")["parameter"] == "Host");
+    if (host.find_first_of("/?# \t") != std::string::npos) continue;  // ends an authority
+    check_refused(edge, get("http://" + host + "/"), 400, "bad_syntax");
+  }
+  check_refused(edge, get("http:///x"), 400, "bad_syntax");
+  check_refused(edge, get("http://a_b/x"), 400, "bad_syntax");
+  check_refused(edge, get("https://?x"), 400, "bad_syntax");
+  for (const std::string host : {"h", "h:", "h:0", "h:65535", "127.0.0.1:80", "[::1]", "[::1]:8080",
+                                 "a.b-c_d~e.", "[::ffff:1.2.3.4]"}) {
+    CAPTURE(host);
+    RawClient client(edge.port);
+    client.send("GET /x HTTP/1.1\r\nHost: " + host + "\r\n\r\n");
+    CHECK(client.receive().status == 200);
+    if (host.find('_') != std::string::npos) continue;
+    client.send(get("http://" + host + "/y"));
+    CHECK(seen(client.receive())["path"] == "/y");
+  }
+}
+
+TEST_CASE("no path is written in two ways") {
+  Edge edge;
+  for (const std::string target :
+       {"/v1%2fmethods", "/v1%2Fmethods", "/%6detrics", "/%4Detrics", "/a%5cb", "/%2e%2e/a",
+        "/a%7E", "/a%2D", "/a%5f", "/%30", "http://h/%6d", "/a%20%6d"}) {
+    check_refused(edge, get(target), 400, "bad_syntax");
+  }
+  RawClient client(edge.port);
+  client.send(get("/a%20b%C3%A9%3f?c=%6d%2f"));  // a query is no path
+  const json request = seen(client.receive());
+  CHECK(request["path"] == "/a b\u00e9?");
+  CHECK(request["query"][0][1] == "m/");
 }
 
 TEST_CASE("what is no HTTP/1 request is refused") {

@@ -283,13 +283,13 @@ TEST_CASE("streamed replies, which hold threads, are bounded") {
   options.max_io_threads = 6;
   Edge edge(std::move(options));
   std::vector<std::unique_ptr<RawClient>> listeners;
-  for (int i = 0; i < 4; ++i) {
-    listeners.push_back(std::make_unique<RawClient>(edge.port));
+  for (unsigned i = 0; i < 4; ++i) {  // of several clients: one gets no more than half
+    listeners.push_back(std::make_unique<RawClient>(edge.port, 1 + i));
     listeners.back()->send(get("/endless"));
     char byte;
     CHECK(::recv(listeners.back()->socket(), &byte, 1, 0) == 1);
   }
-  RawClient fifth(edge.port);
+  RawClient fifth(edge.port, 5);
   fifth.send(get("/endless"));
   const RawReply refused = fifth.receive();
   CHECK(refused.status == 503);
@@ -334,8 +334,8 @@ TEST_CASE("replies that nobody takes have a limit together") {
   options.max_replies_in_flight = 50'000'000;
   Edge edge(std::move(options));
   std::vector<std::unique_ptr<RawClient>> slow;
-  for (int i = 0; i < 2; ++i) {
-    slow.push_back(std::make_unique<RawClient>(edge.port));
+  for (unsigned i = 0; i < 2; ++i) {
+    slow.push_back(std::make_unique<RawClient>(edge.port, 2 + i));
     slow.back()->send(get("/big"));
     // Its head is there, but most of its body waits.
     char start[12];

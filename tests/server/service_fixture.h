@@ -24,6 +24,7 @@
 #include "server/mesh_store.h"
 #include "server/open_store.h"
 #include "server/reload.h"
+#include "server/reply_file.h"
 #include "server/routes.h"
 #include "server/sha256.h"
 
@@ -89,9 +90,16 @@ class Service {
       request.query = *query;
     }
     request.headers = std::move(headers);
+    if (const std::string* host = request.header("Host")) request.authority = *host;
     request.body = std::move(body);
     request.id = "test";
-    return routes.answer(request);
+    HttpResponse response = routes.answer(request);
+    if (response.file) {  // what a client is sent
+      std::string bytes(response.file->size(), '\0');
+      REQUIRE(response.file->read(0, bytes.data(), bytes.size()) == bytes.size());
+      response.body = std::make_shared<const std::string>(std::move(bytes));
+    }
+    return response;
   }
   HttpResponse get(const std::string& target) { return ask("GET", target); }
 

@@ -8,7 +8,7 @@ import { noBrowser, openPage } from './browser_page.js';
 import { sample, Server } from './server.js';
 
 test('a page of another origin', { skip: noBrowser }, async () => {
-  const server = await Server.start();
+  const server = await Server.start(['--cors-write-origins', '*']);
   after(() => server.stop());
   const size = sample('plane.glb').length;
   assert.deepEqual(await openPage('/test/page/page.js', server.url), {

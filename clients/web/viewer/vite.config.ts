@@ -7,7 +7,12 @@ import { fileURLToPath } from 'node:url';
 import { defineConfig } from 'vite';
 
 const here = (path: string) => fileURLToPath(new URL(path, import.meta.url));
-const server = process.env['GEODESICD_URL'] ?? 'http://127.0.0.1:8080';
+// The Host header stays as the browser sent it: a page may change meshes if its origin's
+// host is the one that the request is for.
+const server = {
+  target: process.env['GEODESICD_URL'] ?? 'http://127.0.0.1:8080',
+  changeOrigin: false,
+};
 
 export default defineConfig({
   resolve: {

@@ -166,7 +166,8 @@ def bar(what: str) -> Iterator[Callable[[float], None]]:
 
 def _mesh(client: Client, name: str, **reading: Unpack[Reading]) -> Mesh:
     """A mesh by its id, or a file's."""
-    if re.fullmatch(r"[0-9a-f]{64}(~([0-9a-f]{32}|[0-9a-f]{12}))?", name) and not Path(name).exists():
+    is_id = re.fullmatch(r"[0-9a-f]{64}(~([0-9a-f]{32}|[0-9a-f]{12}))?", name)
+    if is_id and not Path(name).exists():
         return client.mesh(name)
     with bar(f"uploading {Path(name).name}") as progress:
         return client.upload(Path(name), progress=progress, **reading)

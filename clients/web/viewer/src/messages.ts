@@ -22,7 +22,7 @@ export const MESSAGES: Record<ErrorCode, Message> = {
   mesh_unknown: { title: 'This mesh is not on the server', advice: 'It was deleted, or never uploaded here. Drop its file again, or choose another mesh.' },
   method_not_allowed: { title: 'The server does not allow this', advice: OUR_FAULT },
   unauthorized: { title: 'This server asks for a token', advice: 'Enter one to go on.' },
-  forbidden: { title: 'Your token does not allow this', advice: 'Ask whoever runs the server for a token with that scope.' },
+  forbidden: { title: 'This is not allowed', advice: 'Ask whoever runs the server for a token with that scope, or to let this page change meshes.' },
   not_acceptable: { title: 'The server does not offer this format', advice: 'Choose another one.' },
   request_timeout: { title: 'The upload was too slow', advice: 'The server stopped waiting for the rest. Try again with a better connection.' },
   length_required: { title: 'The length of the upload is missing', advice: 'Something between this page and the server takes it away; ask whoever runs the server.' },

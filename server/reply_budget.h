@@ -1,0 +1,55 @@
+// The memory of large replies, from before they are made until they are sent: asked for first,
+// so that many at once are refused and do not fill the memory. Small ones are not counted.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+
+#include "core/error.h"
+
+namespace geodesic::server {
+
+// All methods may be called from any thread.
+class ReplyBudget {
+ private:
+  struct Account;
+
+ public:
+  // What one reply has reserved, for as long as it lives, which may be longer than the budget.
+  class Share {
+   public:
+    Share(std::shared_ptr<Account> account, std::uint64_t bytes)
+        : account_(std::move(account)), bytes_(bytes) {}
+    ~Share();
+    Share(const Share&) = delete;
+    Share& operator=(const Share&) = delete;
+    // Gives back what is more than this: now it is known what the reply takes.
+    void shrink(std::uint64_t bytes);
+
+   private:
+    const std::shared_ptr<Account> account_;
+    std::uint64_t bytes_;
+  };
+
+  struct Stats {
+    std::uint64_t bytes = 0;    // reserved now
+    std::uint64_t budget = 0;   // of so many
+    std::uint64_t refused = 0;  // replies, since the start
+  };
+
+  explicit ReplyBudget(std::uint64_t bytes);
+
+  // Errors: too_much_memory where there is not so much in all, so that nobody need try again;
+  // overloaded where others have it now.
+  [[nodiscard]] Result<std::shared_ptr<Share>> reserve(std::uint64_t bytes);
+
+  // For replies to come.
+  void set_budget(std::uint64_t bytes);
+  [[nodiscard]] Stats stats() const;
+
+ private:
+  const std::shared_ptr<Account> account_;
+};
+
+}  // namespace geodesic::server

@@ -1,0 +1,83 @@
+// What replies take, before they are made.
+#include "server/draw_reply.h"
+#include "server/encode_reply.h"
+
+namespace geodesic::server {
+namespace {
+
+using proto::Format;
+
+// Of a point as a reply echoes it: its face, weights and coordinates, and their names.
+constexpr std::uint64_t kNumbersOfPoint = 12;
+// Of a point of a line.
+constexpr std::uint64_t kNumbersOfLinePoint = 9;
+
+template <class Reply>
+ReplySize size_by(std::uint64_t numbers, const Answered<Reply>& answer,
+                  const proto::ReplyFormat& format) {
+  // The number itself, at most 25 characters, and about as many again when they are packed.
+  constexpr std::uint64_t kJson = 8 + 25 + 25;
+  // The number, its bytes, and those with a header before them.
+  constexpr std::uint64_t kBinary = 3 * 8;
+  constexpr std::uint64_t kRest = 4096;
+  const Mesh& mesh = answer.adjacency->mesh();
+  switch (format.format) {
+    case Format::json:
+      return {numbers, numbers * kJson + kRest};
+    case Format::png:
+      // A value a vertex, what is seen of it, and some layers of the picture.
+      return {numbers, numbers * kBinary + std::uint64_t{64} * mesh.vertex_count() +
+                           std::uint64_t{32} * format.picture.width * format.picture.height};
+    case Format::glb:
+      // Positions, colours and indices, and twice their bytes.
+      return {numbers, numbers * (kBinary + 3 * 24) +
+                           std::uint64_t{100} * mesh.source_vertex_count() +
+                           std::uint64_t{36} * mesh.face_count() + kRest};
+    default:
+      return {numbers, numbers * kBinary + kRest};
+  }
+}
+
+}  // namespace
+
+ReplySize size_of(const Answered<proto::DistanceReply>& answer, const proto::ReplyFormat& format) {
+  const proto::DistanceReply& reply = answer.reply;
+  std::uint64_t numbers = answer.numbers + reply.distances.size();
+  if (reply.labels) numbers += reply.labels->size();
+  if (reply.at) numbers += kNumbersOfPoint * reply.at->size();
+  return size_by(numbers + kNumbersOfPoint * reply.from.size(), answer, format);
+}
+
+ReplySize size_of(const Answered<proto::PathReply>& answer, const proto::ReplyFormat& format) {
+  return size_by(kNumbersOfLinePoint * answer.reply.points.size() +
+                     kNumbersOfPoint * (answer.reply.via.size() + 2),
+                 answer, format);
+}
+
+ReplySize size_of(const Answered<proto::TraceReply>& answer, const proto::ReplyFormat& format) {
+  return size_by(kNumbersOfLinePoint * answer.reply.points.size(), answer, format);
+}
+
+ReplySize size_of(const Answered<proto::TableReply>& answer, const proto::ReplyFormat& format) {
+  const proto::TableReply& reply = answer.reply;
+  return size_by(
+      reply.distances.size() + kNumbersOfPoint * (reply.rows.size() + reply.columns.size()), answer,
+      format);
+}
+
+ReplySize size_of(const Answered<proto::IsolinesReply>& answer, const proto::ReplyFormat& format) {
+  std::uint64_t numbers = answer.reply.levels.size();
+  for (const Isoline& line : answer.reply.isolines) numbers += 4 + 3 * line.points.size();
+  return size_by(numbers, answer, format);
+}
+
+ReplySize size_of(const Answered<proto::SamplesReply>& answer, const proto::ReplyFormat& format) {
+  return size_by(kNumbersOfPoint * (answer.reply.samples.size() + answer.reply.from.size()), answer,
+                 format);
+}
+
+ReplySize size_of(const Answered<proto::NearestReply>& answer, const proto::ReplyFormat& format) {
+  return size_by(kNumbersOfPoint * answer.reply.points.size(), answer, format);
+}
+
+}  // namespace geodesic::server

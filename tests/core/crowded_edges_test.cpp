@@ -1,0 +1,136 @@
+// Edges of thousands of faces, and the same face thousands of times over: an exact field there
+// takes no more than n log n, and asks whether to stop.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <ctime>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "core/solve_field.h"
+#include "tests/fixtures/surface.h"
+
+using namespace geodesic;
+using fixtures::Surface;
+
+namespace {
+
+// Of the process, so that others on the machine do not count.
+double seconds_of_work() {
+  std::timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+// Some milliseconds, with room for sanitizers; what it stands against took seconds.
+constexpr double kLongestWithoutAQuestion = 0.5;
+constexpr double kMostWork = 5;
+
+void check_that_it_ends(const Surface& surface, const Source& source) {
+  for (const Method method : {Method::exact, Method::chen_han}) {
+    for (const bool keep_details : {false, true}) {
+      CAPTURE(static_cast<int>(method));
+      CAPTURE(keep_details);
+      FieldLimits limits;
+      limits.keep_details = keep_details;
+      const double start = seconds_of_work();
+      double last = start;
+      double longest = 0;
+      const auto ask = [&] {
+        const double now = seconds_of_work();
+        longest = std::max(longest, now - last);
+        last = now;
+        return now - start > kMostWork;
+      };
+      SolveScratch scratch;
+      const Cancel cancel(ask);
+      const auto field =
+          solve_field(method, {}, surface.adjacency(), {&source, 1}, limits, scratch, cancel);
+      (void)ask();
+      CHECK(field.has_value());
+      CHECK(longest < kLongestWithoutAQuestion);
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("AFaceThousandsOfTimesOverIsCrossedOnce") {
+  TriangleSoup soup{{{0, 0, 0}, {3, 0, 0}, {0, 4, 0}}, {}};
+  soup.faces.assign(100'000, {0, 1, 2});
+  const Surface surface(soup);
+  check_that_it_ends(surface, {surface.at(0), 0});
+  check_that_it_ends(surface, {surface.on(50'000, {0.25, 0.25, 0.5}), 0});
+}
+
+TEST_CASE("ABookOfThousandsOfPagesIsReadOnce") {
+  TriangleSoup soup{{{0, 0, 0}, {0, 0, 1}}, {}};
+  for (std::uint32_t i = 0; i < 60'000; ++i) {
+    const double angle = i * 1e-4;
+    soup.positions.push_back({2 * std::cos(angle), 2 * std::sin(angle), 0.1 * (i % 11)});
+    soup.faces.push_back({0, 1, i + 2});
+  }
+  const Surface surface(soup);
+  check_that_it_ends(surface, {surface.at(0), 0});
+  check_that_it_ends(surface, {surface.at(30'000), 0});
+  check_that_it_ends(surface, {surface.on(30'000, {0.25, 0.25, 0.5}), 0});
+}
+
+TEST_CASE("AVertexOfAHundredThousandFacesIsPassedWithQuestions") {
+  TriangleSoup soup{{{0, 0, 0}}, {}};
+  constexpr std::uint32_t kFaces = 100'000;
+  for (std::uint32_t i = 0; i < kFaces; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kFaces;
+    const double r = 1 + 0.1 * (i % 2);
+    soup.positions.push_back({r * std::cos(angle), r * std::sin(angle), 0});
+    soup.faces.push_back({0, i + 1, (i + 1) % kFaces + 1});
+  }
+  const Surface surface(soup);
+  check_that_it_ends(surface, {surface.at(0), 0});
+  check_that_it_ends(surface, {surface.on(kFaces / 2, {0.25, 0.25, 0.5}), 0});
+}
+
+// Two sheets meet on each of many lines, so that light comes to the last one in 2^14 ways, all of
+// which unfold to the same. From far away rounding sets them apart by more than a part of an edge.
+TEST_CASE("TheSameLightFromAMillionEdgesAwayIsOneWindow") {
+  constexpr std::uint32_t kLines = 14;
+  constexpr std::uint32_t kRows = 3;
+  for (const double far : {1e2, 1e6, 1e7, 1e9}) {
+    CAPTURE(far);
+    TriangleSoup soup;
+    for (std::uint32_t i = 0; i <= kLines; ++i) {
+      for (std::uint32_t j = 0; j <= kRows; ++j) {
+        soup.positions.push_back(
+            {1.01 * i, 0.97 * j + 0.1 * ((7 * i + 3 * j) % 5), 0.3 * std::sin(1.3 * i)});
+      }
+    }
+    for (std::uint32_t i = 0; i < kLines; ++i) {
+      for (std::uint32_t j = 0; j < kRows; ++j) {
+        const std::uint32_t a = i * (kRows + 1) + j;
+        const std::uint32_t b = a + kRows + 1;
+        soup.faces.insert(soup.faces.end(),
+                          {{a, b, a + 1}, {a + 1, b, b + 1}, {a, b, b + 1}, {a, b + 1, a + 1}});
+      }
+    }
+    const auto source = static_cast<std::uint32_t>(soup.positions.size());
+    soup.positions.push_back({-far, 0.01 * far, 0});
+    for (std::uint32_t j = 0; j < kRows; ++j) soup.faces.push_back({source, j, j + 1});
+    const Surface surface(soup);
+    std::size_t asked = 0;
+    const Cancel cancel([&] { return ++asked > 2'000; });
+    FieldLimits limits;
+    limits.keep_details = false;
+    SolveScratch scratch;
+    const Source from{surface.at(source), 0};
+    const auto field =
+        solve_field(Method::chen_han, {}, surface.adjacency(), {&from, 1}, limits, scratch, cancel);
+    REQUIRE(field.has_value());
+    const Field exact = surface.field_by(Method::exact, {from}, limits);
+    for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+      CHECK(std::abs(field->distance[v] - exact.distance[v]) <= 1e-12 * exact.distance[v]);
+    }
+  }
+}
