@@ -10,10 +10,9 @@
 #include "server/compute_memory.h"
 
 namespace geodesic::server {
-namespace {
 
 // Memory as `operator new` gives it, `alignment` 0: as malloc's.
-void* allocate(std::size_t bytes, std::size_t alignment) {
+static void* allocate(std::size_t bytes, std::size_t alignment) {
   JobMemory* const job = JobMemory::here();
   if (job != nullptr && !job->may_allocate(bytes)) throw std::bad_alloc();
   for (;;) {
@@ -33,25 +32,63 @@ void* allocate(std::size_t bytes, std::size_t alignment) {
   }
 }
 
-void give_back(void* memory) {
+static void* allocate_or_null(std::size_t bytes, std::size_t alignment) noexcept {
+  try {
+    return allocate(bytes, alignment);
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
+
+static void give_back(void* memory) {
   JobMemory* const job = JobMemory::here();
   if (job != nullptr && memory != nullptr) job->freed(::malloc_usable_size(memory));
   std::free(memory);
 }
 
-}  // namespace
 }  // namespace geodesic::server
 
-// The standard's other forms call these.
-void* operator new(std::size_t bytes) { return geodesic::server::allocate(bytes, 0); }
+// All of the standard's forms: what one of them takes another may give back, and a sanitizer's
+// own would not know of it.
+using geodesic::server::allocate;
+using geodesic::server::allocate_or_null;
+using geodesic::server::give_back;
+
+void* operator new(std::size_t bytes) { return allocate(bytes, 0); }
+void* operator new[](std::size_t bytes) { return allocate(bytes, 0); }
 void* operator new(std::size_t bytes, std::align_val_t alignment) {
-  return geodesic::server::allocate(bytes, static_cast<std::size_t>(alignment));
+  return allocate(bytes, static_cast<std::size_t>(alignment));
 }
-void operator delete(void* memory) noexcept { geodesic::server::give_back(memory); }
-void operator delete(void* memory, std::size_t) noexcept { geodesic::server::give_back(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept {
-  geodesic::server::give_back(memory);
+void* operator new[](std::size_t bytes, std::align_val_t alignment) {
+  return allocate(bytes, static_cast<std::size_t>(alignment));
 }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-  geodesic::server::give_back(memory);
+void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
+  return allocate_or_null(bytes, 0);
+}
+void* operator new[](std::size_t bytes, const std::nothrow_t&) noexcept {
+  return allocate_or_null(bytes, 0);
+}
+void* operator new(std::size_t bytes, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+  return allocate_or_null(bytes, static_cast<std::size_t>(alignment));
+}
+void* operator new[](std::size_t bytes, std::align_val_t alignment,
+                     const std::nothrow_t&) noexcept {
+  return allocate_or_null(bytes, static_cast<std::size_t>(alignment));
+}
+
+void operator delete(void* memory) noexcept { give_back(memory); }
+void operator delete[](void* memory) noexcept { give_back(memory); }
+void operator delete(void* memory, std::size_t) noexcept { give_back(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { give_back(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { give_back(memory); }
+void operator delete[](void* memory, std::align_val_t) noexcept { give_back(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { give_back(memory); }
+void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { give_back(memory); }
+void operator delete(void* memory, const std::nothrow_t&) noexcept { give_back(memory); }
+void operator delete[](void* memory, const std::nothrow_t&) noexcept { give_back(memory); }
+void operator delete(void* memory, std::align_val_t, const std::nothrow_t&) noexcept {
+  give_back(memory);
+}
+void operator delete[](void* memory, std::align_val_t, const std::nothrow_t&) noexcept {
+  give_back(memory);
 }
