@@ -23,7 +23,7 @@ METHODS = ["exact", "exact", "exact", "chen_han", "steiner", "auto", "wavefront"
 # What a query may end with: an answer, too_much_memory, a deadline, or not now.
 ALLOWED = {200, 422, 503, 504}
 # A slot's idle memory, replies on their way, and what the process is made of.
-BESIDES = 700
+BESIDES = 300
 
 
 def bumpy(side):
