@@ -71,7 +71,8 @@ TEST_CASE("ManyFarPointsAreFoundWithinAShortDeadline") {
   const json body{{"point", points}, {"deadline_ms", 5000}};
   const HttpResponse reply = plane.service.ask("POST", base + "/nearest", body.dump());
   REQUIRE(reply.status == 200);
-  for (const json& point : body_of(reply)["points"]) {
+  const json answer = body_of(reply);
+  for (const json& point : answer["points"]) {
     const double far = point["snap_distance"];
     CHECK(far >= 0);
     CHECK(std::isfinite(far));
