@@ -24,8 +24,6 @@ OF_THE_MOMENT = {"mesh_unknown", "job_unknown", "job_unfinished", "job_cancelled
 
 # Faults that are known and not mended yet: meshes, and words in the question.
 KNOWN = []
-# Tags are strong where the last digits depend on what is cached.
-TAGS_ARE_TOO_STRONG = True
 
 
 def known_fault(mesh, question):
@@ -226,7 +224,7 @@ def is_same(question, ours, theirs):
         return True
     if question.format == "lines":
         return is_near_lines(ours.body, theirs.body)
-    if is_strong(ours) and question.method == "GET" and not TAGS_ARE_TOO_STRONG:
+    if is_strong(ours) and question.method == "GET":
         return False
     if question.format == "json":
         return is_near_json(json.loads(ours.body), json.loads(theirs.body))
