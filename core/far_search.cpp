@@ -125,16 +125,17 @@ void FarSearch::search(Query& query, std::size_t level, std::size_t block) const
     double least;
     std::size_t block;
   };
+  // All of them are sorted, those that are none last: GCC 14 takes a sort of fewer for one of more.
   std::array<Next, kBoxesOfBox> order;
+  order.fill({std::numeric_limits<double>::infinity(), below.size()});
   std::size_t count = 0;
   for (std::size_t i = block * kBoxesOfBox; i < std::min((block + 1) * kBoxesOfBox, below.size());
        ++i) {
     order[count++] = {query.height.least_in(below[i]), i};
   }
-  std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count),
-            [](const Next& a, const Next& b) {
-              return a.least < b.least || (a.least == b.least && a.block < b.block);
-            });
+  std::sort(order.begin(), order.end(), [](const Next& a, const Next& b) {
+    return a.least < b.least || (a.least == b.least && a.block < b.block);
+  });
   std::size_t faces_of_block = kFacesOfBox;
   for (std::size_t l = 1; l < level; ++l) faces_of_block *= kBoxesOfBox;
   for (std::size_t i = 0; i < count; ++i) {
