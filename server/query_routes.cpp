@@ -202,7 +202,7 @@ std::string Routes::query_cache_policy() const { return access_.audience() + ", 
 Result<std::shared_ptr<ReplyBudget::Share>> Routes::memory_for_json(std::size_t bytes) {
   constexpr std::size_t kLittle = std::size_t{64} << 10;
   if (bytes <= kLittle) return nullptr;
-  // `[]` takes an allocation; measured on lists of them.
+  // An estimate: parsed, `[]` is a value and an allocation for two or three bytes of text.
   constexpr std::uint64_t kBytesOfByte = 24;
   return reply_budget_.reserve(bytes * kBytesOfByte);
 }
