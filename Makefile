@@ -7,7 +7,7 @@ JOBS ?= $(shell nproc)
 export PORT HOST JOBS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build run test test-s3 test-crash bench paper load torture fuzz format lint clean
+.PHONY: help setup configure build run test test-s3 test-crash bench paper load torture fuzz format lint clean
 MAKEFLAGS += --no-print-directory
 
 help: ## list these targets
@@ -17,11 +17,14 @@ help: ## list these targets
 setup: ## install what building needs (Debian 12 or 13; root or sudo)
 	@scripts/setup
 
-build: setup ## build everything for release, in build/release
+configure: setup
 	@cmake --preset release -Wno-dev --log-level=WARNING $(CMAKE_FLAGS)
+
+build: configure ## build everything for release, in build/release
 	@cmake --build --preset release --parallel $(JOBS)
 
-run: build ## start the server with the viewer and sample meshes; Ctrl-C stops it
+run: configure ## build and start the server, viewer and sample meshes; Ctrl-C stops it
+	@cmake --build --preset release --parallel $(JOBS) --target geodesicd make_samples
 	@scripts/build_viewer
 	@scripts/run_server
 
