@@ -133,7 +133,7 @@ bool count_memory(void* user, ssize_t bytes, bool /*after*/) {
 // The mesh moved and scaled into [-1, 1], where single precision is at its best.
 // Embree knows of the faces only their boxes.
 struct ClosestPointIndex::Scene {
-  explicit Scene(const Mesh& of) : mesh(of), unit(of.box()), far(of, unit) {}
+  Scene(const Mesh& of, Poll& poll) : mesh(of), unit(of.box()), far(of, unit, poll) {}
   ~Scene() {
     if (scene != nullptr) rtcReleaseScene(scene);
     if (device != nullptr) rtcReleaseDevice(device);
@@ -182,7 +182,10 @@ Result<std::shared_ptr<const ClosestPointIndex>> ClosestPointIndex::build(
 
 ClosestPointIndex::ClosestPointIndex(std::shared_ptr<const Adjacency> adjacency,
                                      const Cancel& cancel)
-    : adjacency_(std::move(adjacency)), scene_(std::make_unique<Scene>(adjacency_->mesh())) {
+    : adjacency_(std::move(adjacency)) {
+  Poll poll(cancel);
+  scene_ = std::make_unique<Scene>(adjacency_->mesh(), poll);
+  if (poll.stopped()) return;
   // One thread: core has no threads of its own.
   scene_->device = rtcNewDevice("threads=1,set_affinity=0");
   if (scene_->device == nullptr) throw std::bad_alloc();

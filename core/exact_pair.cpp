@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -19,56 +20,63 @@ constexpr double kLonger = 1e-9;
 constexpr std::uint32_t kRings = 2;
 constexpr std::uint32_t kMostRings = 12;
 
+// No list of faces means all.
+constexpr std::span<const std::uint32_t> kEverywhere{};
+
 // A field takes about as long as the next one.
 constexpr double kFirstField = 0.5;
 
 // Faces, each once.
 class FaceSet {
  public:
-  explicit FaceSet(std::size_t face_count) : has_(face_count, false) {}
+  explicit FaceSet(const Adjacency& adjacency)
+      : adjacency_(adjacency),
+        has_(adjacency.faces().size(), false),
+        has_all_at_(adjacency.mesh().vertex_count(), false) {}
 
   void add(std::uint32_t f) {
     if (has_[f]) return;
     has_[f] = true;
     faces_.push_back(f);
   }
-  // All faces that share a vertex with one of these.
-  void grow(const Adjacency& adjacency) {
-    for (std::size_t i = 0, count = faces_.size(); i < count; ++i) {
-      const auto vertices = adjacency.face(faces_[i]).vertex;
-      for (const std::uint32_t v : vertices) {
-        for (const std::uint32_t corner : adjacency.corners(v)) add(face_of(corner));
+  // Those on which a point is.
+  void add_about(const SurfacePoint& point, Poll& poll) {
+    for (const SurfacePoint& place : in_all_faces(adjacency_, point)) {
+      if (poll.cancelled()) return;
+      add(place.face);
+    }
+  }
+  // All that share a vertex with one of these. However often it grows, the faces at a vertex
+  // are gone through once: there may be as many as the mesh has.
+  void grow(Poll& poll) {
+    for (const std::size_t count = faces_.size(); grown_ < count; ++grown_) {
+      for (const std::uint32_t v : adjacency_.face(faces_[grown_]).vertex) {
+        if (has_all_at_[v]) continue;
+        has_all_at_[v] = true;
+        for (const std::uint32_t corner : adjacency_.corners(v)) {
+          if (poll.cancelled()) return;
+          add(face_of(corner));
+        }
       }
     }
   }
   [[nodiscard]] const std::vector<std::uint32_t>& faces() const { return faces_; }
 
  private:
+  const Adjacency& adjacency_;
   std::vector<bool> has_;
+  std::vector<bool> has_all_at_;  // by vertex
   std::vector<std::uint32_t> faces_;
+  std::size_t grown_ = 0;  // the first so many have all their neighbours
 };
-
-FaceSet faces_about(const Adjacency& adjacency, const SurfacePoint& point) {
-  FaceSet faces(adjacency.faces().size());
-  for (const SurfacePoint& place : in_all_faces(adjacency, point)) faces.add(place.face);
-  return faces;
-}
-
-FaceSet faces_along(const Adjacency& adjacency, const Path& path) {
-  FaceSet faces(adjacency.faces().size());
-  for (const PathPoint& at : path.points) {
-    for (const SurfacePoint& place : in_all_faces(adjacency, at.point)) faces.add(place.face);
-  }
-  return faces;
-}
 
 class ExactPair {
  public:
+  // `about`: the faces on which `to` is.
   ExactPair(const Adjacency& adjacency, const Source& from, const SurfacePoint& to,
-            ExactScratch& scratch)
+            const FaceSet& about, ExactScratch& scratch)
       : adjacency_(adjacency), from_(from), to_(to), scratch_(scratch) {
-    // Those of its faces, which are reached by the path at the latest.
-    const FaceSet about = faces_about(adjacency, to);
+    // Their vertices are reached by the path at the latest.
     for (const std::uint32_t f : about.faces()) {
       const auto vertices = adjacency.face(f).vertex;
       targets_.insert(targets_.end(), vertices.begin(), vertices.end());
@@ -76,13 +84,20 @@ class ExactPair {
     if (to.at_vertex()) targets_.push_back(to.vertex);
   }
 
-  // With the windows of these faces.
-  Result<Field> field(const FaceSet& details, const Cancel& cancel) {
+  // With the windows of these faces, or of all.
+  Result<Field> field(std::span<const std::uint32_t> details, const Cancel& cancel) {
     FieldLimits limits;
     limits.targets = targets_;
     limits.keep_details = true;
-    limits.detail_faces = details.faces();
+    limits.detail_faces = details;
     return exact_field(adjacency_, {&from_, 1}, limits, scratch_, cancel);
+  }
+
+  Result<std::optional<Path>> path_by_windows(std::span<const std::uint32_t> details,
+                                              const Cancel& cancel) {
+    const auto near = field(details, cancel);
+    if (!near) return fail(near.error());
+    return trace_path(adjacency_, *near, to_, cancel);
   }
 
   // About where the path is.
@@ -104,32 +119,38 @@ class ExactPair {
 
 Result<Pair> exact_pair(const Adjacency& adjacency, const Source& from, const SurfacePoint& to,
                         bool with_path, ExactScratch& scratch, const Cancel& cancel) {
-  ExactPair search(adjacency, from, to, scratch);
-  const FaceSet at_target = faces_about(adjacency, to);
-  auto field = search.field(at_target, with_path ? cancel.part(0, kFirstField) : cancel);
+  Poll poll(cancel);
+  FaceSet at_target(adjacency);
+  at_target.add_about(to, poll);
+  if (poll.stopped()) return fail_stopped(poll);
+  ExactPair search(adjacency, from, to, at_target, scratch);
+  auto field = search.field(at_target.faces(), with_path ? cancel.part(0, kFirstField) : cancel);
   if (!field) return fail(std::move(field.error()));
   Pair pair;
-  pair.distance = PointArrivals(adjacency, *field).distance_at(to);
+  pair.distance = PointArrivals(adjacency, *field, &poll).distance_at(to);
+  if (poll.stopped()) return fail_stopped(poll);
   if (!with_path || pair.distance == kUnreached) return pair;
   const auto rough = search.rough_path(std::move(*field), cancel);
   if (!rough) return fail(rough.error());
   if (!*rough) return pair;
-  FaceSet faces = faces_along(adjacency, **rough);
-  for (std::uint32_t rings = 0, wanted = kRings; wanted <= kMostRings;
-       wanted += kMostRings - kRings) {
-    for (; rings < wanted; ++rings) faces.grow(adjacency);
-    const auto near = search.field(faces, cancel.part(kFirstField, 1));
-    if (!near) return fail(near.error());
-    auto path = trace_path(adjacency, *near, to, cancel);
+  FaceSet faces(adjacency);
+  for (const PathPoint& at : (*rough)->points) faces.add_about(at.point, poll);
+  std::uint32_t rings = 0;
+  for (const std::uint32_t wanted : {kRings, kMostRings}) {
+    for (; rings < wanted; ++rings) faces.grow(poll);
+    if (poll.stopped()) return fail_stopped(poll);
+    auto path = search.path_by_windows(faces.faces(), cancel.part(kFirstField, 1));
     if (!path) return fail(std::move(path.error()));
     if (*path && from.offset + (*path)->length <= pair.distance * (1 + kLonger)) {
       pair.path = std::move(*path);
       return pair;
     }
   }
-  return fail(ErrorCode::too_much_memory,
-              "the shortest path cannot be found without the windows of the whole surface, which "
-              "take too much memory: auto takes little");
+  // The shortest path is elsewhere. What takes too much memory is refused.
+  auto path = search.path_by_windows(kEverywhere, cancel.part(kFirstField, 1));
+  if (!path) return fail(std::move(path.error()));
+  pair.path = std::move(*path);
+  return pair;
 }
 
 }  // namespace geodesic

@@ -22,8 +22,8 @@ inline constexpr std::uint32_t kManyForWindows = 75'000;
 // One field gives the distance and, traced back by distances alone, about where the path is. A
 // second one keeps the windows of the faces round that, and the path goes by these. Its length
 // is compared with the distance: where the shortest path is elsewhere, as close to where two
-// are as long, the faces are more the second time.
-// Errors: cancelled; too_much_memory also where no path as short as the distance was found.
+// are as long, the faces are more the second time, and all faces the third time.
+// Errors: cancelled; too_much_memory, of which the third time takes the most.
 [[nodiscard]] Result<Pair> exact_pair(const Adjacency& adjacency, const Source& from,
                                       const SurfacePoint& to, bool with_path, ExactScratch& scratch,
                                       const Cancel& cancel);

@@ -84,9 +84,10 @@ struct FarSearch::Query {
   Found found;
 };
 
-FarSearch::FarSearch(const Mesh& mesh, const UnitBox& unit) : mesh_(mesh), unit_(unit) {
+FarSearch::FarSearch(const Mesh& mesh, const UnitBox& unit, Poll& poll) : mesh_(mesh), unit_(unit) {
   std::vector<Box> boxes((mesh.face_count() + kFacesOfBox - 1) / kFacesOfBox, kEmpty);
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+    if (poll.cancelled()) break;
     for (const std::uint32_t v : mesh.faces()[f]) {
       const Vec3 corner = unit.inside(mesh.positions()[v]);
       grow(boxes[f / kFacesOfBox], {corner, corner});

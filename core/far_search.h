@@ -28,8 +28,9 @@ namespace geodesic {
 
 class FarSearch {
  public:
-  // `mesh` and `unit` must outlive it. Looks at each face once.
-  FarSearch(const Mesh& mesh, const UnitBox& unit);
+  // `mesh` and `unit` must outlive it. Looks at each face once; of no use once the poll says
+  // to stop.
+  FarSearch(const Mesh& mesh, const UnitBox& unit, Poll& poll);
 
   struct Found {
     std::uint32_t face = kNone;  // kNone: cancelled

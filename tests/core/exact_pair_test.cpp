@@ -110,3 +110,35 @@ TEST_CASE("ExactPairsWithoutAPathHaveNone") {
   CHECK(none->distance == kUnreached);
   CHECK_FALSE(none->path);
 }
+
+// The faces near the path are gathered without going through a vertex's faces once for each.
+TEST_CASE("AnExactPairEndsOnAFanOfManyFaces") {
+  std::mt19937 random(fixtures::test_seed());
+  const auto rim = static_cast<std::uint32_t>(80'000 + random() % 1000);
+  TriangleSoup soup;
+  soup.positions.push_back({0, 0, 0.5});
+  for (std::uint32_t i = 0; i < rim; ++i) {
+    const double angle = 2 * 3.14159265358979 * i / rim;
+    soup.positions.push_back({std::cos(angle), std::sin(angle), 0});
+    soup.faces.push_back({0, 1 + i, 1 + (i + 1) % rim});
+  }
+  const auto adjacency =
+      Adjacency::build(std::make_shared<const Mesh>(std::move(*Mesh::build(soup))));
+  ExactScratch scratch;
+  const Source from{point_at_vertex(adjacency, 1)};
+  const SurfacePoint to = point_at_vertex(adjacency, 1 + rim / 3);
+  const auto pair = exact_pair(adjacency, from, to, true, scratch, Cancel());
+  REQUIRE(pair);
+  REQUIRE(pair->path);
+  CHECK(pair->path->length == doctest::Approx(pair->distance).epsilon(1e-9));
+  // And leaves off when it is told to, wherever it is.
+  for (int trial = 0; trial < 6; ++trial) {
+    int left = static_cast<int>(random() % 100);
+    CAPTURE(left);
+    const auto stopped =
+        exact_pair(adjacency, from, to, true, scratch, Cancel([&] { return left-- <= 0; }));
+    if (left > 0) continue;  // it ended before
+    REQUIRE_FALSE(stopped);
+    CHECK(stopped.error().code == ErrorCode::cancelled);
+  }
+}
