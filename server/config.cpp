@@ -90,7 +90,7 @@ std::span<const Option> options() {
              follows},
       Option{"compute-memory-bytes", Kind::bytes, &Config::compute_memory_bytes, "BYTES",
              "Memory of all computations together, with preparing meshes; 0: what the machine or "
-             "container has, less 1GiB, the caches and the decoder",
+             "container has, less 1GiB, the caches, the replies and a decoder",
              0, no_bound, follows},
       Option{"max-body-bytes", Kind::bytes, &Config::max_body_bytes, "BYTES",
              "Most bytes of an uploaded mesh", 1, no_bound, follows},

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
+#include <string>
 
 namespace geodesic::server {
 namespace {
@@ -16,15 +17,44 @@ std::uint64_t limit_in(const std::filesystem::path& file) {
   return in >> limit ? limit : std::numeric_limits<std::uint64_t>::max();
 }
 
+// The least limit of a group and of all groups that it is in, up to the root.
+std::uint64_t limit_up_from(const std::filesystem::path& root, const std::filesystem::path& group,
+                            const char* file) {
+  std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+  std::filesystem::path at = root;
+  for (const std::filesystem::path& name : group) {
+    if (name == "..") break;  // seen from within a namespace: nothing there is ours to see
+    at /= name;
+    least = std::min(least, limit_in(at / file));
+  }
+  return least;
+}
+
 }  // namespace
 
-std::uint64_t memory_there_is(const std::filesystem::path& groups) {
+std::uint64_t memory_there_is(const std::filesystem::path& groups,
+                              const std::filesystem::path& own) {
   const long pages = ::sysconf(_SC_PHYS_PAGES);
   const long page = ::sysconf(_SC_PAGESIZE);
   if (pages <= 0 || page <= 0) return 0;
   const auto machine = static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page);
-  return std::min({machine, limit_in(groups / "memory.max"),
-                   limit_in(groups / "memory" / "memory.limit_in_bytes")});
+  std::uint64_t least = std::min({machine, limit_in(groups / "memory.max"),
+                                  limit_in(groups / "memory" / "memory.limit_in_bytes")});
+  // Lines such as "0::/system.slice/geodesicd.service", or "4:cpu,memory:/docker/0123".
+  std::ifstream lines(own);
+  for (std::string line; std::getline(lines, line);) {
+    const auto controllers = line.find(':');
+    const auto path = line.find(":/", controllers + 1);
+    if (controllers == std::string::npos || path == std::string::npos) continue;
+    const std::string named = line.substr(controllers + 1, path - controllers - 1);
+    const std::filesystem::path group = line.substr(path + 2);
+    if (named.empty()) {
+      least = std::min(least, limit_up_from(groups, group, "memory.max"));
+    } else if (("," + named + ",").find(",memory,") != std::string::npos) {
+      least = std::min(least, limit_up_from(groups / "memory", group, "memory.limit_in_bytes"));
+    }
+  }
+  return least;
 }
 
 ComputeMemory::Limits memory_limits(const Config& config, std::uint64_t there_is) {

@@ -9,12 +9,15 @@
 
 namespace geodesic::server {
 
-// What this process may use: the machine's memory, or less if its control group has less
-// (Linux: /sys/fs/cgroup/memory.max, or memory/memory.limit_in_bytes). 0 if nobody tells.
-[[nodiscard]] std::uint64_t memory_there_is(const std::filesystem::path& groups = "/sys/fs/cgroup");
+// What this process may use, in bytes: the machine's memory, or less if its control group, or one
+// that this is in, has less (Linux: memory.max, or memory.limit_in_bytes of version 1). `groups`
+// is where control groups are mounted, `own` the file that names those of this process. 0 if
+// nobody tells.
+[[nodiscard]] std::uint64_t memory_there_is(const std::filesystem::path& groups = "/sys/fs/cgroup",
+                                            const std::filesystem::path& own = "/proc/self/cgroup");
 
 // Of the computations. Where the configuration leaves it open, all together may have what
-// there is less the caches, a decoder and 1 GiB for what arrives and leaves; at the least a
+// there is less the caches, the replies, one decoder and 1 GiB for the rest; at the least a
 // quarter of what there is.
 [[nodiscard]] ComputeMemory::Limits memory_limits(const Config& config,
                                                   std::uint64_t there_is = memory_there_is());
