@@ -117,7 +117,7 @@ std::string Routes::answer_line(const std::string& mesh, std::string_view text,
                                 const HttpRequest& request, const Caller& caller) {
   std::optional<std::string> id;
   const auto answer = [&]() -> Result<HttpResponse> {
-    const auto memory = memory_for_json(text.size());
+    const auto memory = memory_for_json(text.size(), caller);
     if (!memory) return fail(memory.error());
     auto parameters = proto::Parameters::from_json(text);
     if (!parameters) return fail(std::move(parameters.error()));

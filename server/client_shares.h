@@ -1,9 +1,10 @@
-// What clients hold of something there is only so much of, so that none holds it all: who
-// holds some gets more only while he holds no more than is left. A client alone gets half, a
-// second one half of the rest, and so on; who comes for the first time finds something.
-// Thread-safe.
+// Shares of something that all clients together may hold only so much of. A client that holds
+// some gets more only if it then holds no more than would be left without it: a client alone gets
+// half, a second one half of the rest, and so on. So a client that comes for the first time finds
+// something. Thread-safe.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <mutex>
 #include <string>
@@ -16,23 +17,30 @@ namespace geodesic::server {
 
 class ClientShares {
  public:
-  // `most` 0: no bound. `what` opens the sentence of a refusal, such as "replies wait".
+  // `most` 0: no bound. A refusal says "too many" and `what`, such as "replies wait".
   ClientShares(std::uint64_t most, std::string what) : most_(most), what_(std::move(what)) {}
 
-  // Errors: `too_many_requests` for who has his share, `overloaded` if nothing is left.
-  // Whoever would hold all there is, however much, may have it.
+  // Errors: `too_many_requests` if the client has its share, `overloaded` if too little is left;
+  // each with the bound and what would be held. Where nobody holds any, any amount is given.
   [[nodiscard]] Result<void> take(const std::string& client, std::uint64_t amount) {
     const std::lock_guard lock(mutex_);
     const auto found = held_.find(client);
     const std::uint64_t own = found == held_.end() ? 0 : found->second;
-    if (most_ != 0 && total_ != 0) {
-      const std::uint64_t left = total_ < most_ ? most_ - total_ : 0;
-      if (amount > left) return fail(ErrorCode::overloaded, "too many " + what_);
+    const std::uint64_t most = most_;
+    if (most != 0 && total_ != 0) {
+      const std::uint64_t left = total_ < most ? most - total_ : 0;
+      if (amount > left) {
+        return fail_limit(ErrorCode::overloaded, "too many " + what_, most, total_ + amount);
+      }
       if (own != 0 && own + amount > left) {
-        return fail(ErrorCode::too_many_requests, "too many " + what_ + " of this client");
+        return fail_limit(ErrorCode::too_many_requests,
+                          "too many " + what_ + ", and this client has its share of them", most,
+                          total_ + amount);
       }
     }
-    held_[client] += amount;
+    // What may throw comes first.
+    std::uint64_t& held = found == held_.end() ? held_[client] : found->second;
+    held += amount;
     total_ += amount;
     return {};
   }
@@ -45,10 +53,19 @@ class ClientShares {
     if ((found->second -= amount) == 0) held_.erase(found);
   }
 
+  // For what is taken from now on.
+  void set_most(std::uint64_t most) { most_ = most; }
+  [[nodiscard]] std::uint64_t most() const { return most_; }
+  // Held by all clients now.
+  [[nodiscard]] std::uint64_t total() const {
+    const std::lock_guard lock(mutex_);
+    return total_;
+  }
+
  private:
-  const std::uint64_t most_;
+  std::atomic<std::uint64_t> most_;
   const std::string what_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::unordered_map<std::string, std::uint64_t> held_;  // none holds nothing
   std::uint64_t total_ = 0;
 };

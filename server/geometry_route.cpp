@@ -49,7 +49,8 @@ Result<HttpResponse> Routes::geometry_reply(const Call& call, proto::Format form
     auto made = queries_.in_slot(
         [&](const Cancel&) -> Result<std::shared_ptr<const ChargedBody>> {
           if (auto others = geometries_.find(tag)) return others;
-          auto reserved = reply_budget_.reserve(proto::memory_of_geometry(mesh));
+          auto reserved =
+              reply_budget_.reserve(proto::memory_of_geometry(mesh), call.request.caller.client);
           if (!reserved) return fail(std::move(reserved.error()));
           auto bytes = format == proto::Format::frame
                            ? Result<std::string>(proto::geometry_frame(call.id, mesh))

@@ -226,6 +226,8 @@ class HttpServer::Impl final : public httplib::Server {
     edge_.min_receive_rate = patience.min_receive_rate;
   }
 
+  void set_max_replies_in_flight(std::uint64_t bytes) { edge_.replies.set_most(bytes); }
+
   Stats stats() const {
     Stats stats;
     stats.connections = workers_.connections();
@@ -391,6 +393,10 @@ Result<int> HttpServer::start() { return impl_->start(); }
 bool HttpServer::stop(std::chrono::milliseconds grace) { return impl_->stop(grace); }
 
 void HttpServer::set_patience(const HttpPatience& patience) { impl_->set_patience(patience); }
+
+void HttpServer::set_max_replies_in_flight(std::uint64_t bytes) {
+  impl_->set_max_replies_in_flight(bytes);
+}
 
 HttpServer::Stats HttpServer::stats() const { return impl_->stats(); }
 

@@ -52,6 +52,9 @@ class HttpServer {
   // idle from now on. Any thread.
   void set_patience(const HttpPatience& patience);
 
+  // Replaces the option of that name, for replies from now on. Any thread.
+  void set_max_replies_in_flight(std::uint64_t bytes);
+
   struct Stats {
     std::uint64_t connections = 0;      // open now
     std::uint64_t threads = 0;          // that serve them

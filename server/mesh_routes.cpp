@@ -184,7 +184,7 @@ Result<HttpResponse> Routes::source_reply(const Call& call, std::uint64_t expect
   if (!file) return fail(std::move(file.error()));
   response.file = std::move(*file);
   if (response.file) return response;
-  auto reserved = reply_budget_.reserve(expected_bytes);
+  auto reserved = reply_budget_.reserve(expected_bytes, call.request.caller.client);
   if (!reserved) return fail(std::move(reserved.error()));
   auto bytes = catalog_.source(call.id);
   if (!bytes) return fail(std::move(bytes.error()));

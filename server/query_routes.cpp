@@ -124,7 +124,7 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
     // Not before it has its slot: who waits for one has no use for the memory.
     std::shared_ptr<ReplyBudget::Share> share;
     if (is_large(size)) {
-      auto reserved = reply_budget_.reserve(size.bytes);
+      auto reserved = reply_budget_.reserve(size.bytes, caller->client);
       if (!reserved) return fail(std::move(reserved.error()));
       share = std::move(*reserved);
     }
@@ -199,16 +199,18 @@ Result<HttpResponse> Routes::answer_any_query(const Query& query) {
 // What it says holds for ever, but an engine may become better.
 std::string Routes::query_cache_policy() const { return access_.audience() + ", max-age=86400"; }
 
-Result<std::shared_ptr<ReplyBudget::Share>> Routes::memory_for_json(std::size_t bytes) {
+Result<std::shared_ptr<ReplyBudget::Share>> Routes::memory_for_json(std::size_t bytes,
+                                                                    const Caller& caller) {
   constexpr std::size_t kLittle = std::size_t{64} << 10;
   if (bytes <= kLittle) return nullptr;
   // An estimate: parsed, `[]` is a value and an allocation for two or three bytes of text.
   constexpr std::uint64_t kBytesOfByte = 24;
-  return reply_budget_.reserve(bytes * kBytesOfByte);
+  // Its own account: a request that brings much may get much.
+  return reply_budget_.reserve(bytes * kBytesOfByte, caller.client + " sends");
 }
 
 HttpResponse Routes::query(Call& call, std::string_view action) {
-  const auto memory = memory_for_json(call.request.body.size());
+  const auto memory = memory_for_json(call.request.body.size(), call.request.caller);
   if (!memory) return call.problem(memory.error());
   auto parameters = call.parameters();
   if (!parameters) return call.problem(parameters.error());

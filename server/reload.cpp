@@ -77,7 +77,10 @@ auto Reload::run() -> Result<Outcome> {
   parts_.pool.set_memory_limits(memory_limits(config));
   parts_.catalog.set_limits(catalog_limits(config));
   parts_.queries.set_cache_budget(config.field_cache_bytes);
-  for (HttpServer* const listener : parts_.listeners) listener->set_patience(http_patience(config));
+  for (HttpServer* const listener : parts_.listeners) {
+    listener->set_patience(http_patience(config));
+    listener->set_max_replies_in_flight(config.reply_memory_bytes);
+  }
   spdlog::set_level(spdlog::level::from_str(config.log_level));
   config_.set(std::move(config));
   return outcome;

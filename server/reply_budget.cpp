@@ -1,58 +1,57 @@
 #include "server/reply_budget.h"
 
-#include <algorithm>
+#include <atomic>
+#include <utility>
+
+#include "server/client_shares.h"
 
 namespace geodesic::server {
 
 struct ReplyBudget::Account {
-  std::mutex mutex;
-  Stats stats;
+  explicit Account(std::uint64_t bytes)
+      : shares(bytes, "large requests and replies are being worked on") {}
 
-  void give_back(std::uint64_t bytes) {
-    const std::lock_guard lock(mutex);
-    stats.bytes -= bytes;
-  }
+  ClientShares shares;
+  std::atomic<std::uint64_t> refused{0};
 };
 
-ReplyBudget::Share::~Share() { account_->give_back(bytes_); }
+ReplyBudget::Share::Share(std::shared_ptr<Account> account, std::string client)
+    : account_(std::move(account)), client_(std::move(client)) {}
+
+ReplyBudget::Share::~Share() { account_->shares.give_back(client_, bytes_); }
 
 void ReplyBudget::Share::shrink(std::uint64_t bytes) {
   if (bytes >= bytes_) return;
-  account_->give_back(bytes_ - bytes);
+  account_->shares.give_back(client_, bytes_ - bytes);
   bytes_ = bytes;
 }
 
-ReplyBudget::ReplyBudget(std::uint64_t bytes) : account_(std::make_shared<Account>()) {
-  account_->stats.budget = bytes;
-}
+ReplyBudget::ReplyBudget(std::uint64_t bytes) : account_(std::make_shared<Account>(bytes)) {}
 
-Result<std::shared_ptr<ReplyBudget::Share>> ReplyBudget::reserve(std::uint64_t bytes) {
-  const std::lock_guard lock(account_->mutex);
-  Stats& stats = account_->stats;
-  if (bytes > stats.budget) {
-    ++stats.refused;
+auto ReplyBudget::reserve(std::uint64_t bytes, const std::string& client)
+    -> Result<std::shared_ptr<Share>> {
+  const std::uint64_t budget = account_->shares.most();
+  if (bytes > budget) {
+    ++account_->refused;
     return fail_limit(ErrorCode::too_much_memory,
                       "this reply takes more memory than the server has for replies; ask for less, "
                       "or in a binary format",
-                      stats.budget, bytes);
+                      budget, bytes);
   }
-  if (bytes > stats.budget - std::min(stats.budget, stats.bytes)) {
-    ++stats.refused;
-    return fail_limit(ErrorCode::overloaded, "other replies take the memory for replies now",
-                      stats.budget, stats.bytes + bytes);
+  // First the object, which may not get its memory; then the bytes, which it gives back.
+  auto share = std::make_shared<Share>(account_, client);
+  if (auto taken = account_->shares.take(client, bytes); !taken) {
+    ++account_->refused;
+    return fail(std::move(taken.error()));
   }
-  stats.bytes += bytes;
-  return std::make_shared<Share>(account_, bytes);
+  share->bytes_ = bytes;
+  return share;
 }
 
-void ReplyBudget::set_budget(std::uint64_t bytes) {
-  const std::lock_guard lock(account_->mutex);
-  account_->stats.budget = bytes;
-}
+void ReplyBudget::set_budget(std::uint64_t bytes) { account_->shares.set_most(bytes); }
 
 ReplyBudget::Stats ReplyBudget::stats() const {
-  const std::lock_guard lock(account_->mutex);
-  return account_->stats;
+  return {account_->shares.total(), account_->shares.most(), account_->refused};
 }
 
 }  // namespace geodesic::server

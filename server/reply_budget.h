@@ -1,10 +1,11 @@
 // The memory of large replies, from before they are made until they are sent: asked for first,
-// so that many at once are refused and do not fill the memory. Small ones are not counted.
+// so that many at once are refused and do not fill the memory, and no client holds all of it.
+// Small ones are not counted.
 #pragma once
 
 #include <cstdint>
 #include <memory>
-#include <mutex>
+#include <string>
 
 #include "core/error.h"
 
@@ -19,8 +20,7 @@ class ReplyBudget {
   // What one reply has reserved, for as long as it lives, which may be longer than the budget.
   class Share {
    public:
-    Share(std::shared_ptr<Account> account, std::uint64_t bytes)
-        : account_(std::move(account)), bytes_(bytes) {}
+    Share(std::shared_ptr<Account> account, std::string client);  // of 0 bytes
     ~Share();
     Share(const Share&) = delete;
     Share& operator=(const Share&) = delete;
@@ -28,8 +28,10 @@ class ReplyBudget {
     void shrink(std::uint64_t bytes);
 
    private:
+    friend class ReplyBudget;
     const std::shared_ptr<Account> account_;
-    std::uint64_t bytes_;
+    const std::string client_;
+    std::uint64_t bytes_ = 0;
   };
 
   struct Stats {
@@ -41,8 +43,10 @@ class ReplyBudget {
   explicit ReplyBudget(std::uint64_t bytes);
 
   // Errors: too_much_memory where there is not so much in all, so that nobody need try again;
-  // overloaded where others have it now.
-  [[nodiscard]] Result<std::shared_ptr<Share>> reserve(std::uint64_t bytes);
+  // overloaded where others have it now; too_many_requests where this client has its share
+  // (client_shares.h).
+  [[nodiscard]] Result<std::shared_ptr<Share>> reserve(std::uint64_t bytes,
+                                                       const std::string& client);
 
   // For replies to come.
   void set_budget(std::uint64_t bytes);

@@ -118,7 +118,8 @@ class Routes {
   [[nodiscard]] Result<HttpResponse> answer_any_query(const Query& query);
   [[nodiscard]] std::string query_cache_policy() const;
   // The memory for a body's JSON while it is taken apart; null where that is little.
-  [[nodiscard]] Result<std::shared_ptr<ReplyBudget::Share>> memory_for_json(std::size_t bytes);
+  [[nodiscard]] Result<std::shared_ptr<ReplyBudget::Share>> memory_for_json(std::size_t bytes,
+                                                                            const Caller& caller);
   [[nodiscard]] std::optional<HttpResponse> known_reply(const Query& query,
                                                         const std::string& identity,
                                                         const std::string& tag);

@@ -29,18 +29,18 @@ json replies_of(PlaneService& plane) { return body_of(plane.service.get("/v1/sta
 
 TEST_CASE("AReplyBudgetIsSharedAndGivenBack") {
   ReplyBudget budget(100);
-  auto first = budget.reserve(70);
+  auto first = budget.reserve(70, "ann");
   REQUIRE(first);
-  const auto second = budget.reserve(40);
+  const auto second = budget.reserve(40, "bob");
   REQUIRE_FALSE(second);
   CHECK(second.error().code == ErrorCode::overloaded);  // another time it may fit
-  const auto never = budget.reserve(101);
+  const auto never = budget.reserve(101, "bob");
   REQUIRE_FALSE(never);
   CHECK(never.error().code == ErrorCode::too_much_memory);
   CHECK(never.error().limit == 100);
   CHECK(never.error().actual == 101);
   (*first)->shrink(60);
-  CHECK(budget.reserve(40));
+  CHECK(budget.reserve(40, "bob"));
   CHECK(budget.stats().bytes == 60);
   first->reset();
   CHECK(budget.stats().bytes == 0);
@@ -48,9 +48,33 @@ TEST_CASE("AReplyBudgetIsSharedAndGivenBack") {
   std::shared_ptr<ReplyBudget::Share> survivor;
   {
     ReplyBudget gone(10);
-    survivor = *gone.reserve(5);
+    survivor = *gone.reserve(5, "ann");
   }
   survivor.reset();
+}
+
+TEST_CASE("OneClientCannotHoldAllMemoryForReplies") {
+  ReplyBudget budget(100);
+  std::vector<std::shared_ptr<ReplyBudget::Share>> held;
+  const auto take_all = [&](const std::string& client) {
+    while (true) {
+      auto share = budget.reserve(5, client);
+      if (!share) return share.error().code;
+      held.push_back(std::move(*share));
+    }
+  };
+  CHECK(take_all("ann") == ErrorCode::too_many_requests);
+  CHECK(budget.stats().bytes == 50);
+  CHECK(take_all("bob") == ErrorCode::too_many_requests);
+  CHECK(budget.stats().bytes == 75);
+  CHECK(budget.reserve(5, "eve"));
+  held.clear();
+  CHECK(budget.stats().bytes == 0);
+  // Alone, a client may have all of it at once; and it follows a new configuration.
+  CHECK(budget.reserve(100, "ann"));
+  budget.set_budget(20);
+  CHECK(budget.reserve(21, "ann").error().code == ErrorCode::too_much_memory);
+  CHECK(budget.reserve(20, "ann"));
 }
 
 TEST_CASE("AReplyThatNeverFitsIsRefusedForGoodAndNamesTheLimit") {
@@ -67,7 +91,7 @@ TEST_CASE("AReplyThatNeverFitsIsRefusedForGoodAndNamesTheLimit") {
   CHECK(replies_of(plane)["refused"] == 1);
 }
 
-TEST_CASE("WhatOthersHaveTakenIsHadLater") {
+TEST_CASE("WhatUnsentRepliesHaveTakenIsHadLater") {
   PlaneService plane(with_reply_memory(4'000'000));
   const std::string base = plane.add(shapes::plane(200, 200));
   // As long as it is not sent, a reply keeps its memory.
@@ -79,12 +103,12 @@ TEST_CASE("WhatOthersHaveTakenIsHadLater") {
     CHECK(last.reserved);
     unsent.push_back(std::move(last));
   }
-  REQUIRE(last.status == 503);
-  CHECK(body_of(last)["code"] == "overloaded");
+  REQUIRE(last.status == 429);  // the client has half of it
+  CHECK(body_of(last)["code"] == "too_many_requests");
   CHECK_FALSE(header_of(last, "Retry-After").empty());
   const std::uint64_t taken = replies_of(plane)["bytes"];
   CHECK(taken > 600'000 * unsent.size());
-  CHECK(taken <= 4'000'000);
+  CHECK(taken <= 2'000'000);
   unsent.clear();
   CHECK(replies_of(plane)["bytes"] == 0);
   CHECK(plane.service.get(base + "/distance?from=v:1").status == 200);
