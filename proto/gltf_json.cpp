@@ -11,6 +11,7 @@
 #include "proto/gltf_extensions.h"
 #include "proto/gltf_json_checks.h"
 #include "proto/gltf_json_extensions.h"
+#include "proto/repeated_names.h"
 
 namespace geodesic::proto {
 namespace {
@@ -322,7 +323,14 @@ class Reduction {
 
 Result<ReducedGltf> reduce_gltf(std::string_view text, const DecodeLimits& limits) {
   try {
-    return Reduction(limits).run(json::parse(text));
+    RepeatedNames names;
+    json root = json::parse(text, [&](int, json::parse_event_t event, json& parsed) {
+      names.note(event, parsed);
+      return true;
+    });
+    // glTF 2.0, "JSON Encoding": names within JSON objects must be unique.
+    if (names.first()) return fail(ErrorCode::mesh_invalid, repeated_name(*names.first()));
+    return Reduction(limits).run(std::move(root));
   } catch (const json::parse_error& e) {
     return fail(ErrorCode::mesh_invalid,
                 "The glTF's JSON does not parse at byte " + std::to_string(e.byte) + ".");

@@ -87,6 +87,10 @@ std::string quotable(const std::string& text) {
   return plain;
 }
 
+std::string repeated_name(const std::string& name) {
+  return "The glTF's JSON has the name " + quotable(name) + " twice in one object.";
+}
+
 void keep_members(nlohmann::json& object, std::initializer_list<const char*> keys) {
   for (auto it = object.begin(); it != object.end();) {
     const bool wanted = std::ranges::any_of(keys, [&](const char* k) { return it.key() == k; });

@@ -66,6 +66,9 @@ class GltfChecks {
 // Text of a stranger's, fit for a message: short and of plain letters.
 [[nodiscard]] std::string quotable(const std::string& text);
 
+// The message about a name that comes twice in one object, which readers take to mean either.
+[[nodiscard]] std::string repeated_name(const std::string& name);
+
 // Erases all other members of an object.
 void keep_members(nlohmann::json& object, std::initializer_list<const char*> keys);
 

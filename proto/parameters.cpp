@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <unordered_set>
 #include <vector>
 
 #include "proto/number.h"
+#include "proto/repeated_names.h"
 
 namespace geodesic::proto {
 namespace {
@@ -17,27 +17,6 @@ using nlohmann::json;
 
 // No query nests deeper than a list of points with lists of numbers.
 constexpr int kMaxDepth = 8;
-
-// The first name that comes twice in one object: of two values, no reader can know which one
-// is meant (RFC 8259, section 4).
-class RepeatedKeys {
- public:
-  void note(json::parse_event_t event, const json& parsed) {
-    if (event == json::parse_event_t::object_start) {
-      open_.emplace_back();
-    } else if (event == json::parse_event_t::object_end && !open_.empty()) {
-      open_.pop_back();
-    } else if (event == json::parse_event_t::key && !repeated_ && !open_.empty()) {
-      const auto& name = parsed.get_ref<const std::string&>();
-      if (!open_.back().insert(name).second) repeated_ = name;
-    }
-  }
-  [[nodiscard]] const std::optional<std::string>& repeated() const { return repeated_; }
-
- private:
-  std::vector<std::unordered_set<std::string>> open_;  // names of the objects around
-  std::optional<std::string> repeated_;
-};
 
 // A finite number, or a text that is one.
 std::optional<double> finite_number(const json& value) {
@@ -82,12 +61,12 @@ Parameters Parameters::from_query(const std::vector<std::pair<std::string, std::
 Result<Parameters> Parameters::from_json(std::string_view body) {
   auto values = std::make_unique<Values>();
   bool too_deep = false;
-  RepeatedKeys keys;
+  RepeatedNames names;
   json document;
   try {
     document = json::parse(body, [&](int depth, json::parse_event_t event, json& parsed) {
       too_deep |= depth > kMaxDepth;
-      if (!too_deep) keys.note(event, parsed);
+      if (!too_deep) names.note(event, parsed);
       return !too_deep;
     });
   } catch (const json::exception& error) {
@@ -99,9 +78,8 @@ Result<Parameters> Parameters::from_json(std::string_view body) {
                 "body");
   }
   if (too_deep) return fail(ErrorCode::bad_syntax, "the body is nested too deeply", "body");
-  if (keys.repeated()) {
-    return fail(ErrorCode::bad_syntax, "this name comes twice in one JSON object",
-                *keys.repeated());
+  if (names.first()) {
+    return fail(ErrorCode::bad_syntax, "this name comes twice in one JSON object", *names.first());
   }
   if (!document.is_object()) {
     return fail(ErrorCode::bad_syntax, "the body is not a JSON object", "body");

@@ -52,7 +52,9 @@ void ComputePool::work_on_parts(Crew& crew, Worker& worker, Lock& lock) {
     lock.unlock();
     const Clock::time_point begin = Clock::now();
     Result<void> outcome;
+    CrowdedOut crowded;
     Result<void> ran = run_counted(worker, [&] {
+      const NoteRoom noted(worker, crowded);
       outcome = crew.part(worker, i, give_way);
       if (!outcome && worker.memory->refusal()) outcome = fail(*worker.memory->refusal());
     });
@@ -69,6 +71,11 @@ void ComputePool::work_on_parts(Crew& crew, Worker& worker, Lock& lock) {
       usual_time_ += (taken - usual_time_) / 16;
     } else if (gives_way && ran.error().code == ErrorCode::cancelled) {
       crew.postponed.push_back(i);
+    } else if (crowded.wanted != 0 && crew.slots > 1) {
+      // The others go on, and do it when one of them has room.
+      crew.postponed.push_back(i);
+      crew.most = crew.slots - 1;
+      return;
     } else if (!crew.error || i < crew.failed) {
       crew.error = std::move(ran.error());
       crew.failed = i;
@@ -91,7 +98,8 @@ bool ComputePool::must_give_way(Crew& crew) {
 auto ComputePool::crew_to_help() const -> std::shared_ptr<Crew> {
   std::shared_ptr<Crew> least;
   for (const std::shared_ptr<Crew>& crew : crews_) {
-    if (crew->has_parts() && (!least || crew->slots < least->slots)) least = crew;
+    if (crew->has_parts() && crew->slots < crew->most && (!least || crew->slots < least->slots))
+      least = crew;
   }
   return least;
 }

@@ -5,6 +5,7 @@
 
 #include <condition_variable>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -23,6 +24,7 @@ struct ComputePool::Crew {
   std::size_t left = 0;                // parts not done
   std::size_t slots = 0;               // that work on it
   std::size_t giving_way = 0;          // of these
+  std::size_t most = SIZE_MAX;         // slots that there is memory for
   std::optional<Error> error;          // of the lowest part that failed
   std::size_t failed = 0;
   std::condition_variable alone;  // no slot works on it any more

@@ -32,6 +32,11 @@ auto ComputeMemory::stats() const -> Stats {
   return {not_negative(held_), limits(), refused_, crowded_out_};
 }
 
+bool ComputeMemory::has_room(std::uint64_t bytes) const {
+  const std::uint64_t all = limit_;
+  return all == 0 || not_negative(held_) + bytes <= all;
+}
+
 JobMemory::JobMemory(ComputeMemory& all, std::uint64_t kept)
     : all_(all),
       found_(kept),
@@ -61,6 +66,11 @@ void JobMemory::limit_to_query() {
   if (query == 0 || (limit_ != 0 && limit_ <= query + found_)) return;
   limit_ = query + found_;
   is_query_ = true;
+}
+
+std::uint64_t JobMemory::crowded_out() const {
+  if (!refusal() || refusal()->code != ErrorCode::overloaded) return 0;
+  return refusal()->actual.value_or(0);
 }
 
 std::uint64_t JobMemory::held() const { return not_negative(held_); }

@@ -40,6 +40,8 @@ class ComputeMemory {
   void set_limits(const Limits& limits);
   [[nodiscard]] Limits limits() const;
   [[nodiscard]] Stats stats() const;
+  // Whether a job could have so much now.
+  [[nodiscard]] bool has_room(std::uint64_t bytes) const;
 
  private:
   friend class JobMemory;
@@ -71,6 +73,8 @@ class JobMemory {
 
   [[nodiscard]] MemoryBudget& budget() { return budget_; }
   [[nodiscard]] const std::optional<Error>& refusal() const { return budget_.refusal(); }
+  // What it wanted when others held that; 0: it was not refused, or for another reason.
+  [[nodiscard]] std::uint64_t crowded_out() const;
   // What the job holds, with what was kept. What was freed elsewhere is in it still.
   [[nodiscard]] std::uint64_t held() const;
 

@@ -20,6 +20,7 @@ std::size_t slots_or_cores(std::size_t slots) {
 
 ComputePool::ComputePool(std::size_t slots, const QueueLimits& limits) : limits_(limits) {
   counts_.slots = slots_or_cores(slots);
+  keeps_.resize(counts_.slots);
   threads_.reserve(counts_.slots);
   try {
     for (std::size_t slot = 0; slot < counts_.slots; ++slot) {
@@ -171,9 +172,13 @@ void ComputePool::work(std::size_t slot) {
     std::shared_ptr<Crew> crew;
     job_ready_.wait(lock, [&] {
       crew = queue_.empty() ? crew_to_help() : nullptr;
-      return draining_ || !queue_.empty() || crew;
+      return draining_ || !queue_.empty() || crew || is_to_forget(worker);
     });
-    if (queue_.empty() && !crew) return;  // draining, and nothing left
+    if (queue_.empty() && !crew) {
+      if (draining_) return;  // and nothing is left
+      forget_kept(worker, lock);
+      continue;
+    }
     ++counts_.running;
     if (crew) {
       join_crew(crew, worker, lock);
@@ -190,7 +195,25 @@ void ComputePool::work(std::size_t slot) {
       lock.lock();
     }
     --counts_.running;
+    keeps_[slot] = worker.kept > 0;
+    if (waiting_for_room_ > 0) room_.notify_all();
   }
+}
+
+void ComputePool::forget_kept(Worker& worker, Lock& lock) {
+  ++forgetting_;
+  lock.unlock();
+  (void)run_counted(worker, [&] {
+    worker.memory->lift_limits();
+    forget_(worker);
+    worker.memory->keep(0);
+  });
+  ::malloc_trim(0);
+  lock.lock();
+  --forgetting_;
+  worker.has_freed_much = false;
+  keeps_[worker.slot] = false;  // whatever happened: it is asked once
+  room_.notify_all();
 }
 
 void ComputePool::run_job(const std::shared_ptr<Job>& job, Worker& worker, Lock& lock) {
@@ -243,6 +266,7 @@ void ComputePool::drain() {
     const std::lock_guard lock(mutex_);
     draining_ = true;
     job_ready_.notify_all();
+    room_.notify_all();
   }
   const std::lock_guard lock(join_mutex_);
   for (std::thread& thread : threads_) {

@@ -114,20 +114,34 @@ class ComputePool {
   template <class Job>
   [[nodiscard]] auto run(Job&& job, const Caller& caller = {})
       -> std::invoke_result_t<Job&, Worker&> {
-    using Answer = std::invoke_result_t<Job&, Worker&>;
-    std::optional<Answer> answer;
-    Result<void> ran = run_erased(
-        [&](Worker& worker) {
-          answer.emplace(job(worker));
-          // Whatever it says, that is what it stopped by.
-          if (!*answer && worker.memory->refusal()) *answer = fail(*worker.memory->refusal());
-        },
-        caller);
-    if (!ran) return fail(std::move(ran.error()));
-    if (!*answer && answer->error().code == ErrorCode::cancelled && caller.deadline_over()) {
-      return fail(caller.why_stopped());
+    CrowdedOut unheeded;
+    return run_noting(job, caller, unheeded);
+  }
+
+  // The same for a job that may be begun again, from the start: where it has no room beside
+  // others, it leaves its slot, and tries again once there is twice what it wanted (but
+  // no more than a query may have) or nothing else runs. So it holds nothing while it waits, and
+  // nothing waits for it. It is `overloaded` after `kTries`, or once it has waited for room as
+  // long as jobs may wait in the queue.
+  template <class Job>
+  [[nodiscard]] auto run_with_room(Job&& job, const Caller& caller = {})
+      -> std::invoke_result_t<Job&, Worker&> {
+    for (int tries_left = kTries;;) {
+      CrowdedOut out;
+      auto answer = run_noting(job, caller, out);
+      if (answer || out.wanted == 0 || --tries_left == 0) return answer;
+      auto room = wait_for_room(out.wanted, caller);
+      if (!room) return fail(std::move(room.error()));
     }
-    return std::move(*answer);
+  }
+
+  // Told what forgets the memory that a slot keeps between jobs: called by the slot's own thread
+  // while it is idle and somebody waits for room. Empty: none is kept. It is not called any more
+  // once another is set.
+  void observe_want_of_room(std::function<void(Worker&)> forget) {
+    Lock lock(mutex_);
+    room_.wait(lock, [this] { return forgetting_ == 0; });
+    forget_ = std::move(forget);
   }
 
   // Runs `part(Worker&, std::size_t i, const GiveWay&)`, which returns Result<void>, for
@@ -135,6 +149,7 @@ class ComputePool {
   // failed and those that run have ended; the error is that of the lowest i that failed.
   // A part asks GiveWay as often as whether it is cancelled, and ends with `cancelled`
   // where it says true: it is run again, so it must leave nothing behind that matters.
+  // So is one that has no room beside the others, with a slot less.
   // Errors: those of `run`. Not to be called from within a job.
   template <class Compute>
   [[nodiscard]] Result<void> run_each(std::size_t count, Compute&& part, const Caller& caller) {
@@ -156,6 +171,44 @@ class ComputePool {
   struct Crew;
   using Clock = Caller::Clock;
   using Lock = std::unique_lock<std::mutex>;
+  static constexpr int kTries = 4;
+
+  // What a job wanted when others held it; 0: nothing was refused for that.
+  struct CrowdedOut {
+    std::uint64_t wanted = 0;
+  };
+  // Notes it at the job's end, however that comes.
+  class NoteRoom {
+   public:
+    NoteRoom(const Worker& worker, CrowdedOut& out) : worker_(worker), out_(out) {}
+    NoteRoom(const NoteRoom&) = delete;
+    NoteRoom& operator=(const NoteRoom&) = delete;
+    ~NoteRoom() { out_.wanted = worker_.memory->crowded_out(); }
+
+   private:
+    const Worker& worker_;
+    CrowdedOut& out_;
+  };
+  template <class Job>
+  [[nodiscard]] auto run_noting(Job&& job, const Caller& caller, CrowdedOut& out)
+      -> std::invoke_result_t<Job&, Worker&> {
+    using Answer = std::invoke_result_t<Job&, Worker&>;
+    std::optional<Answer> answer;
+    Result<void> ran = run_erased(
+        [&](Worker& worker) {
+          const NoteRoom noted(worker, out);
+          answer.emplace(job(worker));
+          // Whatever it says, that is what it stopped by.
+          if (!*answer && worker.memory->refusal()) *answer = fail(*worker.memory->refusal());
+        },
+        caller);
+    if (!ran) return fail(std::move(ran.error()));
+    if (!*answer && answer->error().code == ErrorCode::cancelled && caller.deadline_over()) {
+      return fail(caller.why_stopped());
+    }
+    return std::move(*answer);
+  }
+
   Result<void> run_erased(std::function<void(Worker&)> body, const Caller& caller);
   // Waits until a job that was admitted has run, or takes it back.
   Result<void> wait_for(const std::shared_ptr<Job>& job, const Caller& caller, Lock& lock);
@@ -169,6 +222,15 @@ class ComputePool {
   Result<void> refuse(Error error);
   [[nodiscard]] bool bounds_wait_of(const Caller& caller) const {
     return limits_.wait.count() != 0 && !caller.is_patient;
+  }
+  // Waits, in no slot, until others have given back enough for a job that has wanted so much,
+  // or nothing else runs. Errors: those of waiting in the queue. (compute_watch.cpp)
+  Result<void> wait_for_room(std::uint64_t wanted, const Caller& caller);
+  [[nodiscard]] bool has_room_for(std::uint64_t wanted) const;
+  // An idle slot gives back what it keeps.
+  void forget_kept(Worker& worker, Lock& lock);
+  [[nodiscard]] bool is_to_forget(const Worker& worker) const {
+    return waiting_for_room_ > 0 && keeps_[worker.slot] && forget_;
   }
   void work(std::size_t slot);
   void run_job(const std::shared_ptr<Job>& job, Worker& worker, Lock& lock);
@@ -200,6 +262,11 @@ class ComputePool {
   std::atomic<bool> is_queue_empty_{true};    // to be asked without the mutex
   std::vector<std::shared_ptr<Crew>> crews_;  // that have a slot
   std::size_t giving_way_ = 0;                // slots that will be free in a moment
+  std::size_t waiting_for_room_ = 0;          // callers whose jobs were crowded out
+  std::condition_variable room_;              // a job has ended, or a slot has forgotten
+  std::function<void(Worker&)> forget_;
+  std::size_t forgetting_ = 0;  // slots that call it now
+  std::vector<bool> keeps_;     // by slot: whether its last job left something to it
   QueueLimits limits_;
   Clock::duration usual_time_{0};  // of a job: a moving average
   std::function<void(StageTimes::Duration)> waited_;

@@ -1,6 +1,8 @@
-// Who waits for a computation also sees whether it ends once nobody wants it any more.
+// Who waits for a computation also sees whether it ends once nobody wants it any more; and waits
+// for the memory that it needs.
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "server/compute_pool.h"
@@ -51,6 +53,44 @@ void ComputePool::wait_for_running(std::condition_variable& signal,
   spdlog::warn("{} has ended {:.1f} s after it was cancelled: its slot is free again",
                name_of(caller), seconds_since(*stopped));
   lock.lock();
+}
+
+bool ComputePool::has_room_for(std::uint64_t wanted) const {
+  // It may want more when it comes so far again, and is not to come here every time.
+  const ComputeMemory::Limits limits = memory_.limits();
+  const std::uint64_t most = limits.query != 0 ? limits.query : limits.all;
+  if (memory_.has_room(std::max(wanted, std::min(2 * wanted, most)))) return true;
+  const bool all_forgotten =
+      !forget_ || std::find(keeps_.begin(), keeps_.end(), true) == keeps_.end();
+  return counts_.running == 0 && all_forgotten;
+}
+
+Result<void> ComputePool::wait_for_room(std::uint64_t wanted, const Caller& caller) {
+  const Error crowded{ErrorCode::overloaded,
+                      "other computations hold the memory that this one needs",
+                      {},
+                      memory_.limits().all,
+                      wanted};
+  Lock lock(mutex_);
+  // They are as many threads as those that wait in the queue may be.
+  if (waiting_for_room_ >= limits_.jobs) return fail(crowded);
+  const Clock::time_point latest =
+      bounds_wait_of(caller) ? Clock::now() + limits_.wait : Clock::time_point::max();
+  ++waiting_for_room_;
+  job_ready_.notify_all();  // idle slots keep memory, too
+  Result<void> waited;
+  while (waited && !draining_ && !has_room_for(wanted)) {
+    room_.wait_until(lock, std::min(latest, Clock::now() + kPollInterval));
+    lock.unlock();  // the question may take a system call
+    if (caller()) {
+      waited = fail(caller.why_stopped());
+    } else if (Clock::now() >= latest) {
+      waited = fail(crowded);
+    }
+    lock.lock();
+  }
+  --waiting_for_room_;
+  return waited;
 }
 
 }  // namespace geodesic::server

@@ -15,6 +15,7 @@
 #include <system_error>
 #include <variant>
 
+#include "proto/repeated_names.h"
 #include "server/tokens.h"
 
 namespace geodesic::server {
@@ -229,12 +230,25 @@ void read_file(const std::string& path, Config& config, Origins& origins, Proble
   std::ifstream file(path, std::ios::binary);
   if (!file) return refuse(fmt::format("{}: cannot be read", path));
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  const nlohmann::json json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false,
-                                                    /*ignore_comments=*/true);
-  if (!json.is_object()) return refuse(fmt::format("{}: is not a JSON object", path));
-  for (const auto& item : json.items()) {
+  using nlohmann::json;
+  proto::RepeatedNames names;
+  const auto note = [&](int, json::parse_event_t event, json& parsed) {
+    names.note(event, parsed);
+    return true;
+  };
+  const json options_given = json::parse(text, note, /*allow_exceptions=*/false,
+                                         /*ignore_comments=*/true);
+  if (!options_given.is_object()) return refuse(fmt::format("{}: is not a JSON object", path));
+  if (names.first()) {
+    problems.push_back({ErrorCode::bad_syntax,
+                        fmt::format("{}: {}: comes twice", path, *names.first()),
+                        *names.first(),
+                        {},
+                        {}});
+  }
+  for (const auto& item : options_given.items()) {
     const std::string& key = item.key();
-    const nlohmann::json& value = item.value();
+    const json& value = item.value();
     const std::string source = fmt::format("{}: {}", path, key);
     const auto known = std::find_if(options().begin(), options().end(),
                                     [&](const Option& option) { return option.name == key; });

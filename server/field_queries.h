@@ -70,8 +70,8 @@ class FieldQueries {
   // Runs `job(const Cancel&)`, which returns a Result, in a compute slot.
   template <class Job>
   [[nodiscard]] auto in_slot(Job&& job, const Caller& caller) {
-    return fields_.compute([&](SolveScratch&, const Cancel& cancel) { return job(cancel); },
-                           caller);
+    return fields_.compute_once([&](SolveScratch&, const Cancel& cancel) { return job(cancel); },
+                                caller);
   }
 
   // Forgets the fields of a mesh.

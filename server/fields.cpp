@@ -129,7 +129,11 @@ Fields::Fields(ComputePool& pool, std::uint64_t cache_bytes, Metrics& metrics)
     : pool_(pool),
       metrics_(metrics),
       cache_(cache_bytes, [](const Field& field) { return field.bytes(); }),
-      scratch_(pool.slots()) {}
+      scratch_(pool.slots()) {
+  pool_.observe_want_of_room([this](Worker& worker) { scratch_[worker.slot] = SolveScratch(); });
+}
+
+Fields::~Fields() { pool_.observe_want_of_room({}); }
 
 Result<Field> Fields::solve(const FieldQuestion& question, const FieldLimits& limits,
                             SolveScratch& scratch, const Cancel& cancel, const Caller& caller) {

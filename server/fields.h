@@ -54,6 +54,9 @@ struct PointDistances {
 class Fields {
  public:
   Fields(ComputePool& pool, std::uint64_t cache_bytes, Metrics& metrics);
+  ~Fields();
+  Fields(const Fields&) = delete;
+  Fields& operator=(const Fields&) = delete;
 
   // The field of all vertices up to the question's `max`, from the cache or
   // computed.
@@ -85,19 +88,16 @@ class Fields {
                                              const Caller& caller);
 
   // Runs `job(SolveScratch&, const Cancel&)`, which returns a Result, in a compute
-  // slot. It is cancelled when the client is gone, and its progress is the caller's.
+  // slot. It is cancelled when the client is gone, and its progress is the caller's. Where
+  // others hold the memory that it needs, it is run again from the start once there is room.
   template <class Job>
   [[nodiscard]] auto compute(Job&& job, const Caller& caller) {
-    return pool_.run(
-        [&](Worker& worker) {
-          worker.memory->limit_to_query();
-          ScratchUse scratch = scratch_of(worker);
-          auto result = job(scratch.get(),
-                            Cancel(std::cref(caller), caller.progress, &worker.memory->budget()));
-          scratch.done(bytes_of(result));
-          return result;
-        },
-        caller);
+    return pool_.run_with_room([&](Worker& worker) { return run(job, worker, caller); }, caller);
+  }
+  // The same for a job that cannot be run twice.
+  template <class Job>
+  [[nodiscard]] auto compute_once(Job&& job, const Caller& caller) {
+    return pool_.run([&](Worker& worker) { return run(job, worker, caller); }, caller);
   }
 
   // Forgets the fields of a mesh.
@@ -114,6 +114,15 @@ class Fields {
   // Scratch memory of all slots may be this part of what all computations may have.
   static constexpr std::uint64_t kIdlePart = 4;
 
+  template <class Job>
+  [[nodiscard]] auto run(Job& job, Worker& worker, const Caller& caller) {
+    worker.memory->limit_to_query();
+    ScratchUse scratch = scratch_of(worker);
+    auto result =
+        job(scratch.get(), Cancel(std::cref(caller), caller.progress, &worker.memory->budget()));
+    scratch.done(bytes_of(result));
+    return result;
+  }
   [[nodiscard]] ScratchUse scratch_of(const Worker& worker) {
     const std::uint64_t all = pool_.memory().limits.all;
     return {scratch_[worker.slot], *worker.memory, all / kIdlePart / scratch_.size()};

@@ -85,6 +85,8 @@ class MeshCatalog {
   [[nodiscard]] bool use(const std::string& id) { return store_.use(id).value_or(false); }
   // How the store is: for readiness, metrics and status. From memory.
   [[nodiscard]] Result<void> store_health() const { return store_.health(); }
+  // Asks the store now; `store_unavailable`.
+  [[nodiscard]] Result<void> check_store() { return store_.check(); }
   [[nodiscard]] StoreStats store_stats() const { return store_.stats(); }
 
   // The prepared adjacency, built if it is not there. Errors: mesh_unknown,

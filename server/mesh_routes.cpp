@@ -31,6 +31,11 @@ std::string_view media_type_of(std::string_view format) {
   return "application/octet-stream";
 }
 
+// Whether it may be so of every mesh.
+bool is_of_the_store(ErrorCode code) {
+  return code == ErrorCode::store_failed || code == ErrorCode::store_unavailable;
+}
+
 // What a list says of a mesh that cannot be described, and why not: the others still can.
 std::string undescribed(const std::string& id, const Error& error, const HttpRequest& request) {
   return R"({"id":")" + id + R"(","problem":)" +
@@ -130,12 +135,14 @@ HttpResponse Routes::list_meshes(Call& call) {
   const auto ids = catalog_.list(cursor->value_or(""), count + 1);
   std::string page = "{\"meshes\":[";
   std::string others;  // that cannot be described
+  bool all_for_the_store = true;
   bool first = true;
   for (std::size_t i = 0; i < std::min<std::size_t>(ids.size(), count); ++i) {
     if (call.request.caller()) return call.problem(call.request.caller.why_stopped());
     const auto metadata = catalog_.metadata(ids[i], call.request.caller);
     if (!metadata && metadata.error().code == ErrorCode::mesh_unknown) continue;  // just deleted
     if (!metadata) {
+      all_for_the_store = all_for_the_store && is_of_the_store(metadata.error().code);
       if (!others.empty()) others += ',';
       others += undescribed(ids[i], metadata.error(), call.request);
       continue;
@@ -143,6 +150,9 @@ HttpResponse Routes::list_meshes(Call& call) {
     if (!first) page += ',';
     first = false;
     page += *metadata;
+  }
+  if (first && !others.empty() && all_for_the_store) {
+    if (auto works = catalog_.check_store(); !works) return call.problem(works.error());
   }
   if (!others.empty()) page += "],\"undescribed\":[" + others;
   page += "],\"next\":";

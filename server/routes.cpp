@@ -273,6 +273,8 @@ HttpResponse Routes::status() {
         {"finished", pool.finished},
         {"rejected", pool.rejected},
         {"given_up", pool.given_up},
+        {"unanswering", pool.unanswering},
+        {"unanswered", pool.unanswered},
         {"memory_bytes", memory.bytes}}},
       {"jobs",
        {{"queued", jobs.queued},

@@ -2,7 +2,6 @@
 // behind serves the next query as if nothing had been.
 #include <doctest/doctest.h>
 
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -11,12 +10,13 @@
 #include <vector>
 
 #include "core/isolines.h"
-#include "core/shapes.h"
 #include "core/solve_field.h"
 #include "core/window_table.h"
+#include "tests/fixtures/bumpy_plane.h"
 #include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;
+using fixtures::bumpy_plane;
 
 namespace {
 
@@ -38,17 +38,6 @@ struct Purse {
 };
 constexpr std::uint64_t kPlenty = std::uint64_t{1} << 40;
 
-// Bumps, over which windows multiply.
-TriangleSoup bumpy(std::uint32_t side) {
-  TriangleSoup soup = shapes::plane(side, side);
-  for (Vec3& p : soup.positions) {
-    const double x = 10 * p.x / side;
-    const double y = 10 * p.y / side;
-    p = {x, y, 0.6 * std::sin(3 * x) * std::cos(2 * y) + 0.1 * std::sin(17 * x + 3 * y)};
-  }
-  return soup;
-}
-
 Adjacency prepared(const TriangleSoup& soup) {
   return Adjacency::build(std::make_shared<const Mesh>(std::move(*Mesh::build(soup))));
 }
@@ -60,7 +49,7 @@ constexpr Method kMethods[] = {Method::exact,     Method::chen_han,      Method:
 
 TEST_CASE("WhatIsRefusedEndsWithTooMuchMemoryAndLeavesNothingBehind") {
   std::mt19937 random(fixtures::test_seed());
-  const Adjacency adjacency = prepared(bumpy(60));
+  const Adjacency adjacency = prepared(bumpy_plane(60));
   MethodOptions options;
   options.points_per_edge = 3;
   SolveScratch kept;
@@ -102,7 +91,7 @@ TEST_CASE("WhatIsRefusedEndsWithTooMuchMemoryAndLeavesNothingBehind") {
 
 // Windows take more than edges do, and are asked for as they come.
 TEST_CASE("TheWindowsOfAnExactMethodAreAskedForBeforeTheyAreMade") {
-  const Adjacency adjacency = prepared(bumpy(120));
+  const Adjacency adjacency = prepared(bumpy_plane(120));
   const Source source{point_on_face(adjacency, 5, {0.3, 0.3, 0.4}), 0};
   for (const Method method : {Method::exact, Method::chen_han}) {
     CAPTURE(static_cast<int>(method));
@@ -125,7 +114,7 @@ TEST_CASE("TheWindowsOfAnExactMethodAreAskedForBeforeTheyAreMade") {
 }
 
 TEST_CASE("MeshesAndAdjacencyAndLinesAskToo") {
-  const TriangleSoup soup = bumpy(100);
+  const TriangleSoup soup = bumpy_plane(100);
   Purse none(1000);
   const auto mesh = Mesh::build(soup, Weld::by_position, none.cancel);
   REQUIRE_FALSE(mesh);

@@ -17,6 +17,7 @@
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/surface.h"
+#include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;
 using fixtures::RandomMesh;
@@ -236,6 +237,91 @@ TEST_CASE("AnEdgePathIsNotMuchLongerThanTheShortest") {
         CHECK((*path)->points.front().position == position_of(surface.mesh(), from));
         CHECK((*path)->points.back().position == position_of(surface.mesh(), to));
       }
+    }
+  }
+}
+
+namespace {
+
+// A tube whose sides are as long as it and whose faces are slivers across the way round it.
+TriangleSoup tube_of_slivers(std::uint32_t round, std::uint32_t rows, double row_height) {
+  TriangleSoup soup;
+  for (std::uint32_t i = 0; i < rows; ++i) {
+    for (std::uint32_t j = 0; j < round; ++j) {
+      const double angle = 2 * std::acos(-1.0) * j / round;
+      soup.positions.push_back({std::cos(angle), std::sin(angle), row_height * i});
+    }
+  }
+  for (std::uint32_t i = 0; i + 1 < rows; ++i) {
+    for (std::uint32_t j = 0; j < round; ++j) {
+      const std::uint32_t a = i * round + j;
+      const std::uint32_t b = i * round + (j + 1) % round;
+      soup.faces.push_back({a, b, b + round});
+      soup.faces.push_back({a, b + round, a + round});
+    }
+  }
+  return soup;
+}
+
+// How often a computation has asked whether to go on, which it does once in so many steps: work
+// without a clock.
+template <class Compute>
+int polls_of(const Compute& compute) {
+  int polls = 0;
+  const Cancel cancel([&] {
+    ++polls;
+    return false;
+  });
+  REQUIRE(compute(cancel));
+  return polls;
+}
+
+}  // namespace
+
+// Windows go no farther than the target. A search for fronts takes a path along edges, and then
+// a margin round it of which windows know nothing: the whole surface.
+TEST_CASE("WindowsGoNoFartherThanANearTarget") {
+  struct Case {
+    std::string name;
+    TriangleSoup soup;
+    MethodOptions options;
+    std::uint32_t row;   // as many vertices as there are in one
+    std::uint32_t near;  // vertices on in the same one
+  };
+  std::vector<Case> cases;
+  for (const double tolerance : {0.0, 1e-3, 1e-2}) {
+    cases.push_back({"tolerance", shapes::terrain(120, 6, 1), {}, 120, 3});
+    cases.back().options.error_at_most = tolerance;
+  }
+  cases.push_back({"slivers", tube_of_slivers(800, 20, 0.5), {}, 800, 6});
+  cases.back().options.bound = Bound::upper;
+  std::mt19937 random(fixtures::test_seed());
+  for (const Case& each : cases) {
+    CAPTURE(each.name);
+    const Surface surface(each.soup);
+    SolveScratch scratch;
+    for (int round = 0; round < 4; ++round) {
+      // Not near the ends, where hardly anything is beyond the target.
+      const std::uint32_t rows = surface.mesh().source_vertex_count() / each.row;
+      const auto row = static_cast<std::uint32_t>(rows / 3 + random() % (rows / 3));
+      const auto v =
+          static_cast<std::uint32_t>(each.row * row + each.row / 3 + random() % (each.row / 3));
+      const Source from{surface.at(v), 0};
+      const SurfacePoint to = surface.at(v + each.near);
+      REQUIRE(goes_by_windows(Method::back_traced, each.options, surface.adjacency(), {&from, 1}));
+      const int whole = polls_of([&](const Cancel& cancel) {
+        return solve_field(Method::back_traced, each.options, surface.adjacency(), {&from, 1}, {},
+                           scratch, cancel);
+      });
+      const int pair = polls_of([&](const Cancel& cancel) {
+        return pair_search(Method::back_traced, each.options, surface.adjacency(), from, to,
+                           PairPath::none, scratch, cancel);
+      });
+      if (round == 0) continue;  // a slot's first field on a mesh looks at all of its edges
+      CAPTURE(whole);
+      CAPTURE(pair);
+      CHECK(whole > 20);
+      CHECK(5 * pair < whole);
     }
   }
 }

@@ -2,10 +2,14 @@
 """Large queries of every kind at once, in little memory: each is answered or refused in a way
 that says what to do, the server lives, holds no more than it may, and gives memory back.
 
-    memory_mix.py BUILD [--side 1000] [--seconds 120] [--limit-gib 8]
+    memory_mix.py BUILD [--side 1000] [--seconds 120] [--container-gib 8]
+
+With --container-gib the server has the defaults that it has in a container of that size, and
+is in one as far as memory goes (container.py).
 """
 
 import argparse
+import contextlib
 import json
 import math
 import pathlib
@@ -17,10 +21,11 @@ import time
 import urllib.error
 import urllib.request
 
+from container import Container
 from service import Service
 
 METHODS = ["exact", "exact", "exact", "chen_han", "steiner", "auto", "wavefront", "fast_marching"]
-# What a query may end with: an answer, too_much_memory, a deadline, or not now.
+# What a query may end with: an answer, too_much_memory, a deadline, or not now and when.
 ALLOWED = {200, 422, 503, 504}
 # A slot's idle memory, replies on their way, and what the process is made of.
 BESIDES = 300
@@ -54,18 +59,22 @@ def resident_mb(pid):
 
 
 def ask(url, timeout):
-    """The status, the code of a problem and the seconds."""
+    """The status, the code of a problem, the seconds, and those after which to ask again."""
     begin = time.perf_counter()
     try:
         with urllib.request.urlopen(url, timeout=timeout) as reply:
             while reply.read(1 << 20):
                 pass
-            return reply.status, "", time.perf_counter() - begin
+            return reply.status, "", time.perf_counter() - begin, 0
     except urllib.error.HTTPError as error:
         body = json.load(error)
         if body["code"] == "too_much_memory" and not body["limit"] < body["actual"]:
-            return 0, "a limit that was not exceeded", 0
-        return error.code, body["code"], time.perf_counter() - begin
+            return 0, "a limit that was not exceeded", 0, 0
+        code = body["code"]
+        if "memory" in body["detail"]:
+            code += " with memory"
+        seconds = time.perf_counter() - begin
+        return error.code, code, seconds, float(error.headers.get("Retry-After", 0))
 
 
 class Mix:
@@ -100,16 +109,51 @@ class Mix:
                 ]
             )
             url += f"&method={method}&deadline_ms={self._deadline}"
+            self._ask_until_answered(url)
+
+    def _ask_until_answered(self, url):
+        """One question, again whenever the server says so."""
+        again = 1
+        while again and time.monotonic() < self._end:
             try:
-                status, code, seconds = ask(self._base + url, 600)
+                status, code, seconds, again = ask(self._base + url, 600)
             except OSError as error:
-                status, code, seconds = 0, str(error), 0
+                status, code, seconds, again = 0, str(error), 0, 0
             with self._lock:
                 key = (status, code)
                 self.counts[key] = self.counts.get(key, 0) + 1
                 late = seconds > self._deadline / 1000 + 30
-                if status not in ALLOWED or late:
+                if status not in ALLOWED or late or (status == 503) != (again > 0):
                     self.wrong.append((url, status, code, round(seconds, 1)))
+            time.sleep(again)
+
+
+def options_of(arguments):
+    """The server's: bounds that are asked for; and outside of a container, of all."""
+    defaults = (None, None, None) if arguments.container_gib else (1024, 2048, 512)
+    query, compute, caches = (
+        given or default
+        for given, default in zip(
+            (arguments.query_mib, arguments.compute_mib, arguments.caches_mib), defaults
+        )
+    )
+    options = []
+    if query:
+        options += ["--query-memory-bytes", f"{query}MiB"]
+    if compute:
+        options += ["--compute-memory-bytes", f"{compute}MiB"]
+    if caches:
+        for cache in ("mesh", "adjacency", "field"):
+            options += [f"--{cache}-cache-bytes", f"{caches}MiB"]
+        options += ["--reply-cache-bytes", "0"]
+    return options
+
+
+def upload(service, data):
+    """What the server says of the mesh."""
+    request = urllib.request.Request(service.url("/v1/meshes"), data)
+    with urllib.request.urlopen(request) as reply:
+        return json.load(reply)
 
 
 def main():
@@ -120,22 +164,24 @@ def main():
     parser.add_argument("--seconds", type=float, default=120)
     parser.add_argument("--deadline-ms", type=int, default=60000)
     parser.add_argument("--clients", type=int, default=6)
-    parser.add_argument("--query-mib", type=int, default=1024)
-    parser.add_argument("--compute-mib", type=int, default=2048)
-    parser.add_argument("--caches-mib", type=int, default=512, help="of each of three")
+    parser.add_argument("--query-mib", type=int)
+    parser.add_argument("--compute-mib", type=int)
+    parser.add_argument("--caches-mib", type=int, help="of each of three")
+    parser.add_argument("--container-gib", type=float)
     arguments = parser.parse_args()
     seed = random.randrange(1 << 32)
     print(f"GEODESICD_SEED={seed}")
-    options = ["--query-memory-bytes", f"{arguments.query_mib}MiB"]
-    options += ["--compute-memory-bytes", f"{arguments.compute_mib}MiB"]
-    for cache in ("mesh", "adjacency", "field"):
-        options += [f"--{cache}-cache-bytes", f"{arguments.caches_mib}MiB"]
-    options += ["--reply-cache-bytes", "0"]
-    with Service(arguments.build, *options) as service:
-        request = urllib.request.Request(service.url("/v1/meshes"), bumpy(arguments.side))
-        with urllib.request.urlopen(request) as reply:
-            mesh = json.load(reply)
-        print(f"{mesh['vertices']} vertices; resident {resident_mb(service.pid)[0]} MB")
+    with contextlib.ExitStack() as stack:
+        prefix = ()
+        if arguments.container_gib:
+            container = stack.enter_context(Container(int(arguments.container_gib * (1 << 30))))
+            prefix = container.prefix
+        service = stack.enter_context(
+            Service(arguments.build, *options_of(arguments), prefix=prefix)
+        )
+        mesh = upload(service, bumpy(arguments.side))
+        before, decoded = resident_mb(service.pid)
+        print(f"{mesh['vertices']} vertices; resident {before} MB, while decoding {decoded} MB")
         mix = Mix(service, mesh, arguments, seed)
         threads = [threading.Thread(target=mix.client, args=[i]) for i in range(arguments.clients)]
         for thread in threads:
@@ -144,17 +190,22 @@ def main():
             thread.join()
         time.sleep(1)
         after, most = resident_mb(service.pid)
-        with urllib.request.urlopen(service.url("/v1/status")) as reply:
-            held = json.load(reply)["compute"]["memory_bytes"] >> 20
-        for key, count in sorted(mix.counts.items()):
-            print(f"{count:6} {key[0]} {key[1]}")
-    may = arguments.compute_mib + 3 * arguments.caches_mib + BESIDES
-    rest = arguments.compute_mib // 4 + 3 * arguments.caches_mib + BESIDES
+        status = json.loads(service.get("/v1/status"))
+        kills = container.kills() if arguments.container_gib else 0
+    compute = status["limits"]["compute_memory_bytes"] >> 20
+    caches = status["caches"].values()
+    may = compute + sum(cache["budget"] >> 20 for cache in caches) + BESIDES
+    rest = compute // 4 + sum(cache["bytes"] >> 20 for cache in caches) + BESIDES
+    for key, count in sorted(mix.counts.items()):
+        print(f"{count:6} {key[0]} {key[1]}")
+    print(f"limits: a query {status['limits']['query_memory_bytes'] >> 20} MB, all {compute} MB")
     print(f"resident: most {most} MB (may be {may}), afterwards {after} MB (may be {rest})")
-    print(f"computations hold {held} MB afterwards")
+    print(f"computations hold {status['compute']['memory_bytes'] >> 20} MB afterwards")
     for wrong in mix.wrong[:10]:
         print("WRONG:", *wrong)
-    failed = bool(mix.wrong) or most > may or after > rest or (200, "") not in mix.counts
+    if kills:
+        print(f"the kernel has killed {kills} processes")
+    failed = bool(mix.wrong or kills) or most > may or after > rest or (200, "") not in mix.counts
     print("FAILED" if failed else "ok")
     return failed
 

@@ -21,16 +21,17 @@ resource.setrlimit(resource.RLIMIT_NOFILE, (_hard, _hard))
 class Service:
     """Where it listens, and what there is to ask."""
 
-    def __init__(self, build, *options):
+    def __init__(self, build, *options, prefix=()):
         self._build = pathlib.Path(build)
         self._options = options
+        self._prefix = prefix  # of the command
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="load_"))
         self.port = self.admin_port = 0
         self.mesh = {}
         self._run_ns = {}  # by process and thread, of those that have ended too
 
     def __enter__(self):
-        command = [self._build / "geodesicd", "--listen", "127.0.0.1:0"]
+        command = [*self._prefix, self._build / "geodesicd", "--listen", "127.0.0.1:0"]
         command += ["--admin-listen", "127.0.0.1:0", "--store", self.folder / "store"]
         command += ["--log-level", os.environ.get("LOAD_LOG_LEVEL", "warn"), *self._options]
         self._log = open(self.folder / "log", "w+", encoding="utf-8")

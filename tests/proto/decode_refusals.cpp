@@ -45,6 +45,31 @@ TEST_CASE("a transform that leaves the range of numbers is refused, naming the n
   check_refused(f, invalid, "node 0");
 }
 
+// glTF 2.0 says that names in an object must be unique; parsers take the first or the last.
+TEST_CASE("a name that comes twice in any object of the JSON is refused, naming it") {
+  auto f = one_triangle();
+  f.document["extras"] = {{"deep", {{"inside", json::array({{{"of", 1}}})}}}};
+  f.document["buffers"] =
+      json::array({{{"byteLength", f.binary.size()},
+                    {"uri", "data:application/octet-stream;base64," + base64(f.binary)}}});
+  const std::string text = f.document.dump();
+  REQUIRE(decode(bytes_of(text)));
+  int spoiled = 0;
+  for (std::size_t at = text.find("{\""); at != std::string::npos; at = text.find("{\"", at + 1)) {
+    const std::string name = text.substr(at + 2, text.find('"', at + 2) - at - 2);
+    std::string twice = text;
+    twice.insert(at + 1, "\"" + name + "\":null,");
+    CAPTURE(twice);
+    for (const auto& got : {decode(bytes_of(twice)), decode(glb_of(twice, {}))}) {
+      REQUIRE_FALSE(got);
+      CHECK(got.error().code == invalid);
+      CHECK(got.error().detail == "The glTF's JSON has the name " + name + " twice in one object.");
+    }
+    ++spoiled;
+  }
+  CHECK(spoiled >= 10);
+}
+
 TEST_CASE("files without triangles are told so") {
   GltfFixture empty;
   check_refused(empty, ErrorCode::no_triangles, "no triangles");

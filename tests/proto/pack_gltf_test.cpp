@@ -145,3 +145,12 @@ TEST_CASE("a file that many buffers are in is there once") {
   check_not_packed(pack_gltf(document.dump(), {{"a.bin", file}}, DecodeLimits{}),
                    ErrorCode::too_large, "ever longer parts of one file");
 }
+
+TEST_CASE("a name that comes twice is refused, not packed as one of the two") {
+  const Parts parts = three_buffers();
+  std::string text = parts.document.dump();
+  text.insert(1, R"("buffers":[],)");
+  check_not_packed(pack_gltf(text, {{"a b.bin", parts.positions}, {"indices.bin", parts.indices}},
+                             DecodeLimits{}),
+                   invalid, "the name buffers twice");
+}

@@ -157,6 +157,8 @@ TEST_CASE("ProbesStatusAndMethods") {
   const json status = body_of(service.get("/v1/status"));
   CHECK(status["limits"]["max_vertices"] == 20'000'000);
   CHECK(status["caches"]["adjacency"]["entries"] == 0);
+  CHECK(status["compute"]["unanswering"] == 0);
+  CHECK(status["compute"]["unanswered"] == 0);
   service.routes.start_draining();
   CHECK(service.get("/readyz").status == 503);
   CHECK(service.get("/livez").status == 200);

@@ -3,7 +3,6 @@
 
 #include <doctest/doctest.h>
 
-#include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <future>
@@ -13,54 +12,15 @@
 #include <vector>
 
 #include "server/memory_limits.h"
+#include "tests/fixtures/bumpy_plane.h"
 #include "tests/fixtures/test_seed.h"
 #include "tests/server/plane_service.h"
+#include "tests/server/taken_memory.h"
 
 using namespace geodesic;
+using fixtures::bumpy_plane;
 using namespace geodesic::server;
 using namespace geodesic::server::test;
-
-namespace {
-
-constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
-
-// Memory that is taken, and not touched. A compiler may leave out what is only taken and given
-// back, but for the volatile.
-class Taken {
- public:
-  explicit Taken(std::uint64_t bytes) : memory_(new char[bytes]) {}
-  Taken(const Taken&) = delete;
-  Taken& operator=(const Taken&) = delete;
-  ~Taken() { delete[] memory_; }
-
- private:
-  char* volatile memory_;
-};
-
-auto taking(std::uint64_t bytes) {
-  return [bytes](Worker&) -> Result<std::size_t> {
-    const Taken memory(bytes);
-    return bytes;
-  };
-}
-auto query_taking(std::uint64_t bytes) {
-  return [bytes](Worker& worker) -> Result<std::size_t> {
-    worker.memory->limit_to_query();
-    return taking(bytes)(worker);
-  };
-}
-
-TriangleSoup bumpy(std::uint32_t side) {
-  TriangleSoup soup = shapes::plane(side, side);
-  for (Vec3& p : soup.positions) {
-    const double x = 10 * p.x / side;
-    const double y = 10 * p.y / side;
-    p = {x, y, 0.6 * std::sin(3 * x) * std::cos(2 * y) + 0.1 * std::sin(17 * x + 3 * y)};
-  }
-  return soup;
-}
-
-}  // namespace
 
 TEST_CASE("a job that wants more than one may have is refused, with what and how much") {
   ComputePool pool(1, 4);
@@ -162,7 +122,7 @@ TEST_CASE("a query that takes too much is 422 with the limit, and others go on")
   config.compute_memory_bytes = 256 * kMiB;
   const TemporaryFolder folder;
   Service service(folder.path(), config);
-  const std::string base = "/v1/meshes/" + service.upload(glb_of(bumpy(150)));
+  const std::string base = "/v1/meshes/" + service.upload(glb_of(bumpy_plane(150)));
   for (const std::string ask :
        {"/distance?from=v:0&method=exact", "/path?from=f:7,0.3,0.3&to=v:22000&method=exact",
         "/path?from=f:7,0.3,0.3&to=v:22000&method=chen_han",
@@ -196,7 +156,7 @@ TEST_CASE("any budget gives the whole answer or none") {
   config.reply_cache_bytes = 0;
   config.field_cache_bytes = 0;
   Service service(folder.path(), config);
-  const std::string base = "/v1/meshes/" + service.upload(glb_of(bumpy(90)));
+  const std::string base = "/v1/meshes/" + service.upload(glb_of(bumpy_plane(90)));
   const std::vector<std::string> methods{"exact",     "chen_han",      "steiner", "auto",
                                          "wavefront", "fast_marching", "dijkstra"};
   int refused = 0;

@@ -129,6 +129,19 @@ TEST_CASE("unknown options and unreadable files are refused") {
                  "is a folder"));
 }
 
+TEST_CASE("a name that comes twice in the file is refused, with the same value too") {
+  for (const std::string text : {R"({"queue": 1, "queue": 2})", R"({"queue": 1, "queue": 1})",
+                                 R"({"queue": 1, /* again */ "store": "a", "queue": 2})",
+                                 R"({"store": "a", "que\u0075e": 1, "queue": 1, "store": "a"})"}) {
+    CAPTURE(text);
+    const ConfigFile file(text);
+    const Error error = error_of({"--config", file.path});
+    CHECK(error.code == ErrorCode::bad_syntax);
+    CHECK(error.parameter == "queue");
+    CHECK(mentions(error, file.path + ": queue: comes twice"));
+  }
+}
+
 TEST_CASE("help, version and the table list what there is") {
   const auto help = read_config({"--help"}, in({}));
   REQUIRE(help);

@@ -69,7 +69,9 @@ class Service {
  public:
   explicit Service(const std::filesystem::path& folder, const Config& config = {},
                    std::size_t slots = 2)
-      : store(opened_store(folder)),
+      : Service(opened_store(folder), config, slots) {}
+  explicit Service(std::unique_ptr<MeshStore> of, const Config& config = {}, std::size_t slots = 2)
+      : store(std::move(of)),
         pool(slots, 256),
         catalog(*store, pool, catalog_limits(config), metrics),
         queries(catalog, pool, config.field_cache_bytes, metrics),
