@@ -136,7 +136,7 @@ void Front::pass(const Exit& exit, const Part& part, const Window& from) {
   const double along = window.x - std::clamp(window.x, window.begin, window.end);
   if (exit.length < kPoint * length(along, window.y)) return;
   // No shortest path crosses a face twice.
-  if (window.crossed >= std::min(adjacency_.mesh().face_count(), kMostCrossed)) return;
+  if (window.crossed >= std::min(taking_part_, kMostCrossed)) return;
   window.crossed = window.crossed + 1;
   // Theorem 3.2, (3): a way by the third vertex of the face, across all the rays.
   if (clearly_less(exit.by_third, window.at(window.begin))) return;

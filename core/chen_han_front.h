@@ -82,7 +82,8 @@ class Front {
   const FieldLimits& limits_;
   ChenHanScratch& scratch_;
   Poll& poll_;
-  std::vector<Halfedge> ring_;  // by halfedge: the next one; empty if no face is skipped
+  std::vector<Halfedge> ring_;     // by halfedge: the next one; empty if no face is skipped
+  std::uint32_t taking_part_ = 0;  // the faces that are not skipped
   LitWindows lit_;
   static constexpr std::size_t kFirstReview = 1U << 16U;
   std::size_t next_review_ = kFirstReview;

@@ -51,6 +51,7 @@ Front::Front(const Adjacency& adjacency, Field& field, const FieldLimits& limits
   scratch.source_in_face.clear();
   scratch.places.clear();
   scratch.same_as.clear();
+  taking_part_ = static_cast<std::uint32_t>(face_count);
   if (poll.ask()) return;
   mark_faces_with_sources();
   if (adjacency.report().faces_duplicate > 0) mark_duplicate_faces();
@@ -94,7 +95,10 @@ void Front::mark_duplicate_faces() {
 void Front::link_faces_that_take_part() {
   polled_assign(ring_, 4 * adjacency_.faces().size(), kNone, poll_);
   for (std::uint32_t f = 0; f < adjacency_.faces().size() && !poll_.cancelled(); ++f) {
-    if (skipped(f)) continue;
+    if (skipped(f)) {
+      --taking_part_;
+      continue;
+    }
     for (std::uint32_t c = 0; c < 3; ++c) {
       const Halfedge h = halfedge(f, c);
       Halfedge next = adjacency_.ring(h);

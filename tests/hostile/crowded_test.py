@@ -186,6 +186,16 @@ def places(chance, vertices, faces):
     return ["v:0", "v:1", f"v:{vertices - 1}", f"v:{chance.randrange(vertices)}", *inside]
 
 
+def on_sides(chance, faces):
+    """Many points, perhaps on one edge."""
+    found = []
+    for _ in range(100):
+        part = chance.random()
+        weights = chance.choice([(0, part), (part, 0), (0.5, 0.5)])
+        found.append(f"f:{chance.randrange(faces)},{weights[0]:.3g},{weights[1]:.3g}")
+    return found
+
+
 def questions(chance, vertices, faces, method):
     """(query, parameters), shuffled, of one method."""
     found = []
@@ -201,6 +211,10 @@ def questions(chance, vertices, faces, method):
     found.append(("path", {"from": spots[2], "to": spots[4], "refine": "shortest"}))
     found.append(("table", {"from": spots[-3:], "to": spots}))
     found.append(("samples", {"count": 5}))
+    many = on_sides(chance, faces)
+    found.append(("table", {"from": spots[0], "to": many}))
+    found.append(("distance", {"from": spots[1], "at": many}))
+    found.append(("distance", {"from": many, "at": spots, "labels": 1}))
     chance.shuffle(found)
     # A path has no tolerance.
     return [(query, {**method, **asked}) for query, asked in found
@@ -212,7 +226,9 @@ def plain_questions(chance, vertices, faces):
     spots = places(chance, vertices, faces)
     rays = [f"ray:{chance.uniform(-1, 1):.3f},{chance.uniform(-1, 1):.3f},9,0.01,0,-1" for _ in range(50)]
     far = ["p:" + ",".join(f"{chance.uniform(-9, 9):.3f}" for _ in range(3)) for _ in range(200)]
-    found = [("nearest", {"point": rays}), ("nearest", {"point": [*far, *spots, "p:1e9,0,0"]})]
+    many = on_sides(chance, faces)
+    found = [("table", {"from": "v:0", "to": many, "deadline_ms": ms}) for ms in (1, 2, 5, 10, 20)]
+    found += [("nearest", {"point": many}), ("nearest", {"point": rays}), ("nearest", {"point": [*far, *spots, "p:1e9,0,0"]})]
     for spot in spots:
         found.append(("trace", {"from": spot, "angle": f"{chance.uniform(-7, 7):.6f}", "length": 10}))
         found.append(("trace", {"from": spot, "direction": "-1,0.01,0", "length": 1000}))
@@ -232,7 +248,7 @@ class Crowd:
 
     def ask(self, mesh, what, query, asked):
         """One question, judged by when and how it is answered."""
-        asked = {**asked, "deadline_ms": round(1000 * DEADLINE)}
+        asked = {"deadline_ms": round(1000 * DEADLINE), **asked}
         parts = [(key, one) for key, value in asked.items() for one in (value if isinstance(value, list) else [value])]
         target = f"/v1/meshes/{mesh}/{query}?" + "&".join(f"{key}={value}" for key, value in parts)
         name = f"{what}: {query} {target.split('?')[1][:200]}"
