@@ -136,27 +136,22 @@ void Front::pass(const Exit& exit, const Part& part, const Window& from) {
   const double along = window.x - std::clamp(window.x, window.begin, window.end);
   if (exit.length < kPoint * length(along, window.y)) return;
   // No shortest path crosses a face twice.
-  if (window.crossed >= std::min(adjacency_.mesh().face_count(), kMostCrossed)) return;
+  if (window.crossed >= std::min(taking_part_, kMostCrossed)) return;
   window.crossed = window.crossed + 1;
   // Theorem 3.2, (3): a way by the third vertex of the face, across all the rays.
   if (clearly_less(exit.by_third, window.at(window.begin))) return;
   if (useless_on(exit.origin, exit.other, exit.length, window)) return;
-  std::uint32_t across = 0;
-  for (Halfedge h = adjacency_.ring(exit.side); h != exit.side; h = adjacency_.ring(h)) {
-    if (poll_.cancelled()) return;
-    // Whether there are none, one or more is all that is asked.
-    if (!skipped(face_of(h)) && ++across > 1) break;
-  }
-  if (across == 0) return;
-  window.branched = from.branched != 0 || exit.from_flat_face || across > 1 ? 1 : 0;
+  const Halfedge first = next_around(exit.side);
+  if (first == exit.side) return;
+  const bool branches = next_around(first) != exit.side;
+  window.branched = from.branched != 0 || exit.from_flat_face || branches ? 1 : 0;
   if (see_all_ && !enter_edge(exit, window)) return;
   const double key = std::max(key_, window.least());
   if (key > limits_.max) return;
   Window mirrored = window;
   mirrored.mirror(exit.length);
-  for (Halfedge h = adjacency_.ring(exit.side); h != exit.side; h = adjacency_.ring(h)) {
+  for (Halfedge h = first; h != exit.side; h = next_around(h)) {
     if (poll_.cancelled()) return;
-    if (skipped(face_of(h))) continue;
     const bool same_way = adjacency_.face(face_of(h)).vertex[corner_of(h)] == exit.origin;
     Window& into = same_way ? window : mirrored;
     if (!(into.begin < into.end)) continue;

@@ -45,10 +45,16 @@ class Front {
   struct Light;
 
   void mark_duplicate_faces();
+  void link_faces_that_take_part();
   void mark_faces_with_sources();
   [[nodiscard]] bool needs_seen_windows() const;
   [[nodiscard]] bool skipped(std::uint32_t face) const {
     return !scratch_.same_as.empty() && scratch_.same_as[face] != face;
+  }
+  // The next halfedge on the same edge whose face is not skipped; itself where there is none.
+  // Only of one whose face is not.
+  [[nodiscard]] Halfedge next_around(Halfedge h) const {
+    return ring_.empty() ? adjacency_.ring(h) : ring_[h];
   }
   [[nodiscard]] bool bends(std::uint32_t vertex);
   [[nodiscard]] bool bends_by_its_faces(std::uint32_t vertex) const;
@@ -76,6 +82,8 @@ class Front {
   const FieldLimits& limits_;
   ChenHanScratch& scratch_;
   Poll& poll_;
+  std::vector<Halfedge> ring_;     // by halfedge: the next one; empty if no face is skipped
+  std::uint32_t taking_part_ = 0;  // the faces that are not skipped
   LitWindows lit_;
   static constexpr std::size_t kFirstReview = 1U << 16U;
   std::size_t next_review_ = kFirstReview;

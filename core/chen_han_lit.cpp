@@ -36,7 +36,7 @@ void Front::drop_useless_lit() {
 // What lights a face lights those with the same corners.
 void Front::copy_lit_to_duplicate_faces() {
   std::vector<std::vector<std::uint32_t>> copies(scratch_.same_as.size());
-  for (std::uint32_t f = 0; f < copies.size(); ++f) {
+  for (std::uint32_t f = 0; f < copies.size() && !poll_.cancelled(); ++f) {
     if (skipped(f)) copies[scratch_.same_as[f]].push_back(f);
   }
   LitWindows copied(poll_.memory());
@@ -45,6 +45,7 @@ void Front::copy_lit_to_duplicate_faces() {
     copied.add(h, original);
     const UnfoldedFace face = UnfoldedFace::over(adjacency_, h);
     for (const std::uint32_t copy : copies[face_of(h)]) {
+      if (poll_.cancelled()) return false;
       const FaceRecord& other = adjacency_.face(copy);
       std::uint32_t c = 0;
       while (other.vertex[previous_corner(c)] != face.opposite) ++c;

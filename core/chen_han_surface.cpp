@@ -2,11 +2,11 @@
 // where paths may bend, which faces repeat others, where sources lie.
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
-#include <tuple>
+#include <vector>
 
 #include "core/chen_han_front.h"
+#include "core/copied_faces.h"
 #include "core/polled_fill.h"
 #include "core/polled_sort.h"
 
@@ -21,6 +21,14 @@ constexpr double kSaddle = 1e-12;
 // a corner a ray goes past it. Paths may bend at its corners then, whatever the angles there.
 bool is_thin(const FaceRecord& face) {
   return !(face.area2 > kThin * face.length2(face.longest_side()));
+}
+
+// What ChenHanScratch::source_in_face says of a face.
+constexpr std::uint8_t kSourceOnSide = 1;
+constexpr std::uint8_t kSourceInside = 2;
+
+bool is_inside(const SurfacePoint& place) {
+  return place.bary[0] != 0 && place.bary[1] != 0 && place.bary[2] != 0;
 }
 
 }  // namespace
@@ -43,6 +51,7 @@ Front::Front(const Adjacency& adjacency, Field& field, const FieldLimits& limits
   scratch.source_in_face.clear();
   scratch.places.clear();
   scratch.same_as.clear();
+  taking_part_ = static_cast<std::uint32_t>(face_count);
   if (poll.ask()) return;
   mark_faces_with_sources();
   if (adjacency.report().faces_duplicate > 0) mark_duplicate_faces();
@@ -55,41 +64,48 @@ void Front::mark_faces_with_sources() {
     if (field_.sources[s].point.at_vertex()) continue;
     scratch_.source_in_face.resize(adjacency_.mesh().face_count(), 0);
     for (const SurfacePoint& place : in_all_faces(adjacency_, field_.sources[s].point)) {
-      scratch_.source_in_face[place.face] = 1;
+      if (poll_.cancelled()) return;
+      auto& mark = scratch_.source_in_face[place.face];
+      mark = std::max(mark, is_inside(place) ? kSourceInside : kSourceOnSide);
       scratch_.places.push_back({place.face, s, place.bary});
     }
   }
-  std::sort(scratch_.places.begin(), scratch_.places.end(),
-            [](const auto& a, const auto& b) { return a.face < b.face; });
+  std::vector<ChenHanScratch::Place> spare;
+  const auto earlier = [](const auto& a, const auto& b) { return a.face < b.face; };
+  polled_sort(scratch_.places, 0, scratch_.places.size(), earlier, spare, poll_);
 }
 
 // Whatever passes through a face may as well pass through another one with the same
-// corners. So only the first of them takes part, besides those with a source inside.
+// corners. So only the first of them takes part, besides those with a source inside; one on a
+// side is in all of them.
 void Front::mark_duplicate_faces() {
-  const auto faces = adjacency_.faces();
-  struct Corners {
-    Triangle sorted;
-    std::uint32_t face;
-    bool operator<(const Corners& other) const {
-      return std::tie(sorted, face) < std::tie(other.sorted, other.face);
-    }
-  };
-  std::vector<Corners> all;
-  std::vector<Corners> spare;
-  polled_assign(scratch_.same_as, faces.size(), std::uint32_t{0}, poll_);
-  all.reserve(faces.size());
-  for (std::uint32_t f = 0; f < scratch_.same_as.size() && !poll_.cancelled(); ++f) {
-    scratch_.same_as[f] = f;
-    const bool has_source = !scratch_.source_in_face.empty() && scratch_.source_in_face[f] != 0;
-    if (has_source) continue;
-    Triangle sorted = faces[f].vertex;
-    std::sort(sorted.begin(), sorted.end());
-    all.push_back({sorted, f});
+  auto& same_as = scratch_.same_as;
+  polled_assign(same_as, adjacency_.faces().size(), kNone, poll_);
+  for (std::uint32_t f = 0; f < same_as.size() && !poll_.cancelled(); ++f) {
+    const bool has_source =
+        !scratch_.source_in_face.empty() && scratch_.source_in_face[f] == kSourceInside;
+    if (!has_source && same_as[f] == kNone) same_as[f] = f;
+    if (has_later_copy(adjacency_, f)) same_as[later_copy(adjacency_, f)] = same_as[f];
+    if (has_source) same_as[f] = f;
   }
-  polled_sort(all, 0, all.size(), std::less<>(), spare, poll_);
-  for (std::size_t i = 1; i < all.size() && !poll_.cancelled(); ++i) {
-    if (all[i].sorted == all[i - 1].sorted) {
-      scratch_.same_as[all[i].face] = scratch_.same_as[all[i - 1].face];
+  link_faces_that_take_part();
+}
+
+// Thousands of others may lie between two of them on an edge.
+void Front::link_faces_that_take_part() {
+  polled_assign(ring_, 4 * adjacency_.faces().size(), kNone, poll_);
+  for (std::uint32_t f = 0; f < adjacency_.faces().size() && !poll_.cancelled(); ++f) {
+    if (skipped(f)) {
+      --taking_part_;
+      continue;
+    }
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      const Halfedge h = halfedge(f, c);
+      Halfedge next = adjacency_.ring(h);
+      while (next != h && skipped(face_of(next)) && !poll_.cancelled()) {
+        next = adjacency_.ring(next);
+      }
+      ring_[h] = next;
     }
   }
 }
@@ -97,7 +113,9 @@ void Front::mark_duplicate_faces() {
 bool Front::needs_seen_windows() const {
   if (adjacency_.report().edges_non_manifold > 0) return true;
   const auto faces = adjacency_.faces();
-  return std::any_of(faces.begin(), faces.end(), has_no_area);
+  return std::any_of(faces.begin(), faces.end(), [&](const FaceRecord& face) {
+    return poll_.cancelled() || has_no_area(face);
+  });
 }
 
 bool Front::bends(std::uint32_t vertex) {
@@ -117,12 +135,8 @@ bool Front::bends_by_its_faces(std::uint32_t vertex) const {
     if (is_thin(face)) return true;
     angles += std::atan2(face.area2, face.dot[c]);
     for (const Halfedge side : {corner, halfedge(face_of(corner), previous_corner(c))}) {
-      std::uint32_t across = 0;
-      for (Halfedge h = adjacency_.ring(side); h != side; h = adjacency_.ring(h)) {
-        if (poll_.cancelled()) return true;
-        if (!skipped(face_of(h))) ++across;
-      }
-      if (across != 1) return true;
+      // In one other face, neither more nor fewer.
+      if (next_around(side) == side || next_around(next_around(side)) != side) return true;
     }
   }
   return angles > 2 * std::numbers::pi * (1 + kSaddle);

@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <span>
 #include <utility>
 
+#include "core/copied_faces.h"
 #include "core/edge_points.h"
 #include "core/polled_fill.h"
+#include "core/polled_sort.h"
 #include "core/remaining_targets.h"
 
 namespace geodesic {
@@ -24,6 +27,7 @@ class SteinerGraph {
         vertex_count_(adjacency.mesh().vertex_count()),
         per_edge_(points_per_edge),
         spacing_(1.0 / (double(points_per_edge) + 1)),
+        has_copies_(adjacency.report().faces_duplicate > 0),
         edges_(EdgeNumbers::count(adjacency, poll)) {}
 
   [[nodiscard]] std::uint32_t node_count() const {
@@ -51,13 +55,20 @@ class SteinerGraph {
     }
   }
 
+  // Whether the nodes of a face are those of a later one, with the same corners.
+  [[nodiscard]] bool is_repeated(std::uint32_t f) const {
+    return has_copies_ && has_later_copy(adjacency_, f);
+  }
+
   // Calls `visit(node, position)` for every node that `node` is joined to, and
-  // perhaps twice.
+  // perhaps twice. Leaves off when the poll says to stop: a vertex may be in all faces.
   template <class Visit>
-  void neighbours(std::uint32_t node, Visit visit) const {
+  void neighbours(std::uint32_t node, Visit visit, Poll& poll) const {
     if (node < vertex_count_) {
       for (const std::uint32_t corner : adjacency_.corners(node)) {
+        if (poll.cancelled()) return;
         const std::uint32_t f = face_of(corner);
+        if (is_repeated(f)) continue;
         const std::uint32_t c = corner_of(corner);
         points_of_side(f, next_corner(c), visit);
         next_on_side(f, c, node, visit);
@@ -70,13 +81,15 @@ class SteinerGraph {
     next_on_edge(first, i, node, visit);
     Halfedge h = first;
     do {
+      if (poll.cancelled()) return;
       const std::uint32_t f = face_of(h);
       const std::uint32_t c = corner_of(h);
+      h = adjacency_.ring(h);
+      if (is_repeated(f)) continue;
       const std::uint32_t opposite = adjacency_.face(f).vertex[previous_corner(c)];
       visit(opposite, adjacency_.mesh().positions()[opposite]);
       points_of_side(f, next_corner(c), visit);
       points_of_side(f, previous_corner(c), visit);
-      h = adjacency_.ring(h);
     } while (h != first);
   }
 
@@ -124,31 +137,45 @@ class SteinerGraph {
   std::uint32_t vertex_count_;
   std::uint32_t per_edge_;
   double spacing_;
+  bool has_copies_;
   EdgeNumbers edges_;
 };
+
+// Calls `visit(node, position)` for all nodes of the faces that a point lies in, and perhaps
+// twice. Leaves off when the poll says to stop.
+template <class Visit>
+void nodes_around(const SteinerGraph& graph, std::span<const SurfacePoint> places, Visit visit,
+                  Poll& poll) {
+  for (const SurfacePoint& place : places) {
+    if (poll.cancelled()) return;
+    // Alone it is inside its face, and in no later one.
+    if (places.size() > 1 && graph.is_repeated(place.face)) continue;
+    graph.nodes_of_face(place.face, visit);
+  }
+}
 
 // A point that a search is for: known once nothing that is still to come can
 // shorten the way to it.
 class Goal {
  public:
+  // Of no use if the poll says to stop.
   Goal(const Adjacency& adjacency, const SteinerGraph& graph, const Source& source,
-       const SurfacePoint& point) {
+       const SurfacePoint& point, Poll& poll) {
     if (point.at_vertex()) {
       ways_.push_back({point.vertex, 0});
       return;
     }
     const Vec3 at = position_of(adjacency.mesh(), point);
-    const auto sources = in_all_faces(adjacency, source.point);
-    for (const SurfacePoint& place : in_all_faces(adjacency, point)) {
-      graph.nodes_of_face(place.face, [&](std::uint32_t node, Vec3 from) {
-        ways_.push_back({node, distance(from, at)});
-      });
-      for (const SurfacePoint& start : sources) {
-        if (start.face != place.face) continue;
-        best_ = source.offset + distance(position_of(adjacency.mesh(), source.point), at);
-      }
+    const auto places = in_all_faces(adjacency, point);
+    const auto add = [&](std::uint32_t node, Vec3 from) {
+      ways_.push_back({node, distance(from, at)});
+    };
+    nodes_around(graph, places, add, poll);
+    std::vector<std::pair<std::uint32_t, double>> spare;
+    polled_sort(ways_, 0, ways_.size(), std::less<>(), spare, poll);
+    if (share_a_face(places, in_all_faces(adjacency, source.point), poll)) {
+      best_ = source.offset + distance(position_of(adjacency.mesh(), source.point), at);
     }
-    std::sort(ways_.begin(), ways_.end());
   }
 
   void accept(std::uint32_t node, double d) {
@@ -159,6 +186,21 @@ class Goal {
   [[nodiscard]] double best() const { return best_; }
 
  private:
+  // Both may lie in all of an edge's faces.
+  [[nodiscard]] static bool share_a_face(std::span<const SurfacePoint> some,
+                                         std::span<const SurfacePoint> others, Poll& poll) {
+    std::vector<std::uint32_t> faces;
+    faces.reserve(others.size());
+    for (const SurfacePoint& place : others) faces.push_back(place.face);
+    std::vector<std::uint32_t> spare;
+    polled_sort(faces, 0, faces.size(), std::less<>(), spare, poll);
+    for (const SurfacePoint& place : some) {
+      if (poll.cancelled()) return false;
+      if (std::binary_search(faces.begin(), faces.end(), place.face)) return true;
+    }
+    return false;
+  }
+
   std::vector<std::pair<std::uint32_t, double>> ways_;  // by node, the length from there
   double best_ = kUnreached;
 };
@@ -166,35 +208,36 @@ class Goal {
 class SteinerFront {
  public:
   SteinerFront(const Adjacency& adjacency, const SteinerGraph& graph, Field& field,
-               EdgePoints& points, VertexHeap& heap)
+               EdgePoints& points, VertexHeap& heap, Poll& poll)
       : adjacency_(adjacency),
         graph_(graph),
         field_(field),
         distance_(field.distance.doubles()),
         points_(points),
-        heap_(heap) {}
+        heap_(heap),
+        poll_(poll) {}
 
   void start(const Source& source, std::uint32_t number) {
     if (source.point.at_vertex()) lower(source.point.vertex, source.offset, number);
     const Vec3 at = position_of(adjacency_.mesh(), source.point);
-    for (const SurfacePoint& place : in_all_faces(adjacency_, source.point)) {
-      graph_.nodes_of_face(place.face, [&](std::uint32_t node, Vec3 to) {
-        lower(node, source.offset + distance(at, to), number);
-      });
-    }
+    const auto light = [&](std::uint32_t node, Vec3 to) {
+      lower(node, source.offset + distance(at, to), number);
+    };
+    nodes_around(graph_, in_all_faces(adjacency_, source.point), light, poll_);
   }
 
   void spread_from(std::uint32_t node, double d) {
     const Vec3 at = graph_.position(node);
     const std::uint32_t source = field_.nearest_source.empty() ? 0 : source_at(node);
-    graph_.neighbours(node, [&](std::uint32_t to, Vec3 there) {
+    const auto light = [&](std::uint32_t to, Vec3 there) {
       if (heap_.accepted(to)) return;
       double sum = d + distance(at, there);
       // However short the step beside the distance: the way back is found by
       // distances that fall.
       if (!(sum > d)) sum = std::nextafter(d, std::numeric_limits<double>::infinity());
       lower(to, sum, source);
-    });
+    };
+    graph_.neighbours(node, light, poll_);
   }
 
   // What is still considered is not final.
@@ -226,6 +269,7 @@ class SteinerFront {
   std::span<double> distance_;  // the field's
   EdgePoints& points_;
   VertexHeap& heap_;
+  Poll& poll_;
 };
 
 Result<Field> search(const Adjacency& adjacency, std::span<const Source> sources,
@@ -242,7 +286,7 @@ Result<Field> search(const Adjacency& adjacency, std::span<const Source> sources
     return fail_limit(ErrorCode::value_out_of_range, "too many points for a mesh of this size",
                       most, points_per_edge, "points_per_edge");
   }
-  // A node has about six times as many neighbours as there are points on an edge.
+  // A face of a node has two or three times as many neighbours as there are points on an edge.
   Poll poll(cancel, std::max(8192 / points_per_edge, 1U));
   SteinerGraph graph(adjacency, points_per_edge, poll);
   if (poll.stopped()) return fail_stopped(cancel);
@@ -261,10 +305,10 @@ Result<Field> search(const Adjacency& adjacency, std::span<const Source> sources
   if (poll.stopped()) return fail_stopped(cancel);
   VertexHeap& heap = scratch.heap;
   heap.reset(graph.node_count());
-  SteinerFront front(adjacency, graph, field, *points, heap);
+  SteinerFront front(adjacency, graph, field, *points, heap, poll);
   for (std::uint32_t s = 0; s < sources.size(); ++s) front.start(sources[s], s);
   std::optional<Goal> goal;
-  if (goal_point != nullptr) goal.emplace(adjacency, graph, sources.front(), *goal_point);
+  if (goal_point != nullptr) goal.emplace(adjacency, graph, sources.front(), *goal_point, poll);
   RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
   std::uint64_t accepted = 0;
   while (!heap.empty() && !targets.done()) {
@@ -280,7 +324,11 @@ Result<Field> search(const Adjacency& adjacency, std::span<const Source> sources
     if (goal) goal->accept(next.vertex, next.key);
     front.spread_from(next.vertex, next.key);
   }
-  for (const VertexHeap::Entry& entry : heap.entries()) front.forget(entry.vertex);
+  for (const VertexHeap::Entry& entry : heap.entries()) {
+    if (poll.cancelled()) break;
+    front.forget(entry.vertex);
+  }
+  if (poll.stopped()) return fail_stopped(cancel);
   field.count_reached();
   if (limits.keep_details) {
     points->edge_of = graph.take_edges().of;
@@ -305,7 +353,7 @@ EdgeNumbers EdgeNumbers::count(const Adjacency& adjacency, Poll& poll) {
       do {
         edges.of[h] = number;
         h = adjacency.ring(h);
-      } while (h != first);
+      } while (h != first && !poll.cancelled());
     }
   }
   return edges;

@@ -5,10 +5,13 @@
 #include <cmath>
 #include <cstdint>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
+#include "core/copied_faces.h"
 #include "core/edge_points.h"
+#include "core/polled_sort.h"
 #include "core/steiner.h"
 
 namespace geodesic {
@@ -129,12 +132,16 @@ class StripGraph {
     std::sort(near_.begin(), near_.end());
     near_.erase(std::unique(near_.begin(), near_.end()), near_.end());
     const std::uint32_t reach = std::min(kReach, steps_ - 1);
+    std::unordered_set<Halfedge> known;  // of the vertex's edges that are in many faces
     for (const std::uint32_t v : near_) {
+      known.clear();
       for (const std::uint32_t corner : adjacency_.corners(v)) {
         if (poll.cancelled()) return;
         const std::uint32_t c = corner_of(corner);
         for (const std::uint32_t side : {c, previous_corner(c)}) {
-          const Halfedge edge = least_in_ring(adjacency_, halfedge(face_of(corner), side));
+          const Halfedge h = halfedge(face_of(corner), side);
+          if (known.contains(h)) continue;
+          const Halfedge edge = least_of_new_ring(h, known, poll);
           const bool is_low = ends_of(edge).first == v;
           windows_.push_back({edge, is_low ? 1 : steps_ - reach, is_low ? reach : steps_ - 1});
         }
@@ -142,10 +149,24 @@ class StripGraph {
     }
   }
 
+  // As least_in_ring. Where the edge is in more than two faces, it becomes known.
+  Halfedge least_of_new_ring(Halfedge h, std::unordered_set<Halfedge>& known, Poll& poll) const {
+    Halfedge least = h;
+    const bool is_shared = adjacency_.ring(adjacency_.ring(h)) != h;
+    for (Halfedge other = adjacency_.ring(h); other != h && !poll.cancelled();
+         other = adjacency_.ring(other)) {
+      least = std::min(least, other);
+      if (is_shared) known.insert(other);
+    }
+    return least;
+  }
+
   void make_nodes(Poll& poll) {
-    std::sort(windows_.begin(), windows_.end(), [](const Window& a, const Window& b) {
+    std::vector<Window> spare;
+    const auto earlier = [](const Window& a, const Window& b) {
       return std::pair{a.edge, a.first} < std::pair{b.edge, b.first};
-    });
+    };
+    polled_sort(windows_, 0, windows_.size(), earlier, spare, poll);
     for (std::size_t i = 0; i < windows_.size() && !poll.cancelled();) {
       const Halfedge edge = windows_[i].edge;
       const auto [low, high] = ends_of(edge);
@@ -179,23 +200,33 @@ class StripGraph {
       Halfedge h = edge;
       do {
         if (poll.cancelled()) return;
-        const std::uint32_t f = number_of(face_of(h));
-        for (std::uint32_t node = first; node < last; ++node) join(f, node);
+        if (!is_repeated(face_of(h))) {
+          const std::uint32_t f = number_of(face_of(h));
+          for (std::uint32_t node = first; node < last; ++node) join(f, node);
+        }
         h = adjacency_.ring(h);
       } while (h != edge);
     }
     for (const std::uint32_t end : {0U, 1U}) {
       if (ends_[end]->at_vertex()) continue;  // joined with the vertices
       for (const SurfacePoint& place : in_all_faces(adjacency_, *ends_[end])) {
-        join(number_of(place.face), end);
+        if (poll.cancelled()) return;
+        if (!is_repeated(place.face)) join(number_of(place.face), end);
       }
     }
     for (const auto& [face, f] : number_of_face_) {
+      if (poll.cancelled()) return;
       for (const std::uint32_t v : adjacency_.face(face).vertex) {
         const auto node = node_of_vertex_.find(v);
         if (node != node_of_vertex_.end()) join(f, node->second);
       }
     }
+  }
+
+  // Whether another face joins the same nodes: a later one with the same corners, and no end of
+  // the path is inside this one.
+  [[nodiscard]] bool is_repeated(std::uint32_t f) const {
+    return f != ends_[0]->face && f != ends_[1]->face && has_later_copy(adjacency_, f);
   }
 
   std::uint32_t number_of(std::uint32_t face) {

@@ -1,7 +1,10 @@
 #include "server/fields.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <functional>
+#include <optional>
+#include <unordered_set>
 
 #include "core/arrive_at_point.h"
 #include "core/exact_pair.h"
@@ -41,35 +44,54 @@ std::string key_of(const FieldQuestion& question, Details details) {
   return key;
 }
 
-// Every vertex whose distance decides that of one of the points. An edge may have as many
-// faces as it likes.
+// The ends of the edge that a point is on; nothing of one inside a face.
+std::optional<std::uint64_t> edge_of(const Adjacency& adjacency, const SurfacePoint& point) {
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    if (point.bary[previous_corner(c)] != 0) continue;
+    const FaceRecord& face = adjacency.face(point.face);
+    const auto [low, high] = std::minmax({face.vertex[c], face.vertex[next_corner(c)]});
+    return std::uint64_t{low} << 32U | high;
+  }
+  return std::nullopt;
+}
+
+// Every face that one of the points lies in, but for points at vertices. An edge may have as many
+// faces as it likes, and as many of the points: they count once.
+Result<std::vector<std::uint32_t>> faces_about(const Adjacency& adjacency,
+                                               std::span<const SurfacePoint> points,
+                                               const Cancel& cancel) {
+  std::vector<std::uint32_t> faces;
+  std::unordered_set<std::uint64_t> edges;
+  Poll poll(cancel);
+  for (const SurfacePoint& point : points) {
+    if (poll.cancelled()) return fail_stopped(cancel);
+    if (point.at_vertex()) continue;
+    const auto edge = edge_of(adjacency, point);
+    if (edge && !edges.insert(*edge).second) continue;
+    for (const SurfacePoint& place : in_all_faces(adjacency, point)) {
+      if (poll.cancelled()) return fail_stopped(cancel);
+      faces.push_back(place.face);
+    }
+  }
+  return faces;
+}
+
+// Every vertex whose distance decides that of one of the points.
 Result<std::vector<std::uint32_t>> vertices_about(const Adjacency& adjacency,
                                                   std::span<const SurfacePoint> points,
                                                   const Cancel& cancel) {
+  const auto faces = faces_about(adjacency, points, cancel);
+  if (!faces) return fail(faces.error());
   std::vector<std::uint32_t> vertices;
   Poll poll(cancel);
+  for (const std::uint32_t f : *faces) {
+    if (poll.cancelled()) return fail_stopped(cancel);
+    for (const std::uint32_t v : adjacency.face(f).vertex) vertices.push_back(v);
+  }
   for (const SurfacePoint& point : points) {
-    if (point.at_vertex()) {
-      vertices.push_back(point.vertex);
-      continue;
-    }
-    for (const SurfacePoint& place : in_all_faces(adjacency, point)) {
-      if (poll.cancelled()) return fail_stopped(cancel);
-      for (const std::uint32_t v : adjacency.face(place.face).vertex) vertices.push_back(v);
-    }
+    if (point.at_vertex()) vertices.push_back(point.vertex);
   }
   return vertices;
-}
-
-// Every face that one of the points lies in.
-std::vector<std::uint32_t> faces_about(const Adjacency& adjacency,
-                                       std::span<const SurfacePoint> points) {
-  std::vector<std::uint32_t> faces;
-  for (const SurfacePoint& point : points) {
-    if (point.at_vertex()) continue;
-    for (const SurfacePoint& place : in_all_faces(adjacency, point)) faces.push_back(place.face);
-  }
-  return faces;
 }
 
 Details details_for(std::span<const SurfacePoint> points) {
@@ -210,7 +232,10 @@ Result<PointDistances> Fields::at_points(const FieldQuestion& question,
 Result<PointDistances> Fields::table(const FieldQuestion& question,
                                      std::span<const SurfacePoint> from,
                                      std::span<const SurfacePoint> to, const Caller& caller) {
-  const auto targets = vertices_about(*question.adjacency, to, Cancel(std::cref(caller)));
+  const auto targets =
+      compute([&](SolveScratch&,
+                  const Cancel& cancel) { return vertices_about(*question.adjacency, to, cancel); },
+              caller.part(0, 0));
   if (!targets) return fail(targets.error());
   PointDistances table;
   table.hit = true;
@@ -257,9 +282,10 @@ Result<PointDistances> Fields::read_points(const FieldQuestion& question,
     limits.targets = targets;
     limits.keep_details = details == Details::kept;
     // A label may be at the end of a path, over any of the faces.
-    const std::vector<std::uint32_t> faces =
-        labels ? std::vector<std::uint32_t>() : faces_about(*question.adjacency, points);
-    limits.detail_faces = faces;
+    const auto faces =
+        faces_about(*question.adjacency, labels ? std::span<const SurfacePoint>() : points, cancel);
+    if (!faces) return fail(faces.error());
+    limits.detail_faces = *faces;
     auto part = solve(question, limits, scratch, cancel, caller);
     if (!part) return fail(std::move(part.error()));
     field = std::make_shared<const Field>(std::move(*part));
