@@ -83,6 +83,10 @@ GEODESIC_LANES_INLINE void to_side(const Beams& beams, std::size_t first, std::s
   const double length = side.length;
   const Reals none{};
   const Reals whole = none + length;
+  // In a face that is a line rays go over a side where they come over the base, though their source
+  // may lie on the line too.
+  const bool is_line = sine == 0;
+  const Reals one = none + 1;
   // A source above a side's line by no more than this part of its distance is on it.
   constexpr double kOnLine = 1e-8;
   // From the base's tail to its head is the same as back again, mirrored.
@@ -104,10 +108,11 @@ GEODESIC_LANES_INLINE void to_side(const Beams& beams, std::size_t first, std::s
     far = shift + sign * far;
     x = shift + sign * x;
     crossing = shift + sign * crossing;
-    const Reals below_near = y * cosine + (x - near) * sine;
-    const Reals below_far = y * cosine + (x - far) * sine;
-    Reals low = near * y / below_near;
-    Reals high = far * y / below_far;
+    const Reals lift = is_line ? one : y;
+    const Reals below_near = lift * cosine + (x - near) * sine;
+    const Reals below_far = lift * cosine + (x - far) * sine;
+    Reals low = near * lift / below_near;
+    Reals high = far * lift / below_far;
     low = low < whole ? low : whole;
     low = below_near > 0 ? low : (near > 0 ? whole : none);
     high = high < whole ? high : whole;

@@ -19,6 +19,9 @@ namespace {
 constexpr double kAngle = 1e-9;
 // A face lower than this part of its longest side is too thin to measure angles in.
 constexpr double kThin = 1e-10;
+// A face lower than this part of its shortest side is a line.
+constexpr double kFlat = 1e-14;
+
 // The length of side c of a face that need not be one of the mesh. Where it is lost in the face's
 // products, the face is one of the mesh.
 double length_of(const FaceRecord& face, std::uint32_t c, std::span<const Vec3> positions) {
@@ -152,7 +155,10 @@ std::vector<double> Frames::measure_faces(Poll& poll) {
     if (!(record.area2 > kThin * longest_length * longest_length)) {
       for (const std::uint32_t v : record.vertex) bends_[v] = Bends::everywhere;
     }
-    sum += std::min(length(f, next_corner(longest)), length(f, previous_corner(longest)));
+    const double shortest =
+        std::min(length(f, next_corner(longest)), length(f, previous_corner(longest)));
+    if (!(record.area2 > kFlat * longest_length * shortest)) faces_[f].reversed |= FaceFrame::kFlat;
+    sum += shortest;
   }
   mean_shortest_side_ = sum / static_cast<double>(faces_.size());
   return angle_sum;

@@ -19,11 +19,14 @@ namespace geodesic::exact {
 
 struct FaceFrame {
   std::array<std::uint32_t, 3> edge;  // side c, from vertex[c] to vertex[c + 1]
-  // Bit c: side c goes from the edge's head to its tail; bit 3: a face before has the same edges.
+  // Bit c: side c goes from the edge's head to its tail; bit 3: a face before has the same edges;
+  // bit 4: its corners lie on one line, as far as rounding can tell, or two in one place.
   std::uint32_t reversed;
 
   [[nodiscard]] bool is_copy() const { return (reversed & kCopy) != 0; }
   static constexpr std::uint32_t kCopy = 8;
+  [[nodiscard]] bool is_flat() const { return (reversed & kFlat) != 0; }
+  static constexpr std::uint32_t kFlat = 16;
   [[nodiscard]] bool is_reversed(std::uint32_t c) const { return ((reversed >> c) & 1U) != 0; }
 };
 
@@ -60,6 +63,10 @@ class Frames {
   }
   [[nodiscard]] CornerAngle angle(std::uint32_t f, std::uint32_t c) const {
     const FaceRecord& record = surface_.faces[f];
+    // A line, exactly: what rounding would leave of a height, or make of sides of no length, light
+    // along the line would take for one.
+    if (faces_[f].is_flat()) [[unlikely]]
+      return {c == previous_corner(record.longest_side()) ? -1.0 : 1.0, 0};
     const double product = length(f, c) * length(f, previous_corner(c));
     const double x = record.dot[c] / product;
     const double y = record.area2 / product;

@@ -248,11 +248,17 @@ void Propagation::reach_apex(const ListOverFace& list) {
 }
 
 // Over the sides from the far corner to the base's tail and from the base's head to it. Where
-// only the best beam may come to one, mostly it does not.
+// only the best beam may come to one, mostly it does not. Over a face that is a line a ray goes on
+// at the place where it came, so that none of them cross, and each goes to the side that has it.
 void Propagation::cross_to_sides(const ListOverFace& list) {
   const Beams& beams = memory_.beams;
   propagated_ += list.last - list.first;
   const std::size_t best = list.best;
+  if (frames_.face(face_of(list.base)).is_flat()) [[unlikely]] {
+    cross_to_side(list, false, list.first, list.last);
+    cross_to_side(list, true, list.first, list.last);
+    return;
+  }
   if (best > list.first || beams.begin[best] < beams.crossing[best]) {
     cross_to_side(list, false, list.first, best + 1);
   }
