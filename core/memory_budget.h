@@ -29,10 +29,6 @@ class MemoryBudget {
 
   // Why not, once it was refused.
   [[nodiscard]] const std::optional<Error>& refusal() const { return refusal_; }
-  // It was refused elsewhere.
-  void refuse(Error why) {
-    if (!refusal_) refusal_ = std::move(why);
-  }
 
  private:
   Ask ask_;

@@ -12,6 +12,7 @@
 #include "core/straightest_geodesic.h"
 #include "core/trace_path.h"
 #include "server/field_queries.h"
+#include "server/path_points.h"
 #include "server/query_place.h"
 #include "server/timed.h"
 
@@ -120,13 +121,6 @@ std::string_view name_of(StraightestGeodesic::End end) {
   return "length";
 }
 
-std::vector<proto::PathReplyPoint> reply_points(const Mesh& mesh, const Path& path) {
-  std::vector<proto::PathReplyPoint> points;
-  points.reserve(path.points.size());
-  for (const PathPoint& point : path.points) points.push_back(path_reply_point(mesh, point));
-  return points;
-}
-
 }  // namespace
 
 Result<Answered<proto::PathReply>> FieldQueries::answer(const std::string& mesh,
@@ -164,7 +158,7 @@ Result<Answered<proto::PathReply>> FieldQueries::answer(const std::string& mesh,
   const Path path = join_paths(legs);
   reply.reachable = true;
   reply.length = path.length;
-  reply.points = reply_points(place->mesh(), path);
+  reply.points = path_points(*place->adjacency(), path);
   return answer;
 }
 
@@ -194,7 +188,7 @@ Result<Answered<proto::TraceReply>> FieldQueries::answer(const std::string& mesh
   reply.length = found->path.length;
   reply.end = name_of(found->end);
   reply.direction_at_end = found->direction_at_end;
-  reply.points = reply_points(place->mesh(), found->path);
+  reply.points = path_points(*place->adjacency(), found->path);
   reply.to = reply_point(place->mesh(), found->path.points.back().point);
   return answer;
 }

@@ -140,8 +140,4 @@ proto::ResolvedPoint reply_point(const Mesh& mesh, const SurfacePoint& point) {
   return reply;
 }
 
-proto::PathReplyPoint path_reply_point(const Mesh& mesh, const PathPoint& point) {
-  return {point.position, source_face(mesh, point.point.face), point.point.bary};
-}
-
 }  // namespace geodesic::server

@@ -6,7 +6,6 @@
 #include "core/closest_point.h"
 #include "core/error.h"
 #include "core/surface_point.h"
-#include "core/trace_path.h"
 #include "proto/point_request.h"
 #include "proto/query_replies.h"
 
@@ -30,8 +29,5 @@ struct PlacedPoint {
 
 // What a reply says of a place on the mesh.
 [[nodiscard]] proto::ResolvedPoint reply_point(const Mesh& mesh, const SurfacePoint& point);
-
-// A point of a path, in the client's numbers.
-[[nodiscard]] proto::PathReplyPoint path_reply_point(const Mesh& mesh, const PathPoint& point);
 
 }  // namespace geodesic::server

@@ -2,10 +2,13 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <random>
 #include <string>
 #include <vector>
 
+#include "tests/fixtures/test_seed.h"
 #include "tests/server/plane_service.h"
 
 using namespace geodesic;
@@ -140,4 +143,72 @@ TEST_CASE("PathThroughPointsUsesFieldsThatAreThere") {
         "hit");
   const HttpResponse f64 = plane.service.get(plane.base + query + "&format=f64");
   CHECK(std::stod(header_of(f64, "Geo-Length")) == plane.ask(query)["length"].get<double>());
+}
+
+// Along edges, each segment is in two faces. Which of them a search comes through depends on
+// whether a field was there, and on the method.
+TEST_CASE("AlongAnEdgeAPathNamesTheFaceOfTheLeastNumber") {
+  constexpr std::uint32_t kSide = 75;  // as many vertices as it takes to search for pairs
+  const TriangleSoup soup = shapes::plane(kSide, kSide);
+  const auto least_face_with = [&](std::uint32_t a, std::uint32_t b) {
+    for (std::uint32_t f = 0; f < soup.faces.size(); ++f) {
+      const auto& corners = soup.faces[f];
+      const auto has = [&](auto v) { return std::ranges::count(corners, v) > 0; };
+      if (has(a) && has(b)) return f;
+    }
+    return kNone;
+  };
+  const auto vertex_at = [](const json& xyz) {
+    return static_cast<std::uint32_t>(std::lround(xyz[0].get<double>()) +
+                                      kSide * std::lround(xyz[1].get<double>()));
+  };
+  const auto is_vertex = [](const json& xyz) {
+    return std::ranges::all_of(
+        xyz, [](const json& x) { return x.get<double>() == std::round(x.get<double>()); });
+  };
+  std::mt19937 random(fixtures::test_seed());
+  int checked = 0;
+  for (const bool is_warm : {false, true}) {
+    Config config;
+    config.field_cache_bytes = is_warm ? std::uint64_t{1} << 30 : 0;
+    config.reply_cache_bytes = 0;
+    PlaneService plane(config);
+    const std::string base = plane.add(soup);
+    for (const std::string method :
+         {"auto", "wavefront", "exact", "chen_han", "dijkstra", "fast_marching"}) {
+      const auto line = static_cast<std::uint32_t>(random() % kSide);
+      const auto begin = static_cast<std::uint32_t>(random() % 40);
+      const std::uint32_t end = begin + 5 + static_cast<std::uint32_t>(random() % 25);
+      for (const auto& [from, to] : {std::array{line * kSide + begin, line * kSide + end},
+                                     std::array{end * kSide + line, begin * kSide + line}}) {
+        for (int time = 0; time < (is_warm ? 3 : 1); ++time) {
+          const std::string target = base + "/path?from=v:" + std::to_string(from) +
+                                     "&to=v:" + std::to_string(to) + "&method=" + method;
+          CAPTURE(target);
+          const HttpResponse response = plane.service.get(target);
+          REQUIRE(response.status == 200);
+          const json points = body_of(response)["points"];
+          REQUIRE(points.size() > 1);
+          for (std::size_t i = 0; i < points.size(); ++i) {
+            const std::size_t next = std::min(i + 1, points.size() - 1);
+            const std::uint32_t a = vertex_at(points[next - 1]["xyz"]);
+            const std::uint32_t b = vertex_at(points[next]["xyz"]);
+            // An approximate way round.
+            if (!is_vertex(points[next - 1]["xyz"]) || !is_vertex(points[next]["xyz"])) continue;
+            if (least_face_with(a, b) == kNone) continue;
+            ++checked;
+            REQUIRE(points[i]["face"] == least_face_with(a, b));
+            const auto& corners = soup.faces[points[i]["face"].get<std::size_t>()];
+            Vec3 place{0, 0, 0};
+            for (std::size_t c = 0; c < 3; ++c) {
+              place = place + points[i]["bary"][c].get<double>() * soup.positions[corners[c]];
+            }
+            const json& xyz = points[i]["xyz"];
+            CHECK(distance(place, Vec3{xyz[0].get<double>(), xyz[1].get<double>(), 0}) < 1e-9);
+          }
+        }
+      }
+    }
+  }
+  CHECK(checked > 200);
 }

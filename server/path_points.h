@@ -1,0 +1,18 @@
+// The points of a path as a reply tells of them.
+#pragma once
+
+#include <vector>
+
+#include "core/adjacency.h"
+#include "core/trace_path.h"
+#include "proto/query_replies.h"
+
+namespace geodesic::server {
+
+// Each in the face of the segment that leaves it, the last one in that of the segment that comes
+// to it. A segment along an edge is in all of the edge's faces: then the one of the least number
+// in the file is named, whichever the search came through.
+[[nodiscard]] std::vector<proto::PathReplyPoint> path_points(const Adjacency& adjacency,
+                                                             const Path& path);
+
+}  // namespace geodesic::server
