@@ -15,7 +15,7 @@ Result<Field> chen_han_field(const Adjacency& adjacency, std::span<const Source>
   Poll poll(cancel);
   chen_han::Front front(adjacency, field, limits, scratch, poll);
   if (poll.stopped()) return fail_stopped(cancel);
-  for (std::uint32_t s = 0; s < sources.size(); ++s) front.start(s);
+  for (std::uint32_t s = 0; s < sources.size() && !poll.stopped(); ++s) front.start(s);
 
   // Whatever comes out of the queue later is farther: the distances up to its key are
   // final (the "continuous Dijkstra" order).

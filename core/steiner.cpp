@@ -306,7 +306,8 @@ Result<Field> search(const Adjacency& adjacency, std::span<const Source> sources
   VertexHeap& heap = scratch.heap;
   heap.reset(graph.node_count());
   SteinerFront front(adjacency, graph, field, *points, heap, poll);
-  for (std::uint32_t s = 0; s < sources.size(); ++s) front.start(sources[s], s);
+  // Each may be in all faces.
+  for (std::uint32_t s = 0; s < sources.size() && !poll.stopped(); ++s) front.start(sources[s], s);
   std::optional<Goal> goal;
   if (goal_point != nullptr) goal.emplace(adjacency, graph, sources.front(), *goal_point, poll);
   RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);

@@ -1,5 +1,5 @@
-// Edges of thousands of faces, and the same face thousands of times over: an exact field there
-// takes no more than n log n, and asks whether to stop.
+// Edges of thousands of faces, and the same face thousands of times over: a field by windows or by
+// points on edges takes no more than n log n, and asks whether to stop.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ constexpr double kLongestWithoutAQuestion = 0.5;
 constexpr double kMostWork = 5;
 
 void check_that_it_ends(const Surface& surface, const Source& source) {
-  for (const Method method : {Method::exact, Method::chen_han}) {
+  for (const Method method : {Method::exact, Method::chen_han, Method::steiner}) {
     for (const bool keep_details : {false, true}) {
       CAPTURE(static_cast<int>(method));
       CAPTURE(keep_details);
@@ -64,6 +64,20 @@ TEST_CASE("AFaceThousandsOfTimesOverIsCrossedOnce") {
   const Surface surface(soup);
   check_that_it_ends(surface, {surface.at(0), 0});
   check_that_it_ends(surface, {surface.on(50'000, {0.25, 0.25, 0.5}), 0});
+  check_that_it_ends(surface, {surface.on(50'000, {0.5, 0.5, 0}), 0});
+}
+
+// Light goes to and fro between two of them, and may cross each once.
+TEST_CASE("AThinFaceThousandsOfTimesOverIsCrossedOnce") {
+  for (const double height : {1e-3, 1e-6, 1e-9, 1e-12}) {
+    CAPTURE(height);
+    TriangleSoup soup{{{0, 0, 0}, {1, 0, 0}, {0.4, height, 0}}, {}};
+    soup.faces.assign(20'000, {0, 1, 2});
+    const Surface surface(soup);
+    check_that_it_ends(surface, {surface.at(2), 0});
+    check_that_it_ends(surface, {surface.on(10'000, {0.25, 0.25, 0.5}), 0});
+    check_that_it_ends(surface, {surface.on(10'000, {0.5, 0.5, 0}), 0});
+  }
 }
 
 TEST_CASE("ABookOfThousandsOfPagesIsReadOnce") {

@@ -10,61 +10,14 @@
 
 #include "core/crowded_edges.h"
 #include "core/pair_search.h"
+#include "tests/core/crowded_meshes.h"
 #include "tests/fixtures/surface.h"
 
 using namespace geodesic;
+using namespace crowded;
 using fixtures::Surface;
 
 namespace {
-
-constexpr std::uint32_t kFaces = 20'000;
-
-TriangleSoup copies(double height) {
-  return {{{0, 0, 0}, {1, 0, 0}, {0.4, height, 0}}, std::vector<Triangle>(kFaces, {0, 1, 2})};
-}
-
-// Pages of `rows` rows of two faces on one edge from 0 to 1, each with its own vertices.
-TriangleSoup book(std::uint32_t pages, std::uint32_t rows) {
-  TriangleSoup soup{{{0, 0, 0}, {0, 1, 0}}, {}};
-  for (std::uint32_t p = 0; p < pages; ++p) {
-    const double angle = 2 * std::numbers::pi * p / pages;
-    std::uint32_t low = 0;
-    std::uint32_t high = 1;
-    for (std::uint32_t r = 1; r <= rows; ++r) {
-      const auto next = static_cast<std::uint32_t>(soup.positions.size());
-      soup.positions.push_back({r * std::cos(angle), 0, r * std::sin(angle)});
-      soup.positions.push_back({r * std::cos(angle), 1, r * std::sin(angle)});
-      soup.faces.push_back({low, next, high});
-      soup.faces.push_back({next, next + 1, high});
-      low = next;
-      high = next + 1;
-    }
-  }
-  return soup;
-}
-
-TriangleSoup fan() {
-  TriangleSoup soup{{{0, 0, 0.1}}, {}};
-  for (std::uint32_t i = 0; i < kFaces; ++i) {
-    const double angle = 2 * std::numbers::pi * i / kFaces;
-    soup.positions.push_back({std::cos(angle), std::sin(angle), 0});
-    soup.faces.push_back({0, 1 + i, 1 + (i + 1) % kFaces});
-  }
-  return soup;
-}
-
-struct Crowd {
-  std::string name;
-  TriangleSoup soup;
-};
-
-std::vector<Crowd> crowds() {
-  return {{"copies of a triangle", copies(0.7)},
-          {"copies of a thin one", copies(1e-9)},
-          {"a book of single rows", book(kFaces / 2, 1)},
-          {"a book of four rows", book(kFaces / 8, 4)},
-          {"a fan", fan()}};
-}
 
 struct Named {
   std::string name;
@@ -75,7 +28,8 @@ struct Named {
 const Named kMethods[] = {
     {"auto", Method::back_traced},  {"upper", Method::back_traced, Bound::upper},
     {"dijkstra", Method::dijkstra}, {"wavefront", Method::wavefront},
-    {"novotni", Method::novotni},   {"fast_marching", Method::fast_marching}};
+    {"novotni", Method::novotni},   {"fast_marching", Method::fast_marching},
+    {"steiner", Method::steiner}};
 
 }  // namespace
 
@@ -83,8 +37,8 @@ TEST_CASE("CrowdsAreSolvedInStepsAndMemoryAsOtherSurfaces") {
   for (const Crowd& crowd : crowds()) {
     CAPTURE(crowd.name);
     const Surface surface(crowd.soup);
-    const std::vector<SurfacePoint> points{surface.at(0), surface.at(2),
-                                           surface.on(7, {0.2, 0.3, 0.5})};
+    const std::vector<SurfacePoint> points{
+        surface.at(0), surface.at(2), surface.on(7, {0.2, 0.3, 0.5}), surface.on(7, {0.5, 0.5, 0})};
     for (const Named& by : kMethods) {
       CAPTURE(by.name);
       MethodOptions options;
