@@ -4,13 +4,14 @@
 
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
-#include <unordered_set>
 #include <vector>
 
 namespace geodesic::proto {
 
-// Told of all that nlohmann's parser comes to. Holds the names of the objects around.
+// Told of all that nlohmann's parser comes to. Holds the names of the objects around, in order:
+// names can be chosen so that a hash table becomes as slow as a list.
 class RepeatedNames {
  public:
   // `parsed`: the parser's json or ordered_json.
@@ -29,7 +30,7 @@ class RepeatedNames {
   [[nodiscard]] const std::optional<std::string>& first() const { return first_; }
 
  private:
-  std::vector<std::unordered_set<std::string>> open_;  // names of the objects around
+  std::vector<std::set<std::string>> open_;  // names of the objects around
   std::optional<std::string> first_;
 };
 

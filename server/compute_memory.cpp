@@ -80,11 +80,14 @@ bool JobMemory::has_freed_much() const { return most_ - held_ > kMuch; }
 bool JobMemory::is_within(std::uint64_t bytes) const {
   if (limit_ != 0 && held() + bytes > limit_) return false;
   const std::uint64_t all = all_.limit_;
-  return all == 0 || not_negative(all_.held_ + held_ - told_) + bytes <= all;
+  return all == 0 || held_by_all() + bytes <= all;
 }
+
+std::uint64_t JobMemory::held_by_all() const { return not_negative(all_.held_ + held_ - told_); }
 
 std::optional<Error> JobMemory::ask(std::uint64_t bytes) {
   if (is_within(bytes)) return std::nullopt;
+  held_at_refusal_ = held();
   const std::uint64_t wanted = held() + bytes;
   if (limit_ != 0 && wanted > limit_) {
     ++all_.refused_;
@@ -102,12 +105,12 @@ std::optional<Error> JobMemory::ask(std::uint64_t bytes) {
                "other computations hold the memory that this one needs",
                {},
                all_.limit_,
-               wanted};
+               held_by_all() + bytes};
 }
 
 bool JobMemory::may_allocate(std::size_t bytes) {
   if (is_within(bytes) || asks_) return true;
-  if (refusal()) return limit_ == 0 || held() + bytes <= limit_ + kToEnd;
+  if (refusal()) return held() + bytes <= held_at_refusal_ + kToEnd;
   asks_ = true;  // the error itself takes some
   const bool may = budget_.may_take(bytes);
   asks_ = false;

@@ -96,6 +96,7 @@ class JobMemory {
  private:
   [[nodiscard]] std::optional<Error> ask(std::uint64_t bytes);
   [[nodiscard]] bool is_within(std::uint64_t bytes) const;
+  [[nodiscard]] std::uint64_t held_by_all() const;
   void tell();
 
   ComputeMemory& all_;
@@ -106,6 +107,7 @@ class JobMemory {
   std::int64_t told_;  // of that, what `all_` knows
   std::int64_t most_;
   std::uint64_t kept_;
+  std::uint64_t held_at_refusal_ = 0;
   bool asks_ = false;  // nothing is refused
   MemoryBudget budget_;
 };
