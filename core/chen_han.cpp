@@ -2,6 +2,7 @@
 
 #include "core/chen_han_front.h"
 #include "core/remaining_targets.h"
+#include "core/straight_floor.h"
 #include "core/vertex_front.h"
 
 namespace geodesic {
@@ -39,6 +40,8 @@ Result<Field> chen_han_field(const Adjacency& adjacency, std::span<const Source>
     }
     if (scratch.bends[next.vertex] == 2) front.spread_from(next.vertex);
   }
+  // Where points are as far apart as rounding moves them, windows say less than space does.
+  raise_to_straight_lines(adjacency.mesh(), field, poll);
   field.forget_beyond(last);
   if (limits.keep_details) field.windows = front.take_windows();
   if (poll.stopped()) return fail_stopped(cancel);

@@ -53,9 +53,9 @@ struct ChenHanScratch {
 };
 
 // The distances from the nearest of the sources, exact up to rounding: each is the
-// length of a path on the surface. With keep_details, field.windows has every window
-// that was passed on and is not known to be useless; the least over the windows that
-// light a face, its corners and the sources in it is exact at each of its points.
+// length of a path on the surface, and none is below the straight line in space. With keep_details,
+// field.windows has every window that was passed on and is not known to be useless; the least over
+// the windows that light a face, its corners and the sources in it is exact at each of its points.
 // With no source everything is unreached.
 //
 // O(n^2 log n) for n faces without non-manifold edges; far less on scanned meshes.

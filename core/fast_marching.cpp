@@ -4,6 +4,7 @@
 #include <span>
 #include <utility>
 
+#include "core/straight_floor.h"
 #include "core/vertex_front.h"
 
 namespace geodesic {
@@ -279,6 +280,10 @@ Result<Field> fast_marching_field(const Adjacency& adjacency, std::span<const So
   if (poll.stopped()) return fail_stopped(cancel);
   auto settled = settle_vertices(front, heap, limits, scratch.is_target, poll, field);
   if (!settled) return fail(std::move(settled.error()));
+  raise_to_straight_lines(adjacency.mesh(), field, poll);
+  if (poll.stopped()) return fail_stopped(cancel);
+  if (limits.max < kUnreached) field.forget_beyond(limits.max);
+  field.count_reached();
   return field;
 }
 

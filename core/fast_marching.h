@@ -93,7 +93,7 @@ struct FastMarchingScratch {
 // The distances from the nearest of the sources: one front of them all. From a
 // source to the vertices of the faces it lies in the way is straight. A distance
 // may lie a little above or below the true one, and is never above the way along
-// edges. O(n log n) for n vertices. Errors: cancelled.
+// edges, nor below the straight line in space. O(n log n) for n vertices. Errors: cancelled.
 [[nodiscard]] Result<Field> fast_marching_field(const Adjacency& adjacency,
                                                 std::span<const Source> sources,
                                                 const FieldLimits& limits,

@@ -16,9 +16,10 @@ namespace geodesic {
 
 // The apex's distance: straight from the virtual source, whether or not the line
 // crosses the base (their section 4). Past an end of the base the line leaves the
-// surface that the distances are known for, and is too short. Where the circles do
-// not meet there is no virtual source, and the ways along the sides remain.
-// `which` and `crossing` say what Tang et al. would have done, for the trace back.
+// surface that the distances are known for, and is too short; what comes out below the straight
+// line in space is raised to that in the end. Where the circles do not meet there is no virtual
+// source, and the ways along the sides remain. `which` and `crossing` say what Tang et al. would
+// have done, for the trace back.
 [[nodiscard]] inline Arrival arrive_without_cases(double dp, double dq, const UnfoldedApex& w) {
   Arrival arrival = arrive(dp, dq, w);
   const double base2 = w.base2();

@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
+#include "core/straight_floor.h"
 #include "core/wavefront.h"
 #include "core/wavefront_kernel.h"
 #include "core/waves.h"
@@ -22,12 +24,17 @@ Result<Field> waves_field(Method method, const Adjacency& adjacency,
   field.parents.assign(vertex_count, {});
   scratch.heap.reset(vertex_count);
   Poll poll(cancel);
+  // A search for a pair costs what it goes over, not what the mesh has.
+  const bool is_search = sources.size() == 1 && limits.detour.is_bounded();
+  std::vector<std::uint32_t> visited;
   if (sources.size() == 1) {
     Wavefront<VertexHeap, kArrive> front(adjacency, scratch.heap, field.distance.doubles(),
                                          field.parents);
     RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
     auto wave = run_wave(front, adjacency, sources[0], 0, 1, {}, limits.max, limits.detour, targets,
-                         scratch.heap, poll, [](std::uint32_t) {});
+                         scratch.heap, poll, [&](std::uint32_t v) {
+                           if (is_search) visited.push_back(v);
+                         });
     if (!wave) return fail(wave.error());
     if (sources[0].offset != 0) {
       for (double& d : field.distance.doubles()) d += sources[0].offset;
@@ -50,6 +57,15 @@ Result<Field> waves_field(Method method, const Adjacency& adjacency,
     if (!waves) return fail(waves.error());
   }
 
+  // On faces without area circles say next to nothing, and past an end of their base any way is
+  // too short.
+  if (is_search) {
+    raise_to_straight_lines(adjacency.mesh(), visited, field, poll);
+  } else {
+    raise_to_straight_lines(adjacency.mesh(), field, poll);
+  }
+  if (poll.stopped()) return fail_stopped(cancel);
+  if (limits.max < kUnreached) field.forget_beyond(limits.max);
   field.count_reached();
   return field;
 }

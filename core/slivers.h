@@ -1,4 +1,4 @@
-// Whether ways from the sources lead across slivers.
+// Whether ways from the sources lead across slivers, or the surface is made of them.
 #pragma once
 
 #include <algorithm>
@@ -37,6 +37,22 @@ namespace geodesic {
     if (width * width > 0.5 * kWide * faces[f].area2) ++wide;
   }
   return kShare * wide > count;
+}
+
+// Where more than one face in ten, of a sample, is lower than a tenth of its longest side.
+[[nodiscard]] inline bool is_of_slivers(const Triangulation& surface) {
+  constexpr double kLow = 0.1;
+  constexpr std::size_t kShare = 10;
+  constexpr std::size_t kSample = 512;
+  const std::size_t step = surface.faces.size() / kSample + 1;
+  std::size_t low = 0;
+  std::size_t count = 0;
+  for (std::size_t f = 0; f < surface.faces.size(); f += step, ++count) {
+    const FaceRecord& face = surface.faces[f];
+    const double longest2 = std::max({face.length2(0), face.length2(1), face.length2(2)});
+    if (!(face.area2 > kLow * longest2)) ++low;
+  }
+  return kShare * low > count;
 }
 
 }  // namespace geodesic

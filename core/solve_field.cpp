@@ -1,5 +1,8 @@
 #include "core/solve_field.h"
 
+#include <cstddef>
+#include <utility>
+
 #include "core/edge_dijkstra.h"
 #include "core/novotni.h"
 #include "core/slivers.h"
@@ -9,12 +12,46 @@
 namespace geodesic {
 namespace {
 
-// An upper bound where no trace comes to a vertex near the way: paths along such are 1 to 20 %
-// too long, while the sides of slivers have few windows. Rounded as the other bounds are.
+// What may be missing from distances by windows, of the mesh's extent and of a distance: windows
+// keep no account of their rounding. Against 113 bits, on small surfaces of sides from 1 to 1e9,
+// they were never below by more than 6e-13.
+constexpr double kWindowRounding = 1e-11;
+
+bool is_even(const Adjacency& adjacency) {
+  return adjacency.triangulation().is_even && adjacency.delaunay().is_even;
+}
+
+// Distances by windows, made longer by what rounding may have taken; where ways that were traced
+// are shorter, which keep an account, those. Both with the same limits.
+Result<Field> lesser_of_both(Field by_windows, const Adjacency& adjacency,
+                             std::span<const Source> sources, const FieldLimits& limits,
+                             SolveScratch& scratch, const Cancel& cancel) {
+  auto traced =
+      back_traced_field(adjacency, sources, limits, Bound::upper, scratch.back_traced, cancel);
+  if (!traced) return traced;
+  const auto& box = adjacency.mesh().box();
+  const double extent = norm(box.max - box.min);
+  const std::span<double> distance = by_windows.distance.doubles();
+  for (std::size_t v = 0; v < distance.size(); ++v) {
+    if (distance[v] == kUnreached) continue;
+    distance[v] += kWindowRounding * (extent + distance[v]);
+    if (!(traced->distance[v] <= distance[v])) continue;
+    distance[v] = traced->distance[v];
+    if (sources.size() > 1) by_windows.nearest_source[v] = traced->nearest_source[v];
+  }
+  return by_windows;
+}
+
+// An upper bound where no trace comes to a vertex near the way: paths along such are from 1 to
+// 20 % too long, or many times, while the sides of slivers have few windows. Rounded as the other
+// bounds are.
 Result<Field> bound_across_slivers(const Adjacency& adjacency, std::span<const Source> sources,
                                    const FieldLimits& limits, SolveScratch& scratch,
                                    const Cancel& cancel) {
   auto field = field_within(0, adjacency, sources, limits, scratch.exact, cancel);
+  if (field && !is_even(adjacency)) {
+    field = lesser_of_both(std::move(*field), adjacency, sources, limits, scratch, cancel);
+  }
   if (!field) return field;
   Poll poll(cancel);
   const bool is_any_below = raise_to_straight_lines(adjacency.mesh(), *field, poll);
@@ -35,10 +72,11 @@ bool goes_by_windows(Method method, const MethodOptions& options, const Adjacenc
   if (method == Method::exact || method == Method::chen_han) return true;
   if (method != Method::back_traced) return false;
   if (options.error_at_most) return true;
-  // Windows keep no account of their rounding, which an upper bound needs where sides differ by
-  // many powers of ten.
-  const bool is_even = adjacency.triangulation().is_even && adjacency.delaunay().is_even;
-  return options.bound == Bound::upper && is_even && leads_across_slivers(adjacency, sources);
+  if (options.bound != Bound::upper) return false;
+  // Where sides differ by many powers of ten, few edges can be flipped, and slivers on which
+  // straight ways from the source lead along are crossed by those to other vertices.
+  return leads_across_slivers(adjacency, sources) ||
+         (!is_even(adjacency) && is_of_slivers(adjacency.delaunay()));
 }
 
 Result<Field> solve_field(Method method, const MethodOptions& options, const Adjacency& adjacency,

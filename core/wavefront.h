@@ -26,7 +26,8 @@ struct WavefrontScratch {
 
 // The distances from the nearest of the sources. The paper's wavefront has one
 // source; with several, each has a wave of its own, which stops where an earlier
-// one was nearer: circles of two sources mean nothing together.
+// one was nearer: circles of two sources mean nothing together. No distance is below the
+// straight line in space: what the rule makes less, as across faces without area, is raised to it.
 //
 // O(n log n) for n vertices and one source; with k sources about log k times that.
 // With no source everything is unreached. Errors: cancelled.

@@ -155,3 +155,29 @@ TEST_CASE("ARingAsNarrowAsRoundingIsAPole") {
     }
   }
 }
+
+// Straight ways between tips cross hundreds of faces with no vertex near them.
+TEST_CASE("AnUpperBoundOfFansIsAboveTheTruthByLittle") {
+  std::mt19937 random(fixtures::test_seed());
+  for (int round = 0; round < 300; ++round) {
+    CAPTURE(round);
+    const Surface surface(fixtures::any_fan(random));
+    const std::uint32_t from = random() % surface.mesh().vertex_count();
+    const SurfacePoint source = at(surface, from);
+    const auto exact = distances(surface, Method::exact, source);
+    const auto upper = distances(surface, Method::back_traced, source, Bound::upper);
+    // As on any other surface where sides are alike; where they are not, windows are computed.
+    const bool is_even =
+        surface.adjacency().triangulation().is_even && surface.adjacency().delaunay().is_even;
+    const double above = is_even ? 0.1 : 0.01;
+    const Box box = surface.mesh().box();
+    const double rounding = 3e-11 * norm(box.max - box.min);
+    for (std::uint32_t v = 0; v < exact.size(); ++v) {
+      CAPTURE(v);
+      CAPTURE(exact[v]);
+      CAPTURE(upper[v]);
+      CHECK(upper[v] >= exact[v] * (1 - kRounding) - rounding);
+      CHECK(upper[v] <= exact[v] * (1 + above) + rounding);
+    }
+  }
+}
