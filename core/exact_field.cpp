@@ -52,7 +52,11 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   if (keep_windows && !limits.detail_faces.empty()) {
     propagation.keep_windows_of(limits.detail_faces);
   }
-  for (std::uint32_t s = 0; s < sources.size(); ++s) propagation.start(sources[s], s);
+  for (std::uint32_t s = 0; s < sources.size(); ++s) {
+    // Each may be in all faces.
+    if (s > 0 && poll.ask()) return fail_stopped(cancel);
+    propagation.start(sources[s], s);
+  }
 
   std::vector<std::uint32_t> targets(limits.targets.begin(), limits.targets.end());
   // True once every target's distance is final.

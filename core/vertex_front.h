@@ -35,7 +35,11 @@ template <class Front>
                                            std::vector<std::uint8_t>& marks, Poll& poll,
                                            Field& field) {
   const std::size_t vertex_count = field.distance.size();
-  for (std::uint32_t s = 0; s < field.sources.size(); ++s) front.start(field.sources[s], s);
+  for (std::uint32_t s = 0; s < field.sources.size(); ++s) {
+    // Each may be in all faces.
+    if (s > 0 && poll.ask()) return fail_stopped(poll);
+    front.start(field.sources[s], s);
+  }
   RemainingTargets targets(limits.targets, vertex_count, marks);
   std::uint64_t accepted = 0;
   while (!heap.empty() && !targets.done()) {
