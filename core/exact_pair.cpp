@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/arrive_at_point.h"
+#include "core/longest_edge.h"
 #include "core/trace_path.h"
 
 namespace geodesic {
@@ -81,13 +82,18 @@ class ExactPair {
       const auto vertices = adjacency.face(f).vertex;
       targets_.insert(targets_.end(), vertices.begin(), vertices.end());
     }
-    if (to.at_vertex()) targets_.push_back(to.vertex);
+    if (to.at_vertex()) {
+      targets_.push_back(to.vertex);
+    } else {
+      beyond_targets_ = longest_edge_of(adjacency, about.faces());
+    }
   }
 
   // With the windows of these faces, or of all.
   Result<Field> field(std::span<const std::uint32_t> details, const Cancel& cancel) {
     FieldLimits limits;
     limits.targets = targets_;
+    limits.beyond_targets = beyond_targets_;
     limits.keep_details = true;
     limits.detail_faces = details;
     return exact_field(adjacency_, {&from_, 1}, limits, scratch_, cancel);
@@ -113,6 +119,7 @@ class ExactPair {
   const SurfacePoint& to_;
   ExactScratch& scratch_;
   std::vector<std::uint32_t> targets_;
+  double beyond_targets_ = 0;
 };
 
 }  // namespace

@@ -46,8 +46,10 @@ Result<Field> lesser_of_both(Field by_windows, const Adjacency& adjacency,
 // 20 % too long, or many times, while the sides of slivers have few windows. Rounded as the other
 // bounds are.
 Result<Field> bound_across_slivers(const Adjacency& adjacency, std::span<const Source> sources,
-                                   const FieldLimits& limits, SolveScratch& scratch,
+                                   const FieldLimits& asked, SolveScratch& scratch,
                                    const Cancel& cancel) {
+  FieldLimits limits = asked;
+  limits.detail_faces = {};  // windows have no bound of their rounding
   auto field = field_within(0, adjacency, sources, limits, scratch.exact, cancel);
   if (field && !is_even(adjacency)) {
     field = lesser_of_both(std::move(*field), adjacency, sources, limits, scratch, cancel);
@@ -79,9 +81,11 @@ bool goes_by_windows(Method method, const MethodOptions& options, const Adjacenc
          (!is_even(adjacency) && is_of_slivers(adjacency.delaunay()));
 }
 
-Result<Field> solve_field(Method method, const MethodOptions& options, const Adjacency& adjacency,
-                          std::span<const Source> sources, const FieldLimits& limits,
-                          SolveScratch& scratch, const Cancel& cancel) {
+namespace {
+
+Result<Field> solve(Method method, const MethodOptions& options, const Adjacency& adjacency,
+                    std::span<const Source> sources, const FieldLimits& limits,
+                    SolveScratch& scratch, const Cancel& cancel) {
   switch (method) {
     case Method::wavefront:
       return wavefront_field(adjacency, sources, limits, scratch.wavefront, cancel);
@@ -110,6 +114,17 @@ Result<Field> solve_field(Method method, const MethodOptions& options, const Adj
                                cancel);
   }
   return fail(ErrorCode::internal, "a method without an implementation");
+}
+
+}  // namespace
+
+Result<Field> solve_field(Method method, const MethodOptions& options, const Adjacency& adjacency,
+                          std::span<const Source> sources, const FieldLimits& limits,
+                          SolveScratch& scratch, const Cancel& cancel) {
+  auto field = solve(method, options, adjacency, sources, limits, scratch, cancel);
+  const bool is_bound = options.bound == Bound::upper || options.error_at_most;
+  if (field && method == Method::back_traced && is_bound) field->bound = Bound::upper;
+  return field;
 }
 
 }  // namespace geodesic

@@ -7,7 +7,9 @@
 #include <unordered_set>
 
 #include "core/arrive_at_point.h"
+#include "core/distance_at_point.h"
 #include "core/exact_pair.h"
+#include "core/longest_edge.h"
 #include "core/trace_path.h"
 #include "proto/number.h"
 #include "server/joint_caller.h"
@@ -15,6 +17,14 @@
 
 namespace geodesic::server {
 namespace {
+
+// Whether what is kept for points inside faces is of the faces of these points alone: then a
+// field that is kept for others is of no use. All windows of such a field take as much memory as
+// those of `exact`.
+bool is_for_points_alone(const FieldQuestion& question, Details details) {
+  return details == Details::kept && question.method.which == Method::back_traced &&
+         question.method.options.error_at_most.has_value();
+}
 
 // Whether fields by the method are larger with details.
 bool has_details(Method method) {
@@ -121,9 +131,10 @@ Result<PointDistances> read_field(const Adjacency& adjacency, const Field& field
   const PointArrivals arrivals(adjacency, field, &poll);
   result.distances.reserve(points.size());
   for (const SurfacePoint& point : points) {
-    const double found = arrivals.distance_at(point);
+    const auto found = distance_at_point(adjacency, field, arrivals, point, cancel);
+    if (!found) return fail(found.error());
     if (poll.cancelled()) return fail_stopped(cancel);
-    const double distance = found <= max ? found : kUnreached;
+    const double distance = *found <= max ? *found : kUnreached;
     result.distances.push_back(distance);
     if (!labels) continue;
     auto label = label_at(adjacency, field, point, distance, cancel);
@@ -187,6 +198,7 @@ Result<LruCache<Field>::Lookup> Fields::whole(const FieldQuestion& question, Det
 
 bool Fields::is_to_be_searched(const FieldQuestion& question, Details details) {
   if (!can_be_searched(question)) return false;
+  if (is_for_points_alone(question, details)) return true;
   if (details == Details::kept && question.method.which == Method::exact &&
       question.adjacency->mesh().vertex_count() > kManyForWindows) {
     return true;
@@ -271,7 +283,8 @@ Result<PointDistances> Fields::read_points(const FieldQuestion& question,
                                            SolveScratch& scratch, const Cancel& cancel,
                                            const Caller& caller) {
   const Details details = details_for(points);
-  std::shared_ptr<const Field> field = cache_.find(key_of(question, details));
+  std::shared_ptr<const Field> field;
+  if (!is_for_points_alone(question, details)) field = cache_.find(key_of(question, details));
   const bool hit = field != nullptr;
   if (!field && points.size() <= kFewTargets && can_be_searched(question)) {
     return search_points(question, points, scratch, cancel, caller);
@@ -281,11 +294,12 @@ Result<PointDistances> Fields::read_points(const FieldQuestion& question,
     limits.max = question.max;
     limits.targets = targets;
     limits.keep_details = details == Details::kept;
-    // A label may be at the end of a path, over any of the faces.
-    const auto faces =
-        faces_about(*question.adjacency, labels ? std::span<const SurfacePoint>() : points, cancel);
+    const auto faces = faces_about(*question.adjacency, points, cancel);
     if (!faces) return fail(faces.error());
-    limits.detail_faces = *faces;
+    limits.beyond_targets = longest_edge_of(*question.adjacency, *faces);
+    // A label may be at the end of a path, over any of the faces.
+    const bool by_path = labels && !is_for_points_alone(question, details);
+    if (!by_path) limits.detail_faces = *faces;
     auto part = solve(question, limits, scratch, cancel, caller);
     if (!part) return fail(std::move(part.error()));
     field = std::make_shared<const Field>(std::move(*part));
