@@ -17,6 +17,10 @@ constexpr double kNews = 1e-14;
 void Propagation::commit(std::uint32_t e, std::span<Window> fresh, double least) {
   if (fresh.empty()) return;
   Edge& edge = edges_[e];
+  if (frames_.face(face_of(fresh.front().from)).is_flat()) [[unlikely]] {
+    fresh = without_narrow(fresh, edge.length);
+    if (fresh.empty()) return;
+  }
   if (edge.size == 0) {
     replace(edge, 0, 0, fresh);
   } else {
@@ -53,6 +57,15 @@ void Propagation::commit(std::uint32_t e, std::span<Window> fresh, double least)
     edge.queued = edge.pending;
     memory_.queue.push({edge.pending, e, Waiting::What::edge});
   }
+}
+
+// Over faces that are lines windows keep their widths, however often they are cut. One so narrow
+// that it overlaps no other would find a place each time that it comes round.
+std::span<Window> Propagation::without_narrow(std::span<Window> fresh, double length) const {
+  const auto end = std::remove_if(fresh.begin(), fresh.end(), [&](const Window& w) {
+    return !(w.end - w.begin > 4 * kTouch * length);
+  });
+  return fresh.first(static_cast<std::size_t>(end - fresh.begin()));
 }
 
 // Old windows and fresh ones, in `scratch`. Only where they overlap does it take a merge.

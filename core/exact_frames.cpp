@@ -42,6 +42,7 @@ void Frames::build(const Adjacency& adjacency, const Triangulation& surface, Pol
   }
   built_for_.reset();
   is_mesh_ = is_mesh;
+  has_flat_ = false;
   // Every face is written below: what the last query left is as good as new.
   const std::size_t face_count = surface.faces.size();
   if (faces_.size() != face_count) polled_assign(faces_, face_count, FaceFrame{}, poll);
@@ -157,7 +158,10 @@ std::vector<double> Frames::measure_faces(Poll& poll) {
     }
     const double shortest =
         std::min(length(f, next_corner(longest)), length(f, previous_corner(longest)));
-    if (!(record.area2 > kFlat * longest_length * shortest)) faces_[f].reversed |= FaceFrame::kFlat;
+    if (!(record.area2 > kFlat * longest_length * shortest)) {
+      faces_[f].reversed |= FaceFrame::kFlat;
+      has_flat_ = true;
+    }
     sum += shortest;
   }
   mean_shortest_side_ = sum / static_cast<double>(faces_.size());

@@ -74,6 +74,8 @@ class Frames {
     const double norm = std::sqrt(x * x + y * y);
     return {x / norm, y / norm};
   }
+  // Whether there are flat faces.
+  [[nodiscard]] bool has_flat() const { return has_flat_; }
   [[nodiscard]] std::span<const Bends> bends() const { return bends_; }
   // The mean over the faces of their shortest side.
   [[nodiscard]] double mean_shortest_side() const { return mean_shortest_side_; }
@@ -89,6 +91,7 @@ class Frames {
   // Of the adjacency that they were built for; of none while they are built.
   std::weak_ptr<const void> built_for_;
   bool is_mesh_ = false;  // the surface is the mesh's own faces
+  bool has_flat_ = false;
   std::vector<Edge> edges_;
   std::vector<FaceFrame> faces_;
   std::vector<Bends> bends_;

@@ -181,7 +181,27 @@ void Propagation::load_beams(std::span<const Window> windows, Halfedge h) {
     }
   }
   beams.size = size;
+  if (frames_.has_flat()) [[unlikely]]
+    keep_sources_on_line(first, frames_.edge(frames_.edge_of(h)).length);
   if (size > first) memory_.over_faces.push_back({.base = h, .first = first, .last = size});
+}
+
+// Light out of a vertex in the middle of the edge, which it came to over faces that are lines, fans
+// out at that place. A window that ends there, for on one side of it other light is nearer, has the
+// place in it, so that nothing of the fan is lost between the two.
+void Propagation::keep_sources_on_line(std::size_t first, double length) {
+  constexpr double kOnLine = 1e-13;
+  constexpr double kAtEnd = 1e-9;
+  Beams& beams = memory_.beams;
+  for (std::size_t i = first; i < beams.size; ++i) {
+    if (!(beams.y[i] <= kOnLine * length)) continue;
+    const double hair = kAtEnd * length;
+    const double x = beams.x[i];
+    if (!(x >= beams.begin[i] - hair && x <= beams.end[i] + hair)) continue;
+    beams.y[i] = 0;
+    beams.begin[i] = std::max(std::min(beams.begin[i], x - hair), 0.0);
+    beams.end[i] = std::min(std::max(beams.end[i], x + hair), length);
+  }
 }
 
 // The lists cross their faces and arrive on the sides beyond.

@@ -197,6 +197,7 @@ class Propagation {
   // exact_propagation.cpp: windows over faces.
   void set_out(std::uint32_t e);
   void load_beams(std::span<const Window> windows, Halfedge h);
+  void keep_sources_on_line(std::size_t first, double length);
   void cross_faces();
   void unfold(ListOverFace& list) const;
   void find_nearest(ListOverFace& list);
@@ -212,6 +213,7 @@ class Propagation {
 
   // exact_arrivals.cpp: windows and ways where they arrive.
   void commit(std::uint32_t e, std::span<Window> fresh, double least);
+  [[nodiscard]] std::span<Window> without_narrow(std::span<Window> fresh, double length) const;
   void merge_in(std::span<const Window> old, std::span<const Window> fresh, double length);
   void replace(Edge& edge, std::uint32_t first, std::uint32_t last,
                std::span<const Window> windows);
