@@ -13,6 +13,15 @@
 // those of three faces or more, and those whose flip would leave a face without area, or one with
 // a side so short that the face's products do not say how long it is (FaceRecord::loses_length), or
 // lose more of the distances than 1e-11, where sides differ by many powers of ten.
+//
+// What a flip loses (FaceRecord::error) is an estimate, not a bound. Certain is which edges are
+// flipped, that no flip is done by faces of whose sides nothing is left, and that one flip of exact
+// faces moves a corner by no more than some roundings of the longest side times that over the
+// shortest. Assumed is that losses of flips one after another add up to no more than the larger of
+// both faces' and the new one: by the triangle inequality, an old loss could also be turned about a
+// short side and grow by the longest over the shortest. Bounds that allow for that grow with each
+// flip until they say nothing. So `upper` and `exact` on these faces are right as far as tests show
+// (upper_bound_test.cpp, tolerance_promise_test.cpp, against 113 bits), not by proof.
 #pragma once
 
 #include <cstddef>

@@ -34,8 +34,11 @@ Result<Field> lesser_of_both(Field by_windows, const Adjacency& adjacency,
   const std::span<double> distance = by_windows.distance.doubles();
   for (std::size_t v = 0; v < distance.size(); ++v) {
     if (distance[v] == kUnreached) continue;
-    distance[v] += kWindowRounding * (extent + distance[v]);
-    if (!(traced->distance[v] <= distance[v])) continue;
+    const double rounding = kWindowRounding * (extent + distance[v]);
+    const double least = distance[v] - rounding;
+    distance[v] += rounding;
+    // Below what windows allow, the account was wrong.
+    if (!(traced->distance[v] <= distance[v] && traced->distance[v] >= least)) continue;
     distance[v] = traced->distance[v];
     if (sources.size() > 1) by_windows.nearest_source[v] = traced->nearest_source[v];
   }
