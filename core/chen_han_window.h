@@ -149,19 +149,33 @@ inline constexpr double kTie = 1e-13;
 
 [[nodiscard]] inline bool clearly_less(double a, double b) { return a < b - kTie * b; }
 
-// Whether everywhere in the window the way from a place at (x, y), on either side of the
-// edge and with the distance `offset`, is clearly shorter.
-[[nodiscard]] inline bool nearer_along(double x, double y, double offset, const Window& window) {
+// Whether between two places of the window the way from a place at (x, y), on either side of the
+// edge and with the distance `offset`, is clearly shorter. At one of the two it may be as long, if
+// that is allowed there.
+[[nodiscard]] inline bool nearer_along(double x, double y, double offset, const Window& window,
+                                       double begin, double end, bool may_tie_at_begin,
+                                       bool may_tie_at_end) {
   const auto nearer_at = [&](double p) {
     return clearly_less(offset + length(p - x, y), window.at(p));
   };
-  if (!nearer_at(window.begin) || !nearer_at(window.end)) return false;
+  const auto as_near_at = [&](double p) {
+    return !clearly_less(window.at(p), offset + length(p - x, y));
+  };
+  const bool at_begin = nearer_at(begin);
+  const bool at_end = nearer_at(end);
+  if (!at_begin && !(may_tie_at_begin && at_end && as_near_at(begin))) return false;
+  if (!at_end && !(may_tie_at_end && at_begin && as_near_at(end))) return false;
   // The difference of two distances along a line has one extremum at most, where both
   // sources are seen in the same direction; none when they are equally deep.
   const double depth = std::abs(y);
   const double level = (x * window.y - window.x * depth) / (window.y - depth);
-  const bool inside = level > window.begin && level < window.end;
+  const bool inside = level > begin && level < end;
   return !inside || nearer_at(level);
+}
+
+// Whether it is everywhere in the window.
+[[nodiscard]] inline bool nearer_along(double x, double y, double offset, const Window& window) {
+  return nearer_along(x, y, offset, window, window.begin, window.end, false, false);
 }
 
 }  // namespace geodesic::chen_han
