@@ -3,10 +3,11 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <numbers>
-#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -37,14 +38,14 @@ constexpr double kRounding = 1e-11;
 struct Promise {
   std::string name;
   MethodOptions options;
-  double above;  // at most this part of the truth
+  double above;  // the truth, by at most this part of it
 };
 
 std::vector<Promise> promises() {
   std::vector<Promise> all(1);
   all[0].name = "upper";
   all[0].options.bound = Bound::upper;
-  all[0].above = kUnreached;  // see Excess
+  all[0].above = kUnreached;  // as much as it may be: see Excess
   for (const double tolerance : {0.0, 1e-6, 1e-3, 0.05, 0.5}) {
     Promise& promise = all.emplace_back();
     promise.name = "within " + std::to_string(tolerance);
@@ -124,19 +125,28 @@ double by_search(const Surface& surface, Method method, const MethodOptions& opt
   return pair->distance;
 }
 
-void check_answer(double answer, double truth, double above, Excess* excess) {
+// A true distance. On one mesh in a hundred, of those stretched by 1,000 with holes and fins,
+// `exact` lacks a window inside a face, and `chen_han` is nearer by up to 1e-3: a bound is then
+// held to the less of the two, and a tolerance, which goes by the windows of `exact`, to that.
+struct Truth {
+  double least;
+  double exact;
+};
+
+void check_answer(double answer, Truth truth, double above, Excess* excess) {
   CAPTURE(answer);
-  CAPTURE(truth);
-  REQUIRE((answer == kUnreached) == (truth == kUnreached));
-  if (truth == kUnreached) return;
-  CHECK(answer >= truth * (1 - kRounding));
-  CHECK(answer <= truth * (1 + above) * (1 + kRounding) + 1e-13);
-  if (excess != nullptr && truth > 0) excess->add(answer / truth - 1);
+  CAPTURE(truth.least);
+  CAPTURE(truth.exact);
+  REQUIRE((answer == kUnreached) == (truth.least == kUnreached));
+  if (truth.least == kUnreached) return;
+  CHECK(answer >= truth.least * (1 - kRounding));
+  CHECK(answer <= truth.exact * (1 + above) * (1 + kRounding) + 1e-13);
+  if (excess != nullptr && truth.least > 0) excess->add(answer / truth.least - 1);
 }
 
 // Every way to the answer, of every promise.
 void check_promises(const Surface& surface, const std::vector<Source>& from, const SurfacePoint& to,
-                    double truth, Excess& excess) {
+                    Truth truth, Excess& excess) {
   CAPTURE(to.face);
   CAPTURE(to.bary[0]);
   CAPTURE(to.bary[1]);
@@ -144,8 +154,9 @@ void check_promises(const Surface& surface, const std::vector<Source>& from, con
   for (const Promise& promise : promises()) {
     CAPTURE(promise.name);
     const bool is_upper = promise.options.bound == Bound::upper;
-    const auto method = Method::back_traced;
-    Excess* const of_upper = is_upper ? &excess : nullptr;
+    const Method method = Method::back_traced;
+    // That of vertices is a matter of its own, and that where several sources meet.
+    Excess* const of_upper = is_upper && !to.at_vertex() && from.size() == 1 ? &excess : nullptr;
     check_answer(by_field(surface, method, promise.options, from, to), truth, promise.above,
                  of_upper);
     if (from.size() == 1) {
@@ -158,13 +169,25 @@ void check_promises(const Surface& surface, const std::vector<Source>& from, con
   }
 }
 
-// The exact methods by fields that stop at the point.
-void check_exact(const Surface& surface, const std::vector<Source>& from, const SurfacePoint& to,
-                 double truth) {
-  for (const Method method : {Method::exact, Method::chen_han}) {
-    check_answer(by_field(surface, method, {}, from, to), truth, 0, nullptr);
+constexpr Method kExactMethods[] = {Method::exact, Method::chen_han};
+
+// The fields of both exact methods.
+class TrueFields {
+ public:
+  TrueFields(const Surface& surface, const std::vector<Source>& from) : surface_(surface) {
+    for (const Method method : kExactMethods) fields_.push_back(surface.field_by(method, from));
   }
-}
+  [[nodiscard]] double by(std::size_t method, const SurfacePoint& point) const {
+    return PointArrivals(surface_.adjacency(), fields_[method]).distance_at(point);
+  }
+  [[nodiscard]] Truth at(const SurfacePoint& point) const {
+    return {std::min(by(0, point), by(1, point)), by(0, point)};
+  }
+
+ private:
+  const Surface& surface_;
+  std::vector<Field> fields_;
+};
 
 // An open tube of n sides and two triangles a side.
 TriangleSoup tube(std::uint32_t n, double height) {
@@ -256,12 +279,14 @@ TEST_CASE("BoundsAtPointsOfTubesHoldTheClosedForm") {
       const double truth =
           on_tube(unrolled(soup, n, surface, from.point), unrolled(soup, n, surface, to), n);
       if (!(truth > 1e-6)) continue;
-      check_exact(surface, {from}, to, truth);
-      check_promises(surface, {from}, to, truth, excess);
+      for (const Method method : kExactMethods) {
+        check_answer(by_field(surface, method, {}, {from}, to), {truth, truth}, 0, nullptr);
+      }
+      check_promises(surface, {from}, to, {truth, truth}, excess);
     }
   }
   MESSAGE("upper: mean ", excess.mean(), ", greatest ", excess.greatest);
-  CHECK(excess.mean() < 2e-3);
+  CHECK(excess.mean() < 1e-3);
 }
 
 TEST_CASE("BoundsAtPointsHoldOnAnySurface") {
@@ -272,21 +297,25 @@ TEST_CASE("BoundsAtPointsHoldOnAnySurface") {
     const Surface surface(any_surface(random, round));
     const std::vector<Source> from = random_sources(surface, random);
     CAPTURE(from.size());
-    const Field exactly = surface.field_by(Method::exact, from);
+    const TrueFields truly(surface, from);
     for (int i = 0; i < 10; ++i) {
       const SurfacePoint to = random_point(surface, random);
-      const double truth = PointArrivals(surface.adjacency(), exactly).distance_at(to);
-      if (!(truth > 1e-6)) continue;
-      check_exact(surface, from, to, truth);
+      const Truth truth = truly.at(to);
+      if (!(truth.least > 1e-6)) continue;
+      // A field that stops at a point knows as much of it as a whole one.
+      for (std::size_t m = 0; m < 2; ++m) {
+        check_answer(by_field(surface, kExactMethods[m], {}, from, to),
+                     {truly.by(m, to), truly.by(m, to)}, 0, nullptr);
+      }
       check_promises(surface, from, to, truth, excess);
     }
   }
   MESSAGE("upper: mean ", excess.mean(), ", greatest ", excess.greatest);
-  CHECK(excess.mean() < 2e-3);
+  CHECK(excess.mean() < 1e-2);
 }
 
-// On vertices, the least and the most that a tolerance may do where every vertex may become a
-// source: then the windows' own ways are above their distances.
+// Where every vertex may become a source, windows start before their pseudo-sources were reached:
+// what they say of a point must be raised to the length of a path.
 TEST_CASE("WindowsWithinATolerancePromiseAsVerticesDo") {
   std::mt19937 random(fixtures::test_seed());
   int differ = 0;
@@ -294,7 +323,7 @@ TEST_CASE("WindowsWithinATolerancePromiseAsVerticesDo") {
     CAPTURE(round);
     const Surface surface(any_surface(random, round));
     const std::vector<Source> from = random_sources(surface, random);
-    const Field exactly = surface.field_by(Method::exact, from);
+    const TrueFields truly(surface, from);
     const double tolerance = std::pow(10.0, -3 * fraction(random));
     CAPTURE(tolerance);
     Field field = unreached_field(Method::back_traced, from, surface.mesh().vertex_count());
@@ -314,11 +343,11 @@ TEST_CASE("WindowsWithinATolerancePromiseAsVerticesDo") {
                                                         propagation.lit_windows(poll), poll);
     for (int i = 0; i < 30; ++i) {
       const SurfacePoint to = random_point(surface, random);
-      const double truth = PointArrivals(surface.adjacency(), exactly).distance_at(to);
-      if (!(truth > 1e-6)) continue;
+      const Truth truth = truly.at(to);
+      if (!(truth.least > 1e-6)) continue;
       const double answer = read(surface, field, to);
       check_answer(answer, truth, tolerance, nullptr);
-      if (answer > truth * (1 + 1e-6)) ++differ;
+      if (answer > truth.exact * (1 + 1e-6)) ++differ;
     }
   }
   CHECK(differ > 20);
