@@ -260,12 +260,27 @@ class StripGraph {
   std::vector<std::vector<std::uint32_t>> faces_at_;  // by node
 };
 
-// The points of a path traced in the unrefined graph, without its ends.
+bool are_one(const Adjacency& adjacency, const SurfacePoint& a, const SurfacePoint& b) {
+  if (a.at_vertex() || b.at_vertex()) return a.vertex == b.vertex;
+  const std::vector<SurfacePoint> places = in_all_faces(adjacency, a);
+  return std::any_of(places.begin(), places.end(), [&](const SurfacePoint& place) {
+    return place.face == b.face && place.bary == b.bary;
+  });
+}
+
+// The points of a path traced in the unrefined graph, without its ends. Where a face has no area,
+// the path may begin or end at another point of it that lies in the same place: from there it goes
+// on into faces that the end itself is not in.
 std::vector<Crossing> crossings_of(const Adjacency& adjacency, const Path& path,
+                                   const SurfacePoint& from, const SurfacePoint& to,
                                    std::uint32_t steps) {
   std::vector<Crossing> crossings;
-  for (std::size_t i = 1; i + 1 < path.points.size(); ++i) {
-    const SurfacePoint& point = path.points[i].point;
+  for (const PathPoint& passed : path.points) {
+    const SurfacePoint& point = passed.point;
+    const bool is_first = &passed == &path.points.front();
+    const bool is_last = &passed == &path.points.back();
+    if (is_first && are_one(adjacency, from, point)) continue;
+    if (is_last && are_one(adjacency, to, point)) continue;
     if (point.at_vertex()) {
       crossings.push_back({point.vertex, kNone, 0});
       continue;
@@ -300,7 +315,8 @@ std::vector<SurfacePoint> places_of(const Adjacency& adjacency, const Crossing& 
   return in_all_faces(adjacency, point);
 }
 
-// The polyline: each of its segments lies in a face that both its ends lie in.
+// The polyline: each of its segments lies in a face that both its ends lie in. Of no bounded length
+// where two points one after the other have no face in common.
 Path assemble(const Adjacency& adjacency, const SurfacePoint& from, const SurfacePoint& to,
               const std::vector<Crossing>& crossings, std::uint32_t steps, Poll& poll) {
   const Mesh& mesh = adjacency.mesh();
@@ -313,12 +329,14 @@ Path assemble(const Adjacency& adjacency, const SurfacePoint& from, const Surfac
                                           : in_all_faces(adjacency, to);
     std::sort(there.begin(), there.end(),
               [](const SurfacePoint& a, const SurfacePoint& b) { return a.face < b.face; });
+    bool meet = false;
     for (const SurfacePoint& place : here) {
       if (poll.cancelled()) return path;
       const auto arrives = std::lower_bound(
           there.begin(), there.end(), place,
           [](const SurfacePoint& a, const SurfacePoint& b) { return a.face < b.face; });
       if (arrives == there.end() || arrives->face != place.face) continue;
+      meet = true;
       path.points.back().point = place;
       const Vec3 position = position_of(mesh, *arrives);
       const double leg = distance(path.points.back().position, position);
@@ -331,6 +349,7 @@ Path assemble(const Adjacency& adjacency, const SurfacePoint& from, const Surfac
       }
       break;
     }
+    if (!meet) path.length = kUnreached;
     here = std::move(there);
   }
   return path;
@@ -355,7 +374,7 @@ Result<std::optional<Path>> steiner_path(const Adjacency& adjacency, const Sourc
   if (!traced || traced->points.size() <= 2) return traced;
 
   std::uint32_t steps = options.points_per_edge + 1;
-  std::vector<Crossing> crossings = crossings_of(adjacency, *traced, steps);
+  std::vector<Crossing> crossings = crossings_of(adjacency, *traced, from.point, to, steps);
   double length = traced->length;
   Poll poll(cancel);
   std::vector<Crossing> shorter;
