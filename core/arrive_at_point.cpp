@@ -431,7 +431,8 @@ double PointArrivals::distance_at(const SurfacePoint& point) const {
   double least = kUnreached;
   for (const SurfacePoint& place : in_all_faces(adjacency_, point)) {
     if (stopped()) return kUnreached;
-    least = std::min(least, through_face(place).distance);
+    const StepBack step = field_.windows ? through_windows(place) : through_face(place);
+    least = std::min(least, step.distance);
   }
   return least;
 }

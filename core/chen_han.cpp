@@ -1,10 +1,13 @@
 #include "core/chen_han.h"
 
+#include <algorithm>
+
 #include "core/chen_han_front.h"
 #include "core/remaining_targets.h"
 #include "core/vertex_front.h"
 
 namespace geodesic {
+
 Result<Field> chen_han_field(const Adjacency& adjacency, std::span<const Source> sources,
                              const FieldLimits& limits, ChenHanScratch& scratch,
                              const Cancel& cancel) {
@@ -20,7 +23,8 @@ Result<Field> chen_han_field(const Adjacency& adjacency, std::span<const Source>
   // Whatever comes out of the queue later is farther: the distances up to its key are
   // final (the "continuous Dijkstra" order).
   double last = limits.max;
-  while (!scratch.queue.empty() && scratch.queue.least_key() <= limits.max) {
+  double last_window = limits.max;
+  while (!scratch.queue.empty() && scratch.queue.least_key() <= last_window) {
     if (poll.cancelled(front.reached(), vertex_count)) {
       return fail_stopped(cancel);
     }
@@ -33,9 +37,10 @@ Result<Field> chen_han_field(const Adjacency& adjacency, std::span<const Source>
     if (next.key != scratch.waiting[next.vertex]) continue;
     if (scratch.accepted[next.vertex] == 0) targets.accept(next.vertex);
     scratch.accepted[next.vertex] = 1;
-    if (targets.done()) {
+    if (targets.done() && !(last < limits.max)) {
       last = next.key;
-      break;
+      last_window = std::min(limits.max, last + limits.beyond_targets);
+      if (!(limits.beyond_targets > 0)) break;
     }
     if (scratch.bends[next.vertex] == 2) front.spread_from(next.vertex);
   }

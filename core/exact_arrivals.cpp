@@ -147,13 +147,15 @@ LitWindows Propagation::lit_windows(Poll& poll) const {
     for (std::uint32_t i = 0; i < edge.size && !poll.cancelled(); ++i) {
       const Window& w = edge.windows[i];
       const PseudoSource& root = memory_.roots[w.root];
+      // What light leads along is the length of a path, as raise_to_paths makes vertices'.
+      const double offset = root.offset + root.above;
       for (Halfedge h = surface_.ring(w.from); h != w.from; h = surface_.ring(h)) {
         if (keeps_some_ && !keep_of_[face_of(h)]) continue;
         if (frames_.is_reversed(h)) {
-          lit.add(h, {length - w.end, length - w.begin, length - w.x, w.y, root.offset, root.vertex,
+          lit.add(h, {length - w.end, length - w.begin, length - w.x, w.y, offset, root.vertex,
                       root.source});
         } else {
-          lit.add(h, {w.begin, w.end, w.x, w.y, root.offset, root.vertex, root.source});
+          lit.add(h, {w.begin, w.end, w.x, w.y, offset, root.vertex, root.source});
         }
       }
     }

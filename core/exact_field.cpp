@@ -58,8 +58,8 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   // True once every target's distance is final.
   const auto arrived = [&] {
     if (limits.targets.empty()) return false;
-    while (!targets.empty() &&
-           propagation.path_length(targets.back()) < propagation.final_below()) {
+    while (!targets.empty() && propagation.path_length(targets.back()) + limits.beyond_targets <
+                                   propagation.final_below()) {
       targets.pop_back();
     }
     return targets.empty();
@@ -106,7 +106,8 @@ Result<Field> exact_field(const Adjacency& adjacency, std::span<const Source> so
 Result<Field> field_within(double tolerance, const Adjacency& adjacency,
                            std::span<const Source> sources, const FieldLimits& limits,
                            ExactScratch& scratch, const Cancel& cancel) {
-  return field_by_windows(Method::back_traced, adjacency, sources, tolerance, false, limits,
+  const bool keep_windows = limits.keep_details && !limits.detail_faces.empty();
+  return field_by_windows(Method::back_traced, adjacency, sources, tolerance, keep_windows, limits,
                           scratch, cancel);
 }
 

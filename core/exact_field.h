@@ -54,8 +54,9 @@ struct ExactScratch {
 // The same, but a distance may be above that of the shortest path by at most the part
 // `tolerance` of it, from 0, exact, to 1. Each is the length of a path on the surface. Where
 // the surface is rough or round, this costs a fraction: narrow windows that went past
-// a vertex on both sides are left behind (exact_propagation.h). Windows are not kept.
-// Errors: cancelled.
+// a vertex on both sides are left behind (exact_propagation.h). Windows are
+// kept of limits.detail_faces alone; the distance of a point there, as above, keeps the same
+// promise. Errors: cancelled.
 [[nodiscard]] Result<Field> field_within(double tolerance, const Adjacency& adjacency,
                                          std::span<const Source> sources, const FieldLimits& limits,
                                          ExactScratch& scratch, const Cancel& cancel);

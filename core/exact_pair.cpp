@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/arrive_at_point.h"
+#include "core/longest_edge.h"
 #include "core/trace_path.h"
 
 namespace geodesic {
@@ -73,13 +74,18 @@ class ExactPair {
       const auto vertices = adjacency.face(f).vertex;
       targets_.insert(targets_.end(), vertices.begin(), vertices.end());
     }
-    if (to.at_vertex()) targets_.push_back(to.vertex);
+    if (to.at_vertex()) {
+      targets_.push_back(to.vertex);
+    } else {
+      beyond_targets_ = longest_edge_of(adjacency, about.faces());
+    }
   }
 
   // With the windows of these faces.
   Result<Field> field(const FaceSet& details, const Cancel& cancel) {
     FieldLimits limits;
     limits.targets = targets_;
+    limits.beyond_targets = beyond_targets_;
     limits.keep_details = true;
     limits.detail_faces = details.faces();
     return exact_field(adjacency_, {&from_, 1}, limits, scratch_, cancel);
@@ -98,6 +104,7 @@ class ExactPair {
   const SurfacePoint& to_;
   ExactScratch& scratch_;
   std::vector<std::uint32_t> targets_;
+  double beyond_targets_ = 0;
 };
 
 }  // namespace

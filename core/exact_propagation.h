@@ -178,8 +178,8 @@ class Propagation {
   // most that part. The last thing to ask. Incomplete if the poll says to stop.
   void raise_to_paths(Poll& poll);
 
-  // The windows left, for each face that they light and that has all of its own. Not all of them if
-  // the poll says to stop.
+  // The windows left, for each face that they light and that has all of its own; with a tolerance
+  // their ways are raised to paths, too. Not all of them if the poll says to stop.
   [[nodiscard]] LitWindows lit_windows(Poll& poll) const;
 
   // Gives the windows' memory back: the last thing to do. Not all if the poll says to stop.

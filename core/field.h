@@ -43,11 +43,16 @@ struct FieldLimits {
   // When not empty: stop once these vertices have their final distance. Vertices
   // farther than all of them read kUnreached.
   std::span<const std::uint32_t> targets;
+  // Windows go on until they are final so much farther than the last of the targets: a point
+  // inside a face may be farther than all of its corners, by up to the face's longest side, and
+  // its shortest way may come after theirs. In mesh units.
+  double beyond_targets = 0;
   // Keep what paths and points inside faces need besides the vertices' distances:
   // the windows of an exact method, the points on edges of `steiner`.
   bool keep_details = true;
   // When not empty: `exact` keeps them of these faces alone, which takes little memory where
   // all of them would take much. Points in other faces, and paths there, then lack windows.
+  // Within a tolerance they are kept of no others.
   std::span<const std::uint32_t> detail_faces;
   // When bounded: fronts need not go on from vertices that are too far out of the way to
   // the targets. Others than these then read kUnreached, or more than their distance. For
@@ -76,6 +81,7 @@ struct Parents {
 // parents: 16 bytes. Without parents, and where floats will do for the distance: 4.
 struct Field {
   Method method = Method::wavefront;
+  Bound bound = Bound::none;  // of the distances, asked for by a bound or a tolerance
   std::vector<Source> sources;
   VertexDistances distance;  // mesh units; kUnreached where there is none
   // Per vertex, of the methods that compute one vertex from two others or from

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 #include "core/adjacency.h"
 
@@ -15,6 +16,17 @@ namespace geodesic {
 [[nodiscard]] inline double longest_edge(const Adjacency& adjacency) {
   double longest2 = 0;
   for (const FaceRecord& face : adjacency.faces()) {
+    for (std::uint32_t c = 0; c < 3; ++c) longest2 = std::max(longest2, face.length2(c));
+  }
+  return std::sqrt(longest2);
+}
+
+// The same of some faces. O(f) for f of them.
+[[nodiscard]] inline double longest_edge_of(const Adjacency& adjacency,
+                                            std::span<const std::uint32_t> faces) {
+  double longest2 = 0;
+  for (const std::uint32_t f : faces) {
+    const FaceRecord& face = adjacency.face(f);
     for (std::uint32_t c = 0; c < 3; ++c) longest2 = std::max(longest2, face.length2(c));
   }
   return std::sqrt(longest2);

@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "core/arrive_at_point.h"
+#include "core/distance_at_point.h"
 #include "core/edge_path.h"
 #include "core/exact_pair.h"
+#include "core/longest_edge.h"
 #include "core/refine_path.h"
 #include "core/shorten_path.h"
 #include "core/surface_patch.h"
@@ -43,6 +45,14 @@ std::vector<std::uint32_t> vertices_about(const Adjacency& adjacency, const Surf
     for (const std::uint32_t v : adjacency.face(place.face).vertex) vertices.push_back(v);
   }
   return vertices;
+}
+
+// The faces that have the point; none of one at a vertex, whose distance is the vertex's.
+std::vector<std::uint32_t> faces_about(const Adjacency& adjacency, const SurfacePoint& point) {
+  std::vector<std::uint32_t> faces;
+  if (point.at_vertex()) return faces;
+  for (const SurfacePoint& place : in_all_faces(adjacency, point)) faces.push_back(place.face);
+  return faces;
 }
 
 // Beyond this part of the vertices, a search costs as much as the whole surface. (Fronts see
@@ -80,7 +90,11 @@ class PairSearch {
   Result<Pair> by_field(const Adjacency& adjacency, const Source& from, const SurfacePoint& to,
                         double longest) {
     const std::vector<std::uint32_t> targets = vertices_about(adjacency, to);
+    const std::vector<std::uint32_t> faces = faces_about(adjacency, to);
     FieldLimits limits;
+    limits.beyond_targets = longest_edge_of(adjacency, faces);
+    // A path needs windows all the way.
+    if (!with_path()) limits.detail_faces = faces;
     // A path that goes by approximate distances looks at what is farther than the target.
     if (is_exact(method_) || !(with_path() || longest < kUnreached)) limits.targets = targets;
     limits.keep_details = with_path() || !to.at_vertex();
@@ -94,7 +108,13 @@ class PairSearch {
     if (!field) return fail(field.error());
     Pair pair;
     Poll poll(cancel_);
-    pair.distance = PointArrivals(adjacency, *field, &poll).distance_at(to);
+    const PointArrivals arrivals(adjacency, *field, &poll);
+    // With a path, which is the way that is asked for, it need not be as good.
+    const Result<double> at_target =
+        with_path() ? arrivals.distance_at(to)
+                    : distance_at_point(adjacency, *field, arrivals, to, cancel_);
+    if (!at_target) return fail(at_target.error());
+    pair.distance = *at_target;
     if (poll.stopped()) return fail_stopped(poll);
     if (!with_path()) return pair;
     auto traced = trace_path(adjacency, *field, to, cancel_);

@@ -12,8 +12,10 @@ namespace {
 // An upper bound where no trace comes to a vertex near the way: paths along such are 1 to 20 %
 // too long, while the sides of slivers have few windows. Rounded as the other bounds are.
 Result<Field> bound_across_slivers(const Adjacency& adjacency, std::span<const Source> sources,
-                                   const FieldLimits& limits, SolveScratch& scratch,
+                                   const FieldLimits& asked, SolveScratch& scratch,
                                    const Cancel& cancel) {
+  FieldLimits limits = asked;
+  limits.detail_faces = {};  // windows have no bound of their rounding
   auto field = field_within(0, adjacency, sources, limits, scratch.exact, cancel);
   if (!field) return field;
   Poll poll(cancel);
@@ -41,9 +43,11 @@ bool goes_by_windows(Method method, const MethodOptions& options, const Adjacenc
   return options.bound == Bound::upper && is_even && leads_across_slivers(adjacency, sources);
 }
 
-Result<Field> solve_field(Method method, const MethodOptions& options, const Adjacency& adjacency,
-                          std::span<const Source> sources, const FieldLimits& limits,
-                          SolveScratch& scratch, const Cancel& cancel) {
+namespace {
+
+Result<Field> solve(Method method, const MethodOptions& options, const Adjacency& adjacency,
+                    std::span<const Source> sources, const FieldLimits& limits,
+                    SolveScratch& scratch, const Cancel& cancel) {
   switch (method) {
     case Method::wavefront:
       return wavefront_field(adjacency, sources, limits, scratch.wavefront, cancel);
@@ -72,6 +76,17 @@ Result<Field> solve_field(Method method, const MethodOptions& options, const Adj
                                cancel);
   }
   return fail(ErrorCode::internal, "a method without an implementation");
+}
+
+}  // namespace
+
+Result<Field> solve_field(Method method, const MethodOptions& options, const Adjacency& adjacency,
+                          std::span<const Source> sources, const FieldLimits& limits,
+                          SolveScratch& scratch, const Cancel& cancel) {
+  auto field = solve(method, options, adjacency, sources, limits, scratch, cancel);
+  const bool is_bound = options.bound == Bound::upper || options.error_at_most;
+  if (field && method == Method::back_traced && is_bound) field->bound = Bound::upper;
+  return field;
 }
 
 }  // namespace geodesic

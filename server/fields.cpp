@@ -4,7 +4,9 @@
 #include <functional>
 
 #include "core/arrive_at_point.h"
+#include "core/distance_at_point.h"
 #include "core/exact_pair.h"
+#include "core/longest_edge.h"
 #include "core/trace_path.h"
 #include "proto/number.h"
 #include "server/joint_caller.h"
@@ -12,6 +14,14 @@
 
 namespace geodesic::server {
 namespace {
+
+// Whether what is kept for points inside faces is of the faces of these points alone: then a
+// field that is kept for others is of no use. All windows of such a field take as much memory as
+// those of `exact`.
+bool is_for_points_alone(const FieldQuestion& question, Details details) {
+  return details == Details::kept && question.method.which == Method::back_traced &&
+         question.method.options.error_at_most.has_value();
+}
 
 // Whether fields by the method are larger with details.
 bool has_details(Method method) {
@@ -99,9 +109,10 @@ Result<PointDistances> read_field(const Adjacency& adjacency, const Field& field
   const PointArrivals arrivals(adjacency, field, &poll);
   result.distances.reserve(points.size());
   for (const SurfacePoint& point : points) {
-    const double found = arrivals.distance_at(point);
+    const auto found = distance_at_point(adjacency, field, arrivals, point, cancel);
+    if (!found) return fail(found.error());
     if (poll.cancelled()) return fail_stopped(cancel);
-    const double distance = found <= max ? found : kUnreached;
+    const double distance = *found <= max ? *found : kUnreached;
     result.distances.push_back(distance);
     if (!labels) continue;
     auto label = label_at(adjacency, field, point, distance, cancel);
@@ -161,6 +172,7 @@ Result<LruCache<Field>::Lookup> Fields::whole(const FieldQuestion& question, Det
 
 bool Fields::is_to_be_searched(const FieldQuestion& question, Details details) {
   if (!can_be_searched(question)) return false;
+  if (is_for_points_alone(question, details)) return true;
   if (details == Details::kept && question.method.which == Method::exact &&
       question.adjacency->mesh().vertex_count() > kManyForWindows) {
     return true;
@@ -242,7 +254,8 @@ Result<PointDistances> Fields::read_points(const FieldQuestion& question,
                                            SolveScratch& scratch, const Cancel& cancel,
                                            const Caller& caller) {
   const Details details = details_for(points);
-  std::shared_ptr<const Field> field = cache_.find(key_of(question, details));
+  std::shared_ptr<const Field> field;
+  if (!is_for_points_alone(question, details)) field = cache_.find(key_of(question, details));
   const bool hit = field != nullptr;
   if (!field && points.size() <= kFewTargets && can_be_searched(question)) {
     return search_points(question, points, scratch, cancel, caller);
@@ -252,10 +265,11 @@ Result<PointDistances> Fields::read_points(const FieldQuestion& question,
     limits.max = question.max;
     limits.targets = targets;
     limits.keep_details = details == Details::kept;
+    const std::vector<std::uint32_t> faces = faces_about(*question.adjacency, points);
+    limits.beyond_targets = longest_edge_of(*question.adjacency, faces);
     // A label may be at the end of a path, over any of the faces.
-    const std::vector<std::uint32_t> faces =
-        labels ? std::vector<std::uint32_t>() : faces_about(*question.adjacency, points);
-    limits.detail_faces = faces;
+    const bool by_path = labels && !is_for_points_alone(question, details);
+    if (!by_path) limits.detail_faces = faces;
     auto part = solve(question, limits, scratch, cancel, caller);
     if (!part) return fail(std::move(part.error()));
     field = std::make_shared<const Field>(std::move(*part));
