@@ -1,8 +1,10 @@
 #include "proto/array_formats.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace geodesic::proto {
@@ -51,8 +53,14 @@ std::string_view dtype_of(NumberType type) {
   return "<f8";
 }
 
-std::string f32_bytes(std::span<const double> values) {
-  return converted<float>(values, [](double value) { return static_cast<float>(value); });
+std::string f32_bytes(std::span<const double> values, Bound bound) {
+  if (bound == Bound::none) {
+    return converted<float>(values, [](double value) { return static_cast<float>(value); });
+  }
+  return converted<float>(values, [](double value) {
+    const auto next = static_cast<float>(value);
+    return next < value ? std::nextafter(next, std::numeric_limits<float>::infinity()) : next;
+  });
 }
 
 std::string f64_bytes(std::span<const double> values) {
@@ -63,10 +71,24 @@ std::string u32_bytes(std::span<const std::uint32_t> values) {
   return converted<std::uint32_t>(values, [](std::uint32_t value) { return value; });
 }
 
-std::string u16_bytes(std::span<const double> values, double max) {
-  const double scale = max > 0 ? 65534 / max : 0;
-  return converted<std::uint16_t>(values, [scale](double value) {
-    return static_cast<std::uint16_t>(std::isfinite(value) ? std::lround(value * scale) : 65535);
+std::string u16_bytes(std::span<const double> values, double max, Bound bound) {
+  constexpr long kMost = 65534;
+  const double scale = max > 0 ? kMost / max : 0;
+  if (bound == Bound::none) {
+    return converted<std::uint16_t>(values, [scale](double value) {
+      return static_cast<std::uint16_t>(std::isfinite(value) ? std::lround(value * scale) : 65535);
+    });
+  }
+  const double step = max / kMost;
+  return converted<std::uint16_t>(values, [=](double value) {
+    if (!std::isfinite(value)) return std::uint16_t{65535};
+    long steps = std::clamp(std::lround(value * scale), 0L, kMost);
+    // However a client computes it.
+    const auto is_below = [&](long n) {
+      return static_cast<double>(n) * step < value || static_cast<double>(n) / kMost * max < value;
+    };
+    while (steps < kMost && is_below(steps)) ++steps;
+    return static_cast<std::uint16_t>(steps);
   });
 }
 

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/method.h"
+
 namespace geodesic::proto {
 
 enum class NumberType : std::uint8_t { f32, f64, u16, u32 };
@@ -23,12 +25,15 @@ struct Array {
   std::string bytes;
 };
 
-[[nodiscard]] std::string f32_bytes(std::span<const double> values);
+// Rounded to the next float; with Bound::upper to the next that is not below.
+[[nodiscard]] std::string f32_bytes(std::span<const double> values, Bound bound = Bound::none);
 [[nodiscard]] std::string f64_bytes(std::span<const double> values);
 [[nodiscard]] std::string u32_bytes(std::span<const std::uint32_t> values);
 // Values from 0 to `max` as whole numbers from 0 to 65534, rounded; infinite ones
-// as 65535. With a `max` of zero every finite value is 0.
-[[nodiscard]] std::string u16_bytes(std::span<const double> values, double max);
+// as 65535. With a `max` of zero every finite value is 0. With Bound::upper they are rounded up:
+// none is below what it stands for.
+[[nodiscard]] std::string u16_bytes(std::span<const double> values, double max,
+                                    Bound bound = Bound::none);
 
 // NumPy's .npy, version 1.0.
 [[nodiscard]] std::string npy(const Array& array);

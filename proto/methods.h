@@ -64,6 +64,12 @@ struct MethodChoice {
   return choice.which == Method::back_traced && !choice.options.error_at_most;
 }
 
+// What its distances are relative to the true ones: within a tolerance they are not below either.
+[[nodiscard]] inline Bound bound_of(const MethodChoice& choice) {
+  if (choice.which != Method::back_traced) return Bound::none;
+  return choice.options.error_at_most ? Bound::upper : choice.options.bound;
+}
+
 // A text that is the same for two choices exactly if their fields are.
 [[nodiscard]] std::string field_key(const MethodChoice& choice);
 

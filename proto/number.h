@@ -1,13 +1,17 @@
 // Numbers from and to text, without locales.
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "core/method.h"
 
 namespace geodesic::proto {
 
@@ -57,12 +61,30 @@ inline void append_number(std::string& out, double value, int digits = 0) {
   out.append(text, result.ptr);
 }
 
+// The same of a number that is not to be read as less than it is: with Bound::upper it is rounded
+// up to its digits.
+inline void append_bound(std::string& out, double value, int digits, Bound bound) {
+  const std::size_t begin = out.size();
+  append_number(out, value, digits);
+  if (bound == Bound::none || digits <= 0 || !(std::isfinite(value) && value > 0)) return;
+  // Half a unit of the last digit. What is raised by that is, next to it, the number rounded up;
+  // where rounding takes it back, one more is enough.
+  const double half = 0.5 * std::pow(10.0, std::floor(std::log10(value)) + 1 - digits);
+  double raised = value;
+  while (parse_finite(std::string_view(out).substr(begin)).value_or(value) < value) {
+    raised = std::max(raised + half, std::nextafter(raised, std::numeric_limits<double>::max()));
+    out.resize(begin);
+    append_number(out, raised, digits);
+  }
+}
+
 // The same of a distance. With `short_digits`, and without a number of them: where it is a
 // float, as few as read back to the same float.
-inline void append_distance(std::string& out, double distance, int digits, bool short_digits) {
+inline void append_distance(std::string& out, double distance, int digits, bool short_digits,
+                            Bound bound = Bound::none) {
   const auto narrow = static_cast<float>(distance);
   if (!short_digits || digits > 0 || narrow != distance || !std::isfinite(distance)) {
-    append_number(out, distance, digits);
+    append_bound(out, distance, digits, bound);
     return;
   }
   char text[32];

@@ -24,13 +24,13 @@ void append_numbers(std::string& out, const Values& values, int digits) {
 }
 
 void append_distances(std::string& out, std::span<const double> distances, int digits,
-                      bool short_digits) {
+                      bool short_digits, Bound bound) {
   out += '[';
   bool first = true;
   for (const double distance : distances) {
     if (!first) out += ',';
     first = false;
-    append_distance(out, distance, digits, short_digits);
+    append_distance(out, distance, digits, short_digits, bound);
   }
   out += ']';
 }
@@ -125,11 +125,11 @@ std::string to_json(const DistanceReply& reply, int digits) {
   out += ",\"reached\":" + std::to_string(reply.reached);
   out += ",\"max\":";
   append_distance(out, reply.max.value_or(std::numeric_limits<double>::infinity()), digits,
-                  reply.short_digits);
+                  reply.short_digits, reply.bound);
   out += ",\"farthest\":";
   append_whole(out, reply.farthest);
   out += ",\"distances\":";
-  append_distances(out, reply.distances, digits, reply.short_digits);
+  append_distances(out, reply.distances, digits, reply.short_digits, reply.bound);
   if (reply.labels) {
     out += ",\"labels\":";
     append_labels(out, *reply.labels);
@@ -152,8 +152,8 @@ std::string to_json(const PathReply& reply, int digits) {
   out += ",\"reachable\":";
   out += reply.reachable ? "true" : "false";
   out += ",\"length\":";
-  append_number(out, reply.reachable ? reply.length : std::numeric_limits<double>::infinity(),
-                digits);
+  append_bound(out, reply.reachable ? reply.length : std::numeric_limits<double>::infinity(),
+               digits, reply.bound);
   out += ",\"points\":";
   append_path_points(out, reply.points, digits);
   out += '}';
@@ -175,7 +175,7 @@ std::string to_json(const TableReply& reply, int digits) {
   for (std::size_t row = 0; row < rows; ++row) {
     if (row > 0) out += ',';
     append_distances(out, all.subspan(row * reply.columns.size(), reply.columns.size()), digits,
-                     reply.short_digits);
+                     reply.short_digits, reply.bound);
   }
   out += "]}";
   return out;
@@ -222,11 +222,11 @@ std::string to_json(const SamplesReply& reply, int digits) {
     out += std::to_string(sample.vertex) + ",\"xyz\":";
     append_xyz(out, sample.xyz, digits);
     out += ",\"radius\":";
-    append_number(out, sample.radius, digits);
+    append_bound(out, sample.radius, digits, reply.bound);
     out += '}';
   }
   out += "],\"covering_radius\":";
-  append_number(out, reply.covering_radius, digits);
+  append_bound(out, reply.covering_radius, digits, reply.bound);
   out += '}';
   return out;
 }

@@ -36,6 +36,7 @@ struct DistanceReply {
   std::optional<double> max;      // the greatest of them
   std::optional<std::uint64_t> farthest;  // and where: a source vertex, or a place in `at`
   bool short_digits = false;              // see append_distance
+  Bound bound = Bound::none;              // upper: rounded up where digits are cut
   // Only if asked for: which of `from` each distance is from, kNone where infinite.
   std::optional<std::vector<std::uint32_t>> labels;
 };
@@ -54,7 +55,8 @@ struct PathReply {
   std::vector<ResolvedPoint> via;
   ResolvedPoint to;
   bool reachable = false;
-  double length = 0;  // mesh units; meaningless when not reachable
+  double length = 0;          // mesh units; meaningless when not reachable
+  Bound bound = Bound::none;  // upper: the length is rounded up where digits are cut
   std::vector<PathReplyPoint> points;
 };
 
@@ -65,6 +67,7 @@ struct TableReply {
   std::vector<ResolvedPoint> columns;
   std::vector<double> distances;  // row after row; infinite: unreached
   bool short_digits = false;      // see append_distance
+  Bound bound = Bound::none;      // upper: rounded up where digits are cut
 };
 
 struct IsolinesReply {
@@ -88,6 +91,7 @@ struct SamplesReply {
   std::vector<ResolvedPoint> from;
   std::vector<SampleReply> samples;
   double covering_radius = 0;
+  Bound bound = Bound::none;  // upper: radii are rounded up where digits are cut
 };
 
 struct TraceReply {

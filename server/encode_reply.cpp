@@ -24,6 +24,7 @@ struct Numbers {
   std::vector<double> values;
   Shape shape;
   std::optional<double> max = {};  // the greatest finite one
+  Bound bound = Bound::none;       // upper: rounded up
 };
 
 std::string as_text(const Shape& shape) {
@@ -36,8 +37,10 @@ std::string as_text(const Shape& shape) {
 }
 
 std::string bytes_of(const Numbers& numbers, NumberType type) {
-  if (type == NumberType::f32) return proto::f32_bytes(numbers.values);
-  if (type == NumberType::u16) return proto::u16_bytes(numbers.values, numbers.max.value_or(0));
+  if (type == NumberType::f32) return proto::f32_bytes(numbers.values, numbers.bound);
+  if (type == NumberType::u16) {
+    return proto::u16_bytes(numbers.values, numbers.max.value_or(0), numbers.bound);
+  }
   return proto::f64_bytes(numbers.values);
 }
 
@@ -142,7 +145,7 @@ HttpResponse encode(Answered<proto::DistanceReply> answer, const proto::ReplyFor
   if (format.format == Format::json) {
     return with_cache_header(encode_as_json(reply, format), answer.cache_hit);
   }
-  Numbers distances{{}, {reply.distances.size()}, reply.max};
+  Numbers distances{{}, {reply.distances.size()}, reply.max, reply.bound};
   distances.values = std::exchange(reply.distances, {});
   if (format.format != Format::frame) {
     return with_cache_header(array_reply(distances, format.format), answer.cache_hit);
@@ -170,6 +173,7 @@ HttpResponse encode(Answered<proto::TableReply> answer, const proto::ReplyFormat
     return with_cache_header(encode_as_json(reply, format), answer.cache_hit);
   }
   Numbers distances{std::exchange(reply.distances, {}), {reply.rows.size(), reply.columns.size()}};
+  distances.bound = reply.bound;
   for (const double d : distances.values) {
     if (d != kUnreached) distances.max = std::max(distances.max.value_or(0), d);
   }

@@ -2,8 +2,10 @@
 
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
 
+#include "proto/number.h"
 #include "proto/query_limits.h"
 #include "server/query_place.h"
 
@@ -12,17 +14,21 @@ namespace {
 
 constexpr double kEverywhere = std::numeric_limits<double>::infinity();
 
-// Fields of floats end at a float: so a limit that is a distance of theirs, in digits that say
-// which float it is, has the vertices that are as far.
-double limit_of(const proto::MethodChoice& method, std::optional<double> max) {
-  const double limit = max.value_or(kEverywhere);
-  return proto::has_floats(method) ? as_float(limit) : limit;
-}
-
 // Whether JSON is to have a float's digits. As a decimal number they may be below it, which an
 // upper bound must not be.
 bool has_short_digits(const proto::MethodChoice& method) {
   return proto::has_floats(method) && method.options.bound == Bound::none;
+}
+
+// A limit that is a float in a float's digits has the vertices that are as far, though the float
+// may be above its digits. Nothing else is above what was asked for.
+double limit_of(const proto::MethodChoice& method, std::optional<double> max) {
+  const double limit = max.value_or(kEverywhere);
+  if (!has_short_digits(method) || !(limit < kEverywhere)) return limit;
+  const double nearest = as_float(limit);
+  std::string digits;
+  proto::append_distance(digits, nearest, 0, true);
+  return nearest > limit && proto::parse_finite(digits) <= limit ? nearest : limit;
 }
 
 // Fills `reached`, `max` and `farthest` from the distances.
@@ -90,6 +96,7 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const std::string& m
   reply.mesh = mesh;
   reply.method = request.method.which;
   reply.short_digits = has_short_digits(request.method);
+  reply.bound = proto::bound_of(request.method);
   auto sources = place->sources(request.from, reply.from);
   if (!sources) return fail(std::move(sources.error()));
   const FieldQuestion question{mesh, place->adjacency(), request.method, std::move(*sources),
@@ -129,6 +136,7 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const std::string& mesh
   reply.mesh = mesh;
   reply.method = request.method.which;
   reply.short_digits = has_short_digits(request.method);
+  reply.bound = proto::bound_of(request.method);
   const auto rows = place->points(request.from, reply.rows);
   if (!rows) return fail(rows.error());
   const auto columns = request.to.empty() ? rows : place->points(request.to, reply.columns);

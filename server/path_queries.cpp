@@ -139,6 +139,7 @@ Result<Answered<proto::PathReply>> FieldQueries::answer(const std::string& mesh,
   proto::PathReply& reply = answer.reply;
   reply.mesh = mesh;
   reply.method = request.method.which;
+  reply.bound = proto::bound_of(request.method);
   reply.refine = request.refine;
   // All at once: a search for points waits for a compute slot.
   std::vector<proto::PointRequest> asked{request.from};

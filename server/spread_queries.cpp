@@ -99,6 +99,7 @@ Result<Answered<proto::SamplesReply>> FieldQueries::answer(const std::string& me
   proto::SamplesReply& reply = answer.reply;
   reply.mesh = mesh;
   reply.method = request.method.which;
+  reply.bound = proto::bound_of(request.method);
   const auto sources = place->sources(request.from, reply.from);
   if (!sources) return fail(sources.error());
   const auto found = fields_.compute(
