@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <unordered_set>
 
 #include "core/arrive_at_point.h"
 #include "core/exact_pair.h"
@@ -41,34 +42,68 @@ std::string key_of(const FieldQuestion& question, Details details) {
   return key;
 }
 
-// Every vertex whose distance decides that of one of the points. An edge may have as many
-// faces as it likes.
+// The edge that a point beside vertices lies on; none inside a face.
+std::optional<std::uint64_t> edge_of(const Adjacency& adjacency, const SurfacePoint& point) {
+  const FaceRecord& face = adjacency.face(point.face);
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    if (point.bary[c] != 0) continue;
+    const auto [low, high] =
+        std::minmax(face.vertex[next_corner(c)], face.vertex[previous_corner(c)]);
+    return std::uint64_t{low} << 32U | high;
+  }
+  return std::nullopt;
+}
+
+// Calls `visit` with every face that one of the points beside vertices lies in. An edge may have
+// as many faces as it likes and as many points: its faces are visited once, so the points cost
+// no more than the mesh has faces. Ends early where the poll says so.
+template <class Visit>
+void visit_faces_about(const Adjacency& adjacency, std::span<const SurfacePoint> points, Poll& poll,
+                       const Visit& visit) {
+  std::unordered_set<std::uint64_t> edges;
+  for (const SurfacePoint& point : points) {
+    if (point.at_vertex()) continue;
+    const auto edge = edge_of(adjacency, point);
+    if (edge && !edges.insert(*edge).second) continue;
+    for (const SurfacePoint& place : in_all_faces(adjacency, point)) {
+      if (poll.cancelled()) return;
+      visit(place.face);
+    }
+  }
+}
+
+void make_set(std::vector<std::uint32_t>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+// Every vertex whose distance decides that of one of the points, once. Belongs into a compute
+// slot: the list may be as long as the mesh.
 Result<std::vector<std::uint32_t>> vertices_about(const Adjacency& adjacency,
                                                   std::span<const SurfacePoint> points,
                                                   const Cancel& cancel) {
   std::vector<std::uint32_t> vertices;
-  Poll poll(cancel);
   for (const SurfacePoint& point : points) {
-    if (point.at_vertex()) {
-      vertices.push_back(point.vertex);
-      continue;
-    }
-    for (const SurfacePoint& place : in_all_faces(adjacency, point)) {
-      if (poll.cancelled()) return fail_stopped(cancel);
-      for (const std::uint32_t v : adjacency.face(place.face).vertex) vertices.push_back(v);
-    }
+    if (point.at_vertex()) vertices.push_back(point.vertex);
   }
+  Poll poll(cancel);
+  visit_faces_about(adjacency, points, poll, [&](std::uint32_t face) {
+    for (const std::uint32_t v : adjacency.face(face).vertex) vertices.push_back(v);
+  });
+  if (poll.stopped()) return fail_stopped(cancel);
+  make_set(vertices);
   return vertices;
 }
 
-// Every face that one of the points lies in.
-std::vector<std::uint32_t> faces_about(const Adjacency& adjacency,
-                                       std::span<const SurfacePoint> points) {
+// Every face that one of the points lies in, once.
+Result<std::vector<std::uint32_t>> faces_about(const Adjacency& adjacency,
+                                               std::span<const SurfacePoint> points,
+                                               const Cancel& cancel) {
   std::vector<std::uint32_t> faces;
-  for (const SurfacePoint& point : points) {
-    if (point.at_vertex()) continue;
-    for (const SurfacePoint& place : in_all_faces(adjacency, point)) faces.push_back(place.face);
-  }
+  Poll poll(cancel);
+  visit_faces_about(adjacency, points, poll, [&](std::uint32_t face) { faces.push_back(face); });
+  if (poll.stopped()) return fail_stopped(cancel);
+  make_set(faces);
   return faces;
 }
 
@@ -206,7 +241,12 @@ Result<PointDistances> Fields::at_points(const FieldQuestion& question,
 Result<PointDistances> Fields::table(const FieldQuestion& question,
                                      std::span<const SurfacePoint> from,
                                      std::span<const SurfacePoint> to, const Caller& caller) {
-  const auto targets = vertices_about(*question.adjacency, to, Cancel(std::cref(caller)));
+  const auto find_targets = [&](SolveScratch&, const Cancel& cancel) {
+    return vertices_about(*question.adjacency, to, cancel);
+  };
+  SolveScratch none;
+  const auto targets = details_for(to) == Details::none ? find_targets(none, {})
+                                                        : compute(find_targets, caller.part(0, 0));
   if (!targets) return fail(targets.error());
   PointDistances table;
   table.hit = true;
@@ -253,8 +293,12 @@ Result<PointDistances> Fields::read_points(const FieldQuestion& question,
     limits.targets = targets;
     limits.keep_details = details == Details::kept;
     // A label may be at the end of a path, over any of the faces.
-    const std::vector<std::uint32_t> faces =
-        labels ? std::vector<std::uint32_t>() : faces_about(*question.adjacency, points);
+    std::vector<std::uint32_t> faces;
+    if (!labels) {
+      auto about = faces_about(*question.adjacency, points, cancel);
+      if (!about) return fail(std::move(about.error()));
+      faces = std::move(*about);
+    }
     limits.detail_faces = faces;
     auto part = solve(question, limits, scratch, cancel, caller);
     if (!part) return fail(std::move(part.error()));
