@@ -32,6 +32,20 @@ TriangleSoup faces_on_one_edge(std::uint32_t count) {
   return soup;
 }
 
+// A disc of so many faces on one vertex, and a last face without area: the edge from
+// that vertex to the last of the rim.
+TriangleSoup faces_at_one_vertex(std::uint32_t count) {
+  TriangleSoup soup;
+  soup.positions = {{0, 0, 0}};
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const double angle = kTurn * i / count;
+    soup.positions.push_back({std::cos(angle), std::sin(angle), 0});
+    soup.faces.push_back({0, 1 + i, 1 + (i + 1) % count});
+  }
+  soup.faces.push_back({0, 0, count});
+  return soup;
+}
+
 struct Columns {
   json points = json::array();
   std::vector<double> heights;
@@ -100,4 +114,20 @@ TEST_CASE("ATableToAnEdgeOfManyFacesEndsAtItsDeadline") {
                     {"deadline_ms", deadline_ms}};
     check_problem(plane.service.ask("POST", base + "/table", body.dump()), 504, "deadline");
   }
+}
+
+TEST_CASE("PointsOfADroppedFaceAtAVertexOfManyFacesAreFoundInASlot") {
+  constexpr std::uint32_t kFaces = 30'000;
+  PlaneService plane;
+  const std::string base = plane.add(faces_at_one_vertex(kFaces));
+  REQUIRE(plane.service.get(base + "/nearest?point=v:0").status == 200);
+  const auto before = plane.service.pool.stats().finished;
+  const json found = body_of(plane.service.get(base + "/nearest?point=f:30000,0.3,0.3"))["points"];
+  CHECK(plane.service.pool.stats().finished == before + 1);
+  CHECK(found[0]["xyz"][0].get<double>() ==
+        doctest::Approx(0.4 * std::cos(kTurn * (kFaces - 1) / kFaces)));
+  const json many(10'000, "f:30000,0.3,0.3");
+  check_problem(plane.service.ask("POST", base + "/nearest",
+                                  json{{"point", many}, {"deadline_ms", 100}}.dump()),
+                504, "deadline");
 }
