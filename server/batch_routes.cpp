@@ -23,9 +23,10 @@ constexpr const char* kMediaType = "application/x-ndjson";
 struct Batch {
   std::string mesh;
   std::string body;
-  HttpRequest request;   // for whom: without its body
-  std::size_t done = 0;  // bytes of the body
-  bool is_over = false;  // before its end
+  HttpRequest request;                   // for whom: without its body
+  std::size_t done = 0;                  // bytes of the body
+  bool is_over = false;                  // before its end
+  std::shared_ptr<const void> reserved;  // for the reply of the last line, until it is sent
 
   [[nodiscard]] double part_done() const {
     return static_cast<double>(done) / static_cast<double>(body.size());
@@ -96,6 +97,8 @@ HttpResponse Routes::batch(Call& call) {
   response.content_type = kMediaType;
   response.set_header("Cache-Control", "no-store");
   response.stream = [this, batch](std::string& chunk) {
+    // Who asks for the next line has sent the last one.
+    batch->reserved.reset();
     std::string_view text;
     const double begin = batch->part_done();
     if (batch->is_over || !batch->next(text)) return false;
@@ -106,7 +109,7 @@ HttpResponse Routes::batch(Call& call) {
       return true;
     }
     const Caller caller = batch->request.caller.part(begin, batch->part_done());
-    chunk = answer_line(batch->mesh, text, batch->request, caller);
+    chunk = answer_line(batch->mesh, text, batch->request, caller, batch->reserved);
     return true;
   };
   return response;
@@ -114,7 +117,8 @@ HttpResponse Routes::batch(Call& call) {
 
 // {"id":…, "query":"path", …}: the rest are the query's parameters.
 std::string Routes::answer_line(const std::string& mesh, std::string_view text,
-                                const HttpRequest& request, const Caller& caller) {
+                                const HttpRequest& request, const Caller& caller,
+                                std::shared_ptr<const void>& reserved) {
   std::optional<std::string> id;
   const auto answer = [&]() -> Result<HttpResponse> {
     const auto memory = memory_for_json(text.size(), caller);
@@ -132,7 +136,10 @@ std::string Routes::answer_line(const std::string& mesh, std::string_view text,
     return answer_any_query({mesh, **action, *parameters, nullptr, caller, nullptr, nullptr, true});
   };
   const auto found = answer();
-  if (found) return reply_line(id, found->status, "reply", *found->body);
+  if (found) {
+    reserved = found->reserved;
+    return reply_line(id, found->status, "reply", *found->body);
+  }
   return problem_line(id, found.error(), request);
 }
 

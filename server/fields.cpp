@@ -54,19 +54,26 @@ std::string key_of(const FieldQuestion& question, Details details) {
   return key;
 }
 
-// The ends of the edge that a point is on; nothing of one inside a face.
+// The edge that a point beside vertices lies on; none inside a face.
 std::optional<std::uint64_t> edge_of(const Adjacency& adjacency, const SurfacePoint& point) {
+  const FaceRecord& face = adjacency.face(point.face);
   for (std::uint32_t c = 0; c < 3; ++c) {
-    if (point.bary[previous_corner(c)] != 0) continue;
-    const FaceRecord& face = adjacency.face(point.face);
-    const auto [low, high] = std::minmax({face.vertex[c], face.vertex[next_corner(c)]});
+    if (point.bary[c] != 0) continue;
+    const auto [low, high] =
+        std::minmax(face.vertex[next_corner(c)], face.vertex[previous_corner(c)]);
     return std::uint64_t{low} << 32U | high;
   }
   return std::nullopt;
 }
 
-// Every face that one of the points lies in, but for points at vertices. An edge may have as many
-// faces as it likes, and as many of the points: they count once.
+void make_set(std::vector<std::uint32_t>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+// Every face that one of the points lies in, once, but for points at vertices. An edge may have as
+// many faces as it likes and as many of the points: its faces are visited once. Belongs into a
+// compute slot: the list may be as long as the mesh.
 Result<std::vector<std::uint32_t>> faces_about(const Adjacency& adjacency,
                                                std::span<const SurfacePoint> points,
                                                const Cancel& cancel) {
@@ -83,10 +90,12 @@ Result<std::vector<std::uint32_t>> faces_about(const Adjacency& adjacency,
       faces.push_back(place.face);
     }
   }
+  make_set(faces);
   return faces;
 }
 
-// Every vertex whose distance decides that of one of the points.
+// Every vertex whose distance decides that of one of the points, once. For a compute slot, too,
+// unless all points are at vertices.
 Result<std::vector<std::uint32_t>> vertices_about(const Adjacency& adjacency,
                                                   std::span<const SurfacePoint> points,
                                                   const Cancel& cancel) {
@@ -101,6 +110,7 @@ Result<std::vector<std::uint32_t>> vertices_about(const Adjacency& adjacency,
   for (const SurfacePoint& point : points) {
     if (point.at_vertex()) vertices.push_back(point.vertex);
   }
+  make_set(vertices);
   return vertices;
 }
 
@@ -244,10 +254,11 @@ Result<PointDistances> Fields::at_points(const FieldQuestion& question,
 Result<PointDistances> Fields::table(const FieldQuestion& question,
                                      std::span<const SurfacePoint> from,
                                      std::span<const SurfacePoint> to, const Caller& caller) {
-  const auto targets =
-      compute([&](SolveScratch&,
-                  const Cancel& cancel) { return vertices_about(*question.adjacency, to, cancel); },
-              caller.part(0, 0));
+  const auto find_targets = [&](SolveScratch&, const Cancel& cancel) {
+    return vertices_about(*question.adjacency, to, cancel);
+  };
+  const auto targets = details_for(to) == Details::none ? find_targets(none, {})
+                                                        : compute(find_targets, caller.part(0, 0));
   if (!targets) return fail(targets.error());
   PointDistances table;
   table.hit = true;

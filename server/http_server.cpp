@@ -85,6 +85,15 @@ const std::string& http_date() {
   return date;
 }
 
+// When so many bytes that are streamed must be sent.
+Clock::time_point sent_by(const HttpOptions& options, std::uint64_t bytes) {
+  if (options.min_send_rate == 0) return Clock::time_point::max();
+  return Clock::now() + options.write_timeout + std::chrono::seconds(bytes / options.min_send_rate);
+}
+
+// A streamed chunk is handed on in pieces of so many bytes: each is copied on its way.
+constexpr std::size_t kChunkPiece = std::size_t{64} << 10;
+
 // What cpp-httplib reads, a request that says nothing, and where it writes: the
 // connection's queue or, if the reply is streamed, the socket.
 class ReplyStream final : public httplib::Stream {
@@ -106,11 +115,7 @@ class ReplyStream final : public httplib::Stream {
     HttpConnection& connection = exchange_.connection;
     connection.queue(std::string_view(data, size));
     if (exchange_.streams) {
-      Clock::time_point deadline = Clock::time_point::max();
-      if (options_.min_send_rate != 0) {
-        deadline = Clock::now() + options_.write_timeout +
-                   std::chrono::seconds(connection.unsent() / options_.min_send_rate);
-      }
+      const Clock::time_point deadline = sent_by(options_, connection.unsent());
       if (!connection.send_all_waiting(options_.write_timeout, deadline)) return -1;
     }
     return static_cast<ssize_t>(size);
@@ -336,15 +341,22 @@ class HttpServer::Impl final : public httplib::Server {
   void stream(std::function<bool(std::string&)> next, const std::string& type, Exchange& exchange,
               httplib::Response& response) {
     exchange.streams = true;
-    auto send = [next = std::move(next), id = exchange.request.id](std::size_t,
-                                                                   httplib::DataSink& sink) {
+    auto send = [this, next = std::move(next), id = exchange.request.id](std::size_t,
+                                                                         httplib::DataSink& sink) {
       try {
         std::string chunk;
         if (!next(chunk)) {
           sink.done();
           return true;
         }
-        return chunk.empty() || sink.write(chunk.data(), chunk.size());
+        // The pieces' own deadlines would add up to more.
+        const Clock::time_point deadline = sent_by(edge_.options, chunk.size());
+        for (std::size_t sent = 0; sent < chunk.size(); sent += kChunkPiece) {
+          if (Clock::now() >= deadline) return false;
+          if (!sink.write(chunk.data() + sent, std::min(kChunkPiece, chunk.size() - sent)))
+            return false;
+        }
+        return true;
       } catch (const std::exception& thrown) {
         // The status is sent: all that is left is an end that nobody takes for the end.
         spdlog::error("{} a streamed reply threw: {}", id, for_log(thrown.what()));

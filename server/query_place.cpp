@@ -31,8 +31,12 @@ Result<std::vector<SurfacePoint>> FieldQueries::Place::points(
     }
     return points;
   };
-  // Where nothing has to be searched, to look up and to wait in a queue would be the longer way.
-  if (!searches) {
+  const bool may_be_long =
+      searches || std::any_of(requests.begin(), requests.end(), [&](const auto& request) {
+        return is_on_dropped_face(mesh(), request);
+      });
+  // To look the others up takes less time than to wait in a queue.
+  if (!may_be_long) {
     auto found = resolve(Cancel(std::cref(caller_)));
     if (!found && found.error().code == ErrorCode::cancelled) return fail(caller_.why_stopped());
     return found;

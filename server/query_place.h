@@ -26,8 +26,8 @@ class FieldQueries::Place {
   [[nodiscard]] const std::shared_ptr<const Adjacency>& adjacency() const { return adjacency_; }
   [[nodiscard]] const Mesh& mesh() const { return adjacency_->mesh(); }
 
-  // The places, and what the reply says of each in `echo`. In a compute slot where the surface
-  // has to be searched for any of them.
+  // The places, and what the reply says of each in `echo`. In a compute slot where any of
+  // them takes longer than to look it up.
   [[nodiscard]] Result<std::vector<SurfacePoint>> points(
       const std::vector<proto::PointRequest>& requests,
       std::vector<proto::ResolvedPoint>& echo) const;

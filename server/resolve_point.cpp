@@ -116,6 +116,12 @@ bool is_searched(const proto::PointRequest& request) {
          std::holds_alternative<proto::RayRequest>(request.where);
 }
 
+bool is_on_dropped_face(const Mesh& mesh, const proto::PointRequest& request) {
+  const auto* asked = std::get_if<proto::FaceRequest>(&request.where);
+  return asked != nullptr && asked->face < mesh.source_face_count() &&
+         mesh.face_of_source(static_cast<std::uint32_t>(asked->face)) == kNone;
+}
+
 Result<PlacedPoint> resolve_point(const Adjacency& adjacency, const ClosestPointIndex* index,
                                   const proto::PointRequest& request, const Cancel& cancel) {
   if (const auto* vertex = std::get_if<proto::VertexRequest>(&request.where)) {

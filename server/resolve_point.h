@@ -19,6 +19,10 @@ struct PlacedPoint {
 // Whether the surface must be searched for it: in a compute slot, for a search may be long.
 [[nodiscard]] bool is_searched(const proto::PointRequest& request);
 
+// Whether it lies on a face that welding has dropped. To find the edge that it has become takes as
+// long as a vertex has faces, so it belongs into a compute slot, too.
+[[nodiscard]] bool is_on_dropped_face(const Mesh& mesh, const proto::PointRequest& request);
+
 // `index` may be null unless the point is searched. Errors: index_out_of_range, snap_too_far,
 // no_hit, value_out_of_range, mesh_invalid (a point on a face without surface that touches no
 // other), cancelled.

@@ -125,8 +125,10 @@ class Routes {
                                                         const std::string& tag);
   void keep_reply(const Query& query, const std::string& identity, const HttpResponse& reply);
   [[nodiscard]] HttpResponse batch(Call& call);
+  // `reserved`: becomes what the reply has reserved, to be held as long as the line.
   [[nodiscard]] std::string answer_line(const std::string& mesh, std::string_view text,
-                                        const HttpRequest& request, const Caller& caller);
+                                        const HttpRequest& request, const Caller& caller,
+                                        std::shared_ptr<const void>& reserved);
   // Whether the client prefers not to wait for this one.
   [[nodiscard]] static bool may_be_job(const Call& call);
   [[nodiscard]] HttpResponse begin_job(Call& call);

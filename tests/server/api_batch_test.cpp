@@ -108,3 +108,44 @@ TEST_CASE("ABatchIsRefusedAsAWholeWhereItCanBe") {
                 404, "mesh_unknown");
   CHECK(lines_of(plane.service.ask("POST", plane.base + "/batch", "\n \n")).empty());
 }
+
+TEST_CASE("ALinesMemoryIsHeldUntilTheNextIsAskedFor") {
+  Config config;
+  config.reply_memory_bytes = 4'000'000;
+  config.reply_cache_bytes = 0;
+  PlaneService plane(config);
+  const std::string base = plane.add(shapes::plane(200, 200));
+  const auto held = [&] {
+    return body_of(plane.service.get("/v1/status"))["replies"]["bytes"].get<std::uint64_t>();
+  };
+  const std::string lines =
+      "{\"query\":\"distance\",\"from\":\"v:0\"}\n{\"query\":\"distance\",\"from\":\"v:1\"}\n";
+  const auto next = [](const HttpResponse& reply) {
+    std::string chunk;
+    REQUIRE(reply.stream(chunk));
+    return chunk;
+  };
+  // Clients that take nothing: what they have not taken is all that is made for them.
+  std::vector<HttpResponse> waiting;
+  std::uint64_t made = 0;
+  json refused;
+  while (waiting.size() < 20 && refused.is_null()) {
+    waiting.push_back(plane.service.ask("POST", base + "/batch", lines));
+    REQUIRE(waiting.back().stream);
+    const std::string chunk = next(waiting.back());
+    const json line = json::parse(chunk);
+    if (line["status"] == 200) {
+      made += chunk.size();
+    } else {
+      refused = line["problem"];
+    }
+  }
+  REQUIRE(refused.is_object());
+  CHECK((refused["code"] == "overloaded" || refused["code"] == "too_many_requests"));
+  CHECK(made <= config.reply_memory_bytes);
+  CHECK(held() + 1000 * waiting.size() >= made);
+  // Who takes what was made for it gets the next.
+  CHECK(json::parse(next(waiting.front()))["status"] == 200);
+  waiting.clear();
+  CHECK(held() == 0);
+}

@@ -57,6 +57,11 @@ inline HttpResponse answer(HttpRequest& request) {
       chunk = "data: " + std::to_string(n) + "\n\n";
       return n++ < 3;
     };
+  } else if (request.path == "/large-chunk") {
+    response.stream = [n = 0](std::string& chunk) mutable {
+      chunk.assign(3'000'000, 'x');
+      return n++ == 0;
+    };
   } else if (request.path == "/half") {
     response.stream = [n = 0](std::string& chunk) mutable {
       if (n++ > 0) throw std::runtime_error("the rest cannot be made");

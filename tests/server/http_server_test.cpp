@@ -210,6 +210,23 @@ TEST_CASE("a reply can be streamed") {
   CHECK(old.receive().body == "data: 0\n\ndata: 1\n\ndata: 2\n\n");
 }
 
+TEST_CASE("a large chunk of a stream is sent in pieces, none copied whole") {
+  Edge edge;
+  RawClient client(edge.port);
+  client.send(get("/large-chunk", "Connection: close\r\n"));
+  const std::string all = client.receive_all();
+  const std::size_t head = all.find("\r\n\r\n");
+  REQUIRE(head != std::string::npos);
+  std::size_t bytes = 0;
+  for (std::size_t at = head + 4; at < all.size();) {
+    const std::size_t size = std::stoul(all.substr(at, 16), nullptr, 16);
+    CHECK(size <= 64u << 10);
+    at = all.find("\r\n", at) + 2 + size + 2;
+    bytes += size;
+  }
+  CHECK(bytes == 3'000'000);
+}
+
 TEST_CASE("a stream that throws ends its connection, and nothing else") {
   Edge edge;
   RawClient client(edge.port);
