@@ -254,11 +254,13 @@ Result<PointDistances> Fields::at_points(const FieldQuestion& question,
 Result<PointDistances> Fields::table(const FieldQuestion& question,
                                      std::span<const SurfacePoint> from,
                                      std::span<const SurfacePoint> to, const Caller& caller) {
-  const auto find_targets = [&](SolveScratch&, const Cancel& cancel) {
-    return vertices_about(*question.adjacency, to, cancel);
-  };
-  const auto targets = details_for(to) == Details::none ? find_targets(none, {})
-                                                        : compute(find_targets, caller.part(0, 0));
+  const Adjacency& adjacency = *question.adjacency;
+  const auto targets =
+      details_for(to) == Details::none
+          ? vertices_about(adjacency, to, Cancel())
+          : compute([&](SolveScratch&,
+                        const Cancel& cancel) { return vertices_about(adjacency, to, cancel); },
+                    caller.part(0, 0));
   if (!targets) return fail(targets.error());
   PointDistances table;
   table.hit = true;
