@@ -23,6 +23,7 @@ struct Jobs::Job {
   HttpResponse reply;
   Clock::time_point forgotten_at;
   std::uint64_t bytes = 0;  // charged
+  bool is_kept = false;     // it has ended, and its bytes count among its client's
   std::atomic<bool> cancelled{false};
   std::atomic<double> progress{0};
 
@@ -103,7 +104,7 @@ Result<void> Jobs::admit(const std::string& client, std::uint64_t bytes) {
                   limits_.bytes, bytes);
   }
   // What has ended makes room for what is wanted.
-  while (bytes_ + bytes > limits_.bytes && !ended_.empty()) forget(ended_.front());
+  while (bytes_ + bytes > limits_.bytes && !ended_.empty()) forget(next_to_forget());
   if (bytes_ + bytes > limits_.bytes) {
     return refuse(ErrorCode::overloaded, "the jobs' requests take all of their memory",
                   limits_.bytes, bytes_ + bytes);
@@ -221,7 +222,11 @@ HttpResponse Jobs::reply_to(Job& job) {
     if (reply.stream) {
       std::string body;
       std::string chunk;
+      const std::uint64_t before = charged(job);
       while (body.size() <= most && reply.stream(chunk)) {
+        if (auto room = grow(job, before + body.size() + chunk.size()); !room) {
+          return HttpResponse::problem(room.error(), job.request);
+        }
         body += chunk;
         chunk.clear();
       }
@@ -246,8 +251,31 @@ HttpResponse Jobs::reply_to(Job& job) {
   return problem(ErrorCode::internal, "internal error");
 }
 
+std::uint64_t Jobs::charged(const Job& job) {
+  const std::lock_guard lock(mutex_);
+  return job.bytes;
+}
+
+// While a job runs, what it gathers is charged before it is kept.
+Result<void> Jobs::grow(Job& job, std::uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  if (has_ended(job.report.state)) return fail(ErrorCode::job_cancelled, "the job was cancelled");
+  if (bytes > limits_.bytes) {  // at no time
+    return fail_limit(ErrorCode::too_large, "the reply is too large to be kept", limits_.bytes,
+                      bytes);
+  }
+  while (bytes_ - job.bytes + bytes > limits_.bytes && !ended_.empty()) forget(next_to_forget());
+  if (bytes_ - job.bytes + bytes > limits_.bytes) {
+    return fail_limit(ErrorCode::overloaded, "the jobs' replies take all of their memory",
+                      limits_.bytes, bytes_ - job.bytes + bytes);
+  }
+  charge(job, bytes);
+  return {};
+}
+
 void Jobs::charge(Job& job, std::uint64_t bytes) {
   bytes_ += bytes - job.bytes;
+  if (job.is_kept) kept_[job.client] += bytes - job.bytes;
   job.bytes = bytes;
 }
 
@@ -260,9 +288,11 @@ void Jobs::end(Job& job, JobState state) {
   job.forgotten_at = Clock::now() + limits_.keep;
   if (const auto kept = jobs_.find(job.report.id); kept != jobs_.end()) {
     ended_.push_back(kept->second);
+    job.is_kept = true;
+    kept_[job.client] += job.bytes;
   }
   changed_.notify_all();
-  while (bytes_ > limits_.bytes && ended_.size() > 1) forget(ended_.front());
+  while (bytes_ > limits_.bytes && ended_.size() > 1) forget(next_to_forget());
 }
 
 void Jobs::forget(const Handle& job) {
@@ -271,7 +301,23 @@ void Jobs::forget(const Handle& job) {
   if (!held->cancelled || !held->report.started) charge(*held, 0);
   jobs_.erase(held->report.id);
   ended_.remove(held);
+  if (held->is_kept) {
+    const auto kept = kept_.find(held->client);
+    kept->second -= held->bytes;
+    held->is_kept = false;
+    if (kept->second == 0) kept_.erase(kept);
+  }
   changed_.notify_all();
+}
+
+// The oldest of the client whose results take the most: nobody pushes out what others have left.
+auto Jobs::next_to_forget() const -> Handle {
+  const auto most = std::max_element(
+      kept_.begin(), kept_.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto first = std::find_if(ended_.begin(), ended_.end(), [&](const Handle& job) {
+    return most == kept_.end() || job->client == most->first;
+  });
+  return first != ended_.end() ? *first : ended_.front();
 }
 
 void Jobs::forget_old() {

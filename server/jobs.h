@@ -12,8 +12,9 @@
 //    take turns: who has the fewest running goes first, then who was served longest
 //    ago. While it runs, a job queues for compute slots like any request of its client;
 //  - the bodies of requests and replies together have a budget in bytes. What has
-//    ended is forgotten, the oldest first, when the budget is used up or when it has
-//    been kept for long enough.
+//    ended is forgotten when it has been kept for long enough, or when the budget is used up:
+//    then the oldest of the client whose results take the most. What a job gathers while it
+//    runs is charged as it grows.
 //
 // Ids are 128 random bits: to know one is to be allowed to ask for it.
 //
@@ -135,6 +136,10 @@ class Jobs {
   [[nodiscard]] HttpResponse reply_to(Job& job);
   void end(Job& job, JobState state);
   void charge(Job& job, std::uint64_t bytes);
+  // Charges a job that runs, where there is room. Errors: too_large, overloaded, job_cancelled.
+  [[nodiscard]] Result<void> grow(Job& job, std::uint64_t bytes);
+  [[nodiscard]] std::uint64_t charged(const Job& job);
+  [[nodiscard]] Handle next_to_forget() const;
   void forget(const Handle& job);
   void forget_old();
   [[nodiscard]] static JobReport report_of(const Job& job);
@@ -147,8 +152,9 @@ class Jobs {
   std::condition_variable work_ready_;
   std::condition_variable changed_;  // some job's state
   std::map<std::string, Handle> jobs_;
-  std::list<Handle> waiting_;  // the oldest first
-  std::list<Handle> ended_;    // likewise; its bytes can be had back
+  std::list<Handle> waiting_;                  // the oldest first
+  std::list<Handle> ended_;                    // likewise; its bytes can be had back
+  std::map<std::string, std::uint64_t> kept_;  // bytes of those, by client
   std::map<std::string, Share> shares_;
   std::uint64_t served_ = 0;
   std::size_t running_ = 0;  // threads in a handler

@@ -186,9 +186,23 @@ Result<std::string> MeshStore::get_source(std::string_view id) {
 }
 
 bool MeshStore::is_verified(const std::string& id, const std::string& state) const {
-  const std::lock_guard lock(state_mutex_);
   const auto known = verified_.find(id);
   return known != verified_.end() && known->second == state;
+}
+
+Result<bool> MeshStore::has_digest(const ReplyFile& file, std::string_view id,
+                                   const std::function<bool()>& stop) {
+  Sha256 digest;
+  std::string piece;
+  for (std::uint64_t done = 0; done < file.size(); done += piece.size()) {
+    if (stop()) return fail(ErrorCode::cancelled, "the client is gone");
+    constexpr std::size_t kPiece = std::size_t{1} << 20;
+    piece.resize(kPiece);
+    piece.resize(file.read(done, piece.data(), piece.size()));
+    if (piece.empty()) return false;
+    digest.add(piece);
+  }
+  return digest.hex() == source_digest(id);
 }
 
 Result<std::shared_ptr<const ReplyFile>> MeshStore::open_source(std::string_view id,
@@ -201,22 +215,33 @@ Result<std::shared_ptr<const ReplyFile>> MeshStore::open_source(std::string_view
   const std::string key(id);
   const std::string state = std::move((*opened)->state);
   const auto file = std::make_shared<const ReplyFile>(std::move((*opened)->file), (*opened)->bytes);
-  if (is_verified(key, state)) return file;
-  // Whoever asks for the same mesh meanwhile is glad of the outcome.
-  const std::lock_guard one_at_a_time(verify_mutex_);
-  if (is_verified(key, state)) return file;
-  Sha256 digest;
-  std::string piece;
-  for (std::uint64_t done = 0; done < file->size(); done += piece.size()) {
+  std::unique_lock lock(state_mutex_);
+  // Who asks for the same mesh meanwhile is glad of the outcome; others do not wait.
+  while (verifying_.contains(key)) {
+    constexpr std::chrono::milliseconds kAskEvery{50};
+    if (verify_done_.wait_for(lock, kAskEvery) != std::cv_status::timeout) continue;
+    lock.unlock();  // the question may take a system call
     if (stop()) return fail(ErrorCode::cancelled, "the client is gone");
-    constexpr std::size_t kPiece = std::size_t{1} << 20;
-    piece.resize(kPiece);
-    piece.resize(file->read(done, piece.data(), piece.size()));
-    if (piece.empty()) return nullptr;
-    digest.add(piece);
+    lock.lock();
   }
-  if (digest.hex() != source_digest(id)) return nullptr;
-  const std::lock_guard lock(state_mutex_);
+  if (is_verified(key, state)) return file;
+  verifying_.insert(key);
+  lock.unlock();
+  Result<bool> is_whole = false;
+  const auto end = [&] {
+    lock.lock();
+    verifying_.erase(key);
+    verify_done_.notify_all();
+  };
+  try {
+    is_whole = has_digest(*file, id, stop);
+  } catch (...) {
+    end();
+    throw;
+  }
+  end();
+  if (!is_whole) return fail(is_whole.error());
+  if (!*is_whole) return nullptr;
   constexpr std::size_t kMostKept = 10'000;
   if (verified_.size() >= kMostKept) verified_.clear();
   verified_[key] = state;

@@ -27,6 +27,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -34,6 +35,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -141,6 +143,10 @@ class MeshStore {
   // Forgets a mesh that is not in the storage.
   void forget(std::string_view id);
   [[nodiscard]] std::mutex& stripe(std::string_view id);
+  // Whether the file has the mesh's digest, by reading it. Errors: cancelled.
+  [[nodiscard]] static Result<bool> has_digest(const ReplyFile& file, std::string_view id,
+                                               const std::function<bool()>& stop);
+  // The caller holds `state_mutex_`.
   [[nodiscard]] bool is_verified(const std::string& id, const std::string& state) const;
   // Counts what the storage failed to do.
   template <class T>
@@ -153,13 +159,14 @@ class MeshStore {
   std::array<std::mutex, 64> stripes_;
   std::mutex scan_mutex_;
   std::chrono::steady_clock::time_point scanned_;
-  mutable std::mutex state_mutex_;  // of the next four
+  mutable std::mutex state_mutex_;  // of the next six
   Result<void> health_;
   using Versions = std::map<std::string, std::string, std::less<>>;  // by id
   Versions damaged_;
   Versions whole_;                               // of known meshes in a shared storage
   std::map<std::string, std::string> verified_;  // the states of files that were, by id
-  std::mutex verify_mutex_;                      // one is at a time
+  std::set<std::string> verifying_;              // ids of those that are read for it now
+  std::condition_variable verify_done_;          // of one of these
   std::atomic<std::uint64_t> evictions_{0};
   std::atomic<std::uint64_t> refusals_{0};
   std::atomic<std::uint64_t> corrupt_{0};

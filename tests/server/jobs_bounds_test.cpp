@@ -92,6 +92,84 @@ TEST_CASE("AReplyThatIsTooLargeToKeepIsAnError") {
   CHECK(jobs.result(started->id)->body->find("too_large") != std::string::npos);
 }
 
+// Jobs that gather at the same time have one memory, not one each.
+TEST_CASE("WhatJobsGatherIsChargedAsItGrows") {
+  Jobs::Limits limits;
+  limits.bytes = 100'000;
+  limits.running = 4;
+  std::atomic<int> full{0};
+  std::atomic<bool> go_on{false};
+  Jobs jobs(limits, [&](HttpRequest&) {
+    HttpResponse response;
+    response.stream = [&, n = 0](std::string& chunk) mutable {
+      if (n == 40) {
+        ++full;
+        while (!go_on) std::this_thread::sleep_for(1ms);
+        return false;
+      }
+      chunk = std::string(1000, 'x');
+      return ++n <= 40;
+    };
+    return response;
+  });
+  const auto start = [&](const char* client) {
+    HttpRequest request;
+    request.caller.client = client;
+    const auto report = jobs.start(std::move(request));
+    REQUIRE(report);
+    return jobs.hold(report->id);
+  };
+  const auto end = std::chrono::steady_clock::now() + kJobPatience;
+  const auto wait_until = [&](const auto& holds) {
+    while (!holds() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
+    return holds();
+  };
+  const auto first = start("ann");
+  CHECK(wait_until([&] { return full == 1; }));
+  const auto second = start("bob");
+  CHECK(wait_until([&] { return full == 2; }));
+  CHECK(jobs.stats().bytes >= 80'000);
+  const auto third = start("cid");
+  CHECK(wait_until([&] { return full == 3 || has_ended(jobs.report(third).state); }));
+  CHECK(full == 2);
+  CHECK(jobs.stats().bytes <= limits.bytes);
+  go_on = true;
+  for (const auto& job : {first, second, third}) {
+    CHECK(wait_until([&] { return has_ended(jobs.report(job).state); }));
+  }
+  CHECK(jobs.report(first).status == 200);
+  CHECK(jobs.report(second).status == 200);
+  CHECK(jobs.report(third).status == 503);
+}
+
+TEST_CASE("ResultsOfOneClientDoNotPushOutThoseOfAnother") {
+  Jobs::Limits limits;
+  limits.bytes = 100'000;
+  Jobs jobs(limits, [](HttpRequest& request) {
+    HttpResponse response;
+    response.set_body(std::string(request.caller.client == "ann" ? 1000 : 30'000, 'x'),
+                      "text/plain");
+    return response;
+  });
+  const auto run = [&](const char* client) {
+    HttpRequest request;
+    request.caller.client = client;
+    const auto report = jobs.start(std::move(request));
+    REQUIRE(report);
+    const auto job = jobs.hold(report->id);
+    JobReport now = jobs.report(job);
+    while (!has_ended(now.state)) now = jobs.wait_for_news(job, now, kJobPatience);
+    return report->id;
+  };
+  const std::string first = run("ann");
+  std::vector<std::string> of_bob;
+  for (int i = 0; i < 6; ++i) of_bob.push_back(run("bob"));
+  CHECK(jobs.result(first));
+  CHECK_FALSE(jobs.result(of_bob.front()));
+  CHECK(jobs.result(of_bob.back()));
+  CHECK(jobs.stats().bytes <= limits.bytes);
+}
+
 TEST_CASE("BodiesThatWaitHaveABudgetToo") {
   Jobs::Limits limits;
   limits.bytes = 100'000;

@@ -340,3 +340,42 @@ TEST_CASE("a damaged mesh that cannot be moved is not served either") {
   CHECK(store->stats().corrupt == 1);
   CHECK(store->stats().failures == 1);
 }
+
+TEST_CASE("AMeshThatIsBeingVerifiedHoldsUpNoOther") {
+  using namespace std::chrono_literals;
+  const Folder folder;
+  const auto store = opened(folder.path);
+  std::vector<std::string> ids;
+  for (const char* bytes : {"the one", "another"}) {
+    ids.push_back(sha256_hex(bytes));
+    REQUIRE(store->put(ids.back(), bytes, "{}"));
+  }
+  std::promise<void> begun;
+  std::promise<void> go_on;
+  auto slow = std::async(std::launch::async, [&] {
+    return store->open_source(ids[0], [&] {  // asked while it is read
+      begun.set_value();
+      go_on.get_future().wait();
+      return false;
+    });
+  });
+  begun.get_future().wait();
+  auto other = std::async(std::launch::async,
+                          [&] { return store->open_source(ids[1], [] { return false; }); });
+  CHECK(other.wait_for(20s) == std::future_status::ready);
+  // Who waits for the same one leaves with its client.
+  auto gone = std::async(std::launch::async,
+                         [&] { return store->open_source(ids[0], [] { return true; }); });
+  CHECK(gone.wait_for(20s) == std::future_status::ready);
+  auto waits = std::async(std::launch::async,
+                          [&] { return store->open_source(ids[0], [] { return false; }); });
+  go_on.set_value();
+  for (auto* found : {&slow, &other, &waits}) {
+    const auto file = found->get();
+    REQUIRE(file);
+    CHECK(*file);
+  }
+  const auto left = gone.get();
+  REQUIRE_FALSE(left);
+  CHECK(left.error().code == ErrorCode::cancelled);
+}
