@@ -45,9 +45,11 @@ Result<Field> chen_han_field(const Adjacency& adjacency, std::span<const Source>
     }
     if (scratch.bends[next.vertex] == 2) front.spread_from(next.vertex);
   }
-  // Where points are as far apart as rounding moves them, windows say less than space does.
-  raise_to_straight_lines(adjacency.mesh(), field, poll);
   field.forget_beyond(last);
+  // Where points are as far apart as rounding moves them, windows say less than space does. A
+  // target is kept though it is raised above the distance at which the field stopped.
+  raise_to_straight_lines(adjacency.mesh(), field, poll);
+  if (limits.max < kUnreached) field.forget_beyond(limits.max);
   if (limits.keep_details) field.windows = front.take_windows();
   if (poll.stopped()) return fail_stopped(cancel);
   field.count_reached();

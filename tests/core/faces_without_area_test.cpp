@@ -62,9 +62,10 @@ TriangleSoup on_a_line(std::mt19937& random, double off) {
 void check_as_near_as_along_edges(const Surface& surface, std::uint32_t from) {
   const Source source{point_at_vertex(surface.adjacency(), from), 0};
   const Field edges = surface.field_by(Method::dijkstra, {source});
-  // Windows lie on edges, where places are rounded as coarsely as those are long.
+  // Windows and nodes lie on edges, where places are rounded as coarsely as those are long; and
+  // the shapes of faces tell their heights as coarsely.
   const Box& box = surface.mesh().box();
-  const double of_windows = 1e-14 * norm(box.max - box.min);
+  const double of_places = 1e-14 * norm(box.max - box.min);
   for (const Named& by : kMethods) {
     CAPTURE(by.name);
     // Its windows are too many to wait for on some such heaps.
@@ -72,7 +73,9 @@ void check_as_near_as_along_edges(const Surface& surface, std::uint32_t from) {
     const Field field = surface.field_by(by.method, {source}, {}, options_of(by));
     const bool by_windows =
         by.method == Method::exact || by.method == Method::chen_han || by.tolerance >= 0;
-    const double rounding = by_windows ? of_windows : 0;
+    // These go by the shapes of faces, in which a short side beside long ones is not exact.
+    const bool by_shapes = by.method == Method::fast_marching || by.method == Method::steiner;
+    const double rounding = by_windows || by_shapes ? of_places : 0;
     for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
       CAPTURE(v);
       CAPTURE(edges.distance[v]);
@@ -80,9 +83,6 @@ void check_as_near_as_along_edges(const Surface& surface, std::uint32_t from) {
         CHECK(field.distance[v] == kUnreached);
         continue;
       }
-      // These go by the shapes of faces, in which a short side beside long ones is not
-      // exact.
-      const bool by_shapes = by.method == Method::fast_marching || by.method == Method::steiner;
       const double slack = by_shapes ? 1e-3 : 1e-6;
       CHECK(field.distance[v] <= edges.distance[v] * (1 + slack) + rounding);
       const Vec3 from_there = surface.mesh().positions()[v] - surface.mesh().positions()[from];

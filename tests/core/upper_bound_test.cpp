@@ -156,9 +156,12 @@ TEST_CASE("ARingAsNarrowAsRoundingIsAPole") {
   }
 }
 
-// Straight ways between tips cross hundreds of faces with no vertex near them.
+// Straight ways between tips cross hundreds of faces with no vertex near them. Where sides are
+// unlike, windows are computed, and a bound is close; where they are alike, it is so nearly always.
 TEST_CASE("AnUpperBoundOfFansIsAboveTheTruthByLittle") {
   std::mt19937 random(fixtures::test_seed());
+  int all_even = 0;
+  int far_above = 0;
   for (int round = 0; round < 300; ++round) {
     CAPTURE(round);
     const Surface surface(fixtures::any_fan(random));
@@ -166,10 +169,8 @@ TEST_CASE("AnUpperBoundOfFansIsAboveTheTruthByLittle") {
     const SurfacePoint source = at(surface, from);
     const auto exact = distances(surface, Method::exact, source);
     const auto upper = distances(surface, Method::back_traced, source, Bound::upper);
-    // As on any other surface where sides are alike; where they are not, windows are computed.
     const bool is_even =
         surface.adjacency().triangulation().is_even && surface.adjacency().delaunay().is_even;
-    const double above = is_even ? 0.1 : 0.01;
     const Box box = surface.mesh().box();
     const double rounding = 3e-11 * norm(box.max - box.min);
     for (std::uint32_t v = 0; v < exact.size(); ++v) {
@@ -177,7 +178,14 @@ TEST_CASE("AnUpperBoundOfFansIsAboveTheTruthByLittle") {
       CAPTURE(exact[v]);
       CAPTURE(upper[v]);
       CHECK(upper[v] >= exact[v] * (1 - kRounding) - rounding);
-      CHECK(upper[v] <= exact[v] * (1 + above) + rounding);
+      if (is_even) {
+        ++all_even;
+        far_above += upper[v] > exact[v] * 1.01 + rounding;
+      } else {
+        CHECK(upper[v] <= exact[v] * 1.01 + rounding);
+      }
     }
   }
+  MESSAGE(far_above, " of ", all_even, " bounds on even fans are more than 1 % above");
+  CHECK(far_above * 100 <= all_even);
 }
