@@ -40,14 +40,14 @@ class Cancel {
     return {ErrorCode::cancelled, "the computation was cancelled", {}, {}, {}};
   }
 
-  // Tells which part of the computation is done, from 0 to 1; on the computing
-  // thread, about as often as `requested` is asked.
+  // Tells which fraction of the computation is done, from 0 to 1. Called by the computing
+  // thread, about as often as `requested`.
   void report(double done) const {
     if (progress_) progress_(done);
   }
 
-  // For one of several computations, which is the part from `begin` to `end` of
-  // them all. This one must outlive it.
+  // A Cancel for one of several computations. Its progress counts as the part from `begin` to
+  // `end` of the whole. This Cancel must outlive it.
   [[nodiscard]] Cancel part(double begin, double end) const {
     Cancel part(poll_, {}, memory_);
     if (progress_) {
@@ -67,7 +67,7 @@ class Cancel {
   return fail(cancel.why_stopped());
 }
 
-// Asks a Cancel once in so many steps of a loop, however many functions share it.
+// Asks a Cancel once in so many steps, counted over all functions that share this Poll.
 class Poll {
  public:
   explicit Poll(const Cancel& cancel, std::uint32_t steps_between = 4096)
@@ -76,23 +76,23 @@ class Poll {
   // True once the computation should stop, and ever after.
   [[nodiscard]] bool cancelled() { return --left_ == 0 && ask(); }
 
-  // The same in a loop that has done `done` of about `total` steps of its
-  // computation. Costs no more: it is told only when it asks.
+  // The same in a loop that has done `done` of about `total` steps of its computation. Reports
+  // progress only when it asks, so it costs no more.
   [[nodiscard]] bool cancelled(std::uint64_t done, std::uint64_t total) {
     if (--left_ != 0) return false;
     if (total != 0) cancel_.report(static_cast<double>(done) / static_cast<double>(total));
     return ask();
   }
 
-  // The same at once: beside a step as long as thousands.
+  // Asks at once: for a loop whose steps take as long as thousands of others.
   [[nodiscard]] bool ask() {
     stopped_ = stopped_ || cancel_.requested();
     left_ = stopped_ ? 1 : steps_between_;
     return stopped_;
   }
 
-  // Whether so many bytes more may be taken; if not, it has been told to stop. Asked before
-  // they are taken.
+  // Whether so many more bytes may be taken. If not, the computation should stop. To be asked
+  // before they are taken.
   [[nodiscard]] bool may_take(std::uint64_t bytes) {
     if (stopped_ || cancel_.may_take(bytes)) return !stopped_;
     stopped_ = true;

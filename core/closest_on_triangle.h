@@ -1,4 +1,4 @@
-// Where on a triangle, or on a segment, the point that is closest to another can be.
+// Where on a triangle the point that is closest to a point in space can be: inside, or on a side.
 #pragma once
 
 #include <algorithm>
@@ -13,16 +13,16 @@ namespace geodesic {
 
 using TriangleWeights = std::array<double, 3>;
 
-// Where the foot of the perpendicular falls on the segment a-b, 0 at a, 1 at b.
+// The place of the point of the segment a-b that is closest to p: 0 at a, 1 at b.
 [[nodiscard]] inline double foot_on_segment(Vec3 p, Vec3 a, Vec3 b) {
   const Vec3 ab = b - a;
   const double length2 = dot(ab, ab);
   return length2 > 0 ? std::clamp(dot(p - a, ab) / length2, 0.0, 1.0) : 0.0;
 }
 
-// The barycentric coordinates of the foot of the perpendicular on the triangle's plane, where
-// that is inside of the triangle; `normal` is the cross product of two of its sides. Otherwise
-// the closest point is on a side.
+// The barycentric coordinates of the foot of the perpendicular from p, if the foot is inside of the
+// triangle; they add up to 1 up to rounding. Otherwise the closest point is on a side. `normal` is
+// the cross product of two sides.
 [[nodiscard]] inline std::optional<TriangleWeights> foot_inside(Vec3 p,
                                                                 const std::array<Vec3, 3>& corner,
                                                                 Vec3 normal) {

@@ -1,6 +1,7 @@
-// The edges that many faces share: copies of a face, or the pages of a book. A trace that comes to
-// one goes on in the face whose apex is nearest to the source. To ask them all each time would take
-// the square of their number; so each tells when its apex has got a distance.
+// The edges that many faces share: copies of a face, or the pages of a book. A trace that crosses
+// such an edge goes on in the face whose apex is nearest to the source. Asking all faces at each
+// crossing would take the square of their number. So each edge keeps its two nearest apexes: one
+// of them may be of the face that the trace comes from.
 #pragma once
 
 #include <array>
@@ -17,7 +18,8 @@ namespace geodesic {
 
 class CrowdedEdges {
  public:
-  // Nothing is kept where no edge is crowded. Leaves off when the poll says to stop.
+  // Numbers the edges in more than kCrowd faces. Keeps nothing if there are none. Stops early when
+  // the poll says to stop.
   void reset(const Triangulation& surface, Poll& poll) {
     number_.clear();
     nearest_.clear();
@@ -28,7 +30,8 @@ class CrowdedEdges {
     }
   }
 
-  // A vertex has got a distance, or a lesser one: its faces' sides opposite it are told.
+  // To be called when a vertex gets its first distance, or a smaller one. Updates the sides
+  // opposite it.
   void tell(const Triangulation& surface, std::uint32_t vertex, double distance) {
     if (number_.empty()) return;
     for (const std::uint32_t corner : surface.corners(vertex)) {
@@ -45,8 +48,8 @@ class CrowdedEdges {
     }
   }
 
-  // Of the other faces on this edge the one whose apex is nearest; kNone where the edge is not
-  // crowded, or none of them has a distance.
+  // Of the other faces on this edge, the one whose apex has the least distance. kNone if the edge
+  // is not crowded, or if no apex of another face has a distance.
   [[nodiscard]] Halfedge nearest_beyond(Halfedge edge) const {
     if (number_.empty() || number_[edge] == kNone) return kNone;
     const auto& [first, second] = nearest_[number_[edge]];
@@ -74,7 +77,7 @@ class CrowdedEdges {
     }
   }
 
-  std::vector<std::uint32_t> number_;  // of a halfedge's edge, where that is crowded
+  std::vector<std::uint32_t> number_;  // of each halfedge's edge; kNone if not crowded
   std::vector<std::array<Apex, 2>> nearest_;
 };
 

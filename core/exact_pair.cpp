@@ -14,17 +14,18 @@
 namespace geodesic {
 namespace {
 
-// A path this part longer than the distance is not the shortest one.
+// A path that is longer than the distance by more than this fraction is not the shortest one.
 constexpr double kLonger = 1e-9;
 
-// So many rings of faces round the traced path have their windows kept, first and last.
+// How many rings of faces round the traced path have their windows kept: at the first attempt, and
+// at the last.
 constexpr std::uint32_t kRings = 2;
 constexpr std::uint32_t kMostRings = 12;
 
 // No list of faces means all.
 constexpr std::span<const std::uint32_t> kEverywhere{};
 
-// A field takes about as long as the next one.
+// The part of the time that the first field takes: the second takes about as long.
 constexpr double kFirstField = 0.5;
 
 // Faces, each once.
@@ -106,7 +107,7 @@ class ExactPair {
     return trace_path(adjacency_, *near, to_, cancel);
   }
 
-  // About where the path is.
+  // A path that mostly runs close to the shortest one.
   Result<std::optional<Path>> rough_path(Field field, const Cancel& cancel) {
     field.windows.reset();
     field.method = Method::back_traced;  // by distances alone

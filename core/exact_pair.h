@@ -1,6 +1,6 @@
-// The exact way between two points where the windows of the whole surface would take too much
-// memory: gigabytes from half a million faces on. Windows are kept only where they are asked
-// for: at the target, and along the path.
+// The exact shortest path between two points of a mesh so large that the windows of its whole
+// surface would take too much memory: gigabytes from half a million faces on. Windows are kept only
+// where they are needed: at the target, and along the path.
 #pragma once
 
 #include "core/adjacency.h"
@@ -13,7 +13,7 @@
 
 namespace geodesic {
 
-// From so many vertices on, that is better than windows everywhere.
+// With more vertices than this, exact_pair is better than a field with all windows.
 inline constexpr std::uint32_t kManyForWindows = 75'000;
 
 // The distance of `to`, and with `with_path` the shortest path there; nothing where there is

@@ -20,8 +20,8 @@ void grow(Box& box, const Box& other) {
 
 constexpr Box kEmpty{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
 
-// h, as the header has it. The same sum for a point and for the best point of a box, so that a
-// corner in the corner of its box has the very value of the box.
+// The h of far_search.h. It is the same sum for a point and for the best point of a box, so that a
+// vertex in the corner of its box has exactly the value of the box.
 struct Height {
   explicit Height(Vec3 from) : q(from), u((1 / norm(from)) * from), curvature(0.5 / norm(from)) {}
 
@@ -29,7 +29,7 @@ struct Height {
     return x.x * (x.x * curvature - u.x) + x.y * (x.y * curvature - u.y) +
            x.z * (x.z * curvature - u.z);
   }
-  // Convex in each coordinate, and least where that is q's.
+  // h is convex in each coordinate, and least where the coordinate is q's.
   [[nodiscard]] double least_in(const Box& box) const {
     return at({std::clamp(q.x, box.min.x, box.max.x), std::clamp(q.y, box.min.y, box.max.y),
                std::clamp(q.z, box.min.z, box.max.z)});
@@ -45,8 +45,8 @@ struct Height {
 struct FarSearch::Query {
   Query(Vec3 from, const Cancel& cancel) : height(from), poll(cancel) {}
 
-  // Whether a box in which h is nowhere less, and whose faces begin with this one, has nothing
-  // better.
+  // Whether a box has nothing better than the best so far. In the box h is nowhere below `least`,
+  // and its faces begin with `first_face`.
   [[nodiscard]] bool is_beaten(double least, std::size_t first_face) const {
     return least > best || (least == best && first_face > found.face);
   }
@@ -57,7 +57,7 @@ struct FarSearch::Query {
     found = {face, bary};
   }
 
-  // Foot and sides: from so far away rounding may move a foot within its triangle.
+  // Tries the foot and all three sides: from so far away, rounding may misplace the foot.
   void consider(std::uint32_t face, const std::array<Vec3, 3>& corner) {
     const Vec3 p = height.q;
     const Vec3 normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
@@ -109,7 +109,7 @@ FarSearch::Found FarSearch::closest(Vec3 q, const Cancel& cancel) const {
   return query.found;
 }
 
-// No deeper than there are levels: 9 for 2^32 faces.
+// The recursion is as deep as there are levels: 11 for 2^32 faces.
 void FarSearch::search(Query& query, std::size_t level, std::size_t block) const {
   if (level == 0) {
     const std::size_t end = std::min<std::size_t>((block + 1) * kFacesOfBox, mesh_.face_count());
@@ -126,7 +126,8 @@ void FarSearch::search(Query& query, std::size_t level, std::size_t block) const
     double least;
     std::size_t block;
   };
-  // All of them are sorted, those that are none last: GCC 14 takes a sort of fewer for one of more.
+  // The whole array is sorted, unused entries last: GCC 14 falsely warns of an overrun if only
+  // the used ones are sorted.
   std::array<Next, kBoxesOfBox> order;
   order.fill({std::numeric_limits<double>::infinity(), below.size()});
   std::size_t count = 0;

@@ -1,17 +1,17 @@
 // The closest point of a mesh to a point far from it.
 //
-// Seen from far away all faces are about equally far, and distances tell them apart the worse
-// the farther the point is: in single precision not at all beyond 1e5 sizes of the mesh. So not
-// distances are compared. For q = D u, with |u| = 1, from the middle of the mesh,
+// From far away, all faces are about equally far. The farther the point is, the worse distances
+// tell the faces apart: in single precision not at all beyond 1e5 sizes of the mesh. So the search
+// does not compare distances. For q = D u, with |u| = 1, from the middle of the mesh,
 //
 //   |q - x|^2 = D^2 + 2 D h(x),   h(x) = |x|^2 / (2 D) - u.x
 //
-// and h is of the size of the mesh whatever D is. Where D is infinite for all that numbers tell,
-// its least value is in the corner farthest along u.
+// and h is about as large as the mesh, whatever D is. If D is so large that |x|^2 / (2 D) is lost
+// in rounding, h is least at the corner farthest along u.
 //
-// Faces follow a space-filling curve, so that the boxes of so many faces in a row, and of so
-// many of those boxes, are a hierarchy that needs no pointers: the least value of h in a box is
-// the sum of those of its three coordinates.
+// Faces follow a space-filling curve. So the boxes of a fixed number of faces in a row, and the
+// boxes of a fixed number of those boxes, are a hierarchy that needs no pointers. The least value
+// of h in a box is the sum of the least values of its three coordinates' terms.
 #pragma once
 
 #include <cstddef>
@@ -36,8 +36,9 @@ class FarSearch {
     std::uint32_t face = kNone;  // kNone: cancelled
     TriangleWeights bary{1, 0, 0};
   };
-  // `q` in the frame of `unit`, and not inside of the box that the mesh fills there. Of faces that
-  // h does not tell apart, the one of the lowest number at a vertex, and one of them at an edge.
+  // `q` is in the frame of `unit`, outside of the box that the mesh fills there. If the closest
+  // point is a vertex, its face of the lowest number is found. If it is on an edge, rounding may
+  // decide which of the edge's faces is found.
   [[nodiscard]] Found closest(Vec3 q, const Cancel& cancel) const;
 
   // Memory held, without the mesh.
@@ -49,7 +50,7 @@ class FarSearch {
 
   const Mesh& mesh_;
   const UnitBox& unit_;
-  std::vector<std::vector<Box>> levels_;  // the first has one box for so many faces
+  std::vector<std::vector<Box>> levels_;  // the first has one box for each kFacesOfBox faces
 };
 
 }  // namespace geodesic

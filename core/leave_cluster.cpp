@@ -8,7 +8,7 @@
 namespace geodesic {
 namespace {
 
-// Relative, in distances by different faces.
+// Relative, between distances that are computed through different faces.
 constexpr double kRounding = 1e-9;
 
 struct Came {
@@ -29,7 +29,7 @@ StepBack along_side(const FaceRecord& face, std::uint32_t f, std::uint32_t start
   return step;
 }
 
-// All vertices of the cluster, those that fewer edges lead to first. Each is listed once.
+// All vertices of the cluster in breadth-first order, each once.
 std::vector<std::uint32_t> gather(const Adjacency& adjacency, const Field& field,
                                   std::uint32_t vertex, Cluster& cluster, Poll& poll) {
   const double longest = kLostInRounding * field.distance[vertex];

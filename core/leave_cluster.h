@@ -1,6 +1,6 @@
-// The way on from vertices so near to one another that their distances, rounded as they are,
-// do not tell which of them is closer to the sources: such as the ring at a sphere's pole,
-// which many files have 1e-16 wide.
+// The way out of a cluster: vertices so close together that rounding hides which of them is
+// closer to the sources. An example is the ring at a sphere's pole, which is 1e-16 wide in many
+// files.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,15 @@
 
 namespace geodesic {
 
-// An edge shorter than this part of a distance is lost in its rounding.
+// An edge shorter than this fraction of a distance is lost in the distance's rounding.
 inline constexpr double kLostInRounding = 1e-12;
 
-// The vertex's cluster is what edges as short as that join it to. The steps lead along such
-// edges to one of them and then out: to a source, over an edge, or to a vertex elsewhere that
-// has not been `passed`; by the shortest way that there is, and of those as short by one through
-// a face that has not been `entered`. None when no way leads out. Takes one look at each face of
-// the cluster; of no use if the poll says to stop.
+// A vertex's cluster is all vertices that edges as short as that join it to. The steps lead along
+// such edges to one vertex of the cluster and then out: to a source, to a point on an edge, or to
+// a vertex outside that has not been `passed`. They take the shortest way out. If a way through a
+// face that has not been `entered` is as short, up to rounding, they take that one. There are no
+// steps if no way leads out. Looks once at each face round each vertex of the cluster. The result
+// is meaningless if the poll says to stop.
 [[nodiscard]] std::vector<StepBack> leave_cluster(
     const Adjacency& adjacency, const Field& field, const PointArrivals& arrivals,
     std::uint32_t vertex, const std::function<bool(std::uint32_t face)>& entered,

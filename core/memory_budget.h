@@ -1,5 +1,6 @@
-// How much memory a computation may take, asked before it grows. Core does not count: whoever
-// starts a computation knows what it holds by now, what others hold, and what there is.
+// The bound on a computation's memory. The computation asks before it takes more. Core does not
+// count memory: whoever starts a computation knows what it holds, what others hold, and what there
+// is.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +14,15 @@ namespace geodesic {
 
 class MemoryBudget {
  public:
-  // Given the bytes that are wanted besides what is held already: nothing if they may be taken,
-  // or the error that the computation ends with.
+  // Takes the bytes that are wanted besides what is held already. Returns nothing if they may be
+  // taken, or else the error that the computation ends with.
   using Ask = std::function<std::optional<Error>(std::uint64_t bytes)>;
 
   explicit MemoryBudget(Ask ask) : ask_(std::move(ask)) {}
 
-  // Whether so many bytes more may be taken; false for ever after the first time that it is.
-  // Asked by the computing thread before it takes what the mesh's size does not bound, or
-  // what is large.
+  // Whether so many more bytes may be taken. After the first refusal every answer is a refusal.
+  // The computing thread asks before it takes what the mesh's size does not bound, or what is
+  // large.
   [[nodiscard]] bool may_take(std::uint64_t bytes) {
     if (!refusal_) refusal_ = ask_(bytes);
     return !refusal_;

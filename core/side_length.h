@@ -1,4 +1,4 @@
-// The length of a face's side where its record has lost it.
+// The length of a face's side, also where rounding has lost it in the face's record.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace geodesic {
 
-// Squared, of the side that starts at corner c: from the positions where the products of the
-// record leave nothing but rounding, as they do of a side far shorter than the others.
+// The squared length of the side that starts at corner c. Of a side far shorter than the others the
+// record's dot products leave only rounding; its length comes from the positions.
 [[nodiscard]] inline double side_length2(const Adjacency& adjacency, std::uint32_t f,
                                          std::uint32_t c) {
   const FaceRecord& face = adjacency.face(f);

@@ -1,4 +1,4 @@
-// The lengths of a face's sides, where rounding has left them.
+// The lengths of a face's sides, with an allowance for rounding.
 #pragma once
 
 #include <algorithm>
@@ -14,12 +14,12 @@ namespace geodesic {
   return std::sqrt(std::max({face.length2(0), face.length2(1), face.length2(2), 0.0}));
 }
 
-// The length of the edge vertex[c] - vertex[c + 1]; never below it by more than 1e-10 of it. The
-// dot products of a face are off by some roundings of its longest side's square, so that of a side
-// 1e16 times shorter they leave nothing.
+// The length of the edge vertex[c] - vertex[c + 1], never below it by more than 1e-10 of it. On a
+// mesh's own faces the two dot products at the edge are off by some roundings of its length times
+// the longest side's. So they leave nothing of an edge 1e16 times shorter than the longest side.
 [[nodiscard]] inline double side_not_below(const FaceRecord& face, std::uint32_t c) {
   constexpr double kRoundings = 8 * std::numeric_limits<double>::epsilon();
-  constexpr double kMostRatio2 = 1e8;  // up to there a rounding of the longest is no more than that
+  constexpr double kMostRatio2 = 1e8;  // up to this ratio, rounding is below 1e-10 of the side
   const double length2 = std::max(face.length2(c), 0.0);
   const double longest = longest_side(face);
   if (longest * longest <= kMostRatio2 * length2) return std::sqrt(length2);

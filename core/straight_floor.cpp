@@ -37,7 +37,7 @@ class StraightLines {
       for (std::uint32_t v = begin; v < end; ++v) raise(v);
       return;
     }
-    // Nearly always, and nearly nothing is to be raised.
+    // The usual case: one source without an offset. Hardly any distance has to be raised.
     const From& source = sources_[0];
     for (std::uint32_t v = begin; v < end; ++v) {
       const Vec3 line = (positions_[v] - source.corner) - source.beyond;
@@ -48,8 +48,8 @@ class StraightLines {
   [[nodiscard]] bool is_any_below() const { return is_any_below_; }
 
  private:
-  // Where a source is, from a corner of its face: its position itself would be rounded as
-  // coarsely as the mesh lies far from the origin.
+  // The place of a source, relative to a corner of its face. The farther the mesh is from the
+  // origin, the more coarsely the position itself would be rounded.
   struct From {
     Vec3 corner;
     Vec3 beyond;  // from there to the source

@@ -1,4 +1,4 @@
-// Nothing is nearer over the surface than straight through space.
+// A lower bound: no way over the surface is shorter than the straight line in space.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,10 @@
 
 namespace geodesic {
 
-// Raises to the straight line in space what is below that from its source, of these vertices.
-// Whether any was, by more than rounding (1e-9): then it is not what it was taken for, and nor may
-// be what was computed from it. Leaves off when the poll says to stop.
+// Raises the distances of these vertices to the straight line in space from their nearest source,
+// where they are less. Returns whether any was less by more than rounding (1e-9 of the line). That
+// one was no path's length, and what was computed from it may be wrong too. Stops early when the
+// poll says to stop.
 bool raise_to_straight_lines(const Mesh& mesh, std::span<const std::uint32_t> vertices,
                              Field& field, Poll& poll);
 // The same, of all vertices.

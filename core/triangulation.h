@@ -20,8 +20,8 @@ struct Triangulation {
   bool is_even = false;
   // A face is lower than kFlat (unfold_rounding.h).
   bool has_flat_faces = false;
-  // An edge is in more than kCrowd faces: copies of a face, or the pages of a book. What asks them
-  // all, whenever it comes by, takes the square of them.
+  // Some edge is in more than kCrowd faces: copies of a face, or the pages of a book. Asking all of
+  // them at each crossing takes the square of their number.
   bool is_crowded = false;
   static constexpr std::size_t kCrowd = 16;
 

@@ -1,9 +1,10 @@
-// What rounding does to faces that are unfolded into a plane one after another, and what it may
-// take from a straight way over them.
+// What rounding does to faces that are unfolded into a plane one after another, and by how much it
+// may shorten a straight way over them.
 //
-// A corner is off by some roundings of how far it is from the origin. As the end of an edge it
-// turns and scales all that is unfolded beyond that edge, by so much over the edge's length. Both
-// add up over the faces, they do not multiply: what is turned is turned as a whole.
+// A corner is off by a few roundings of its distance from the origin. As the end of an edge, it
+// turns and scales everything that is unfolded beyond that edge, by its error over the edge's
+// length. These errors add up over the faces. They do not multiply, because everything beyond an
+// edge is turned as a whole.
 #pragma once
 
 #include <algorithm>
@@ -18,16 +19,17 @@
 namespace geodesic {
 
 struct UnfoldRounding {
-  // The longest way from the origin to what was unfolded, over the shortest side on the way: up
-  // to there rounding turns nothing that a trace goes over by more than 2e-10.
+  // The ratio of the greatest distance from the origin that was unfolded to the shortest side on
+  // the way. Up to this ratio, rounding turns nothing that a trace goes over by more than 2e-10.
   static constexpr double kMostSpread2 = 1e6;  // squared
 
-  // Of what one step unfolds, a part of the farthest that was unfolded.
+  // The error of the corner that one step unfolds, over the greatest distance unfolded so far.
   static constexpr double kRoundings = 16 * std::numeric_limits<double>::epsilon();
-  // Edges beyond which more may be turned say nothing any more. In radians, summed up.
+  // In radians, summed over the faces. Beyond an edge that may be turned by more than this, the
+  // unfolding says nothing any more.
   static constexpr double kMostTurn = 1e-9;
-  // A way that rounding may have made too short by more than this part of it is told as longer
-  // by as much.
+  // If rounding may have shortened a way by more than this fraction of it, as much is added to the
+  // way.
   static constexpr double kHair = 1e-10;
 
   // How far a corner of a face may be off, when nothing is farther than `farthest`.
@@ -36,25 +38,25 @@ struct UnfoldRounding {
     return kRoundings * farthest + flips;
   }
 
-  // What may be missing from a straight way to a corner that is off by `rounding`, `turn` being
-  // that of the edge before it. All that is turned lies within twice the farthest; the way may
-  // pass the bounds on their wrong side by as much, and is longer past their right side by twice
-  // that.
+  // How much too short a straight way to a corner may be; 0 if that is at most kHair of the way.
+  // The corner is off by `rounding`, and the edge before it may be turned by `turn`. Everything
+  // that is turned lies within twice the farthest. So the way may pass a bound on the wrong side
+  // by as much as that moves it, and past the right side it is longer by twice that.
   [[nodiscard]] static double lack(double straight, double farthest, double turn, double rounding) {
     const double most = 6 * farthest * turn + 4 * rounding;
     return most > kHair * straight ? most : 0;
   }
 };
 
-// How low a face is, of its sides: below the first of these what is computed across it may be less
-// exact than its sides, and below the second it may be anything.
+// Bounds on twice a face's area over half the sum of its squared sides. Below kFlat, what is
+// computed across the face may be less exact than its sides. Below kWithoutArea it may be anything.
 inline constexpr double kFlat = 1e-5;
 inline constexpr double kWithoutArea = 1e-10;
 [[nodiscard]] inline bool is_lower_than(double part, const FaceRecord& face) {
   return !(face.area2 > part * (face.dot[0] + face.dot[1] + face.dot[2]));
 }
 
-// Triangulation::is_even, for who makes one. False when the poll says to stop.
+// Computes Triangulation::is_even. False when the poll says to stop.
 [[nodiscard]] inline bool is_even(std::span<const FaceRecord> faces, Poll& poll) {
   double longest2 = 0;
   double shortest2 = std::numeric_limits<double>::infinity();

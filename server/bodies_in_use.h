@@ -1,5 +1,5 @@
-// Bodies of replies that somebody takes just now: whoever asks for the same is given the same,
-// instead of one more of its own. Nothing is kept longer than it is used.
+// Bodies of replies that are being sent to somebody. Whoever asks for the same body shares it,
+// instead of getting another copy. Nothing is kept longer than it is used.
 #pragma once
 
 #include <map>
@@ -12,7 +12,7 @@
 
 namespace geodesic::server {
 
-// A body, and what it has reserved for as long as it is there.
+// A body, and its reservation, which lasts as long as the body.
 struct ChargedBody {
   std::string bytes;
   std::shared_ptr<ReplyBudget::Share> share;

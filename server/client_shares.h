@@ -66,7 +66,7 @@ class ClientShares {
   std::atomic<std::uint64_t> most_;
   const std::string what_;
   mutable std::mutex mutex_;
-  std::unordered_map<std::string, std::uint64_t> held_;  // none holds nothing
+  std::unordered_map<std::string, std::uint64_t> held_;  // by client; none is 0
   std::uint64_t total_ = 0;
 };
 

@@ -8,11 +8,11 @@ namespace {
 
 thread_local JobMemory* job_here = nullptr;
 
-// Others learn of what a job takes, or gives back, in steps of so many bytes.
+// A job adds what it takes or gives back to the sum of all jobs in steps of so many bytes.
 constexpr std::int64_t kStep = std::int64_t{1} << 20;
-// Once refused, a job may take so much more to come to its end in order.
+// A refused job may exceed its limit by so many bytes, to end in order.
 constexpr std::uint64_t kToEnd = std::uint64_t{32} << 20;
-// Less than this is not worth a walk through the heap.
+// Returning less than this to the system is not worth a malloc_trim.
 constexpr std::int64_t kMuch = std::int64_t{64} << 20;
 
 std::uint64_t not_negative(std::int64_t bytes) {
@@ -51,7 +51,7 @@ JobMemory::JobMemory(ComputeMemory& all, std::uint64_t kept)
 
 JobMemory::~JobMemory() {
   job_here = nullptr;
-  // What was handed on is another's, and what is left is what was kept.
+  // What was handed on no longer counts; what was kept still does.
   all_.held_ += static_cast<std::int64_t>(kept_) - told_;
 }
 
@@ -111,7 +111,7 @@ std::optional<Error> JobMemory::ask(std::uint64_t bytes) {
 bool JobMemory::may_allocate(std::size_t bytes) {
   if (is_within(bytes) || asks_) return true;
   if (refusal()) return held() + bytes <= held_at_refusal_ + kToEnd;
-  asks_ = true;  // the error itself takes some
+  asks_ = true;  // making the error allocates too
   const bool may = budget_.may_take(bytes);
   asks_ = false;
   return may;

@@ -1,14 +1,14 @@
-// How much memory the computations hold: each in a compute slot, and all of them together.
+// How much memory the computations hold: each in its compute slot, and all of them together.
 //
-// While a job runs, all that its thread allocates with `new` counts, whoever asks for it: a
-// method's memory, its result, a library's. Before each allocation both bounds are asked. Where
-// one says no, the computation is told to stop (core's MemoryBudget) and the allocation fails
-// as if the system had no memory; the job then ends with the refusal:
-//   - too_much_memory, where the job alone would hold more than one may;
-//   - overloaded, where there would be room but for the others: later there is.
+// While a job runs, everything that its thread allocates with `new` counts: a method's memory, its
+// result, a library's. Each allocation is checked against both bounds first. If it would exceed
+// one, the computation is told to stop (core's MemoryBudget) and the allocation fails as if the
+// system had no memory. The job then ends with the refusal:
+//   - too_much_memory, if the job alone would hold more than one may;
+//   - overloaded, if only the other jobs leave it no room: later there may be.
 //
-// What a job leaves to its slot, scratch memory, counts until the slot's next job has it.
-// What it hands on, its result, is from then on its receiver's.
+// Scratch memory that a job leaves to its slot goes on counting, and the slot's next job begins
+// with it. A result that a job hands on no longer counts.
 #pragma once
 
 #include <atomic>
@@ -67,25 +67,24 @@ class JobMemory {
   // Its budget, for a Cancel; null where no job runs.
   [[nodiscard]] static MemoryBudget* budget_here();
 
-  // From now on the job has no more than a query may, besides what it found in its slot: a
-  // query that is refused is so whatever was asked before.
+  // Limits the job to what a query may have, besides what it found in its slot. So it does not
+  // depend on earlier jobs whether a query is refused.
   void limit_to_query();
 
   [[nodiscard]] MemoryBudget& budget() { return budget_; }
   [[nodiscard]] const std::optional<Error>& refusal() const { return budget_.refusal(); }
   // What it wanted when others held that; 0: it was not refused, or for another reason.
   [[nodiscard]] std::uint64_t crowded_out() const;
-  // What the job holds, with what was kept. What was freed elsewhere is in it still.
+  // The bytes that the job holds, with what was kept. What another thread has freed still counts.
   [[nodiscard]] std::uint64_t held() const;
 
-  // The job is done but for putting things in order, which takes little and may not fail.
+  // From now on nothing is refused: the job only cleans up, which takes little and may not fail.
   void lift_limits() { asks_ = true; }
-  // So much of it stays with the slot.
+  // So many bytes stay with the slot when the job ends.
   void keep(std::uint64_t bytes) { kept_ = bytes; }
   [[nodiscard]] std::uint64_t kept() const { return kept_; }
 
-  // Whether so much was freed since the job held the most that it is worth giving back to
-  // the system.
+  // Whether the job has freed so much since its peak that it is worth giving back to the system.
   [[nodiscard]] bool has_freed_much() const;
 
   // Told by `operator new` and `operator delete`.

@@ -100,7 +100,7 @@ class ComputePool {
 
   // For jobs to come; those that wait already keep the wait they were promised.
   void set_limits(const QueueLimits& limits);
-  // For what is allocated from now on.
+  // The limit of all jobs together holds at once, those of one job for jobs to come.
   void set_memory_limits(const ComputeMemory::Limits& limits) { memory_.set_limits(limits); }
   [[nodiscard]] ComputeMemory::Stats memory() const { return memory_.stats(); }
 

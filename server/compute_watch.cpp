@@ -11,7 +11,7 @@
 namespace geodesic::server {
 namespace {
 
-// What computes is asked every few thousand steps, so it answers within milliseconds.
+// A computation asks every few thousand steps whether to stop, so it ends within milliseconds.
 constexpr std::chrono::seconds kAnswersWithin{1};
 constexpr std::chrono::milliseconds kPollInterval{50};
 

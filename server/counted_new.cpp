@@ -1,6 +1,6 @@
-// `operator new` and `operator delete` that tell the computation of the thread, if one runs, what
-// it takes (compute_memory.h). Linked into the program itself, not into its library: a test may
-// have operators of its own.
+// `operator new` and `operator delete` that count what the computation on the thread takes, if one
+// runs (compute_memory.h). They are linked into the program itself, not into its library, because a
+// test may have operators of its own.
 #include <malloc.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace geodesic::server {
 
-// Memory as `operator new` gives it, `alignment` 0: as malloc's.
+// Allocates as `operator new` does. `alignment` 0: malloc's.
 static void* allocate(std::size_t bytes, std::size_t alignment) {
   JobMemory* const job = JobMemory::here();
   if (job != nullptr && !job->may_allocate(bytes)) throw std::bad_alloc();
@@ -48,8 +48,8 @@ static void give_back(void* memory) {
 
 }  // namespace geodesic::server
 
-// All of the standard's forms: what one of them takes another may give back, and a sanitizer's
-// own would not know of it.
+// All of the standard's forms are here, because what one of them takes another may give back. A
+// sanitizer's own forms would not count it.
 using geodesic::server::allocate;
 using geodesic::server::allocate_or_null;
 using geodesic::server::give_back;

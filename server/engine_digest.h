@@ -1,4 +1,5 @@
-// What tells the answers of one build from those of another: tags of replies have it.
+// A digest that identifies the build. The tags of computed replies depend on it, because another
+// build may answer differently.
 #pragma once
 
 #include <string_view>

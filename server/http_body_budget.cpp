@@ -9,11 +9,11 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-// Of the clients, those who hold at least this part of what the greediest holds.
+// A client holds much if it holds at least what the greediest client holds over this.
 constexpr std::uint64_t kMuch = 4;
-// Of one client's bodies none goes for another, unless it comes so many times slower.
+// A body goes for another one of the same client only if it is more than so many times slower.
 constexpr double kMuchSlower = 4;
-// A body is not judged by its first moment.
+// A younger body counts as this old: its first moment says little about its rate.
 constexpr double kLeastAge = 0.25;  // seconds
 
 }  // namespace

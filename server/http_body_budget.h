@@ -1,9 +1,9 @@
-// The memory of all bodies being received or handled, and who must give his up when it does
-// not suffice: of the clients who hold much, the one body that comes the slowest. So uploads
-// that stall cost nobody an upload that does not.
+// The memory of all bodies that are being received or handled. When it does not suffice, one body
+// must go: the slowest one of the clients that hold much. So stalled uploads mostly go before those
+// that make progress.
 //
-// What is handled already is not taken away. What must go is told so, and its memory does not
-// count from then on: it is given back within a tick of the clock of HttpWorkers.
+// A complete body is not taken away. The connection of a body that must go is told so. The body's
+// memory no longer counts from then on; it is freed within a tick of the clock of HttpWorkers.
 #pragma once
 
 #include <atomic>
@@ -20,7 +20,7 @@ class BodyBudget {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // `most` bytes; 0: no bound. How fast a body comes is known by about the last `memory`.
+  // `most`: bytes; 0: no bound. `memory`: the time over which a body's rate is averaged.
   BodyBudget(std::uint64_t most, std::chrono::milliseconds memory);
   BodyBudget(const BodyBudget&) = delete;
   BodyBudget& operator=(const BodyBudget&) = delete;
@@ -36,7 +36,8 @@ class BodyBudget {
 
     // A client's body begins to be received.
     void begin(const std::string& client, Clock::time_point now = Clock::now());
-    // It has `bytes` now. False if it must go, for want of room or for another's sake.
+    // It has `bytes` now, never fewer than before. False if it must go, for lack of room or because
+    // another body needs the room.
     [[nodiscard]] bool hold(std::uint64_t bytes, Clock::time_point now = Clock::now());
     // It is complete: from now on nobody takes it away. False if somebody has.
     [[nodiscard]] bool complete();
@@ -54,7 +55,7 @@ class BodyBudget {
     std::uint64_t bytes_ = 0;
     Clock::time_point begun_;
     Clock::time_point last_;  // when bytes came last
-    double recent_ = 0;       // bytes, the older the less
+    double recent_ = 0;       // bytes, weighted less the older they are
     std::list<Part*>::iterator place_;
     bool is_received_ = false;  // has a place among those that may go
   };

@@ -25,7 +25,7 @@ auto HttpListener::meaning_of(int error) -> Failure {
       return Failure::interrupted;
     case ECONNABORTED:
     case EPROTO:
-    // Linux passes on what has happened to a connection meanwhile; accept(2).
+    // Linux reports errors that the new connection already has; see accept(2).
     case ENETDOWN:
     case ENOPROTOOPT:
     case EHOSTDOWN:
@@ -83,13 +83,13 @@ void HttpListener::tell(int error) {
                 failures_.load());
 }
 
-// Longer from time to time. A lost connection needs no pause, but who knows what the next
-// attempt brings.
+// Each pause is twice as long as the one before, up to a bound. A lost connection alone would need
+// no pause, but the next attempt may fail too.
 void HttpListener::pause(int socket) {
   pause_ = std::clamp(2 * pause_, kFirstPause, kLongestPause);
   std::unique_lock lock(mutex_);
   stop_signal_.wait_for(lock, pause_, [this] { return is_stopping_.load(); });
-  // Where nobody waits, nobody is kept waiting.
+  // If no connection waits, none is kept waiting: that counts as accepting.
   pollfd query{socket, POLLIN, 0};
   if (::poll(&query, 1, 0) == 0) is_accepting_ = true;
 }

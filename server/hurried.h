@@ -13,8 +13,8 @@ namespace geodesic::server {
 
 inline constexpr std::uint64_t kLongestDeadline = 3'600'000;  // milliseconds
 
-// The caller, with less time if the query says so: `deadline_ms`, from now. Errors: bad_syntax,
-// value_out_of_range.
+// The caller, with an earlier deadline if the query asks for one: `deadline_ms` from now. Errors:
+// bad_syntax, value_out_of_range.
 [[nodiscard]] inline Result<Caller> hurried(const Caller& caller, proto::Parameters& parameters) {
   const auto milliseconds = parameters.whole("deadline_ms");
   if (!milliseconds) return fail(milliseconds.error());

@@ -10,7 +10,7 @@
 namespace geodesic::server {
 namespace {
 
-// The number in a file; none for "max", or where there is no such file.
+// The number in a file; the largest number for "max", or if there is no such file.
 std::uint64_t limit_in(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::uint64_t limit = 0;

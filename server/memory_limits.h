@@ -1,4 +1,4 @@
-// How much memory the computations may take, by the configuration and by what there is.
+// How much memory the computations may take, by the configuration and the machine's memory.
 #pragma once
 
 #include <cstdint>

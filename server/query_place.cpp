@@ -8,7 +8,7 @@ namespace geodesic::server {
 Result<std::vector<SurfacePoint>> FieldQueries::Place::points(
     const std::vector<proto::PointRequest>& requests,
     std::vector<proto::ResolvedPoint>& echo) const {
-  // It is built and kept elsewhere, and waits for a slot of its own.
+  // The catalogue builds and keeps the index; building it waits for a slot of its own.
   std::shared_ptr<const ClosestPointIndex> index;
   const bool searches = std::any_of(requests.begin(), requests.end(), is_searched);
   if (searches) {

@@ -17,14 +17,14 @@ class ReplyBudget {
   struct Account;
 
  public:
-  // What one reply has reserved, for as long as it lives, which may be longer than the budget.
+  // One reply's reservation, held until this is destroyed. It may outlive the budget.
   class Share {
    public:
     Share(std::shared_ptr<Account> account, std::string client);  // of 0 bytes
     ~Share();
     Share(const Share&) = delete;
     Share& operator=(const Share&) = delete;
-    // Gives back what is more than this: now it is known what the reply takes.
+    // Gives back all but `bytes`, once it is known what the reply takes.
     void shrink(std::uint64_t bytes);
 
    private:
@@ -36,7 +36,7 @@ class ReplyBudget {
 
   struct Stats {
     std::uint64_t bytes = 0;    // reserved now
-    std::uint64_t budget = 0;   // of so many
+    std::uint64_t budget = 0;   // the most that may be
     std::uint64_t refused = 0;  // replies, since the start
   };
 

@@ -1,5 +1,5 @@
-// A reply's body in a file: read as it is sent, so that it takes no memory however large it is
-// and however many take it at once.
+// A reply's body in a file. It is read while it is sent. So it is never in memory as a whole,
+// however large it is and however many clients take it at once.
 #pragma once
 
 #include <unistd.h>
@@ -15,13 +15,13 @@ namespace geodesic::server {
 
 class ReplyFile {
  public:
-  // Takes the file over, which must not change any more.
+  // Takes over the file, which must not change any more.
   ReplyFile(File file, std::uint64_t size) : file_(std::move(file)), size_(size) {}
 
   [[nodiscard]] std::uint64_t size() const { return size_; }
 
-  // Reads up to `size` bytes from `offset`; how many there were, 0 where none can be read. Any
-  // number of threads may read at once.
+  // Reads up to `size` bytes from `offset`. Returns how many it read: 0 at the end or on an error.
+  // Any number of threads may read at once.
   [[nodiscard]] std::size_t read(std::uint64_t offset, char* out, std::size_t size) const {
     ssize_t count;
     do {

@@ -1,4 +1,4 @@
-// What replies take, before they are made.
+// How much memory replies take, estimated before they are made.
 #include "server/draw_reply.h"
 #include "server/encode_reply.h"
 
@@ -7,17 +7,17 @@ namespace {
 
 using proto::Format;
 
-// Of a point as a reply echoes it: its face, weights and coordinates, and their names.
+// Of a point as a reply echoes it: its face, weights and coordinates, and some for their names.
 constexpr std::uint64_t kNumbersOfPoint = 12;
-// Of a point of a line.
+// Of a point of a path or of a trace.
 constexpr std::uint64_t kNumbersOfLinePoint = 9;
 
 template <class Reply>
 ReplySize size_by(std::uint64_t numbers, const Answered<Reply>& answer,
                   const proto::ReplyFormat& format) {
-  // The number itself, at most 25 characters, and about as many again when they are packed.
+  // The number itself, its text of at most 25 characters, and about as much for that in gzip.
   constexpr std::uint64_t kJson = 8 + 25 + 25;
-  // The number, its bytes, and those with a header before them.
+  // The number, its encoded bytes, and these once more with a header before them.
   constexpr std::uint64_t kBinary = 3 * 8;
   constexpr std::uint64_t kRest = 4096;
   const Mesh& mesh = answer.adjacency->mesh();

@@ -1,5 +1,5 @@
-// The scratch memory of a compute slot, for one job: kept for the next one, unless it is too
-// much to lie idle or the job came to no orderly end.
+// One job's use of the scratch memory of its compute slot. The memory is kept for the next job,
+// unless it is too much to lie idle or the job did not end in order.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace geodesic::server {
 
 class ScratchUse {
  public:
-  // `most_kept`: of the bytes that may lie idle. Both others must outlive this.
+  // `most_kept`: the most bytes that may lie idle; 0: any. Both others must outlive this.
   ScratchUse(SolveScratch& scratch, JobMemory& memory, std::uint64_t most_kept)
       : scratch_(scratch), memory_(memory), most_kept_(most_kept) {}
   ScratchUse(const ScratchUse&) = delete;
@@ -26,7 +26,8 @@ class ScratchUse {
   [[nodiscard]] SolveScratch& get() { return scratch_; }
 
   // The job has ended, and hands `handed_on` bytes on. All else that it holds is taken for
-  // scratch memory; what is not soon has that go, and the count is right again.
+  // scratch memory. If some of it is not, the count is too high, until it exceeds `most_kept`: then
+  // the scratch memory is freed and the count is right again.
   void done(std::uint64_t handed_on) {
     const std::uint64_t held = memory_.held();
     const std::uint64_t left = held > handed_on ? held - handed_on : 0;
