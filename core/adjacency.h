@@ -3,7 +3,7 @@
 //
 // Geometry is intrinsic: a face is unfolded into a plane by three corner dot
 // products and twice its area (face_record.h), from which the unfolded apex over any
-// of its three edges follows without a square root (see virtual_source.h).
+// of its three edges follows without a square root (see unfolded_apex.h).
 //
 // Winding plays no part. The halfedges on the same undirected edge form a ring
 // (`ring`): a boundary edge's halfedge is alone in it, an inner edge has two, a

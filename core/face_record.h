@@ -12,7 +12,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "core/virtual_source.h"
+#include "core/unfolded_apex.h"
 
 namespace geodesic {
 

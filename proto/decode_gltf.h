@@ -5,7 +5,7 @@
 #include <span>
 
 #include "core/error.h"
-#include "proto/decode_mesh.h"
+#include "proto/decoded_mesh.h"
 #include "proto/import_options.h"
 
 namespace geodesic::proto {

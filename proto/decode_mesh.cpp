@@ -27,24 +27,6 @@ Result<DecodedMesh> decode_drc(std::span<const std::byte> bytes, const DecodeLim
 
 }  // namespace
 
-std::string_view name_of(MeshFormat format) {
-  switch (format) {
-    case MeshFormat::glb:
-      return "glb";
-    case MeshFormat::gltf:
-      return "gltf";
-    case MeshFormat::drc:
-      return "drc";
-    case MeshFormat::obj:
-      return "obj";
-    case MeshFormat::ply:
-      return "ply";
-    case MeshFormat::stl:
-      return "stl";
-  }
-  return "";
-}
-
 Result<MeshFormat> sniff_format(std::span<const std::byte> bytes) {
   std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   if (text.starts_with("glTF")) return MeshFormat::glb;

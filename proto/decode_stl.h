@@ -11,7 +11,7 @@
 #include <span>
 
 #include "core/error.h"
-#include "proto/decode_mesh.h"
+#include "proto/decoded_mesh.h"
 
 namespace geodesic::proto {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "core/error.h"
-#include "proto/decode_mesh.h"
+#include "proto/decoded_mesh.h"
 
 namespace geodesic::proto {
 

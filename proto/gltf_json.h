@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "proto/decode_mesh.h"
+#include "proto/decoded_mesh.h"
 #include "proto/gltf_document.h"
 
 namespace geodesic::proto {

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "core/error.h"
-#include "proto/decode_mesh.h"
+#include "proto/decoded_mesh.h"
 #include "proto/gltf_document.h"
 
 namespace geodesic::proto {

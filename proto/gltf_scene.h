@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "proto/decode_mesh.h"
+#include "proto/decoded_mesh.h"
 #include "proto/gltf_buffers.h"
 #include "proto/gltf_document.h"
 #include "proto/import_options.h"

@@ -8,7 +8,7 @@
 
 #include "core/adjacency.h"
 #include "core/error.h"
-#include "proto/decode_mesh.h"
+#include "proto/decoded_mesh.h"
 #include "proto/import_options.h"
 
 namespace geodesic::proto {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/triangle_soup.h"
-#include "proto/decode_mesh.h"
+#include "proto/decoded_mesh.h"
 
 namespace geodesic::proto {
 

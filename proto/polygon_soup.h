@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "core/triangle_soup.h"
 #include "core/vec3.h"
-#include "proto/decode_mesh.h"
+#include "proto/decoded_mesh.h"
 #include "proto/findings.h"
 
 namespace geodesic::proto {

@@ -13,7 +13,7 @@
 
 #include "core/cancel.h"
 #include "core/error.h"
-#include "proto/decode_mesh.h"
+#include "proto/decoded_mesh.h"
 #include "proto/import_options.h"
 
 namespace geodesic::server {

@@ -18,7 +18,7 @@
 #include <utility>
 
 #include "core/error.h"
-#include "proto/decode_mesh.h"
+#include "proto/decoded_mesh.h"
 #include "server/caller.h"
 #include "server/decoded_frame.h"
 #include "server/unique_fd.h"

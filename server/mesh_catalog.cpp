@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/weld.h"
+#include "proto/decode_mesh.h"
 #include "proto/mesh_metadata.h"
 #include "server/compute_memory.h"
 #include "server/mesh_form.h"

@@ -24,7 +24,7 @@
 #include "core/closest_point.h"
 #include "core/error.h"
 #include "core/mesh.h"
-#include "proto/decode_mesh.h"
+#include "proto/decoded_mesh.h"
 #include "proto/import_options.h"
 #include "server/caller.h"
 #include "server/compute_pool.h"
