@@ -11,7 +11,7 @@ while(begin LESS length)
   string(APPEND literals "    R\"embedded(${piece})embedded\"\n")
   math(EXPR begin "${begin} + 8000")
 endwhile()
-file(WRITE ${OUTPUT} "#include \"server/embedded_text.h\"
+file(WRITE ${OUTPUT} "#include \"server/routes/embedded_text.h\"
 
 #ifdef __clang__
 #pragma clang diagnostic ignored \"-Woverlength-strings\"

@@ -1,4 +1,4 @@
-# Writes OUTPUT, the source of server/engine_digest.h: a digest of all that decides which bytes
+# Writes OUTPUT, the source of server/routes/engine_digest.h: a digest of all that decides which bytes
 # the program answers. ROOT: the tree; BUILD: a text that names compiler and flags.
 set(digests "${BUILD}\n")
 foreach(folder core proto server)
@@ -11,7 +11,7 @@ foreach(folder core proto server)
 endforeach()
 string(SHA256 digest "${digests}")
 string(SUBSTRING ${digest} 0 32 digest)
-file(WRITE ${OUTPUT} "#include \"server/engine_digest.h\"
+file(WRITE ${OUTPUT} "#include \"server/routes/engine_digest.h\"
 
 namespace geodesic::server {
 

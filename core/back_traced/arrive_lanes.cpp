@@ -1,8 +1,8 @@
-#include "core/arrive_lanes.h"
+#include "core/back_traced/arrive_lanes.h"
 
 #include <cstring>
 
-#include "core/lane_arithmetic.h"
+#include "core/base/lane_arithmetic.h"
 
 namespace geodesic {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <span>
 
-#include "core/face_record.h"
-#include "core/vectors.h"
+#include "core/base/vectors.h"
+#include "core/surface/face_record.h"
 
 namespace geodesic {
 

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/cancel.h"
-#include "core/field.h"
-#include "core/triangulation.h"
+#include "core/base/cancel.h"
+#include "core/field/field.h"
+#include "core/surface/triangulation.h"
 
 namespace geodesic {
 

@@ -1,4 +1,4 @@
-#include "core/back_traced_front.h"
+#include "core/back_traced/front.h"
 
 #include <algorithm>
 #include <array>
@@ -6,11 +6,11 @@
 #include <cstring>
 #include <utility>
 
-#include "core/arrive_lanes.h"
-#include "core/lane_arithmetic.h"
-#include "core/sort_few.h"
-#include "core/vec3.h"
-#include "core/virtual_source.h"
+#include "core/back_traced/arrive_lanes.h"
+#include "core/base/lane_arithmetic.h"
+#include "core/base/sort_few.h"
+#include "core/base/vec3.h"
+#include "core/wavefront/virtual_source.h"
 
 namespace geodesic {
 namespace {

@@ -1,4 +1,4 @@
-// The front of back_traced_wavefront.h: what one source's wave knows and does.
+// The front of back_traced/wavefront.h: what one source's wave knows and does.
 //
 // It goes in rounds. The considered vertices with the least estimates, all within a small
 // part of an edge, are accepted together: first they all get their distances, none of
@@ -12,14 +12,14 @@
 #include <span>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/back_trace.h"
-#include "core/back_trace_lanes.h"
-#include "core/back_traced_scratch.h"
-#include "core/cancel.h"
-#include "core/field.h"
-#include "core/triangulation.h"
-#include "core/vectors.h"
+#include "core/back_traced/scratch.h"
+#include "core/back_traced/trace.h"
+#include "core/back_traced/trace_lanes.h"
+#include "core/base/cancel.h"
+#include "core/base/vectors.h"
+#include "core/field/field.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/triangulation.h"
 
 namespace geodesic {
 

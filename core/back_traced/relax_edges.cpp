@@ -1,4 +1,4 @@
-#include "core/relax_edges.h"
+#include "core/back_traced/relax_edges.h"
 
 #include <algorithm>
 #include <bit>

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <span>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/field.h"
+#include "core/base/cancel.h"
+#include "core/field/field.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic {
 

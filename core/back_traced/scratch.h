@@ -1,15 +1,15 @@
-// What back_traced_wavefront.h works in.
+// What back_traced/wavefront.h works in.
 #pragma once
 
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
-#include "core/crowded_edges.h"
-#include "core/face_record.h"
-#include "core/field.h"
-#include "core/sight.h"
-#include "core/vertex_buckets.h"
+#include "core/back_traced/crowded_edges.h"
+#include "core/back_traced/sight.h"
+#include "core/back_traced/vertex_buckets.h"
+#include "core/field/field.h"
+#include "core/surface/face_record.h"
 
 namespace geodesic {
 

@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/face_record.h"
-#include "core/triangulation.h"
-#include "core/unfold_rounding.h"
-#include "core/vec2.h"
+#include "core/base/vec2.h"
+#include "core/surface/face_record.h"
+#include "core/surface/triangulation.h"
+#include "core/surface/unfold_rounding.h"
 
 namespace geodesic {
 

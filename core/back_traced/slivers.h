@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <span>
 
-#include "core/adjacency.h"
-#include "core/straight_away.h"
-#include "core/triangulation.h"
+#include "core/field/straight_away.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/triangulation.h"
 
 namespace geodesic {
 

@@ -25,14 +25,14 @@
 #include <cstdint>
 #include <span>
 
-#include "core/crowded_edges.h"
-#include "core/face_record.h"
-#include "core/field.h"
-#include "core/side_not_below.h"
-#include "core/surface_point.h"
-#include "core/triangulation.h"
-#include "core/unfold_rounding.h"
-#include "core/vec2.h"
+#include "core/back_traced/crowded_edges.h"
+#include "core/base/vec2.h"
+#include "core/field/field.h"
+#include "core/surface/face_record.h"
+#include "core/surface/point.h"
+#include "core/surface/side_not_below.h"
+#include "core/surface/triangulation.h"
+#include "core/surface/unfold_rounding.h"
 
 namespace geodesic {
 

@@ -1,9 +1,9 @@
-#include "core/back_trace_lanes.h"
+#include "core/back_traced/trace_lanes.h"
 
 #include <cstring>
 
-#include "core/field.h"
-#include "core/lane_arithmetic.h"
+#include "core/base/lane_arithmetic.h"
+#include "core/field/field.h"
 
 namespace geodesic {
 namespace {

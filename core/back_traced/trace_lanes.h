@@ -10,9 +10,9 @@
 #include <cstdint>
 #include <span>
 
-#include "core/back_trace.h"
-#include "core/triangulation.h"
-#include "core/vectors.h"
+#include "core/back_traced/trace.h"
+#include "core/base/vectors.h"
+#include "core/surface/triangulation.h"
 
 namespace geodesic {
 

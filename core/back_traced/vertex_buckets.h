@@ -14,7 +14,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/mesh/mesh.h"
 
 namespace geodesic {
 

@@ -1,15 +1,15 @@
-#include "core/back_traced_wavefront.h"
+#include "core/back_traced/wavefront.h"
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "core/back_traced_front.h"
-#include "core/edge_dijkstra.h"
-#include "core/relax_edges.h"
-#include "core/straight_floor.h"
-#include "core/vertex_front.h"
-#include "core/waves.h"
+#include "core/back_traced/front.h"
+#include "core/back_traced/relax_edges.h"
+#include "core/field/straight_floor.h"
+#include "core/field/vertex_front.h"
+#include "core/wavefront/edge_dijkstra.h"
+#include "core/wavefront/waves.h"
 
 namespace geodesic {
 namespace {

@@ -1,27 +1,27 @@
 // A wavefront as that of Tang et al. 2007, which looks back before it accepts: the
 // default between the paper's own and an exact method.
 //
-// The paper's front (wavefront.h) decides the order of the vertices and the edge that
+// The paper's front (wavefront/wavefront.h) decides the order of the vertices and the edge that
 // each one's shortest way comes over. Each distance is then computed again: by going
 // back along that way over ten faces, and taking the paper's two circles round the
-// ends of the edge there, or a straight line from a vertex in between (back_trace.h).
+// ends of the edge there, or a straight line from a vertex in between (back_traced/trace.h).
 // The front goes on from that distance. From a vertex it runs on the intrinsic Delaunay
 // triangulation of the surface; from other points on the faces of the mesh.
 #pragma once
 
 #include <span>
 
-#include "core/adjacency.h"
-#include "core/back_traced_scratch.h"
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/field.h"
-#include "core/method.h"
+#include "core/back_traced/scratch.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/field/field.h"
+#include "core/field/method.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic {
 
 // The distances from the nearest of the sources; each source has a wave of its own, as
-// in wavefront.h. With Bound::upper each value is the length of a path on the surface,
+// in wavefront/wavefront.h. With Bound::upper each value is the length of a path on the surface,
 // and never below the true distance but for rounding (1e-9 of it); without, it may be,
 // by as little as it is above elsewhere. Never below the straight line in space. Never above the
 // shortest way along edges, but for rounding: the front goes by doubles, and in the end each is

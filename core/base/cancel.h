@@ -8,8 +8,8 @@
 #include <functional>
 #include <utility>
 
-#include "core/error.h"
-#include "core/memory_budget.h"
+#include "core/base/error.h"
+#include "core/base/memory_budget.h"
 
 namespace geodesic {
 

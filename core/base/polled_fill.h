@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "core/cancel.h"
+#include "core/base/cancel.h"
 
 namespace geodesic {
 

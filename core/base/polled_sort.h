@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/cancel.h"
+#include "core/base/cancel.h"
 
 namespace geodesic {
 

@@ -1,11 +1,11 @@
-#include "core/chen_han.h"
+#include "core/chen_han/chen_han.h"
 
 #include <algorithm>
 
-#include "core/chen_han_front.h"
-#include "core/remaining_targets.h"
-#include "core/straight_floor.h"
-#include "core/vertex_front.h"
+#include "core/chen_han/front.h"
+#include "core/field/remaining_targets.h"
+#include "core/field/straight_floor.h"
+#include "core/field/vertex_front.h"
 
 namespace geodesic {
 

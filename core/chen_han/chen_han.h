@@ -16,13 +16,13 @@
 #include <span>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/chen_han_queue.h"
-#include "core/chen_han_seen.h"
-#include "core/chen_han_window.h"
-#include "core/error.h"
-#include "core/field.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/chen_han/queue.h"
+#include "core/chen_han/seen.h"
+#include "core/chen_han/window.h"
+#include "core/field/field.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic {
 

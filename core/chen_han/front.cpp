@@ -1,4 +1,4 @@
-#include "core/chen_han_front.h"
+#include "core/chen_han/front.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/chen_han.h"
-#include "core/chen_han_window.h"
-#include "core/field.h"
-#include "core/window_table.h"
+#include "core/base/cancel.h"
+#include "core/chen_han/chen_han.h"
+#include "core/chen_han/window.h"
+#include "core/field/field.h"
+#include "core/field/window_table.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic::chen_han {
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/chen_han_front.h"
+#include "core/chen_han/front.h"
 
 namespace geodesic::chen_han {
 

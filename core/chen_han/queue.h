@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/chen_han_window.h"
+#include "core/chen_han/window.h"
 
 namespace geodesic::chen_han {
 

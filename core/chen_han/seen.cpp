@@ -1,9 +1,9 @@
-#include "core/chen_han_seen.h"
+#include "core/chen_han/seen.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/polled_fill.h"
+#include "core/base/polled_fill.h"
 
 namespace geodesic::chen_han {
 namespace {

@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/cancel.h"
-#include "core/chen_han_window.h"
+#include "core/base/cancel.h"
+#include "core/chen_han/window.h"
 
 namespace geodesic::chen_han {
 

@@ -5,10 +5,10 @@
 #include <numbers>
 #include <vector>
 
-#include "core/chen_han_front.h"
-#include "core/copied_faces.h"
-#include "core/polled_fill.h"
-#include "core/polled_sort.h"
+#include "core/base/polled_fill.h"
+#include "core/base/polled_sort.h"
+#include "core/chen_han/front.h"
+#include "core/surface/copied_faces.h"
 
 namespace geodesic::chen_han {
 namespace {

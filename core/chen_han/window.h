@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <utility>
 
-#include "core/adjacency.h"
-#include "core/vec3.h"
+#include "core/base/vec3.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic::chen_han {
 

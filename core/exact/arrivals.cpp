@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "core/exact_propagation.h"
+#include "core/exact/propagation.h"
 
 namespace geodesic::exact {
 namespace {

@@ -1,12 +1,12 @@
-#include "core/exact_beam_lanes.h"
+#include "core/exact/beam_lanes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
-#include "core/exact_envelope.h"
-#include "core/field.h"
-#include "core/lane_arithmetic.h"
+#include "core/base/lane_arithmetic.h"
+#include "core/exact/envelope.h"
+#include "core/field/field.h"
 
 namespace geodesic::exact {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cstddef>
 
-#include "core/exact_beams.h"
-#include "core/vectors.h"
+#include "core/base/vectors.h"
+#include "core/exact/beams.h"
 
 namespace geodesic::exact {
 

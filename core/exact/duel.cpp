@@ -1,4 +1,4 @@
-#include "core/exact_duel.h"
+#include "core/exact/duel.h"
 
 #include <algorithm>
 #include <cmath>

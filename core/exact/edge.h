@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "core/adjacency.h"
-#include "core/exact_window.h"
-#include "core/field.h"
+#include "core/exact/window.h"
+#include "core/field/field.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic::exact {
 

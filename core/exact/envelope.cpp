@@ -1,9 +1,9 @@
-#include "core/exact_envelope.h"
+#include "core/exact/envelope.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/exact_duel.h"
+#include "core/exact/duel.h"
 
 namespace geodesic::exact {
 namespace {

@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "core/exact_window.h"
+#include "core/exact/window.h"
 
 namespace geodesic::exact {
 

@@ -1,12 +1,12 @@
-#include "core/exact_field.h"
+#include "core/exact/field.h"
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "core/exact_propagation.h"
-#include "core/exact_surface.h"
-#include "core/vertex_front.h"
+#include "core/exact/propagation.h"
+#include "core/exact/surface.h"
+#include "core/field/vertex_front.h"
 
 namespace geodesic {
 

@@ -7,10 +7,10 @@
 #include <memory>
 #include <span>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/field.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/field/field.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic {
 
@@ -42,7 +42,7 @@ struct ExactScratch {
 // that a source was placed at has no root.
 //
 // Without them, and from sources at vertices, windows run over the faces that have fewer
-// edges in the way, perhaps not the mesh's own (exact_surface.h): the same distances, but for
+// edges in the way, perhaps not the mesh's own (exact/surface.h): the same distances, but for
 // rounding.
 //
 // Each of n edges gets O(n) windows at worst, about 14 on scans.
@@ -54,7 +54,7 @@ struct ExactScratch {
 // The same, but a distance may be above that of the shortest path by at most the part
 // `tolerance` of it, from 0, exact, to 1. Each is the length of a path on the surface. Where
 // the surface is rough or round, this costs a fraction: narrow windows that went past
-// a vertex on both sides are left behind (exact_propagation.h). Windows are
+// a vertex on both sides are left behind (exact/propagation.h). Windows are
 // kept of limits.detail_faces alone; the distance of a point there, as above, keeps the same
 // promise. Errors: cancelled.
 [[nodiscard]] Result<Field> field_within(double tolerance, const Adjacency& adjacency,

@@ -1,4 +1,4 @@
-#include "core/exact_frames.h"
+#include "core/exact/frames.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <numbers>
 #include <tuple>
 
-#include "core/polled_fill.h"
-#include "core/polled_sort.h"
-#include "core/rough_angle.h"
+#include "core/base/polled_fill.h"
+#include "core/base/polled_sort.h"
+#include "core/base/rough_angle.h"
 
 namespace geodesic::exact {
 namespace {

@@ -11,9 +11,9 @@
 #include <span>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/exact_edge.h"
+#include "core/base/cancel.h"
+#include "core/exact/edge.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic::exact {
 

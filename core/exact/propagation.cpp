@@ -1,4 +1,4 @@
-#include "core/exact_propagation.h"
+#include "core/exact/propagation.h"
 
 #include <algorithm>
 #include <cmath>

@@ -26,18 +26,18 @@
 #include <utility>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/exact_beam_lanes.h"
-#include "core/exact_beams.h"
-#include "core/exact_envelope.h"
-#include "core/exact_frames.h"
-#include "core/exact_queue.h"
-#include "core/exact_seam.h"
-#include "core/exact_window.h"
-#include "core/exact_window_pool.h"
-#include "core/field.h"
-#include "core/window_table.h"
+#include "core/base/cancel.h"
+#include "core/exact/beam_lanes.h"
+#include "core/exact/beams.h"
+#include "core/exact/envelope.h"
+#include "core/exact/frames.h"
+#include "core/exact/queue.h"
+#include "core/exact/seam.h"
+#include "core/exact/window.h"
+#include "core/exact/window_pool.h"
+#include "core/field/field.h"
+#include "core/field/window_table.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic::exact {
 
@@ -194,7 +194,7 @@ class Propagation {
  private:
   [[nodiscard]] std::uint32_t add_root(const PseudoSource& root);
 
-  // exact_propagation.cpp: windows over faces.
+  // exact/propagation.cpp: windows over faces.
   void set_out(std::uint32_t e);
   void load_beams(std::span<const Window> windows, Halfedge h);
   void keep_sources_on_line(std::size_t first, double length);
@@ -211,7 +211,7 @@ class Propagation {
   [[nodiscard]] Side side(Halfedge h, bool from_tail) const;
   [[nodiscard]] bool is_of_use(Window& window, const Side& side) const;
 
-  // exact_arrivals.cpp: windows and ways where they arrive.
+  // exact/arrivals.cpp: windows and ways where they arrive.
   void commit(std::uint32_t e, std::span<Window> fresh, double least);
   [[nodiscard]] std::span<Window> without_narrow(std::span<Window> fresh, double length) const;
   void merge_in(std::span<const Window> old, std::span<const Window> fresh, double length);
@@ -223,7 +223,7 @@ class Propagation {
   void lower(std::uint32_t v, double distance, const PseudoSource& root,
              const ArrivalAtVertex& arrival);
 
-  // exact_pseudo_sources.cpp: windows out of vertices and sources.
+  // exact/pseudo_sources.cpp: windows out of vertices and sources.
   void start_inside(const SurfacePoint& place, const Source& source, std::uint32_t root);
   void bend_at(std::uint32_t v);
   void send_everywhere(std::uint32_t v, std::uint32_t root);

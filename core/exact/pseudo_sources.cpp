@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/exact_propagation.h"
-#include "core/rough_angle.h"
-#include "core/surface_point.h"
+#include "core/base/rough_angle.h"
+#include "core/exact/propagation.h"
+#include "core/surface/point.h"
 
 namespace geodesic::exact {
 namespace {

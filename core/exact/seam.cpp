@@ -1,8 +1,8 @@
-#include "core/exact_seam.h"
+#include "core/exact/seam.h"
 
 #include <algorithm>
 
-#include "core/exact_duel.h"
+#include "core/exact/duel.h"
 
 namespace geodesic::exact {
 namespace {

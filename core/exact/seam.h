@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <span>
 
-#include "core/exact_envelope.h"
-#include "core/exact_window.h"
+#include "core/exact/envelope.h"
+#include "core/exact/window.h"
 
 namespace geodesic::exact {
 

@@ -1,11 +1,11 @@
-#include "core/exact_surface.h"
+#include "core/exact/surface.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 
-#include "core/straight_away.h"
+#include "core/field/straight_away.h"
 
 namespace geodesic::exact {
 namespace {

@@ -5,10 +5,10 @@
 
 #include <span>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/field.h"
-#include "core/triangulation.h"
+#include "core/base/cancel.h"
+#include "core/field/field.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/triangulation.h"
 
 namespace geodesic::exact {
 

@@ -13,7 +13,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "core/adjacency.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic::exact {
 

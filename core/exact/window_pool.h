@@ -12,8 +12,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/cancel.h"
-#include "core/exact_window.h"
+#include "core/base/cancel.h"
+#include "core/exact/window.h"
 
 namespace geodesic::exact {
 

@@ -1,7 +1,7 @@
-#include "core/field.h"
+#include "core/field/field.h"
 
-#include "core/edge_points.h"
-#include "core/window_table.h"
+#include "core/field/edge_points.h"
+#include "core/field/window_table.h"
 
 namespace geodesic {
 

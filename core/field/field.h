@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "core/mesh.h"
-#include "core/method.h"
-#include "core/surface_point.h"
-#include "core/vec3.h"
-#include "core/vertex_distances.h"
+#include "core/base/vec3.h"
+#include "core/field/method.h"
+#include "core/field/vertex_distances.h"
+#include "core/mesh/mesh.h"
+#include "core/surface/point.h"
 
 namespace geodesic {
 

@@ -11,10 +11,10 @@
 #include <span>
 #include <vector>
 
-#include "core/field.h"
-#include "core/mesh.h"
-#include "core/surface_point.h"
-#include "core/vec3.h"
+#include "core/base/vec3.h"
+#include "core/field/field.h"
+#include "core/mesh/mesh.h"
+#include "core/surface/point.h"
 
 namespace geodesic {
 

@@ -1,11 +1,11 @@
-#include "core/straight_floor.h"
+#include "core/field/straight_floor.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "core/surface_point.h"
-#include "core/vec3.h"
+#include "core/base/vec3.h"
+#include "core/surface/point.h"
 
 namespace geodesic {
 namespace {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <span>
 
-#include "core/cancel.h"
-#include "core/field.h"
-#include "core/mesh.h"
+#include "core/base/cancel.h"
+#include "core/field/field.h"
+#include "core/mesh/mesh.h"
 
 namespace geodesic {
 

@@ -1,4 +1,4 @@
-#include "core/vertex_distances.h"
+#include "core/field/vertex_distances.h"
 
 #include <algorithm>
 #include <bit>

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/method.h"
+#include "core/field/method.h"
 
 namespace geodesic {
 

@@ -1,9 +1,9 @@
-#include "core/window_light.h"
+#include "core/field/window_light.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/face_over_edge.h"
+#include "core/surface/face_over_edge.h"
 
 namespace geodesic {
 namespace {

@@ -4,10 +4,10 @@
 
 #include <cstdint>
 
-#include "core/adjacency.h"
-#include "core/field.h"
-#include "core/surface_point.h"
-#include "core/window_table.h"
+#include "core/field/field.h"
+#include "core/field/window_table.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/point.h"
 
 namespace geodesic {
 

@@ -1,8 +1,8 @@
-#include "core/window_table.h"
+#include "core/field/window_table.h"
 
 #include <algorithm>
 
-#include "core/polled_fill.h"
+#include "core/base/polled_fill.h"
 
 namespace geodesic {
 

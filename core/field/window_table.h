@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
+#include "core/base/cancel.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic {
 

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/face_record.h"
-#include "core/vec3.h"
+#include "core/base/vec3.h"
+#include "core/surface/face_record.h"
 
 namespace geodesic {
 

@@ -1,5 +1,5 @@
 // The only file that includes Embree, version 3 or 4.
-#include "core/closest_point.h"
+#include "core/locate/closest_point.h"
 
 #if GEODESIC_EMBREE == 3
 #include <embree3/rtcore.h>
@@ -15,9 +15,9 @@
 #include <new>
 #include <utility>
 
-#include "core/closest_on_triangle.h"
-#include "core/far_search.h"
-#include "core/ray_search.h"
+#include "core/locate/closest_on_triangle.h"
+#include "core/locate/far_search.h"
+#include "core/locate/ray_search.h"
 
 namespace geodesic {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/far_search.h"
+#include "core/locate/far_search.h"
 
 #include <algorithm>
 #include <array>

@@ -18,11 +18,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/cancel.h"
-#include "core/closest_on_triangle.h"
-#include "core/mesh.h"
-#include "core/ray_search.h"
-#include "core/vec3.h"
+#include "core/base/cancel.h"
+#include "core/base/vec3.h"
+#include "core/locate/closest_on_triangle.h"
+#include "core/locate/ray_search.h"
+#include "core/mesh/mesh.h"
 
 namespace geodesic {
 

@@ -1,4 +1,4 @@
-#include "core/ray_search.h"
+#include "core/locate/ray_search.h"
 
 #include <algorithm>
 #include <cmath>

@@ -12,10 +12,10 @@
 #include <limits>
 #include <optional>
 
-#include "core/adjacency.h"
-#include "core/ray_triangle.h"
-#include "core/surface_point.h"
-#include "core/vec3.h"
+#include "core/base/vec3.h"
+#include "core/locate/ray_triangle.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/point.h"
 
 namespace geodesic {
 

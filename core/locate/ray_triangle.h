@@ -15,7 +15,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/vec3.h"
+#include "core/base/vec3.h"
 
 namespace geodesic {
 

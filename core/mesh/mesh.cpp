@@ -1,4 +1,4 @@
-#include "core/mesh.h"
+#include "core/mesh/mesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 #include <string>
 #include <tuple>
 
-#include "core/hilbert_order.h"
-#include "core/polled_fill.h"
-#include "core/polled_sort.h"
+#include "core/base/polled_fill.h"
+#include "core/base/polled_sort.h"
+#include "core/mesh/hilbert_order.h"
 
 namespace geodesic {
 namespace {

@@ -21,10 +21,10 @@
 #include <span>
 #include <vector>
 
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/triangle_soup.h"
-#include "core/vec3.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/base/vec3.h"
+#include "core/mesh/triangle_soup.h"
 
 namespace geodesic {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/triangle_soup.h"
+#include "core/mesh/triangle_soup.h"
 
 namespace geodesic::shapes {
 

@@ -1,4 +1,4 @@
-#include "core/weld.h"
+#include "core/mesh/weld.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "core/mesh.h"
-#include "core/polled_sort.h"
+#include "core/base/polled_sort.h"
+#include "core/mesh/mesh.h"
 
 namespace geodesic {
 namespace {

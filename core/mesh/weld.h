@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/triangle_soup.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/mesh/triangle_soup.h"
 
 namespace geodesic {
 

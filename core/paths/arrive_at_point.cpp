@@ -1,14 +1,14 @@
-#include "core/arrive_at_point.h"
+#include "core/paths/arrive_at_point.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/edge_points.h"
-#include "core/fast_marching.h"
-#include "core/novotni.h"
-#include "core/side_length.h"
-#include "core/virtual_source.h"
-#include "core/window_light.h"
+#include "core/field/edge_points.h"
+#include "core/field/window_light.h"
+#include "core/surface/side_length.h"
+#include "core/wavefront/fast_marching.h"
+#include "core/wavefront/novotni.h"
+#include "core/wavefront/virtual_source.h"
 
 namespace geodesic {
 namespace {

@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/field.h"
-#include "core/surface_point.h"
-#include "core/virtual_source.h"
+#include "core/base/cancel.h"
+#include "core/field/field.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/point.h"
+#include "core/wavefront/virtual_source.h"
 
 namespace geodesic {
 

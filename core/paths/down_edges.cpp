@@ -1,4 +1,4 @@
-#include "core/down_edges.h"
+#include "core/paths/down_edges.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "core/side_length.h"
+#include "core/surface/side_length.h"
 
 namespace geodesic {
 

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/arrive_at_point.h"
-#include "core/cancel.h"
-#include "core/field.h"
+#include "core/base/cancel.h"
+#include "core/field/field.h"
+#include "core/paths/arrive_at_point.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic {
 

@@ -1,4 +1,4 @@
-#include "core/edge_path.h"
+#include "core/paths/edge_path.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <unordered_set>
 #include <vector>
 
-#include "core/field.h"
-#include "core/vec3.h"
+#include "core/base/vec3.h"
+#include "core/field/field.h"
 
 namespace geodesic {
 namespace {

@@ -7,12 +7,12 @@
 
 #include <optional>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/surface_point.h"
-#include "core/trace_path.h"
-#include "core/wavefront.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/paths/trace_path.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/point.h"
+#include "core/wavefront/wavefront.h"
 
 namespace geodesic {
 

@@ -1,4 +1,4 @@
-#include "core/isolines.h"
+#include "core/paths/isolines.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/field.h"
-#include "core/vec3.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/base/vec3.h"
+#include "core/field/field.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic {
 

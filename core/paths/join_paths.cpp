@@ -1,4 +1,4 @@
-#include "core/join_paths.h"
+#include "core/paths/join_paths.h"
 
 #include <cstddef>
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "core/trace_path.h"
+#include "core/paths/trace_path.h"
 
 namespace geodesic {
 

@@ -1,9 +1,9 @@
-#include "core/leave_cluster.h"
+#include "core/paths/leave_cluster.h"
 
 #include <algorithm>
 #include <unordered_map>
 
-#include "core/side_length.h"
+#include "core/surface/side_length.h"
 
 namespace geodesic {
 namespace {

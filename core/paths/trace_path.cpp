@@ -1,4 +1,4 @@
-#include "core/trace_path.h"
+#include "core/paths/trace_path.h"
 
 #include <algorithm>
 #include <array>
@@ -7,11 +7,11 @@
 #include <unordered_set>
 #include <vector>
 
-#include "core/arrive_at_point.h"
-#include "core/down_edges.h"
-#include "core/edge_path.h"
-#include "core/edge_points.h"
-#include "core/leave_cluster.h"
+#include "core/field/edge_points.h"
+#include "core/paths/arrive_at_point.h"
+#include "core/paths/down_edges.h"
+#include "core/paths/edge_path.h"
+#include "core/paths/leave_cluster.h"
 
 namespace geodesic {
 namespace {

@@ -6,12 +6,12 @@
 #include <optional>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/field.h"
-#include "core/surface_point.h"
-#include "core/vec3.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/base/vec3.h"
+#include "core/field/field.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/point.h"
 
 namespace geodesic {
 

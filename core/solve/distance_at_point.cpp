@@ -1,4 +1,4 @@
-#include "core/distance_at_point.h"
+#include "core/solve/distance_at_point.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,11 +6,11 @@
 #include <limits>
 #include <vector>
 
-#include "core/edge_path.h"
-#include "core/refine_path.h"
-#include "core/shorten_path.h"
-#include "core/trace_path.h"
-#include "core/wavefront.h"
+#include "core/paths/edge_path.h"
+#include "core/paths/trace_path.h"
+#include "core/straighten/refine_path.h"
+#include "core/straighten/shorten_path.h"
+#include "core/wavefront/wavefront.h"
 
 namespace geodesic {
 namespace {

@@ -6,12 +6,12 @@
 // of vertices are bounds, that of a point is the length of a path.
 #pragma once
 
-#include "core/adjacency.h"
-#include "core/arrive_at_point.h"
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/field.h"
-#include "core/surface_point.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/field/field.h"
+#include "core/paths/arrive_at_point.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/point.h"
 
 namespace geodesic {
 

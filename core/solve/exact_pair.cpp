@@ -1,4 +1,4 @@
-#include "core/exact_pair.h"
+#include "core/solve/exact_pair.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/arrive_at_point.h"
-#include "core/longest_edge.h"
-#include "core/trace_path.h"
+#include "core/paths/arrive_at_point.h"
+#include "core/paths/trace_path.h"
+#include "core/surface/longest_edge.h"
 
 namespace geodesic {
 namespace {

@@ -3,13 +3,13 @@
 // where they are needed: at the target, and along the path.
 #pragma once
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/exact_field.h"
-#include "core/field.h"
-#include "core/pair_search.h"
-#include "core/surface_point.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/exact/field.h"
+#include "core/field/field.h"
+#include "core/solve/pair_search.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/point.h"
 
 namespace geodesic {
 

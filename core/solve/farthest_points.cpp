@@ -1,8 +1,8 @@
-#include "core/farthest_points.h"
+#include "core/solve/farthest_points.h"
 
 #include <algorithm>
 
-#include "core/longest_edge.h"
+#include "core/surface/longest_edge.h"
 
 namespace geodesic {
 namespace {

@@ -9,12 +9,12 @@
 #include <span>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/field.h"
-#include "core/method.h"
-#include "core/solve_field.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/field/field.h"
+#include "core/field/method.h"
+#include "core/solve/solve_field.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic {
 

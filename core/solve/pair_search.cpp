@@ -1,4 +1,4 @@
-#include "core/pair_search.h"
+#include "core/solve/pair_search.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -6,14 +6,14 @@
 #include <utility>
 #include <vector>
 
-#include "core/arrive_at_point.h"
-#include "core/distance_at_point.h"
-#include "core/edge_path.h"
-#include "core/exact_pair.h"
-#include "core/longest_edge.h"
-#include "core/refine_path.h"
-#include "core/shorten_path.h"
-#include "core/surface_patch.h"
+#include "core/paths/arrive_at_point.h"
+#include "core/paths/edge_path.h"
+#include "core/solve/distance_at_point.h"
+#include "core/solve/exact_pair.h"
+#include "core/solve/surface_patch.h"
+#include "core/straighten/refine_path.h"
+#include "core/straighten/shorten_path.h"
+#include "core/surface/longest_edge.h"
 
 namespace geodesic {
 namespace {

@@ -10,14 +10,14 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/field.h"
-#include "core/method.h"
-#include "core/solve_field.h"
-#include "core/surface_point.h"
-#include "core/trace_path.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/field/field.h"
+#include "core/field/method.h"
+#include "core/paths/trace_path.h"
+#include "core/solve/solve_field.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/point.h"
 
 namespace geodesic {
 

@@ -1,13 +1,13 @@
-#include "core/solve_field.h"
+#include "core/solve/solve_field.h"
 
 #include <cstddef>
 #include <utility>
 
-#include "core/edge_dijkstra.h"
-#include "core/novotni.h"
-#include "core/slivers.h"
-#include "core/steiner.h"
-#include "core/straight_floor.h"
+#include "core/back_traced/slivers.h"
+#include "core/field/straight_floor.h"
+#include "core/steiner/steiner.h"
+#include "core/wavefront/edge_dijkstra.h"
+#include "core/wavefront/novotni.h"
 
 namespace geodesic {
 namespace {

@@ -3,16 +3,16 @@
 
 #include <span>
 
-#include "core/adjacency.h"
-#include "core/back_traced_wavefront.h"
-#include "core/cancel.h"
-#include "core/chen_han.h"
-#include "core/error.h"
-#include "core/exact_field.h"
-#include "core/fast_marching.h"
-#include "core/field.h"
-#include "core/method.h"
-#include "core/wavefront.h"
+#include "core/back_traced/wavefront.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/chen_han/chen_han.h"
+#include "core/exact/field.h"
+#include "core/field/field.h"
+#include "core/field/method.h"
+#include "core/surface/adjacency.h"
+#include "core/wavefront/fast_marching.h"
+#include "core/wavefront/wavefront.h"
 
 namespace geodesic {
 

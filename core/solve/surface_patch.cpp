@@ -1,13 +1,13 @@
-#include "core/surface_patch.h"
+#include "core/solve/surface_patch.h"
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
 
-#include "core/mesh.h"
-#include "core/triangle_soup.h"
-#include "core/vec3.h"
+#include "core/base/vec3.h"
+#include "core/mesh/mesh.h"
+#include "core/mesh/triangle_soup.h"
 
 namespace geodesic {
 namespace {

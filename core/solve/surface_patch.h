@@ -6,11 +6,11 @@
 #include <memory>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/surface_point.h"
-#include "core/trace_path.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/paths/trace_path.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/point.h"
 
 namespace geodesic {
 

@@ -1,4 +1,4 @@
-#include "core/steiner_path.h"
+#include "core/steiner/path.h"
 
 #include <algorithm>
 #include <array>
@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/copied_faces.h"
-#include "core/edge_points.h"
-#include "core/polled_sort.h"
-#include "core/steiner.h"
+#include "core/base/polled_sort.h"
+#include "core/field/edge_points.h"
+#include "core/steiner/steiner.h"
+#include "core/surface/copied_faces.h"
 
 namespace geodesic {
 namespace {

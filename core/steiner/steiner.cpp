@@ -1,4 +1,4 @@
-#include "core/steiner.h"
+#include "core/steiner/steiner.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +9,11 @@
 #include <span>
 #include <utility>
 
-#include "core/copied_faces.h"
-#include "core/edge_points.h"
-#include "core/polled_fill.h"
-#include "core/polled_sort.h"
-#include "core/remaining_targets.h"
+#include "core/base/polled_fill.h"
+#include "core/base/polled_sort.h"
+#include "core/field/edge_points.h"
+#include "core/field/remaining_targets.h"
+#include "core/surface/copied_faces.h"
 
 namespace geodesic {
 namespace {

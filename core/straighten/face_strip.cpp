@@ -1,9 +1,9 @@
-#include "core/face_strip.h"
+#include "core/straighten/face_strip.h"
 
 #include <algorithm>
 #include <cassert>
 
-#include "core/face_over_edge.h"
+#include "core/surface/face_over_edge.h"
 
 namespace geodesic {
 namespace {

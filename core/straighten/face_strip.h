@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/surface_point.h"
-#include "core/vec2.h"
+#include "core/base/vec2.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/point.h"
 
 namespace geodesic {
 

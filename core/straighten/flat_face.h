@@ -6,11 +6,11 @@
 #include <cstdint>
 #include <utility>
 
-#include "core/adjacency.h"
-#include "core/face_over_edge.h"
-#include "core/surface_point.h"
-#include "core/vec2.h"
-#include "core/vec3.h"
+#include "core/base/vec2.h"
+#include "core/base/vec3.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/face_over_edge.h"
+#include "core/surface/point.h"
 
 namespace geodesic {
 

@@ -1,4 +1,4 @@
-#include "core/funnel.h"
+#include "core/straighten/funnel.h"
 
 #include <algorithm>
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/face_strip.h"
+#include "core/straighten/face_strip.h"
 
 namespace geodesic {
 

@@ -1,10 +1,10 @@
-#include "core/path_chain.h"
+#include "core/straighten/path_chain.h"
 
 #include <array>
 #include <cmath>
 #include <cstdint>
 
-#include "core/vec3.h"
+#include "core/base/vec3.h"
 
 namespace geodesic {
 namespace {

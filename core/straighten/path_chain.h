@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/face_strip.h"
-#include "core/surface_point.h"
-#include "core/trace_path.h"
-#include "core/vertex_fan.h"
+#include "core/base/cancel.h"
+#include "core/paths/trace_path.h"
+#include "core/straighten/face_strip.h"
+#include "core/straighten/vertex_fan.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/point.h"
 
 namespace geodesic {
 

@@ -1,4 +1,4 @@
-#include "core/refine_path.h"
+#include "core/straighten/refine_path.h"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/arrive_at_point.h"
-#include "core/shorten_path.h"
+#include "core/paths/arrive_at_point.h"
+#include "core/straighten/shorten_path.h"
 
 namespace geodesic {
 namespace {

@@ -7,12 +7,12 @@
 // errs. In that case the target's neighbours are asked for their ways, too.
 #pragma once
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/field.h"
-#include "core/surface_point.h"
-#include "core/trace_path.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/field/field.h"
+#include "core/paths/trace_path.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/point.h"
 
 namespace geodesic {
 

@@ -1,4 +1,4 @@
-#include "core/shorten_path.h"
+#include "core/straighten/shorten_path.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/face_strip.h"
-#include "core/funnel.h"
-#include "core/path_chain.h"
-#include "core/vertex_fan.h"
+#include "core/straighten/face_strip.h"
+#include "core/straighten/funnel.h"
+#include "core/straighten/path_chain.h"
+#include "core/straighten/vertex_fan.h"
 
 namespace geodesic {
 namespace {

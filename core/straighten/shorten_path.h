@@ -13,10 +13,10 @@
 
 #include <cstdint>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/trace_path.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/paths/trace_path.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic {
 

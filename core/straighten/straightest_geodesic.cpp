@@ -1,4 +1,4 @@
-#include "core/straightest_geodesic.h"
+#include "core/straighten/straightest_geodesic.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 #include <optional>
 #include <utility>
 
-#include "core/flat_face.h"
-#include "core/vec2.h"
-#include "core/vertex_fan.h"
+#include "core/base/vec2.h"
+#include "core/straighten/flat_face.h"
+#include "core/straighten/vertex_fan.h"
 
 namespace geodesic {
 namespace {

@@ -10,12 +10,12 @@
 
 #include <cstdint>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/surface_point.h"
-#include "core/trace_path.h"
-#include "core/vec3.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/base/vec3.h"
+#include "core/paths/trace_path.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/point.h"
 
 namespace geodesic {
 

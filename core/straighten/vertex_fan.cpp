@@ -1,4 +1,4 @@
-#include "core/vertex_fan.h"
+#include "core/straighten/vertex_fan.h"
 
 #include <algorithm>
 #include <limits>

@@ -7,9 +7,9 @@
 #include <queue>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/face_strip.h"
+#include "core/base/cancel.h"
+#include "core/straighten/face_strip.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic {
 

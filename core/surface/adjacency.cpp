@@ -1,15 +1,15 @@
-#include "core/adjacency.h"
+#include "core/surface/adjacency.h"
 
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 #include <utility>
 
-#include "core/corner_lists.h"
-#include "core/intrinsic_delaunay.h"
-#include "core/polled_fill.h"
-#include "core/polled_sort.h"
-#include "core/unfold_rounding.h"
+#include "core/base/polled_fill.h"
+#include "core/base/polled_sort.h"
+#include "core/surface/corner_lists.h"
+#include "core/surface/intrinsic_delaunay.h"
+#include "core/surface/unfold_rounding.h"
 
 namespace geodesic {
 namespace {

@@ -18,11 +18,11 @@
 #include <span>
 #include <vector>
 
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/face_record.h"
-#include "core/mesh.h"
-#include "core/triangulation.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/mesh/mesh.h"
+#include "core/surface/face_record.h"
+#include "core/surface/triangulation.h"
 
 namespace geodesic {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/adjacency.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic {
 

@@ -1,6 +1,6 @@
-#include "core/corner_lists.h"
+#include "core/surface/corner_lists.h"
 
-#include "core/polled_fill.h"
+#include "core/base/polled_fill.h"
 
 namespace geodesic {
 

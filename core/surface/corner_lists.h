@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "core/cancel.h"
-#include "core/face_record.h"
+#include "core/base/cancel.h"
+#include "core/surface/face_record.h"
 
 namespace geodesic {
 

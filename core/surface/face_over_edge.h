@@ -6,9 +6,9 @@
 // to the last bits, which the differences of dot products would lose.
 #pragma once
 
-#include "core/adjacency.h"
-#include "core/vec2.h"
-#include "core/vec3.h"
+#include "core/base/vec2.h"
+#include "core/base/vec3.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic {
 

@@ -1,13 +1,13 @@
-#include "core/intrinsic_delaunay.h"
+#include "core/surface/intrinsic_delaunay.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
-#include "core/corner_lists.h"
-#include "core/polled_fill.h"
-#include "core/unfold_rounding.h"
+#include "core/base/polled_fill.h"
+#include "core/surface/corner_lists.h"
+#include "core/surface/unfold_rounding.h"
 
 namespace geodesic {
 namespace {

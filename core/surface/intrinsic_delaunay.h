@@ -29,10 +29,10 @@
 #include <span>
 #include <vector>
 
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/face_record.h"
-#include "core/triangulation.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/surface/face_record.h"
+#include "core/surface/triangulation.h"
 
 namespace geodesic {
 

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/adjacency.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic {
 

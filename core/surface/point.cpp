@@ -1,4 +1,4 @@
-#include "core/surface_point.h"
+#include "core/surface/point.h"
 
 #include <algorithm>
 

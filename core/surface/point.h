@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/error.h"
-#include "core/mesh.h"
-#include "core/vec3.h"
+#include "core/base/error.h"
+#include "core/base/vec3.h"
+#include "core/mesh/mesh.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic {
 

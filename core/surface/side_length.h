@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "core/adjacency.h"
-#include "core/vec3.h"
+#include "core/base/vec3.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic {
 

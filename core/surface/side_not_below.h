@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "core/face_record.h"
+#include "core/surface/face_record.h"
 
 namespace geodesic {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/face_record.h"
+#include "core/surface/face_record.h"
 
 namespace geodesic {
 

@@ -12,9 +12,9 @@
 #include <limits>
 #include <span>
 
-#include "core/cancel.h"
-#include "core/face_record.h"
-#include "core/side_not_below.h"
+#include "core/base/cancel.h"
+#include "core/surface/face_record.h"
+#include "core/surface/side_not_below.h"
 
 namespace geodesic {
 

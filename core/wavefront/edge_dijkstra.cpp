@@ -1,11 +1,11 @@
-#include "core/edge_dijkstra.h"
+#include "core/wavefront/edge_dijkstra.h"
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 #include <utility>
 
-#include "core/vertex_front.h"
+#include "core/field/vertex_front.h"
 
 namespace geodesic {
 namespace {

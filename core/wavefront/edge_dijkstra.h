@@ -4,11 +4,11 @@
 
 #include <span>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/field.h"
-#include "core/wavefront.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/field/field.h"
+#include "core/surface/adjacency.h"
+#include "core/wavefront/wavefront.h"
 
 namespace geodesic {
 

@@ -1,11 +1,11 @@
-#include "core/fast_marching.h"
+#include "core/wavefront/fast_marching.h"
 
 #include <limits>
 #include <span>
 #include <utility>
 
-#include "core/straight_floor.h"
-#include "core/vertex_front.h"
+#include "core/field/straight_floor.h"
+#include "core/field/vertex_front.h"
 
 namespace geodesic {
 namespace {

@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/field.h"
-#include "core/unfold_rounding.h"
-#include "core/virtual_source.h"
+#include "core/field/field.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/unfold_rounding.h"
+#include "core/wavefront/virtual_source.h"
 
 namespace geodesic::detail {
 

@@ -1,6 +1,6 @@
-#include "core/novotni.h"
+#include "core/wavefront/novotni.h"
 
-#include "core/paper_waves.h"
+#include "core/wavefront/paper_waves.h"
 
 namespace geodesic {
 

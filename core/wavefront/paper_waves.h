@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "core/straight_floor.h"
-#include "core/wavefront.h"
-#include "core/wavefront_kernel.h"
-#include "core/waves.h"
+#include "core/field/straight_floor.h"
+#include "core/wavefront/kernel.h"
+#include "core/wavefront/wavefront.h"
+#include "core/wavefront/waves.h"
 
 namespace geodesic::detail {
 

@@ -16,7 +16,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "core/unfolded_apex.h"
+#include "core/surface/unfolded_apex.h"
 
 namespace geodesic {
 

@@ -1,6 +1,6 @@
-#include "core/wavefront.h"
+#include "core/wavefront/wavefront.h"
 
-#include "core/paper_waves.h"
+#include "core/wavefront/paper_waves.h"
 
 namespace geodesic {
 

@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/field.h"
-#include "core/vertex_heap.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/field/field.h"
+#include "core/field/vertex_heap.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic {
 

@@ -15,12 +15,12 @@
 #include <span>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/field.h"
-#include "core/remaining_targets.h"
-#include "core/vertex_heap.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/field/field.h"
+#include "core/field/remaining_targets.h"
+#include "core/field/vertex_heap.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic::detail {
 

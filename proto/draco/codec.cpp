@@ -1,7 +1,7 @@
 // The one place that includes Draco. Only its decoder and encoder of memory are
 // used, never its file readers; what it decodes is checked again, since its
 // indices and its mapping of points to values come from the bitstream.
-#include "proto/draco_codec.h"
+#include "proto/draco/codec.h"
 
 #include <draco/compression/decode.h>
 #include <draco/compression/encode.h>
@@ -15,7 +15,7 @@
 #include <new>
 #include <string>
 
-#include "proto/encode_mesh.h"
+#include "proto/encode/encode_mesh.h"
 
 namespace geodesic::proto {
 namespace {

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "core/error.h"
-#include "core/triangle_soup.h"
-#include "proto/draco_header.h"
+#include "core/base/error.h"
+#include "core/mesh/triangle_soup.h"
+#include "proto/draco/header.h"
 
 namespace geodesic::proto {
 

@@ -1,4 +1,4 @@
-#include "proto/draco_header.h"
+#include "proto/draco/header.h"
 
 #include <algorithm>
 #include <string>

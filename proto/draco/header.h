@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/error.h"
+#include "core/base/error.h"
 
 namespace geodesic::proto {
 

@@ -1,4 +1,4 @@
-#include "proto/encode_geometry.h"
+#include "proto/encode/encode_geometry.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <span>
 #include <utility>
 
-#include "proto/array_formats.h"
-#include "proto/glb_drawing.h"
+#include "proto/encode/glb_drawing.h"
+#include "proto/wire/array_formats.h"
 
 namespace geodesic::proto {
 namespace {

@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/error.h"
-#include "core/mesh.h"
+#include "core/base/error.h"
+#include "core/mesh/mesh.h"
 
 namespace geodesic::proto {
 

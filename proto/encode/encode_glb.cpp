@@ -6,8 +6,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "proto/encode_mesh.h"
-#include "proto/glb_drawing.h"
+#include "proto/encode/encode_mesh.h"
+#include "proto/encode/glb_drawing.h"
 
 namespace geodesic::proto {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
-#include "core/triangle_soup.h"
+#include "core/base/error.h"
+#include "core/mesh/triangle_soup.h"
 
 namespace geodesic::proto {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/vec3.h"
-#include "proto/colour_map.h"
+#include "core/base/vec3.h"
+#include "proto/picture/colour_map.h"
 
 namespace geodesic::proto {
 

@@ -1,17 +1,17 @@
-#include "proto/decode_mesh.h"
+#include "proto/formats/decode_mesh.h"
 
 #include <exception>
 #include <new>
 #include <stdexcept>
 #include <utility>
 
-#include "proto/decode_gltf.h"
-#include "proto/decode_obj.h"
-#include "proto/decode_ply.h"
-#include "proto/decode_stl.h"
-#include "proto/draco_codec.h"
-#include "proto/one_part.h"
-#include "proto/ply_header.h"
+#include "proto/draco/codec.h"
+#include "proto/formats/decode_obj.h"
+#include "proto/formats/decode_ply.h"
+#include "proto/formats/decode_stl.h"
+#include "proto/formats/ply_header.h"
+#include "proto/gltf/decode.h"
+#include "proto/mesh/one_part.h"
 
 namespace geodesic::proto {
 namespace {

@@ -1,4 +1,4 @@
-#include "proto/decode_obj.h"
+#include "proto/formats/decode_obj.h"
 
 #include <algorithm>
 #include <array>
@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "proto/one_part.h"
-#include "proto/polygon_soup.h"
-#include "proto/text_tokens.h"
+#include "proto/mesh/one_part.h"
+#include "proto/mesh/polygon_soup.h"
+#include "proto/mesh/text_tokens.h"
 
 namespace geodesic::proto {
 namespace {

@@ -1,4 +1,4 @@
-#include "proto/decode_ply.h"
+#include "proto/formats/decode_ply.h"
 
 #include <rply.h>
 #include <rplyfile.h>
@@ -15,10 +15,10 @@
 #include <utility>
 #include <vector>
 
-#include "proto/one_part.h"
-#include "proto/ply_header.h"
-#include "proto/polygon_soup.h"
-#include "proto/text_tokens.h"
+#include "proto/formats/ply_header.h"
+#include "proto/mesh/one_part.h"
+#include "proto/mesh/polygon_soup.h"
+#include "proto/mesh/text_tokens.h"
 
 namespace geodesic::proto {
 namespace {

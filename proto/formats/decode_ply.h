@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <span>
 
-#include "core/error.h"
-#include "proto/decoded_mesh.h"
+#include "core/base/error.h"
+#include "proto/mesh/decoded_mesh.h"
 
 namespace geodesic::proto {
 

@@ -1,4 +1,4 @@
-#include "proto/decode_stl.h"
+#include "proto/formats/decode_stl.h"
 
 #include <algorithm>
 #include <bit>
@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "proto/one_part.h"
-#include "proto/text_tokens.h"
+#include "proto/mesh/one_part.h"
+#include "proto/mesh/text_tokens.h"
 
 namespace geodesic::proto {
 namespace {

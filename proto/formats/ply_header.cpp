@@ -1,11 +1,11 @@
-#include "proto/ply_header.h"
+#include "proto/formats/ply_header.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <utility>
 #include <vector>
 
-#include "proto/text_tokens.h"
+#include "proto/mesh/text_tokens.h"
 
 namespace geodesic::proto {
 namespace {

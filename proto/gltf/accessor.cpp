@@ -1,4 +1,4 @@
-#include "proto/gltf_accessor.h"
+#include "proto/gltf/accessor.h"
 
 #include <algorithm>
 #include <limits>

@@ -9,9 +9,9 @@
 #include <memory>
 #include <vector>
 
-#include "core/error.h"
-#include "proto/gltf_buffers.h"
-#include "proto/gltf_document.h"
+#include "core/base/error.h"
+#include "proto/gltf_file/buffers.h"
+#include "proto/gltf_file/document.h"
 
 namespace geodesic::proto {
 

@@ -4,21 +4,21 @@
 //
 // Faces keep the order and the corners of the file, under mirroring transforms
 // too: a client's face and its corners must mean the same here as there.
-#include "proto/decode_gltf.h"
+#include "proto/gltf/decode.h"
 
 #include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "proto/gltf_buffers.h"
-#include "proto/gltf_container.h"
-#include "proto/gltf_faults.h"
-#include "proto/gltf_fill.h"
-#include "proto/gltf_geometry.h"
-#include "proto/gltf_morph.h"
-#include "proto/gltf_parse.h"
-#include "proto/gltf_scene.h"
+#include "proto/gltf/faults.h"
+#include "proto/gltf/fill.h"
+#include "proto/gltf/geometry.h"
+#include "proto/gltf/morph.h"
+#include "proto/gltf/scene.h"
+#include "proto/gltf_file/buffers.h"
+#include "proto/gltf_file/container.h"
+#include "proto/gltf_file/parse.h"
 
 namespace geodesic::proto {
 namespace {

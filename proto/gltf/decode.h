@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <span>
 
-#include "core/error.h"
-#include "proto/decoded_mesh.h"
-#include "proto/import_options.h"
+#include "core/base/error.h"
+#include "proto/mesh/decoded_mesh.h"
+#include "proto/wire/import_options.h"
 
 namespace geodesic::proto {
 

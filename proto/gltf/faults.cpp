@@ -1,4 +1,4 @@
-#include "proto/gltf_faults.h"
+#include "proto/gltf/faults.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "proto/gltf_geometry.h"
+#include "proto/gltf/geometry.h"
 
 namespace geodesic::proto {
 namespace {

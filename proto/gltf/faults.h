@@ -4,10 +4,10 @@
 
 #include <cstdint>
 
-#include "core/error.h"
-#include "proto/gltf_accessor.h"
-#include "proto/gltf_buffers.h"
-#include "proto/gltf_document.h"
+#include "core/base/error.h"
+#include "proto/gltf/accessor.h"
+#include "proto/gltf_file/buffers.h"
+#include "proto/gltf_file/document.h"
 
 namespace geodesic::proto {
 

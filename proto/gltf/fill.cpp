@@ -1,4 +1,4 @@
-#include "proto/gltf_fill.h"
+#include "proto/gltf/fill.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,9 +8,9 @@
 #include <optional>
 #include <span>
 
-#include "core/vec3.h"
-#include "proto/gltf_accessor.h"
-#include "proto/gltf_transform.h"
+#include "core/base/vec3.h"
+#include "proto/gltf/accessor.h"
+#include "proto/gltf_file/transform.h"
 
 namespace geodesic::proto {
 

@@ -1,9 +1,9 @@
-#include "proto/gltf_geometry.h"
+#include "proto/gltf/geometry.h"
 
 #include <utility>
 
-#include "proto/draco_codec.h"
-#include "proto/gltf_faults.h"
+#include "proto/draco/codec.h"
+#include "proto/gltf/faults.h"
 
 namespace geodesic::proto {
 namespace {

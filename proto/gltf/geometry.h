@@ -9,12 +9,12 @@
 #include <tuple>
 #include <vector>
 
-#include "core/error.h"
-#include "core/triangle_soup.h"
-#include "proto/findings.h"
-#include "proto/gltf_accessor.h"
-#include "proto/gltf_buffers.h"
-#include "proto/gltf_document.h"
+#include "core/base/error.h"
+#include "core/mesh/triangle_soup.h"
+#include "proto/gltf/accessor.h"
+#include "proto/gltf_file/buffers.h"
+#include "proto/gltf_file/document.h"
+#include "proto/mesh/findings.h"
 
 namespace geodesic::proto {
 

@@ -1,11 +1,11 @@
-#include "proto/gltf_instancing.h"
+#include "proto/gltf/instancing.h"
 
 #include <array>
 #include <cmath>
 #include <optional>
 #include <string>
 
-#include "proto/gltf_accessor.h"
+#include "proto/gltf/accessor.h"
 
 namespace geodesic::proto {
 namespace {

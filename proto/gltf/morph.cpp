@@ -1,9 +1,9 @@
-#include "proto/gltf_morph.h"
+#include "proto/gltf/morph.h"
 
 #include <string>
 
-#include "proto/gltf_accessor.h"
-#include "proto/gltf_fill.h"
+#include "proto/gltf/accessor.h"
+#include "proto/gltf/fill.h"
 
 namespace geodesic::proto {
 

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "core/error.h"
-#include "core/vec3.h"
-#include "proto/gltf_buffers.h"
-#include "proto/gltf_document.h"
+#include "core/base/error.h"
+#include "core/base/vec3.h"
+#include "proto/gltf_file/buffers.h"
+#include "proto/gltf_file/document.h"
 
 namespace geodesic::proto {
 

@@ -1,12 +1,12 @@
-#include "proto/gltf_scene.h"
+#include "proto/gltf/scene.h"
 
 #include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
 
-#include "proto/gltf_instancing.h"
-#include "proto/number.h"
+#include "proto/gltf/instancing.h"
+#include "proto/wire/number.h"
 
 namespace geodesic::proto {
 namespace {

@@ -6,11 +6,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/error.h"
-#include "proto/decoded_mesh.h"
-#include "proto/gltf_buffers.h"
-#include "proto/gltf_document.h"
-#include "proto/import_options.h"
+#include "core/base/error.h"
+#include "proto/gltf_file/buffers.h"
+#include "proto/gltf_file/document.h"
+#include "proto/mesh/decoded_mesh.h"
+#include "proto/wire/import_options.h"
 
 namespace geodesic::proto {
 

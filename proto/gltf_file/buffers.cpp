@@ -1,4 +1,4 @@
-#include "proto/gltf_buffers.h"
+#include "proto/gltf_file/buffers.h"
 
 #include <array>
 #include <cstdint>
@@ -103,7 +103,7 @@ Result<std::span<const std::byte>> GltfBuffers::part(std::size_t index, std::uin
                                                      const std::string& name) {
   const auto bytes = buffer(index);
   if (!bytes) return fail(bytes.error());
-  // Both are below 2^53 (gltf_json.cpp): the sum does not overflow.
+  // Both are below 2^53 (gltf_file/json.cpp): the sum does not overflow.
   if (offset + length > bytes->size()) {
     return fail(ErrorCode::mesh_invalid,
                 name + " reaches to byte " + std::to_string(offset + length) + " of " +

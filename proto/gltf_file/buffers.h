@@ -12,8 +12,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/error.h"
-#include "proto/gltf_document.h"
+#include "core/base/error.h"
+#include "proto/gltf_file/document.h"
 
 namespace geodesic::proto {
 

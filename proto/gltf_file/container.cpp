@@ -1,4 +1,4 @@
-#include "proto/gltf_container.h"
+#include "proto/gltf_file/container.h"
 
 #include <cstdint>
 #include <cstring>

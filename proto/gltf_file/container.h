@@ -6,8 +6,8 @@
 #include <span>
 #include <string_view>
 
-#include "core/error.h"
-#include "proto/decoded_mesh.h"
+#include "core/base/error.h"
+#include "proto/mesh/decoded_mesh.h"
 
 namespace geodesic::proto {
 

@@ -1,8 +1,8 @@
 // What the decoder keeps of a glTF file: nodes, meshes, accessors and buffer
 // views as plain values, without the JSON, and without what has no bearing on
 // geometry. Every reference between these arrays is proved to be in range when
-// a document is made (gltf_json.cpp); what is said about bytes is proved when
-// the bytes are read (gltf_accessor.cpp).
+// a document is made (gltf_file/json.cpp); what is said about bytes is proved when
+// the bytes are read (gltf/accessor.cpp).
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "proto/gltf_transform.h"
-#include "proto/meshopt_codec.h"
+#include "proto/gltf_file/meshopt_codec.h"
+#include "proto/gltf_file/transform.h"
 
 namespace geodesic::proto {
 

@@ -1,4 +1,4 @@
-#include "proto/gltf_extensions.h"
+#include "proto/gltf_file/extensions.h"
 
 #include <algorithm>
 

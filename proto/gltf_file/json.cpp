@@ -1,4 +1,4 @@
-#include "proto/gltf_json.h"
+#include "proto/gltf_file/json.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,10 @@
 #include <optional>
 #include <utility>
 
-#include "proto/gltf_extensions.h"
-#include "proto/gltf_json_checks.h"
-#include "proto/gltf_json_extensions.h"
-#include "proto/repeated_names.h"
+#include "proto/gltf_file/extensions.h"
+#include "proto/gltf_file/json_checks.h"
+#include "proto/gltf_file/json_extensions.h"
+#include "proto/wire/repeated_names.h"
 
 namespace geodesic::proto {
 namespace {

@@ -13,9 +13,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/error.h"
-#include "proto/decoded_mesh.h"
-#include "proto/gltf_document.h"
+#include "core/base/error.h"
+#include "proto/gltf_file/document.h"
+#include "proto/mesh/decoded_mesh.h"
 
 namespace geodesic::proto {
 

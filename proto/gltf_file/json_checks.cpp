@@ -1,4 +1,4 @@
-#include "proto/gltf_json_checks.h"
+#include "proto/gltf_file/json_checks.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "proto/gltf_json_extensions.h"
+#include "proto/gltf_file/json_extensions.h"
 
 #include <algorithm>
 #include <iterator>
@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "proto/gltf_extensions.h"
+#include "proto/gltf_file/extensions.h"
 
 namespace geodesic::proto {
 namespace {

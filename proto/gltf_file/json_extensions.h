@@ -7,8 +7,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "proto/gltf_document.h"
-#include "proto/gltf_json_checks.h"
+#include "proto/gltf_file/document.h"
+#include "proto/gltf_file/json_checks.h"
 
 namespace geodesic::proto {
 

@@ -1,6 +1,6 @@
 // The one place that includes meshoptimizer. Its decoders are made for untrusted
 // bytes, but not for untrusted layouts, which they assert: those are checked here.
-#include "proto/meshopt_codec.h"
+#include "proto/gltf_file/meshopt_codec.h"
 
 #include <meshoptimizer.h>
 

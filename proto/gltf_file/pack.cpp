@@ -1,4 +1,4 @@
-#include "proto/pack_gltf.h"
+#include "proto/gltf_file/pack.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "proto/gltf_container.h"
-#include "proto/gltf_extensions.h"
-#include "proto/gltf_json_checks.h"
-#include "proto/repeated_names.h"
+#include "proto/gltf_file/container.h"
+#include "proto/gltf_file/extensions.h"
+#include "proto/gltf_file/json_checks.h"
+#include "proto/wire/repeated_names.h"
 
 namespace geodesic::proto {
 namespace {

@@ -1,16 +1,16 @@
 // The one place that includes tinygltf. It gets a document without buffers,
-// images and URIs (gltf_json.h), is compiled without a file system, image codecs
+// images and URIs (gltf_file/json.h), is compiled without a file system, image codecs
 // and its Draco code, and so has nothing to open, to decode or to copy: it turns
 // structure into structs and knows the defaults of the format.
-#include "proto/gltf_parse.h"
+#include "proto/gltf_file/parse.h"
 
 #include <fstream>  // tinygltf forgets it when it has no file system
 #include <limits>
 #include <string>
 #include <utility>
 
-#include "proto/gltf_extensions.h"
-#include "proto/gltf_json.h"
+#include "proto/gltf_file/extensions.h"
+#include "proto/gltf_file/json.h"
 
 #define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_NO_FS

@@ -3,9 +3,9 @@
 
 #include <string_view>
 
-#include "core/error.h"
-#include "proto/decoded_mesh.h"
-#include "proto/gltf_document.h"
+#include "core/base/error.h"
+#include "proto/gltf_file/document.h"
+#include "proto/mesh/decoded_mesh.h"
 
 namespace geodesic::proto {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <span>
 
-#include "core/vec3.h"
+#include "core/base/vec3.h"
 
 namespace geodesic::proto {
 

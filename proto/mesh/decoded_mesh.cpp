@@ -1,4 +1,4 @@
-#include "proto/decoded_mesh.h"
+#include "proto/mesh/decoded_mesh.h"
 
 namespace geodesic::proto {
 

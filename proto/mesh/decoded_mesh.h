@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/triangle_soup.h"
-#include "proto/findings.h"
+#include "core/mesh/triangle_soup.h"
+#include "proto/mesh/findings.h"
 
 namespace geodesic::proto {
 

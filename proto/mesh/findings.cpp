@@ -1,4 +1,4 @@
-#include "proto/findings.h"
+#include "proto/mesh/findings.h"
 
 #include <algorithm>
 

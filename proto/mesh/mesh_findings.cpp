@@ -1,6 +1,6 @@
 // The counts are known from building; examples are searched for only where there is
 // something to find, each search linear or a sort.
-#include "proto/mesh_findings.h"
+#include "proto/mesh/mesh_findings.h"
 
 #include <algorithm>
 #include <array>

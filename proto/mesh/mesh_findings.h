@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/adjacency.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic::proto {
 

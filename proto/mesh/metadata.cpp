@@ -1,10 +1,10 @@
-#include "proto/mesh_metadata.h"
+#include "proto/mesh/metadata.h"
 
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
-#include "proto/mesh_findings.h"
+#include "proto/mesh/mesh_findings.h"
 
 namespace geodesic::proto {
 namespace {

@@ -6,10 +6,10 @@
 #include <string>
 #include <string_view>
 
-#include "core/adjacency.h"
-#include "core/error.h"
-#include "proto/decoded_mesh.h"
-#include "proto/import_options.h"
+#include "core/base/error.h"
+#include "core/surface/adjacency.h"
+#include "proto/mesh/decoded_mesh.h"
+#include "proto/wire/import_options.h"
 
 namespace geodesic::proto {
 

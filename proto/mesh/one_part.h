@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "core/triangle_soup.h"
-#include "proto/decoded_mesh.h"
+#include "core/mesh/triangle_soup.h"
+#include "proto/mesh/decoded_mesh.h"
 
 namespace geodesic::proto {
 

@@ -1,4 +1,4 @@
-#include "proto/polygon_soup.h"
+#include "proto/mesh/polygon_soup.h"
 
 #include <algorithm>
 #include <array>

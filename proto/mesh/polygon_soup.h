@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "core/error.h"
-#include "core/triangle_soup.h"
-#include "core/vec3.h"
-#include "proto/decoded_mesh.h"
-#include "proto/findings.h"
+#include "core/base/error.h"
+#include "core/base/vec3.h"
+#include "core/mesh/triangle_soup.h"
+#include "proto/mesh/decoded_mesh.h"
+#include "proto/mesh/findings.h"
 
 namespace geodesic::proto {
 

@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
-#include "proto/colour_map.h"
-#include "proto/picture.h"
+#include "proto/picture/colour_map.h"
+#include "proto/picture/picture.h"
 
 namespace geodesic::proto {
 

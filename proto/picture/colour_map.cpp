@@ -1,4 +1,4 @@
-#include "proto/colour_map.h"
+#include "proto/picture/colour_map.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include <csetjmp>
 
-#include "proto/picture.h"
+#include "proto/picture/picture.h"
 
 namespace geodesic::proto {
 namespace {

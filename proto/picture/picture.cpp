@@ -1,4 +1,4 @@
-#include "proto/picture.h"
+#include "proto/picture/picture.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 #include <cstdio>
 #include <limits>
 
-#include "core/field.h"
-#include "proto/canvas.h"
-#include "proto/small_digits.h"
+#include "core/field/field.h"
+#include "proto/picture/canvas.h"
+#include "proto/picture/small_digits.h"
 
 namespace geodesic::proto {
 namespace {

@@ -10,11 +10,11 @@
 #include <string_view>
 #include <vector>
 
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/mesh.h"
-#include "core/vec3.h"
-#include "proto/colour_map.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/base/vec3.h"
+#include "core/mesh/mesh.h"
+#include "proto/picture/colour_map.h"
 
 namespace geodesic::proto {
 

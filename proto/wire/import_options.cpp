@@ -1,10 +1,10 @@
-#include "proto/import_options.h"
+#include "proto/wire/import_options.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "proto/number.h"
+#include "proto/wire/number.h"
 
 namespace geodesic::proto {
 namespace {

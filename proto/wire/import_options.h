@@ -7,10 +7,10 @@
 #include <string>
 #include <string_view>
 
-#include "core/error.h"
-#include "core/mesh.h"
-#include "core/triangle_soup.h"
-#include "proto/parameters.h"
+#include "core/base/error.h"
+#include "core/mesh/mesh.h"
+#include "core/mesh/triangle_soup.h"
+#include "proto/wire/parameters.h"
 
 namespace geodesic::proto {
 

@@ -1,4 +1,4 @@
-#include "proto/methods.h"
+#include "proto/wire/methods.h"
 
 #include <algorithm>
 #include <array>

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/error.h"
-#include "core/method.h"
+#include "core/base/error.h"
+#include "core/field/method.h"
 
 namespace geodesic::proto {
 
@@ -58,7 +58,7 @@ struct MethodChoice {
 // Errors: method_unknown, listing those there are.
 [[nodiscard]] Result<Method> find_method(std::string_view name);
 
-// Whether the distances of its fields are floats (core/vertex_distances.h). Those at points
+// Whether the distances of its fields are floats (core/field/vertex_distances.h). Those at points
 // inside faces, which are computed from them, are not.
 [[nodiscard]] inline bool has_floats(const MethodChoice& choice) {
   return choice.which == Method::back_traced && !choice.options.error_at_most;

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/method.h"
+#include "core/field/method.h"
 
 namespace geodesic::proto {
 

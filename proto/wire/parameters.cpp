@@ -1,4 +1,4 @@
-#include "proto/parameters.h"
+#include "proto/wire/parameters.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "proto/number.h"
-#include "proto/repeated_names.h"
+#include "proto/wire/number.h"
+#include "proto/wire/repeated_names.h"
 
 namespace geodesic::proto {
 namespace {

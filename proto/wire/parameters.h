@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/error.h"
-#include "core/vec3.h"
-#include "proto/point_request.h"
+#include "core/base/error.h"
+#include "core/base/vec3.h"
+#include "proto/wire/point_request.h"
 
 namespace geodesic::proto {
 

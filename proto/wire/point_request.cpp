@@ -1,4 +1,4 @@
-#include "proto/point_request.h"
+#include "proto/wire/point_request.h"
 
 #include <algorithm>
 #include <charconv>
@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "proto/number.h"
+#include "proto/wire/number.h"
 
 namespace geodesic::proto {
 namespace {

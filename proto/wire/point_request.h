@@ -18,8 +18,8 @@
 #include <string_view>
 #include <variant>
 
-#include "core/error.h"
-#include "core/vec3.h"
+#include "core/base/error.h"
+#include "core/base/vec3.h"
 
 namespace geodesic::proto {
 

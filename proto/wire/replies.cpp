@@ -1,12 +1,12 @@
 // Replies are written by hand where they are long runs of numbers: a field of a
 // million values as a JSON tree would take twenty times its memory.
-#include "proto/query_replies.h"
+#include "proto/wire/replies.h"
 
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "proto/number.h"
+#include "proto/wire/number.h"
 
 namespace geodesic::proto {
 namespace {

@@ -8,10 +8,10 @@
 #include <string_view>
 #include <vector>
 
-#include "core/isolines.h"
-#include "core/vec3.h"
-#include "proto/methods.h"
-#include "proto/query_requests.h"
+#include "core/base/vec3.h"
+#include "core/paths/isolines.h"
+#include "proto/wire/methods.h"
+#include "proto/wire/requests.h"
 
 namespace geodesic::proto {
 

@@ -1,4 +1,4 @@
-#include "proto/reply_format.h"
+#include "proto/wire/reply_format.h"
 
 #include <algorithm>
 #include <charconv>

@@ -6,9 +6,9 @@
 #include <string>
 #include <string_view>
 
-#include "core/error.h"
-#include "proto/parameters.h"
-#include "proto/picture.h"
+#include "core/base/error.h"
+#include "proto/picture/picture.h"
+#include "proto/wire/parameters.h"
 
 namespace geodesic::proto {
 

@@ -1,4 +1,4 @@
-#include "proto/query_requests.h"
+#include "proto/wire/requests.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "proto/query_limits.h"
+#include "proto/wire/query_limits.h"
 
 namespace geodesic::proto {
 namespace {

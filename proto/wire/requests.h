@@ -14,12 +14,12 @@
 #include <variant>
 #include <vector>
 
-#include "core/error.h"
-#include "core/vec3.h"
-#include "proto/methods.h"
-#include "proto/parameters.h"
-#include "proto/point_request.h"
-#include "proto/reply_format.h"
+#include "core/base/error.h"
+#include "core/base/vec3.h"
+#include "proto/wire/methods.h"
+#include "proto/wire/parameters.h"
+#include "proto/wire/point_request.h"
+#include "proto/wire/reply_format.h"
 
 namespace geodesic::proto {
 

@@ -11,8 +11,8 @@
 #include <type_traits>
 #include <utility>
 
-#include "core/error.h"
-#include "server/stage_times.h"
+#include "core/base/error.h"
+#include "server/base/stage_times.h"
 
 namespace geodesic::server {
 

@@ -11,7 +11,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "core/error.h"
+#include "core/base/error.h"
 
 namespace geodesic::server {
 

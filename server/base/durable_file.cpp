@@ -1,4 +1,4 @@
-#include "server/durable_file.h"
+#include "server/base/durable_file.h"
 
 #include <fcntl.h>
 #include <spdlog/spdlog.h>

@@ -8,8 +8,8 @@
 #include <mutex>
 #include <vector>
 
-#include "server/caller.h"
-#include "server/stage_times.h"
+#include "server/base/caller.h"
+#include "server/base/stage_times.h"
 
 namespace geodesic::server {
 

@@ -37,8 +37,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/error.h"
-#include "server/caller.h"
+#include "core/base/error.h"
+#include "server/base/caller.h"
 
 namespace geodesic::server {
 

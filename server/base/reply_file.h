@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "server/durable_file.h"
+#include "server/base/durable_file.h"
 
 namespace geodesic::server {
 

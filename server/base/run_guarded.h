@@ -6,7 +6,7 @@
 #include <exception>
 #include <new>
 
-#include "core/error.h"
+#include "core/base/error.h"
 
 namespace geodesic::server {
 

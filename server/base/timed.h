@@ -1,8 +1,8 @@
 // Adds the time until its end to a stage of its caller's request.
 #pragma once
 
-#include "server/caller.h"
-#include "server/stage_times.h"
+#include "server/base/caller.h"
+#include "server/base/stage_times.h"
 
 namespace geodesic::server {
 

@@ -1,5 +1,5 @@
 // `operator new` and `operator delete` that count what the computation on the thread takes, if one
-// runs (compute_memory.h). They are linked into the program itself, not into its library, because a
+// runs (compute/memory.h). They are linked into the program itself, not into its library, because a
 // test may have operators of its own.
 #include <malloc.h>
 
@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <new>
 
-#include "server/compute_memory.h"
+#include "server/compute/memory.h"
 
 namespace geodesic::server {
 

@@ -1,5 +1,5 @@
 // The part of the compute pool that spreads one computation over several slots.
-#include "server/compute_crew.h"
+#include "server/compute/crew.h"
 
 #include <algorithm>
 #include <utility>

@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/compute_pool.h"
+#include "server/compute/pool.h"
 
 namespace geodesic::server {
 

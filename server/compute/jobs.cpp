@@ -1,4 +1,4 @@
-#include "server/jobs.h"
+#include "server/compute/jobs.h"
 
 #include <openssl/rand.h>
 #include <spdlog/spdlog.h>

@@ -37,8 +37,8 @@
 #include <thread>
 #include <vector>
 
-#include "core/error.h"
-#include "server/http_message.h"
+#include "core/base/error.h"
+#include "server/http/message.h"
 
 namespace geodesic::server {
 

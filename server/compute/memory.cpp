@@ -1,4 +1,4 @@
-#include "server/compute_memory.h"
+#include "server/compute/memory.h"
 
 #include <algorithm>
 #include <utility>

@@ -16,8 +16,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/error.h"
-#include "core/memory_budget.h"
+#include "core/base/error.h"
+#include "core/base/memory_budget.h"
 
 namespace geodesic::server {
 

@@ -1,12 +1,12 @@
-#include "server/compute_pool.h"
+#include "server/compute/pool.h"
 
 #include <malloc.h>
 
 #include <algorithm>
 #include <new>
 
-#include "server/compute_crew.h"
-#include "server/run_guarded.h"
+#include "server/base/run_guarded.h"
+#include "server/compute/crew.h"
 
 namespace geodesic::server {
 

@@ -21,7 +21,7 @@
 // long table is done by all cores, and delays others no more than a single job.
 //
 // Each worker has a slot number, so that scratch memory can be kept per worker
-// and used without a lock. What a job allocates counts (compute_memory.h).
+// and used without a lock. What a job allocates counts (compute/memory.h).
 #pragma once
 
 #include <atomic>
@@ -39,11 +39,11 @@
 #include <utility>
 #include <vector>
 
-#include "core/error.h"
-#include "server/caller.h"
-#include "server/compute_memory.h"
-#include "server/fair_queue.h"
-#include "server/stage_times.h"
+#include "core/base/error.h"
+#include "server/base/caller.h"
+#include "server/base/stage_times.h"
+#include "server/compute/fair_queue.h"
+#include "server/compute/memory.h"
 
 namespace geodesic::server {
 
@@ -212,7 +212,7 @@ class ComputePool {
   Result<void> run_erased(std::function<void(Worker&)> body, const Caller& caller);
   // Waits until a job that was admitted has run, or takes it back.
   Result<void> wait_for(const std::shared_ptr<Job>& job, const Caller& caller, Lock& lock);
-  // Waits for what runs and polls its caller itself, until `done()`. (compute_watch.cpp)
+  // Waits for what runs and polls its caller itself, until `done()`. (compute/watch.cpp)
   void wait_for_running(std::condition_variable& signal, const std::function<bool()>& done,
                         const Caller& caller, Lock& lock);
   // Takes a job into the queue, or says why not.
@@ -224,7 +224,7 @@ class ComputePool {
     return limits_.wait.count() != 0 && !caller.is_patient;
   }
   // Waits, in no slot, until others have given back enough for a job that has wanted so much,
-  // or nothing else runs. Errors: those of waiting in the queue. (compute_watch.cpp)
+  // or nothing else runs. Errors: those of waiting in the queue. (compute/watch.cpp)
   Result<void> wait_for_room(std::uint64_t wanted, const Caller& caller);
   [[nodiscard]] bool has_room_for(std::uint64_t wanted) const;
   // An idle slot gives back what it keeps.
@@ -237,7 +237,7 @@ class ComputePool {
   // Runs what a job, or a part of one, does, and counts its memory.
   [[nodiscard]] Result<void> run_counted(Worker& worker, const std::function<void()>& body);
 
-  // compute_crew.cpp
+  // compute/crew.cpp
   using Part = std::function<Result<void>(Worker&, std::size_t, const GiveWay&)>;
   Result<void> run_each_erased(std::size_t count, Part part, const Caller& caller);
   // Works on a crew's parts until there are none left or the slot is wanted.

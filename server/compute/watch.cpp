@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "server/compute_pool.h"
-#include "server/request_log.h"
+#include "server/compute/pool.h"
+#include "server/http/request_log.h"
 
 namespace geodesic::server {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/config.h"
+#include "server/config/config.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -15,8 +15,8 @@
 #include <system_error>
 #include <variant>
 
-#include "proto/repeated_names.h"
-#include "server/tokens.h"
+#include "proto/wire/repeated_names.h"
+#include "server/config/tokens.h"
 
 namespace geodesic::server {
 

@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/error.h"
-#include "server/config_values.h"
+#include "core/base/error.h"
+#include "server/config/values.h"
 
 namespace geodesic::server {
 

@@ -1,4 +1,4 @@
-#include "server/tokens.h"
+#include "server/config/tokens.h"
 
 #include <openssl/crypto.h>
 #include <openssl/evp.h>
@@ -16,7 +16,7 @@
 #include <system_error>
 #include <utility>
 
-#include "server/sha256.h"
+#include "server/base/sha256.h"
 
 namespace geodesic::server {
 

@@ -1,5 +1,5 @@
 // The only file that includes libseccomp.
-#include "server/confine_process.h"
+#include "server/decoder/confine_process.h"
 
 #include <seccomp.h>
 #include <sys/mman.h>

@@ -1,4 +1,4 @@
-#include "server/decoded_frame.h"
+#include "server/decoder/decoded_frame.h"
 
 #include <cstring>
 #include <limits>
@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/polled_fill.h"
+#include "core/base/polled_fill.h"
 
 namespace geodesic::server {
 namespace {

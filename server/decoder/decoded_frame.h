@@ -11,10 +11,10 @@
 #include <string>
 #include <string_view>
 
-#include "core/cancel.h"
-#include "core/error.h"
-#include "proto/decoded_mesh.h"
-#include "proto/import_options.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "proto/mesh/decoded_mesh.h"
+#include "proto/wire/import_options.h"
 
 namespace geodesic::server {
 

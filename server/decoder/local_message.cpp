@@ -1,4 +1,4 @@
-#include "server/local_message.h"
+#include "server/decoder/local_message.h"
 
 #include <sys/socket.h>
 

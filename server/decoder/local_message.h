@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/unique_fd.h"
+#include "server/base/unique_fd.h"
 
 namespace geodesic::server {
 

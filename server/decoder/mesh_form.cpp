@@ -1,9 +1,9 @@
-#include "server/mesh_form.h"
+#include "server/decoder/mesh_form.h"
 
 #include <utility>
 
-#include "proto/pack_gltf.h"
-#include "server/multipart.h"
+#include "proto/gltf_file/pack.h"
+#include "server/decoder/multipart.h"
 
 namespace geodesic::server {
 

@@ -4,13 +4,13 @@
 #include <string>
 #include <string_view>
 
-#include "core/error.h"
-#include "proto/decoded_mesh.h"
+#include "core/base/error.h"
+#include "proto/mesh/decoded_mesh.h"
 
 namespace geodesic::server {
 
 // The bytes of the only file; or, where one part's file name ends in .gltf, that document
-// and the buffers that the other parts are, packed into one GLB (proto/pack_gltf.h).
+// and the buffers that the other parts are, packed into one GLB (proto/gltf_file/pack.h).
 // Parts without a file name are ignored.
 // Errors: bad_syntax (parameter `body`) for what is no form (multipart.h), holds two
 // files of one name or two documents, or several files and no document; those of

@@ -1,4 +1,4 @@
-#include "server/multipart.h"
+#include "server/decoder/multipart.h"
 
 #include <algorithm>
 #include <cctype>

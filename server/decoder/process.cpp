@@ -1,4 +1,4 @@
-#include "server/decoder_process.h"
+#include "server/decoder/process.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -17,12 +17,12 @@
 #include <type_traits>
 #include <utility>
 
-#include "core/shapes.h"
-#include "proto/encode_mesh.h"
-#include "server/confine_process.h"
-#include "server/decoded_frame.h"
-#include "server/local_message.h"
-#include "server/mesh_form.h"
+#include "core/mesh/shapes.h"
+#include "proto/encode/encode_mesh.h"
+#include "server/decoder/confine_process.h"
+#include "server/decoder/decoded_frame.h"
+#include "server/decoder/local_message.h"
+#include "server/decoder/mesh_form.h"
 
 namespace geodesic::server {
 namespace {

@@ -8,8 +8,8 @@
 #include <span>
 #include <string_view>
 
-#include "proto/decode_mesh.h"
-#include "server/decoded_frame.h"
+#include "proto/formats/decode_mesh.h"
+#include "server/decoder/decoded_frame.h"
 
 namespace geodesic::server {
 

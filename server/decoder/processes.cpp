@@ -1,4 +1,4 @@
-#include "server/decoder_processes.h"
+#include "server/decoder/processes.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -17,8 +17,8 @@
 #include <functional>
 #include <utility>
 
-#include "server/decoder_process.h"
-#include "server/local_message.h"
+#include "server/decoder/local_message.h"
+#include "server/decoder/process.h"
 
 namespace geodesic::server {
 namespace {

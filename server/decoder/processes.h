@@ -1,4 +1,4 @@
-// Decodes mesh files in processes of their own (decoder_process.h), which have no files,
+// Decodes mesh files in processes of their own (decoder/process.h), which have no files,
 // no network, and bounds on memory and time. Whatever a file does to its decoder, the
 // server goes on, and the file's upload ends in an error.
 //
@@ -17,11 +17,11 @@
 #include <string_view>
 #include <utility>
 
-#include "core/error.h"
-#include "proto/decoded_mesh.h"
-#include "server/caller.h"
-#include "server/decoded_frame.h"
-#include "server/unique_fd.h"
+#include "core/base/error.h"
+#include "proto/mesh/decoded_mesh.h"
+#include "server/base/caller.h"
+#include "server/base/unique_fd.h"
+#include "server/decoder/decoded_frame.h"
 
 namespace geodesic::server {
 

@@ -1,9 +1,9 @@
-#include "server/http_body.h"
+#include "server/edge/body.h"
 
 #include <algorithm>
 #include <charconv>
 
-#include "server/http_head.h"
+#include "server/http/head.h"
 
 namespace geodesic::server {
 

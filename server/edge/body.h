@@ -1,5 +1,5 @@
 // Takes a request's body out of the bytes of a connection as they come: counted,
-// or in chunks (RFC 9112, 7.1). Strict, like http_head.h: where a body ends is
+// or in chunks (RFC 9112, 7.1). Strict, like http/head.h: where a body ends is
 // where the next request begins, so a chunk that could be read in two ways ends
 // the connection. Never holds more than the limit, whatever a client promises.
 #pragma once

@@ -1,4 +1,4 @@
-#include "server/http_body_budget.h"
+#include "server/edge/body_budget.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "server/http_connection.h"
+#include "server/edge/connection.h"
 
 #include <fcntl.h>
 #include <netdb.h>

@@ -14,10 +14,10 @@
 #include <string_view>
 #include <utility>
 
-#include "server/http_progress.h"
-#include "server/http_tls.h"
-#include "server/reply_file.h"
-#include "server/unique_fd.h"
+#include "server/base/reply_file.h"
+#include "server/base/unique_fd.h"
+#include "server/edge/progress.h"
+#include "server/edge/tls.h"
 
 namespace geodesic::server {
 

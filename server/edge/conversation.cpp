@@ -1,11 +1,11 @@
-#include "server/http_conversation.h"
+#include "server/edge/conversation.h"
 
 #include <poll.h>
 
 #include <algorithm>
 #include <utility>
 
-#include "server/request_log.h"
+#include "server/http/request_log.h"
 
 namespace geodesic::server {
 

@@ -15,12 +15,12 @@
 #include <optional>
 #include <string>
 
-#include "server/client_shares.h"
-#include "server/http_body.h"
-#include "server/http_body_budget.h"
-#include "server/http_connection.h"
-#include "server/http_exchange.h"
-#include "server/http_options.h"
+#include "server/base/client_shares.h"
+#include "server/edge/body.h"
+#include "server/edge/body_budget.h"
+#include "server/edge/connection.h"
+#include "server/edge/exchange.h"
+#include "server/edge/options.h"
 
 namespace geodesic::server {
 

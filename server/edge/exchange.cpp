@@ -1,4 +1,4 @@
-#include "server/http_exchange.h"
+#include "server/edge/exchange.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "server/request_log.h"
+#include "server/http/request_log.h"
 
 namespace geodesic::server {
 

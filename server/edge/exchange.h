@@ -9,10 +9,10 @@
 #include <string>
 #include <string_view>
 
-#include "server/http_connection.h"
-#include "server/http_head.h"
-#include "server/http_message.h"
-#include "server/http_options.h"
+#include "server/edge/connection.h"
+#include "server/edge/options.h"
+#include "server/http/head.h"
+#include "server/http/message.h"
 
 namespace geodesic::server {
 

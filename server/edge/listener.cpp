@@ -1,4 +1,4 @@
-#include "server/http_listener.h"
+#include "server/edge/listener.h"
 
 #include <poll.h>
 #include <spdlog/spdlog.h>

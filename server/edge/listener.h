@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/unique_fd.h"
+#include "server/base/unique_fd.h"
 
 namespace geodesic::server {
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <string_view>
 
-#include "server/http_message.h"
-#include "server/http_tls.h"
+#include "server/edge/tls.h"
+#include "server/http/message.h"
 
 namespace geodesic::server {
 
@@ -33,7 +33,7 @@ struct HttpFinished {
 };
 
 struct HttpOptions {
-  // How a connection is taken from the listening socket (http_listener.h); null: by accept4.
+  // How a connection is taken from the listening socket (edge/listener.h); null: by accept4.
   std::function<int(int socket)> accept;
   // Told, by any thread, why no connection will be accepted any more, though nobody stopped
   // the server. Must not throw.
@@ -58,7 +58,7 @@ struct HttpOptions {
   // Told of every request at its end, by any thread. Must not throw.
   std::function<void(const HttpFinished&)> finished = [](const HttpFinished&) {};
   // Bytes of all bodies being received at once; for more, those that come the slowest are
-  // answered 503 (http_body_budget.h). 0: no bound.
+  // answered 503 (edge/body_budget.h). 0: no bound.
   std::uint64_t max_bodies_in_flight = std::uint64_t{2} << 30;
   // Bytes of all replies that their clients have not taken yet; a further one becomes 503,
   // or 429 for who has his share (client_shares.h). Small ones are always sent. 0: no bound.

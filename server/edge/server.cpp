@@ -1,4 +1,4 @@
-#include "server/http_server.h"
+#include "server/edge/server.h"
 
 // Connections wait here, not in the kernel, for the accepting thread.
 #define CPPHTTPLIB_LISTEN_BACKLOG 1024
@@ -20,19 +20,19 @@
 #include <thread>
 #include <utility>
 
-#include "server/http_connection.h"
-#include "server/http_conversation.h"
-#include "server/http_exchange.h"
-#include "server/http_head.h"
-#include "server/http_listener.h"
-#include "server/http_workers.h"
-#include "server/problem.h"
-#include "server/reply_file.h"
-#include "server/request_log.h"
+#include "server/base/reply_file.h"
+#include "server/edge/connection.h"
+#include "server/edge/conversation.h"
+#include "server/edge/exchange.h"
+#include "server/edge/listener.h"
+#include "server/edge/workers.h"
+#include "server/http/head.h"
+#include "server/http/problem.h"
+#include "server/http/request_log.h"
 
 // How cpp-httplib is used. It binds and listens, and it writes replies. What it would make of
-// a failed accept, closing the socket for good, is not wanted: http_listener.h accepts.
-// It does not read what clients send: http_conversation.h does, strictly, with raw
+// a failed accept, closing the socket for good, is not wanted: edge/listener.h accepts.
+// It does not read what clients send: edge/conversation.h does, strictly, with raw
 // values and without holding a thread; once a request is complete, cpp-httplib gets
 // a head of our own in its place, which says nothing. So none of its conveniences
 // (form parsing, ranges, WebSockets, decoded header values, replies of its own) can

@@ -22,9 +22,9 @@
 #include <functional>
 #include <memory>
 
-#include "core/error.h"
-#include "server/http_message.h"
-#include "server/http_options.h"
+#include "core/base/error.h"
+#include "server/edge/options.h"
+#include "server/http/message.h"
 
 namespace geodesic::server {
 

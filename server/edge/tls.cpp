@@ -1,4 +1,4 @@
-#include "server/http_tls.h"
+#include "server/edge/tls.h"
 
 #include <openssl/err.h>
 #include <openssl/ssl.h>

@@ -9,8 +9,8 @@
 #include <mutex>
 #include <string>
 
-#include "core/error.h"
-#include "server/http_progress.h"
+#include "core/base/error.h"
+#include "server/edge/progress.h"
 
 struct ssl_ctx_st;
 struct ssl_st;

@@ -1,4 +1,4 @@
-#include "server/http_workers.h"
+#include "server/edge/workers.h"
 
 #include <poll.h>
 #include <spdlog/fmt/fmt.h>

@@ -19,9 +19,9 @@
 #include <thread>
 #include <vector>
 
-#include "core/error.h"
-#include "server/http_conversation.h"
-#include "server/unique_fd.h"
+#include "core/base/error.h"
+#include "server/base/unique_fd.h"
+#include "server/edge/conversation.h"
 
 namespace geodesic::server {
 

@@ -1,10 +1,10 @@
-#include "server/cross_origin.h"
+#include "server/http/cross_origin.h"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "server/http_head.h"
+#include "server/http/head.h"
 
 namespace geodesic::server {
 namespace {

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/http_message.h"
+#include "server/http/message.h"
 
 namespace geodesic::server {
 

@@ -1,6 +1,6 @@
-#include "server/entity_tag.h"
+#include "server/http/entity_tag.h"
 
-#include "server/sha256.h"
+#include "server/base/sha256.h"
 
 namespace geodesic::server {
 

@@ -1,13 +1,13 @@
-#include "server/finish_reply.h"
+#include "server/http/finish_reply.h"
 
 #include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <utility>
 
-#include "server/cross_origin.h"
-#include "server/entity_tag.h"
-#include "server/gzip.h"
+#include "server/http/cross_origin.h"
+#include "server/http/entity_tag.h"
+#include "server/http/gzip.h"
 
 namespace geodesic::server {
 namespace {

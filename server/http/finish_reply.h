@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "server/http_message.h"
-#include "server/stage_times.h"
+#include "server/base/stage_times.h"
+#include "server/http/message.h"
 
 namespace geodesic::server {
 

@@ -1,7 +1,7 @@
-#include "server/http_message.h"
+#include "server/http/message.h"
 
-#include "server/http_head.h"
-#include "server/problem.h"
+#include "server/http/head.h"
+#include "server/http/problem.h"
 
 namespace geodesic::server {
 

@@ -1,6 +1,6 @@
-#include "server/prefer.h"
+#include "server/http/prefer.h"
 
-#include "server/http_head.h"
+#include "server/http/head.h"
 
 namespace geodesic::server {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "server/http_message.h"
+#include "server/http/message.h"
 
 namespace geodesic::server {
 

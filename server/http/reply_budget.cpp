@@ -1,9 +1,9 @@
-#include "server/reply_budget.h"
+#include "server/http/reply_budget.h"
 
 #include <atomic>
 #include <utility>
 
-#include "server/client_shares.h"
+#include "server/base/client_shares.h"
 
 namespace geodesic::server {
 

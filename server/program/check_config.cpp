@@ -1,9 +1,9 @@
-#include "server/check_config.h"
+#include "server/program/check_config.h"
 
-#include "server/http_tls.h"
-#include "server/s3_location.h"
-#include "server/tokens.h"
-#include "server/viewer_files.h"
+#include "server/config/tokens.h"
+#include "server/edge/tls.h"
+#include "server/routes/viewer_files.h"
+#include "server/store/s3_location.h"
 
 namespace geodesic::server {
 

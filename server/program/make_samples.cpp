@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/shapes.h"
-#include "proto/encode_mesh.h"
+#include "core/mesh/shapes.h"
+#include "proto/encode/encode_mesh.h"
 
 using namespace geodesic;
 

@@ -1,4 +1,4 @@
-#include "server/memory_limits.h"
+#include "server/program/memory_limits.h"
 
 #include <unistd.h>
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "server/compute_memory.h"
-#include "server/config.h"
+#include "server/compute/memory.h"
+#include "server/config/config.h"
 
 namespace geodesic::server {
 

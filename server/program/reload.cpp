@@ -1,4 +1,4 @@
-#include "server/reload.h"
+#include "server/program/reload.h"
 
 #include <spdlog/spdlog.h>
 
@@ -7,9 +7,9 @@
 #include <optional>
 #include <utility>
 
-#include "server/check_config.h"
-#include "server/memory_limits.h"
-#include "server/tokens.h"
+#include "server/config/tokens.h"
+#include "server/program/check_config.h"
+#include "server/program/memory_limits.h"
 
 namespace geodesic::server {
 

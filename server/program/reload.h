@@ -9,15 +9,15 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
-#include "server/compute_pool.h"
-#include "server/config.h"
-#include "server/current.h"
-#include "server/field_queries.h"
-#include "server/http_server.h"
-#include "server/http_tls.h"
-#include "server/mesh_catalog.h"
-#include "server/routes.h"
+#include "core/base/error.h"
+#include "server/base/current.h"
+#include "server/compute/pool.h"
+#include "server/config/config.h"
+#include "server/edge/server.h"
+#include "server/edge/tls.h"
+#include "server/query/field_queries.h"
+#include "server/query/mesh_catalog.h"
+#include "server/routes/routes.h"
 
 namespace geodesic::server {
 

@@ -1,13 +1,13 @@
-#include "server/field_queries.h"
+#include "server/query/field_queries.h"
 
 #include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 
-#include "proto/number.h"
-#include "proto/query_limits.h"
-#include "server/query_place.h"
+#include "proto/wire/number.h"
+#include "proto/wire/query_limits.h"
+#include "server/query/place.h"
 
 namespace geodesic::server {
 namespace {

@@ -10,15 +10,15 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
-#include "core/surface_point.h"
-#include "proto/query_replies.h"
-#include "proto/query_requests.h"
-#include "server/compute_pool.h"
-#include "server/fields.h"
-#include "server/lru_cache.h"
-#include "server/mesh_catalog.h"
-#include "server/resolve_point.h"
+#include "core/base/error.h"
+#include "core/surface/point.h"
+#include "proto/wire/replies.h"
+#include "proto/wire/requests.h"
+#include "server/base/lru_cache.h"
+#include "server/compute/pool.h"
+#include "server/query/fields.h"
+#include "server/query/mesh_catalog.h"
+#include "server/query/resolve_point.h"
 
 namespace geodesic::server {
 

@@ -1,4 +1,4 @@
-#include "server/fields.h"
+#include "server/query/fields.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -6,14 +6,14 @@
 #include <optional>
 #include <unordered_set>
 
-#include "core/arrive_at_point.h"
-#include "core/distance_at_point.h"
-#include "core/exact_pair.h"
-#include "core/longest_edge.h"
-#include "core/trace_path.h"
-#include "proto/number.h"
-#include "server/joint_caller.h"
-#include "server/timed.h"
+#include "core/paths/arrive_at_point.h"
+#include "core/paths/trace_path.h"
+#include "core/solve/distance_at_point.h"
+#include "core/solve/exact_pair.h"
+#include "core/surface/longest_edge.h"
+#include "proto/wire/number.h"
+#include "server/base/joint_caller.h"
+#include "server/base/timed.h"
 
 namespace geodesic::server {
 namespace {

@@ -12,20 +12,20 @@
 #include <utility>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/error.h"
-#include "core/field.h"
-#include "core/pair_search.h"
-#include "core/solve_field.h"
-#include "proto/methods.h"
-#include "server/asked_sources.h"
-#include "server/caller.h"
-#include "server/compute_pool.h"
-#include "server/lru_cache.h"
-#include "server/mesh_catalog.h"
-#include "server/metrics.h"
-#include "server/scratch_use.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/field/field.h"
+#include "core/solve/pair_search.h"
+#include "core/solve/solve_field.h"
+#include "core/surface/adjacency.h"
+#include "proto/wire/methods.h"
+#include "server/base/caller.h"
+#include "server/base/lru_cache.h"
+#include "server/compute/pool.h"
+#include "server/query/asked_sources.h"
+#include "server/query/mesh_catalog.h"
+#include "server/query/metrics.h"
+#include "server/query/scratch_use.h"
 
 namespace geodesic::server {
 

@@ -1,16 +1,16 @@
-#include "server/mesh_catalog.h"
+#include "server/query/mesh_catalog.h"
 
 #include <functional>
 #include <span>
 #include <string>
 #include <utility>
 
-#include "core/weld.h"
-#include "proto/decode_mesh.h"
-#include "proto/mesh_metadata.h"
-#include "server/compute_memory.h"
-#include "server/mesh_form.h"
-#include "server/sha256.h"
+#include "core/mesh/weld.h"
+#include "proto/formats/decode_mesh.h"
+#include "proto/mesh/metadata.h"
+#include "server/base/sha256.h"
+#include "server/compute/memory.h"
+#include "server/decoder/mesh_form.h"
 
 namespace geodesic::server {
 namespace {

@@ -20,20 +20,20 @@
 #include <variant>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/closest_point.h"
-#include "core/error.h"
-#include "core/mesh.h"
-#include "proto/decoded_mesh.h"
-#include "proto/import_options.h"
-#include "server/caller.h"
-#include "server/compute_pool.h"
-#include "server/current.h"
-#include "server/decoder_processes.h"
-#include "server/lru_cache.h"
-#include "server/mesh_store.h"
-#include "server/metrics.h"
-#include "server/timed.h"
+#include "core/base/error.h"
+#include "core/locate/closest_point.h"
+#include "core/mesh/mesh.h"
+#include "core/surface/adjacency.h"
+#include "proto/mesh/decoded_mesh.h"
+#include "proto/wire/import_options.h"
+#include "server/base/caller.h"
+#include "server/base/current.h"
+#include "server/base/lru_cache.h"
+#include "server/base/timed.h"
+#include "server/compute/pool.h"
+#include "server/decoder/processes.h"
+#include "server/query/metrics.h"
+#include "server/store/mesh_store.h"
 
 namespace geodesic::server {
 

@@ -11,12 +11,12 @@
 #include <string>
 #include <string_view>
 
-#include "server/compute_pool.h"
-#include "server/decoder_processes.h"
-#include "server/jobs.h"
-#include "server/lru_cache.h"
-#include "server/reply_budget.h"
-#include "server/store_budget.h"
+#include "server/base/lru_cache.h"
+#include "server/compute/jobs.h"
+#include "server/compute/pool.h"
+#include "server/decoder/processes.h"
+#include "server/http/reply_budget.h"
+#include "server/store/budget.h"
 
 namespace geodesic::server {
 

@@ -1,4 +1,4 @@
-#include "server/path_points.h"
+#include "server/query/path_points.h"
 
 #include <array>
 #include <cstddef>

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/trace_path.h"
-#include "proto/query_replies.h"
+#include "core/paths/trace_path.h"
+#include "core/surface/adjacency.h"
+#include "proto/wire/replies.h"
 
 namespace geodesic::server {
 

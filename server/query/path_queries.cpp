@@ -5,16 +5,16 @@
 #include <variant>
 #include <vector>
 
-#include "core/join_paths.h"
-#include "core/refine_path.h"
-#include "core/shorten_path.h"
-#include "core/steiner_path.h"
-#include "core/straightest_geodesic.h"
-#include "core/trace_path.h"
-#include "server/field_queries.h"
-#include "server/path_points.h"
-#include "server/query_place.h"
-#include "server/timed.h"
+#include "core/paths/join_paths.h"
+#include "core/paths/trace_path.h"
+#include "core/steiner/path.h"
+#include "core/straighten/refine_path.h"
+#include "core/straighten/shorten_path.h"
+#include "core/straighten/straightest_geodesic.h"
+#include "server/base/timed.h"
+#include "server/query/field_queries.h"
+#include "server/query/path_points.h"
+#include "server/query/place.h"
 
 namespace geodesic::server {
 namespace {

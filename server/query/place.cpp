@@ -1,4 +1,4 @@
-#include "server/query_place.h"
+#include "server/query/place.h"
 
 #include <algorithm>
 #include <cstdint>

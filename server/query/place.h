@@ -6,13 +6,13 @@
 #include <utility>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/error.h"
-#include "core/field.h"
-#include "core/surface_point.h"
-#include "proto/point_request.h"
-#include "proto/query_replies.h"
-#include "server/field_queries.h"
+#include "core/base/error.h"
+#include "core/field/field.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/point.h"
+#include "proto/wire/point_request.h"
+#include "proto/wire/replies.h"
+#include "server/query/field_queries.h"
 
 namespace geodesic::server {
 

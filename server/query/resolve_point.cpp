@@ -1,4 +1,4 @@
-#include "server/resolve_point.h"
+#include "server/query/resolve_point.h"
 
 #include <cmath>
 #include <string>

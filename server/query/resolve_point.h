@@ -1,13 +1,13 @@
 // From a point as a client names it to a place on a mesh, and back.
 #pragma once
 
-#include "core/adjacency.h"
-#include "core/cancel.h"
-#include "core/closest_point.h"
-#include "core/error.h"
-#include "core/surface_point.h"
-#include "proto/point_request.h"
-#include "proto/query_replies.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/locate/closest_point.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/point.h"
+#include "proto/wire/point_request.h"
+#include "proto/wire/replies.h"
 
 namespace geodesic::server {
 

@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "core/solve_field.h"
-#include "server/compute_memory.h"
+#include "core/solve/solve_field.h"
+#include "server/compute/memory.h"
 
 namespace geodesic::server {
 

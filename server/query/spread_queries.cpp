@@ -4,12 +4,12 @@
 #include <utility>
 #include <variant>
 
-#include "core/farthest_points.h"
-#include "core/isolines.h"
-#include "core/longest_edge.h"
-#include "proto/query_limits.h"
-#include "server/field_queries.h"
-#include "server/query_place.h"
+#include "core/paths/isolines.h"
+#include "core/solve/farthest_points.h"
+#include "core/surface/longest_edge.h"
+#include "proto/wire/query_limits.h"
+#include "server/query/field_queries.h"
+#include "server/query/place.h"
 
 namespace geodesic::server {
 namespace {

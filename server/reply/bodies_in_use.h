@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "server/reply_budget.h"
+#include "server/http/reply_budget.h"
 
 namespace geodesic::server {
 

@@ -1,14 +1,14 @@
-#include "server/draw_reply.h"
+#include "server/reply/draw_reply.h"
 
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "proto/colour_map.h"
-#include "proto/glb_drawing.h"
-#include "proto/picture.h"
-#include "server/encode_reply.h"
+#include "proto/encode/glb_drawing.h"
+#include "proto/picture/colour_map.h"
+#include "proto/picture/picture.h"
+#include "server/reply/encode_reply.h"
 
 namespace geodesic::server {
 namespace {

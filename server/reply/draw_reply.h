@@ -2,12 +2,12 @@
 // It takes time that grows with the mesh and the picture: to be run in a compute slot.
 #pragma once
 
-#include "core/cancel.h"
-#include "core/error.h"
-#include "proto/query_replies.h"
-#include "proto/reply_format.h"
-#include "server/field_queries.h"
-#include "server/http_message.h"
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "proto/wire/replies.h"
+#include "proto/wire/reply_format.h"
+#include "server/http/message.h"
+#include "server/query/field_queries.h"
 
 namespace geodesic::server {
 

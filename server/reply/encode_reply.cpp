@@ -1,4 +1,4 @@
-#include "server/encode_reply.h"
+#include "server/reply/encode_reply.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "proto/array_formats.h"
-#include "proto/number.h"
+#include "proto/wire/array_formats.h"
+#include "proto/wire/number.h"
 
 namespace geodesic::server {
 namespace {

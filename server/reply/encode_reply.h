@@ -6,10 +6,10 @@
 #include <optional>
 #include <string>
 
-#include "proto/query_replies.h"
-#include "proto/reply_format.h"
-#include "server/field_queries.h"
-#include "server/http_message.h"
+#include "proto/wire/replies.h"
+#include "proto/wire/reply_format.h"
+#include "server/http/message.h"
+#include "server/query/field_queries.h"
 
 namespace geodesic::server {
 

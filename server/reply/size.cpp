@@ -1,6 +1,6 @@
 // How much memory replies take, estimated before they are made.
-#include "server/draw_reply.h"
-#include "server/encode_reply.h"
+#include "server/reply/draw_reply.h"
+#include "server/reply/encode_reply.h"
 
 namespace geodesic::server {
 namespace {

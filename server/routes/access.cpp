@@ -1,4 +1,4 @@
-#include "server/access.h"
+#include "server/routes/access.h"
 
 #include <spdlog/spdlog.h>
 
@@ -6,8 +6,8 @@
 #include <array>
 #include <string>
 
-#include "server/http_head.h"
-#include "server/request_log.h"
+#include "server/http/head.h"
+#include "server/http/request_log.h"
 
 namespace geodesic::server {
 

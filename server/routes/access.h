@@ -25,9 +25,9 @@
 #include <string_view>
 #include <utility>
 
-#include "server/current.h"
-#include "server/http_message.h"
-#include "server/tokens.h"
+#include "server/base/current.h"
+#include "server/config/tokens.h"
+#include "server/http/message.h"
 
 namespace geodesic::server {
 

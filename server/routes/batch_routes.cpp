@@ -8,11 +8,11 @@
 #include <string_view>
 #include <utility>
 
-#include "proto/parameters.h"
-#include "server/call.h"
-#include "server/hurried.h"
-#include "server/problem.h"
-#include "server/routes.h"
+#include "proto/wire/parameters.h"
+#include "server/http/problem.h"
+#include "server/routes/call.h"
+#include "server/routes/hurried.h"
+#include "server/routes/routes.h"
 
 namespace geodesic::server {
 namespace {

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/error.h"
-#include "proto/parameters.h"
-#include "server/http_message.h"
-#include "server/routes.h"
+#include "core/base/error.h"
+#include "proto/wire/parameters.h"
+#include "server/http/message.h"
+#include "server/routes/routes.h"
 
 namespace geodesic::server {
 

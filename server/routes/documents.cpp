@@ -1,10 +1,10 @@
-#include "server/documents.h"
+#include "server/routes/documents.h"
 
 #include <algorithm>
 #include <iterator>
 #include <string>
 
-#include "server/embedded_text.h"
+#include "server/routes/embedded_text.h"
 
 namespace geodesic::server {
 namespace {

@@ -4,13 +4,13 @@
 #include <string_view>
 #include <utility>
 
-#include "proto/encode_geometry.h"
-#include "proto/parameters.h"
-#include "proto/reply_format.h"
-#include "server/call.h"
-#include "server/engine_digest.h"
-#include "server/entity_tag.h"
-#include "server/routes.h"
+#include "proto/encode/encode_geometry.h"
+#include "proto/wire/parameters.h"
+#include "proto/wire/reply_format.h"
+#include "server/http/entity_tag.h"
+#include "server/routes/call.h"
+#include "server/routes/engine_digest.h"
+#include "server/routes/routes.h"
 
 namespace geodesic::server {
 

@@ -5,9 +5,9 @@
 #include <chrono>
 #include <cstdint>
 
-#include "core/error.h"
-#include "proto/parameters.h"
-#include "server/caller.h"
+#include "core/base/error.h"
+#include "proto/wire/parameters.h"
+#include "server/base/caller.h"
 
 namespace geodesic::server {
 

@@ -13,14 +13,14 @@
 #include <string_view>
 #include <utility>
 
-#include "server/call.h"
-#include "server/encode_reply.h"
-#include "server/finish_reply.h"
-#include "server/http_head.h"
-#include "server/jobs.h"
-#include "server/prefer.h"
-#include "server/routes.h"
-#include "server/stage_times.h"
+#include "server/base/stage_times.h"
+#include "server/compute/jobs.h"
+#include "server/http/finish_reply.h"
+#include "server/http/head.h"
+#include "server/http/prefer.h"
+#include "server/reply/encode_reply.h"
+#include "server/routes/call.h"
+#include "server/routes/routes.h"
 
 namespace geodesic::server {
 namespace {

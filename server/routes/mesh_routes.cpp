@@ -6,16 +6,16 @@
 #include <string_view>
 #include <utility>
 
-#include "proto/import_options.h"
-#include "proto/parameters.h"
-#include "server/call.h"
-#include "server/encode_reply.h"
-#include "server/entity_tag.h"
-#include "server/mesh_store.h"
-#include "server/multipart.h"
-#include "server/problem.h"
-#include "server/routes.h"
-#include "server/sha256.h"
+#include "proto/wire/import_options.h"
+#include "proto/wire/parameters.h"
+#include "server/base/sha256.h"
+#include "server/decoder/multipart.h"
+#include "server/http/entity_tag.h"
+#include "server/http/problem.h"
+#include "server/reply/encode_reply.h"
+#include "server/routes/call.h"
+#include "server/routes/routes.h"
+#include "server/store/mesh_store.h"
 
 namespace geodesic::server {
 namespace {

@@ -11,19 +11,19 @@
 #include <utility>
 #include <vector>
 
-#include "proto/parameters.h"
-#include "proto/query_requests.h"
-#include "proto/reply_format.h"
-#include "server/call.h"
-#include "server/cross_origin.h"
-#include "server/draw_reply.h"
-#include "server/encode_reply.h"
-#include "server/engine_digest.h"
-#include "server/entity_tag.h"
-#include "server/finish_reply.h"
-#include "server/hurried.h"
-#include "server/routes.h"
-#include "server/timed.h"
+#include "proto/wire/parameters.h"
+#include "proto/wire/reply_format.h"
+#include "proto/wire/requests.h"
+#include "server/base/timed.h"
+#include "server/http/cross_origin.h"
+#include "server/http/entity_tag.h"
+#include "server/http/finish_reply.h"
+#include "server/reply/draw_reply.h"
+#include "server/reply/encode_reply.h"
+#include "server/routes/call.h"
+#include "server/routes/engine_digest.h"
+#include "server/routes/hurried.h"
+#include "server/routes/routes.h"
 
 namespace geodesic::server {
 namespace {

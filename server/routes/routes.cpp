@@ -1,4 +1,4 @@
-#include "server/routes.h"
+#include "server/routes/routes.h"
 
 #include <chrono>
 #include <memory>
@@ -7,14 +7,14 @@
 #include <utility>
 #include <vector>
 
-#include "proto/query_limits.h"
-#include "proto/query_replies.h"
-#include "server/call.h"
-#include "server/documents.h"
-#include "server/embedded_text.h"
-#include "server/encode_reply.h"
-#include "server/finish_reply.h"
-#include "server/stage_times.h"
+#include "proto/wire/query_limits.h"
+#include "proto/wire/replies.h"
+#include "server/base/stage_times.h"
+#include "server/http/finish_reply.h"
+#include "server/reply/encode_reply.h"
+#include "server/routes/call.h"
+#include "server/routes/documents.h"
+#include "server/routes/embedded_text.h"
 
 namespace geodesic::server {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/viewer_files.h"
+#include "server/routes/viewer_files.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -10,9 +10,9 @@
 #include <system_error>
 #include <utility>
 
-#include "server/entity_tag.h"
-#include "server/finish_reply.h"
-#include "server/gzip.h"
+#include "server/http/entity_tag.h"
+#include "server/http/finish_reply.h"
+#include "server/http/gzip.h"
 
 namespace geodesic::server {
 namespace {

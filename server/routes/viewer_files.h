@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "core/error.h"
-#include "server/http_message.h"
+#include "core/base/error.h"
+#include "server/http/message.h"
 
 namespace geodesic::server {
 

@@ -1,4 +1,4 @@
-#include "server/directory_storage.h"
+#include "server/store/directory_storage.h"
 
 #include <fcntl.h>
 #include <spdlog/spdlog.h>
@@ -13,7 +13,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "server/mesh_store.h"
+#include "server/store/mesh_store.h"
 
 namespace geodesic::server {
 

@@ -18,8 +18,8 @@
 #include <mutex>
 #include <set>
 
-#include "server/durable_file.h"
-#include "server/object_storage.h"
+#include "server/base/durable_file.h"
+#include "server/store/object_storage.h"
 
 namespace geodesic::server {
 

@@ -20,9 +20,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/error.h"
-#include "server/object_storage.h"
-#include "server/store_budget.h"
+#include "core/base/error.h"
+#include "server/store/budget.h"
+#include "server/store/object_storage.h"
 
 namespace geodesic::server {
 

@@ -1,11 +1,11 @@
-#include "server/mesh_store.h"
+#include "server/store/mesh_store.h"
 
 #include <spdlog/spdlog.h>
 
 #include <ctime>
 #include <utility>
 
-#include "server/sha256.h"
+#include "server/base/sha256.h"
 
 namespace geodesic::server {
 

@@ -40,12 +40,12 @@
 #include <string_view>
 #include <vector>
 
-#include "core/error.h"
-#include "server/lru_cache.h"
-#include "server/object_storage.h"
-#include "server/reply_file.h"
-#include "server/store_budget.h"
-#include "server/store_index.h"
+#include "core/base/error.h"
+#include "server/base/lru_cache.h"
+#include "server/base/reply_file.h"
+#include "server/store/budget.h"
+#include "server/store/index.h"
+#include "server/store/object_storage.h"
 
 namespace geodesic::server {
 

@@ -1,4 +1,4 @@
-#include "server/store_monitor.h"
+#include "server/store/monitor.h"
 
 namespace geodesic::server {
 

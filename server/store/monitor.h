@@ -7,7 +7,7 @@
 #include <mutex>
 #include <thread>
 
-#include "server/mesh_store.h"
+#include "server/store/mesh_store.h"
 
 namespace geodesic::server {
 

@@ -18,8 +18,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/error.h"
-#include "server/durable_file.h"
+#include "core/base/error.h"
+#include "server/base/durable_file.h"
 
 namespace geodesic::server {
 

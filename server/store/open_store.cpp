@@ -1,10 +1,10 @@
-#include "server/open_store.h"
+#include "server/store/open_store.h"
 
 #include <utility>
 
-#include "server/directory_storage.h"
-#include "server/s3_location.h"
-#include "server/s3_storage.h"
+#include "server/store/directory_storage.h"
+#include "server/store/s3_location.h"
+#include "server/store/s3_storage.h"
 
 namespace geodesic::server {
 

@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
-#include "core/error.h"
-#include "server/config.h"
-#include "server/mesh_store.h"
+#include "core/base/error.h"
+#include "server/config/config.h"
+#include "server/store/mesh_store.h"
 
 namespace geodesic::server {
 

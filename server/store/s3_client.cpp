@@ -1,4 +1,4 @@
-#include "server/s3_client.h"
+#include "server/store/s3_client.h"
 
 #include <curl/curl.h>
 #include <spdlog/spdlog.h>
@@ -14,7 +14,7 @@
 #include <thread>
 #include <utility>
 
-#include "server/sha256.h"
+#include "server/base/sha256.h"
 
 namespace geodesic::server {
 

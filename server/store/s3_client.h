@@ -26,8 +26,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/error.h"
-#include "server/s3_location.h"
+#include "core/base/error.h"
+#include "server/store/s3_location.h"
 
 using CURL = void;
 

@@ -1,4 +1,4 @@
-#include "server/s3_location.h"
+#include "server/store/s3_location.h"
 
 #include <curl/curl.h>
 #include <spdlog/fmt/fmt.h>
@@ -8,7 +8,7 @@
 #include <memory>
 #include <utility>
 
-#include "server/http_head.h"
+#include "server/http/head.h"
 
 namespace geodesic::server {
 

@@ -16,8 +16,8 @@
 #include <string>
 #include <string_view>
 
-#include "core/error.h"
-#include "server/config.h"
+#include "core/base/error.h"
+#include "server/config/config.h"
 
 namespace geodesic::server {
 

@@ -1,4 +1,4 @@
-#include "server/s3_storage.h"
+#include "server/store/s3_storage.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -8,7 +8,7 @@
 #include <pugixml.hpp>
 #include <utility>
 
-#include "server/mesh_store.h"
+#include "server/store/mesh_store.h"
 
 namespace geodesic::server {
 

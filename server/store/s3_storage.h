@@ -14,9 +14,9 @@
 // stored and acknowledged.
 #pragma once
 
-#include "server/object_storage.h"
-#include "server/s3_client.h"
-#include "server/s3_location.h"
+#include "server/store/object_storage.h"
+#include "server/store/s3_client.h"
+#include "server/store/s3_location.h"
 
 namespace geodesic::server {
 

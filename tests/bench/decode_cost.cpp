@@ -18,10 +18,10 @@
 #define TINYGLTF_USE_CPP14
 #include <tiny_gltf.h>
 
-#include "core/adjacency.h"
-#include "core/shapes.h"
-#include "proto/decode_mesh.h"
-#include "proto/encode_mesh.h"
+#include "core/mesh/shapes.h"
+#include "core/surface/adjacency.h"
+#include "proto/encode/encode_mesh.h"
+#include "proto/formats/decode_mesh.h"
 #include "tests/bench/edge_dijkstra.h"
 #include "tests/bench/processor_time.h"
 

@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/field.h"
-#include "core/vertex_heap.h"
+#include "core/field/field.h"
+#include "core/field/vertex_heap.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic::bench {
 

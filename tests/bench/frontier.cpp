@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/back_trace_lanes.h"
-#include "core/refine_path.h"
+#include "core/back_traced/trace_lanes.h"
+#include "core/straighten/refine_path.h"
 #include "tests/bench/edge_dijkstra.h"
 #include "tests/bench/errors.h"
 #include "tests/bench/frontier_meshes.h"

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
 #include "tests/bench/irregular_plane.h"
 #include "tests/bench/subjects.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/triangle_soup.h"
+#include "core/mesh/triangle_soup.h"
 
 namespace geodesic::bench {
 

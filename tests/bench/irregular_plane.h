@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "core/triangle_soup.h"
+#include "core/mesh/triangle_soup.h"
 
 namespace geodesic::bench {
 

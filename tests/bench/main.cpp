@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
 #include "tests/bench/frontier.h"
 #include "tests/bench/run_mesh.h"
 

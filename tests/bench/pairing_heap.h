@@ -1,5 +1,5 @@
 // The queue of the paper (section 3.1): a pairing heap of vertices, with the
-// interface of core/vertex_heap.h, so that the same wavefront runs on both.
+// interface of core/field/vertex_heap.h, so that the same wavefront runs on both.
 // Fredman, Sedgewick, Sleator and Tarjan 1986, two-pass variant.
 //
 // Nodes lie in an array indexed by vertex: nothing is allocated by a push.
@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/vertex_heap.h"
+#include "core/field/vertex_heap.h"
 
 namespace geodesic::bench {
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <utility>
 
-#include "proto/methods.h"
+#include "proto/wire/methods.h"
 
 namespace geodesic::bench {
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/mesh.h"
-#include "core/solve_field.h"
-#include "core/trace_path.h"
+#include "core/mesh/mesh.h"
+#include "core/paths/trace_path.h"
+#include "core/solve/solve_field.h"
+#include "core/surface/adjacency.h"
 #include "tests/bench/subjects.h"
 
 namespace geodesic::bench {

@@ -1,5 +1,5 @@
 // The wavefront of one source over all vertices, with a queue of choice: the
-// loop of core/wavefront.cpp without targets, limits or cancelling, so that two
+// loop of core/wavefront/wavefront.cpp without targets, limits or cancelling, so that two
 // queues are compared on nothing but the queue.
 #pragma once
 
@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/wavefront_kernel.h"
+#include "core/wavefront/kernel.h"
 
 namespace geodesic::bench {
 

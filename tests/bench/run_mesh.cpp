@@ -14,8 +14,8 @@
 #include <string>
 #include <utility>
 
-#include "core/vertex_heap.h"
-#include "proto/methods.h"
+#include "core/field/vertex_heap.h"
+#include "proto/wire/methods.h"
 #include "tests/bench/edge_dijkstra.h"
 #include "tests/bench/pairing_heap.h"
 #include "tests/bench/peer.h"

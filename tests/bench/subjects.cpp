@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "proto/decode_mesh.h"
+#include "proto/formats/decode_mesh.h"
 #include "tests/bench/prepared.h"
 #include "tests/fixtures/among_squares.h"
 #include "tests/paper/real_meshes.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/shapes.h"
-#include "core/triangle_soup.h"
+#include "core/mesh/shapes.h"
+#include "core/mesh/triangle_soup.h"
 
 namespace geodesic::bench {
 

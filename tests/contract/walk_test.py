@@ -42,19 +42,19 @@ TYPES = {
 
 # (status or code, operation or None for all) -> where it is tested instead.
 UNREACHED = {
-    ("500", "uploadMesh"): "needs a disk that fails: store_disk_test.cpp",
-    ("500", "putMesh"): "needs a disk that fails: store_disk_test.cpp",
-    ("500", "deleteMesh"): "needs a disk that fails: store_disk_test.cpp",
+    ("500", "uploadMesh"): "needs a disk that fails: store/disk_test.cpp",
+    ("500", "putMesh"): "needs a disk that fails: store/disk_test.cpp",
+    ("500", "deleteMesh"): "needs a disk that fails: store/disk_test.cpp",
     ("503", "getMesh"): "needs a store that does not answer: s3_store_test.cpp",
     ("503", "probeMesh"): "needs a store that does not answer: s3_store_test.cpp",
     ("503", "listMeshes"): "needs a store that does not answer: s3_store_test.cpp",
     ("503", "getMeshSource"): "needs a store that does not answer: s3_store_test.cpp",
-    ("503", "postBatch"): "needs as many streams as there may be: http_slow_test.cpp",
-    ("503", "watchJob"): "needs as many streams as there may be: http_slow_test.cpp",
-    ("500", "listMeshes"): "needs a disk that fails: store_disk_test.cpp",
-    ("internal", None): "a fault of the server's own: http_server_test.cpp",
-    ("store_failed", None): "needs a disk that fails: store_disk_test.cpp",
-    ("store_full", None): "needs a full disk: store_disk_test.cpp",
+    ("503", "postBatch"): "needs as many streams as there may be: edge/slow_test.cpp",
+    ("503", "watchJob"): "needs as many streams as there may be: edge/slow_test.cpp",
+    ("500", "listMeshes"): "needs a disk that fails: store/disk_test.cpp",
+    ("internal", None): "a fault of the server's own: edge/server_test.cpp",
+    ("store_failed", None): "needs a disk that fails: store/disk_test.cpp",
+    ("store_full", None): "needs a full disk: store/disk_test.cpp",
     ("store_unavailable", None): "needs a store that does not answer: s3_store_test.cpp",
 }
 

@@ -5,10 +5,10 @@
 #include <new>
 #include <utility>
 
-#include "core/adjacency.h"
-#include "core/mesh.h"
-#include "proto/decode_mesh.h"
-#include "proto/mesh_metadata.h"
+#include "core/mesh/mesh.h"
+#include "core/surface/adjacency.h"
+#include "proto/formats/decode_mesh.h"
+#include "proto/mesh/metadata.h"
 #include "tests/fuzz/targets.h"
 
 namespace geodesic::fuzz {

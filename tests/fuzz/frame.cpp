@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "server/decoded_frame.h"
+#include "server/decoder/decoded_frame.h"
 #include "tests/fuzz/targets.h"
 
 namespace geodesic::fuzz {

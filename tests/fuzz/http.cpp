@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "server/http_body.h"
-#include "server/http_head.h"
-#include "server/multipart.h"
+#include "server/decoder/multipart.h"
+#include "server/edge/body.h"
+#include "server/http/head.h"
 #include "tests/fuzz/targets.h"
 
 namespace geodesic::fuzz {

@@ -1,11 +1,11 @@
 // Building and welding: what a mesh says of its source holds.
-#include "core/mesh.h"
+#include "core/mesh/mesh.h"
 
 #include <cmath>
 #include <memory>
 #include <utility>
 
-#include "core/adjacency.h"
+#include "core/surface/adjacency.h"
 #include "tests/fuzz/small_soup.h"
 
 namespace geodesic::fuzz {

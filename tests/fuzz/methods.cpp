@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/solve_field.h"
-#include "core/trace_path.h"
+#include "core/paths/trace_path.h"
+#include "core/solve/solve_field.h"
 #include "tests/fuzz/small_soup.h"
 
 namespace geodesic::fuzz {

@@ -1,14 +1,15 @@
 // Requests as clients write them: JSON bodies, URL queries, and points.
+#include "proto/wire/requests.h"
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
 
-#include "proto/parameters.h"
-#include "proto/point_request.h"
-#include "proto/query_requests.h"
-#include "server/http_head.h"
+#include "proto/wire/parameters.h"
+#include "proto/wire/point_request.h"
+#include "server/http/head.h"
 #include "tests/fuzz/targets.h"
 
 namespace geodesic::fuzz {

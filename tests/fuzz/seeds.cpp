@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "core/shapes.h"
-#include "proto/encode_mesh.h"
-#include "server/decoded_frame.h"
+#include "core/mesh/shapes.h"
+#include "proto/encode/encode_mesh.h"
+#include "server/decoder/decoded_frame.h"
 #include "tests/fuzz/targets.h"
-#include "tests/proto/gltf_fixture.h"
+#include "tests/proto/gltf_file/fixture.h"
 
 namespace geodesic::fuzz {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/triangle_soup.h"
+#include "core/mesh/triangle_soup.h"
 #include "tests/fuzz/targets.h"
 
 namespace geodesic::fuzz {

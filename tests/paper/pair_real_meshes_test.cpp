@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-#include "core/pair_search.h"
+#include "core/solve/pair_search.h"
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/surface.h"
 #include "tests/paper/real_meshes.h"

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
 #include "tests/bench/queue_wave.h"
 #include "tests/fixtures/surface.h"
 

@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
-#include "core/triangle_soup.h"
-#include "proto/decode_mesh.h"
+#include "core/base/error.h"
+#include "core/mesh/triangle_soup.h"
+#include "proto/formats/decode_mesh.h"
 
 namespace geodesic::fixtures {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/shorten_path.h"
+#include "core/straighten/shorten_path.h"
 #include "tests/fixtures/locally_shortest.h"
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/surface.h"

@@ -14,11 +14,11 @@
 #include <string>
 #include <vector>
 
-#include "server/mesh_store.h"
-#include "server/open_store.h"
-#include "server/s3_client.h"
-#include "server/s3_location.h"
-#include "server/sha256.h"
+#include "server/base/sha256.h"
+#include "server/store/mesh_store.h"
+#include "server/store/open_store.h"
+#include "server/store/s3_client.h"
+#include "server/store/s3_location.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -1,10 +1,10 @@
-#include "core/relax_edges.h"
+#include "core/back_traced/relax_edges.h"
 
 #include <doctest/doctest.h>
 
 #include <cstdint>
 
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/surface.h"
 
 using namespace geodesic;

@@ -1,4 +1,4 @@
-#include "core/back_trace_lanes.h"
+#include "core/back_traced/trace_lanes.h"
 
 #include <doctest/doctest.h>
 
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
-#include "core/arrive_lanes.h"
-#include "core/shapes.h"
-#include "core/virtual_source.h"
+#include "core/back_traced/arrive_lanes.h"
+#include "core/mesh/shapes.h"
+#include "core/wavefront/virtual_source.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/surface.h"

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/exact_strips.h"
 #include "tests/fixtures/mixed_scales.h"
 #include "tests/fixtures/surface.h"

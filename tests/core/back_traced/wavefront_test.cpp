@@ -1,4 +1,4 @@
-#include "core/back_traced_wavefront.h"
+#include "core/back_traced/wavefront.h"
 
 #include <doctest/doctest.h>
 
@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/shapes.h"
-#include "core/shorten_path.h"
+#include "core/mesh/shapes.h"
+#include "core/straighten/shorten_path.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/random_meshes.h"

@@ -1,6 +1,6 @@
 // Whatever computes asks often enough whether it should stop, stops when it should, and
 // says how far it has come. Counted in steps, not in time.
-#include "core/cancel.h"
+#include "core/base/cancel.h"
 
 #include <doctest/doctest.h>
 
@@ -13,21 +13,21 @@
 #include <utility>
 #include <vector>
 
-#include "core/arrive_at_point.h"
-#include "core/closest_point.h"
-#include "core/down_edges.h"
-#include "core/edge_path.h"
-#include "core/farthest_points.h"
-#include "core/isolines.h"
-#include "core/leave_cluster.h"
-#include "core/shapes.h"
-#include "core/shorten_path.h"
-#include "core/solve_field.h"
-#include "core/steiner_path.h"
-#include "core/straightest_geodesic.h"
-#include "core/trace_path.h"
-#include "core/weld.h"
-#include "core/window_table.h"
+#include "core/field/window_table.h"
+#include "core/locate/closest_point.h"
+#include "core/mesh/shapes.h"
+#include "core/mesh/weld.h"
+#include "core/paths/arrive_at_point.h"
+#include "core/paths/down_edges.h"
+#include "core/paths/edge_path.h"
+#include "core/paths/isolines.h"
+#include "core/paths/leave_cluster.h"
+#include "core/paths/trace_path.h"
+#include "core/solve/farthest_points.h"
+#include "core/solve/solve_field.h"
+#include "core/steiner/path.h"
+#include "core/straighten/shorten_path.h"
+#include "core/straighten/straightest_geodesic.h"
 
 using namespace geodesic;
 

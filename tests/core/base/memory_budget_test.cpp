@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/isolines.h"
-#include "core/solve_field.h"
-#include "core/window_table.h"
+#include "core/field/window_table.h"
+#include "core/paths/isolines.h"
+#include "core/solve/solve_field.h"
 #include "tests/fixtures/bumpy_plane.h"
 #include "tests/fixtures/test_seed.h"
 

@@ -1,4 +1,4 @@
-#include "core/polled_sort.h"
+#include "core/base/polled_sort.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "core/rough_angle.h"
+#include "core/base/rough_angle.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "core/sort_few.h"
+#include "core/base/sort_few.h"
 
 #include <doctest/doctest.h>
 

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/edge_dijkstra.h"
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
+#include "core/wavefront/edge_dijkstra.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/surface.h"
 

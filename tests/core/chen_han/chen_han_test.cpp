@@ -1,6 +1,6 @@
 // Chen and Han's method where the answer is known: flat surfaces, surfaces that
 // develop flat, hand-worked saddles, and the surfaces that break public codes.
-#include "core/chen_han.h"
+#include "core/chen_han/chen_han.h"
 
 #include <doctest/doctest.h>
 
@@ -10,8 +10,8 @@
 #include <numbers>
 #include <vector>
 
-#include "core/shapes.h"
-#include "core/window_table.h"
+#include "core/field/window_table.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/among_squares.h"
 #include "tests/fixtures/surface.h"
 

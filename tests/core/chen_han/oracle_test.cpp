@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/every_strip.h"
 #include "tests/fixtures/surface.h"
 

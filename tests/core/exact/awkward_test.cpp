@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "core/shapes.h"
-#include "core/window_table.h"
+#include "core/field/window_table.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/surface.h"
 

@@ -1,6 +1,6 @@
 // Lists of windows over a face: against the plane they are drawn in, and the same bits
 // from every kind of vectors.
-#include "core/exact_beam_lanes.h"
+#include "core/exact/beam_lanes.h"
 
 #include <doctest/doctest.h>
 
@@ -9,9 +9,9 @@
 #include <random>
 #include <vector>
 
-#include "core/exact_envelope.h"
-#include "core/field.h"
-#include "core/vec2.h"
+#include "core/base/vec2.h"
+#include "core/exact/envelope.h"
+#include "core/field/field.h"
 
 using namespace geodesic;
 using namespace geodesic::exact;

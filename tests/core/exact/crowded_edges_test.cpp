@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/solve_field.h"
+#include "core/solve/solve_field.h"
 #include "tests/fixtures/surface.h"
 
 using namespace geodesic;

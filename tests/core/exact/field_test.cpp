@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/among_squares.h"
 #include "tests/fixtures/crumpled_surfaces.h"
 #include "tests/fixtures/exhaustive_unfolding.h"

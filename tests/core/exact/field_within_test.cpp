@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/exact_propagation.h"
-#include "core/shapes.h"
-#include "core/vertex_front.h"
+#include "core/exact/propagation.h"
+#include "core/field/vertex_front.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/random_meshes.h"

@@ -7,9 +7,9 @@
 #include <random>
 #include <vector>
 
-#include "core/exact_field.h"
-#include "core/shapes.h"
-#include "core/window_table.h"
+#include "core/exact/field.h"
+#include "core/field/window_table.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/crumpled_surfaces.h"
 #include "tests/fixtures/surface.h"
 

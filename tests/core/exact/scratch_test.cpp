@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/exact_field.h"
-#include "core/shapes.h"
+#include "core/exact/field.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;

@@ -1,5 +1,5 @@
 // Lists of windows sewn together, against the envelope of all that is in them.
-#include "core/exact_seam.h"
+#include "core/exact/seam.h"
 
 #include <doctest/doctest.h>
 
@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "core/exact_envelope.h"
+#include "core/exact/envelope.h"
 #include "tests/fixtures/windows.h"
 
 using namespace geodesic;

@@ -1,5 +1,5 @@
 // Windows over other faces than the mesh's own, and which faces they are sent over.
-#include "core/exact_surface.h"
+#include "core/exact/surface.h"
 
 #include <doctest/doctest.h>
 
@@ -7,10 +7,10 @@
 #include <cmath>
 #include <vector>
 
-#include "core/exact_propagation.h"
-#include "core/intrinsic_delaunay.h"
-#include "core/shapes.h"
-#include "core/vertex_front.h"
+#include "core/exact/propagation.h"
+#include "core/field/vertex_front.h"
+#include "core/mesh/shapes.h"
+#include "core/surface/intrinsic_delaunay.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/surface.h"
 

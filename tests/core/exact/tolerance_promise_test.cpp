@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "core/exact_propagation.h"
-#include "core/vertex_front.h"
+#include "core/exact/propagation.h"
+#include "core/field/vertex_front.h"
 #include "tests/fixtures/exact_strips.h"
 #include "tests/fixtures/mixed_scales.h"
 #include "tests/fixtures/surface.h"

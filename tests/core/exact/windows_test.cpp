@@ -1,5 +1,7 @@
 // The parts of exact propagation that have answers of their own: envelopes of windows
 // and the queue.
+#include "tests/fixtures/windows.h"
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -7,12 +9,11 @@
 #include <random>
 #include <vector>
 
-#include "core/exact_envelope.h"
-#include "core/exact_queue.h"
-#include "core/exact_window_pool.h"
-#include "core/field.h"
-#include "core/vec2.h"
-#include "tests/fixtures/windows.h"
+#include "core/base/vec2.h"
+#include "core/exact/envelope.h"
+#include "core/exact/queue.h"
+#include "core/exact/window_pool.h"
+#include "core/field/field.h"
 
 using namespace geodesic;
 using namespace geodesic::exact;

@@ -1,5 +1,5 @@
 // Distances that are held as floats: how they are rounded, and what still holds of fields.
-#include "core/vertex_distances.h"
+#include "core/field/vertex_distances.h"
 
 #include <doctest/doctest.h>
 
@@ -9,8 +9,8 @@
 #include <random>
 #include <vector>
 
-#include "core/pair_search.h"
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
+#include "core/solve/pair_search.h"
 #include "tests/fixtures/surface.h"
 
 using namespace geodesic;

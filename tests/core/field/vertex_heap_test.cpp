@@ -1,4 +1,4 @@
-#include "core/vertex_heap.h"
+#include "core/field/vertex_heap.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "core/closest_point.h"
+#include "core/locate/closest_point.h"
 
 #include <doctest/doctest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/surface.h"
 
 using namespace geodesic;

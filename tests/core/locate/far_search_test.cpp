@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/closest_point.h"
-#include "core/shapes.h"
+#include "core/locate/closest_point.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 

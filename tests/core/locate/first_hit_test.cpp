@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "core/closest_point.h"
-#include "core/shapes.h"
+#include "core/locate/closest_point.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/surface.h"

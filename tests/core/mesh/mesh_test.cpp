@@ -1,11 +1,11 @@
-#include "core/mesh.h"
+#include "core/mesh/mesh.h"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
 
 using namespace geodesic;
 

@@ -1,4 +1,4 @@
-#include "core/weld.h"
+#include "core/mesh/weld.h"
 
 #include <doctest/doctest.h>
 
@@ -9,9 +9,9 @@
 #include <random>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/mesh.h"
-#include "core/shapes.h"
+#include "core/mesh/mesh.h"
+#include "core/mesh/shapes.h"
+#include "core/surface/adjacency.h"
 
 using namespace geodesic;
 

@@ -1,12 +1,12 @@
-#include "core/trace_path.h"
+#include "core/paths/trace_path.h"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "core/arrive_at_point.h"
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
+#include "core/paths/arrive_at_point.h"
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/surface.h"
 

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <new>
 
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/surface.h"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/surface.h"
 

@@ -12,13 +12,13 @@
 #include <string>
 #include <vector>
 
-#include "core/arrive_at_point.h"
-#include "core/distance_at_point.h"
-#include "core/exact_propagation.h"
-#include "core/longest_edge.h"
-#include "core/pair_search.h"
-#include "core/shapes.h"
-#include "core/vertex_front.h"
+#include "core/exact/propagation.h"
+#include "core/field/vertex_front.h"
+#include "core/mesh/shapes.h"
+#include "core/paths/arrive_at_point.h"
+#include "core/solve/distance_at_point.h"
+#include "core/solve/pair_search.h"
+#include "core/surface/longest_edge.h"
 #include "tests/fixtures/crumpled_surfaces.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/surface.h"

@@ -10,16 +10,16 @@
 #include <utility>
 #include <vector>
 
-#include "core/closest_point.h"
-#include "core/farthest_points.h"
-#include "core/isolines.h"
-#include "core/pair_search.h"
-#include "core/refine_path.h"
-#include "core/shorten_path.h"
-#include "core/steiner_path.h"
-#include "core/straightest_geodesic.h"
-#include "core/surface_patch.h"
-#include "tests/core/crowded_meshes.h"
+#include "core/locate/closest_point.h"
+#include "core/paths/isolines.h"
+#include "core/solve/farthest_points.h"
+#include "core/solve/pair_search.h"
+#include "core/solve/surface_patch.h"
+#include "core/steiner/path.h"
+#include "core/straighten/refine_path.h"
+#include "core/straighten/shorten_path.h"
+#include "core/straighten/straightest_geodesic.h"
+#include "tests/core/solve/crowded_meshes.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "core/crowded_edges.h"
-#include "core/pair_search.h"
-#include "tests/core/crowded_meshes.h"
+#include "core/back_traced/crowded_edges.h"
+#include "core/solve/pair_search.h"
+#include "tests/core/solve/crowded_meshes.h"
 #include "tests/fixtures/surface.h"
 
 using namespace geodesic;

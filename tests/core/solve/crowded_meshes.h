@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/triangle_soup.h"
+#include "core/mesh/triangle_soup.h"
 
 namespace crowded {
 

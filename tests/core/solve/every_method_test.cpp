@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/arrive_at_point.h"
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
+#include "core/paths/arrive_at_point.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/random_meshes.h"

@@ -1,5 +1,5 @@
 // The exact way between two points with few windows kept, against all windows kept.
-#include "core/exact_pair.h"
+#include "core/solve/exact_pair.h"
 
 #include <doctest/doctest.h>
 
@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/arrive_at_point.h"
-#include "core/shapes.h"
-#include "core/trace_path.h"
-#include "core/window_table.h"
+#include "core/field/window_table.h"
+#include "core/mesh/shapes.h"
+#include "core/paths/arrive_at_point.h"
+#include "core/paths/trace_path.h"
 #include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;

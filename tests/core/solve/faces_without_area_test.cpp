@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/mesh/mesh.h"
 #include "tests/fixtures/crumpled_surfaces.h"
 #include "tests/fixtures/exact_strips.h"
 #include "tests/fixtures/mixed_scales.h"

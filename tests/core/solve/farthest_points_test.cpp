@@ -1,4 +1,4 @@
-#include "core/farthest_points.h"
+#include "core/solve/farthest_points.h"
 
 #include <doctest/doctest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/surface.h"

@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "core/isolines.h"
-#include "core/refine_path.h"
-#include "core/solve_field.h"
-#include "core/straightest_geodesic.h"
-#include "core/trace_path.h"
+#include "core/paths/isolines.h"
+#include "core/paths/trace_path.h"
+#include "core/solve/solve_field.h"
+#include "core/straighten/refine_path.h"
+#include "core/straighten/straightest_geodesic.h"
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"

@@ -1,5 +1,5 @@
 // The way between two points, searched for where it can be: as from the whole field.
-#include "core/pair_search.h"
+#include "core/solve/pair_search.h"
 
 #include <doctest/doctest.h>
 
@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "core/arrive_at_point.h"
-#include "core/edge_path.h"
-#include "core/shapes.h"
-#include "core/surface_patch.h"
+#include "core/mesh/shapes.h"
+#include "core/paths/arrive_at_point.h"
+#include "core/paths/edge_path.h"
+#include "core/solve/surface_patch.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/random_meshes.h"

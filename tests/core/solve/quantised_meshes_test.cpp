@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh.h"
-#include "core/refine_path.h"
-#include "core/shapes.h"
-#include "core/steiner_path.h"
+#include "core/mesh/mesh.h"
+#include "core/mesh/shapes.h"
+#include "core/steiner/path.h"
+#include "core/straighten/refine_path.h"
 #include "tests/fixtures/crumpled_surfaces.h"
 #include "tests/fixtures/dense_graph.h"
 #include "tests/fixtures/path_checks.h"

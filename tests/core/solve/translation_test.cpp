@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 

@@ -1,6 +1,6 @@
 // Kanai and Suzuki 2001: the graph with points on edges, and the refinement of a
 // path around itself.
-#include "core/steiner.h"
+#include "core/steiner/steiner.h"
 
 #include <doctest/doctest.h>
 
@@ -9,10 +9,10 @@
 #include <limits>
 #include <vector>
 
-#include "core/arrive_at_point.h"
-#include "core/edge_points.h"
-#include "core/shapes.h"
-#include "core/steiner_path.h"
+#include "core/field/edge_points.h"
+#include "core/mesh/shapes.h"
+#include "core/paths/arrive_at_point.h"
+#include "core/steiner/path.h"
 #include "tests/fixtures/among_squares.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/path_checks.h"

@@ -1,4 +1,4 @@
-#include "core/refine_path.h"
+#include "core/straighten/refine_path.h"
 
 #include <doctest/doctest.h>
 
@@ -7,9 +7,9 @@
 #include <random>
 #include <vector>
 
-#include "core/pair_search.h"
-#include "core/shapes.h"
-#include "core/shorten_path.h"
+#include "core/mesh/shapes.h"
+#include "core/solve/pair_search.h"
+#include "core/straighten/shorten_path.h"
 #include "tests/fixtures/surface.h"
 
 using namespace geodesic;

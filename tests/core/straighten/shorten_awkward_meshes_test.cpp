@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "core/shapes.h"
-#include "core/shorten_path.h"
+#include "core/mesh/shapes.h"
+#include "core/straighten/shorten_path.h"
 #include "tests/fixtures/faces_thrown_together.h"
 #include "tests/fixtures/shortened.h"
 #include "tests/fixtures/surface.h"

@@ -1,4 +1,4 @@
-#include "core/shorten_path.h"
+#include "core/straighten/shorten_path.h"
 
 #include <doctest/doctest.h>
 
@@ -9,8 +9,8 @@
 #include <random>
 #include <vector>
 
-#include "core/join_paths.h"
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
+#include "core/paths/join_paths.h"
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/shortened.h"
 #include "tests/fixtures/surface.h"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include "core/shapes.h"
-#include "core/straightest_geodesic.h"
+#include "core/mesh/shapes.h"
+#include "core/straighten/straightest_geodesic.h"
 #include "tests/fixtures/faces_thrown_together.h"
 #include "tests/fixtures/straightest.h"
 #include "tests/fixtures/surface.h"

@@ -1,4 +1,4 @@
-#include "core/straightest_geodesic.h"
+#include "core/straighten/straightest_geodesic.h"
 
 #include <doctest/doctest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/straightest.h"
 #include "tests/fixtures/surface.h"
 

@@ -1,4 +1,4 @@
-#include "core/adjacency.h"
+#include "core/surface/adjacency.h"
 
 #include <doctest/doctest.h>
 
@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/surface.h"
 
 using namespace geodesic;

@@ -1,6 +1,6 @@
 // Kimmel and Sethian 1998: the rule for one triangle, the splitting of obtuse ones,
 // and how the error falls as faces get smaller.
-#include "core/fast_marching.h"
+#include "core/wavefront/fast_marching.h"
 
 #include <doctest/doctest.h>
 
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <vector>
 
-#include "core/arrive_at_point.h"
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
+#include "core/paths/arrive_at_point.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/random_meshes.h"

@@ -1,13 +1,13 @@
 // Novotni and Klein 2002: where it equals Tang et al.'s wavefront, and where the
 // two cases that it lacks make it too short.
-#include "core/novotni.h"
+#include "core/wavefront/novotni.h"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/among_squares.h"
 #include "tests/fixtures/surface.h"
 

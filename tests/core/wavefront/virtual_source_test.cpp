@@ -1,4 +1,4 @@
-#include "core/virtual_source.h"
+#include "core/wavefront/virtual_source.h"
 
 #include <doctest/doctest.h>
 

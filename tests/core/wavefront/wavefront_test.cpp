@@ -1,4 +1,4 @@
-#include "core/wavefront.h"
+#include "core/wavefront/wavefront.h"
 
 #include <doctest/doctest.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "core/arrive_at_point.h"
-#include "core/shapes.h"
+#include "core/mesh/shapes.h"
+#include "core/paths/arrive_at_point.h"
 #include "tests/fixtures/surface.h"
 
 using namespace geodesic;

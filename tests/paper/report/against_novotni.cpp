@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/novotni.h"
-#include "core/virtual_source.h"
+#include "core/wavefront/novotni.h"
+#include "core/wavefront/virtual_source.h"
 #include "tests/bench/errors.h"
 #include "tests/bench/prepared.h"
 #include "tests/paper/report/report.h"

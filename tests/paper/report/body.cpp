@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "proto/picture.h"
+#include "proto/picture/picture.h"
 #include "tests/bench/errors.h"
 #include "tests/bench/prepared.h"
 #include "tests/paper/report/generated_body.h"

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/shapes.h"
-#include "proto/methods.h"
+#include "core/mesh/shapes.h"
+#include "proto/wire/methods.h"
 #include "tests/bench/errors.h"
 #include "tests/bench/peak_memory.h"
 #include "tests/bench/prepared.h"

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/triangle_soup.h"
+#include "core/mesh/triangle_soup.h"
 
 namespace geodesic::report {
 

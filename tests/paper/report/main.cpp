@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "proto/methods.h"
+#include "proto/wire/methods.h"
 #include "tests/bench/subjects.h"
 #include "tests/paper/report/report.h"
 

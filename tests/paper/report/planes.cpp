@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "core/shapes.h"
-#include "proto/methods.h"
+#include "core/mesh/shapes.h"
+#include "proto/wire/methods.h"
 #include "tests/bench/errors.h"
 #include "tests/bench/prepared.h"
 #include "tests/paper/report/report.h"

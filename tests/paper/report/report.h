@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/method.h"
+#include "core/field/method.h"
 #include "tests/bench/subjects.h"
 
 namespace geodesic::report {

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "core/isolines.h"
+#include "core/paths/isolines.h"
 #include "tests/bench/prepared.h"
 
 namespace geodesic::report {

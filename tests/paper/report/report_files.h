@@ -11,11 +11,11 @@
 #include <string_view>
 #include <vector>
 
-#include "core/adjacency.h"
-#include "core/field.h"
-#include "core/trace_path.h"
-#include "core/triangle_soup.h"
-#include "core/vec3.h"
+#include "core/base/vec3.h"
+#include "core/field/field.h"
+#include "core/mesh/triangle_soup.h"
+#include "core/paths/trace_path.h"
+#include "core/surface/adjacency.h"
 
 namespace geodesic::report {
 

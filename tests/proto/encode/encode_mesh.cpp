@@ -1,5 +1,5 @@
 // Encoding, and that decoding gives back what was encoded.
-#include "proto/encode_mesh.h"
+#include "proto/encode/encode_mesh.h"
 
 #include <doctest/doctest.h>
 
@@ -10,8 +10,8 @@
 #include <string>
 #include <tuple>
 
-#include "gltf_fixture.h"
-#include "proto/glb_drawing.h"
+#include "proto/encode/glb_drawing.h"
+#include "tests/proto/gltf_file/fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::proto;

@@ -20,7 +20,7 @@
 #include <tuple>
 #include <vector>
 
-#include "proto/decode_mesh.h"
+#include "proto/formats/decode_mesh.h"
 
 using namespace geodesic;
 using namespace geodesic::proto;

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "gltf_fixture.h"
-#include "proto/encode_mesh.h"
+#include "proto/encode/encode_mesh.h"
 #include "tests/fixtures/mutations.h"
+#include "tests/proto/gltf_file/fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::proto;

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "core/shapes.h"
-#include "gltf_fixture.h"
-#include "proto/polygon_soup.h"
+#include "core/mesh/shapes.h"
+#include "proto/mesh/polygon_soup.h"
+#include "tests/proto/gltf_file/fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::proto;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "gltf_fixture.h"
+#include "tests/proto/gltf_file/fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::proto;

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "gltf_fixture.h"
+#include "tests/proto/gltf_file/fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::proto;

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "gltf_fixture.h"
-#include "proto/encode_mesh.h"
+#include "proto/encode/encode_mesh.h"
+#include "tests/proto/gltf_file/fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::proto;

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "proto/decode_mesh.h"
+#include "proto/formats/decode_mesh.h"
 
 namespace geodesic::proto {
 

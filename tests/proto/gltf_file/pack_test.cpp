@@ -1,13 +1,13 @@
 // A glTF document with its buffers in files, packed into a GLB: what decodes from it,
 // and what is refused.
-#include "proto/pack_gltf.h"
+#include "proto/gltf_file/pack.h"
 
 #include <doctest/doctest.h>
 
 #include <string>
 #include <vector>
 
-#include "gltf_fixture.h"
+#include "tests/proto/gltf_file/fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::proto;

@@ -1,4 +1,4 @@
-#include "proto/picture.h"
+#include "proto/picture/picture.h"
 
 #include <doctest/doctest.h>
 #include <png.h>
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <vector>
 
-#include "core/field.h"
-#include "core/shapes.h"
+#include "core/field/field.h"
+#include "core/mesh/shapes.h"
 
 using namespace geodesic;
 using proto::Colour;

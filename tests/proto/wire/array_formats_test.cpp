@@ -1,4 +1,4 @@
-#include "proto/array_formats.h"
+#include "proto/wire/array_formats.h"
 
 #include <doctest/doctest.h>
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "proto/array_formats.h"
-#include "proto/number.h"
+#include "proto/wire/array_formats.h"
+#include "proto/wire/number.h"
 #include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;

@@ -1,5 +1,5 @@
 // The options of an upload: how they are read and written down, and what they do.
-#include "proto/import_options.h"
+#include "proto/wire/import_options.h"
 
 #include <doctest/doctest.h>
 
@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "gltf_fixture.h"
-#include "proto/encode_mesh.h"
-#include "proto/mesh_findings.h"
-#include "proto/mesh_metadata.h"
+#include "proto/encode/encode_mesh.h"
+#include "proto/mesh/mesh_findings.h"
+#include "proto/mesh/metadata.h"
+#include "tests/proto/gltf_file/fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::proto;

@@ -1,4 +1,4 @@
-#include "proto/point_request.h"
+#include "proto/wire/point_request.h"
 
 #include <doctest/doctest.h>
 

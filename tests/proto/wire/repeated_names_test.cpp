@@ -1,5 +1,5 @@
 // Names in JSON that come twice, and names that are chosen against a hash table.
-#include "proto/repeated_names.h"
+#include "proto/wire/repeated_names.h"
 
 #include <doctest/doctest.h>
 
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "proto/parameters.h"
+#include "proto/wire/parameters.h"
 #include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/compute_pool.h"
+#include "server/compute/pool.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

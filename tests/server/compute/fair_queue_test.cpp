@@ -1,4 +1,4 @@
-#include "server/fair_queue.h"
+#include "server/compute/fair_queue.h"
 
 #include <doctest/doctest.h>
 

@@ -7,8 +7,8 @@
 #include <thread>
 #include <vector>
 
-#include "server/compute_pool.h"
-#include "tests/server/jobs_fixture.h"
+#include "server/compute/pool.h"
+#include "tests/server/compute/jobs_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

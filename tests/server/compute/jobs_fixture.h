@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/jobs.h"
+#include "server/compute/jobs.h"
 
 namespace geodesic::server::test {
 

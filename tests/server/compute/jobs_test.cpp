@@ -1,5 +1,5 @@
 // Jobs from their start to their end.
-#include "server/jobs.h"
+#include "server/compute/jobs.h"
 
 #include <doctest/doctest.h>
 
@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/server/jobs_fixture.h"
+#include "tests/server/compute/jobs_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -1,5 +1,5 @@
 // What computations hold is counted and bounded, each and all together, and comes back.
-#include "server/compute_memory.h"
+#include "server/compute/memory.h"
 
 #include <doctest/doctest.h>
 
@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "server/memory_limits.h"
+#include "server/program/memory_limits.h"
 #include "tests/fixtures/bumpy_plane.h"
 #include "tests/fixtures/test_seed.h"
-#include "tests/server/plane_service.h"
-#include "tests/server/taken_memory.h"
+#include "tests/server/compute/taken_memory.h"
+#include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
 using fixtures::bumpy_plane;

@@ -1,4 +1,4 @@
-#include "server/compute_pool.h"
+#include "server/compute/pool.h"
 
 #include <doctest/doctest.h>
 #include <spdlog/sinks/ostream_sink.h>

@@ -12,9 +12,9 @@
 #include <thread>
 #include <vector>
 
-#include "server/compute_pool.h"
+#include "server/compute/pool.h"
 #include "tests/fixtures/test_seed.h"
-#include "tests/server/taken_memory.h"
+#include "tests/server/compute/taken_memory.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

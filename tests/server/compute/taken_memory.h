@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "server/compute_pool.h"
+#include "server/compute/pool.h"
 
 namespace geodesic::server::test {
 

@@ -1,4 +1,4 @@
-#include "server/config.h"
+#include "server/config/config.h"
 
 #include <doctest/doctest.h>
 #include <unistd.h>
@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "server/check_config.h"
-#include "server/tokens.h"
+#include "server/config/tokens.h"
+#include "server/program/check_config.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -1,4 +1,4 @@
-#include "server/tokens.h"
+#include "server/config/tokens.h"
 
 #include <doctest/doctest.h>
 #include <sys/stat.h>
@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "server/sha256.h"
-#include "tests/server/service_fixture.h"
+#include "server/base/sha256.h"
+#include "tests/server/routes/service_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

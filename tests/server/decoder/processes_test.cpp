@@ -1,6 +1,6 @@
 // Files are decoded in processes of their own as they are in this one, and whatever a
 // decoder does, it does to itself.
-#include "server/decoder_processes.h"
+#include "server/decoder/processes.h"
 
 #include <doctest/doctest.h>
 #include <fcntl.h>
@@ -19,13 +19,13 @@
 #include <thread>
 #include <vector>
 
-#include "core/shapes.h"
-#include "proto/encode_mesh.h"
-#include "server/confine_process.h"
-#include "server/decoded_frame.h"
-#include "server/decoder_process.h"
-#include "server/local_message.h"
-#include "server/mesh_form.h"
+#include "core/mesh/shapes.h"
+#include "proto/encode/encode_mesh.h"
+#include "server/decoder/confine_process.h"
+#include "server/decoder/decoded_frame.h"
+#include "server/decoder/local_message.h"
+#include "server/decoder/mesh_form.h"
+#include "server/decoder/process.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/decoder_process.h"
+#include "server/decoder/process.h"
 
 namespace {
 

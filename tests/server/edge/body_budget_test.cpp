@@ -1,5 +1,5 @@
 // Whose body must go when there is no room for all.
-#include "server/http_body_budget.h"
+#include "server/edge/body_budget.h"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 // Bodies taken out of a connection's bytes, however those are cut into pieces.
-#include "server/http_body.h"
+#include "server/edge/body.h"
 
 #include <doctest/doctest.h>
 

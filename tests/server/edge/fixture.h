@@ -14,8 +14,8 @@
 #include <thread>
 #include <utility>
 
-#include "server/http_server.h"
-#include "tests/server/raw_client.h"
+#include "server/edge/server.h"
+#include "tests/server/edge/raw_client.h"
 
 namespace geodesic::server::test {
 

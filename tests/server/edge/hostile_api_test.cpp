@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/shapes.h"
-#include "tests/server/http_fixture.h"
-#include "tests/server/service_fixture.h"
+#include "core/mesh/shapes.h"
+#include "tests/server/edge/fixture.h"
+#include "tests/server/routes/service_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -1,5 +1,5 @@
 // Accepting connections when the system will not have it.
-#include "server/http_listener.h"
+#include "server/edge/listener.h"
 
 #include <doctest/doctest.h>
 #include <sys/socket.h>
@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "tests/server/http_fixture.h"
+#include "tests/server/edge/fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -1,8 +1,8 @@
 // The HTTP edge, attacked over raw sockets with bytes that are no request, or two.
 #include <doctest/doctest.h>
 
-#include "server/http_head.h"
-#include "tests/server/http_fixture.h"
+#include "server/http/head.h"
+#include "tests/server/edge/fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

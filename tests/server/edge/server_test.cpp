@@ -1,5 +1,5 @@
 // What the HTTP edge promises to handlers and to well-behaved clients.
-#include "server/http_server.h"
+#include "server/edge/server.h"
 
 #include <doctest/doctest.h>
 #include <spdlog/sinks/ostream_sink.h>
@@ -11,9 +11,9 @@
 #include <thread>
 #include <vector>
 
-#include "server/http_exchange.h"
-#include "server/problem.h"
-#include "tests/server/http_fixture.h"
+#include "server/edge/exchange.h"
+#include "server/http/problem.h"
+#include "tests/server/edge/fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

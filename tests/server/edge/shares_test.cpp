@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "server/client_shares.h"
-#include "tests/server/http_fixture.h"
+#include "server/base/client_shares.h"
+#include "tests/server/edge/fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

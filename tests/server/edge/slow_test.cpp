@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "tests/server/http_fixture.h"
+#include "tests/server/edge/fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

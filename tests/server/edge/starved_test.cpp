@@ -17,7 +17,7 @@
 #include <thread>
 #include <utility>
 
-#include "server/http_workers.h"
+#include "server/edge/workers.h"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // TLS in front of the HTTP edge, with certificates that the test makes itself.
-#include "server/http_tls.h"
+#include "server/edge/tls.h"
 
 #include <doctest/doctest.h>
 #include <openssl/err.h>
@@ -16,7 +16,7 @@
 #include <memory>
 #include <vector>
 
-#include "tests/server/http_fixture.h"
+#include "tests/server/edge/fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

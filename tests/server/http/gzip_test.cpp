@@ -1,10 +1,10 @@
-#include "server/gzip.h"
+#include "server/http/gzip.h"
 
 #include <doctest/doctest.h>
 
 #include <string>
 
-#include "tests/server/gunzipped.h"
+#include "tests/server/http/gunzipped.h"
 
 using namespace geodesic;
 

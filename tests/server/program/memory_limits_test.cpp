@@ -1,5 +1,5 @@
 // How much memory there is: the least that the machine and the control groups allow.
-#include "server/memory_limits.h"
+#include "server/program/memory_limits.h"
 
 #include <doctest/doctest.h>
 
@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include "tests/server/service_fixture.h"
+#include "tests/server/routes/service_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -1,6 +1,6 @@
 // What a reload changes in a running service, what it leaves for a restart, and
 // that one which fails changes nothing.
-#include "server/reload.h"
+#include "server/program/reload.h"
 
 #include <doctest/doctest.h>
 
@@ -13,8 +13,8 @@
 #include <thread>
 #include <vector>
 
-#include "tests/server/http_fixture.h"
-#include "tests/server/service_fixture.h"
+#include "tests/server/edge/fixture.h"
+#include "tests/server/routes/service_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

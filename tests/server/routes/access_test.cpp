@@ -1,4 +1,4 @@
-#include "server/access.h"
+#include "server/routes/access.h"
 
 #include <doctest/doctest.h>
 
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/sha256.h"
+#include "server/base/sha256.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "tests/server/service_fixture.h"
+#include "tests/server/routes/service_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

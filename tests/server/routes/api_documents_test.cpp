@@ -3,7 +3,7 @@
 #include <regex>
 #include <string>
 
-#include "tests/server/service_fixture.h"
+#include "tests/server/routes/service_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "server/http_server.h"
-#include "tests/server/plane_service.h"
-#include "tests/server/raw_client.h"
+#include "server/edge/server.h"
+#include "tests/server/edge/raw_client.h"
+#include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "server/compute_memory.h"
+#include "server/compute/memory.h"
 #include "tests/fixtures/test_seed.h"
-#include "tests/server/plane_service.h"
+#include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/field.h"
-#include "tests/server/plane_service.h"
+#include "core/field/field.h"
+#include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

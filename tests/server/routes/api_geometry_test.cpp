@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "proto/decode_mesh.h"
-#include "tests/server/plane_service.h"
+#include "proto/formats/decode_mesh.h"
+#include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

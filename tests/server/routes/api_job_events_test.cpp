@@ -7,8 +7,8 @@
 #include <thread>
 #include <vector>
 
-#include "tests/server/http_fixture.h"
-#include "tests/server/service_fixture.h"
+#include "tests/server/edge/fixture.h"
+#include "tests/server/routes/service_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

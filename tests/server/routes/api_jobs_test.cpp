@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/server/plane_service.h"
+#include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "tests/server/service_fixture.h"
+#include "tests/server/routes/service_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "server/asked_sources.h"
-#include "tests/server/plane_service.h"
+#include "server/query/asked_sources.h"
+#include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "server/multipart.h"
-#include "tests/server/service_fixture.h"
+#include "server/decoder/multipart.h"
+#include "tests/server/routes/service_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "tests/server/plane_service.h"
+#include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

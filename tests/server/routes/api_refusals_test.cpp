@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
-#include "server/call.h"
-#include "tests/server/plane_service.h"
+#include "server/routes/call.h"
+#include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include "server/entity_tag.h"
-#include "tests/server/gunzipped.h"
-#include "tests/server/plane_service.h"
+#include "server/http/entity_tag.h"
+#include "tests/server/http/gunzipped.h"
+#include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "server/reply_budget.h"
-#include "tests/server/gunzipped.h"
-#include "tests/server/plane_service.h"
+#include "server/http/reply_budget.h"
+#include "tests/server/http/gunzipped.h"
+#include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "tests/fixtures/test_seed.h"
-#include "tests/server/plane_service.h"
+#include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/server/plane_service.h"
+#include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

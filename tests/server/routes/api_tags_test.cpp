@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "server/engine_digest.h"
+#include "server/routes/engine_digest.h"
 #include "tests/fixtures/bumpy_plane.h"
 #include "tests/fixtures/test_seed.h"
-#include "tests/server/plane_service.h"
+#include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

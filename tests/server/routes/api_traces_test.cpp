@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "tests/server/plane_service.h"
+#include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

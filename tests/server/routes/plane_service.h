@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tests/fixtures/awkward_meshes.h"
-#include "tests/server/service_fixture.h"
+#include "tests/server/routes/service_fixture.h"
 
 namespace geodesic::server::test {
 

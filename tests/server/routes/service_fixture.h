@@ -13,20 +13,20 @@
 #include <utility>
 #include <vector>
 
-#include "core/shapes.h"
-#include "proto/encode_mesh.h"
-#include "server/compute_pool.h"
-#include "server/config.h"
-#include "server/field_queries.h"
-#include "server/http_head.h"
-#include "server/memory_limits.h"
-#include "server/mesh_catalog.h"
-#include "server/mesh_store.h"
-#include "server/open_store.h"
-#include "server/reload.h"
-#include "server/reply_file.h"
-#include "server/routes.h"
-#include "server/sha256.h"
+#include "core/mesh/shapes.h"
+#include "proto/encode/encode_mesh.h"
+#include "server/base/reply_file.h"
+#include "server/base/sha256.h"
+#include "server/compute/pool.h"
+#include "server/config/config.h"
+#include "server/http/head.h"
+#include "server/program/memory_limits.h"
+#include "server/program/reload.h"
+#include "server/query/field_queries.h"
+#include "server/query/mesh_catalog.h"
+#include "server/routes/routes.h"
+#include "server/store/mesh_store.h"
+#include "server/store/open_store.h"
 
 namespace geodesic::server::test {
 

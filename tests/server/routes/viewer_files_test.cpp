@@ -1,6 +1,6 @@
 // The viewer's files: served whole at their paths and nothing else, with a policy, and
 // kept by browsers for as long as they hold.
-#include "server/viewer_files.h"
+#include "server/routes/viewer_files.h"
 
 #include <doctest/doctest.h>
 
@@ -8,9 +8,9 @@
 #include <fstream>
 #include <string>
 
-#include "server/access.h"
-#include "tests/server/gunzipped.h"
-#include "tests/server/service_fixture.h"
+#include "server/routes/access.h"
+#include "tests/server/http/gunzipped.h"
+#include "tests/server/routes/service_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -15,12 +15,12 @@
 #include <thread>
 #include <vector>
 
-#include "server/config.h"
-#include "server/mesh_store.h"
-#include "server/open_store.h"
-#include "server/sha256.h"
-#include "server/store_monitor.h"
-#include "tests/server/service_fixture.h"
+#include "server/base/sha256.h"
+#include "server/config/config.h"
+#include "server/store/mesh_store.h"
+#include "server/store/monitor.h"
+#include "server/store/open_store.h"
+#include "tests/server/routes/service_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -6,8 +6,8 @@
 #include <string>
 #include <thread>
 
-#include "tests/server/fake_s3.h"
-#include "tests/server/plane_service.h"
+#include "tests/server/routes/plane_service.h"
+#include "tests/server/store/fake_s3.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -24,10 +24,10 @@
 #include <utility>
 #include <vector>
 
-#include "server/config.h"
-#include "server/mesh_store.h"
-#include "server/open_store.h"
-#include "server/sha256.h"
+#include "server/base/sha256.h"
+#include "server/config/config.h"
+#include "server/store/mesh_store.h"
+#include "server/store/open_store.h"
 
 namespace geodesic::server::test {
 

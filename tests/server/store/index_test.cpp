@@ -1,4 +1,4 @@
-#include "server/store_index.h"
+#include "server/store/index.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "server/mesh_store.h"
+#include "server/store/mesh_store.h"
 
 #include <doctest/doctest.h>
 #include <sys/stat.h>
@@ -16,9 +16,9 @@
 #include <thread>
 #include <vector>
 
-#include "server/config.h"
-#include "server/open_store.h"
-#include "server/sha256.h"
+#include "server/base/sha256.h"
+#include "server/config/config.h"
+#include "server/store/open_store.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
-#include "server/mesh_catalog.h"
-#include "server/mesh_store.h"
-#include "server/metrics.h"
-#include "tests/server/fake_s3.h"
-#include "tests/server/service_fixture.h"
+#include "server/query/mesh_catalog.h"
+#include "server/query/metrics.h"
+#include "server/store/mesh_store.h"
+#include "tests/server/routes/service_fixture.h"
+#include "tests/server/store/fake_s3.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -15,10 +15,10 @@
 #include <string>
 #include <vector>
 
-#include "server/config.h"
-#include "server/mesh_store.h"
-#include "server/open_store.h"
-#include "server/sha256.h"
+#include "server/base/sha256.h"
+#include "server/config/config.h"
+#include "server/store/mesh_store.h"
+#include "server/store/open_store.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
