@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The house keeps its rooms: dependencies point one way, and the types of a library
-# from outside stay in the one file that includes it.
+# The house keeps its rooms: every file is in one, each #include is an arrow of docs/rooms.txt,
+# and the types of a library from outside stay in the one file that includes it.
 set -uo pipefail
 cd "$(dirname "$0")/.." || exit 1
 status=0
@@ -38,6 +38,109 @@ expect_none 'core reaches out of its room' \
   'proto/|server/|httplib|nlohmann|spdlog|tiny_gltf|draco|CLI|openssl|iostream|fstream|thread|mutex|chrono' core
 expect_none 'proto reaches into the server' 'server/|httplib|spdlog|CLI|thread|mutex' proto
 expect_none 'the product reaches into the tests' 'tests/|doctest' core proto server
+
+# Every #include of ours against the table, and every room against its pages.
+rooms() {
+  local sources
+  mapfile -t sources < <(find core proto server -name '*.h' -o -name '*.cpp' | sort)
+  # shellcheck disable=SC2016 # the dollars are awk's
+  awk -v table=docs/rooms.txt '
+    function room_of(path, part) {
+      return split(path, part, "/") == 3 ? part[1] "/" part[2] : ""
+    }
+    function failed(sentence) {
+      print "FAILED: " sentence
+      status = 1
+    }
+    BEGIN {
+      FS = " *[|] *"
+      while ((getline <table) > 0) {
+        if ($0 ~ /^(#|$)/) continue
+        if ($1 in place) failed($1 " stands twice in " table ".")
+        place[$1] = ++count
+        name[count] = $1
+        n = split($3, others, " ")
+        for (i = 1; i <= n; ++i) {
+          if (!(others[i] in place)) {
+            failed(table ": " $1 " may include only rooms that stand above it, and " others[i] \
+                   " does not. Move the row, or the file that needs it, so that arrows make no ring.")
+          }
+          arrow[$1, others[i]] = 1
+        }
+      }
+      FS = " "
+      for (i = 1; i < ARGC; ++i) {
+        from = room_of(ARGV[i])
+        if (from == "") {
+          failed(ARGV[i] " is in no room. Move it into the folder whose purpose in " table " it serves.")
+        } else if (!(from in place)) {
+          failed(ARGV[i] " is in a room that " table " does not have. Add a row, or move the file.")
+        }
+        ++files[from]
+      }
+    }
+    FNR == 1 { from = room_of(FILENAME) }
+    from in place && match($0, /^ *# *include *"(core|proto|server)\/[^"]*"/) {
+      to = $0
+      sub(/^[^"]*"/, "", to)
+      sub(/".*/, "", to)
+      path = to
+      to = room_of(path)
+      if (to == from) next
+      if ((from, to) in arrow) {
+        used[from, to] = 1
+      } else {
+        failed(FILENAME " includes " path ", and " table " has no arrow from " from " to " to \
+               ". Move what is needed into a room that both may include, or, if the arrow is right," \
+               " add it to the row of " from ".")
+      }
+    }
+    END {
+      for (i = 1; i <= count; ++i) {
+        room = name[i]
+        if (files[room] < 4 || files[room] > 26) {
+          failed(room " has " (files[room] + 0) " files, and a room has 4 to 26. Split it, or give its" \
+                 " files to its neighbours.")
+        }
+        includes = users = ""
+        for (j = 1; j <= count; ++j) {
+          if ((room, name[j]) in arrow) {
+            includes = includes (includes == "" ? "" : ", ") "`" name[j] "`"
+            if (!((room, name[j]) in used)) {
+              failed(table ": no file of " room " includes anything of " name[j] \
+                     " any more. Take the arrow out.")
+            }
+          }
+          if ((name[j], room) in arrow) users = users (users == "" ? "" : ", ") "`" name[j] "`"
+        }
+        page = room "/README.md"
+        text = ""
+        lines = 0
+        while ((getline line <page) > 0) {
+          text = text (text == "" ? "" : " ") line
+          ++lines
+        }
+        close(page)
+        if (lines == 0) failed(page " is missing: say what the room is for and where to start.")
+        if (lines > 40) failed(page " has " lines " lines, and may have 40.")
+        may = "May include: " (includes == "" ? "no other room" : includes) "."
+        if (lines && !index(text, may)) failed(page " should say as " table " does: " may)
+        by = "Used by: " (users == "" ? "no other room" : users) "."
+        if (lines && !index(text, by)) failed(page " should say as " table " does: " by)
+      }
+      exit status
+    }' "${sources[@]}"
+}
+rooms || status=1
+
+# Tests stand in rooms of the same names.
+for folder in tests/core/*/ tests/proto/*/ tests/server/*/; do
+  room=${folder#tests/}
+  if ! grep -q "^${room%/} |" docs/rooms.txt; then
+    echo "FAILED: $folder mirrors no room of docs/rooms.txt. Name it as the room it tests."
+    status=1
+  fi
+done
 
 [ $status -eq 0 ] && echo "every include is in its room"
 exit $status
