@@ -109,7 +109,7 @@ std::string canonical_text(const ImportOptions& options) {
   if (options.weld == Weld::off) {
     add("weld", "\"off\"");
   } else if (options.weld_tolerance != 0) {
-    add("weld", "\"" + number(options.weld_tolerance) + "\"");
+    add("weld", quoted(number(options.weld_tolerance)));
   }
   return text.empty() ? text : text + "}";
 }
