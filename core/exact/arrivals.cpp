@@ -17,10 +17,8 @@ constexpr double kNews = 1e-14;
 void Propagation::commit(std::uint32_t e, std::span<Window> fresh, double least) {
   if (fresh.empty()) return;
   Edge& edge = edges_[e];
-  if (frames_.face(face_of(fresh.front().from)).is_flat()) [[unlikely]] {
-    fresh = without_narrow(fresh, edge.length);
-    if (fresh.empty()) return;
-  }
+  fresh = without_narrow(fresh, edge.length);
+  if (fresh.empty()) return;
   if (edge.size == 0) {
     replace(edge, 0, 0, fresh);
   } else {
@@ -59,8 +57,11 @@ void Propagation::commit(std::uint32_t e, std::span<Window> fresh, double least)
   }
 }
 
-// Over faces that are lines windows keep their widths, however often they are cut. One so narrow
-// that it overlaps no other would find a place each time that it comes round.
+// Near a source rays may be so short that a window on a long edge is not too narrow for them, and
+// yet narrower than an overlap must be to count. It would lie over others and find a place each
+// time that it comes round, and with the windows that it sends out the lists would grow for ever.
+// Its place on the edge says no more than rounding. Over faces that are lines windows keep their
+// widths, however often they are cut, and come to the same.
 std::span<Window> Propagation::without_narrow(std::span<Window> fresh, double length) const {
   const auto end = std::remove_if(fresh.begin(), fresh.end(), [&](const Window& w) {
     return !(w.end - w.begin > 4 * kTouch * length);

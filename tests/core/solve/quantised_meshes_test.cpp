@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/mesh/mesh.h"
@@ -15,6 +17,7 @@
 #include "core/straighten/refine_path.h"
 #include "tests/fixtures/crumpled_surfaces.h"
 #include "tests/fixtures/dense_graph.h"
+#include "tests/fixtures/mixed_scales.h"
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
@@ -132,6 +135,50 @@ TriangleSoup rounded_sphere(std::mt19937& random) {
   return soup;
 }
 
+// The same about the origin, rounded to multiples of any step along one axis or along all.
+TriangleSoup sphere_rounded_along_axes(std::mt19937& random) {
+  const std::uint32_t around = 8 + random() % 30;
+  const std::uint32_t rows = 6 + random() % 25;
+  const double step = 10 * fixtures::any_scale(random, -7, -1);
+  const std::uint32_t along = random() % 4;  // 3: all
+  const auto rounded = [&](double x, std::uint32_t axis) {
+    return along == axis || along == 3 ? step * std::round(x / step) : x;
+  };
+  TriangleSoup soup;
+  for (std::uint32_t i = 0; i <= rows; ++i) {
+    const double down = 3.141592653589793 * i / rows;
+    for (std::uint32_t j = 0; j <= around; ++j) {
+      const double angle = 6.283185307179586 * j / around;
+      soup.positions.push_back({rounded(10 * std::sin(down) * std::cos(angle), 0),
+                                rounded(10 * std::cos(down), 1),
+                                rounded(10 * std::sin(down) * std::sin(angle), 2)});
+    }
+  }
+  for (std::uint32_t i = 0; i < rows; ++i) {
+    for (std::uint32_t j = 0; j < around; ++j) {
+      const std::uint32_t a = i * (around + 1) + j;
+      const std::uint32_t below = a + around + 1;
+      soup.faces.push_back({a, a + 1, below});
+      soup.faces.push_back({a + 1, below + 1, below});
+    }
+  }
+  return soup;
+}
+
+// Triangles put onto edges at random, of points off a line by little more than rounding.
+TriangleSoup heap_nearly_on_a_line(std::mt19937& random) {
+  TriangleSoup soup = fixtures::grown(random, 5 + static_cast<int>(random() % 60));
+  const Vec3 line{1, fixtures::fraction(random), random() % 2 == 0 ? 0.0 : 1.0};
+  const bool whole_places = random() % 2 == 0;
+  const double off = 40 * fixtures::any_scale(random, -16, -6);
+  for (Vec3& p : soup.positions) {
+    double along = 40 * fixtures::fraction(random);
+    if (whole_places) along = std::round(along);
+    p = along * line + off * p;
+  }
+  return soup;
+}
+
 // What a client gets: each point is where its face and weights say, consecutive points lie in one
 // face, and no way is shorter than the shortest.
 void check_path(const Surface& surface, const Path& path, double shortest) {
@@ -141,6 +188,44 @@ void check_path(const Surface& surface, const Path& path, double shortest) {
     CHECK(distance(p.position, position_of(mesh, p.point)) <= kRounding);
   }
   CHECK(path.length >= shortest * (1 - kRounding));
+}
+
+// All that windows answer ends after a bounded number of questions and of bytes, and is no longer
+// than ways along edges.
+void check_comes_to_an_end(const Surface& surface, std::mt19937& random) {
+  constexpr std::uint64_t kMostQuestions = 2000;  // these ask up to some 50 times
+  constexpr std::uint64_t kMostBytes = 64'000'000;
+  const std::uint32_t from = random() % surface.mesh().vertex_count();
+  const Source source{point_at_vertex(surface.adjacency(), from), 0};
+  const Field edges = surface.field_by(Method::dijkstra, {source});
+  // Windows lie on edges, where places are rounded as coarsely as those are long.
+  const double rounding = 1e-12 * distance(surface.mesh().box().min, surface.mesh().box().max);
+  MethodOptions within;
+  within.error_at_most = 0.01;
+  MethodOptions above;
+  above.bound = Bound::upper;
+  for (const auto& [method, options] :
+       {std::pair{Method::exact, MethodOptions{}}, std::pair{Method::back_traced, within},
+        std::pair{Method::back_traced, above}}) {
+    CAPTURE(static_cast<int>(method));
+    std::uint64_t questions = 0;
+    std::uint64_t bytes = 0;
+    MemoryBudget memory([&](std::uint64_t wanted) -> std::optional<Error> {
+      if ((bytes += wanted) < kMostBytes) return std::nullopt;
+      return Error{ErrorCode::too_much_memory, "more than this mesh needs", {}, {}, {}};
+    });
+    const Cancel cancel([&] { return ++questions > kMostQuestions; }, {}, &memory);
+    SolveScratch scratch;
+    const auto field = solve_field(method, options, surface.adjacency(),
+                                   std::vector<Source>{source}, {}, scratch, cancel);
+    REQUIRE(field.has_value());
+    for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+      if (edges.distance[v] == kUnreached) continue;
+      CAPTURE(v);
+      const double slack = options.error_at_most.value_or(0) + 1e-6;
+      CHECK(field->distance[v] <= edges.distance[v] * (1 + slack) + rounding);
+    }
+  }
 }
 
 }  // namespace
@@ -235,5 +320,24 @@ TEST_CASE("OnRoundedSpheresChenHanComesToAnEnd") {
       if (edges.distance[v] == kUnreached) continue;
       CHECK(field->distance[v] <= edges.distance[v] + kRounding);
     }
+  }
+}
+
+// Windows narrower than rounding lay over each other on long edges beside short ones, more each
+// time that light went round a tip, until they filled the memory.
+TEST_CASE("OnSpheresRoundedAlongAxesExactComesToAnEnd") {
+  std::mt19937 random(fixtures::test_seed());
+  for (int round = 0; round < 200; ++round) {
+    CAPTURE(round);
+    check_comes_to_an_end(Surface(sphere_rounded_along_axes(random)), random);
+  }
+}
+
+TEST_CASE("OnHeapsNearlyOnALineExactComesToAnEnd") {
+  std::mt19937 random(fixtures::test_seed());
+  for (int round = 0; round < 300; ++round) {
+    CAPTURE(round);
+    const TriangleSoup soup = heap_nearly_on_a_line(random);
+    if (Mesh::build(soup)) check_comes_to_an_end(Surface(soup), random);
   }
 }
