@@ -269,9 +269,9 @@ class Crowd:
         no_such_way = query == "trace" and problem["code"] == "value_out_of_range"
         if status == 422 and (no_such_way or problem["code"] in NO_ANSWER):
             return
-        # Clients that ask at once are in each other's way: `overloaded`.
+        # Clients that ask at once are in each other's way, and all come from one address.
         limits = {413: ("too_large",), 422: ("too_much_memory", "value_out_of_range"),
-                  503: ("overloaded",), 504: ("deadline",)}  # fmt: skip
+                  429: ("too_many_requests",), 503: ("overloaded",), 504: ("deadline",)}  # fmt: skip
         if problem["code"] not in limits.get(status, ()) or (status < 500 and "limit" not in problem):
             self.faults.append(f"{name}: {status} {problem['code']}: {problem['detail']}")
         elif not problem["detail"]:
