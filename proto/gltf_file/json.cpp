@@ -323,13 +323,11 @@ class Reduction {
 
 Result<ReducedGltf> reduce_gltf(std::string_view text, const DecodeLimits& limits) {
   try {
-    RepeatedNames names;
-    json root = json::parse(text, [&](int, json::parse_event_t event, json& parsed) {
-      names.note(event, parsed);
-      return true;
-    });
+    json root = json::parse(text);
     // glTF 2.0, "JSON Encoding": names within JSON objects must be unique.
-    if (names.first()) return fail(ErrorCode::mesh_invalid, repeated_name(*names.first()));
+    if (const auto name = outline_of_json(text).repeated_name) {
+      return fail(ErrorCode::mesh_invalid, repeated_name(*name));
+    }
     return Reduction(limits).run(std::move(root));
   } catch (const json::parse_error& e) {
     return fail(ErrorCode::mesh_invalid,

@@ -237,16 +237,13 @@ Result<std::string> pack_gltf(std::string_view document, const NamedFiles& files
                               const DecodeLimits& limits) {
   const auto text = open_gltf(std::as_bytes(std::span(document))).json;
   if (const auto shape = check_json_shape(text, limits); !shape) return fail(shape.error());
-  RepeatedNames names;
-  const auto note = [&](int, ordered_json::parse_event_t event, ordered_json& part) {
-    names.note(event, part);
-    return true;
-  };
-  auto parsed = ordered_json::parse(text, note, /*allow_exceptions=*/false);
+  auto parsed = ordered_json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!parsed.is_object()) {
     return fail(ErrorCode::mesh_invalid, "The glTF's JSON does not parse, or is not an object.");
   }
-  if (names.first()) return fail(ErrorCode::mesh_invalid, repeated_name(*names.first()));
+  if (const auto name = outline_of_json(text).repeated_name) {
+    return fail(ErrorCode::mesh_invalid, repeated_name(*name));
+  }
   return Packing(std::move(parsed), files).run();
 }
 

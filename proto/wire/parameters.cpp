@@ -60,15 +60,13 @@ Parameters Parameters::from_query(const std::vector<std::pair<std::string, std::
 
 Result<Parameters> Parameters::from_json(std::string_view body) {
   auto values = std::make_unique<Values>();
-  bool too_deep = false;
-  RepeatedNames names;
+  const JsonOutline outline = outline_of_json(body, kMaxDepth);
+  if (outline.is_too_deep) {
+    return fail(ErrorCode::bad_syntax, "the body is nested too deeply", "body");
+  }
   json document;
   try {
-    document = json::parse(body, [&](int depth, json::parse_event_t event, json& parsed) {
-      too_deep |= depth > kMaxDepth;
-      if (!too_deep) names.note(event, parsed);
-      return !too_deep;
-    });
+    document = json::parse(body);
   } catch (const json::exception& error) {
     const auto* parse_error = dynamic_cast<const json::parse_error*>(&error);
     return fail(ErrorCode::bad_syntax,
@@ -77,9 +75,9 @@ Result<Parameters> Parameters::from_json(std::string_view body) {
                     : "the body is not JSON that can be read",
                 "body");
   }
-  if (too_deep) return fail(ErrorCode::bad_syntax, "the body is nested too deeply", "body");
-  if (names.first()) {
-    return fail(ErrorCode::bad_syntax, "this name comes twice in one JSON object", *names.first());
+  if (outline.repeated_name) {
+    return fail(ErrorCode::bad_syntax, "this name comes twice in one JSON object",
+                *outline.repeated_name);
   }
   if (!document.is_object()) {
     return fail(ErrorCode::bad_syntax, "the body is not a JSON object", "body");

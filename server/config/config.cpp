@@ -231,18 +231,16 @@ void read_file(const std::string& path, Config& config, Origins& origins, Proble
   if (!file) return refuse(fmt::format("{}: cannot be read", path));
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   using nlohmann::json;
-  proto::RepeatedNames names;
-  const auto note = [&](int, json::parse_event_t event, json& parsed) {
-    names.note(event, parsed);
-    return true;
-  };
-  const json options_given = json::parse(text, note, /*allow_exceptions=*/false,
+  const json options_given = json::parse(text, nullptr, /*allow_exceptions=*/false,
                                          /*ignore_comments=*/true);
   if (!options_given.is_object()) return refuse(fmt::format("{}: is not a JSON object", path));
-  if (names.first()) {
+  constexpr std::size_t kMostLevels = 64;
+  const auto repeated =
+      proto::outline_of_json(text, kMostLevels, /*ignore_comments=*/true).repeated_name;
+  if (repeated) {
     problems.push_back({ErrorCode::bad_syntax,
-                        fmt::format("{}: {}: comes twice", path, *names.first()),
-                        *names.first(),
+                        fmt::format("{}: {}: comes twice", path, *repeated),
+                        *repeated,
                         {},
                         {}});
   }

@@ -193,7 +193,7 @@ void check_path(const Surface& surface, const Path& path, double shortest) {
 // Whether all that windows answer ends after a bounded number of questions and of bytes. It is no
 // longer than ways along edges.
 bool comes_to_an_end(const Surface& surface, std::mt19937& random) {
-  constexpr std::uint64_t kMostQuestions = 2000;  // these ask up to some 50 times
+  constexpr std::uint64_t kMostQuestions = 500;  // these ask up to some 50 times
   constexpr std::uint64_t kMostBytes = 64'000'000;
   const std::uint32_t from = random() % surface.mesh().vertex_count();
   const Source source{point_at_vertex(surface.adjacency(), from), 0};
