@@ -45,6 +45,9 @@ Result<Field> lesser_of_both(Field by_windows, const Adjacency& adjacency,
   return by_windows;
 }
 
+// Meshes of some thousand faces take some fifty.
+constexpr std::uint64_t kMostQuestions = 100;
+
 // An upper bound where no trace comes to a vertex near the way: paths along such are from 1 to
 // 20 % too long, or many times, while the sides of slivers have few windows. Rounded as the other
 // bounds are.
@@ -53,7 +56,16 @@ Result<Field> bound_across_slivers(const Adjacency& adjacency, std::span<const S
                                    const Cancel& cancel) {
   FieldLimits limits = asked;
   limits.detail_faces = {};  // windows have no bound of their rounding
-  auto field = field_within(0, adjacency, sources, limits, scratch.exact, cancel);
+  // Of sides of any scale windows may become too many: then traces alone have to do. Counted in
+  // questions, so that the answer depends on nothing else.
+  const std::uint64_t most = kMostQuestions + adjacency.mesh().face_count() / 2;
+  std::uint64_t questions = 0;
+  const Cancel bounded([&] { return ++questions > most || cancel.requested(); },
+                       [&](double done) { cancel.report(done); }, cancel.memory());
+  auto field = field_within(0, adjacency, sources, limits, scratch.exact, bounded);
+  if (!field && questions > most && !cancel.requested()) {
+    return back_traced_field(adjacency, sources, limits, Bound::upper, scratch.back_traced, cancel);
+  }
   if (field && !is_even(adjacency)) {
     field = lesser_of_both(std::move(*field), adjacency, sources, limits, scratch, cancel);
   }
