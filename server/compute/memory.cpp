@@ -69,8 +69,7 @@ void JobMemory::limit_to_query() {
 }
 
 std::uint64_t JobMemory::crowded_out() const {
-  if (!refusal() || refusal()->code != ErrorCode::overloaded) return 0;
-  return refusal()->actual.value_or(0);
+  return refusal() && refusal()->code == ErrorCode::overloaded ? wanted_at_refusal_ : 0;
 }
 
 std::uint64_t JobMemory::held() const { return not_negative(held_); }
@@ -87,8 +86,9 @@ std::uint64_t JobMemory::held_by_all() const { return not_negative(all_.held_ + 
 
 std::optional<Error> JobMemory::ask(std::uint64_t bytes) {
   if (is_within(bytes)) return std::nullopt;
-  held_at_refusal_ = held();
   const std::uint64_t wanted = held() + bytes;
+  held_at_refusal_ = held();
+  wanted_at_refusal_ = wanted;
   if (limit_ != 0 && wanted > limit_) {
     ++all_.refused_;
     const std::uint64_t beside = is_query_ ? found_ : 0;

@@ -73,7 +73,8 @@ class JobMemory {
 
   [[nodiscard]] MemoryBudget& budget() { return budget_; }
   [[nodiscard]] const std::optional<Error>& refusal() const { return budget_.refusal(); }
-  // What it wanted when others held that; 0: it was not refused, or for another reason.
+  // What it would have held itself when others left no room for that; 0: it was not refused, or
+  // for another reason.
   [[nodiscard]] std::uint64_t crowded_out() const;
   // The bytes that the job holds, with what was kept. What another thread has freed still counts.
   [[nodiscard]] std::uint64_t held() const;
@@ -107,6 +108,7 @@ class JobMemory {
   std::int64_t most_;
   std::uint64_t kept_;
   std::uint64_t held_at_refusal_ = 0;
+  std::uint64_t wanted_at_refusal_ = 0;
   bool asks_ = false;  // nothing is refused
   MemoryBudget budget_;
 };

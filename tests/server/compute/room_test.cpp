@@ -78,6 +78,21 @@ TEST_CASE("a job without room leaves its slot, and runs again when there is room
   CHECK(pool.memory().bytes == 0);
 }
 
+TEST_CASE("a job without room goes on once it has some, though others run on") {
+  ComputePool pool(3, 8);
+  pool.set_memory_limits({80 * kMiB, 100 * kMiB});
+  Holder large(pool, 60 * kMiB);
+  Holder small(pool, 10 * kMiB);
+  auto waiting = std::async(std::launch::async,
+                            [&] { return pool.run_with_room(query_taking(50 * kMiB)); });
+  wait_until([&] { return pool.memory().crowded_out == 1; });
+  large.leave();
+  CHECK(waiting.wait_for(60s) == std::future_status::ready);
+  CHECK(pool.stats().running == 1);  // the small one
+  small.leave();
+  CHECK(waiting.get() == 50 * kMiB);
+}
+
 TEST_CASE("who waits for room goes when nobody wants it any more, or it takes too long") {
   ComputePool pool(2, {8, 0, 300ms});
   pool.set_memory_limits({80 * kMiB, 100 * kMiB});
