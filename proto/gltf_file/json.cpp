@@ -11,7 +11,7 @@
 #include "proto/gltf_file/extensions.h"
 #include "proto/gltf_file/json_checks.h"
 #include "proto/gltf_file/json_extensions.h"
-#include "proto/wire/repeated_names.h"
+#include "proto/wire/json_outline.h"
 
 namespace geodesic::proto {
 namespace {

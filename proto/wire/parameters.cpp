@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "proto/wire/json_outline.h"
 #include "proto/wire/number.h"
-#include "proto/wire/repeated_names.h"
 
 namespace geodesic::proto {
 namespace {

@@ -15,7 +15,7 @@
 #include <system_error>
 #include <variant>
 
-#include "proto/wire/repeated_names.h"
+#include "proto/wire/json_outline.h"
 #include "server/config/tokens.h"
 
 namespace geodesic::server {

@@ -1,4 +1,4 @@
-#include "proto/wire/repeated_names.h"
+#include "proto/wire/json_outline.h"
 
 #include <nlohmann/json.hpp>
 #include <set>
@@ -10,8 +10,8 @@ namespace {
 
 using nlohmann::json;
 
-// Told of all that the parser comes to. (Its callback for values would do as well, but after each
-// object in a list it goes through the whole list.)
+// The parser's events. (Its callback for values would tell as much, but the parser then goes
+// through the whole array again after each object in it.)
 class NameReader final : public nlohmann::json_sax<json> {
  public:
   explicit NameReader(std::size_t most_levels) : most_levels_(most_levels) {}
@@ -53,8 +53,8 @@ class NameReader final : public nlohmann::json_sax<json> {
   }
 
   std::size_t most_levels_;
-  // The names of each object around, in order: names can be chosen so that a hash table becomes as
-  // slow as a list.
+  // The names of each object that is open. A set in order: names can be chosen so that a hash table
+  // becomes as slow as a list.
   std::vector<std::set<std::string>> levels_;
   JsonOutline outline_;
 };

@@ -1,5 +1,5 @@
 // Names in JSON that come twice, and names that are chosen against a hash table.
-#include "proto/wire/repeated_names.h"
+#include "proto/wire/json_outline.h"
 
 #include <doctest/doctest.h>
 
