@@ -13,6 +13,7 @@
 #include "core/solve/surface_patch.h"
 #include "core/straighten/refine_path.h"
 #include "core/straighten/shorten_path.h"
+#include "core/surface/around_points.h"
 #include "core/surface/longest_edge.h"
 
 namespace geodesic {
@@ -45,14 +46,6 @@ std::vector<std::uint32_t> vertices_about(const Adjacency& adjacency, const Surf
     for (const std::uint32_t v : adjacency.face(place.face).vertex) vertices.push_back(v);
   }
   return vertices;
-}
-
-// The faces that have the point; none of one at a vertex, whose distance is the vertex's.
-std::vector<std::uint32_t> faces_about(const Adjacency& adjacency, const SurfacePoint& point) {
-  std::vector<std::uint32_t> faces;
-  if (point.at_vertex()) return faces;
-  for (const SurfacePoint& place : in_all_faces(adjacency, point)) faces.push_back(place.face);
-  return faces;
 }
 
 // Beyond this part of the vertices, a search costs as much as the whole surface. (Fronts see
@@ -90,11 +83,12 @@ class PairSearch {
   Result<Pair> by_field(const Adjacency& adjacency, const Source& from, const SurfacePoint& to,
                         double longest) {
     const std::vector<std::uint32_t> targets = vertices_about(adjacency, to);
-    const std::vector<std::uint32_t> faces = faces_about(adjacency, to);
+    const auto faces = faces_around(adjacency, {&to, 1}, cancel_);
+    if (!faces) return fail(faces.error());
     FieldLimits limits;
-    limits.beyond_targets = longest_edge_of(adjacency, faces);
+    limits.beyond_targets = longest_edge_of(adjacency, *faces);
     // A path needs windows all the way.
-    if (!with_path()) limits.detail_faces = faces;
+    if (!with_path()) limits.detail_faces = *faces;
     // A path that goes by approximate distances looks at what is farther than the target.
     if (is_exact(method_) || !(with_path() || longest < kUnreached)) limits.targets = targets;
     limits.keep_details = with_path() || !to.at_vertex();

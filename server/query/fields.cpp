@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
-#include <optional>
-#include <unordered_set>
 
 #include "core/paths/arrive_at_point.h"
 #include "core/paths/trace_path.h"
 #include "core/solve/distance_at_point.h"
 #include "core/solve/exact_pair.h"
+#include "core/surface/around_points.h"
 #include "core/surface/longest_edge.h"
 #include "proto/wire/number.h"
 #include "server/base/joint_caller.h"
@@ -52,66 +51,6 @@ std::string key_of(const FieldQuestion& question, Details details) {
     }
   }
   return key;
-}
-
-// The edge that a point beside vertices lies on; none inside a face.
-std::optional<std::uint64_t> edge_of(const Adjacency& adjacency, const SurfacePoint& point) {
-  const FaceRecord& face = adjacency.face(point.face);
-  for (std::uint32_t c = 0; c < 3; ++c) {
-    if (point.bary[c] != 0) continue;
-    const auto [low, high] =
-        std::minmax(face.vertex[next_corner(c)], face.vertex[previous_corner(c)]);
-    return std::uint64_t{low} << 32U | high;
-  }
-  return std::nullopt;
-}
-
-void make_set(std::vector<std::uint32_t>& numbers) {
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-}
-
-// Every face that one of the points lies in, once, but for points at vertices. An edge may have as
-// many faces as it likes and as many of the points: its faces are visited once. Belongs into a
-// compute slot: the list may be as long as the mesh.
-Result<std::vector<std::uint32_t>> faces_about(const Adjacency& adjacency,
-                                               std::span<const SurfacePoint> points,
-                                               const Cancel& cancel) {
-  std::vector<std::uint32_t> faces;
-  std::unordered_set<std::uint64_t> edges;
-  Poll poll(cancel);
-  for (const SurfacePoint& point : points) {
-    if (poll.cancelled()) return fail_stopped(cancel);
-    if (point.at_vertex()) continue;
-    const auto edge = edge_of(adjacency, point);
-    if (edge && !edges.insert(*edge).second) continue;
-    for (const SurfacePoint& place : in_all_faces(adjacency, point)) {
-      if (poll.cancelled()) return fail_stopped(cancel);
-      faces.push_back(place.face);
-    }
-  }
-  make_set(faces);
-  return faces;
-}
-
-// Every vertex whose distance decides that of one of the points, once. For a compute slot, too,
-// unless all points are at vertices.
-Result<std::vector<std::uint32_t>> vertices_about(const Adjacency& adjacency,
-                                                  std::span<const SurfacePoint> points,
-                                                  const Cancel& cancel) {
-  const auto faces = faces_about(adjacency, points, cancel);
-  if (!faces) return fail(faces.error());
-  std::vector<std::uint32_t> vertices;
-  Poll poll(cancel);
-  for (const std::uint32_t f : *faces) {
-    if (poll.cancelled()) return fail_stopped(cancel);
-    for (const std::uint32_t v : adjacency.face(f).vertex) vertices.push_back(v);
-  }
-  for (const SurfacePoint& point : points) {
-    if (point.at_vertex()) vertices.push_back(point.vertex);
-  }
-  make_set(vertices);
-  return vertices;
 }
 
 Details details_for(std::span<const SurfacePoint> points) {
@@ -244,7 +183,7 @@ Result<PointDistances> Fields::at_points(const FieldQuestion& question,
   }
   return compute(
       [&](SolveScratch& scratch, const Cancel& cancel) -> Result<PointDistances> {
-        const auto targets = vertices_about(*question.adjacency, points, cancel);
+        const auto targets = vertices_around(*question.adjacency, points, cancel);
         if (!targets) return fail(targets.error());
         return read_points(question, points, *targets, labels, scratch, cancel, caller);
       },
@@ -257,9 +196,9 @@ Result<PointDistances> Fields::table(const FieldQuestion& question,
   const Adjacency& adjacency = *question.adjacency;
   const auto targets =
       details_for(to) == Details::none
-          ? vertices_about(adjacency, to, Cancel())
+          ? vertices_around(adjacency, to, Cancel())
           : compute([&](SolveScratch&,
-                        const Cancel& cancel) { return vertices_about(adjacency, to, cancel); },
+                        const Cancel& cancel) { return vertices_around(adjacency, to, cancel); },
                     caller.part(0, 0));
   if (!targets) return fail(targets.error());
   PointDistances table;
@@ -307,7 +246,7 @@ Result<PointDistances> Fields::read_points(const FieldQuestion& question,
     limits.max = question.max;
     limits.targets = targets;
     limits.keep_details = details == Details::kept;
-    const auto faces = faces_about(*question.adjacency, points, cancel);
+    const auto faces = faces_around(*question.adjacency, points, cancel);
     if (!faces) return fail(faces.error());
     limits.beyond_targets = longest_edge_of(*question.adjacency, *faces);
     // A label may be at the end of a path, over any of the faces.

@@ -18,6 +18,7 @@
 #include "core/paths/arrive_at_point.h"
 #include "core/solve/distance_at_point.h"
 #include "core/solve/pair_search.h"
+#include "core/surface/around_points.h"
 #include "core/surface/longest_edge.h"
 #include "tests/fixtures/crumpled_surfaces.h"
 #include "tests/fixtures/random_meshes.h"
@@ -85,12 +86,7 @@ SurfacePoint random_point(const Surface& surface, std::mt19937& random) {
 }
 
 std::vector<std::uint32_t> faces_of(const Surface& surface, const SurfacePoint& point) {
-  std::vector<std::uint32_t> faces;
-  if (point.at_vertex()) return faces;
-  for (const SurfacePoint& place : in_all_faces(surface.adjacency(), point)) {
-    faces.push_back(place.face);
-  }
-  return faces;
+  return *faces_around(surface.adjacency(), {&point, 1}, Cancel());
 }
 
 double read(const Surface& surface, const Field& field, const SurfacePoint& point) {
