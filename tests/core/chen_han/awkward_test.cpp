@@ -185,21 +185,7 @@ TEST_CASE("ChenHanEndsOnSheetsGluedAtAllVertices") {
 
 TEST_CASE("ChenHanGoesRoundAMoebiusStrip") {
   const std::uint32_t n = 40;
-  TriangleSoup strip;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const double u = 2 * 3.141592653589793 * i / n;
-    for (const double w : {-0.3, 0.3}) {
-      const double r = 1 + w * std::cos(u / 2);
-      strip.positions.push_back({r * std::cos(u), r * std::sin(u), w * std::sin(u / 2)});
-    }
-  }
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const bool last = i + 1 == n;
-    const std::uint32_t c = last ? 1 : 2 * i + 2;
-    const std::uint32_t d = last ? 0 : 2 * i + 3;
-    strip.faces.push_back({2 * i, c, 2 * i + 1});
-    strip.faces.push_back({2 * i + 1, c, d});
-  }
+  const TriangleSoup strip = fixtures::moebius_strip(n);
   check_ends(strip);
   const auto d = distances(Surface(strip), 0);
   CHECK(d[2 * n - 2] < d[n]);

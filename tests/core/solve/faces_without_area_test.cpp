@@ -45,20 +45,6 @@ MethodOptions options_of(const Named& by) {
   return options;
 }
 
-// Triangles put onto edges at random, of points on a line, off it by at most that.
-TriangleSoup on_a_line(std::mt19937& random, double off) {
-  const int faces = 5 + static_cast<int>(random() % 60);
-  TriangleSoup soup = fixtures::grown(random, faces);
-  const Vec3 line{1, fixtures::fraction(random), random() % 2 == 0 ? 0.0 : 1.0};
-  const bool whole = random() % 2 == 0;
-  for (Vec3& p : soup.positions) {
-    double along = 40 * fixtures::fraction(random);
-    if (whole) along = std::round(along);
-    p = along * line + off * p;
-  }
-  return soup;
-}
-
 // Returns how many of the methods were left off, as their windows were too many: on one such heap
 // in thousands those that are equal up to rounding do not join.
 int check_as_near_as_along_edges(const Surface& surface, std::uint32_t from) {
@@ -114,7 +100,7 @@ TEST_CASE("OfPointsOnALineNoMethodIsWorseThanEdges") {
     CAPTURE(off);
     for (int round = 0; round < 25; ++round) {
       CAPTURE(round);
-      const TriangleSoup soup = on_a_line(random, off);
+      const TriangleSoup soup = fixtures::heap_on_a_line(random, off);
       if (!Mesh::build(soup)) continue;  // all faces without two distinct points
       const Surface surface(soup);
       left_off += check_as_near_as_along_edges(surface, random() % surface.mesh().vertex_count());
@@ -132,7 +118,7 @@ TEST_CASE("OfPointsNearlyOnALineNoMethodIsWorseThanEdgesOrBelowTheStraightLine")
     CAPTURE(round);
     CAPTURE(off);
     // Points lie as far off it as along a unit of it.
-    const TriangleSoup soup = on_a_line(random, 40 * off);
+    const TriangleSoup soup = fixtures::heap_on_a_line(random, 40 * off);
     if (!Mesh::build(soup)) continue;
     const Surface surface(soup);
     left_off += check_as_near_as_along_edges(surface, random() % surface.mesh().vertex_count());

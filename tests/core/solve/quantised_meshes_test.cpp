@@ -165,20 +165,6 @@ TriangleSoup sphere_rounded_along_axes(std::mt19937& random) {
   return soup;
 }
 
-// Triangles put onto edges at random, of points off a line by little more than rounding.
-TriangleSoup heap_nearly_on_a_line(std::mt19937& random) {
-  TriangleSoup soup = fixtures::grown(random, 5 + static_cast<int>(random() % 60));
-  const Vec3 line{1, fixtures::fraction(random), random() % 2 == 0 ? 0.0 : 1.0};
-  const bool whole_places = random() % 2 == 0;
-  const double off = 40 * fixtures::any_scale(random, -16, -6);
-  for (Vec3& p : soup.positions) {
-    double along = 40 * fixtures::fraction(random);
-    if (whole_places) along = std::round(along);
-    p = along * line + off * p;
-  }
-  return soup;
-}
-
 // What a client gets: each point is where its face and weights say, consecutive points lie in one
 // face, and no way is shorter than the shortest.
 void check_path(const Surface& surface, const Path& path, double shortest) {
@@ -341,7 +327,8 @@ TEST_CASE("OnHeapsNearlyOnALineExactNearlyAlwaysComesToAnEnd") {
   int endless = 0;
   for (int round = 0; round < 300; ++round) {
     CAPTURE(round);
-    const TriangleSoup soup = heap_nearly_on_a_line(random);
+    const double off = fixtures::any_scale(random, -16, -6);
+    const TriangleSoup soup = fixtures::heap_on_a_line(random, 40 * off);
     if (Mesh::build(soup)) endless += !comes_to_an_end(Surface(soup), random);
   }
   MESSAGE(endless, " of 300 were ended by a limit");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/mesh/shapes.h"
+#include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/surface.h"
 
 using namespace geodesic;
@@ -117,23 +118,7 @@ TEST_CASE("CountsDuplicateFaces") {
 
 TEST_CASE("AMoebiusStripHasOneBoundary") {
   const std::uint32_t n = 12;
-  TriangleSoup strip;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const double u = 2 * 3.141592653589793 * i / n;
-    for (const double w : {-0.3, 0.3}) {
-      const double r = 1 + w * std::cos(u / 2);
-      strip.positions.push_back({r * std::cos(u), r * std::sin(u), w * std::sin(u / 2)});
-    }
-  }
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const bool last = i + 1 == n;
-    const std::uint32_t a = 2 * i;
-    const std::uint32_t b = 2 * i + 1;
-    const std::uint32_t c = last ? 1 : a + 2;  // half a turn
-    const std::uint32_t d = last ? 0 : b + 2;
-    strip.faces.push_back({a, c, b});
-    strip.faces.push_back({b, c, d});
-  }
+  const TriangleSoup strip = fixtures::moebius_strip(n);
   const TopologyReport report = Surface(strip).adjacency().report();
   CHECK(report.boundary_loops == 1);
   CHECK(report.edges_non_manifold == 0);
