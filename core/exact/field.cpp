@@ -6,6 +6,7 @@
 
 #include "core/exact/propagation.h"
 #include "core/exact/surface.h"
+#include "core/field/straight_floor.h"
 #include "core/field/vertex_front.h"
 
 namespace geodesic {
@@ -103,8 +104,9 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
 
 Result<Field> exact_field(const Adjacency& adjacency, std::span<const Source> sources,
                           const FieldLimits& limits, ExactScratch& scratch, const Cancel& cancel) {
-  return field_by_windows(Method::exact, adjacency, sources, 0, limits.keep_details, limits,
-                          scratch, cancel);
+  auto field = field_by_windows(Method::exact, adjacency, sources, 0, limits.keep_details, limits,
+                                scratch, cancel);
+  return not_below_straight_lines(adjacency.mesh(), std::move(field), limits, cancel);
 }
 
 Result<Field> field_within(double tolerance, const Adjacency& adjacency,

@@ -56,7 +56,8 @@ struct ExactScratch {
 // the surface is rough or round, this costs a fraction: narrow windows that went past
 // a vertex on both sides are left behind (exact/propagation.h). Windows are
 // kept of limits.detail_faces alone; the distance of a point there, as above, keeps the same
-// promise. Errors: cancelled.
+// promise. Where points are as far apart as rounding moves them, a distance may be below the
+// straight line in space (field/straight_floor.h). Errors: cancelled.
 [[nodiscard]] Result<Field> field_within(double tolerance, const Adjacency& adjacency,
                                          std::span<const Source> sources, const FieldLimits& limits,
                                          ExactScratch& scratch, const Cancel& cancel);

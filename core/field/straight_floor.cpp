@@ -93,4 +93,19 @@ bool raise_to_straight_lines(const Mesh& mesh, Field& field, Poll& poll) {
   return lines.is_any_below();
 }
 
+Result<Field> not_below_straight_lines(const Mesh& mesh, Result<Field> field,
+                                       const FieldLimits& limits, const Cancel& cancel) {
+  if (!field) return field;
+  Poll poll(cancel);
+  if (limits.targets.empty()) {
+    raise_to_straight_lines(mesh, *field, poll);
+  } else {
+    raise_to_straight_lines(mesh, limits.targets, *field, poll);
+  }
+  if (poll.stopped()) return fail_stopped(cancel);
+  if (limits.max < kUnreached) field->forget_beyond(limits.max);
+  field->count_reached();
+  return field;
+}
+
 }  // namespace geodesic

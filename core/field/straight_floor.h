@@ -5,6 +5,7 @@
 #include <span>
 
 #include "core/base/cancel.h"
+#include "core/base/error.h"
 #include "core/field/field.h"
 #include "core/mesh/mesh.h"
 
@@ -18,5 +19,12 @@ bool raise_to_straight_lines(const Mesh& mesh, std::span<const std::uint32_t> ve
                              Field& field, Poll& poll);
 // The same, of all vertices.
 bool raise_to_straight_lines(const Mesh& mesh, Field& field, Poll& poll);
+
+// Raises the distances of a field that is ready, if there is one: at the targets, or at all
+// vertices where there are none. A vertex that comes to lie beyond `limits.max` is unreached.
+// Errors: the field's, cancelled.
+[[nodiscard]] Result<Field> not_below_straight_lines(const Mesh& mesh, Result<Field> field,
+                                                     const FieldLimits& limits,
+                                                     const Cancel& cancel);
 
 }  // namespace geodesic

@@ -1,5 +1,6 @@
 #include "core/solve/solve_field.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 
@@ -35,11 +36,13 @@ Result<Field> lesser_of_both(Field by_windows, const Adjacency& adjacency,
   for (std::size_t v = 0; v < distance.size(); ++v) {
     if (distance[v] == kUnreached) continue;
     const double rounding = kWindowRounding * (extent + distance[v]);
-    const double least = distance[v] - rounding;
+    const double shortest = distance[v];
     distance[v] += rounding;
-    // Below what windows allow, the account was wrong.
-    if (!(traced->distance[v] <= distance[v] && traced->distance[v] >= least)) continue;
-    distance[v] = traced->distance[v];
+    // Below what windows allow, the account was wrong; also where it is below what they say by
+    // less.
+    if (!(traced->distance[v] <= distance[v] && traced->distance[v] >= shortest - rounding))
+      continue;
+    distance[v] = std::max(traced->distance[v], shortest);
     if (sources.size() > 1) by_windows.nearest_source[v] = traced->nearest_source[v];
   }
   return by_windows;
@@ -119,8 +122,10 @@ Result<Field> solve(Method method, const MethodOptions& options, const Adjacency
                            cancel);
     case Method::back_traced:
       if (options.error_at_most) {
-        return field_within(*options.error_at_most, adjacency, sources, limits, scratch.exact,
-                            cancel);
+        return not_below_straight_lines(
+            adjacency.mesh(),
+            field_within(*options.error_at_most, adjacency, sources, limits, scratch.exact, cancel),
+            limits, cancel);
       }
       if (goes_by_windows(method, options, adjacency, sources)) {
         return bound_across_slivers(adjacency, sources, limits, scratch, cancel);

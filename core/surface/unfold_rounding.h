@@ -48,9 +48,10 @@ struct UnfoldRounding {
   }
 };
 
-// Bounds on twice a face's area over half the sum of its squared sides. Below kFlat, what is
-// computed across the face may be less exact than its sides. Below kWithoutArea it may be anything.
-inline constexpr double kFlat = 1e-5;
+// Bounds on twice a face's area over half the sum of its squared sides. Below kFlat, the way along
+// its sides may be shorter than what is computed across it: by a rule that waits until two corners
+// have their distance, or by rounding. Below kWithoutArea, what is computed may be anything.
+inline constexpr double kFlat = 1e-3;
 inline constexpr double kWithoutArea = 1e-10;
 [[nodiscard]] inline bool is_lower_than(double part, const FaceRecord& face) {
   return !(face.area2 > part * (face.dot[0] + face.dot[1] + face.dot[2]));

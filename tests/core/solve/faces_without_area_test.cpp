@@ -114,7 +114,7 @@ TEST_CASE("OfPointsNearlyOnALineNoMethodIsWorseThanEdgesOrBelowTheStraightLine")
   std::mt19937 random(fixtures::test_seed());
   int left_off = 0;
   for (int round = 0; round < 150; ++round) {
-    const double off = fixtures::any_scale(random, -16, -6);
+    const double off = fixtures::any_scale(random, -16, -7);
     CAPTURE(round);
     CAPTURE(off);
     // Points lie as far off it as along a unit of it.
@@ -133,7 +133,7 @@ TEST_CASE("OnStripsNearlyOnALineExactIsExactAndUpperIsAbove") {
   for (int round = 0; round < 200; ++round) {
     CAPTURE(round);
     TriangleSoup soup;
-    const double off = fixtures::any_scale(random, -16, -6);
+    const double off = fixtures::any_scale(random, -16, -7);
     const int count = 5 + static_cast<int>(random() % 10);
     for (int i = 0; i < count; ++i) {
       soup.positions.push_back({fixtures::fraction(random), off * fixtures::fraction(random),
