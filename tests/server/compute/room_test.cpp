@@ -83,8 +83,8 @@ TEST_CASE("a job without room goes on once it has some, though others run on") {
   pool.set_memory_limits({80 * kMiB, 100 * kMiB});
   Holder large(pool, 60 * kMiB);
   Holder small(pool, 10 * kMiB);
-  auto waiting = std::async(std::launch::async,
-                            [&] { return pool.run_with_room(query_taking(50 * kMiB)); });
+  auto waiting =
+      std::async(std::launch::async, [&] { return pool.run_with_room(query_taking(50 * kMiB)); });
   wait_until([&] { return pool.memory().crowded_out == 1; });
   large.leave();
   CHECK(waiting.wait_for(60s) == std::future_status::ready);
