@@ -23,10 +23,8 @@ configure: setup
 build: configure ## build everything for release, in build/release
 	@cmake --build --preset release --parallel $(JOBS)
 
-run: configure ## build and start the server, viewer and sample meshes; Ctrl-C stops it
-	@cmake --build --preset release --parallel $(JOBS) --target geodesicd make_samples
-	@scripts/build_viewer
-	@scripts/run_server
+run: ## build and start the server, viewer and sample meshes; Ctrl-C stops it
+	@scripts/build_and_run $(CMAKE_FLAGS)
 
 test: ## build and run all tests, again under the sanitizers, and the fuzzers for seconds
 	@scripts/setup fuzz
