@@ -236,6 +236,7 @@ class HttpServer::Impl final : public httplib::Server {
   Stats stats() const {
     Stats stats;
     stats.connections = workers_.connections();
+    stats.dispensable = workers_.dispensable();
     stats.threads = workers_.threads();
     stats.running = running_;
     stats.requests = edge_.requests;

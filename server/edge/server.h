@@ -57,6 +57,7 @@ class HttpServer {
 
   struct Stats {
     std::uint64_t connections = 0;      // open now
+    std::uint64_t dispensable = 0;      // … that wait for their client, and can be pushed out
     std::uint64_t threads = 0;          // that serve them
     std::uint64_t running = 0;          // requests in the handler now
     std::uint64_t requests = 0;         // answered since the start

@@ -372,6 +372,17 @@ std::size_t HttpWorkers::connections() const {
   return used_;
 }
 
+std::size_t HttpWorkers::dispensable() const {
+  const std::lock_guard lock(places_mutex_);
+  std::size_t count = 0;
+  for (std::size_t index = 0; index < high_water_; ++index) {
+    const Place& place = places_[index];
+    const bool waits = (place.state.load(std::memory_order_acquire) & 3) == parked;
+    count += static_cast<std::size_t>(waits && place.dispensable.load(std::memory_order_relaxed));
+  }
+  return count;
+}
+
 std::size_t HttpWorkers::threads() const {
   const std::lock_guard lock(threads_mutex_);
   return threads_.size();

@@ -47,6 +47,8 @@ class HttpWorkers {
   bool stop(std::chrono::milliseconds grace);
 
   [[nodiscard]] std::size_t connections() const;
+  // Those that could be pushed out now.
+  [[nodiscard]] std::size_t dispensable() const;
   [[nodiscard]] std::size_t threads() const;
 
  private:

@@ -6,20 +6,10 @@
 #include <limits>
 #include <new>
 
+#include "server/http/head.h"
+
 namespace geodesic::server {
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
-}
-
-bool same_ignoring_case(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) {
-    return (x >= 'A' && x <= 'Z' ? x + 32 : x) == (y >= 'A' && y <= 'Z' ? y + 32 : y);
-  });
-}
 
 // Whether ";q=0", with any number of zeros, is among the parameters.
 bool forbidden(std::string_view parameters) {
@@ -39,7 +29,7 @@ bool admits_gzip(std::string_view accept_encoding) {
     const std::size_t semicolon = entry.find(';');
     const std::string_view name = trimmed(entry.substr(0, semicolon));
     const bool no = semicolon != entry.npos && forbidden(entry.substr(semicolon));
-    if (same_ignoring_case(name, "gzip") || same_ignoring_case(name, "x-gzip")) return !no;
+    if (equals_ignoring_case(name, "gzip") || equals_ignoring_case(name, "x-gzip")) return !no;
     if (name == "*") any = !no;
   }
   return any;

@@ -26,12 +26,6 @@ char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + '
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-std::string_view trim(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
-}
-
 // Cuts one line off `bytes`, its CR LF included. A bare CR or LF ends no line:
 // it stays inside, where it is refused as a control character.
 std::string_view take_line(std::string_view& bytes) {
@@ -45,7 +39,7 @@ std::string_view take_line(std::string_view& bytes) {
 bool lists(std::string_view value, std::string_view token) {
   while (!value.empty()) {
     const std::size_t comma = value.find(',');
-    if (equals_ignoring_case(trim(value.substr(0, comma)), token)) return true;
+    if (equals_ignoring_case(trimmed(value.substr(0, comma)), token)) return true;
     if (comma == std::string_view::npos) break;
     value.remove_prefix(comma + 1);
   }
@@ -181,7 +175,7 @@ std::optional<HeadError> parse_headers(std::string_view bytes, const HeadLimits&
       return bad("a header line is not 'name: value'");
     }
     const std::string_view name = line.substr(0, colon);
-    const std::string_view value = trim(line.substr(colon + 1));
+    const std::string_view value = trimmed(line.substr(colon + 1));
     // A tab around a value is a blank to some and part of the value to others.
     if (line.find('\t', colon) != line.npos && decides_framing(name)) {
       return bad("a header that says where a request ends or goes holds a tab", std::string(name));
@@ -256,6 +250,12 @@ std::optional<HeadError> parse_wishes(HttpHead& head) {
 bool equals_ignoring_case(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](char x, char y) { return lower(x) == lower(y); });
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+  return text;
 }
 
 bool is_token(std::string_view text) {

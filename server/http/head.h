@@ -69,6 +69,10 @@ struct HeadError {
 // `_` and `~` (no escapes, no sub-delims), an IPv4 address, or an IPv6 address in brackets.
 [[nodiscard]] bool is_authority(std::string_view text);
 
+// Of ASCII letters.
 [[nodiscard]] bool equals_ignoring_case(std::string_view a, std::string_view b);
+
+// Without the spaces and tabs at either end.
+[[nodiscard]] std::string_view trimmed(std::string_view text);
 
 }  // namespace geodesic::server

@@ -5,12 +5,6 @@
 namespace geodesic::server {
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(" \t");
-  if (begin == text.npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t") + 1 - begin);
-}
-
 // Takes off what comes before the first `separator` that is in no quoted string.
 std::string_view take_until(char separator, std::string_view& text) {
   bool quoted = false;
