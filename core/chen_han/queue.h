@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/quaternary_heap.h"
 #include "core/chen_han/window.h"
 
 namespace geodesic::chen_han {
@@ -41,16 +42,16 @@ class Queue {
       free_.pop_back();
       pool_[slot] = window;
     }
-    sift_up({key, slot});
+    push({key, slot});
   }
-  void push_vertex(double key, std::uint32_t vertex) { sift_up({key, kVertex | vertex}); }
+  void push_vertex(double key, std::uint32_t vertex) { push({key, kVertex | vertex}); }
 
   // Not when empty.
   Next pop() {
     const Entry top = entries_.front();
     const Entry last = entries_.back();
     entries_.pop_back();
-    if (!entries_.empty()) sift_down(last);
+    if (!entries_.empty()) sift_down(entries_, last, ignore_place);
     if ((top.what & kVertex) != 0) return {top.key, static_cast<std::uint32_t>(top.what), {}};
     free_.push_back(top.what);
     return {top.key, kNone, pool_[top.what]};
@@ -62,38 +63,14 @@ class Queue {
     std::uint64_t what;  // a slot of the pool, or kVertex and a vertex
   };
   static constexpr std::uint64_t kVertex = 1ULL << 63U;
-  static constexpr std::size_t kArity = 4;
 
-  void sift_up(Entry entry) {
-    std::size_t i = entries_.size();
+  static void ignore_place(const Entry&, std::size_t) {}
+  void push(const Entry& entry) {
     entries_.push_back(entry);
-    while (i > 0) {
-      const std::size_t parent = (i - 1) / kArity;
-      if (entries_[parent].key <= entry.key) break;
-      entries_[i] = entries_[parent];
-      i = parent;
-    }
-    entries_[i] = entry;
+    sift_up(entries_, entries_.size() - 1, entry, ignore_place);
   }
 
-  // From the root, with `entry` to find its place.
-  void sift_down(Entry entry) {
-    const std::size_t size = entries_.size();
-    std::size_t i = 0;
-    for (std::size_t first = 1; first < size; first = kArity * i + 1) {
-      std::size_t least = first;
-      const std::size_t end = std::min(first + kArity, size);
-      for (std::size_t child = first + 1; child < end; ++child) {
-        if (entries_[child].key < entries_[least].key) least = child;
-      }
-      if (entries_[least].key >= entry.key) break;
-      entries_[i] = entries_[least];
-      i = least;
-    }
-    entries_[i] = entry;
-  }
-
-  std::vector<Entry> entries_;  // a 4-ary heap
+  std::vector<Entry> entries_;  // a heap, base/quaternary_heap.h
   std::vector<Window> pool_;
   std::vector<std::uint64_t> free_;  // slots of the pool
 };

@@ -1,17 +1,16 @@
-// A 4-ary min-heap of vertices with positions, so that a vertex's key can be
-// lowered in place. Four children to a node make it half as deep as a binary
-// heap, and their keys share a cache line. `tests/bench` measures it against the
-// pairing heap of the paper.
+// A min-heap of vertices (base/quaternary_heap.h) with positions, so that a vertex's key can be
+// lowered in place. `tests/bench` measures it against the pairing heap of the paper.
 //
 // The heap keeps the state of every vertex in the same array as its position:
 // far (never pushed), considered (in the heap) or accepted (popped).
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "core/base/quaternary_heap.h"
 
 namespace geodesic {
 
@@ -51,7 +50,7 @@ class VertexHeap {
       i = entries_.size();
       entries_.push_back({key, vertex});
     }
-    sift_up(i, {key, vertex});
+    sift_up(entries_, i, Entry{key, vertex}, KeepPosition{position_});
   }
 
   // Removes the vertex of the least key and marks it accepted. Not when empty.
@@ -60,48 +59,21 @@ class VertexHeap {
     position_[top.vertex] = kAccepted;
     const Entry last = entries_.back();
     entries_.pop_back();
-    if (!entries_.empty()) sift_down(last);
+    if (!entries_.empty()) sift_down(entries_, last, KeepPosition{position_});
     return top;
   }
 
  private:
   static constexpr std::uint32_t kFar = 0xffffffffU;
   static constexpr std::uint32_t kAccepted = 0xfffffffeU;
-  static constexpr std::size_t kArity = 4;
 
-  void place(std::size_t i, Entry entry) {
-    entries_[i] = entry;
-    position_[entry.vertex] = static_cast<std::uint32_t>(i);
-  }
-
-  void sift_up(std::size_t i, Entry entry) {
-    while (i > 0) {
-      const std::size_t parent = (i - 1) / kArity;
-      if (entries_[parent].key <= entry.key) break;
-      place(i, entries_[parent]);
-      i = parent;
+  // Is told of its entries' places by the heap.
+  struct KeepPosition {
+    std::vector<std::uint32_t>& position;
+    void operator()(const Entry& entry, std::size_t i) const {
+      position[entry.vertex] = static_cast<std::uint32_t>(i);
     }
-    place(i, entry);
-  }
-
-  // From the root, with `entry` to find its place.
-  void sift_down(Entry entry) {
-    const std::size_t size = entries_.size();
-    std::size_t i = 0;
-    for (;;) {
-      const std::size_t first = kArity * i + 1;
-      if (first >= size) break;
-      std::size_t least = first;
-      const std::size_t end = std::min(first + kArity, size);
-      for (std::size_t child = first + 1; child < end; ++child) {
-        if (entries_[child].key < entries_[least].key) least = child;
-      }
-      if (entries_[least].key >= entry.key) break;
-      place(i, entries_[least]);
-      i = least;
-    }
-    place(i, entry);
-  }
+  };
 
   std::vector<Entry> entries_;
   std::vector<std::uint32_t> position_;  // of each vertex in entries_, kFar or kAccepted
