@@ -141,7 +141,10 @@ Result<std::optional<std::uint64_t>> Parameters::whole(std::string_view name) {
   std::optional<std::uint64_t> number;
   if ((*value)->is_string()) number = parse_whole((*value)->get_ref<const std::string&>());
   if ((*value)->is_number_unsigned()) number = (*value)->get<std::uint64_t>();
-  if (!number) return fail(ErrorCode::bad_syntax, "this is not a whole number", std::string(name));
+  if (!number) {
+    return fail(ErrorCode::bad_syntax, "this is not a whole number of zero or more",
+                std::string(name));
+  }
   return number;
 }
 

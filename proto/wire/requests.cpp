@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "proto/wire/number.h"
 #include "proto/wire/query_limits.h"
 
 namespace geodesic::proto {
@@ -37,10 +38,35 @@ Result<double> read_choice(Parameters& parameters, const MethodParameter& parame
   if (!*given) return parameter.standard;
   const auto it = std::find(parameter.choices.begin(), parameter.choices.end(), **given);
   if (it == parameter.choices.end()) {
-    return fail(ErrorCode::value_out_of_range, "not one of the choices; see /v1/methods",
+    std::string choices;
+    for (const std::string_view choice : parameter.choices) {
+      choices += (choices.empty() ? "" : ", ") + std::string(choice);
+    }
+    return fail(ErrorCode::value_out_of_range, "this is none of the choices: " + choices,
                 std::string(parameter.name));
   }
   return static_cast<double>(it - parameter.choices.begin());
+}
+
+// Refuses what only other methods take, and says which ones do.
+Result<void> check_parameters_of_others(const Parameters& parameters, Purpose purpose,
+                                        Method chosen) {
+  for (const MethodInfo& other : all_methods()) {
+    for (const MethodParameter& parameter : other.parameters) {
+      const auto is_of = [&](const MethodInfo& method) {
+        return std::any_of(
+            method.parameters.begin(), method.parameters.end(),
+            [&](const auto& own) { return own.name == parameter.name && serves(own, purpose); });
+      };
+      if (parameters.count(parameter.name) == 0 || is_of(info_of(chosen))) continue;
+      if (!serves(parameter, purpose)) continue;
+      return fail(ErrorCode::unknown_parameter,
+                  "method=" + std::string(name_of(chosen)) +
+                      " does not take this, method=" + std::string(other.name) + " does",
+                  std::string(parameter.name));
+    }
+  }
+  return {};
 }
 
 Result<void> read_method(Parameters& parameters, Purpose purpose, MethodChoice& choice) {
@@ -67,13 +93,15 @@ Result<void> read_method(Parameters& parameters, Purpose purpose, MethodChoice& 
     }
     if (std::isnan(value)) continue;  // not given, and nothing instead
     if (!(value >= parameter.minimum && value <= parameter.maximum)) {
-      return fail(ErrorCode::value_out_of_range,
-                  "outside of what this method takes; see /v1/methods",
-                  std::string(parameter.name));
+      std::string detail = "this method takes from ";
+      append_number(detail, parameter.minimum);
+      detail += " to ";
+      append_number(detail, parameter.maximum);
+      return fail(ErrorCode::value_out_of_range, std::move(detail), std::string(parameter.name));
     }
     set_option(choice, parameter.name, value);
   }
-  return {};
+  return check_parameters_of_others(parameters, purpose, choice.which);
 }
 
 Result<void> check_count(std::size_t count, std::size_t most, const char* parameter) {

@@ -106,6 +106,20 @@ TEST_CASE("ParametersThatAMethodDoesNotHaveAreRefused") {
   plane.check_refused("/nearest?point=v:0&method=dijkstra", 400, "unknown_parameter", "method");
 }
 
+TEST_CASE("RefusedMethodParametersNameTheWayOut") {
+  PlaneService plane;
+  const auto detail = [&](const std::string& query) -> std::string {
+    return body_of(plane.service.get(plane.base + "/distance?from=v:0&" + query))["detail"];
+  };
+  CHECK(detail("bound=upper") == "method=wavefront does not take this, method=auto does");
+  CHECK(detail("method=exact&points_per_edge=3") ==
+        "method=exact does not take this, method=steiner does");
+  CHECK(detail("method=auto&tolerance=0.6") == "this method takes from 0 to 0.5");
+  CHECK(detail("method=steiner&points_per_edge=65") == "this method takes from 1 to 64");
+  CHECK(detail("method=auto&bound=lower") == "this is none of the choices: none, upper");
+  CHECK(detail("deadline_ms=-5") == "this is not a whole number of zero or more");
+}
+
 TEST_CASE("EveryMethodParameterHasItsBounds") {
   PlaneService plane;
   const json methods = body_of(plane.service.get("/v1/methods"))["methods"];
