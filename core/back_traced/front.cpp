@@ -135,8 +135,8 @@ void BackTracedFront::start(const SurfacePoint& source) {
               [this](std::uint32_t v, double straight) { see(v, straight); });
 }
 
-// The estimate of a vertex and its distance are both within an edge of those of its
-// neighbours.
+// Estimates and distances differ by at most the longest side between neighbours. So a vertex is
+// accepted before all that are farther by more than twice that.
 double BackTracedFront::lag() const {
   double longest2 = 0;
   for (const FaceRecord& face : surface_.faces) {
@@ -271,8 +271,9 @@ void BackTracedFront::trace_round() {
   flush_traces();
 }
 
-// The next lane is for the vertex at that place of the round. What is known to be best is
-// told: in the round it may or may not be less already, by the vertex' other traces.
+// Adds a trace for the vertex at `place` of the round. It ends early where it cannot be less than
+// `best`. The caller gives `best`, because the round's own value depends on which other traces of
+// the vertex are done.
 void BackTracedFront::trace(std::uint32_t place, Halfedge base, double crossing, double best) {
   traced_[traces_.add(base, crossing, best)] = place;
   if (traces_.full()) flush_traces();
@@ -429,9 +430,9 @@ void BackTracedFront::spread_along_edges(std::uint32_t v) {
   }
 }
 
-// The way to the vertex seems to bend at another one. On either side of that one, the
-// faces round it are unfolded until the one its own way came through: if that way goes
-// straight on past it, a trace begins there.
+// The way to the vertex seems to bend at the vertex `bend`. On either side of `bend`, the faces
+// round it are unfolded up to the face that the way to `bend` came through. If that way, continued
+// straight, passes `bend` and stays in the first face, a trace along it is added.
 void BackTracedFront::trace_round_a_vertex(std::uint32_t place, std::uint32_t bend) {
   const std::uint32_t vertex = scratch_.round[place];
   double best = scratch_.best[place];

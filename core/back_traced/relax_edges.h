@@ -1,5 +1,5 @@
-// No distance is above the way along an edge from a neighbour's: for fronts that
-// compute a vertex from whole triangles only, and may pass an edge by.
+// Lowers distances to what edges allow. A front that computes a vertex from whole triangles may
+// miss that a neighbour's distance plus the length of the edge is less.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +11,13 @@
 
 namespace geodesic {
 
-// Lowers what is above, and what that is below in turn, up to `max`; vertices that get
-// a lesser distance are of the source that it came from. Leaves off when the poll says
-// to stop. One look at each edge, and nothing more where nothing is to be done.
+// Lowers each distance to the least over its edges of the neighbour's distance plus the length,
+// until none is lowered any more. Sets none above `max`. A lowered vertex gets the
+// neighbour's nearest source. Stops early when the poll says so. Where nothing is lowered, looks at
+// each edge once.
 void relax_edges(const Adjacency& adjacency, double max, Field& field, Poll& poll);
 
-// The same where only these vertices have a distance; the others stay without.
+// The same among `vertices`, which are all that have a distance.
 void relax_edges_among(std::span<const std::uint32_t> vertices, const Adjacency& adjacency,
                        double max, Field& field, Poll& poll);
 

@@ -32,7 +32,8 @@ struct BackTracedScratch {
 
   VertexBuckets waiting;
   std::vector<FrontVertex> vertices;
-  bool is_clean = false;  // they are as constructed: the last query came to its end
+  // Whether all of them are as constructed, as a finished query leaves them.
+  bool is_clean = false;
   std::vector<std::uint32_t> visited;
   std::vector<double> distance;  // of one of several waves; kUnreached between waves
   std::vector<std::uint8_t> is_target;
@@ -43,7 +44,7 @@ struct BackTracedScratch {
   std::vector<double> best;
   std::vector<std::uint32_t> corners;
   std::vector<Halfedge> bases;
-  std::vector<Ask> asks;  // whose base that is
+  std::vector<Ask> asks;  // which vertex of the round each of `bases` belongs to
 };
 
 }  // namespace geodesic

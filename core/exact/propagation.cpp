@@ -104,9 +104,9 @@ bool Propagation::step() {
   return true;
 }
 
-// All that waits on an edge sets out over the faces it did not come from. Meanwhile
-// the edge's farthest place is found: nothing that arrives later, and farther, can be
-// nearer anywhere on it.
+// Propagates the windows that wait on an edge over the faces they did not come from. In the same
+// pass it finds the greatest distance on the edge. A window that arrives later and starts farther
+// than that is nearer nowhere on the edge.
 void Propagation::set_out(std::uint32_t e) {
   Edge& edge = edges_[e];
   if (edge.pending == kUnreached) return;

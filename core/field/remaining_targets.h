@@ -10,7 +10,8 @@ namespace geodesic {
 
 class RemainingTargets {
  public:
-  // `marks` is scratch memory, not zero for each target; it must outlive this object.
+  // `marks` is scratch memory and must outlive this object. It holds something other than zero for
+  // each target.
   RemainingTargets(std::span<const std::uint32_t> targets, std::size_t vertex_count,
                    std::vector<std::uint8_t>& marks)
       : marks_(marks), all_(targets.empty()) {

@@ -12,9 +12,9 @@ namespace geodesic {
 
 inline constexpr double kUnreached = std::numeric_limits<double>::infinity();
 
-// The float next to a distance, or with Bound::upper the next one that is not below it:
-// not off by more than 1.2e-7 of it, and the same for zero and infinity. What is out of the
-// range in which that holds of floats stays as it is.
+// Rounds a distance to the nearest float, or with Bound::upper to the least float that is not below
+// it. The result differs by at most 1.2e-7 of the distance. Zero and infinity stay the same. So
+// does a distance for which no float is that close, because it is too great or too small.
 [[nodiscard]] double as_float(double distance, Bound bound = Bound::none);
 
 class VertexDistances {

@@ -1,4 +1,4 @@
-// The last way down a distance field: along edges to whatever vertex is closer to the
+// The last resort of a path back to the source: along edges, to any vertex that is nearer to the
 // sources.
 #pragma once
 
@@ -12,9 +12,9 @@
 
 namespace geodesic {
 
-// From a vertex along edges to the nearest one, that way, whose distance is less than
-// `below`: none when its component has no such vertex. Goes through as many vertices as are
-// on the way, in the worst case once through all of them; of no use if the poll says to stop.
+// Returns the steps from `vertex` along edges to the vertex that is nearest along edges among those
+// whose distance is less than `below`. Empty if the component has no such vertex. Visits each
+// vertex at most once. If the poll says to stop, the result has no meaning.
 [[nodiscard]] std::vector<StepBack> down_edges(const Adjacency& adjacency, const Field& field,
                                                std::uint32_t vertex, double below, Poll& poll);
 

@@ -12,8 +12,8 @@
 namespace geodesic {
 namespace {
 
-// The length of the straight lines from a place to two others, which no place nearer than
-// `r` is below by more than 2 r.
+// The length of the straight lines from a place to two others. At a place that is `r` away, it is
+// less by at most 2 r.
 struct Lines {
   Vec3 from;
   Vec3 to;

@@ -36,7 +36,7 @@ class JointCaller {
 
     // On whose behalf the part is computed.
     [[nodiscard]] const Caller& caller() const { return caller_; }
-    // To its end; `hit`: what it is made of was in a cache.
+    // The part is ready. `hit` says whether what it is made of was in a cache.
     void done(bool hit) { joint_.end(number_, hit); }
 
    private:

@@ -55,7 +55,7 @@ std::optional<std::string> parameter_of(std::string_view header, std::string_vie
   return std::nullopt;
 }
 
-// Of the head of one part: its lines up to the empty one.
+// Reads the names out of the head of one part, which is its lines up to the empty one.
 Result<Part> part_of(std::string_view head) {
   constexpr std::string_view kDisposition = "content-disposition:";
   while (!head.empty()) {

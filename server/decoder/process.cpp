@@ -72,8 +72,8 @@ void answer(const DecodeOrder& order, int file, int frame, int reply, const Find
   if (!hand_over(found, frame, reply)) (void)hand_over(Answer(out_of_memory(order)), frame, reply);
 }
 
-// In the copy. The kernel sends SIGIO, which ends a process, once the other end of the
-// socket is closed: by whoever has lost patience, or because the server is no more.
+// Runs in the forked process. Once the server closes its end of the socket, because nobody waits
+// any more or because it has ended, the kernel sends SIGIO. That ends this process.
 void serve(const LocalMessage& message, Decode& decode, const Confinement& confinement) {
   const int file = message.fds[0].get();
   const int frame = message.fds[1].get();
@@ -83,7 +83,7 @@ void serve(const LocalMessage& message, Decode& decode, const Confinement& confi
       ::fcntl(reply, F_SETFL, O_ASYNC) != 0) {
     return;
   }
-  // What was closed before has sent no signal.
+  // The server may have closed its end before the signal was asked for.
   pollfd end{reply, POLLRDHUP, 0};
   if (::poll(&end, 1, 0) != 0) return;
   if (!confinement.enter({order->memory_bytes, order->cpu_seconds})) {

@@ -32,7 +32,7 @@ UniqueFd memory_file(const char* name) {
   return UniqueFd(::memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING));
 }
 
-// All that the caller still waits for.
+// Writes until all is written, or nobody waits for it any more. False if writing failed.
 bool write_all(int fd, std::string_view bytes, const Caller& caller) {
   constexpr std::size_t kAtOnce = std::size_t{4} << 20;
   while (!bytes.empty()) {
@@ -45,7 +45,8 @@ bool write_all(int fd, std::string_view bytes, const Caller& caller) {
   return true;
 }
 
-// Whether all of a file has been written to: holes would cost memory only who reads.
+// Whether all of a file has been written to. Reading a hole would take memory that was never
+// counted.
 bool is_without_holes(const struct stat& about) {
   constexpr off_t kBlock = 512;  // stat's unit, whatever the file's own
   return about.st_blocks >= about.st_size / kBlock;

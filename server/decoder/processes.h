@@ -49,16 +49,16 @@ class DecoderProcesses {
 
   void set_limits(const Limits& limits);
 
-  // As proto::decode_mesh. Errors besides: mesh_invalid when the decoder came to no end;
-  // too_large when it needed too much memory; what `caller` stopped by, within some
-  // 10 ms; overloaded when there can be no process.
   ~DecoderProcesses();
   DecoderProcesses(const DecoderProcesses&) = delete;
   DecoderProcesses& operator=(const DecoderProcesses&) = delete;
 
+  // Does what proto::decode_mesh does, in a process of its own. Has these errors besides:
+  // mesh_invalid if the process crashed or took too long, too_large if it needed too much memory,
+  // overloaded if no process could be started, and what `caller` was stopped by, some 10 ms later.
   [[nodiscard]] Decoded decode(std::string_view bytes, const proto::DecodeLimits& limits,
                                const proto::ImportOptions& options, const Caller& caller);
-  // As server::file_of_form, with the same errors besides.
+  // Does what server::file_of_form does, with the same further errors.
   [[nodiscard]] Result<std::string> file_of_form(std::string_view body, std::string_view boundary,
                                                  const proto::DecodeLimits& limits,
                                                  const Caller& caller);

@@ -40,7 +40,7 @@ Reload::Reload(const Config& started, Read read, Environment environment, Parts 
       config_(started) {}
 
 auto Reload::run() -> Result<Outcome> {
-  // First all that can fail.
+  // What can fail comes first, so that a failure changes nothing.
   const auto command = read_();
   if (!command) return fail(command.error());
   const Config& fresh = command->config;

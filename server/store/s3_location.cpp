@@ -56,7 +56,8 @@ bool is_bucket(std::string_view name) {
          name.front() != '-';
 }
 
-// "a/b" or "a/b/" -> "a/b/"; "" stays. Empty when it is none.
+// Returns the path with one slash at its end and none at its start: "a/b/" for "/a/b". Empty if
+// there is no prefix.
 Result<std::string> prefix_of(std::string_view url, std::string_view path) {
   while (path.starts_with('/')) path.remove_prefix(1);
   while (path.ends_with('/')) path.remove_suffix(1);
