@@ -28,7 +28,7 @@ function(geodesic_add_doctest target)
     add_dependencies(tsan_executables ${target})
     list(APPEND labels tsan)
   endif()
-  set_tests_properties(${target} PROPERTIES LABELS "${labels}" TIMEOUT 600)
+  set_tests_properties(${target} PROPERTIES LABELS "${labels}" TIMEOUT 1500)
 endfunction()
 
 # geodesic_add_script_test(NAME COMMAND...)
