@@ -1,9 +1,8 @@
-# Every library from outside, found in one place. `make setup` installs them.
-# Where Debian 12 and 13 differ, the difference ends here.
+# Every library from outside that core does not need, found in one place. `make setup` installs
+# them. Where Debian 12 and 13 differ, the difference ends here.
 find_package(Threads REQUIRED)
 # Debian's own, which has Debian's PyYAML: the contract becomes JSON in the build.
 find_program(GEODESIC_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH REQUIRED)
-find_package(tl-expected REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(CLI11 REQUIRED)
@@ -26,14 +25,6 @@ if(TARGET draco::draco)
 else()
   target_link_libraries(geodesic_draco INTERFACE draco::draco_static)
 endif()
-
-# geodesic_embree: Embree 3 (Debian 12) or 4 (Debian 13), which differ in the
-# header's folder and in a few calls; GEODESIC_EMBREE tells the code which it is.
-find_package(embree REQUIRED)
-add_library(geodesic_embree INTERFACE)
-target_link_libraries(geodesic_embree INTERFACE embree)
-target_compile_definitions(geodesic_embree INTERFACE GEODESIC_EMBREE=${EMBREE_VERSION_MAJOR})
-message(STATUS "Embree ${EMBREE_VERSION}")
 
 set(GEODESIC_HTTPLIB_DIR "" CACHE PATH "Folder of httplib.h, looked in first")
 include(HttplibFolder)

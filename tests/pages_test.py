@@ -13,7 +13,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGES = ["docs/*.md", "CONTRIBUTING.md", "core/README.md", "*/*/README.md"]
-SOURCES = ["core", "proto", "server", "tests", "scripts", "clients", "cmake"]
+SOURCES = ["core", "proto", "server", "tests", "scripts", "clients", "cmake", "examples"]
 PATH = re.compile(r"[\w.-]+(?:/[\w.*-]+)+/?|[\w-]+\.(?:h|cpp|py|sh|yaml|txt)")
 NAME = re.compile(r"(?:\w+::)*\w+")
 FLAG = re.compile(r"--[a-z][a-z-]+")

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 
@@ -24,16 +25,21 @@ struct RayHit {
 };
 
 // A bounding volume hierarchy over the faces of a mesh, built once and shared.
-// Embree holds and searches the hierarchy in single precision, with a margin: it
-// finds faces that may be meant. What they mean, distances and hits, is ours to
-// compute, in double precision; and from farther than single precision sees, the
-// search is ours too (far_search.h).
+// The hierarchy finds faces that may be meant (face_hierarchy.h): Embree, where the engine was
+// built with it. What they mean, distances and hits, is computed here in double precision, so
+// that answers do not depend on the hierarchy.
 class ClosestPointIndex {
  public:
+  enum class Hierarchy : std::uint8_t {
+    quickest,  // Embree's, where the engine was built with it
+    boxes,     // the engine's own: slower
+  };
+
   explicit ClosestPointIndex(std::shared_ptr<const Adjacency> adjacency);
   // Errors: cancelled.
   [[nodiscard]] static Result<std::shared_ptr<const ClosestPointIndex>> build(
-      std::shared_ptr<const Adjacency> adjacency, const Cancel& cancel);
+      std::shared_ptr<const Adjacency> adjacency, const Cancel& cancel,
+      Hierarchy hierarchy = Hierarchy::quickest);
   ~ClosestPointIndex();
   ClosestPointIndex(const ClosestPointIndex&) = delete;
   ClosestPointIndex& operator=(const ClosestPointIndex&) = delete;
@@ -64,7 +70,8 @@ class ClosestPointIndex {
 
  private:
   struct Scene;
-  ClosestPointIndex(std::shared_ptr<const Adjacency> adjacency, const Cancel& cancel);
+  ClosestPointIndex(std::shared_ptr<const Adjacency> adjacency, const Cancel& cancel,
+                    Hierarchy hierarchy);
   std::shared_ptr<const Adjacency> adjacency_;
   std::unique_ptr<Scene> scene_;
 };

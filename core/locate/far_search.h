@@ -9,28 +9,25 @@
 // and h is about as large as the mesh, whatever D is. If D is so large that |x|^2 / (2 D) is lost
 // in rounding, h is least at the corner farthest along u.
 //
-// Faces follow a space-filling curve. So the boxes of a fixed number of faces in a row, and the
-// boxes of a fixed number of those boxes, are a hierarchy that needs no pointers. The least value
-// of h in a box is the sum of the least values of its three coordinates' terms.
+// The least value of h in a box is the sum of the least values of its three coordinates' terms.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "core/base/cancel.h"
 #include "core/base/vec3.h"
 #include "core/locate/closest_on_triangle.h"
-#include "core/locate/ray_search.h"
+#include "core/locate/face_boxes.h"
+#include "core/locate/unit_box.h"
 #include "core/mesh/mesh.h"
 
 namespace geodesic {
 
 class FarSearch {
  public:
-  // `mesh` and `unit` must outlive it. Looks at each face once; of no use once the poll says
-  // to stop.
-  FarSearch(const Mesh& mesh, const UnitBox& unit, Poll& poll);
+  // All must outlive it.
+  FarSearch(const Mesh& mesh, const UnitBox& unit, const FaceBoxes& boxes)
+      : mesh_(mesh), unit_(unit), boxes_(boxes) {}
 
   struct Found {
     std::uint32_t face = kNone;  // kNone: cancelled
@@ -41,16 +38,12 @@ class FarSearch {
   // decide which of the edge's faces is found.
   [[nodiscard]] Found closest(Vec3 q, const Cancel& cancel) const;
 
-  // Memory held, without the mesh.
-  [[nodiscard]] std::size_t bytes() const;
-
  private:
   struct Query;
-  void search(Query& query, std::size_t level, std::size_t block) const;
 
   const Mesh& mesh_;
   const UnitBox& unit_;
-  std::vector<std::vector<Box>> levels_;  // the first has one box for each kFacesOfBox faces
+  const FaceBoxes& boxes_;
 };
 
 }  // namespace geodesic

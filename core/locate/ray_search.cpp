@@ -15,8 +15,6 @@ constexpr double kNear = 4;
 // A height below this part of the longest side is none, as in Mesh::build.
 constexpr double kZeroAreaRatio = 1e-12;
 
-double largest_component(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
-
 struct Span {
   double begin;
   double end;
@@ -79,13 +77,6 @@ OnFace beside(const Adjacency& adjacency, std::uint32_t flat, const std::array<d
 }
 
 }  // namespace
-
-// A power of two, by which nothing is rounded.
-UnitBox::UnitBox(const Box& box) : centre(0.5 * box.min + 0.5 * box.max) {
-  int exponent = 0;
-  std::frexp(largest_component(0.5 * box.max - 0.5 * box.min), &exponent);
-  scale = std::ldexp(1.0, -exponent);
-}
 
 std::optional<RaySearch> RaySearch::begin(const Adjacency& adjacency, const UnitBox& unit,
                                           Vec3 origin, Vec3 direction) {

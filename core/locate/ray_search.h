@@ -1,5 +1,5 @@
 // The first face that a ray meets, of those it is shown one after the other. Which
-// to show is for a hierarchy to say (closest_point.cpp); the arithmetic is here, in
+// to show is for a hierarchy to say (face_hierarchy.h); the arithmetic is here, in
 // double precision.
 //
 // It takes place in a frame in which the mesh fills the box [-1, 1]: neither a huge
@@ -14,19 +14,11 @@
 
 #include "core/base/vec3.h"
 #include "core/locate/ray_triangle.h"
+#include "core/locate/unit_box.h"
 #include "core/surface/adjacency.h"
 #include "core/surface/point.h"
 
 namespace geodesic {
-
-// A mesh moved and scaled into the box [-1, 1].
-struct UnitBox {
-  explicit UnitBox(const Box& box);
-  [[nodiscard]] Vec3 inside(Vec3 p) const { return scale * (p - centre); }
-
-  Vec3 centre;
-  double scale;
-};
 
 class RaySearch {
  public:

@@ -10,6 +10,7 @@
 #include "core/paths/edge_path.h"
 #include "core/solve/distance_at_point.h"
 #include "core/solve/exact_pair.h"
+#include "core/solve/scratch_parts.h"
 #include "core/solve/surface_patch.h"
 #include "core/straighten/refine_path.h"
 #include "core/straighten/shorten_path.h"
@@ -139,7 +140,7 @@ class PairSearch {
     const double longest = (1 + kRounding) * shorter->length;
     if (method_ == Method::exact &&
         vertices_within(adjacency.mesh(), guess, longest) > kManyForWindows) {
-      return exact_pair(adjacency, from, to, with_path(), scratch_.exact, cancel_);
+      return exact_pair(adjacency, from, to, with_path(), scratch_.parts().exact, cancel_);
     }
     if (is_most_within(adjacency.mesh(), guess, longest)) {
       return by_field(adjacency, from, to, kUnreached);
@@ -197,7 +198,7 @@ Result<Pair> pair_search(Method method, const MethodOptions& options, const Adja
   if (!searches_pairs(method) || by_windows) {
     return search.by_field(adjacency, from, to, kUnreached);
   }
-  const auto guess = edge_path(adjacency, from.point, to, scratch.wavefront, cancel);
+  const auto guess = edge_path(adjacency, from.point, to, scratch.parts().wavefront, cancel);
   if (!guess) return fail(guess.error());
   if (!*guess) return Pair{};
   // A search may be too small to ask or tell on its own.

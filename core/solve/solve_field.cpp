@@ -6,6 +6,7 @@
 
 #include "core/back_traced/slivers.h"
 #include "core/field/straight_floor.h"
+#include "core/solve/scratch_parts.h"
 #include "core/steiner/steiner.h"
 #include "core/wavefront/edge_dijkstra.h"
 #include "core/wavefront/novotni.h"
@@ -26,7 +27,7 @@ bool is_even(const Adjacency& adjacency) {
 // are shorter, which keep an account, those. Both with the same limits.
 Result<Field> lesser_of_both(Field by_windows, const Adjacency& adjacency,
                              std::span<const Source> sources, const FieldLimits& limits,
-                             SolveScratch& scratch, const Cancel& cancel) {
+                             SolveScratch::Parts& scratch, const Cancel& cancel) {
   auto traced =
       back_traced_field(adjacency, sources, limits, Bound::upper, scratch.back_traced, cancel);
   if (!traced) return traced;
@@ -55,7 +56,7 @@ constexpr std::uint64_t kMostQuestions = 100;
 // 20 % too long, or many times, while the sides of slivers have few windows. Rounded as the other
 // bounds are.
 Result<Field> bound_across_slivers(const Adjacency& adjacency, std::span<const Source> sources,
-                                   const FieldLimits& asked, SolveScratch& scratch,
+                                   const FieldLimits& asked, SolveScratch::Parts& scratch,
                                    const Cancel& cancel) {
   FieldLimits limits = asked;
   limits.detail_faces = {};  // windows have no bound of their rounding
@@ -103,7 +104,7 @@ namespace {
 
 Result<Field> solve(Method method, const MethodOptions& options, const Adjacency& adjacency,
                     std::span<const Source> sources, const FieldLimits& limits,
-                    SolveScratch& scratch, const Cancel& cancel) {
+                    SolveScratch::Parts& scratch, const Cancel& cancel) {
   switch (method) {
     case Method::wavefront:
       return wavefront_field(adjacency, sources, limits, scratch.wavefront, cancel);
@@ -141,7 +142,7 @@ Result<Field> solve(Method method, const MethodOptions& options, const Adjacency
 Result<Field> solve_field(Method method, const MethodOptions& options, const Adjacency& adjacency,
                           std::span<const Source> sources, const FieldLimits& limits,
                           SolveScratch& scratch, const Cancel& cancel) {
-  auto field = solve(method, options, adjacency, sources, limits, scratch, cancel);
+  auto field = solve(method, options, adjacency, sources, limits, scratch.parts(), cancel);
   const bool is_bound = options.bound == Bound::upper || options.error_at_most;
   if (field && method == Method::back_traced && is_bound) field->bound = Bound::upper;
   return field;

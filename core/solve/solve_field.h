@@ -3,27 +3,14 @@
 
 #include <span>
 
-#include "core/back_traced/wavefront.h"
 #include "core/base/cancel.h"
 #include "core/base/error.h"
-#include "core/chen_han/chen_han.h"
-#include "core/exact/field.h"
 #include "core/field/field.h"
 #include "core/field/method.h"
+#include "core/solve/solve_scratch.h"
 #include "core/surface/adjacency.h"
-#include "core/wavefront/fast_marching.h"
-#include "core/wavefront/wavefront.h"
 
 namespace geodesic {
-
-// Memory that queries work in, kept for the next one on the same thread.
-struct SolveScratch {
-  WavefrontScratch wavefront;
-  FastMarchingScratch fast_marching;
-  ChenHanScratch chen_han;
-  ExactScratch exact;
-  BackTracedScratch back_traced;
-};
 
 // Whether these options have windows computed, whatever the method is called: of `exact`, within a
 // tolerance, or for an upper bound across slivers. Such a field stops at its targets by itself, and

@@ -7,6 +7,7 @@
 
 #include "core/paths/join_paths.h"
 #include "core/paths/trace_path.h"
+#include "core/solve/scratch_parts.h"
 #include "core/steiner/path.h"
 #include "core/straighten/refine_path.h"
 #include "core/straighten/shorten_path.h"
@@ -83,7 +84,7 @@ class LegFinder {
         [&](SolveScratch& scratch, const Cancel& cancel) -> Result<MaybePath> {
           const Timed tracing(caller_, Stage::trace);
           auto path = steiner_path(*question.adjacency, question.sources.front(), to,
-                                   request_.method.options, scratch.wavefront, cancel);
+                                   request_.method.options, scratch.parts().wavefront, cancel);
           if (!path) return fail(std::move(path.error()));
           if (!*path || !is_refined()) return path;
           auto shorter = shorten_path(*question.adjacency, **path, cancel);

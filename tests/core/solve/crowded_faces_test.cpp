@@ -10,6 +10,7 @@
 
 #include "core/back_traced/crowded_edges.h"
 #include "core/solve/pair_search.h"
+#include "core/solve/scratch_parts.h"
 #include "tests/core/solve/crowded_meshes.h"
 #include "tests/fixtures/surface.h"
 
@@ -51,8 +52,8 @@ TEST_CASE("CrowdsAreSolvedInStepsAndMemoryAsOtherSurfaces") {
                                        scratch, Cancel([&] { return ++asked > 2000; }));
         // 4096 steps each: some four hundred for each face.
         REQUIRE(field.has_value());
-        CHECK(scratch.back_traced.wedges.size() <= 3 * 2000);
-        CHECK(scratch.back_traced.corners.size() <= 64 * kFaces);
+        CHECK(scratch.parts().back_traced.wedges.size() <= 3 * 2000);
+        CHECK(scratch.parts().back_traced.corners.size() <= 64 * kFaces);
       }
     }
   }

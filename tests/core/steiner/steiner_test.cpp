@@ -12,6 +12,7 @@
 #include "core/field/edge_points.h"
 #include "core/mesh/shapes.h"
 #include "core/paths/arrive_at_point.h"
+#include "core/solve/scratch_parts.h"
 #include "core/steiner/path.h"
 #include "tests/fixtures/among_squares.h"
 #include "tests/fixtures/awkward_meshes.h"
@@ -228,7 +229,7 @@ TEST_CASE("TooManyPointsAreRefusedBeforeTheyAreMade") {
     CHECK(field.error().code == ErrorCode::value_out_of_range);
     CHECK(field.error().parameter == "points_per_edge");
     const auto path = steiner_path(surface.adjacency(), source, surface.at(5), with_points(points),
-                                   scratch.wavefront, Cancel());
+                                   scratch.parts().wavefront, Cancel());
     REQUIRE_FALSE(path);
     CHECK(path.error().parameter == "points_per_edge");
   }
@@ -236,7 +237,7 @@ TEST_CASE("TooManyPointsAreRefusedBeforeTheyAreMade") {
     MethodOptions options;
     options.tolerance = tolerance;
     const auto path = steiner_path(surface.adjacency(), source, surface.at(5), options,
-                                   scratch.wavefront, Cancel());
+                                   scratch.parts().wavefront, Cancel());
     REQUIRE_FALSE(path);
     CHECK(path.error().code == ErrorCode::value_out_of_range);
     CHECK(path.error().parameter == "tolerance");
