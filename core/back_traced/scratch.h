@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/back_traced/crowded_edges.h"
-#include "core/back_traced/sight.h"
 #include "core/back_traced/vertex_buckets.h"
+#include "core/back_traced/visibility_cones.h"
 #include "core/field/field.h"
 #include "core/surface/face_record.h"
 

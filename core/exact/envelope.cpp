@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/exact/duel.h"
+#include "core/exact/window_comparison.h"
 
 namespace geodesic::exact {
 namespace {

@@ -27,13 +27,13 @@
 #include <vector>
 
 #include "core/base/cancel.h"
-#include "core/exact/beam_lanes.h"
-#include "core/exact/beams.h"
 #include "core/exact/envelope.h"
 #include "core/exact/frames.h"
+#include "core/exact/propagate_lanes.h"
 #include "core/exact/queue.h"
-#include "core/exact/seam.h"
+#include "core/exact/trim_windows.h"
 #include "core/exact/window.h"
+#include "core/exact/window_columns.h"
 #include "core/exact/window_pool.h"
 #include "core/field/field.h"
 #include "core/field/window_table.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/field/edge_points.h"
-#include "core/field/window_light.h"
+#include "core/field/way_through_windows.h"
 #include "core/surface/side_length.h"
 #include "core/wavefront/fast_marching.h"
 #include "core/wavefront/novotni.h"

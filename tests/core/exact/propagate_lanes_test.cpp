@@ -1,6 +1,6 @@
 // Lists of windows over a face: against the plane they are drawn in, and the same bits
 // from every kind of vectors.
-#include "core/exact/beam_lanes.h"
+#include "core/exact/propagate_lanes.h"
 
 #include <doctest/doctest.h>
 

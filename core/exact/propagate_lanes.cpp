@@ -1,4 +1,4 @@
-#include "core/exact/beam_lanes.h"
+#include "core/exact/propagate_lanes.h"
 
 #include <algorithm>
 #include <cmath>

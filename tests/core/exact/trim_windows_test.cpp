@@ -1,5 +1,5 @@
 // Lists of windows sewn together, against the envelope of all that is in them.
-#include "core/exact/seam.h"
+#include "core/exact/trim_windows.h"
 
 #include <doctest/doctest.h>
 

@@ -1,8 +1,8 @@
-#include "core/exact/seam.h"
+#include "core/exact/trim_windows.h"
 
 #include <algorithm>
 
-#include "core/exact/duel.h"
+#include "core/exact/window_comparison.h"
 
 namespace geodesic::exact {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/exact/duel.h"
+#include "core/exact/window_comparison.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/field/window_light.h"
+#include "core/field/way_through_windows.h"
 
 #include <algorithm>
 #include <cmath>
