@@ -17,7 +17,7 @@ namespace {
 
 // Faces that the look around from a source crosses; beyond some hundred vertices the
 // front does as well.
-constexpr std::size_t kFacesInSight = 2000;
+constexpr std::size_t kVisibleFaces = 2000;
 
 // A bucket's width, of the mean of the faces' shortest sides. Errors are the same with
 // half of it; with the double, means grow by a twentieth.
@@ -82,8 +82,8 @@ void BackTracedFront::start(const SurfacePoint& source) {
   const double width = bucket_width(surface_.faces);
   scratch_.waiting.reset(width);
   least_gain_ = kLeastGain * width;
-  std::vector<Wedge>& wedges = scratch_.wedges;
-  wedges.clear();
+  std::vector<VisibilityCone>& cones = scratch_.cones;
+  cones.clear();
   if (source.at_vertex()) {
     see(source.vertex, 0);
     for (const std::uint32_t corner : surface_.corners(source.vertex)) {
@@ -97,12 +97,12 @@ void BackTracedFront::start(const SurfacePoint& source) {
       see(right, side_not_below(face, c));
       see(face.vertex[previous_corner(c)],
           std::max(norm(to_left), side_not_below(face, previous_corner(c))));
-      if (wedges.size() == kFacesInSight) continue;
+      if (cones.size() == kVisibleFaces) continue;
       // Beside a side as short as that, rounding says where the other one is.
       constexpr double kLeastSide = 1e-6;
       if (!surface_.is_even && !(length > kLeastSide * longest_side(face))) continue;
-      wedges.push_back(
-          wedge_over(face, halfedge(face_of(corner), next_corner(c)), right, to_right, to_left));
+      cones.push_back(
+          cone_over(face, halfedge(face_of(corner), next_corner(c)), right, to_right, to_left));
     }
   }
   for (const SurfacePoint& place : places) {
@@ -121,8 +121,8 @@ void BackTracedFront::start(const SurfacePoint& source) {
             place.bary[next_corner(c)] * base2 + place.bary[previous_corner(c)] * face.dot[c];
         const Vec2 tail{-foot / base, -height / base};
         const Vec2 head{(base2 - foot) / base, -height / base};
-        if (wedges.size() == kFacesInSight) continue;
-        wedges.push_back(wedge_over(face, halfedge(place.face, c), face.vertex[c], tail, head));
+        if (cones.size() == kVisibleFaces) continue;
+        cones.push_back(cone_over(face, halfedge(place.face, c), face.vertex[c], tail, head));
       }
     }
     for (std::uint32_t c = 0; c < 3; ++c) {
@@ -131,7 +131,7 @@ void BackTracedFront::start(const SurfacePoint& source) {
   }
   std::sort(stops_.begin(), stops_.end(),
             [](const SurfacePoint& a, const SurfacePoint& b) { return a.face < b.face; });
-  look_around(surface_, wedges, kFacesInSight,
+  look_around(surface_, cones, kVisibleFaces,
               [this](std::uint32_t v, double straight) { see(v, straight); });
 }
 
@@ -159,7 +159,7 @@ __attribute__((always_inline)) inline void BackTracedFront::lower(std::uint32_t 
   FrontVertex& known = scratch_.vertices[vertex];
   const double before = std::abs(known.estimate);
   if (!(estimate < before + least_gain_)) return;
-  // In sight, but for those that go on past it, it has its base all the same.
+  // Visible from the source, but for those that go on past it, it has its base all the same.
   if (known.base == kNone && base != kNone && before < kUnreached) {
     known.base = base;
     known.crossing = crossing;
@@ -437,7 +437,7 @@ void BackTracedFront::trace_round_a_vertex(std::uint32_t place, std::uint32_t be
   const std::uint32_t vertex = scratch_.round[place];
   double best = scratch_.best[place];
   const Halfedge bend_base = scratch_.vertices[bend].base;
-  if (bend_base == kNone) return;  // in sight of the source
+  if (bend_base == kNone) return;  // visible from the source
   const FaceRecord& last = surface_.faces[face_of(bend_base)];
   for (const std::uint32_t corner : surface_.corners(vertex)) {
     if (poll_.cancelled()) return;

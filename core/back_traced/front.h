@@ -33,7 +33,7 @@ class BackTracedFront {
       : adjacency_(adjacency), takes_(takes), scratch_(scratch), distance_(distance), poll_(poll) {}
 
   // Considers the vertices in the same face as the source, straight from there, and
-  // those that a look around from the source finds in sight of it.
+  // those that a look around from the source finds visible from it.
   void start(const SurfacePoint& source);
 
   // Accepts the next vertices: they get their distances. False, and none, when there are

@@ -37,7 +37,7 @@ struct BackTracedScratch {
   std::vector<std::uint32_t> visited;
   std::vector<double> distance;  // of one of several waves; kUnreached between waves
   std::vector<std::uint8_t> is_target;
-  std::vector<Wedge> wedges;
+  std::vector<VisibilityCone> cones;
   CrowdedEdges crowds;
   // Of those that are accepted together.
   std::vector<std::uint32_t> round;

@@ -10,14 +10,15 @@
 // So, from the vertex w at the origin of a plane, faces are unfolded one after another
 // along a ray. `to_right` and `to_left` are the ends of the edge that the ray crosses,
 // and the funnel between `right_bound` and `left_bound` is what w sees through all the
-// edges so far. An apex inside the funnel is in sight of w: its distance and the
+// edges so far. An apex inside the funnel is visible from w: its distance and the
 // straight line from it are the length of a path on the surface. After K faces the two
 // circles of the paper (section 3.2) round the last edge's ends give the virtual source.
 //
 // Where the sides on the way differ by many powers of ten, rounding may turn what is unfolded:
-// a corner off by a hair, at the end of a side that is no longer than some hairs. Such a trace
-// begins anew, with care: it keeps account of how far what it unfolded may be turned, adds what
-// that may take from a length, and ends before an edge that says nothing of a direction any more.
+// a corner misplaced by rounding, at the end of a side that is hardly longer than that. Such a
+// trace begins anew, with care: it keeps account of how far what it unfolded may be turned, adds
+// what that may take from a length, and ends before an edge that says nothing of a direction any
+// more.
 #pragma once
 
 #include <algorithm>
@@ -238,10 +239,10 @@ class BackTrace {
         const double at_right = stop->bary[forward ? c : n];
         const double at_left = stop->bary[forward ? n : c];
         const Vec2 to_source = at_right * t.right + at_left * t.left + stop->bary[apex] * to_apex;
-        const bool in_sight =
+        const bool is_visible =
             cross(to_source, t.left_bound) >= 0 && cross(t.right_bound, to_source) >= 0;
         const double straight = norm(to_source);
-        return in_sight
+        return is_visible
                    ? std::min(best, straight + may_lack<kCareful>(t, rounding, straight, spread))
                    : best;
       }
@@ -320,8 +321,8 @@ class BackTrace {
                       t.right.y + along * base.y - down * base.x};
     const double straight = norm(source);
     if (takes_ == Takes::paths) return straight;
-    const bool in_sight = cross(source, t.left_bound) >= 0 && cross(t.right_bound, source) >= 0;
-    if (!in_sight) return kUnreached;
+    const bool is_visible = cross(source, t.left_bound) >= 0 && cross(t.right_bound, source) >= 0;
+    if (!is_visible) return kUnreached;
     // No wave came over the first edge: its ends were reached by two that meet there.
     if (t.faces == 0) return kUnreached;
     // Far nearer than any path back there: the two distances are of two sources.

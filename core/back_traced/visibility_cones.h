@@ -13,8 +13,8 @@
 
 namespace geodesic {
 
-// A wedge of straight lines from a source at the origin, out of a face over its edge.
-struct Wedge {
+// A cone of straight lines from a source at the origin, out of a face over its edge.
+struct VisibilityCone {
   Halfedge edge;        // on the source's side
   std::uint32_t right;  // the vertex at its right end
   Vec2 to_right;
@@ -27,61 +27,59 @@ struct Wedge {
   double farthest = 0;
 };
 
-// A wedge out of a face over that edge of it, all that can be seen of it.
-[[nodiscard]] inline Wedge wedge_over(const FaceRecord& face, Halfedge edge, std::uint32_t right,
-                                      Vec2 to_right, Vec2 to_left) {
+// A cone out of a face over that edge of it, all that can be seen of it.
+[[nodiscard]] inline VisibilityCone cone_over(const FaceRecord& face, Halfedge edge,
+                                              std::uint32_t right, Vec2 to_right, Vec2 to_left) {
   const double farthest = std::max(norm(to_right), norm(to_left));
   const double turn = UnfoldRounding::of_corner(face, farthest) / norm(to_left - to_right);
   return {edge, right, to_right, to_left, to_right, to_left, turn, farthest};
 }
 
-// Tells `see` of every vertex that one of the wedges comes to, and how far it is that
-// way: each is the length of a path on the surface. The wedges go on as if through a
+// Tells `see` of every vertex that one of the cones comes to, and how far it is that
+// way: each is the length of a path on the surface. The cones go on as if through a
 // surface without an end, those that have crossed fewer faces first, until they have crossed
-// `most` of them (a wedge that crosses none counts as one). Works in the vector it is given, to
-// which no more than two wedges for each of those come.
+// `most` of them (a cone that crosses none counts as one). Works in the vector it is given, to
+// which no more than two cones for each of those come.
 template <class See>
-void look_around(const Triangulation& surface, std::vector<Wedge>& wedges, std::size_t most,
+void look_around(const Triangulation& surface, std::vector<VisibilityCone>& cones, std::size_t most,
                  See see) {
   std::size_t crossed = 0;
-  for (std::size_t i = 0; i < wedges.size() && crossed < most; ++i) {
-    const Wedge wedge = wedges[i];
+  for (std::size_t i = 0; i < cones.size() && crossed < most; ++i) {
+    const VisibilityCone cone = cones[i];
     // Nor do they go on where nobody can say which way.
-    if (!(wedge.turn <= UnfoldRounding::kMostTurn)) continue;
-    Halfedge across = surface.ring(wedge.edge);
-    if (across == wedge.edge) ++crossed;
-    for (; across != wedge.edge && crossed < most; across = surface.ring(across), ++crossed) {
+    if (!(cone.turn <= UnfoldRounding::kMostTurn)) continue;
+    Halfedge across = surface.ring(cone.edge);
+    if (across == cone.edge) ++crossed;
+    for (; across != cone.edge && crossed < most; across = surface.ring(across), ++crossed) {
       const FaceRecord& face = surface.faces[face_of(across)];
       const std::uint32_t c = corner_of(across);
       const std::uint32_t n = next_corner(c);
       const std::uint32_t apex = previous_corner(c);
-      const bool forward = face.vertex[c] == wedge.right;
+      const bool forward = face.vertex[c] == cone.right;
       const double base2 = face.dot[c] + face.dot[n];
       if (!(base2 > 0)) continue;
-      const Vec2 base = wedge.to_left - wedge.to_right;
-      const Vec2 to_apex = wedge.to_right + ((forward ? face.dot[c] : face.dot[n]) / base2) * base +
+      const Vec2 base = cone.to_left - cone.to_right;
+      const Vec2 to_apex = cone.to_right + ((forward ? face.dot[c] : face.dot[n]) / base2) * base +
                            (face.area2 / base2) * Vec2{base.y, -base.x};
-      const bool within_left = cross(to_apex, wedge.left_bound) >= 0;
-      const bool within_right = cross(wedge.right_bound, to_apex) >= 0;
+      const bool within_left = cross(to_apex, cone.left_bound) >= 0;
+      const bool within_right = cross(cone.right_bound, to_apex) >= 0;
       const double straight = norm(to_apex);
-      const double farthest = std::max(wedge.farthest, straight);
+      const double farthest = std::max(cone.farthest, straight);
       const double rounding = UnfoldRounding::of_corner(face, farthest);
       if (within_left && within_right) {
         see(face.vertex[apex],
-            straight + UnfoldRounding::lack(straight, farthest, wedge.turn, rounding));
+            straight + UnfoldRounding::lack(straight, farthest, cone.turn, rounding));
       }
       // To the right of the apex, and to the left of it.
       if (within_right) {
-        wedges.push_back({halfedge(face_of(across), forward ? apex : n), wedge.right,
-                          wedge.to_right, to_apex, wedge.right_bound,
-                          within_left ? to_apex : wedge.left_bound,
-                          wedge.turn + rounding / norm(to_apex - wedge.to_right), farthest});
+        cones.push_back({halfedge(face_of(across), forward ? apex : n), cone.right, cone.to_right,
+                         to_apex, cone.right_bound, within_left ? to_apex : cone.left_bound,
+                         cone.turn + rounding / norm(to_apex - cone.to_right), farthest});
       }
       if (within_left) {
-        wedges.push_back({halfedge(face_of(across), forward ? n : apex), face.vertex[apex], to_apex,
-                          wedge.to_left, within_right ? to_apex : wedge.right_bound,
-                          wedge.left_bound, wedge.turn + rounding / norm(wedge.to_left - to_apex),
-                          farthest});
+        cones.push_back({halfedge(face_of(across), forward ? n : apex), face.vertex[apex], to_apex,
+                         cone.to_left, within_right ? to_apex : cone.right_bound, cone.left_bound,
+                         cone.turn + rounding / norm(cone.to_left - to_apex), farthest});
       }
     }
   }

@@ -2,7 +2,7 @@
 // with the filter and the priority queue of Xin and Wang, "Improving Chen and Han's
 // Algorithm on the Discrete Geodesic Problem", ACM Trans. Graph. 28(4), 2009.
 //
-// A window (an edge interval lit straight from one unfolded source) is passed from
+// A window (an interval of an edge that one unfolded source sees straight) is passed from
 // edge to edge. Where it meets the vertex opposite its edge it splits in two, but of
 // all windows that meet the same corner through the same edge only the one nearest
 // to the vertex may: "one angle, one split" (Chen and Han, section 3). Windows are
@@ -55,7 +55,7 @@ struct ChenHanScratch {
 // The distances from the nearest of the sources, exact up to rounding: each is the
 // length of a path on the surface, and none is below the straight line in space. With keep_details,
 // field.windows has every window that was passed on and is not known to be useless; the least over
-// the windows that light a face, its corners and the sources in it is exact at each of its points.
+// the windows into a face, its corners and the sources in it is exact at each of its points.
 // With no source everything is unreached.
 //
 // O(n^2 log n) for n faces without non-manifold edges; far less on scanned meshes.

@@ -15,7 +15,7 @@ constexpr std::uint32_t kMostCrossed = (1U << 30U) - 1;
 
 }  // namespace
 
-// Light on a side of a face: an interval, and its source below the side by `depth`.
+// What a source sees of a side of a face: an interval, and the source below the side by `depth`.
 struct Front::Light {
   double begin;
   double end;
@@ -24,7 +24,7 @@ struct Front::Light {
   double offset;
 };
 
-// A side by which light leaves a face.
+// A side over which windows leave a face.
 struct Front::Exit {
   Halfedge side;
   std::uint32_t origin;  // the vertex from which positions on it count
@@ -57,7 +57,7 @@ void Front::start(std::uint32_t number) {
   if (source.point.at_vertex()) {
     const std::uint32_t v = source.point.vertex;
     if (!(source.offset < distance_[v])) return;
-    // Every source passes its light on, whether or not paths may bend there.
+    // Every source sends out windows, whether or not paths may bend there.
     scratch_.bends[v] = 2;
     lower(v, source.offset, number);
     return;
@@ -76,7 +76,7 @@ void Front::start(std::uint32_t number) {
       const UnfoldedFace face = UnfoldedFace::over(adjacency_, side);
       Window from{};
       from.offset = source.offset;
-      from.root = kNone;
+      from.pseudo_source = kNone;
       from.source = number;
       from.split_by = kNone;
       leave_root(side, face, place.bary[next_corner(c)] * face.base + above * face.apex_x,
@@ -92,7 +92,7 @@ void Front::spread_from(std::uint32_t vertex) {
   const Source& source = field_.sources[number];
   Window from{};
   from.offset = d;
-  from.root = source.point.vertex == vertex && source.offset == d ? kNone : vertex;
+  from.pseudo_source = source.point.vertex == vertex && source.offset == d ? kNone : vertex;
   from.source = number;
   from.split_by = kNone;
   for (const std::uint32_t corner : adjacency_.corners(vertex)) {
@@ -117,8 +117,8 @@ bool Front::useless_on(std::uint32_t at_begin, std::uint32_t at_end, double base
          clearly_less(d_end + (base - window.begin), window.at(window.begin));
 }
 
-// When the way by the far corner of the lit face is shorter everywhere, what the window
-// could light in the face is nearer to the corner.
+// When the way by the far corner of the face beyond is shorter everywhere, what the window
+// sees in the face is nearer to the corner.
 bool Front::useless_in(const UnfoldedFace& face, const Window& window) const {
   if (useless_on(face.at_begin, face.at_end, face.base, window)) return true;
   const double d_apex = distance_[face.opposite];
@@ -132,7 +132,7 @@ void Front::pass(const Exit& exit, const Part& part, const Window& from) {
   window.begin = part.begin;
   window.end = part.end;
   window.x = part.x;
-  window.y = std::max(part.y, kHair * exit.length);
+  window.y = std::max(part.y, kDepthOnLine * exit.length);
   const double along = window.x - std::clamp(window.x, window.begin, window.end);
   if (exit.length < kPoint * length(along, window.y)) return;
   // No shortest path crosses a face twice.

@@ -25,13 +25,13 @@ class Front {
   Front(const Adjacency& adjacency, Field& field, const FieldLimits& limits,
         ChenHanScratch& scratch, Poll& poll);
 
-  // Lights everything that a source sees within its own faces.
+  // Sends out the windows of what a source sees within its own faces.
   void start(std::uint32_t source);
 
   // A vertex at which paths may bend passes on its distance, as a pseudo-source.
   void spread_from(std::uint32_t vertex);
 
-  // Passes a window on through the face that it lights.
+  // Passes a window on through the face beyond it.
   void spread(Window window);
 
   // The windows that were passed on, without those now known to be useless.
@@ -71,8 +71,8 @@ class Front {
   void pass(const Exit& exit, const Part& part, const Window& from);
   [[nodiscard]] bool useless_in(const UnfoldedFace& face, const Window& window) const;
   void keep(const Window& window);
-  void drop_useless_lit();
-  void copy_lit_to_duplicate_faces();
+  void drop_useless_intervals();
+  void copy_intervals_to_duplicate_faces();
   [[nodiscard]] bool useless_on(std::uint32_t at_begin, std::uint32_t at_end, double base,
                                 const Window& window) const;
 
@@ -84,7 +84,7 @@ class Front {
   Poll& poll_;
   std::vector<Halfedge> ring_;     // by halfedge: the next one; empty if no face is skipped
   std::uint32_t taking_part_ = 0;  // the faces that are not skipped
-  LitWindows lit_;
+  VisibleIntervals intervals_;
   static constexpr std::size_t kFirstReview = 1U << 16U;
   std::size_t next_review_ = kFirstReview;
   std::uint64_t reached_ = 0;

@@ -12,7 +12,6 @@ namespace {
 // than rounding moves them, and a ray between them strays no farther than that. But rounding moves
 // what is a million edges away by more: by a part of its distance.
 constexpr double kSamePlace = 1e-10;
-constexpr double kSameDistance = 1e-13;
 
 // Where a nearer window ends to be nearer, to this many bits of its length.
 constexpr int kHalvings = 24;
@@ -38,13 +37,13 @@ void SeenWindows::reset(const Adjacency& adjacency, Poll& poll) {
 }
 
 bool SeenWindows::cut_where_nearer(const Seen& seen, Window& window, double base) {
-  const double hair = kGap * base;
+  const double narrow = kNarrow * base;
   const double begin = std::max(seen.begin, window.begin);
   const double end = std::min(seen.end, window.end);
-  const bool from_begin = begin <= window.begin + hair;
-  const bool to_end = end >= window.end - hair;
+  const bool from_begin = begin <= window.begin + narrow;
+  const bool to_end = end >= window.end - narrow;
   // At the window's own ends as near will do: there both may pass a vertex, from which on one of
-  // them falls behind. Where thin faces meet in a vertex, light goes round it hundreds of times, a
+  // them falls behind. Where thin faces meet in a vertex, windows go round it hundreds of times, a
   // little farther each time, but for that end.
   const auto nearer_between = [&](double a, double b) {
     return nearer_along(seen.x, seen.y, seen.offset, window, a, b, from_begin && a == window.begin,
@@ -70,7 +69,7 @@ bool SeenWindows::cut_where_nearer(const Seen& seen, Window& window, double base
 }
 
 bool SeenWindows::trim(Halfedge edge, Window& window, double base, Poll& poll) const {
-  const double hair = kGap * base;
+  const double narrow = kNarrow * base;
   const double same = std::max(kSamePlace * base, kSameDistance * window.least());
   for (std::uint32_t i = first_[edge]; i != kNone; i = windows_[i].next) {
     if (poll.cancelled()) return false;
@@ -83,10 +82,10 @@ bool SeenWindows::trim(Halfedge edge, Window& window, double base, Poll& poll) c
       if (!cut_where_nearer(seen, window, base)) return false;
       continue;
     }
-    // Of two that light the same, the earlier one does.
+    // Of two that see the same, the earlier one does.
     if (i > window.seen) continue;
-    const bool from_begin = seen.begin <= window.begin + hair;
-    const bool to_end = seen.end >= window.end - hair;
+    const bool from_begin = seen.begin <= window.begin + narrow;
+    const bool to_end = seen.end >= window.end - narrow;
     if (from_begin && to_end) return false;
     if (from_begin) window.begin = seen.end;
     if (to_end) window.end = seen.begin;

@@ -21,10 +21,10 @@ class SeenWindows {
   [[nodiscard]] bool is_full() const { return windows_.size() == windows_.capacity(); }
   [[nodiscard]] std::size_t bytes_to_grow() const { return 2 * windows_.capacity() * sizeof(Seen); }
   // A window about to cross its edge, of length `base`, is remembered and numbered.
-  // When its strip is branched, it is first cut where an earlier one is nearer, or lights
+  // When its strip is branched, it is first cut where an earlier one is nearer, or sees
   // the same from the same place. False when nothing is left.
   //
-  // No face lacks light for that: it may be the one that the earlier window came
+  // No face lacks a window for that: it may be the one that the earlier window came
   // through, but there the later one's way is bent back at the edge.
   [[nodiscard]] bool enter(Window& window, double base, Poll& poll);
 

@@ -41,7 +41,7 @@ Front::Front(const Adjacency& adjacency, Field& field, const FieldLimits& limits
       limits_(limits),
       scratch_(scratch),
       poll_(poll),
-      lit_(poll.memory()) {
+      intervals_(poll.memory()) {
   const std::size_t face_count = adjacency.mesh().face_count();
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
   scratch.queue.clear();

@@ -1,6 +1,6 @@
 // The plane geometry of Chen and Han's method: a window over a face, the face
 // unfolded over the window's edge, and the parts of the window that leave it by its
-// two other sides. Frames are those of LitWindow (window_table.h).
+// two other sides. Frames are those of VisibleInterval (window_table.h).
 #pragma once
 
 #include <algorithm>
@@ -19,20 +19,21 @@ struct Window {
   double begin;
   double end;
   double x;
-  double y;  // positive: a source on the edge's line is a hair below it
+  double y;  // positive: a source on the edge's line counts as below it (kDepthOnLine)
   double offset;
   Halfedge into;
-  std::uint32_t root;
+  std::uint32_t pseudo_source;
   std::uint32_t source;
   std::uint32_t seen;          // its number among SeenWindows, where they are kept
-  std::uint32_t crossed : 30;  // faces since the root
+  std::uint32_t crossed : 30;  // faces since the pseudo-source
   // Its strip of faces has crossed a non-manifold edge or a face without area: there
   // other paths may enter or leave the strip unseen, and "one angle, one split", whose
   // proof needs two paths in a strip to cross, does not hold.
   std::uint32_t branched : 1;
-  std::uint32_t left : 1;  // of two children, the one on the side of the base's beginning
+  // Of two that a window was split into, the one on the side of the base's beginning.
+  std::uint32_t left : 1;
   // The halfedge through which its parent met a corner, kNone when it did not; and how
-  // far a nearer window's crossing may lie to the other side, until this child is one
+  // far a nearer window's crossing may lie to the other side, until this window is one
   // that its parent may not have.
   Halfedge split_by;
   double split_limit;
@@ -85,14 +86,14 @@ struct UnfoldedFace {
 };
 
 // A face that is less high than this part of its longest side has no area.
-inline constexpr double kFlat = 1e-9;
+inline constexpr double kNoArea = 1e-9;
 
 [[nodiscard]] inline bool has_no_area(const FaceRecord& face) {
   const double longest2 = std::max({face.length2(0), face.length2(1), face.length2(2)});
-  return !(face.area2 > kFlat * longest2);
+  return !(face.area2 > kNoArea * longest2);
 }
 
-// What a window lights of one side of the face above it. The side runs from the
+// What a window sees of one side of the face above it. The side runs from the
 // base's beginning (its origin) to the apex.
 struct Part {
   double begin;
@@ -121,22 +122,22 @@ struct Part {
 
 // A source on the line of an edge counts as this part of the edge below it, far below
 // what rounding can tell. So no formula divides nothing by nothing.
-inline constexpr double kHair = 1e-20;
+inline constexpr double kDepthOnLine = 1e-20;
 
 // Less wide than this on an edge (in parts of its length) and as seen from the source
-// (in radians), a window is the gap that rounding leaves between two neighbours.
-inline constexpr double kGap = 1e-12;
+// (in radians), a window is what rounding leaves between two neighbours.
+inline constexpr double kNarrow = 1e-12;
 
 [[nodiscard]] inline bool is_gap(const Part& part, double side) {
   const double width = part.end - part.begin;
   if (!(width > 0)) return true;
-  if (width > kGap * side) return false;
+  if (width > kNarrow * side) return false;
   const double to_begin = length(part.begin - part.x, part.y);
   const double to_end = length(part.end - part.x, part.y);
-  return width * part.y <= kGap * to_begin * to_end;
+  return width * part.y <= kNarrow * to_begin * to_end;
 }
 
-// An edge shorter than this part of the way that light comes straight to it is a point: where on it
+// An edge shorter than this part of the way that a source sees it from is a point: where on it
 // a ray meets it, rounding decides. What goes through it goes by its ends, and is longer by no
 // more than twice its length.
 inline constexpr double kPoint = 1e-12;
@@ -145,16 +146,16 @@ inline constexpr double kPoint = 1e-12;
 inline constexpr double kThin = 1e-10;
 
 // Ways shorter by less than this part of their length are as long.
-inline constexpr double kTie = 1e-13;
+inline constexpr double kSameDistance = 1e-13;
 
-[[nodiscard]] inline bool clearly_less(double a, double b) { return a < b - kTie * b; }
+[[nodiscard]] inline bool clearly_less(double a, double b) { return a < b - kSameDistance * b; }
 
 // Whether between two places of the window the way from a place at (x, y), on either side of the
 // edge and with the distance `offset`, is clearly shorter. At one of the two it may be as long, if
 // that is allowed there.
 [[nodiscard]] inline bool nearer_along(double x, double y, double offset, const Window& window,
-                                       double begin, double end, bool may_tie_at_begin,
-                                       bool may_tie_at_end) {
+                                       double begin, double end, bool may_be_equal_at_begin,
+                                       bool may_be_equal_at_end) {
   const auto nearer_at = [&](double p) {
     return clearly_less(offset + length(p - x, y), window.at(p));
   };
@@ -163,8 +164,8 @@ inline constexpr double kTie = 1e-13;
   };
   const bool at_begin = nearer_at(begin);
   const bool at_end = nearer_at(end);
-  if (!at_begin && !(may_tie_at_begin && at_end && as_near_at(begin))) return false;
-  if (!at_end && !(may_tie_at_end && at_begin && as_near_at(end))) return false;
+  if (!at_begin && !(may_be_equal_at_begin && at_end && as_near_at(begin))) return false;
+  if (!at_end && !(may_be_equal_at_end && at_begin && as_near_at(end))) return false;
   // The difference of two distances along a line has one extremum at most, where both
   // sources are seen in the same direction; none when they are equally deep.
   const double depth = std::abs(y);

@@ -1,5 +1,5 @@
 // What becomes of windows and ways where they arrive: an edge's list takes the fresh ones in,
-// is settled and let go of in the end, and a vertex keeps the nearest way.
+// gets an upper bound and is let go of in the end, and a vertex keeps the nearest way.
 #include <algorithm>
 #include <cstring>
 
@@ -32,18 +32,20 @@ void Propagation::commit(std::uint32_t e, std::span<Window> fresh, double least)
     while (last > first && edge.windows[last - 1].begin >= end) --last;
     std::span<const Window> windows = fresh;
     if (first < last) {
-      const Sewn sewn = sew({edge.windows + first, last - first}, fresh, memory_.roots, length);
-      if (sewn.plain) {
-        windows = sewn.fresh;
-        const auto left = static_cast<std::uint32_t>(sewn.old.size());
-        sewn.fresh_ends ? first += left : last -= left;
+      const Trimmed trimmed =
+          trim({edge.windows + first, last - first}, fresh, memory_.pseudo_sources, length);
+      if (trimmed.plain) {
+        windows = trimmed.fresh;
+        const auto left = static_cast<std::uint32_t>(trimmed.old.size());
+        trimmed.fresh_ends ? first += left : last -= left;
       } else {
-        merge_in(sewn.old, sewn.fresh, length);
+        merge_in(trimmed.old, trimmed.fresh, length);
         windows = memory_.scratch;
       }
       least = kUnreached;
       for (const Window& w : windows) {
-        if (!w.propagated) least = std::min(least, w.least(memory_.roots[w.root].offset));
+        if (!w.propagated)
+          least = std::min(least, w.least(memory_.pseudo_sources[w.pseudo_source].offset));
       }
     }
     replace(edge, first, last, windows);
@@ -80,7 +82,7 @@ void Propagation::merge_in(std::span<const Window> old, std::span<const Window> 
   std::size_t to = fresh.size();
   while (to > from && fresh[to - 1].begin >= end) --to;
   all.assign(fresh.begin(), fresh.begin() + static_cast<std::ptrdiff_t>(from));
-  append_merged(old, fresh.subspan(from, to - from), memory_.roots, length, all);
+  append_merged(old, fresh.subspan(from, to - from), memory_.pseudo_sources, length, all);
   all.insert(all.end(), fresh.begin() + static_cast<std::ptrdiff_t>(to), fresh.end());
 }
 
@@ -105,12 +107,13 @@ void Propagation::replace(Edge& edge, std::uint32_t first, std::uint32_t last,
   edge.size = size;
 }
 
-// Makes one of windows i - 1 and i if they are the same light.
+// Makes one of windows i - 1 and i if one source sees both, unfolded over the same faces.
 void Propagation::join_at(Edge& edge, std::uint32_t i, double length) {
   if (i == 0 || i >= edge.size) return;
   Window& left = edge.windows[i - 1];
   const Window& right = edge.windows[i];
-  if (!is_continued_by(left, right, memory_.roots[left.root].offset, length)) return;
+  if (!is_continued_by(left, right, memory_.pseudo_sources[left.pseudo_source].offset, length))
+    return;
   left.end = right.end;
   left.at_end = right.at_end;
   std::copy(edge.windows + i + 1, edge.windows + edge.size, edge.windows + i);
@@ -119,11 +122,11 @@ void Propagation::join_at(Edge& edge, std::uint32_t i, double length) {
 
 // From now on nothing that arrives farther than `farthest` matters, and in the end the
 // edge's windows are of no use to anybody but the details.
-void Propagation::settle(std::uint32_t e, double farthest) {
+void Propagation::bound_edge(std::uint32_t e, double farthest) {
   Edge& edge = edges_[e];
-  if (edge.let_go || !(farthest < edge.settled)) return;
-  edge.settled = farthest;
-  if (!keeps_windows_on(e)) memory_.queue.push({farthest, e, Waiting::What::settled_edge});
+  if (edge.let_go || !(farthest < edge.upper_bound)) return;
+  edge.upper_bound = farthest;
+  if (!keeps_windows_on(e)) memory_.queue.push({farthest, e, Waiting::What::bounded_edge});
 }
 
 void Propagation::let_go(std::uint32_t e) {
@@ -135,16 +138,16 @@ void Propagation::let_go(std::uint32_t e) {
   edge.let_go = true;
 }
 
-void Propagation::lower(std::uint32_t v, double distance, const PseudoSource& root,
+void Propagation::relax(std::uint32_t v, double distance, const PseudoSource& pseudo_source,
                         const ArrivalAtVertex& arrival) {
   if (!(distance < distance_[v]) || distance > max_) return;
   if (distance_[v] == kUnreached) ++reached_;
   distance_[v] = distance;
-  if (!field_.nearest_source.empty()) field_.nearest_source[v] = root.source;
-  if (tolerance_ > 0) memory_.above[v] = root.above;
+  if (!field_.nearest_source.empty()) field_.nearest_source[v] = pseudo_source.source;
+  if (tolerance_ > 0) memory_.allowance[v] = pseudo_source.allowance;
   if (memory_.bends[v] == Bends::nowhere && !(tolerance_ > 0)) return;
   memory_.arrivals[v] = arrival;
-  if (memory_.bends[v] == Bends::nowhere && head_start(v) == 0) return;
+  if (memory_.bends[v] == Bends::nowhere && early_by(v) == 0) return;
   if (distance < memory_.emitted[v] * (1 - kNews)) {
     memory_.queue.push({distance, v, Waiting::What::vertex});
   }
@@ -152,29 +155,30 @@ void Propagation::lower(std::uint32_t v, double distance, const PseudoSource& ro
 
 void Propagation::drop_windows(Poll& poll) { memory_.pool.reset(poll); }
 
-LitWindows Propagation::lit_windows(Poll& poll) const {
-  LitWindows lit(poll.memory());
+VisibleIntervals Propagation::visible_intervals(Poll& poll) const {
+  VisibleIntervals intervals(poll.memory());
   for (std::uint32_t e = 0; e < edges_.size() && !poll.stopped(); ++e) {
     if (!keeps_windows_on(e)) continue;
     const Edge& edge = edges_[e];
     const double length = frames_.edge(e).length;
     for (std::uint32_t i = 0; i < edge.size && !poll.cancelled(); ++i) {
       const Window& w = edge.windows[i];
-      const PseudoSource& root = memory_.roots[w.root];
-      // What light leads along is the length of a path, as raise_to_paths makes vertices'.
-      const double offset = root.offset + root.above;
+      const PseudoSource& pseudo_source = memory_.pseudo_sources[w.pseudo_source];
+      // What a window leads along is the length of a path, as raise_to_paths makes vertices'.
+      const double offset = pseudo_source.offset + pseudo_source.allowance;
       for (Halfedge h = surface_.ring(w.from); h != w.from; h = surface_.ring(h)) {
         if (keeps_some_ && !keep_of_[face_of(h)]) continue;
         if (frames_.is_reversed(h)) {
-          lit.add(h, {length - w.end, length - w.begin, length - w.x, w.y, offset, root.vertex,
-                      root.source});
+          intervals.add(h, {length - w.end, length - w.begin, length - w.x, w.y, offset,
+                            pseudo_source.vertex, pseudo_source.source});
         } else {
-          lit.add(h, {w.begin, w.end, w.x, w.y, offset, root.vertex, root.source});
+          intervals.add(
+              h, {w.begin, w.end, w.x, w.y, offset, pseudo_source.vertex, pseudo_source.source});
         }
       }
     }
   }
-  return lit;
+  return intervals;
 }
 
 }  // namespace geodesic::exact

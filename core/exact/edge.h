@@ -20,10 +20,10 @@ struct alignas(64) Edge {
   Window* windows = nullptr;
   std::uint32_t size = 0;
   std::uint32_t capacity : 31 = 0;
-  std::uint32_t let_go : 1 = 0;  // windows once settled were dropped
-  double pending = kUnreached;   // the least distance of a window not yet propagated
-  double queued = kUnreached;    // the least key under which the edge waits
-  double settled = kUnreached;   // no place of the edge is farther than this
+  std::uint32_t let_go : 1 = 0;     // windows were dropped, once bounded
+  double pending = kUnreached;      // the least distance of a window not yet propagated
+  double queued = kUnreached;       // the least key under which the edge waits
+  double upper_bound = kUnreached;  // no place of the edge is farther than this
 
   [[nodiscard]] bool on_boundary() const { return first == second; }
 
@@ -31,7 +31,7 @@ struct alignas(64) Edge {
   void forget_arrivals() {
     windows = nullptr;
     size = capacity = let_go = 0;
-    pending = queued = settled = kUnreached;
+    pending = queued = upper_bound = kUnreached;
   }
 };
 

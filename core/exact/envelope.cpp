@@ -8,8 +8,9 @@
 namespace geodesic::exact {
 namespace {
 
-void push(std::vector<Window>& list, const Window& window, PseudoSources roots, double length) {
-  const double offset = roots[window.root].offset;
+void push(std::vector<Window>& list, const Window& window, PseudoSources pseudo_sources,
+          double length) {
+  const double offset = pseudo_sources[window.pseudo_source].offset;
   if (too_narrow(window, length, offset)) return;
   if (!list.empty() && is_continued_by(list.back(), window, offset, length)) {
     list.back().end = window.end;
@@ -20,16 +21,18 @@ void push(std::vector<Window>& list, const Window& window, PseudoSources roots, 
 }
 
 // The same for a window that is in the list already, as its last.
-void keep_last(std::vector<Window>& list, PseudoSources roots, double length) {
+void keep_last(std::vector<Window>& list, PseudoSources pseudo_sources, double length) {
   const Window& window = list.back();
-  const double offset = roots[window.root].offset;
+  const double offset = pseudo_sources[window.pseudo_source].offset;
   if (too_narrow(window, length, offset)) {
     list.pop_back();
     return;
   }
   if (list.size() < 2) return;
   Window& before = list[list.size() - 2];
-  if (before.root != window.root || !is_continued_by(before, window, offset, length)) return;
+  if (before.pseudo_source != window.pseudo_source ||
+      !is_continued_by(before, window, offset, length))
+    return;
   before.end = window.end;
   before.at_end = window.at_end;
   list.pop_back();
@@ -38,8 +41,8 @@ void keep_last(std::vector<Window>& list, PseudoSources roots, double length) {
 // Puts pieces of windows together as they come, from left to right.
 class Pieces {
  public:
-  Pieces(std::vector<Window>& list, PseudoSources roots, double length)
-      : list_(list), roots_(roots), length_(length) {}
+  Pieces(std::vector<Window>& list, PseudoSources pseudo_sources, double length)
+      : list_(list), pseudo_sources_(pseudo_sources), length_(length) {}
   ~Pieces() { flush(); }
   Pieces(const Pieces&) = delete;
   Pieces& operator=(const Pieces&) = delete;
@@ -68,13 +71,13 @@ class Pieces {
     made.y = w.y;
     made.at_begin = at_begin_;
     made.at_end = at_end_;
-    made.root = w.root;
+    made.pseudo_source = w.pseudo_source;
     made.from = w.from;
     made.propagated = w.propagated;
-    keep_last(list_, roots_, length_);
+    keep_last(list_, pseudo_sources_, length_);
   }
   std::vector<Window>& list_;
-  PseudoSources roots_;
+  PseudoSources pseudo_sources_;
   double length_;
   const Window* whole_ = nullptr;  // of the piece that may still grow
   double begin_ = 0;
@@ -97,80 +100,86 @@ struct Rest {
 };
 
 // Both windows over their common interval, piece by piece, to the nearer of the two.
-void settle(const Duel& duel, Pieces& pieces) {
-  const double g_low = duel.at_low_b - duel.at_low_a;
-  const double g_high = duel.at_high_b - duel.at_high_a;
-  const bool b_low = g_low < -duel.tie;
-  const bool b_high = g_high < -duel.tie;
+void add_nearer(const WindowComparison& comparison, Pieces& pieces) {
+  const double g_low = comparison.at_low_b - comparison.at_low_a;
+  const double g_high = comparison.at_high_b - comparison.at_high_a;
+  const bool b_low = g_low < -comparison.rounding;
+  const bool b_high = g_high < -comparison.rounding;
   const auto add_a = [&](double begin, double end, double at_begin, double at_end) {
-    pieces.add(duel.a, begin, end, at_begin, at_end);
+    pieces.add(comparison.a, begin, end, at_begin, at_end);
   };
   const auto add_b = [&](double begin, double end, double at_begin, double at_end) {
-    pieces.add(duel.b, begin, end, at_begin, at_end);
+    pieces.add(comparison.b, begin, end, at_begin, at_end);
   };
-  if ((b_low && g_high > duel.tie) || (b_high && g_low > duel.tie)) {
-    const auto [tie, at_tie_a, at_tie_b] = find_tie(duel, duel.low, duel.high, g_low, g_high);
+  if ((b_low && g_high > comparison.rounding) || (b_high && g_low > comparison.rounding)) {
+    const auto [place, at_place_a, at_place_b] =
+        find_equidistant_point(comparison, comparison.low, comparison.high, g_low, g_high);
     if (b_low) {
-      add_b(duel.low, tie, duel.at_low_b, at_tie_b);
-      add_a(tie, duel.high, at_tie_a, duel.at_high_a);
+      add_b(comparison.low, place, comparison.at_low_b, at_place_b);
+      add_a(place, comparison.high, at_place_a, comparison.at_high_a);
     } else {
-      add_a(duel.low, tie, duel.at_low_a, at_tie_a);
-      add_b(tie, duel.high, at_tie_b, duel.at_high_b);
+      add_a(comparison.low, place, comparison.at_low_a, at_place_a);
+      add_b(place, comparison.high, at_place_b, comparison.at_high_b);
     }
     return;
   }
-  Roots inside{};
+  TwoPlaces inside{};
   if (b_low || b_high) {
-    if (!wins_inside(duel, -1, inside)) {
-      add_b(duel.low, duel.high, duel.at_low_b, duel.at_high_b);
+    if (!is_nearer_inside(comparison, -1, inside)) {
+      add_b(comparison.low, comparison.high, comparison.at_low_b, comparison.at_high_b);
       return;
     }
-    add_b(duel.low, inside.first, duel.at_low_b, duel.b.at(inside.first, duel.offset_b));
-    add_a(inside.first, inside.second, duel.a.at(inside.first, duel.offset_a),
-          duel.a.at(inside.second, duel.offset_a));
-    add_b(inside.second, duel.high, duel.b.at(inside.second, duel.offset_b), duel.at_high_b);
+    add_b(comparison.low, inside.first, comparison.at_low_b,
+          comparison.b.at(inside.first, comparison.offset_b));
+    add_a(inside.first, inside.second, comparison.a.at(inside.first, comparison.offset_a),
+          comparison.a.at(inside.second, comparison.offset_a));
+    add_b(inside.second, comparison.high, comparison.b.at(inside.second, comparison.offset_b),
+          comparison.at_high_b);
     return;
   }
-  if (!wins_inside(duel, 1, inside)) {
-    add_a(duel.low, duel.high, duel.at_low_a, duel.at_high_a);
+  if (!is_nearer_inside(comparison, 1, inside)) {
+    add_a(comparison.low, comparison.high, comparison.at_low_a, comparison.at_high_a);
     return;
   }
-  add_a(duel.low, inside.first, duel.at_low_a, duel.a.at(inside.first, duel.offset_a));
-  add_b(inside.first, inside.second, duel.b.at(inside.first, duel.offset_b),
-        duel.b.at(inside.second, duel.offset_b));
-  add_a(inside.second, duel.high, duel.a.at(inside.second, duel.offset_a), duel.at_high_a);
+  add_a(comparison.low, inside.first, comparison.at_low_a,
+        comparison.a.at(inside.first, comparison.offset_a));
+  add_b(inside.first, inside.second, comparison.b.at(inside.first, comparison.offset_b),
+        comparison.b.at(inside.second, comparison.offset_b));
+  add_a(inside.second, comparison.high, comparison.a.at(inside.second, comparison.offset_a),
+        comparison.at_high_a);
 }
 
-// What nearly always happens where the light of two pseudo-sources meets: one window
+// What nearly always happens where the windows of two pseudo-sources meet: one window
 // is nearer up to somewhere in the overlap, the next one from there. False, and nothing
 // done, when it is not so.
-bool cross_over(Window& left, const Window& right, PseudoSources roots, double length,
+bool cross_over(Window& left, const Window& right, PseudoSources pseudo_sources, double length,
                 std::vector<Window>& list) {
   if (!(left.begin < right.begin && left.end < right.end)) return false;
-  const double offset_left = roots[left.root].offset;
-  const double offset_right = roots[right.root].offset;
-  const Duel duel{left,
-                  right,
-                  offset_left,
-                  offset_right,
-                  right.begin,
-                  left.end,
-                  left.at(right.begin, offset_left),
-                  left.at_end,
-                  right.at_begin,
-                  right.at(left.end, offset_right),
-                  kTie * left.at_end};
-  const double g_low = duel.at_low_b - duel.at_low_a;
-  const double g_high = duel.at_high_b - duel.at_high_a;
-  if (!(g_low > duel.tie && g_high < -duel.tie)) return false;
-  const auto [tie, at_tie_left, at_tie_right] = find_tie(duel, duel.low, duel.high, g_low, g_high);
+  const double offset_left = pseudo_sources[left.pseudo_source].offset;
+  const double offset_right = pseudo_sources[right.pseudo_source].offset;
+  const WindowComparison comparison{left,
+                                    right,
+                                    offset_left,
+                                    offset_right,
+                                    right.begin,
+                                    left.end,
+                                    left.at(right.begin, offset_left),
+                                    left.at_end,
+                                    right.at_begin,
+                                    right.at(left.end, offset_right),
+                                    kSameDistance * left.at_end};
+  const double g_low = comparison.at_low_b - comparison.at_low_a;
+  const double g_high = comparison.at_high_b - comparison.at_high_a;
+  if (!(g_low > comparison.rounding && g_high < -comparison.rounding)) return false;
+  const auto [place, at_place_left, at_place_right] =
+      find_equidistant_point(comparison, comparison.low, comparison.high, g_low, g_high);
   Window after = right;
-  after.begin = tie;
-  after.at_begin = at_tie_right;
-  left.end = tie;
-  left.at_end = at_tie_left;
+  after.begin = place;
+  after.at_begin = at_place_right;
+  left.end = place;
+  left.at_end = at_place_left;
   if (too_narrow(left, length, offset_left)) list.pop_back();
-  push(list, after, roots, length);
+  push(list, after, pseudo_sources, length);
   return true;
 }
 
@@ -197,19 +206,19 @@ void cut_end(Window& window, double offset, double along_edge) {
   window.at_end = window.at(window.end, offset);
 }
 
-void append_overlapping(std::vector<Window>& list, const Window& window, PseudoSources roots,
-                        double length, std::vector<Window>& scratch) {
+void append_overlapping(std::vector<Window>& list, const Window& window,
+                        PseudoSources pseudo_sources, double length, std::vector<Window>& scratch) {
   auto first = list.end();
   while (first != list.begin() && (first - 1)->end > window.begin) --first;
-  if (list.end() - first == 1 && cross_over(*first, window, roots, length, list)) return;
-  merge(std::span<const Window>(first, list.end()), {&window, 1}, roots, length, scratch);
+  if (list.end() - first == 1 && cross_over(*first, window, pseudo_sources, length, list)) return;
+  merge(std::span<const Window>(first, list.end()), {&window, 1}, pseudo_sources, length, scratch);
   list.erase(first, list.end());
-  for (const Window& piece : scratch) push(list, piece, roots, length);
+  for (const Window& piece : scratch) push(list, piece, pseudo_sources, length);
 }
 
-void append_merged(std::span<const Window> old, std::span<const Window> fresh, PseudoSources roots,
-                   double length, std::vector<Window>& merged) {
-  Pieces pieces(merged, roots, length);
+void append_merged(std::span<const Window> old, std::span<const Window> fresh,
+                   PseudoSources pseudo_sources, double length, std::vector<Window>& merged) {
+  Pieces pieces(merged, pseudo_sources, length);
   std::size_t i = 0;
   std::size_t j = 0;
   Rest a{};
@@ -223,7 +232,7 @@ void append_merged(std::span<const Window> old, std::span<const Window> fresh, P
   // The part of a window before the overlap.
   const auto cut = [&](Rest& rest, double at) {
     if (!(rest.begin < at)) return;
-    const double distance = rest.window->at(at, roots[rest.window->root].offset);
+    const double distance = rest.window->at(at, pseudo_sources[rest.window->pseudo_source].offset);
     pieces.add(*rest.window, rest.begin, at, rest.at_begin, distance);
     rest.begin = at;
     rest.at_begin = distance;
@@ -244,16 +253,16 @@ void append_merged(std::span<const Window> old, std::span<const Window> fresh, P
     cut(a, low);
     cut(b, low);
     const double high = std::min(a.window->end, b.window->end);
-    const double offset_a = roots[a.window->root].offset;
-    const double offset_b = roots[b.window->root].offset;
+    const double offset_a = pseudo_sources[a.window->pseudo_source].offset;
+    const double offset_b = pseudo_sources[b.window->pseudo_source].offset;
     const double at_high_a =
         high == a.window->end ? a.window->at_end : a.window->at(high, offset_a);
     const double at_high_b =
         high == b.window->end ? b.window->at_end : b.window->at(high, offset_b);
-    const double tie = kTie * std::max(a.at_begin, at_high_a);
-    settle({*a.window, *b.window, offset_a, offset_b, low, high, a.at_begin, at_high_a, b.at_begin,
-            at_high_b, tie},
-           pieces);
+    const double rounding = kSameDistance * std::max(a.at_begin, at_high_a);
+    add_nearer({*a.window, *b.window, offset_a, offset_b, low, high, a.at_begin, at_high_a,
+                b.at_begin, at_high_b, rounding},
+               pieces);
     a.begin = b.begin = high;
     a.at_begin = at_high_a;
     b.at_begin = at_high_b;

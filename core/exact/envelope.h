@@ -3,8 +3,8 @@
 // drops need not be passed on (Mitchell, Mount and Papadimitriou 1987, section 4.2).
 //
 // Epsilons are parts of a distance or of an edge's length, never lengths. A window
-// must be nearer by more than rounding to take a place from another: a tie goes to
-// the one that was there, so the same distance coming round again ends there.
+// must be nearer by more than rounding to take a place from another: of equally near ones it goes
+// to the one that was there, so the same distance coming round again ends there.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace geodesic::exact {
 using PseudoSources = std::span<const PseudoSource>;
 
 // Distances that differ by less than this part are the same.
-inline constexpr double kTie = 1e-13;
+inline constexpr double kSameDistance = 1e-13;
 // Intervals that overlap by less than this part of the edge only touch.
 inline constexpr double kTouch = 1e-13;
 // The least width of a window: this part of the shorter of its edge and its rays.
@@ -38,11 +38,12 @@ inline constexpr double kSameSource = 3e-14;
   return !(window.end - window.begin > kLeastWidth * std::min(length, rays));
 }
 
-// Whether two windows are the same light, cut in two by a vertex that it passed on
+// Whether two windows are one, cut in two by a vertex that it passed on
 // one side and on the other.
 [[nodiscard]] inline bool is_continued_by(const Window& left, const Window& right, double offset,
                                           double length) {
-  if (left.root != right.root || left.from != right.from || left.propagated != right.propagated) {
+  if (left.pseudo_source != right.pseudo_source || left.from != right.from ||
+      left.propagated != right.propagated) {
     return false;
   }
   if (std::abs(right.begin - left.end) > kTouch * length) return false;
@@ -50,7 +51,7 @@ inline constexpr double kSameSource = 3e-14;
   return std::abs(left.x - right.x) <= same && std::abs(left.y - right.y) <= same;
 }
 
-// Whether light from the left window's source is as good as the right one's own over its
+// Whether a line from the left window's source is as good as the right one's own over its
 // interval, which begins where the left one ends: as where a vertex that it passed on both
 // sides is flat but for rounding. In first order the distances' difference depends on
 // nothing but a ray's direction, so it does not grow on the way.
@@ -59,8 +60,9 @@ inline constexpr double kSameSource = 3e-14;
   const double y2 = left.y * left.y;
   const double to_begin = begin - left.x;
   const double to_end = end - left.x;
-  return std::abs(offset + std::sqrt(to_begin * to_begin + y2) - at_begin) <= kTie * at_begin &&
-         std::abs(offset + std::sqrt(to_end * to_end + y2) - at_end) <= kTie * at_end;
+  return std::abs(offset + std::sqrt(to_begin * to_begin + y2) - at_begin) <=
+             kSameDistance * at_begin &&
+         std::abs(offset + std::sqrt(to_end * to_end + y2) - at_end) <= kSameDistance * at_end;
 }
 
 // Cuts off what is nearer along the edge from its tail or its head, as far as that
@@ -76,26 +78,26 @@ void cut_end(Window& window, double offset, double along_edge);
   if (at_tail + window.end <= window.at_end) return false;
   if (at_head + (length - window.begin) <= window.at_begin) return false;
   const double by_tail = at_tail + window.begin;
-  if (by_tail < window.at_begin * (1 - kTie)) cut_begin(window, offset, by_tail);
+  if (by_tail < window.at_begin * (1 - kSameDistance)) cut_begin(window, offset, by_tail);
   const double by_head = at_head + (length - window.end);
-  if (by_head < window.at_end * (1 - kTie)) cut_end(window, offset, by_head);
+  if (by_head < window.at_end * (1 - kSameDistance)) cut_end(window, offset, by_head);
   return !too_narrow(window, length, offset);
 }
 
 // Adds a window to a list that it overlaps; see append.
-void append_overlapping(std::vector<Window>& list, const Window& window, PseudoSources roots,
-                        double length, std::vector<Window>& scratch);
+void append_overlapping(std::vector<Window>& list, const Window& window,
+                        PseudoSources pseudo_sources, double length, std::vector<Window>& scratch);
 
 // Adds a window to a list of windows that do not overlap. Any order is right; fast is
 // the order in which they lie on the edge.
-inline void append(std::vector<Window>& list, const Window& window, PseudoSources roots,
+inline void append(std::vector<Window>& list, const Window& window, PseudoSources pseudo_sources,
                    double length, std::vector<Window>& scratch) {
   if (!list.empty()) {
     if (list.back().end > window.begin + kTouch * length) {
-      append_overlapping(list, window, roots, length, scratch);
+      append_overlapping(list, window, pseudo_sources, length, scratch);
       return;
     }
-    if (is_continued_by(list.back(), window, roots[window.root].offset, length)) {
+    if (is_continued_by(list.back(), window, pseudo_sources[window.pseudo_source].offset, length)) {
       list.back().end = window.end;
       list.back().at_end = window.at_end;
       return;
@@ -105,15 +107,15 @@ inline void append(std::vector<Window>& list, const Window& window, PseudoSource
 }
 
 // Writes the lower envelope of two lists to `merged`, behind what is there already. In a
-// tie the windows of `old` stay.
-void append_merged(std::span<const Window> old, std::span<const Window> fresh, PseudoSources roots,
-                   double length, std::vector<Window>& merged);
+// equally near ones those of `old` stay.
+void append_merged(std::span<const Window> old, std::span<const Window> fresh,
+                   PseudoSources pseudo_sources, double length, std::vector<Window>& merged);
 
 // The same into an empty list.
-inline void merge(std::span<const Window> old, std::span<const Window> fresh, PseudoSources roots,
-                  double length, std::vector<Window>& merged) {
+inline void merge(std::span<const Window> old, std::span<const Window> fresh,
+                  PseudoSources pseudo_sources, double length, std::vector<Window>& merged) {
   merged.clear();
-  append_merged(old, fresh, roots, length, merged);
+  append_merged(old, fresh, pseudo_sources, length, merged);
 }
 
 }  // namespace geodesic::exact

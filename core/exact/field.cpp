@@ -24,7 +24,7 @@ namespace {
 std::uint64_t least_bytes(const Adjacency& adjacency, bool keep_windows) {
   const std::uint64_t of_vertex =
       sizeof(double) + sizeof(exact::ArrivalAtVertex) + sizeof(exact::Bends) + sizeof(double);
-  const std::uint64_t of_edge = sizeof(exact::Window) + sizeof(LitWindows::Entry);
+  const std::uint64_t of_edge = sizeof(exact::Window) + sizeof(VisibleIntervals::Entry);
   return adjacency.mesh().vertex_count() * of_vertex +
          (keep_windows ? adjacency.report().edges * of_edge : 0);
 }
@@ -78,7 +78,7 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
         return fail_stopped(cancel);
       }
     }
-  } while (!stopped && propagation.mend(poll));
+  } while (!stopped && propagation.relax_along_edges(poll));
 
   propagation.raise_to_paths(poll);
   // What was not final when the last target was is farther than any of them.
@@ -88,12 +88,12 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
     for (const std::uint32_t v : limits.targets) farthest = std::max(farthest, field.distance[v]);
   }
   field.forget_beyond(farthest);
-  LitWindows lit;
-  if (keep_windows) lit = propagation.lit_windows(poll);
+  VisibleIntervals intervals;
+  if (keep_windows) intervals = propagation.visible_intervals(poll);
   propagation.drop_windows(poll);
   if (keep_windows) {
     field.windows =
-        std::make_shared<const WindowTable>(adjacency.faces().size(), std::move(lit), poll);
+        std::make_shared<const WindowTable>(adjacency.faces().size(), std::move(intervals), poll);
   }
   if (poll.stopped()) return fail_stopped(cancel);
   field.count_reached();

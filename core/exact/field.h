@@ -36,10 +36,10 @@ struct ExactScratch {
 // face on it, and bend at a vertex where its angles let them: at saddle vertices, on
 // the boundary, and where faces do not form one fan.
 //
-// With limits.keep_details, `windows` gets what lights the faces: the distance of a
+// With limits.keep_details, `windows` gets the windows into the faces: the distance of a
 // point in a face is the least over the windows of its three sides, its corners
 // (straight from there) and the sources in it. A window whose source is a vertex
-// that a source was placed at has no root.
+// that a source was placed at has no pseudo-source.
 //
 // Without them, and from sources at vertices, windows run over the faces that have fewer
 // edges in the way, perhaps not the mesh's own (exact/surface.h): the same distances, but for

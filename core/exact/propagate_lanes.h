@@ -9,11 +9,12 @@
 
 namespace geodesic::exact {
 
-// Fills `crossing` of the beams from `first` to before `last` for a far corner at (x, y) and
-// returns the beam by which the corner is nearest; of two equally near ones, one that sees it
+// Fills `crossing` of the windows from `first` to before `last` for a far corner at (x, y) and
+// returns the window by which the corner is nearest; of two equally near ones, one that sees it
 // straight. There is at least one.
-[[nodiscard]] std::size_t find_crossings(Vectors vectors, Beams& beams, std::size_t first,
-                                         std::size_t last, double x, double y, double base_length);
+[[nodiscard]] std::size_t find_crossings(Vectors vectors, EnteringWindows& entering,
+                                         std::size_t first, std::size_t last, double x, double y,
+                                         double base_length);
 
 // A side of the face, and its edge. On the left side, t is counted from the base's tail, on
 // the right from its head; `flipped` is whether the edge's frame counts the other way.
@@ -26,20 +27,21 @@ struct SideFrame {
   double length;
   double at_tail;  // distances of the edge's ends
   double at_head;
-  double settled;  // what is as far as this anywhere is of no use,
-  double max;      // nor what is farther than this
+  double upper_bound;  // what is as far as this anywhere is of no use,
+  double max;          // nor what is farther than this
 };
 
-// The children of the beams from `first` to before `last`.
-void cross_to_side(Vectors vectors, const Beams& beams, std::size_t first, std::size_t last,
-                   const SideFrame& side, Children& children);
+// What becomes of the entering windows from `first` to before `last`.
+void cross_to_side(Vectors vectors, const EnteringWindows& entering, std::size_t first,
+                   std::size_t last, const SideFrame& side, PropagatedWindows& beyond);
 
-// Which of those children overlap the next one; `upwards`: numbers ascend along the edge.
-// Fills `overlaps` and `tie`, and `left` and `right` of the pairs, behind those that are there.
+// Which of those windows overlap the next one; `upwards`: numbers ascend along the edge.
+// Fills `overlaps` and `pair`, and `left` and `right` of the pairs, behind those that are there.
 void pair_overlaps(Vectors vectors, std::size_t first, std::size_t last, bool upwards,
-                   double length, Children& children, Ties& ties);
+                   double length, PropagatedWindows& beyond, EquidistantPoints& equidistant);
 
 // Fills `place`, `at_left`, `at_right` and `found` for the pairs.
-void find_ties(Vectors vectors, const Beams& beams, const Children& children, Ties& ties);
+void find_equidistant_points(Vectors vectors, const EnteringWindows& entering,
+                             const PropagatedWindows& beyond, EquidistantPoints& equidistant);
 
 }  // namespace geodesic::exact

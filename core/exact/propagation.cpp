@@ -13,11 +13,11 @@ constexpr double kLeastGap = 1e-9;
 // So many windows cross faces together, or more where an edge has more.
 constexpr std::size_t kTogether = 256;
 
-// So many windows on an edge are a crowd, in which a vertex may become a source. What starts
+// Behind so many windows on an edge a vertex may become a source. What starts
 // little earlier than it was reached spares few of them, and its own meet the others at more
 // places: the less the tolerance, the more there must be. Measured: 8 at 1e-2, 13 at 1e-3,
 // 22 at 1e-4, beyond which it makes no difference.
-std::size_t crowd_for(double tolerance) {
+std::size_t windows_for_early(double tolerance) {
   constexpr double kMost = 1e-2;
   constexpr double kLeast = 1e-4;
   const double part = kMost / std::clamp(tolerance, kLeast, kMost);
@@ -39,7 +39,7 @@ Propagation::Propagation(const Adjacency& adjacency, const Triangulation& surfac
       max_(max * (1 + tolerance) * (1 + tolerance)),
       tolerance_(tolerance),
       keep_windows_(keep_windows),
-      crowd_(crowd_for(tolerance)) {
+      windows_for_early_(windows_for_early(tolerance)) {
   memory.frames.build(adjacency, surface, poll);
   if (poll.stopped()) return;
   memory.pool.reset(poll);
@@ -48,7 +48,7 @@ Propagation::Propagation(const Adjacency& adjacency, const Triangulation& surfac
   for (const Source& source : field.sources) least = std::min(least, source.offset);
   memory.queue.reset(least, 0.25 * frames_.mean_shortest_side());
   edges_ = memory.frames.edges();
-  memory.roots.clear();
+  memory.pseudo_sources.clear();
   memory.offsets.clear();
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
   memory.arrivals.assign(vertex_count, {kNone, false, 0});
@@ -56,10 +56,10 @@ Propagation::Propagation(const Adjacency& adjacency, const Triangulation& surfac
   // Mostly, each vertex where paths bend sends out windows once.
   const auto bending = static_cast<std::size_t>(std::count_if(
       memory.bends.begin(), memory.bends.end(), [](Bends b) { return b != Bends::nowhere; }));
-  memory.roots.reserve(bending + field.sources.size());
+  memory.pseudo_sources.reserve(bending + field.sources.size());
   memory.offsets.reserve(bending + field.sources.size());
   memory.emitted.assign(vertex_count, kUnreached);
-  memory.above.assign(tolerance > 0 ? vertex_count : 0, 0);
+  memory.allowance.assign(tolerance > 0 ? vertex_count : 0, 0);
 }
 
 void Propagation::keep_windows_of(std::span<const std::uint32_t> faces) {
@@ -72,17 +72,17 @@ void Propagation::keep_windows_of(std::span<const std::uint32_t> faces) {
   }
 }
 
-std::uint32_t Propagation::add_root(const PseudoSource& root) {
-  memory_.roots.push_back(root);
-  memory_.offsets.push_back(root.offset);
-  return static_cast<std::uint32_t>(memory_.roots.size() - 1);
+std::uint32_t Propagation::add_pseudo_source(const PseudoSource& pseudo_source) {
+  memory_.pseudo_sources.push_back(pseudo_source);
+  memory_.offsets.push_back(pseudo_source.offset);
+  return static_cast<std::uint32_t>(memory_.pseudo_sources.size() - 1);
 }
 
 // What is in one bucket of the queue may be done in any order. So windows are gathered from some
 // edges, and then cross their faces together, each part of the work for all of them: what one
 // list waits for does not keep the others.
 bool Propagation::step() {
-  memory_.beams.size = 0;
+  memory_.entering.size = 0;
   memory_.over_faces.clear();
   Waiting next{};
   if (!memory_.queue.pop(next)) return false;
@@ -95,11 +95,11 @@ bool Propagation::step() {
       case Waiting::What::vertex:
         bend_at(next.number);
         break;
-      case Waiting::What::settled_edge:
+      case Waiting::What::bounded_edge:
         let_go(next.number);
         break;
     }
-  } while (memory_.beams.size < kTogether && memory_.queue.pop_near(next));
+  } while (memory_.entering.size < kTogether && memory_.queue.pop_near(next));
   cross_faces();
   return true;
 }
@@ -137,25 +137,25 @@ void Propagation::set_out(std::uint32_t e) {
     // Over a face with the same edges as another one it is as far as over that one. And light
     // thrown to and fro between such faces, if thin, would gain by rounding for ever.
     const bool is_worth_it = (!from_one || h != from) && !frames_.face(face_of(h)).is_copy();
-    if (is_worth_it) load_beams(windows, h);
+    if (is_worth_it) load_entering(windows, h);
     h = h == edge.first ? edge.second : surface_.ring(h);
   } while (h != edge.first && !poll_.cancelled());
   for (Window& w : windows) w.propagated = true;
-  settle(e, farthest + least_gap);
+  bound_edge(e, farthest + least_gap);
 }
 
 // The windows on the edge of h that wait and did not come from its face, in its frame.
-void Propagation::load_beams(std::span<const Window> windows, Halfedge h) {
-  Beams& beams = memory_.beams;
-  const std::size_t first = beams.size;
-  beams.make_room(first + windows.size());
+void Propagation::load_entering(std::span<const Window> windows, Halfedge h) {
+  EnteringWindows& entering = memory_.entering;
+  const std::size_t first = entering.size;
+  entering.make_room(first + windows.size());
   const double* const offsets = memory_.offsets.data();
-  double* const begin = beams.begin.data();
-  double* const end = beams.end.data();
-  double* const x = beams.x.data();
-  double* const y = beams.y.data();
-  double* const offset = beams.offset.data();
-  std::uint32_t* const root = beams.root.data();
+  double* const begin = entering.begin.data();
+  double* const end = entering.end.data();
+  double* const x = entering.x.data();
+  double* const y = entering.y.data();
+  double* const offset = entering.offset.data();
+  std::uint32_t* const pseudo_source = entering.pseudo_source.data();
   std::size_t size = first;
   if (!frames_.is_reversed(h)) {
     for (const Window& w : windows) {
@@ -164,8 +164,8 @@ void Propagation::load_beams(std::span<const Window> windows, Halfedge h) {
       end[size] = w.end;
       x[size] = w.x;
       y[size] = w.y;
-      offset[size] = offsets[w.root];
-      root[size++] = w.root;
+      offset[size] = offsets[w.pseudo_source];
+      pseudo_source[size++] = w.pseudo_source;
     }
   } else {
     const double length = frames_.edge(frames_.edge_of(h)).length;
@@ -176,31 +176,31 @@ void Propagation::load_beams(std::span<const Window> windows, Halfedge h) {
       end[size] = length - w.begin;
       x[size] = length - w.x;
       y[size] = w.y;
-      offset[size] = offsets[w.root];
-      root[size++] = w.root;
+      offset[size] = offsets[w.pseudo_source];
+      pseudo_source[size++] = w.pseudo_source;
     }
   }
-  beams.size = size;
+  entering.size = size;
   if (frames_.has_flat()) [[unlikely]]
     keep_sources_on_line(first, frames_.edge(frames_.edge_of(h)).length);
   if (size > first) memory_.over_faces.push_back({.base = h, .first = first, .last = size});
 }
 
-// Light out of a vertex in the middle of the edge, which it came to over faces that are lines, fans
-// out at that place. A window that ends there, for on one side of it other light is nearer, has the
-// place in it, so that nothing of the fan is lost between the two.
+// What comes out of a vertex in the middle of the edge, which it came to over faces that are lines,
+// fans out at that place. A window that ends there, for on one side of it another one is nearer,
+// has the place in it, so that nothing of the fan is lost between the two.
 void Propagation::keep_sources_on_line(std::size_t first, double length) {
   constexpr double kOnLine = 1e-13;
   constexpr double kAtEnd = 1e-9;
-  Beams& beams = memory_.beams;
-  for (std::size_t i = first; i < beams.size; ++i) {
-    if (!(beams.y[i] <= kOnLine * length)) continue;
-    const double hair = kAtEnd * length;
-    const double x = beams.x[i];
-    if (!(x >= beams.begin[i] - hair && x <= beams.end[i] + hair)) continue;
-    beams.y[i] = 0;
-    beams.begin[i] = std::max(std::min(beams.begin[i], x - hair), 0.0);
-    beams.end[i] = std::min(std::max(beams.end[i], x + hair), length);
+  EnteringWindows& entering = memory_.entering;
+  for (std::size_t i = first; i < entering.size; ++i) {
+    if (!(entering.y[i] <= kOnLine * length)) continue;
+    const double half_width = kAtEnd * length;
+    const double x = entering.x[i];
+    if (!(x >= entering.begin[i] - half_width && x <= entering.end[i] + half_width)) continue;
+    entering.y[i] = 0;
+    entering.begin[i] = std::max(std::min(entering.begin[i], x - half_width), 0.0);
+    entering.end[i] = std::min(std::max(entering.end[i], x + half_width), length);
   }
 }
 
@@ -212,20 +212,21 @@ void Propagation::cross_faces() {
   for (ListOverFace& list : memory_.over_faces) find_nearest(list);
   for (const ListOverFace& list : memory_.over_faces) reach_apex(list);
   memory_.over_sides.clear();
-  const std::size_t count = memory_.beams.size;
-  for (Children& children : memory_.children) children.make_room(count);
-  for (Ties& ties : memory_.ties) {
-    ties.make_room(count);
-    ties.size = 0;
+  const std::size_t count = memory_.entering.size;
+  for (PropagatedWindows& beyond : memory_.beyond) beyond.make_room(count);
+  for (EquidistantPoints& equidistant : memory_.equidistant) {
+    equidistant.make_room(count);
+    equidistant.size = 0;
   }
   for (const ListOverFace& list : memory_.over_faces) cross_to_sides(list);
   for (const ListOverSide& list : memory_.over_sides) {
     pair_overlaps(vectors_, list.first, list.last, list.upwards, list.side.length,
-                  memory_.children[list.on_right], memory_.ties[list.on_right]);
+                  memory_.beyond[list.on_right], memory_.equidistant[list.on_right]);
   }
   for (std::size_t i = 0; i < 2; ++i) {
-    if (memory_.ties[i].size > 0) {
-      find_ties(vectors_, memory_.beams, memory_.children[i], memory_.ties[i]);
+    if (memory_.equidistant[i].size > 0) {
+      find_equidistant_points(vectors_, memory_.entering, memory_.beyond[i],
+                              memory_.equidistant[i]);
     }
   }
   for (const ListOverSide& list : memory_.over_sides) {
@@ -244,34 +245,35 @@ void Propagation::unfold(ListOverFace& list) const {
   list.apex_y = left_length * list.at_tail.sine;
 }
 
-// Finds for every beam where the line to the far corner crosses the base, and the one by which
-// that corner is nearest. A beam that the line misses leads there round its end; that matters
-// only where there is a gap.
+// Finds for every entering window where the line to the far corner crosses the base, and the one by
+// which that corner is nearest. A window that the line misses leads there round its end; that
+// matters only where no window is.
 void Propagation::find_nearest(ListOverFace& list) {
-  Beams& beams = memory_.beams;
-  list.best = find_crossings(vectors_, beams, list.first, list.last, list.apex_x, list.apex_y,
+  EnteringWindows& entering = memory_.entering;
+  list.best = find_crossings(vectors_, entering, list.first, list.last, list.apex_x, list.apex_y,
                              list.base_length);
   const std::size_t best = list.best;
-  list.crossing = std::clamp(beams.crossing[best], beams.begin[best], beams.end[best]);
-  const double run = list.crossing - beams.x[best];
+  list.crossing = std::clamp(entering.crossing[best], entering.begin[best], entering.end[best]);
+  const double run = list.crossing - entering.x[best];
   const double rest = list.apex_x - list.crossing;
-  list.distance = beams.offset[best] + std::sqrt(run * run + beams.y[best] * beams.y[best]) +
+  list.distance = entering.offset[best] +
+                  std::sqrt(run * run + entering.y[best] * entering.y[best]) +
                   std::sqrt(rest * rest + list.apex_y * list.apex_y);
 }
 
 void Propagation::reach_apex(const ListOverFace& list) {
   const std::uint32_t f = face_of(list.base);
   const std::uint32_t apex_corner = previous_corner(corner_of(list.base));
-  const std::uint32_t root = memory_.beams.root[list.best];
-  lower(surface_.faces[f].vertex[apex_corner], list.distance, memory_.roots[root],
-        {halfedge(f, apex_corner), list.last - list.first >= crowd_, list.crossing});
+  const std::uint32_t pseudo_source = memory_.entering.pseudo_source[list.best];
+  relax(surface_.faces[f].vertex[apex_corner], list.distance, memory_.pseudo_sources[pseudo_source],
+        {halfedge(f, apex_corner), list.last - list.first >= windows_for_early_, list.crossing});
 }
 
 // Over the sides from the far corner to the base's tail and from the base's head to it. Where
-// only the best beam may come to one, mostly it does not. Over a face that is a line a ray goes on
-// at the place where it came, so that none of them cross, and each goes to the side that has it.
+// only the best window may come to one, mostly it does not. Over a face that is a line a ray goes
+// on at the place where it came, so that none of them cross, and each goes to the side that has it.
 void Propagation::cross_to_sides(const ListOverFace& list) {
-  const Beams& beams = memory_.beams;
+  const EnteringWindows& entering = memory_.entering;
   propagated_ += list.last - list.first;
   const std::size_t best = list.best;
   if (frames_.face(face_of(list.base)).is_flat()) [[unlikely]] {
@@ -279,10 +281,10 @@ void Propagation::cross_to_sides(const ListOverFace& list) {
     cross_to_side(list, true, list.first, list.last);
     return;
   }
-  if (best > list.first || beams.begin[best] < beams.crossing[best]) {
+  if (best > list.first || entering.begin[best] < entering.crossing[best]) {
     cross_to_side(list, false, list.first, best + 1);
   }
-  if (best + 1 < list.last || beams.crossing[best] < beams.end[best]) {
+  if (best + 1 < list.last || entering.crossing[best] < entering.end[best]) {
     cross_to_side(list, true, best, list.last);
   }
 }
@@ -295,16 +297,16 @@ void Propagation::cross_to_side(const ListOverFace& list, bool on_right, std::si
       this->side(halfedge(f, on_right ? next_corner(c) : previous_corner(c)), on_right);
   if (side.on_boundary) return;
   const CornerAngle angle = on_right ? frames_.angle(f, next_corner(c)) : list.at_tail;
-  const SideFrame frame{on_right,    side.flipped, list.base_length, angle.cosine, angle.sine,
-                        side.length, side.at_tail, side.at_head,     side.settled, max_};
-  exact::cross_to_side(vectors_, memory_.beams, first, last, frame, memory_.children[on_right]);
+  const SideFrame frame{on_right,    side.flipped, list.base_length, angle.cosine,     angle.sine,
+                        side.length, side.at_tail, side.at_head,     side.upper_bound, max_};
+  exact::cross_to_side(vectors_, memory_.entering, first, last, frame, memory_.beyond[on_right]);
   // On the left side t grows with the place on the base.
   memory_.over_sides.push_back({side, first, last, on_right, on_right == side.flipped});
 }
 
-// The children of a list join what is on their edge.
+// The propagated windows of a list join what is on their edge.
 void Propagation::arrive(const ListOverSide& list) {
-  ChildOrder order{list.first, list.last, list.upwards};
+  PropagatedOrder order{list.first, list.last, list.upwards};
   FreshList fresh{memory_.fresh, 0, kUnreached};
   for (;;) {
     add_plain(list, order, fresh);
@@ -314,29 +316,29 @@ void Propagation::arrive(const ListOverSide& list) {
   commit(list.side.edge, {fresh.list.data(), fresh.size}, fresh.least);
 }
 
-// Adds children in the order on the edge, as long as they can be sewn to those before:
+// Adds windows in the order on the edge, as long as they can be trimmed to those before:
 // nearly all of them can, and most come whole and meet none but the one before.
-void Propagation::add_plain(const ListOverSide& list, ChildOrder& order, FreshList& fresh) {
+void Propagation::add_plain(const ListOverSide& list, PropagatedOrder& order, FreshList& fresh) {
   const Side& side = list.side;
   const std::size_t most = fresh.size + order.left();
   if (fresh.list.size() < most) fresh.list.resize(most);
-  const Children& children = memory_.children[list.on_right];
-  const Ties& ties = memory_.ties[list.on_right];
-  const double* const begins = children.begin.data();
-  const double* const ends = children.end.data();
-  const double* const xs = children.x.data();
-  const double* const ys = children.y.data();
-  const double* const at_begins = children.at_begin.data();
-  const double* const at_ends = children.at_end.data();
-  const double* const leasts = children.least.data();
-  const std::int64_t* const passes = children.passes.data();
-  const std::int64_t* const overlaps = children.overlaps.data();
-  const std::uint32_t* const roots = memory_.beams.root.data();
+  const PropagatedWindows& beyond = memory_.beyond[list.on_right];
+  const EquidistantPoints& equidistant = memory_.equidistant[list.on_right];
+  const double* const begins = beyond.begin.data();
+  const double* const ends = beyond.end.data();
+  const double* const xs = beyond.x.data();
+  const double* const ys = beyond.y.data();
+  const double* const at_begins = beyond.at_begin.data();
+  const double* const at_ends = beyond.at_end.data();
+  const double* const leasts = beyond.least.data();
+  const std::int64_t* const passes = beyond.passes.data();
+  const std::int64_t* const overlaps = beyond.overlaps.data();
+  const std::uint32_t* const pseudo_sources = memory_.entering.pseudo_source.data();
   const double touch = kTouch * side.length;
   const double narrow = kLeastWidth * side.length;
   const double nearly = kNearlyTouch * side.length;
   const std::size_t step = order.upwards ? 1 : static_cast<std::size_t>(-1);
-  // The one before a child on the edge is numbered before it, or it before that one.
+  // The one before a window on the edge is numbered before it, or it before that one.
   const std::size_t to_pair = order.upwards ? 0 : 1;
   std::size_t i = order.next();
   std::size_t left = order.left();
@@ -345,32 +347,32 @@ void Propagation::add_plain(const ListOverSide& list, ChildOrder& order, FreshLi
   Window* out = begin + fresh.size;
   double reached = out == begin ? -kUnreached : out[-1].end;
   double last_x = out == begin ? 0 : out[-1].x;
-  std::uint32_t last_root = out == begin ? kNone : out[-1].root;
+  std::uint32_t last_pseudo_source = out == begin ? kNone : out[-1].pseudo_source;
   for (; left > 0; --left, i += step) {
     if (passes[i] == kMisses) continue;
     const bool whole = passes[i] == kWhole;
     double from = begins[i];
     double at_from = at_begins[i];
-    const bool maybe_same = (static_cast<int>(last_root == roots[i]) &
+    const bool maybe_same = (static_cast<int>(last_pseudo_source == pseudo_sources[i]) &
                              static_cast<int>(std::abs(xs[i] - last_x) <= kNearSource * at_from) &
                              static_cast<int>(std::abs(from - reached) <= nearly)) != 0;
     if (whole && maybe_same && reached == ends[i - step] &&
-        is_as_good(out[-1], from, ends[i], at_from, at_ends[i], memory_.beams.offset[i])) {
+        is_as_good(out[-1], from, ends[i], at_from, at_ends[i], memory_.entering.offset[i])) {
       reached = out[-1].end = ends[i];
       out[-1].at_end = at_ends[i];
       least = std::min(least, leasts[i]);
       continue;
     }
     if (out != begin && overlaps[i + to_pair] != 0) {
-      const std::size_t tie = children.tie[i + to_pair];
-      const double place = ties.place[tie];
-      const bool clear = ties.found[tie] != 0 && reached == ends[i - step] &&
+      const std::size_t pair = beyond.pair[i + to_pair];
+      const double place = equidistant.place[pair];
+      const bool clear = equidistant.found[pair] != 0 && reached == ends[i - step] &&
                          place - out[-1].begin > narrow && ends[i] - place > narrow;
       if (clear) {
         out[-1].end = reached = place;
-        out[-1].at_end = ties.at_left[tie];
+        out[-1].at_end = equidistant.at_left[pair];
         from = place;
-        at_from = ties.at_right[tie];
+        at_from = equidistant.at_right[pair];
       }
     }
     out->begin = from;
@@ -379,24 +381,24 @@ void Propagation::add_plain(const ListOverSide& list, ChildOrder& order, FreshLi
     out->y = ys[i];
     out->at_begin = at_from;
     out->at_end = at_ends[i];
-    out->root = roots[i];
+    out->pseudo_source = pseudo_sources[i];
     out->from = side.from;
     out->propagated = false;
     double least_here = leasts[i];
     if (!whole) {
       if (!is_of_use(*out, side)) continue;
-      least_here = out->least(memory_.beams.offset[i]);
+      least_here = out->least(memory_.entering.offset[i]);
     }
     if (!(reached <= out->begin + touch)) {
-      const Seam seam = sew_last(begin, out, side.length);
-      if (seam == Seam::not_plain) break;
-      if (seam == Seam::fresh_gone) {
+      const Trimming trimming = trim_last(begin, out, side.length);
+      if (trimming == Trimming::not_plain) break;
+      if (trimming == Trimming::fresh_gone) {
         reached = out[-1].end;
         continue;
       }
     }
     ++out;
-    last_root = roots[i];
+    last_pseudo_source = pseudo_sources[i];
     last_x = xs[i];
     reached = out[-1].end;
     least = std::min(least, least_here);
@@ -406,35 +408,42 @@ void Propagation::add_plain(const ListOverSide& list, ChildOrder& order, FreshLi
   fresh.least = least;
 }
 
-// Sews the last of the windows from `first` on, which is not counted in yet, to those before
+// Trims the last of the windows from `first` on, which is not counted in yet, to those before
 // it that it overlaps.
-Seam Propagation::sew_last(Window* first, Window*& last, double length) {
+Trimming Propagation::trim_last(Window* first, Window*& last, double length) {
   Window* before = last;
-  Seam seam = Seam::old_gone;
-  while (seam == Seam::old_gone && before != first && before[-1].end > last->begin) {
-    seam = sew(before[-1], *last, true, memory_.roots, length);
-    if (seam == Seam::old_gone) --before;
+  Trimming trimming = Trimming::old_gone;
+  while (trimming == Trimming::old_gone && before != first && before[-1].end > last->begin) {
+    trimming = trim(before[-1], *last, true, memory_.pseudo_sources, length);
+    if (trimming == Trimming::old_gone) --before;
   }
   if (before != last) {
     *before = *last;
     last = before;
   }
-  return seam;
+  return trimming;
 }
 
-// Adds the next child, whatever is the matter with it.
-void Propagation::add_with_care(const ListOverSide& list, ChildOrder& order, FreshList& fresh) {
+// Adds the next window, whatever is the matter with it.
+void Propagation::add_with_care(const ListOverSide& list, PropagatedOrder& order,
+                                FreshList& fresh) {
   const Side& side = list.side;
-  const Children& children = memory_.children[list.on_right];
+  const PropagatedWindows& beyond = memory_.beyond[list.on_right];
   const std::size_t i = order.next();
   order.skip(1);
-  Window window{
-      children.begin[i],  children.end[i],       children.x[i], children.y[i], children.at_begin[i],
-      children.at_end[i], memory_.beams.root[i], side.from,     false};
-  if (children.passes[i] != kWhole && !is_of_use(window, side)) return;
-  fresh.least = std::min(fresh.least, window.least(memory_.beams.offset[i]));
+  Window window{beyond.begin[i],
+                beyond.end[i],
+                beyond.x[i],
+                beyond.y[i],
+                beyond.at_begin[i],
+                beyond.at_end[i],
+                memory_.entering.pseudo_source[i],
+                side.from,
+                false};
+  if (beyond.passes[i] != kWhole && !is_of_use(window, side)) return;
+  fresh.least = std::min(fresh.least, window.least(memory_.entering.offset[i]));
   fresh.list.resize(fresh.size);
-  append(fresh.list, window, memory_.roots, side.length, memory_.scratch);
+  append(fresh.list, window, memory_.pseudo_sources, side.length, memory_.scratch);
   fresh.size = fresh.list.size();
 }
 
@@ -449,15 +458,15 @@ Side Propagation::side(Halfedge h, bool from_tail) const {
           edge.length,
           distance_[edge.tail],
           distance_[edge.head],
-          edge.settled};
+          edge.upper_bound};
 }
 
 // Whether something of a window that comes over a side is nearer than other ways; clips it.
 bool Propagation::is_of_use(Window& window, const Side& side) const {
-  const double offset = memory_.roots[window.root].offset;
+  const double offset = memory_.pseudo_sources[window.pseudo_source].offset;
   if (!clip_at_ends(window, offset, side.length, side.at_tail, side.at_head)) return false;
   const double least = window.least(offset);
-  return least < side.settled && least <= max_;
+  return least < side.upper_bound && least <= max_;
 }
 
 }  // namespace geodesic::exact

@@ -13,9 +13,9 @@
 //
 // With a tolerance, distances are those of a field with more sources than there are: a
 // vertex that is reached may become one, starting a little earlier than it was reached
-// (bend_at). What its windows then outrun is a crowd of narrow ones that came past it on
+// (bend_at). What its windows then outrun are the many narrow ones that came past it on
 // both sides. More sources only lower a field, so it is never above the true one; and
-// `above` says by how much it may be below: a distance and what it is above there make
+// `allowance` says by how much it may be below: a distance and what it is above there make
 // the length of a real path. A vertex becomes a source only as far as that sum stays within
 // the tolerance.
 #pragma once
@@ -46,7 +46,7 @@ namespace geodesic::exact {
 // the corner after that one.
 struct ArrivalAtVertex {
   std::uint32_t corner;
-  bool crowded;  // one of many windows on that side led there
+  bool among_many;  // one of many windows on that side led there
   double crossing;
 };
 
@@ -59,10 +59,11 @@ struct Side {
   double length;
   double at_tail;  // the distances of the edge's ends
   double at_head;
-  double settled;  // of the edge
+  double upper_bound;  // of the edge
 };
 
-// A list of windows on its way over a face: those from `first` to before `last` of the beams.
+// A list of windows on its way over a face: those from `first` to before `last` of the entering
+// ones.
 struct ListOverFace {
   Halfedge base;
   std::size_t first;
@@ -72,14 +73,14 @@ struct ListOverFace {
   CornerAngle at_tail{};
   double apex_x = 0;
   double apex_y = 0;
-  // The beam by which the far corner is nearest, where it crosses the base, and how far it is.
+  // The window by which the far corner is nearest, where it crosses the base, and how far it is.
   std::size_t best = 0;
   double crossing = 0;
   double distance = 0;
 };
 
 // Windows on their way over one side of a face, the left or the right one: those from `first`
-// to before `last` of the children there.
+// to before `last` of those beyond it.
 struct ListOverSide {
   Side side;
   std::size_t first;
@@ -88,8 +89,8 @@ struct ListOverSide {
   bool upwards;  // their numbers ascend along the edge
 };
 
-// The children of a list on one side, in the order in which they lie on its edge.
-struct ChildOrder {
+// The propagated windows of a list on one side, in the order in which they lie on its edge.
+struct PropagatedOrder {
   std::size_t first;  // those to come
   std::size_t last;
   bool upwards;  // their numbers ascend
@@ -119,18 +120,18 @@ struct PropagationMemory {
   Frames frames;
   WindowPool pool;
   BucketQueue queue;
-  std::vector<PseudoSource> roots;
-  std::vector<double> offsets;  // the roots' own
+  std::vector<PseudoSource> pseudo_sources;
+  std::vector<double> offsets;  // the pseudo-sources' own
   std::vector<ArrivalAtVertex> arrivals;
   std::vector<Bends> bends;
-  std::vector<double> emitted;  // the distance at which a vertex last sent out windows
-  std::vector<double> above;    // of the pseudo-source of a vertex's distance; with a tolerance
-  Beams beams;
+  std::vector<double> emitted;    // the distance at which a vertex last sent out windows
+  std::vector<double> allowance;  // of the pseudo-source of a vertex's distance; with a tolerance
+  EnteringWindows entering;
   std::vector<ListOverFace> over_faces;
   std::vector<ListOverSide> over_sides;
   // By the side: left and right.
-  std::array<Children, 2> children;
-  std::array<Ties, 2> ties;
+  std::array<PropagatedWindows, 2> beyond;
+  std::array<EquidistantPoints, 2> equidistant;
   std::vector<Window> fresh;  // windows that come to an edge
   std::vector<Window> scratch;
   std::vector<FanFace> fan;
@@ -154,9 +155,9 @@ class Propagation {
   // Only the windows of these faces of the mesh are to be kept. Before the first source.
   void keep_windows_of(std::span<const std::uint32_t> faces);
 
-  // So many windows on an edge are a crowd, in which a vertex may become a source; for
+  // Behind so many windows on an edge a vertex may become a source; for
   // tests, which want it to happen on small meshes.
-  void set_crowd(std::size_t windows) { crowd_ = windows; }
+  void set_windows_for_early(std::size_t windows) { windows_for_early_ = windows; }
 
   // Sends out a source's windows.
   void start(const Source& source, std::uint32_t number);
@@ -167,20 +168,20 @@ class Propagation {
   // Vertices with a path_length() below this have their final one.
   [[nodiscard]] double final_below() const { return memory_.queue.now() / (1 + tolerance_); }
   // The length of the path to a vertex that is known.
-  [[nodiscard]] double path_length(std::uint32_t v) const { return distance_[v] + above(v); }
+  [[nodiscard]] double path_length(std::uint32_t v) const { return distance_[v] + allowance(v); }
 
   // Lets distances through along edges where no window came, as a last resort
   // against rounding. True when that sent out something new. Incomplete if the poll
   // says to stop.
-  [[nodiscard]] bool mend(Poll& poll);
+  [[nodiscard]] bool relax_along_edges(Poll& poll);
 
   // With a tolerance: makes the distances the lengths of paths, above the true ones by at
   // most that part. The last thing to ask. Incomplete if the poll says to stop.
   void raise_to_paths(Poll& poll);
 
-  // The windows left, for each face that they light and that has all of its own; with a tolerance
-  // their ways are raised to paths, too. Not all of them if the poll says to stop.
-  [[nodiscard]] LitWindows lit_windows(Poll& poll) const;
+  // The windows left, for each face that they see into and that has all of its own; with a
+  // tolerance their ways are raised to paths, too. Not all of them if the poll says to stop.
+  [[nodiscard]] VisibleIntervals visible_intervals(Poll& poll) const;
 
   // Gives the windows' memory back: the last thing to do. Not all if the poll says to stop.
   void drop_windows(Poll& poll);
@@ -192,11 +193,11 @@ class Propagation {
   [[nodiscard]] std::uint64_t propagated() const { return propagated_; }
 
  private:
-  [[nodiscard]] std::uint32_t add_root(const PseudoSource& root);
+  [[nodiscard]] std::uint32_t add_pseudo_source(const PseudoSource& pseudo_source);
 
   // exact/propagation.cpp: windows over faces.
   void set_out(std::uint32_t e);
-  void load_beams(std::span<const Window> windows, Halfedge h);
+  void load_entering(std::span<const Window> windows, Halfedge h);
   void keep_sources_on_line(std::size_t first, double length);
   void cross_faces();
   void unfold(ListOverFace& list) const;
@@ -205,9 +206,9 @@ class Propagation {
   void cross_to_sides(const ListOverFace& list);
   void cross_to_side(const ListOverFace& list, bool on_right, std::size_t first, std::size_t last);
   void arrive(const ListOverSide& list);
-  void add_plain(const ListOverSide& list, ChildOrder& order, FreshList& fresh);
-  [[nodiscard]] Seam sew_last(Window* first, Window*& last, double length);
-  void add_with_care(const ListOverSide& list, ChildOrder& order, FreshList& fresh);
+  void add_plain(const ListOverSide& list, PropagatedOrder& order, FreshList& fresh);
+  [[nodiscard]] Trimming trim_last(Window* first, Window*& last, double length);
+  void add_with_care(const ListOverSide& list, PropagatedOrder& order, FreshList& fresh);
   [[nodiscard]] Side side(Halfedge h, bool from_tail) const;
   [[nodiscard]] bool is_of_use(Window& window, const Side& side) const;
 
@@ -218,19 +219,21 @@ class Propagation {
   void replace(Edge& edge, std::uint32_t first, std::uint32_t last,
                std::span<const Window> windows);
   void join_at(Edge& edge, std::uint32_t i, double length);
-  void settle(std::uint32_t e, double farthest);
+  void bound_edge(std::uint32_t e, double farthest);
   void let_go(std::uint32_t e);
-  void lower(std::uint32_t v, double distance, const PseudoSource& root,
+  void relax(std::uint32_t v, double distance, const PseudoSource& pseudo_source,
              const ArrivalAtVertex& arrival);
 
   // exact/pseudo_sources.cpp: windows out of vertices and sources.
-  void start_inside(const SurfacePoint& place, const Source& source, std::uint32_t root);
+  void start_inside(const SurfacePoint& place, const Source& source, std::uint32_t pseudo_source);
   void bend_at(std::uint32_t v);
-  void send_everywhere(std::uint32_t v, std::uint32_t root);
-  void send_beyond(std::uint32_t v, std::uint32_t root);
-  void light_from_corner(std::uint32_t corner, std::uint32_t root, double first, double last);
-  void light(Halfedge from, std::uint32_t root, double begin, double end, double x, double y);
-  void lower_along_sides(std::uint32_t corner, std::uint32_t root);
+  void send_everywhere(std::uint32_t v, std::uint32_t pseudo_source);
+  void send_beyond(std::uint32_t v, std::uint32_t pseudo_source);
+  void send_from_corner(std::uint32_t corner, std::uint32_t pseudo_source, double first,
+                        double last);
+  void send_over(Halfedge from, std::uint32_t pseudo_source, double begin, double end, double x,
+                 double y);
+  void relax_along_sides(std::uint32_t corner, std::uint32_t pseudo_source);
   [[nodiscard]] bool turn(std::uint32_t corner, bool over_next, double angle);
 
   [[nodiscard]] bool keeps_windows_on(std::uint32_t e) const {
@@ -241,10 +244,10 @@ class Propagation {
     return field_.nearest_source.empty() ? 0 : field_.nearest_source[v];
   }
 
-  [[nodiscard]] double above(std::uint32_t v) const {
-    return tolerance_ > 0 ? memory_.above[v] : 0;
+  [[nodiscard]] double allowance(std::uint32_t v) const {
+    return tolerance_ > 0 ? memory_.allowance[v] : 0;
   }
-  [[nodiscard]] double head_start(std::uint32_t v) const;
+  [[nodiscard]] double early_by(std::uint32_t v) const;
 
   const Adjacency& adjacency_;
   Poll& poll_;
@@ -263,7 +266,7 @@ class Propagation {
   std::vector<bool> keep_on_edge_;  // by edge
   // A new pseudo-source behind so many windows spares most of them. Of fewer, as on slivers
   // and flat parts, it makes more.
-  std::size_t crowd_;
+  std::size_t windows_for_early_;
   std::uint64_t propagated_ = 0;
   std::uint64_t reached_ = 0;
 };

@@ -15,7 +15,7 @@
 namespace geodesic::exact {
 
 struct Waiting {
-  enum class What : std::uint32_t { edge, vertex, settled_edge };
+  enum class What : std::uint32_t { edge, vertex, bounded_edge };
   double key;
   std::uint32_t number;
   What what;

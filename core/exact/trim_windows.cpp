@@ -19,49 +19,51 @@ void end_at(Window& window, double place, double distance) {
 
 }  // namespace
 
-Seam sew(Window& old, Window& fresh, bool fresh_ends, PseudoSources roots, double length) {
+Trimming trim(Window& old, Window& fresh, bool fresh_ends, PseudoSources pseudo_sources,
+              double length) {
   const double low = std::max(old.begin, fresh.begin);
   const double high = std::min(old.end, fresh.end);
-  const double offset_old = roots[old.root].offset;
-  const double offset_fresh = roots[fresh.root].offset;
+  const double offset_old = pseudo_sources[old.pseudo_source].offset;
+  const double offset_fresh = pseudo_sources[fresh.pseudo_source].offset;
   const double at_low_old = low == old.begin ? old.at_begin : old.at(low, offset_old);
   const double at_high_old = high == old.end ? old.at_end : old.at(high, offset_old);
   const double at_low_fresh = low == fresh.begin ? fresh.at_begin : fresh.at(low, offset_fresh);
   const double at_high_fresh = high == fresh.end ? fresh.at_end : fresh.at(high, offset_fresh);
-  const Duel duel{old,
-                  fresh,
-                  offset_old,
-                  offset_fresh,
-                  low,
-                  high,
-                  at_low_old,
-                  at_high_old,
-                  at_low_fresh,
-                  at_high_fresh,
-                  kTie * std::max(at_low_old, at_high_old)};
+  const WindowComparison comparison{old,
+                                    fresh,
+                                    offset_old,
+                                    offset_fresh,
+                                    low,
+                                    high,
+                                    at_low_old,
+                                    at_high_old,
+                                    at_low_fresh,
+                                    at_high_fresh,
+                                    kSameDistance * std::max(at_low_old, at_high_old)};
   const double g_low = at_low_fresh - at_low_old;
   const double g_high = at_high_fresh - at_high_old;
   // Whether the window has no more to it than the overlap on the other one's side.
   const bool old_ends_here = fresh_ends ? high == old.end : low == old.begin;
   const bool fresh_ends_here = fresh_ends ? low == fresh.begin : high == fresh.end;
-  Roots inside{};
-  if (g_low >= -duel.tie && g_high >= -duel.tie) {
-    if (!fresh_ends_here || wins_inside(duel, 1, inside)) return Seam::not_plain;
+  TwoPlaces inside{};
+  if (g_low >= -comparison.rounding && g_high >= -comparison.rounding) {
+    if (!fresh_ends_here || is_nearer_inside(comparison, 1, inside)) return Trimming::not_plain;
     if (fresh_ends) {
       begin_at(fresh, high, at_high_fresh);
     } else {
       end_at(fresh, low, at_low_fresh);
     }
-  } else if (g_low <= duel.tie && g_high <= duel.tie) {
-    if (!old_ends_here || wins_inside(duel, -1, inside)) return Seam::not_plain;
+  } else if (g_low <= comparison.rounding && g_high <= comparison.rounding) {
+    if (!old_ends_here || is_nearer_inside(comparison, -1, inside)) return Trimming::not_plain;
     if (fresh_ends) {
       end_at(old, low, at_low_old);
     } else {
       begin_at(old, high, at_high_old);
     }
   } else {
-    if (!old_ends_here || !fresh_ends_here || (g_low > 0) != fresh_ends) return Seam::not_plain;
-    const auto [place, at_old, at_fresh] = find_tie(duel, low, high, g_low, g_high);
+    if (!old_ends_here || !fresh_ends_here || (g_low > 0) != fresh_ends) return Trimming::not_plain;
+    const auto [place, at_old, at_fresh] =
+        find_equidistant_point(comparison, low, high, g_low, g_high);
     if (fresh_ends) {
       end_at(old, place, at_old);
       begin_at(fresh, place, at_fresh);
@@ -70,19 +72,20 @@ Seam sew(Window& old, Window& fresh, bool fresh_ends, PseudoSources roots, doubl
       end_at(fresh, place, at_fresh);
     }
   }
-  if (too_narrow(fresh, length, offset_fresh)) return Seam::fresh_gone;
-  return too_narrow(old, length, offset_old) ? Seam::old_gone : Seam::cut;
+  if (too_narrow(fresh, length, offset_fresh)) return Trimming::fresh_gone;
+  return too_narrow(old, length, offset_old) ? Trimming::old_gone : Trimming::cut;
 }
 
-Sewn sew(std::span<Window> old, std::span<Window> fresh, PseudoSources roots, double length) {
+Trimmed trim(std::span<Window> old, std::span<Window> fresh, PseudoSources pseudo_sources,
+             double length) {
   const double touch = kTouch * length;
   const bool ends = fresh.front().begin >= old.front().begin && fresh.back().end >= old.back().end;
   const bool begins =
       fresh.front().begin <= old.front().begin && fresh.back().end <= old.back().end;
-  Sewn sewn{old, fresh, ends, ends || begins};
-  while (sewn.plain && !sewn.old.empty() && !sewn.fresh.empty()) {
-    Window& was = ends ? sewn.old.back() : sewn.old.front();
-    Window& came = ends ? sewn.fresh.front() : sewn.fresh.back();
+  Trimmed trimmed{old, fresh, ends, ends || begins};
+  while (trimmed.plain && !trimmed.old.empty() && !trimmed.fresh.empty()) {
+    Window& was = ends ? trimmed.old.back() : trimmed.old.front();
+    Window& came = ends ? trimmed.fresh.front() : trimmed.fresh.back();
     if (ends && was.end <= came.begin + touch) {
       came.begin = std::max(came.begin, was.end);
       break;
@@ -91,15 +94,16 @@ Sewn sew(std::span<Window> old, std::span<Window> fresh, PseudoSources roots, do
       came.end = std::min(came.end, was.begin);
       break;
     }
-    const Seam seam = sew(was, came, ends, roots, length);
-    sewn.plain = seam != Seam::not_plain;
-    if (seam == Seam::old_gone) {
-      sewn.old = ends ? sewn.old.first(sewn.old.size() - 1) : sewn.old.subspan(1);
-    } else if (seam == Seam::fresh_gone) {
-      sewn.fresh = ends ? sewn.fresh.subspan(1) : sewn.fresh.first(sewn.fresh.size() - 1);
+    const Trimming trimming = trim(was, came, ends, pseudo_sources, length);
+    trimmed.plain = trimming != Trimming::not_plain;
+    if (trimming == Trimming::old_gone) {
+      trimmed.old = ends ? trimmed.old.first(trimmed.old.size() - 1) : trimmed.old.subspan(1);
+    } else if (trimming == Trimming::fresh_gone) {
+      trimmed.fresh =
+          ends ? trimmed.fresh.subspan(1) : trimmed.fresh.first(trimmed.fresh.size() - 1);
     }
   }
-  return sewn;
+  return trimmed;
 }
 
 }  // namespace geodesic::exact

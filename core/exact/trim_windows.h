@@ -13,28 +13,28 @@
 namespace geodesic::exact {
 
 // What became of two windows that overlap.
-enum class Seam : std::uint8_t {
+enum class Trimming : std::uint8_t {
   cut,         // both are left
   old_gone,    // nothing is left of the one that was there
   fresh_gone,  // nothing is left of the one that came
   not_plain,   // nothing was done: a window is nearer in two places, or amid the other
 };
 
-// Cuts two windows that overlap to where each is the nearer one; in a tie `old` is.
-// `fresh_ends` is whether the fresh one is to lie behind the old one on the edge, or before it.
-[[nodiscard]] Seam sew(Window& old, Window& fresh, bool fresh_ends, PseudoSources roots,
-                       double length);
+// Cuts two windows that overlap to where each is the nearer one; where they are equally near `old`
+// is. `fresh_ends` is whether the fresh one is to lie behind the old one on the edge, or before it.
+[[nodiscard]] Trimming trim(Window& old, Window& fresh, bool fresh_ends,
+                            PseudoSources pseudo_sources, double length);
 
-// What is left of two lists once they were sewn.
-struct Sewn {
+// What is left of two lists once they were trimmed.
+struct Trimmed {
   std::span<Window> old;
   std::span<Window> fresh;
   bool fresh_ends;  // the fresh ones lie behind the old ones, or else before them
   bool plain;       // they do not overlap any more
 };
 
-// Sews fresh windows to the old ones of an edge that they overlap, both of them sorted.
-[[nodiscard]] Sewn sew(std::span<Window> old, std::span<Window> fresh, PseudoSources roots,
-                       double length);
+// Trims fresh windows to the old ones of an edge that they overlap, both of them sorted.
+[[nodiscard]] Trimmed trim(std::span<Window> old, std::span<Window> fresh,
+                           PseudoSources pseudo_sources, double length);
 
 }  // namespace geodesic::exact

@@ -22,9 +22,9 @@ namespace geodesic::exact {
 struct PseudoSource {
   double offset;         // its own distance, mesh units
   std::uint32_t vertex;  // kNone: a source
-  std::uint32_t source;  // the number of the source at the root of it all
+  std::uint32_t source;  // the number of the source that the way began at
   // With a tolerance: the path there is longer than `offset` by this much.
-  double above = 0;
+  double allowance = 0;
 };
 
 struct Window {
@@ -34,9 +34,9 @@ struct Window {
   double y;         // its depth, not negative
   double at_begin;  // distances at the interval's ends
   double at_end;
-  std::uint32_t root;  // number of the pseudo-source
-  Halfedge from;       // the window came out of this halfedge's face
-  bool propagated;     // already passed on to the other faces
+  std::uint32_t pseudo_source;  // number of the pseudo-source
+  Halfedge from;                // the window came out of this halfedge's face
+  bool propagated;              // already passed on to the other faces
 
   // Distance at a place on the edge, given the pseudo-source's own.
   [[nodiscard]] double at(double place, double offset) const {

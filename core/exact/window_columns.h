@@ -16,7 +16,7 @@ inline constexpr std::size_t kColumnSlack = 8;
 
 // Windows in the frame of the halfedge whose face they are about to cross, list by list, and
 // of a list in the order in which they lie on it.
-struct Beams {
+struct EnteringWindows {
   std::size_t size = 0;
   std::vector<double> begin;
   std::vector<double> end;
@@ -24,26 +24,26 @@ struct Beams {
   std::vector<double> y;
   std::vector<double> offset;    // the pseudo-source's
   std::vector<double> crossing;  // where the line from the source to the far corner meets the base
-  std::vector<std::uint32_t> root;
+  std::vector<std::uint32_t> pseudo_source;
 
   // Room for so many.
   void make_room(std::size_t count) {
     const std::size_t room = count + kColumnSlack;
-    if (root.size() >= room) return;  // the last to grow: if memory ran out halfway, it has not
+    // The last to grow: if memory ran out halfway, it has not.
+    if (pseudo_source.size() >= room) return;
     const std::size_t rounded = std::bit_ceil(room);
     for (auto* column : {&begin, &end, &x, &y, &offset, &crossing}) column->resize(rounded, 0);
-    root.resize(rounded, 0);
+    pseudo_source.resize(rounded, 0);
   }
 };
 
-// What becomes of a beam beyond one side of the face.
+// What becomes of a window beyond one side of the face.
 inline constexpr std::int64_t kMisses = 0;    // it does not come there
 inline constexpr std::int64_t kWhole = 1;     // all of it does
 inline constexpr std::int64_t kDoubtful = 2;  // perhaps not all of it is nearer than along the edge
 
-// Beams on the other side of the face, as windows in the frame of the edge there. Numbered
-// like the beams.
-struct Children {
+// What becomes of them: windows in the frame of the edge beyond. Numbered like the entering ones.
+struct PropagatedWindows {
   std::vector<double> begin;
   std::vector<double> end;
   std::vector<double> x;
@@ -55,25 +55,25 @@ struct Children {
   // Not 0: it and the one numbered before are whole, and overlap so that each sticks out on
   // its side. Also 0 for the first, and one beyond the last.
   std::vector<std::int64_t> overlaps;
-  std::vector<std::uint32_t> tie;  // then the number of their pair
+  std::vector<std::uint32_t> pair;  // then the number of their pair
 
   // Room for so many. What was there need not be there any more.
   void make_room(std::size_t count) {
     const std::size_t room = count + kColumnSlack;
-    if (tie.size() >= room) return;
+    if (pair.size() >= room) return;
     const std::size_t rounded = std::bit_ceil(room);
     for (auto* column : {&begin, &end, &x, &y, &at_begin, &at_end, &least}) {
       column->assign(rounded, 0);
     }
     passes.assign(rounded, kMisses);
     overlaps.assign(rounded, 0);
-    tie.assign(rounded, 0);
+    pair.assign(rounded, 0);
   }
 };
 
-// Pairs of children that lie one after the other on the edge and overlap, and where in
+// Pairs of propagated windows that lie one after the other on the edge and overlap, and where in
 // the overlap they are equally far.
-struct Ties {
+struct EquidistantPoints {
   std::size_t size = 0;
   std::vector<std::uint32_t> left;
   std::vector<std::uint32_t> right;

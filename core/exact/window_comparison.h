@@ -6,7 +6,7 @@
 namespace geodesic::exact {
 
 // `g`, the second's distance less the first's, is what everything here is about.
-struct Duel {
+struct WindowComparison {
   const Window& a;
   const Window& b;
   double offset_a;
@@ -15,7 +15,7 @@ struct Duel {
   double high;
   double at_low_a, at_high_a;
   double at_low_b, at_high_b;
-  double tie;  // less than this is none
+  double rounding;  // g below this is nought
 
   [[nodiscard]] double g(double place) const {
     return b.at(place, offset_b) - a.at(place, offset_a);
@@ -27,28 +27,31 @@ struct Duel {
 };
 
 // Where two windows are equally far, and how far.
-struct Tie {
+struct EquidistantPoint {
   double place;
   double at_a;
   double at_b;
 };
 
 // The one place between `low` and `high` where g changes sign, which it does.
-[[nodiscard]] Tie find_tie(const Duel& duel, double low, double high, double g_low, double g_high);
+[[nodiscard]] EquidistantPoint find_equidistant_point(const WindowComparison& comparison,
+                                                      double low, double high, double g_low,
+                                                      double g_high);
 
-struct Roots {
+struct TwoPlaces {
   double first;
   double second;
 };
 
 // Whether one window is nearer in the middle of an interval at whose ends it is not,
 // and where. `sign` is 1 when that is the second, -1 when it is the first.
-[[nodiscard]] bool meets_twice(const Duel& duel, double sign, Roots& inside);
-[[nodiscard]] inline bool wins_inside(const Duel& duel, double sign, Roots& inside) {
+[[nodiscard]] bool meets_twice(const WindowComparison& comparison, double sign, TwoPlaces& inside);
+[[nodiscard]] inline bool is_nearer_inside(const WindowComparison& comparison, double sign,
+                                           TwoPlaces& inside) {
   // By the slopes of g it mostly cannot be.
-  return sign * duel.slope(duel.low, duel.at_low_a, duel.at_low_b) < 0 &&
-         sign * duel.slope(duel.high, duel.at_high_a, duel.at_high_b) > 0 &&
-         meets_twice(duel, sign, inside);
+  return sign * comparison.slope(comparison.low, comparison.at_low_a, comparison.at_low_b) < 0 &&
+         sign * comparison.slope(comparison.high, comparison.at_high_a, comparison.at_high_b) > 0 &&
+         meets_twice(comparison, sign, inside);
 }
 
 }  // namespace geodesic::exact

@@ -10,7 +10,7 @@ namespace {
 
 // Where the line from the window's source to the point (x, y) above its edge
 // crosses the edge, kept inside the window.
-double crossing_of(const LitWindow& window, double x, double y) {
+double crossing_of(const VisibleInterval& window, double x, double y) {
   const double rise = window.y + y;
   // No rise: source, edge and point on one line; anywhere between them will do.
   const double at = rise > 0 ? window.x + (x - window.x) * (window.y / rise) : x;
@@ -19,10 +19,11 @@ double crossing_of(const LitWindow& window, double x, double y) {
 
 }  // namespace
 
-LitWay shortest_lit_way(const Adjacency& adjacency, const WindowTable& windows,
-                        const SurfacePoint& place) {
+WayThroughWindow shortest_way_through_windows(const Adjacency& adjacency,
+                                              const WindowTable& windows,
+                                              const SurfacePoint& place) {
   const FaceRecord& face = adjacency.face(place.face);
-  LitWay best;
+  WayThroughWindow best;
   for (std::uint32_t c = 0; c < 3; ++c) {
     const double above = place.bary[previous_corner(c)];
     const double length2 = face.length2(c);
@@ -36,7 +37,7 @@ LitWay shortest_lit_way(const Adjacency& adjacency, const WindowTable& windows,
       x = place.bary[next_corner(c)] * length + above * over.apex_from_tail.x;
       y = above * over.apex_from_tail.y;
     }
-    for (const LitWindow& window : windows.into(halfedge(place.face, c))) {
+    for (const VisibleInterval& window : windows.into(halfedge(place.face, c))) {
       const double at = crossing_of(window, x, y);
       const double d = window.offset + std::hypot(at - window.x, window.y) + std::hypot(x - at, y);
       if (d < best.distance) best = {d, c, std::clamp(at / length, 0.0, 1.0)};

@@ -11,17 +11,18 @@
 
 namespace geodesic {
 
-// The shortest way to a point of a face by light that enters through a side.
-struct LitWay {
-  double distance = kUnreached;  // mesh units; kUnreached where no window lights the face
+// The shortest way to a point of a face through the window of a side.
+struct WayThroughWindow {
+  double distance = kUnreached;  // mesh units; kUnreached where the face has no window
   std::uint32_t corner = 0;      // the side starts at this corner of the face
   double crossing = 0;           // where on it: 0 at that corner, 1 at the next
 };
 
 // `place` lies in `place.face`; sides that it lies on are passed over. Each
-// window's way is a real path even for a point outside its light: then it bends at
+// window's way is a real path even for a point that its source does not see: then it bends at
 // the window's end.
-[[nodiscard]] LitWay shortest_lit_way(const Adjacency& adjacency, const WindowTable& windows,
-                                      const SurfacePoint& place);
+[[nodiscard]] WayThroughWindow shortest_way_through_windows(const Adjacency& adjacency,
+                                                            const WindowTable& windows,
+                                                            const SurfacePoint& place);
 
 }  // namespace geodesic

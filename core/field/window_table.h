@@ -13,32 +13,32 @@
 
 namespace geodesic {
 
-// An interval of a halfedge's edge that is lit straight from one unfolded source,
-// through the faces on the other side: it lights the halfedge's own face.
+// An interval of a halfedge's edge that one unfolded source sees straight,
+// through the faces on the other side: it looks into the halfedge's own face.
 //
 // The frame: the edge lies on the x axis, vertex[c] of the halfedge 4f + c at 0 and
 // vertex[c + 1] at the edge's length L; face f is above, the source at or below.
-struct LitWindow {
+struct VisibleInterval {
   double begin;  // 0 <= begin < end <= L, mesh units
   double end;
-  double x;              // the unfolded source, mesh units
-  double y;              // its depth below the axis, not negative
-  double offset;         // its own distance
-  std::uint32_t root;    // the pseudo-source, a vertex; kNone: the source itself
-  std::uint32_t source;  // the number of the source at the root of it all
+  double x;                     // the unfolded source, mesh units
+  double y;                     // its depth below the axis, not negative
+  double offset;                // its own distance
+  std::uint32_t pseudo_source;  // a vertex; kNone: the source itself
+  std::uint32_t source;         // the number of the source that the way began at
 };
 
-// Windows in any order, each with the halfedge whose face it lights. In blocks, so
+// Windows in any order, each with the halfedge whose face it looks into. In blocks, so
 // that a list of millions neither moves as it grows nor is held twice.
-class LitWindows {
+class VisibleIntervals {
  public:
-  using Entry = std::pair<Halfedge, LitWindow>;
+  using Entry = std::pair<Halfedge, VisibleInterval>;
 
   // The budget is asked for each block; what it refuses, the computation learns when it polls
   // next. It must outlive this, or be null.
-  explicit LitWindows(MemoryBudget* memory = nullptr) : memory_(memory) {}
+  explicit VisibleIntervals(MemoryBudget* memory = nullptr) : memory_(memory) {}
 
-  void add(Halfedge h, const LitWindow& window) {
+  void add(Halfedge h, const VisibleInterval& window) {
     if (blocks_.empty() || blocks_.back().size() == kBlock) add_block();
     blocks_.back().emplace_back(h, window);
     ++size_;
@@ -99,10 +99,10 @@ class LitWindows {
 class WindowTable {
  public:
   // Sorts them by halfedge and then by `begin`. Of no use if the poll says to stop.
-  WindowTable(std::size_t face_count, LitWindows windows, Poll& poll);
+  WindowTable(std::size_t face_count, VisibleIntervals windows, Poll& poll);
 
-  // The windows through which light enters a halfedge's face.
-  [[nodiscard]] std::span<const LitWindow> into(Halfedge h) const {
+  // The windows into a halfedge's face.
+  [[nodiscard]] std::span<const VisibleInterval> into(Halfedge h) const {
     return {windows_.data() + begin_[h], begin_[h + 1] - begin_[h]};
   }
   [[nodiscard]] std::size_t size() const { return windows_.size(); }
@@ -110,7 +110,7 @@ class WindowTable {
 
  private:
   std::vector<std::uint64_t> begin_;  // 4 * face_count + 1, by halfedge
-  std::vector<LitWindow> windows_;
+  std::vector<VisibleInterval> windows_;
 };
 
 }  // namespace geodesic

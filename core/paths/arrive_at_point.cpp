@@ -272,7 +272,7 @@ StepBack PointArrivals::through_graph(const SurfacePoint& place) const {
 StepBack PointArrivals::through_windows(const SurfacePoint& place) const {
   const StepBack best = straight_in_face(place, below(place));
   if (!field_.windows) return best;
-  const LitWay way = shortest_lit_way(adjacency_, *field_.windows, place);
+  const WayThroughWindow way = shortest_way_through_windows(adjacency_, *field_.windows, place);
   if (!(way.distance < best.distance)) return best;
   const FaceRecord& face = adjacency_.face(place.face);
   // By a vertex at the end of the side if that costs nothing. It does where the way leads round

@@ -1,4 +1,4 @@
-// One door to all the methods: the distance field of any of them.
+// The distance field of any method.
 #pragma once
 
 #include <span>

@@ -61,13 +61,13 @@ Vec2 place_in_face(const Adjacency& adjacency, const SurfacePoint& point, std::u
 
 }  // namespace
 
-void FaceStrip::cross(Gate gate) {
-  if (gates.empty() || gates.back().in != gate.out) {
-    gates.push_back(gate);
-  } else if (gates.back().out == gate.in) {
-    gates.pop_back();
+void FaceStrip::cross(Portal portal) {
+  if (portals.empty() || portals.back().in != portal.out) {
+    portals.push_back(portal);
+  } else if (portals.back().out == portal.in) {
+    portals.pop_back();
   } else {
-    gates.back().in = gate.in;
+    portals.back().in = portal.in;
   }
 }
 
@@ -91,26 +91,26 @@ std::optional<SurfacePoint> seen_from_face(const Adjacency& adjacency, const Sur
 
 void trim_strip(const Adjacency& adjacency, const SurfacePoint& start, const SurfacePoint& end,
                 FaceStrip& strip) {
-  auto& gates = strip.gates;
+  auto& portals = strip.portals;
   std::size_t unneeded = 0;
-  while (unneeded < gates.size() && goes_through(adjacency, gates[unneeded].out, start)) {
+  while (unneeded < portals.size() && goes_through(adjacency, portals[unneeded].out, start)) {
     ++unneeded;
   }
   if (unneeded > 0) {
-    strip.first_face = face_of(gates[unneeded - 1].in);
-    gates.erase(gates.begin(), gates.begin() + static_cast<std::ptrdiff_t>(unneeded));
+    strip.first_face = face_of(portals[unneeded - 1].in);
+    portals.erase(portals.begin(), portals.begin() + static_cast<std::ptrdiff_t>(unneeded));
   }
-  while (!gates.empty() && goes_through(adjacency, gates.back().in, end)) gates.pop_back();
+  while (!portals.empty() && goes_through(adjacency, portals.back().in, end)) portals.pop_back();
 }
 
 void unfold_strip(const Adjacency& adjacency, const FaceStrip& strip, const SurfacePoint& start,
                   const SurfacePoint& end, UnfoldedStrip& result) {
   const Mesh& mesh = adjacency.mesh();
-  result.doors.clear();
+  result.unfolded_portals.clear();
 
-  // The first face lies behind its gate, which runs from left to right along x.
-  const bool one_face = strip.gates.empty();
-  const Halfedge base = one_face ? halfedge(strip.first_face, 0) : strip.gates.front().out;
+  // The first face lies behind its portal, which runs from left to right along x.
+  const bool one_face = strip.portals.empty();
+  const Halfedge base = one_face ? halfedge(strip.first_face, 0) : strip.portals.front().out;
   const FaceOverEdge first = face_over_edge(mesh, base);
   const std::uint32_t c = corner_of(base);
   std::array<Vec2, 3> corners;
@@ -129,17 +129,17 @@ void unfold_strip(const Adjacency& adjacency, const FaceStrip& strip, const Surf
     return;
   }
 
-  Door door{corners[c], corners[next_corner(c)], tail_of(adjacency, base),
-            head_of(adjacency, base)};
-  // The direction of the gate is carried from face to face as a unit vector: that
+  UnfoldedPortal unfolded_portal{corners[c], corners[next_corner(c)], tail_of(adjacency, base),
+                                 head_of(adjacency, base)};
+  // The direction of the portal is carried from face to face as a unit vector: that
   // of a short edge cannot be had from the difference of its ends.
   Vec2 along{1, 0};
-  for (std::size_t i = 0; i < strip.gates.size(); ++i) {
-    result.doors.push_back(door);
-    const Halfedge in = strip.gates[i].in;
+  for (std::size_t i = 0; i < strip.portals.size(); ++i) {
+    result.unfolded_portals.push_back(unfolded_portal);
+    const Halfedge in = strip.portals[i].in;
     const FaceOverEdge face = face_over_edge(mesh, in);
     const Vec2 ahead{-along.y, along.x};
-    const bool tail_is_left = tail_of(adjacency, in) == door.left_vertex;
+    const bool tail_is_left = tail_of(adjacency, in) == unfolded_portal.left_vertex;
     const Vec2 by_left =
         tail_is_left ? face.apex_from_tail : Vec2{-face.apex_from_head.x, face.apex_from_head.y};
     const Vec2 by_right =
@@ -147,16 +147,17 @@ void unfold_strip(const Adjacency& adjacency, const FaceStrip& strip, const Surf
     const Vec2 from_left = by_left.x * along + by_left.y * ahead;
     const Vec2 from_right = by_right.x * along + by_right.y * ahead;
     const bool left_is_nearer = dot(by_left, by_left) <= dot(by_right, by_right);
-    const Vec2 apex = left_is_nearer ? door.left + from_left : door.right + from_right;
+    const Vec2 apex =
+        left_is_nearer ? unfolded_portal.left + from_left : unfolded_portal.right + from_right;
 
-    if (i + 1 < strip.gates.size()) {
-      if (apex_of(adjacency, strip.gates[i + 1].out) == door.left_vertex) {
-        door.left = apex;
-        door.left_vertex = apex_of(adjacency, in);
+    if (i + 1 < strip.portals.size()) {
+      if (apex_of(adjacency, strip.portals[i + 1].out) == unfolded_portal.left_vertex) {
+        unfolded_portal.left = apex;
+        unfolded_portal.left_vertex = apex_of(adjacency, in);
         along = unit(-from_right);
       } else {
-        door.right = apex;
-        door.right_vertex = apex_of(adjacency, in);
+        unfolded_portal.right = apex;
+        unfolded_portal.right_vertex = apex_of(adjacency, in);
         along = unit(from_left);
       }
       continue;
@@ -165,8 +166,8 @@ void unfold_strip(const Adjacency& adjacency, const FaceStrip& strip, const Surf
     const std::uint32_t left = tail_is_left ? tail : next_corner(tail);
     const std::uint32_t right = tail_is_left ? next_corner(tail) : tail;
     const std::uint32_t top = previous_corner(tail);
-    corners[left] = door.left;
-    corners[right] = door.right;
+    corners[left] = unfolded_portal.left;
+    corners[right] = unfolded_portal.right;
     corners[top] = apex;
     set_edge(result.last_edges, left, right, along);
     set_edge(result.last_edges, left, top, unit(from_left));

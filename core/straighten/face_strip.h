@@ -16,26 +16,26 @@ namespace geodesic {
 
 // One edge that a strip crosses, as the face before it and the face after it have
 // it. The two halfedges are of one ring.
-struct Gate {
+struct Portal {
   Halfedge out;
   Halfedge in;
 };
 
-// gates.size() + 1 faces: the first, and one behind each gate. No face is entered
+// portals.size() + 1 faces: the first, and one behind each portal. No face is entered
 // and left over the same edge.
 struct FaceStrip {
   std::uint32_t first_face = kNone;
-  std::vector<Gate> gates;
+  std::vector<Portal> portals;
 
   [[nodiscard]] std::uint32_t face(std::size_t i) const {
-    return i == 0 ? first_face : face_of(gates[i - 1].in);
+    return i == 0 ? first_face : face_of(portals[i - 1].in);
   }
-  [[nodiscard]] std::uint32_t last_face() const { return face(gates.size()); }
+  [[nodiscard]] std::uint32_t last_face() const { return face(portals.size()); }
 
-  // Goes on over a gate that leaves the last face. Where that is the edge by which
+  // Goes on over a portal that leaves the last face. Where that is the edge by which
   // the face was entered, the face drops out: a path gets shorter by staying on
   // the edge. So a strip that goes back on itself unravels.
-  void cross(Gate gate);
+  void cross(Portal portal);
 };
 
 // The same point as one of `face`, or nothing when it is not in that face.
@@ -44,13 +44,13 @@ struct FaceStrip {
                                                          std::uint32_t face);
 
 // Takes off the faces at either end that a path from one point to the other need
-// not enter: while the first gate goes through `start`, the first face, and while
-// the last gate goes through `end`, the last.
+// not enter: while the first portal goes through `start`, the first face, and while
+// the last portal goes through `end`, the last.
 void trim_strip(const Adjacency& adjacency, const SurfacePoint& start, const SurfacePoint& end,
                 FaceStrip& strip);
 
-// A gate in the plane, as one sees it who walks along the strip.
-struct Door {
+// A portal in the plane, as one sees it who walks along the strip.
+struct UnfoldedPortal {
   Vec2 left;
   Vec2 right;
   std::uint32_t left_vertex;
@@ -61,7 +61,7 @@ struct Door {
 // windings play no part. Angles and lengths are those of the surface, up to a
 // rounding error per face that stays small for needles.
 struct UnfoldedStrip {
-  std::vector<Door> doors;  // one per gate
+  std::vector<UnfoldedPortal> unfolded_portals;  // one per portal
   Vec2 start;
   Vec2 end;
   // Unit vectors from corner c to corner c + 1 of the first and of the last face.

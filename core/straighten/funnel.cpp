@@ -19,10 +19,12 @@ void Funnel::list_sides(const UnfoldedStrip& strip) {
   left_node_.clear();
   right_node_.clear();
   nodes_.push_back({strip.start, kNone, 0, 0});
-  for (std::size_t i = 0; i < strip.doors.size(); ++i) {
-    const Door& door = strip.doors[i];
-    const bool new_left = i == 0 || door.left_vertex != strip.doors[i - 1].left_vertex;
-    const bool new_right = i == 0 || door.right_vertex != strip.doors[i - 1].right_vertex;
+  for (std::size_t i = 0; i < strip.unfolded_portals.size(); ++i) {
+    const UnfoldedPortal& unfolded_portal = strip.unfolded_portals[i];
+    const bool new_left =
+        i == 0 || unfolded_portal.left_vertex != strip.unfolded_portals[i - 1].left_vertex;
+    const bool new_right =
+        i == 0 || unfolded_portal.right_vertex != strip.unfolded_portals[i - 1].right_vertex;
     const auto side = [&](std::vector<std::uint32_t>& side_node, bool is_new, Vec2 at,
                           std::uint32_t vertex) {
       if (is_new) {
@@ -30,16 +32,17 @@ void Funnel::list_sides(const UnfoldedStrip& strip) {
         nodes_.push_back({at, vertex, i, i});
       } else {
         side_node.push_back(side_node.back());
-        nodes_[side_node.back()].last_gate = i;
+        nodes_[side_node.back()].last_portal = i;
       }
     };
-    side(left_node_, new_left, door.left, door.left_vertex);
-    side(right_node_, new_right, door.right, door.right_vertex);
+    side(left_node_, new_left, unfolded_portal.left, unfolded_portal.left_vertex);
+    side(right_node_, new_right, unfolded_portal.right, unfolded_portal.right_vertex);
   }
-  nodes_.push_back({strip.end, kNone, strip.doors.size(), strip.doors.size()});
+  nodes_.push_back(
+      {strip.end, kNone, strip.unfolded_portals.size(), strip.unfolded_portals.size()});
 }
 
-// The gate's left end moves on to `node`. The left side of the funnel turns left at
+// The portal's left end moves on to `node`. The left side of the funnel turns left at
 // every vertex; what the new end can see past drops out, and when it sees past the
 // apex and over the right side, the apex moves on along that side.
 void Funnel::widen_left(std::uint32_t node) {
@@ -79,15 +82,15 @@ void Funnel::widen_right(std::uint32_t node) {
 
 const std::vector<StripVertex>& Funnel::touched(const UnfoldedStrip& strip) {
   list_sides(strip);
-  const std::size_t gates = strip.doors.size();
+  const std::size_t portals = strip.unfolded_portals.size();
   parent_.assign(nodes_.size(), kNone);
-  // Each gate brings at most one vertex to a side, the first gate one to both.
-  deque_.resize(2 * gates + 5);
-  first_ = apex_ = last_ = gates + 2;
+  // Each portal brings at most one vertex to a side, the first portal one to both.
+  deque_.resize(2 * portals + 5);
+  first_ = apex_ = last_ = portals + 2;
   deque_[apex_] = 0;
-  for (std::size_t i = 0; i < gates; ++i) {
-    if (nodes_[left_node_[i]].first_gate == i) widen_left(left_node_[i]);
-    if (nodes_[right_node_[i]].first_gate == i) widen_right(right_node_[i]);
+  for (std::size_t i = 0; i < portals; ++i) {
+    if (nodes_[left_node_[i]].first_portal == i) widen_left(left_node_[i]);
+    if (nodes_[right_node_[i]].first_portal == i) widen_right(right_node_[i]);
   }
   const auto end = static_cast<std::uint32_t>(nodes_.size() - 1);
   widen_left(end);

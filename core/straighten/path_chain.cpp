@@ -24,15 +24,15 @@ DirectionAtVertex direction(const Adjacency& adjacency, std::uint32_t face, std:
   return {face, angle_to(next_corner(c)), angle_to(previous_corner(c))};
 }
 
-// The gate that a path takes at a point inside an edge, seen from the face it
+// The portal that a path takes at a point inside an edge, seen from the face it
 // goes into.
-std::optional<Gate> gate_at(const Adjacency& adjacency, std::uint32_t before,
-                            const SurfacePoint& point, Poll& poll) {
+std::optional<Portal> portal_at(const Adjacency& adjacency, std::uint32_t before,
+                                const SurfacePoint& point, Poll& poll) {
   for (std::uint32_t c = 0; c < 3; ++c) {
     if (point.bary[previous_corner(c)] != 0) continue;
     const Halfedge in = halfedge(point.face, c);
     for (Halfedge h = adjacency.ring(in); h != in && !poll.cancelled(); h = adjacency.ring(h)) {
-      if (face_of(h) == before) return Gate{h, in};
+      if (face_of(h) == before) return Portal{h, in};
     }
   }
   return std::nullopt;
@@ -44,9 +44,9 @@ std::optional<Chain> read_chain(const Adjacency& adjacency, const Path& path, Po
   const auto& points = path.points;
   if (points.size() < 2) return std::nullopt;
   Chain chain;
-  chain.knots.push_back({points.front().point});
-  Section section;
-  section.strip.first_face = points.front().point.face;
+  chain.path_vertices.push_back({points.front().point});
+  PathSegment segment;
+  segment.strip.first_face = points.front().point.face;
   std::size_t started = 0;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     if (poll.cancelled()) return std::nullopt;
@@ -56,20 +56,20 @@ std::optional<Chain> read_chain(const Adjacency& adjacency, const Path& path, Po
     if (face == kNone || !seen_from_face(adjacency, next, face)) return std::nullopt;
     if (!last && !next.at_vertex()) {
       if (next.face == face) continue;
-      const auto gate = gate_at(adjacency, face, next, poll);
-      if (!gate) return std::nullopt;
-      section.strip.cross(*gate);
+      const auto portal = portal_at(adjacency, face, next, poll);
+      if (!portal) return std::nullopt;
+      segment.strip.cross(*portal);
       continue;
     }
     const SurfacePoint& start = points[started].point;
     if (start.at_vertex()) {
-      section.leaves = direction(adjacency, start.face, start.vertex, points[started + 1].position);
+      segment.leaves = direction(adjacency, start.face, start.vertex, points[started + 1].position);
     }
     if (next.at_vertex())
-      section.arrives = direction(adjacency, face, next.vertex, points[i].position);
-    chain.sections.push_back(std::exchange(section, {}));
-    chain.knots.push_back({next});
-    section.strip.first_face = next.face;
+      segment.arrives = direction(adjacency, face, next.vertex, points[i].position);
+    chain.segments.push_back(std::exchange(segment, {}));
+    chain.path_vertices.push_back({next});
+    segment.strip.first_face = next.face;
     started = i + 1;
   }
   return chain;
@@ -91,20 +91,20 @@ Path write_path(const Adjacency& adjacency, const Chain& chain, const Path& give
   const auto seen_from = [&](std::uint32_t face, const SurfacePoint& point) {
     return seen_from_face(adjacency, point, face).value_or(point);
   };
-  for (std::size_t i = 0; i < chain.sections.size(); ++i) {
-    const Section& section = chain.sections[i];
-    const SurfacePoint start = seen_from(section.strip.first_face, chain.knots[i].place);
+  for (std::size_t i = 0; i < chain.segments.size(); ++i) {
+    const PathSegment& segment = chain.segments[i];
+    const SurfacePoint start = seen_from(segment.strip.first_face, chain.path_vertices[i].place);
     add(start, i == 0 ? given.points.front().position : position_of(adjacency.mesh(), start));
-    for (std::size_t k = 0; k < section.strip.gates.size(); ++k) {
-      const Halfedge in = section.strip.gates[k].in;
+    for (std::size_t k = 0; k < segment.strip.portals.size(); ++k) {
+      const Halfedge in = segment.strip.portals[k].in;
       std::array<double, 3> bary{0, 0, 0};
-      bary[corner_of(in)] = 1 - section.crossings[k];
-      bary[next_corner(corner_of(in))] = section.crossings[k];
+      bary[corner_of(in)] = 1 - segment.crossings[k];
+      bary[next_corner(corner_of(in))] = segment.crossings[k];
       const SurfacePoint point = point_on_face(adjacency, face_of(in), bary);
       add(point, position_of(adjacency.mesh(), point));
     }
   }
-  add(seen_from(chain.sections.back().strip.last_face(), chain.knots.back().place),
+  add(seen_from(chain.segments.back().strip.last_face(), chain.path_vertices.back().place),
       given.points.back().position);
   return path;
 }

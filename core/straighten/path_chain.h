@@ -16,34 +16,34 @@
 
 namespace geodesic {
 
-// A straight piece between two knots, within a strip of faces.
-struct Section {
+// A straight piece between two path vertices, within a strip of faces.
+struct PathSegment {
   FaceStrip strip;
-  std::vector<double> crossings;  // per gate, 0 at the tail of the halfedge `in`, 1 at its head
+  std::vector<double> crossings;  // per portal, 0 at the tail of the halfedge `in`, 1 at its head
   double length = 0;
-  DirectionAtVertex leaves;   // at the knot before, when that is a vertex
-  DirectionAtVertex arrives;  // at the knot behind, looking back
+  DirectionAtVertex leaves;   // at the path vertex before, when that is a vertex
+  DirectionAtVertex arrives;  // at the path vertex behind, looking back
 };
 
 // An end of the path, or a vertex that it goes through.
-struct Knot {
+struct PathVertex {
   SurfacePoint place;
-  bool unsettled = true;  // whether a section next to it has changed since it was looked at
+  bool is_changed = true;  // whether a segment next to it has changed since it was looked at
 };
 
-// Knots and the sections between them, knots[i] before sections[i].
+// Path vertices and the segments between them, path_vertices[i] before segments[i].
 struct Chain {
-  std::vector<Knot> knots;
-  std::vector<Section> sections;
+  std::vector<PathVertex> path_vertices;
+  std::vector<PathSegment> segments;
 
-  // Moves a section of another chain and the knot behind it to the end.
-  void take(Chain& other, std::size_t section) {
-    sections.push_back(std::move(other.sections[section]));
-    knots.push_back(other.knots[section + 1]);
+  // Moves a segment of another chain and the path vertex behind it to the end.
+  void take(Chain& other, std::size_t segment) {
+    segments.push_back(std::move(other.segments[segment]));
+    path_vertices.push_back(other.path_vertices[segment + 1]);
   }
 };
 
-// Sections from vertex to vertex of a path, as it goes: not straight, without
+// Path segments from vertex to vertex of a path, as it goes: not straight, without
 // crossings and length. Nothing when the path has no segment, or when two segments
 // are in faces that do not meet in the point between them, or the poll says to stop.
 [[nodiscard]] std::optional<Chain> read_chain(const Adjacency& adjacency, const Path& path,

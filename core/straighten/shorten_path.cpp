@@ -32,7 +32,7 @@ class Shortener {
     if (chain) pull_straight(*chain);
     // Each round takes some part off the length, or lets a vertex pass that it lets pass once;
     // and all of them together unfold no more than kMostFacesUnfolded.
-    while (chain && slip(*chain)) ++counts_.rounds;
+    while (chain && cross_all_vertices(*chain)) ++counts_.rounds;
     if (poll_.stopped()) return fail_stopped(poll_);
     Path result = write_path(adjacency_, *chain, path);
     return result.length < path.length * (1 - kLeastGain) ? std::move(result) : path;
@@ -50,14 +50,14 @@ class Shortener {
 
   // -- Straight within the strip ------------------------------------------------
 
-  // The strip from knot `first` to knot `last` of a chain, by `fan(i)` at each knot
-  // between.
+  // The strip from path vertex `first` to path vertex `last` of a chain, by `fan(i)` at each
+  // path vertex between.
   template <class FanAt>
   static FaceStrip joined(const Chain& chain, std::size_t first, std::size_t last, FanAt fan) {
-    FaceStrip strip = chain.sections[first].strip;
+    FaceStrip strip = chain.segments[first].strip;
     for (std::size_t i = first + 1; i < last; ++i) {
-      for (const Gate& gate : fan(i).gates) strip.cross(gate);
-      for (const Gate& gate : chain.sections[i].strip.gates) strip.cross(gate);
+      for (const Portal& portal : fan(i).portals) strip.cross(portal);
+      for (const Portal& portal : chain.segments[i].strip.portals) strip.cross(portal);
     }
     return strip;
   }
@@ -65,154 +65,156 @@ class Shortener {
   // The straight line from one end of a strip to the other. Where rounding would
   // take it out of the strip it is held back at the edge's end. The vertices that it
   // runs through are left in run_through_.
-  Section lay(FaceStrip strip, const SurfacePoint& from, const SurfacePoint& to) {
+  PathSegment lay(FaceStrip strip, const SurfacePoint& from, const SurfacePoint& to) {
     unfold(strip, from, to);
-    const UnfoldedStrip& plane = section_plane_;
-    Section section;
+    const UnfoldedStrip& plane = segment_plane_;
+    PathSegment segment;
     const Vec2 start = plane.start;
     const Vec2 along = unit(plane.end - start);
     run_through_.clear();
-    section.crossings.reserve(strip.gates.size());
+    segment.crossings.reserve(strip.portals.size());
     Vec2 here = start;
     Vec2 stop = start;  // or the last vertex that the line runs through
-    for (std::size_t i = 0; i < strip.gates.size(); ++i) {
-      const Door& door = plane.doors[i];
-      const double left = std::max(cross(along, door.left - start), 0.0);
-      const double right = std::max(-cross(along, door.right - start), 0.0);
+    for (std::size_t i = 0; i < strip.portals.size(); ++i) {
+      const UnfoldedPortal& unfolded_portal = plane.unfolded_portals[i];
+      const double left = std::max(cross(along, unfolded_portal.left - start), 0.0);
+      const double right = std::max(-cross(along, unfolded_portal.right - start), 0.0);
       double from_left = 0;
       if (left + right > 0) {
         from_left = left / (left + right);
       } else {
-        // The line runs along the gate: to the end of it that comes first.
-        const Vec2 to_left = door.left - here;
-        const Vec2 to_right = door.right - here;
+        // The line runs along the portal: to the end of it that comes first.
+        const Vec2 to_left = unfolded_portal.left - here;
+        const Vec2 to_right = unfolded_portal.right - here;
         from_left = dot(to_left, to_left) <= dot(to_right, to_right) ? 0 : 1;
       }
       const bool left_is_nearer = from_left < 0.5;
-      const Vec2 vertex = left_is_nearer ? door.left : door.right;
+      const Vec2 vertex = left_is_nearer ? unfolded_portal.left : unfolded_portal.right;
       const double arm = std::min(norm(vertex - stop), norm(plane.end - vertex));
       if ((left_is_nearer ? left : right) < kThroughVertex * arm) {
         run_through_.push_back({i, left_is_nearer});
         stop = vertex;
       }
-      const Vec2 there = door.left + from_left * (door.right - door.left);
-      section.length += norm(there - here);
+      const Vec2 there =
+          unfolded_portal.left + from_left * (unfolded_portal.right - unfolded_portal.left);
+      segment.length += norm(there - here);
       here = there;
-      const Halfedge in = strip.gates[i].in;
+      const Halfedge in = strip.portals[i].in;
       const bool tail_is_left =
-          adjacency_.face(face_of(in)).vertex[corner_of(in)] == door.left_vertex;
-      section.crossings.push_back(tail_is_left ? from_left : 1 - from_left);
+          adjacency_.face(face_of(in)).vertex[corner_of(in)] == unfolded_portal.left_vertex;
+      segment.crossings.push_back(tail_is_left ? from_left : 1 - from_left);
     }
-    section.length += norm(plane.end - here);
-    const auto direction = [&](std::uint32_t face, const SurfacePoint& knot,
+    segment.length += norm(plane.end - here);
+    const auto direction = [&](std::uint32_t face, const SurfacePoint& path_vertex,
                                const std::array<Vec2, 3>& edges, Vec2 toward) {
-      if (!knot.at_vertex()) return DirectionAtVertex{};
-      const std::uint32_t c = corner_at(adjacency_, face, knot.vertex);
+      if (!path_vertex.at_vertex()) return DirectionAtVertex{};
+      const std::uint32_t c = corner_at(adjacency_, face, path_vertex.vertex);
       return DirectionAtVertex{face, angle_between(edges[c], toward),
                                angle_between(-edges[previous_corner(c)], toward)};
     };
-    section.leaves = direction(strip.first_face, from, plane.first_edges, along);
-    section.arrives = direction(strip.last_face(), to, plane.last_edges, -along);
-    section.strip = std::move(strip);
-    return section;
+    segment.leaves = direction(strip.first_face, from, plane.first_edges, along);
+    segment.arrives = direction(strip.last_face(), to, plane.last_edges, -along);
+    segment.strip = std::move(strip);
+    return segment;
   }
 
   void unfold(const FaceStrip& strip, const SurfacePoint& from, const SurfacePoint& to) {
-    unfold_strip(adjacency_, strip, from, to, section_plane_);
-    for (std::size_t i = 0; i <= strip.gates.size(); ++i) {
+    unfold_strip(adjacency_, strip, from, to, segment_plane_);
+    for (std::size_t i = 0; i <= strip.portals.size(); ++i) {
       ++counts_.faces_unfolded;
       cancelled_ = cancelled_ || poll_.cancelled();
     }
   }
 
   // The part of a strip between two of its vertices, or of its ends. When both are
-  // ends of one gate the path runs along that.
+  // ends of one portal the path runs along that.
   static FaceStrip between(const FaceStrip& strip, const StripVertex& a, const StripVertex& b) {
     const bool from_start = a.vertex == kNone;
-    const std::size_t begin = from_start ? 0 : a.last_gate + 1;
-    const std::size_t end = b.first_gate;
+    const std::size_t begin = from_start ? 0 : a.last_portal + 1;
+    const std::size_t end = b.first_portal;
     FaceStrip part;
     if (begin > end) {
-      part.first_face = strip.face(std::max(a.first_gate, b.first_gate));
+      part.first_face = strip.face(std::max(a.first_portal, b.first_portal));
     } else {
       part.first_face = strip.face(begin);
-      part.gates.assign(strip.gates.begin() + static_cast<std::ptrdiff_t>(begin),
-                        strip.gates.begin() + static_cast<std::ptrdiff_t>(end));
+      part.portals.assign(strip.portals.begin() + static_cast<std::ptrdiff_t>(begin),
+                          strip.portals.begin() + static_cast<std::ptrdiff_t>(end));
     }
     return part;
   }
 
   // Pulls the path straight within a strip; appends the result to a chain that ends
-  // with the knot `from`.
+  // with the path vertex `from`.
   void pull(FaceStrip strip, const SurfacePoint& from, const SurfacePoint& to, Chain& chain) {
     trim_strip(adjacency_, from, to, strip);
     unfold(strip, from, to);
-    const std::size_t gates = strip.gates.size();
-    const std::vector<StripVertex>& bends = funnel_.touched(section_plane_);
+    const std::size_t portals = strip.portals.size();
+    const std::vector<StripVertex>& bends = funnel_.touched(segment_plane_);
     std::vector<StripVertex> stops{{{}, kNone, 0, 0}};
     for (std::size_t i = 0; i <= bends.size(); ++i) {
       const StripVertex a = stops.back();
-      const StripVertex b = i < bends.size() ? bends[i] : StripVertex{{}, kNone, gates, gates};
-      add_section(strip, a, b, from, to, stops, chain);
+      const StripVertex b = i < bends.size() ? bends[i] : StripVertex{{}, kNone, portals, portals};
+      add_segment(strip, a, b, from, to, stops, chain);
     }
   }
 
   static bool is_same(const StripVertex& a, const StripVertex& b) {
-    return a.vertex == b.vertex && a.first_gate == b.first_gate;
+    return a.vertex == b.vertex && a.first_portal == b.first_portal;
   }
   // Whether the strip leads from one stop to another, not back.
   static bool may_follow(const StripVertex& a, const StripVertex& b) {
     if (a.vertex == kNone || b.vertex == kNone) return true;
-    return a.first_gate <= b.last_gate && !is_same(a, b);
+    return a.first_portal <= b.last_portal && !is_same(a, b);
   }
 
-  SurfacePoint knot_at(const StripVertex& stop, const SurfacePoint& end) const {
+  SurfacePoint path_vertex_at(const StripVertex& stop, const SurfacePoint& end) const {
     return stop.vertex == kNone ? end : point_at_vertex(adjacency_, stop.vertex);
   }
 
   // The straight line from stop `a` to stop `b`, cut at the vertices that it happens
   // to run through.
-  void add_section(const FaceStrip& strip, const StripVertex& a, const StripVertex& b,
+  void add_segment(const FaceStrip& strip, const StripVertex& a, const StripVertex& b,
                    const SurfacePoint& from, const SurfacePoint& to,
                    std::vector<StripVertex>& stops, Chain& chain) {
-    const std::size_t offset = a.vertex == kNone ? 0 : a.last_gate + 1;
-    Section whole = lay(between(strip, a, b), knot_at(a, from), knot_at(b, to));
+    const std::size_t offset = a.vertex == kNone ? 0 : a.last_portal + 1;
+    PathSegment whole = lay(between(strip, a, b), path_vertex_at(a, from), path_vertex_at(b, to));
     const std::size_t first_stop = stops.size();
-    for (const auto& [gate, is_left] : run_through_) {
+    for (const auto& [portal, is_left] : run_through_) {
       const StripVertex& v =
-          is_left ? funnel_.left_of(offset + gate) : funnel_.right_of(offset + gate);
+          is_left ? funnel_.left_of(offset + portal) : funnel_.right_of(offset + portal);
       const bool again = stops.size() > 1 && is_same(stops[stops.size() - 2], v);
       if (!again && may_follow(stops.back(), v) && may_follow(v, b)) stops.push_back(v);
     }
     if (stops.size() == first_stop) {
-      chain.sections.push_back(std::move(whole));
+      chain.segments.push_back(std::move(whole));
     } else {
       for (std::size_t i = first_stop; i <= stops.size(); ++i) {
         const StripVertex& u = stops[i - 1];
         const StripVertex& v = i < stops.size() ? stops[i] : b;
-        chain.sections.push_back(lay(between(strip, u, v), knot_at(u, from), knot_at(v, to)));
-        if (i < stops.size()) chain.knots.push_back({knot_at(v, to)});
+        chain.segments.push_back(
+            lay(between(strip, u, v), path_vertex_at(u, from), path_vertex_at(v, to)));
+        if (i < stops.size()) chain.path_vertices.push_back({path_vertex_at(v, to)});
       }
     }
-    chain.knots.push_back({knot_at(b, to)});
+    chain.path_vertices.push_back({path_vertex_at(b, to)});
     stops.push_back(b);
   }
 
   // The whole path, by the least fan at every vertex where there is any.
   void pull_straight(Chain& chain) {
     constexpr double kAnyAngle = std::numeric_limits<double>::infinity();
-    std::vector<std::optional<Fan>> fans(chain.knots.size());
+    std::vector<std::optional<Fan>> fans(chain.path_vertices.size());
     Chain result;
-    result.knots.push_back(chain.knots.front());
+    result.path_vertices.push_back(chain.path_vertices.front());
     std::size_t first = 0;
-    for (std::size_t i = 1; i < chain.knots.size(); ++i) {
-      if (i + 1 < chain.knots.size()) {
-        fans[i] = fans_.least(chain.knots[i].place.vertex, chain.sections[i - 1].arrives,
-                              chain.sections[i].leaves, kAnyAngle);
+    for (std::size_t i = 1; i < chain.path_vertices.size(); ++i) {
+      if (i + 1 < chain.path_vertices.size()) {
+        fans[i] = fans_.least(chain.path_vertices[i].place.vertex, chain.segments[i - 1].arrives,
+                              chain.segments[i].leaves, kAnyAngle);
         if (fans[i]) continue;
       }
       pull(joined(chain, first, i, [&](std::size_t k) -> const Fan& { return *fans[k]; }),
-           chain.knots[first].place, chain.knots[i].place, result);
+           chain.path_vertices[first].place, chain.path_vertices[i].place, result);
       first = i;
     }
     chain = std::move(result);
@@ -220,36 +222,36 @@ class Shortener {
 
   // -- Over the vertices --------------------------------------------------------
 
-  // Lets the path slip over all vertices that have a side below pi. False when there
+  // Moves the path over all vertices that have a side below pi. False when there
   // is none, or none of them gained anything.
-  bool slip(Chain& chain) {
+  bool cross_all_vertices(Chain& chain) {
     constexpr double kBelow = std::numbers::pi - kStraightAngle;
     if (stopped()) return false;
-    const std::size_t end = chain.knots.size() - 1;
-    std::vector<std::optional<Fan>> fans(chain.knots.size());
+    const std::size_t end = chain.path_vertices.size() - 1;
+    std::vector<std::optional<Fan>> fans(chain.path_vertices.size());
     bool any = false;
     for (std::size_t i = 1; i < end; ++i) {
       cancelled_ = cancelled_ || poll_.cancelled();
-      if (!std::exchange(chain.knots[i].unsettled, false)) continue;
-      fans[i] = fans_.least(chain.knots[i].place.vertex, chain.sections[i - 1].arrives,
-                            chain.sections[i].leaves, kBelow);
+      if (!std::exchange(chain.path_vertices[i].is_changed, false)) continue;
+      fans[i] = fans_.least(chain.path_vertices[i].place.vertex, chain.segments[i - 1].arrives,
+                            chain.segments[i].leaves, kBelow);
       any = any || fans[i];
     }
     if (!any) return false;
 
-    // What does not slip divides the path into parts that do not concern each other.
+    // A vertex that stays divides the path into parts that do not concern each other.
     Chain result;
-    result.knots.push_back(chain.knots.front());
+    result.path_vertices.push_back(chain.path_vertices.front());
     bool gained = false;
     for (std::size_t first = 0; first < end;) {
       std::size_t last = first + 1;
       while (fans[last]) ++last;
       if (last == first + 1) {
         result.take(chain, first);
-      } else if (slip_over(chain, fans, first, last, result)) {
+      } else if (cross_vertices(chain, fans, first, last, result)) {
         gained = true;
       } else if (last > first + 2) {
-        gained = slip_one_by_one(chain, fans, first, last, result) || gained;
+        gained = cross_one_by_one(chain, fans, first, last, result) || gained;
       } else {
         result.take(chain, first);
         result.take(chain, first + 1);
@@ -265,41 +267,41 @@ class Shortener {
     return std::abs(after - before) <= before * kLeastGain;
   }
 
-  // Tries the fans at all knots between two that stay. If that is shorter, appends
+  // Tries the fans at all path vertices between two that stay. If that is shorter, appends
   // it to `result`.
   //
   // Where the path goes through two vertices that are next to nothing apart, what
-  // it gains at the first is too little to see, but unless it slips there it never
+  // it gains at the first is too little to see, but unless it is moved there it never
   // comes to the second. So once for each vertex a change may be even.
-  bool slip_over(const Chain& chain, const std::vector<std::optional<Fan>>& fans, std::size_t first,
-                 std::size_t last, Chain& result) {
+  bool cross_vertices(const Chain& chain, const std::vector<std::optional<Fan>>& fans,
+                      std::size_t first, std::size_t last, Chain& result) {
     if (stopped()) return false;
     double before = 0;
-    for (std::size_t i = first; i < last; ++i) before += chain.sections[i].length;
+    for (std::size_t i = first; i < last; ++i) before += chain.segments[i].length;
     Chain part;
-    part.knots.push_back(chain.knots[first]);
+    part.path_vertices.push_back(chain.path_vertices[first]);
     pull(joined(chain, first, last, [&](std::size_t k) -> const Fan& { return *fans[k]; }),
-         chain.knots[first].place, chain.knots[last].place, part);
-    counts_.slips += last - first - 1;
+         chain.path_vertices[first].place, chain.path_vertices[last].place, part);
+    counts_.crossings += last - first - 1;
     double after = 0;
-    for (const Section& section : part.sections) after += section.length;
+    for (const PathSegment& segment : part.segments) after += segment.length;
     if (!(after < before * (1 - kLeastGain)) &&
         !(is_even(before, after) && last == first + 2 &&
-          slipped_even_.insert(chain.knots[first + 1].place.vertex).second))
+          crossed_even_.insert(chain.path_vertices[first + 1].place.vertex).second))
       return false;
-    result.knots.back().unsettled = true;
-    for (std::size_t i = 0; i < part.sections.size(); ++i) result.take(part, i);
+    result.path_vertices.back().is_changed = true;
+    for (std::size_t i = 0; i < part.segments.size(); ++i) result.take(part, i);
     return true;
   }
 
   // Rounding among needles may spoil what a vertex next to them gains.
-  bool slip_one_by_one(Chain& chain, const std::vector<std::optional<Fan>>& fans, std::size_t first,
-                       std::size_t last, Chain& result) {
+  bool cross_one_by_one(Chain& chain, const std::vector<std::optional<Fan>>& fans,
+                        std::size_t first, std::size_t last, Chain& result) {
     bool gained = false;
     while (first < last) {
-      if (first + 1 < last && slip_over(chain, fans, first, first + 2, result)) {
+      if (first + 1 < last && cross_vertices(chain, fans, first, first + 2, result)) {
         gained = true;
-        first += 2;  // the fan found there was for the section that has just gone
+        first += 2;  // the fan found there was for the segment that has just gone
       } else {
         result.take(chain, first++);
       }
@@ -311,10 +313,10 @@ class Shortener {
   Poll poll_;
   FanSearch fans_;
   Funnel funnel_;
-  UnfoldedStrip section_plane_;
-  // Of the section laid last: gates crossed at an end, and whether that is their left.
+  UnfoldedStrip segment_plane_;
+  // Of the segment laid last: portals crossed at an end, and whether that is their left.
   std::vector<std::pair<std::size_t, bool>> run_through_;
-  std::unordered_set<std::uint32_t> slipped_even_;  // vertices where a change was even
+  std::unordered_set<std::uint32_t> crossed_even_;  // vertices where a change was even
   bool cancelled_ = false;
   ShortenCounts counts_;
 };

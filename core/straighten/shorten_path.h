@@ -7,7 +7,7 @@
 //
 // They correct one vertex at a time. Here the path is pulled straight within its
 // whole strip of faces at once (funnel.h), which leaves vertices only where it bends
-// round them; then it slips over all of those that have a side below pi, by taking
+// round them; then it is moved over all of those that have a side below pi, by taking
 // the fan of faces on that side instead (vertex_fan.h), and is pulled straight again.
 #pragma once
 
@@ -36,8 +36,8 @@ inline constexpr std::uint64_t kMostFacesUnfolded = 200'000'000;
 
 // What a shortening took.
 struct ShortenCounts {
-  std::uint64_t rounds = 0;          // in which any vertex could slip
-  std::uint64_t slips = 0;           // vertices passed over on the other side, tried ones included
+  std::uint64_t rounds = 0;          // in which any vertex was crossed
+  std::uint64_t crossings = 0;       // vertices passed over on the other side, tried ones included
   std::uint64_t faces_unfolded = 0;  // in sum
   bool locally_shortest = true;      // false when kMostFacesUnfolded was exceeded
 };

@@ -282,7 +282,7 @@ Candidate closest_in_face(const Adjacency& adjacency, const SurfacePoint& place,
     return adjacency.ring(flat.side(i)) == flat.side(i);
   };
   candidate.at_boundary = !inside && (is_boundary(0) || (place.at_vertex() && is_boundary(2)));
-  // The wedge of directions into the face reaches from `low` counterclockwise to `high`.
+  // The cone of directions into the face reaches from `low` counterclockwise to `high`.
   const Vec2 low{1, 0};
   const Vec2 high = place.at_vertex() ? -flat.edges[2] : Vec2{-1, 0};
   candidate.points_inside = inside || (cross(low, projected) >= -kNoProjection &&

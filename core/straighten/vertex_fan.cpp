@@ -98,11 +98,11 @@ std::optional<Fan> FanSearch::least(std::uint32_t vertex, const DirectionAtVerte
   Fan fan;
   fan.angle = best;
   for (Halfedge entry = best_entry; entry != kNone;) {
-    fan.gates.push_back({halfedge_of(best_side), entry});
+    fan.portals.push_back({halfedge_of(best_side), entry});
     entry = sides_[best_side].entered_by;
     best_side = sides_[best_side].from;
   }
-  std::reverse(fan.gates.begin(), fan.gates.end());
+  std::reverse(fan.portals.begin(), fan.portals.end());
   return fan;
 }
 

@@ -51,7 +51,7 @@ struct DirectionAtVertex {
 // Faces one after the other round a vertex, by the edges that end in it.
 struct Fan {
   double angle = 0;
-  std::vector<Gate> gates;  // none when both directions are in one face
+  std::vector<Portal> portals;  // none when both directions are in one face
 };
 
 // Finds fans at vertices; keeps its memory for the next search.

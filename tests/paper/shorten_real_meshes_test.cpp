@@ -43,7 +43,7 @@ void check_shortening(const std::string& name, Method method, double most_excess
   double excess = 0;
   double least = 1;
   int shortest = 0;
-  std::vector<std::uint64_t> slips;
+  std::vector<std::uint64_t> crossings;
   std::vector<std::uint64_t> faces;
   for (int found = 0; found < kPaths;) {
     const auto target = static_cast<std::uint32_t>(random() % real.soup.positions.size());
@@ -66,12 +66,12 @@ void check_shortening(const std::string& name, Method method, double most_excess
     excess_before += path->length / exact - 1;
     excess += shorter->length / exact - 1;
     if (shorter->length <= exact * (1 + 1e-6)) ++shortest;
-    slips.push_back(counts.slips);
+    crossings.push_back(counts.crossings);
     faces.push_back(counts.faces_unfolded);
   }
   MESSAGE(name, ": mean excess ", 100 * excess_before / kPaths, " % before, ",
           100 * excess / kPaths, " % after; ", shortest / 10.0,
-          " % are shortest of all; medians: ", median(slips), " slips, ", median(faces),
+          " % are shortest of all; medians: ", median(crossings), " crossings, ", median(faces),
           " faces unfolded; the least excess is ", least);
   CHECK(excess / kPaths < most_excess);
   CHECK(least > -1e-5);

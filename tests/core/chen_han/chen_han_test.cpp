@@ -84,7 +84,7 @@ double distance_in_face(const Adjacency& adjacency, const Field& field, const Su
     const double base = distance(a, b);
     const double x = dot(at - a, b - a) / base;
     const double y = norm(cross(at - a, b - a)) / base;
-    for (const LitWindow& w : field.windows->into(halfedge(point.face, c))) {
+    for (const VisibleInterval& w : field.windows->into(halfedge(point.face, c))) {
       CHECK(0 <= w.begin);
       CHECK(w.begin < w.end);
       CHECK(w.end <= base * (1 + kExact));

@@ -54,16 +54,16 @@ TEST_CASE("ExactCrossesTheSpineOfABookToEveryPage") {
   }
   const Field field = surface.field_by(Method::exact, {Source{surface.at(9), 0}});
   // Three pages are lit over the spine, and the first by none of them.
-  int lit = 0;
+  int intervals = 0;
   for (std::uint32_t f = 0; f < surface.mesh().face_count(); ++f) {
     for (std::uint32_t c = 0; c < 3; ++c) {
       const Halfedge h = halfedge(f, c);
       const Halfedge next = surface.adjacency().ring(h);
       if (surface.adjacency().ring(next) == h) continue;
-      if (!field.windows->into(h).empty()) ++lit;
+      if (!field.windows->into(h).empty()) ++intervals;
     }
   }
-  CHECK(lit == 3 * 5);
+  CHECK(intervals == 3 * 5);
 }
 
 TEST_CASE("ExactBendsAtABowtie") {

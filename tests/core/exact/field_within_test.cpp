@@ -57,20 +57,20 @@ Worst worst_of(const Field& field, const Field& truth) {
 }
 
 // Every vertex may become a source, however few windows are there to be spared.
-Field within_without_crowds(double tolerance, const Surface& surface,
-                            const std::vector<Source>& sources) {
+Field within_by_early_sources(double tolerance, const Surface& surface,
+                              const std::vector<Source>& sources) {
   Field field = unreached_field(Method::back_traced, sources, surface.mesh().vertex_count());
   exact::PropagationMemory memory;
   const Cancel never;
   Poll poll(never);
   exact::Propagation propagation(surface.adjacency(), surface.adjacency().triangulation(), memory,
                                  field, kUnreached, tolerance, false, poll);
-  propagation.set_crowd(1);
+  propagation.set_windows_for_early(1);
   for (std::uint32_t s = 0; s < sources.size(); ++s) propagation.start(sources[s], s);
   do {
     while (propagation.step()) {
     }
-  } while (propagation.mend(poll));
+  } while (propagation.relax_along_edges(poll));
   propagation.raise_to_paths(poll);
   return field;
 }
@@ -80,7 +80,7 @@ void check_guarantee(const Surface& surface, const std::vector<Source>& sources)
   for (const double tolerance : kTolerances) {
     CAPTURE(tolerance);
     for (const Field& field : {within(tolerance, surface, sources),
-                               within_without_crowds(tolerance, surface, sources)}) {
+                               within_by_early_sources(tolerance, surface, sources)}) {
       const Worst worst = worst_of(field, truth);
       CHECK(worst.above <= tolerance + kExactRounding);
       CHECK(worst.below <= kExactRounding);
@@ -155,7 +155,7 @@ TEST_CASE("NoErrorIsAboveTheToleranceOnRandomMeshes") {
     std::vector<Source> sources{{surface.at(random.vertex()), 0}};
     if (number % 4 == 0) sources.push_back({surface.at(random.vertex()), random.unit()});
     check_guarantee(surface, sources);
-    differ += within_without_crowds(1e-2, surface, sources).distance !=
+    differ += within_by_early_sources(1e-2, surface, sources).distance !=
               surface.field_by(Method::exact, sources).distance;
   }
   CHECK(differ > 200);

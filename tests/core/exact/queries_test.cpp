@@ -43,7 +43,7 @@ double distance_at(const Surface& surface, const Field& field, const SurfacePoin
       const double length = distance(a, b);
       const double along = dot(at - a, b - a) / length;
       const double above = norm(cross(at - a, b - a)) / length;
-      for (const LitWindow& w : field.windows->into(halfedge(place.face, c))) {
+      for (const VisibleInterval& w : field.windows->into(halfedge(place.face, c))) {
         CHECK(0 <= w.begin);
         CHECK(w.begin < w.end);
         CHECK(w.end <= length);
@@ -143,7 +143,7 @@ TEST_CASE("AnOffsetIsAddedAndCanHideASource") {
   check_close(field.distance[surface.vertex(0)], 2, 1e-15);
   check_close(field.distance[surface.vertex(5)], 7, 1e-13);  // the other's offset is more
   for (const std::uint32_t nearest : field.nearest_source) CHECK(nearest == 0);
-  for (const LitWindow& w : field.windows->into(0)) CHECK(w.source == 0);
+  for (const VisibleInterval& w : field.windows->into(0)) CHECK(w.source == 0);
 }
 
 // The surface drowns in the rounding of such an offset; it is still all reached.

@@ -33,7 +33,7 @@ std::vector<double> distances_over(const Triangulation& faces, const Surface& su
   do {
     while (propagation.step()) {
     }
-  } while (propagation.mend(poll));
+  } while (propagation.relax_along_edges(poll));
   return field.distance.values();
 }
 

@@ -36,8 +36,8 @@ std::vector<double> within(double tolerance, const Surface& surface, const Surfa
 
 // Every vertex may become a source, however few windows are there to be spared: on small surfaces
 // hardly any would, and all distances were exact.
-std::vector<double> within_without_crowds(double tolerance, const Surface& surface,
-                                          const SurfacePoint& from) {
+std::vector<double> within_by_early_sources(double tolerance, const Surface& surface,
+                                            const SurfacePoint& from) {
   const Source source{from, 0};
   Field field = unreached_field(Method::back_traced, {&source, 1}, surface.mesh().vertex_count());
   exact::PropagationMemory memory;
@@ -45,12 +45,12 @@ std::vector<double> within_without_crowds(double tolerance, const Surface& surfa
   Poll poll(never);
   exact::Propagation propagation(surface.adjacency(), surface.adjacency().triangulation(), memory,
                                  field, kUnreached, tolerance, false, poll);
-  propagation.set_crowd(1);
+  propagation.set_windows_for_early(1);
   propagation.start(source, 0);
   do {
     while (propagation.step()) {
     }
-  } while (propagation.mend(poll));
+  } while (propagation.relax_along_edges(poll));
   propagation.raise_to_paths(poll);
   return field.distance.values();
 }
@@ -102,7 +102,7 @@ TEST_CASE("ToleranceHoldsOnSmallSurfacesOfMixedScales") {
     const std::vector<double> truth = strips.distances(from);
     for (const double tolerance : kTolerances) {
       check_within(tolerance, surface, within(tolerance, surface, source), truth);
-      check_within(tolerance, surface, within_without_crowds(tolerance, surface, source), truth);
+      check_within(tolerance, surface, within_by_early_sources(tolerance, surface, source), truth);
     }
     ++compared;
   }

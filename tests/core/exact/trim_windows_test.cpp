@@ -1,4 +1,4 @@
-// Lists of windows sewn together, against the envelope of all that is in them.
+// Lists of windows trimmed together, against the envelope of all that is in them.
 #include "core/exact/trim_windows.h"
 
 #include <doctest/doctest.h>
@@ -18,7 +18,7 @@ using fixtures::least_at;
 namespace {
 
 struct SeamLists {
-  std::vector<PseudoSource> roots;
+  std::vector<PseudoSource> pseudo_sources;
   std::vector<Window> old;
   std::vector<Window> fresh;
 };
@@ -32,16 +32,17 @@ SeamLists random_lists(std::uint32_t seed) {
   std::vector<Window> scratch;
   const double shift = seed % 3 == 0 ? 0 : (seed % 3 == 1 ? 0.4 : -0.4);
   for (std::uint32_t i = 0; i < 10; ++i) {
-    lists.roots.push_back({seed % 2 == 0 ? 1 : 1 + 0.1 * unit(), i, 0});
+    lists.pseudo_sources.push_back({seed % 2 == 0 ? 1 : 1 + 0.1 * unit(), i, 0});
     const bool is_old = i % 2 == 0;
     const double from = is_old ? 0 : shift;
     const double a = from + unit();
     const double b = from + unit();
     if (a == b) continue;
     const double x = 3 * unit() - 1;
-    Window w = fixtures::window(lists.roots, i, std::min(a, b), std::max(a, b), x, 2 * unit());
+    Window w =
+        fixtures::window(lists.pseudo_sources, i, std::min(a, b), std::max(a, b), x, 2 * unit());
     w.propagated = is_old;
-    append(is_old ? lists.old : lists.fresh, w, lists.roots, 1, scratch);
+    append(is_old ? lists.old : lists.fresh, w, lists.pseudo_sources, 1, scratch);
   }
   return lists;
 }
@@ -56,32 +57,33 @@ TEST_CASE("SewnListsAreTheEnvelopeOfBoth") {
     SeamLists lists = random_lists(seed);
     if (lists.old.empty() || lists.fresh.empty()) continue;
     std::vector<Window> all;
-    merge(lists.old, lists.fresh, lists.roots, 1, all);
-    const Sewn sewn = sew(lists.old, lists.fresh, lists.roots, 1);
-    plain += sewn.plain;
+    merge(lists.old, lists.fresh, lists.pseudo_sources, 1, all);
+    const Trimmed trimmed = trim(lists.old, lists.fresh, lists.pseudo_sources, 1);
+    plain += trimmed.plain;
     overlapped += all.size() != lists.old.size() + lists.fresh.size();
     std::vector<Window> left;
-    if (sewn.plain) {
-      left.assign(sewn.old.begin(), sewn.old.end());
-      left.insert(sewn.fresh_ends ? left.end() : left.begin(), sewn.fresh.begin(),
-                  sewn.fresh.end());
+    if (trimmed.plain) {
+      left.assign(trimmed.old.begin(), trimmed.old.end());
+      left.insert(trimmed.fresh_ends ? left.end() : left.begin(), trimmed.fresh.begin(),
+                  trimmed.fresh.end());
       for (std::size_t i = 1; i < left.size(); ++i) CHECK(left[i - 1].end <= left[i].begin + 1e-12);
     } else {
       // What was done so far does not change the envelope.
-      merge(sewn.old, sewn.fresh, lists.roots, 1, left);
+      merge(trimmed.old, trimmed.fresh, lists.pseudo_sources, 1, left);
     }
     for (int i = 0; i < 100; ++i) {
       const double place = -0.4 + 1.8 * i / 100;
-      const double truth = least_at(all, lists.roots, place);
-      const double least = least_at(left, lists.roots, place);
+      const double truth = least_at(all, lists.pseudo_sources, place);
+      const double least = least_at(left, lists.pseudo_sources, place);
       CAPTURE(place);
       REQUIRE((truth == kUnreached) == (least == kUnreached));
       if (truth != kUnreached) CHECK(least == doctest::Approx(truth).epsilon(1e-12));
     }
     for (const Window& w : left) {
-      CHECK(w.at_begin == doctest::Approx(w.at(w.begin, lists.roots[w.root].offset)));
-      CHECK(w.at_end == doctest::Approx(w.at(w.end, lists.roots[w.root].offset)));
-      CHECK(w.propagated == (w.root % 2 == 0));
+      CHECK(w.at_begin ==
+            doctest::Approx(w.at(w.begin, lists.pseudo_sources[w.pseudo_source].offset)));
+      CHECK(w.at_end == doctest::Approx(w.at(w.end, lists.pseudo_sources[w.pseudo_source].offset)));
+      CHECK(w.propagated == (w.pseudo_source % 2 == 0));
     }
   }
   CHECK(plain > 300);
@@ -89,9 +91,9 @@ TEST_CASE("SewnListsAreTheEnvelopeOfBoth") {
 }
 
 TEST_CASE("ASeamIsAtTheTie") {
-  const std::vector<PseudoSource> roots{{0, kNone, 0}, {0, 1, 0}};
-  const auto window = [](std::uint32_t root, double begin, double end, double x) {
-    Window w{begin, end, x, 3, 0, 0, root, 0, false};
+  const std::vector<PseudoSource> pseudo_sources{{0, kNone, 0}, {0, 1, 0}};
+  const auto window = [](std::uint32_t pseudo_source, double begin, double end, double x) {
+    Window w{begin, end, x, 3, 0, 0, pseudo_source, 0, false};
     w.at_begin = w.at(begin, 0);
     w.at_end = w.at(end, 0);
     return w;
@@ -99,14 +101,14 @@ TEST_CASE("ASeamIsAtTheTie") {
   for (const bool fresh_ends : {true, false}) {
     Window left = window(0, 0, 6, 1);
     Window right = window(1, 3, 9, 8);
-    CHECK(sew(fresh_ends ? left : right, fresh_ends ? right : left, fresh_ends, roots, 10) ==
-          Seam::cut);
+    CHECK(trim(fresh_ends ? left : right, fresh_ends ? right : left, fresh_ends, pseudo_sources,
+               10) == Trimming::cut);
     CHECK(left.end == doctest::Approx(4.5).epsilon(1e-12));
     CHECK(right.begin == left.end);
   }
   // A tie everywhere: the old one stays.
   Window old = window(0, 0, 6, 1);
   Window same = window(1, 2, 5, 1);
-  CHECK(sew(old, same, true, roots, 10) == Seam::fresh_gone);
+  CHECK(trim(old, same, true, pseudo_sources, 10) == Trimming::fresh_gone);
   CHECK(old.end == 6);
 }

@@ -27,19 +27,19 @@ double fraction(std::mt19937& random) { return static_cast<double>(random()) / 4
 }  // namespace
 
 TEST_CASE("AWindowNearerInTheMiddleTakesOnlyTheMiddle") {
-  const std::vector<PseudoSource> roots{{0, kNone, 0}, {3.9, 1, 0}};
+  const std::vector<PseudoSource> pseudo_sources{{0, kNone, 0}, {3.9, 1, 0}};
   // From far below, nearly level; from near below, but 3.9 late.
-  const Window level = window(roots, 0, 0, 10, 5, 5);
-  const Window dip = window(roots, 1, 0, 10, 5, 0.1);
+  const Window level = window(pseudo_sources, 0, 0, 10, 5, 5);
+  const Window dip = window(pseudo_sources, 1, 0, 10, 5, 0.1);
   for (const bool level_first : {true, false}) {
     std::vector<Window> merged;
     const Window old = level_first ? level : dip;
     const Window fresh = level_first ? dip : level;
-    merge({&old, 1}, {&fresh, 1}, roots, 10, merged);
+    merge({&old, 1}, {&fresh, 1}, pseudo_sources, 10, merged);
     REQUIRE(merged.size() == 3);
-    CHECK(merged[0].root == 0);
-    CHECK(merged[1].root == 1);
-    CHECK(merged[2].root == 0);
+    CHECK(merged[0].pseudo_source == 0);
+    CHECK(merged[1].pseudo_source == 1);
+    CHECK(merged[2].pseudo_source == 0);
     CHECK(merged[0].end == merged[1].begin);
     CHECK(merged[1].begin + merged[1].end == doctest::Approx(10));
     CHECK(merged[1].at_begin == doctest::Approx(merged[0].at_end).epsilon(1e-12));
@@ -48,26 +48,26 @@ TEST_CASE("AWindowNearerInTheMiddleTakesOnlyTheMiddle") {
 }
 
 TEST_CASE("InATieTheOldWindowStays") {
-  const std::vector<PseudoSource> roots{{1, kNone, 0}, {1, 1, 1}};
-  const Window old = window(roots, 0, 1, 9, 4, 2);
-  const Window same = window(roots, 1, 0, 8, 4, 2);
+  const std::vector<PseudoSource> pseudo_sources{{1, kNone, 0}, {1, 1, 1}};
+  const Window old = window(pseudo_sources, 0, 1, 9, 4, 2);
+  const Window same = window(pseudo_sources, 1, 0, 8, 4, 2);
   std::vector<Window> merged;
-  merge({&old, 1}, {&same, 1}, roots, 10, merged);
+  merge({&old, 1}, {&same, 1}, pseudo_sources, 10, merged);
   REQUIRE(merged.size() == 2);
-  CHECK(merged[0].root == 1);
+  CHECK(merged[0].pseudo_source == 1);
   CHECK(merged[0].end == 1);
-  CHECK(merged[1].root == 0);
+  CHECK(merged[1].pseudo_source == 0);
   CHECK(merged[1].begin == 1);
   CHECK(merged[1].end == 9);
 }
 
 TEST_CASE("WindowsOfOneSourceThatTouchBecomeOne") {
-  const std::vector<PseudoSource> roots{{1, kNone, 0}};
+  const std::vector<PseudoSource> pseudo_sources{{1, kNone, 0}};
   std::vector<Window> list;
   std::vector<Window> scratch;
-  append(list, window(roots, 0, 1, 4, 5, 2), roots, 10, scratch);
-  append(list, window(roots, 0, 4, 6, 5, 2), roots, 10, scratch);
-  append(list, window(roots, 0, 7, 8, 5, 2), roots, 10, scratch);
+  append(list, window(pseudo_sources, 0, 1, 4, 5, 2), pseudo_sources, 10, scratch);
+  append(list, window(pseudo_sources, 0, 4, 6, 5, 2), pseudo_sources, 10, scratch);
+  append(list, window(pseudo_sources, 0, 7, 8, 5, 2), pseudo_sources, 10, scratch);
   REQUIRE(list.size() == 2);
   CHECK(list[0].begin == 1);
   CHECK(list[0].end == 6);
@@ -77,12 +77,12 @@ TEST_CASE("WindowsOfOneSourceThatTouchBecomeOne") {
 TEST_CASE("LightBentByLessThanMattersIsTheSame") {
   // A vertex at (0, 0) of this frame parts the light: beyond it the right part comes from a
   // source turned about it. How far that moves a distance grows with the width.
-  const std::vector<PseudoSource> roots{{2, kNone, 0}};
+  const std::vector<PseudoSource> pseudo_sources{{2, kNone, 0}};
   const auto parts = [&](double turn, double width) {
-    const Window left = window(roots, 0, -1, 0, 0.5, 3);
+    const Window left = window(pseudo_sources, 0, -1, 0, 0.5, 3);
     const Vec2 source{0.5 * std::cos(turn) + 3 * std::sin(turn),
                       3 * std::cos(turn) - 0.5 * std::sin(turn)};
-    const Window right = window(roots, 0, 0, width, source.x, source.y);
+    const Window right = window(pseudo_sources, 0, 0, width, source.x, source.y);
     return is_as_good(left, right.begin, right.end, right.at_begin, right.at_end, 2);
   };
   CHECK(parts(0, 1));
@@ -97,23 +97,23 @@ TEST_CASE("AnEnvelopeIsTheLeastEverywhere") {
   for (std::uint32_t seed = 0; seed < 300; ++seed) {
     CAPTURE(seed);
     std::mt19937 random(seed);
-    std::vector<PseudoSource> roots;
+    std::vector<PseudoSource> pseudo_sources;
     std::vector<Window> all;
     std::vector<Window> envelope;
     std::vector<Window> scratch;
     for (std::uint32_t i = 0; i < 12; ++i) {
-      roots.push_back({seed % 3 == 0 ? 0 : 2 * fraction(random), i, 0});
+      pseudo_sources.push_back({seed % 3 == 0 ? 0 : 2 * fraction(random), i, 0});
       const double a = fraction(random);
       const double b = fraction(random);
       if (a == b) continue;
       const double depth = seed % 2 == 0 ? fraction(random) : 0.01 * fraction(random);
-      const Window w =
-          window(roots, i, std::min(a, b), std::max(a, b), 3 * fraction(random) - 1, depth);
+      const Window w = window(pseudo_sources, i, std::min(a, b), std::max(a, b),
+                              3 * fraction(random) - 1, depth);
       all.push_back(w);
       if (i % 2 == 0) {
-        append(envelope, w, roots, 1, scratch);
+        append(envelope, w, pseudo_sources, 1, scratch);
       } else {
-        merge(envelope, {&w, 1}, roots, 1, scratch);
+        merge(envelope, {&w, 1}, pseudo_sources, 1, scratch);
         envelope.swap(scratch);
       }
     }
@@ -122,20 +122,20 @@ TEST_CASE("AnEnvelopeIsTheLeastEverywhere") {
     }
     for (int i = 0; i < 200; ++i) {
       const double place = fraction(random);
-      const double least = least_at(all, roots, place);
+      const double least = least_at(all, pseudo_sources, place);
       if (least == kUnreached) {
-        CHECK(least_at(envelope, roots, place) == kUnreached);
+        CHECK(least_at(envelope, pseudo_sources, place) == kUnreached);
       } else {
-        CHECK(std::abs(least_at(envelope, roots, place) - least) <= 1e-11);
+        CHECK(std::abs(least_at(envelope, pseudo_sources, place) - least) <= 1e-11);
       }
     }
   }
 }
 
 TEST_CASE("AnEndOfTheEdgeTakesWhatIsNearerAlongTheEdge") {
-  const std::vector<PseudoSource> roots{{0, kNone, 0}};
+  const std::vector<PseudoSource> pseudo_sources{{0, kNone, 0}};
   const auto clipped = [&](double at_tail, double at_head) {
-    Window w = window(roots, 0, 0, 8, 4, 3);  // 5 from both ends
+    Window w = window(pseudo_sources, 0, 0, 8, 4, 3);  // 5 from both ends
     const bool left = clip_at_ends(w, 0, 8, at_tail, at_head);
     return std::pair{left, w};
   };
@@ -147,7 +147,7 @@ TEST_CASE("AnEndOfTheEdgeTakesWhatIsNearerAlongTheEdge") {
   CHECK(clipped(1, 5).second.at_begin == doctest::Approx(3.4).epsilon(1e-14));
   CHECK(clipped(5, 1).second.end == doctest::Approx(5.6).epsilon(1e-14));
   // A tail so near that all of the edge is nearer by it.
-  Window steep = window(roots, 0, 0, 8, -20, 3);
+  Window steep = window(pseudo_sources, 0, 0, 8, -20, 3);
   CHECK(!clip_at_ends(steep, 0, 8, 10, kUnreached));
 }
 
@@ -202,13 +202,13 @@ TEST_CASE("ThePoolHandsOutBlocksThatDoNotOverlap") {
         const std::uint32_t capacity = WindowPool::capacity_for(size);
         REQUIRE(capacity >= size);
         blocks.push_back({pool.take(capacity), capacity, i});
-        for (std::uint32_t w = 0; w < capacity; ++w) blocks.back().windows[w].root = i;
+        for (std::uint32_t w = 0; w < capacity; ++w) blocks.back().windows[w].pseudo_source = i;
       } else {
         std::swap(blocks[random() % blocks.size()], blocks.back());
         const Block block = blocks.back();
         bool whole = true;
         for (std::uint32_t w = 0; w < block.capacity; ++w) {
-          whole = whole && block.windows[w].root == block.mark;
+          whole = whole && block.windows[w].pseudo_source == block.mark;
         }
         CHECK(whole);
         pool.give_back(block.windows, block.capacity);
@@ -228,8 +228,8 @@ TEST_CASE("ThePoolGivesMemoryBackInPiecesAndLeavesOffWhenToldTo") {
   const auto fill = [&] {
     std::vector<Window*> blocks;
     for (int i = 0; i < 400; ++i) blocks.push_back(pool.take(4096));
-    for (std::uint32_t i = 0; i < 400; ++i) blocks[i][4095].root = i;
-    for (std::uint32_t i = 0; i < 400; ++i) REQUIRE(blocks[i][4095].root == i);
+    for (std::uint32_t i = 0; i < 400; ++i) blocks[i][4095].pseudo_source = i;
+    for (std::uint32_t i = 0; i < 400; ++i) REQUIRE(blocks[i][4095].pseudo_source == i);
   };
   fill();
   Poll impatient(cancel);

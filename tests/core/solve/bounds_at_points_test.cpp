@@ -328,15 +328,15 @@ TEST_CASE("WindowsWithinATolerancePromiseAsVerticesDo") {
     Poll poll(never);
     exact::Propagation propagation(surface.adjacency(), surface.adjacency().triangulation(), memory,
                                    field, kUnreached, tolerance, true, poll);
-    propagation.set_crowd(1);
+    propagation.set_windows_for_early(1);
     for (std::uint32_t s = 0; s < from.size(); ++s) propagation.start(from[s], s);
     do {
       while (propagation.step()) {
       }
-    } while (propagation.mend(poll));
+    } while (propagation.relax_along_edges(poll));
     propagation.raise_to_paths(poll);
     field.windows = std::make_shared<const WindowTable>(surface.adjacency().faces().size(),
-                                                        propagation.lit_windows(poll), poll);
+                                                        propagation.visible_intervals(poll), poll);
     for (int i = 0; i < 30; ++i) {
       const SurfacePoint to = random_point(surface, random);
       const Truth truth = truly.at(to);

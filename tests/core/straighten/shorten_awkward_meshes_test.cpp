@@ -1,4 +1,4 @@
-// Surfaces on which a path has nowhere to slip, or more places than two, or nothing to
+// Surfaces on which a path has nowhere to cross_vertices_of, or more places than two, or nothing to
 // tell them by.
 #include <doctest/doctest.h>
 
