@@ -4,30 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <utility>
 
 #include "core/back_traced/arrive_lanes.h"
 #include "core/base/lane_arithmetic.h"
 #include "core/base/sort_few.h"
-#include "core/base/vec3.h"
-#include "core/wavefront/virtual_source.h"
 
 namespace geodesic {
 namespace {
-
-// Faces that the look around from a source crosses; beyond some hundred vertices the
-// front does as well.
-constexpr std::size_t kVisibleFaces = 2000;
-
-// A bucket's width, of the mean of the faces' shortest sides. Errors are the same with
-// half of it; with the double, means grow by a twentieth.
-constexpr double kBucketWidth = 0.25;
-// … which is taken from so many faces.
-constexpr std::size_t kSampledFaces = 128;
-
-// An accepted vertex waits again when its estimate turns out to be less by this part of
-// a bucket's width.
-constexpr double kLeastGain = 0.001;
 
 // Where a mesh is much finer than elsewhere, a bucket holds more than one front's worth
 // of vertices: those farther than the least by more than this part of their face's
@@ -43,97 +26,12 @@ constexpr std::size_t kMostCorners = 8;
 // estimate was of two sources, or the trace took the wrong side of something.
 constexpr double kSuspicious = 0.02;
 
-// Faces round a vertex that a bend is unfolded over, before its angle is beyond pi.
-constexpr int kMostFacesRound = 12;
-
 // At corner c, the side to the nearer of the other two corners, and the farther one: at
 // [2c + 1] where the next corner is nearer than the previous one, else at [2c].
 constexpr std::array<std::uint8_t, 6> kNearerSide{2, 0, 0, 1, 1, 2};
 constexpr std::array<std::uint8_t, 6> kFartherCorner{1, 2, 2, 0, 0, 1};
 
-double shortest2(const FaceRecord& face) {
-  return std::min({face.length2(0), face.length2(1), face.length2(2)});
-}
-
-// Whether rounding may turn what is beyond the face by more than 1e-12, so that it is not unfolded
-// round a bend.
-bool is_too_thin(const FaceRecord& face) {
-  const double longest2 = std::max({face.length2(0), face.length2(1), face.length2(2)});
-  return !(longest2 <= UnfoldRounding::kMostSpread2 * shortest2(face));
-}
-
-double bucket_width(std::span<const FaceRecord> faces) {
-  const std::size_t step = faces.size() / kSampledFaces + 1;
-  double sum = 0;
-  std::size_t count = 0;
-  for (std::size_t f = 0; f < faces.size(); f += step, ++count) {
-    sum += std::sqrt(std::max(shortest2(faces[f]), 0.0));
-  }
-  return kBucketWidth * sum / static_cast<double>(std::max<std::size_t>(count, 1));
-}
-
 }  // namespace
-
-void BackTracedFront::start(const SurfacePoint& source) {
-  const auto places = in_all_faces(adjacency_, source);
-  // Only the mesh's own faces say where a point inside one is.
-  surface_ = source.at_vertex() ? adjacency_.delaunay() : adjacency_.triangulation();
-  scratch_.crowds.reset(surface_, poll_);
-  const double width = bucket_width(surface_.faces);
-  scratch_.waiting.reset(width);
-  least_gain_ = kLeastGain * width;
-  std::vector<VisibilityCone>& cones = scratch_.cones;
-  cones.clear();
-  if (source.at_vertex()) {
-    see(source.vertex, 0);
-    for (const std::uint32_t corner : surface_.corners(source.vertex)) {
-      if (poll_.cancelled()) return;
-      const std::uint32_t c = corner_of(corner);
-      const FaceRecord& face = surface_.faces[face_of(corner)];
-      const std::uint32_t right = face.vertex[next_corner(c)];
-      const double length = std::sqrt(std::max(face.length2(c), 0.0));
-      const Vec2 to_right{length, 0};
-      const Vec2 to_left{face.dot[c] / length, face.area2 / length};  // may be no number
-      see(right, side_not_below(face, c));
-      see(face.vertex[previous_corner(c)],
-          std::max(norm(to_left), side_not_below(face, previous_corner(c))));
-      if (cones.size() == kVisibleFaces) continue;
-      // Beside a side as short as that, rounding says where the other one is.
-      constexpr double kLeastSide = 1e-6;
-      if (!surface_.is_even && !(length > kLeastSide * longest_side(face))) continue;
-      cones.push_back(
-          cone_over(face, halfedge(face_of(corner), next_corner(c)), right, to_right, to_left));
-    }
-  }
-  for (const SurfacePoint& place : places) {
-    if (poll_.cancelled()) return;
-    const FaceRecord& face = adjacency_.face(place.face);
-    if (!source.at_vertex()) {
-      stops_.push_back(place);
-      for (std::uint32_t c = 0; c < 3; ++c) {
-        // The triangle of the source and this side: where its ends are, with the source
-        // at the origin and the side's direction as the x axis.
-        const double base2 = face.length2(c);
-        const double height = place.bary[previous_corner(c)] * face.area2;
-        if (!(base2 > 0) || !(height > 0)) continue;
-        const double base = std::sqrt(base2);
-        const double foot =
-            place.bary[next_corner(c)] * base2 + place.bary[previous_corner(c)] * face.dot[c];
-        const Vec2 tail{-foot / base, -height / base};
-        const Vec2 head{(base2 - foot) / base, -height / base};
-        if (cones.size() == kVisibleFaces) continue;
-        cones.push_back(cone_over(face, halfedge(place.face, c), face.vertex[c], tail, head));
-      }
-    }
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      see(face.vertex[c], distance_to_corner(adjacency_.mesh(), place, c));
-    }
-  }
-  std::sort(stops_.begin(), stops_.end(),
-            [](const SurfacePoint& a, const SurfacePoint& b) { return a.face < b.face; });
-  look_around(surface_, cones, kVisibleFaces,
-              [this](std::uint32_t v, double straight) { see(v, straight); });
-}
 
 // Estimates and distances differ by at most the longest side between neighbours. So a vertex is
 // accepted before all that are farther by more than twice that.
@@ -230,7 +128,7 @@ bool BackTracedFront::is_early(std::uint32_t vertex, double least) const {
   const FrontVertex& known = scratch_.vertices[vertex];
   if (known.base == kNone || rounds_in_bucket_ == kMostRoundsInBucket) return false;
   const double after = known.estimate - least;
-  return after * after > kEarly * kEarly * shortest2(surface_.faces[face_of(known.base)]);
+  return after * after > kEarly * kEarly * surface_.faces[face_of(known.base)].shortest2();
 }
 
 void BackTracedFront::trace_round() {
@@ -266,7 +164,7 @@ void BackTracedFront::trace_round() {
     best = std::min({best, by_tail, by_head});
     // At a pinched vertex only one end may have a distance.
     if (!(std::max(by_tail, by_head) < kUnreached)) continue;
-    trace_round_a_vertex(i, face.vertex[bends_at_tail ? c : n]);
+    trace_past_vertex(i, face.vertex[bends_at_tail ? c : n]);
   }
   flush_traces();
 }
@@ -287,9 +185,9 @@ void BackTracedFront::trace(std::uint32_t place, const TraceStart& start, double
 void BackTracedFront::flush_traces() {
   if (traces_.count == 0) return;
   if (stops_.empty()) {
-    trace_lanes(surface_, distance_, takes_, vectors_, traces_, &scratch_.crowds);
+    trace_lanes(surface_, distance_, candidates_, vectors_, traces_, &scratch_.crowds);
   } else {
-    const BackTrace one(surface_, distance_, stops_, takes_, &scratch_.crowds);
+    const BackTrace one(surface_, distance_, stops_, candidates_, &scratch_.crowds);
     for (std::size_t i = 0; i < traces_.count; ++i) {
       double& best = traces_.best[i];
       best = traces_.begins_elsewhere(i) ? one.least(traces_.start[i], best)
@@ -428,81 +326,6 @@ void BackTracedFront::spread_along_edges(std::uint32_t v) {
             tail == c ? ArrivalLanes::kBendsAtTail : ArrivalLanes::kBendsAtHead);
     }
   }
-}
-
-// The way to the vertex seems to bend at the vertex `bend`. On either side of `bend`, the faces
-// round it are unfolded up to the face that the way to `bend` came through. If that way, continued
-// straight, passes `bend` and stays in the first face, a trace along it is added.
-void BackTracedFront::trace_round_a_vertex(std::uint32_t place, std::uint32_t bend) {
-  const std::uint32_t vertex = scratch_.round[place];
-  double best = scratch_.best[place];
-  const Halfedge bend_base = scratch_.vertices[bend].base;
-  if (bend_base == kNone) return;  // visible from the source
-  const FaceRecord& last = surface_.faces[face_of(bend_base)];
-  for (const std::uint32_t corner : surface_.corners(vertex)) {
-    if (poll_.cancelled()) return;
-    const std::uint32_t first = face_of(corner);
-    const std::uint32_t c = corner_of(corner);
-    const FaceRecord& face = surface_.faces[first];
-    if (!surface_.is_even && is_too_thin(face)) continue;
-    const bool ahead = face.vertex[next_corner(c)] == bend;
-    if (first == face_of(bend_base) || (!ahead && face.vertex[previous_corner(c)] != bend))
-      continue;
-    // The bend to the right, mirrored if need be until the trace begins.
-    const std::uint32_t b = ahead ? next_corner(c) : previous_corner(c);
-    const std::uint32_t r = ahead ? previous_corner(c) : next_corner(c);
-    const double length = std::sqrt(std::max(face.length2(ahead ? c : b), 0.0));
-    if (!(length > 0)) continue;
-    const Vec2 to_bend{length, 0};
-    const Vec2 to_rim{face.dot[c] / length, face.area2 / length};
-    best = std::min(best, distance_[face.vertex[r]] + norm(to_rim));
-    const Halfedge out = halfedge(first, ahead ? b : r);
-
-    Vec2 rim = to_rim;
-    std::uint32_t rim_vertex = face.vertex[r];
-    Halfedge edge = out;
-    for (int faces = 0; faces < kMostFacesRound; ++faces) {
-      const Halfedge across = surface_.ring(edge);
-      if (across == edge || surface_.ring(across) != edge) break;
-      const FaceRecord& next = surface_.faces[face_of(across)];
-      if (!surface_.is_even && is_too_thin(next)) break;
-      const std::uint32_t at = corner_of(across);
-      const std::uint32_t apex = previous_corner(at);
-      const bool at_bend = next.vertex[at] == bend;
-      const double base2 = next.dot[at] + next.dot[next_corner(at)];
-      const Vec2 side = rim - to_bend;
-      const Vec2 to_apex = to_bend +
-                           ((at_bend ? next.dot[at] : next.dot[next_corner(at)]) / base2) * side +
-                           (next.area2 / base2) * Vec2{side.y, -side.x};
-      if (face_of(across) == face_of(bend_base)) {
-        const std::uint32_t p = corner_of(bend_base);
-        const Arrival arrival = arrive(distance_[last.vertex[p]],
-                                       distance_[last.vertex[next_corner(p)]], last.apex_over(p));
-        const bool from_rim = last.vertex[p] == rim_vertex;
-        const Vec2 through = from_rim ? rim + arrival.crossing * (to_apex - rim)
-                                      : to_apex + arrival.crossing * (rim - to_apex);
-        const Vec2 aim = to_bend + distance_[bend] * unit(through - to_bend);
-        // Past the bend on this side, and within the first face.
-        if (cross(to_bend, aim) > 0 && cross(aim, to_rim) >= 0) {
-          TraceStart start{out, bend, face.vertex[r], along_ray(aim, to_bend),
-                           along_ray(aim, to_rim)};
-          if (!ahead) {
-            std::swap(start.right, start.left);
-            std::swap(start.to_right, start.to_left);
-            start.to_right.y *= -1;
-            start.to_left.y *= -1;
-          }
-          trace(place, start, best);
-        }
-        break;
-      }
-      rim = to_apex;
-      rim_vertex = next.vertex[apex];
-      if (cross(to_bend, rim) < 0) break;  // beyond pi
-      edge = halfedge(face_of(across), at_bend ? apex : next_corner(at));
-    }
-  }
-  scratch_.best[place] = std::min(scratch_.best[place], best);
 }
 
 void BackTracedFront::forget(std::uint32_t vertex) {

@@ -28,9 +28,13 @@ class BackTracedFront {
   // Each step leaves off, with nothing whole, when the poll says to stop. `distance` has an entry
   // per vertex, as have the scratch's vertices; they are
   // kUnreached and as constructed wherever this wave has not been.
-  BackTracedFront(const Adjacency& adjacency, BackTrace::Takes takes, BackTracedScratch& scratch,
-                  std::span<double> distance, Poll& poll)
-      : adjacency_(adjacency), takes_(takes), scratch_(scratch), distance_(distance), poll_(poll) {}
+  BackTracedFront(const Adjacency& adjacency, BackTrace::Candidates candidates,
+                  BackTracedScratch& scratch, std::span<double> distance, Poll& poll)
+      : adjacency_(adjacency),
+        candidates_(candidates),
+        scratch_(scratch),
+        distance_(distance),
+        poll_(poll) {}
 
   // Considers the vertices in the same face as the source, straight from there, and
   // those that a look around from the source finds visible from it.
@@ -69,7 +73,7 @@ class BackTracedFront {
   [[nodiscard]] bool is_doubtful(std::uint32_t vertex, double best) const;
   void trace(std::uint32_t place, Halfedge base, double crossing, double best);
   void trace(std::uint32_t place, const TraceStart& start, double best);
-  void trace_round_a_vertex(std::uint32_t place, std::uint32_t bend);
+  void trace_past_vertex(std::uint32_t place, std::uint32_t bend);
   void flush_traces();
   // The estimates over the first `count` of the scratch's bases, told by their place.
   template <class Tell>
@@ -79,7 +83,7 @@ class BackTracedFront {
   }
 
   const Adjacency& adjacency_;
-  BackTrace::Takes takes_;
+  BackTrace::Candidates candidates_;
   BackTracedScratch& scratch_;
   std::span<double> distance_;
   Poll& poll_;

@@ -49,8 +49,7 @@ namespace geodesic {
   std::size_t count = 0;
   for (std::size_t f = 0; f < surface.faces.size(); f += step, ++count) {
     const FaceRecord& face = surface.faces[f];
-    const double longest2 = std::max({face.length2(0), face.length2(1), face.length2(2)});
-    if (!(face.area2 > kLow * longest2)) ++low;
+    if (!(face.area2 > kLow * face.longest2())) ++low;
   }
   return kShare * low > count;
 }

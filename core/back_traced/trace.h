@@ -55,8 +55,9 @@ struct TraceStart {
 
 class BackTrace {
  public:
-  // Which lengths to take: of paths on the surface only, or from virtual sources too.
-  enum class Takes : std::uint8_t { paths, virtual_sources };
+  // What a trace takes the least of: lengths of paths on the surface only, or distances from
+  // virtual sources too.
+  enum class Candidates : std::uint8_t { paths, virtual_sources };
 
   // How far back. What is enough for most traces leaves some unsure: where the best path
   // is longer than the straight way from the virtual source by a share of the way looked
@@ -66,16 +67,16 @@ class BackTrace {
   enum class Reach : std::uint8_t { near, far };
 
   // At most so many faces are unfolded.
-  [[nodiscard]] static constexpr int most_faces(Takes takes, Reach reach) {
-    if (reach == Reach::near) return takes == Takes::paths ? 15 : 10;
-    return takes == Takes::paths ? 48 : 30;
+  [[nodiscard]] static constexpr int most_faces(Candidates candidates, Reach reach) {
+    if (reach == Reach::near) return candidates == Candidates::paths ? 15 : 10;
+    return candidates == Candidates::paths ? 48 : 30;
   }
   // The shares between which a trace is unsure.
   struct Shares {
     double least, most;
   };
-  [[nodiscard]] static constexpr Shares unsure(Takes takes) {
-    return takes == Takes::paths ? Shares{0.001, 0.1} : Shares{0.003, 0.1};
+  [[nodiscard]] static constexpr Shares unsure(Candidates candidates) {
+    return candidates == Candidates::paths ? Shares{0.001, 0.1} : Shares{0.003, 0.1};
   }
 
   // A virtual source nearer than this part of the best path would be of two sources.
@@ -85,8 +86,13 @@ class BackTrace {
   // source's places in the faces that have it in them, by ascending faces. All must outlive
   // this object, as must what it knows of crowded edges.
   BackTrace(const Triangulation& surface, std::span<const double> distance,
-            std::span<const SurfacePoint> stops, Takes takes, const CrowdedEdges* crowds = nullptr)
-      : surface_(surface), distance_(distance), stops_(stops), takes_(takes), crowds_(crowds) {}
+            std::span<const SurfacePoint> stops, Candidates candidates,
+            const CrowdedEdges* crowds = nullptr)
+      : surface_(surface),
+        distance_(distance),
+        stops_(stops),
+        candidates_(candidates),
+        crowds_(crowds) {}
 
   // The least of `best`, of the ways along both sides of the face of `base` to the vertex
   // opposite it, and of what the trace from there finds, over the base at `crossing`: 0 at
@@ -190,13 +196,14 @@ class BackTrace {
       straight = straight_to_virtual_source(trace, best);
     }
     // Of a virtual source no account is kept: how far it is off depends on both distances.
-    return !kCareful && takes_ == Takes::virtual_sources ? std::min(best, straight) : best;
+    return !kCareful && candidates_ == Candidates::virtual_sources ? std::min(best, straight)
+                                                                   : best;
   }
 
   // Goes on over the faces; the least of `best` and the ways past their vertices.
   template <bool kCareful>
   [[nodiscard]] double look_back(Trace& t, Reach reach, double best, Spread& spread) const {
-    for (const int most = most_faces(takes_, reach); t.faces < most; ++t.faces) {
+    for (const int most = most_faces(candidates_, reach); t.faces < most; ++t.faces) {
       if (t.across == t.edge) {
         t.ends = Ends::at_border;
         return best;
@@ -320,7 +327,7 @@ class BackTrace {
     const Vec2 source{t.right.x + along * base.x + down * base.y,
                       t.right.y + along * base.y - down * base.x};
     const double straight = norm(source);
-    if (takes_ == Takes::paths) return straight;
+    if (candidates_ == Candidates::paths) return straight;
     const bool is_visible = cross(source, t.left_bound) >= 0 && cross(t.right_bound, source) >= 0;
     if (!is_visible) return kUnreached;
     // No wave came over the first edge: its ends were reached by two that meet there.
@@ -330,7 +337,7 @@ class BackTrace {
   }
 
   [[nodiscard]] bool is_unsure(const Trace& t, double straight, double best) const {
-    const Shares shares = unsure(takes_);
+    const Shares shares = unsure(candidates_);
     const double away = norm(t.right);
     return straight + shares.least * away < best && best < straight + shares.most * away;
   }
@@ -354,7 +361,7 @@ class BackTrace {
   Triangulation surface_;
   std::span<const double> distance_;
   std::span<const SurfacePoint> stops_;
-  Takes takes_;
+  Candidates candidates_;
   const CrowdedEdges* crowds_;
 };
 

@@ -273,7 +273,7 @@ GEODESIC_LANES_INLINE void unfold(const Ahead<kWide>& ahead, State<kWide>& s,
 // The virtual sources of the edges that the traces have come to. Tells those apart that
 // are to look farther, if they may.
 template <std::size_t kWide>
-GEODESIC_LANES_INLINE void meet_circles(BackTrace::Takes takes, BackTrace::Reach reach,
+GEODESIC_LANES_INLINE void meet_circles(BackTrace::Candidates candidates, BackTrace::Reach reach,
                                         State<kWide>& s,
                                         typename lanes::Lanes<kWide>::Flags& unsure) {
   using Lanes = lanes::Lanes<kWide>;
@@ -297,7 +297,7 @@ GEODESIC_LANES_INLINE void meet_circles(BackTrace::Takes takes, BackTrace::Reach
   const Reals y = s.right_y + along * base_y - down * base_x;
   Reals straight;
   Lanes::root(straight, x * x + y * y);
-  if (takes == BackTrace::Takes::virtual_sources) {
+  if (candidates == BackTrace::Candidates::virtual_sources) {
     meet &= s.crossed & (x * s.left_bound_y - y * s.left_bound_x >= 0) &
             (s.right_bound_x * y - s.right_bound_y * x >= 0) &
             (straight >= BackTrace::kLeastOfBest * s.best);
@@ -306,11 +306,11 @@ GEODESIC_LANES_INLINE void meet_circles(BackTrace::Takes takes, BackTrace::Reach
   if (reach == BackTrace::Reach::near) {
     Reals away;
     Lanes::root(away, s.right_x * s.right_x + s.right_y * s.right_y);
-    const BackTrace::Shares shares = BackTrace::unsure(takes);
+    const BackTrace::Shares shares = BackTrace::unsure(candidates);
     unsure = s.alive & meet & (straight + shares.least * away < s.best) &
              (s.best < straight + shares.most * away);
   }
-  if (takes == BackTrace::Takes::virtual_sources) {
+  if (candidates == BackTrace::Candidates::virtual_sources) {
     const Flags taken = meet & ~unsure & (straight < s.best);
     Lanes::choose(s.best, taken, straight, s.best);
   }
@@ -321,7 +321,7 @@ struct Task {
   const double* distance;
   bool is_oriented;
   bool is_even;
-  BackTrace::Takes takes;
+  BackTrace::Candidates candidates;
   const CrowdedEdges* crowds;
 };
 
@@ -331,7 +331,7 @@ template <std::size_t kWide, bool kOriented, bool kEven>
 GEODESIC_LANES_INLINE std::uint32_t trace(const Task& task, TraceLanes& traces) {
   using Lanes = lanes::Lanes<kWide>;
   constexpr std::size_t kParts = TraceLanes::kLanes / kWide;
-  const auto [faces, distance, is_oriented, is_even, takes, crowds] = task;
+  const auto [faces, distance, is_oriented, is_even, candidates, crowds] = task;
   const std::size_t parts = (traces.count + kWide - 1) / kWide;
   State<kWide> states[kParts];
   std::size_t part_of[kParts];
@@ -347,7 +347,7 @@ GEODESIC_LANES_INLINE std::uint32_t trace(const Task& task, TraceLanes& traces) 
   int step = 0;
   for (const auto reach : {BackTrace::Reach::near, BackTrace::Reach::far}) {
     Ahead<kWide> ahead{};
-    for (const int most = BackTrace::most_faces(takes, reach); step < most; ++step) {
+    for (const int most = BackTrace::most_faces(candidates, reach); step < most; ++step) {
       typename Lanes::Flags going = {};
       for (std::size_t i = 0; i < count; ++i) {
         State<kWide>& s = states[part_of[i]];
@@ -362,7 +362,7 @@ GEODESIC_LANES_INLINE std::uint32_t trace(const Task& task, TraceLanes& traces) 
     for (std::size_t i = 0; i < count; ++i) {
       State<kWide>& s = states[part_of[i]];
       typename Lanes::Flags unsure;
-      meet_circles<kWide>(takes, reach, s, unsure);
+      meet_circles<kWide>(candidates, reach, s, unsure);
       s.alive &= unsure;
       if (Lanes::any(s.alive)) part_of[unsure_parts++] = part_of[i];
     }
@@ -418,10 +418,10 @@ __attribute__((target("avx512f,avx512vl,avx512dq"))) std::uint32_t trace_avx512(
 }  // namespace
 
 void trace_lanes(const Triangulation& surface, std::span<const double> distance,
-                 BackTrace::Takes takes, Vectors vectors, TraceLanes& traces,
+                 BackTrace::Candidates candidates, Vectors vectors, TraceLanes& traces,
                  const CrowdedEdges* crowds) {
   const Task task{surface.faces.data(), distance.data(), surface.is_oriented,
-                  surface.is_even,      takes,           crowds};
+                  surface.is_even,      candidates,      crowds};
   std::uint32_t wide = 0;
 #ifdef __x86_64__
   if (vectors == Vectors::avx512) {
@@ -437,7 +437,7 @@ void trace_lanes(const Triangulation& surface, std::span<const double> distance,
 #endif
   if (wide == 0) [[likely]]
     return;
-  const BackTrace one(surface, distance, {}, takes, crowds);
+  const BackTrace one(surface, distance, {}, candidates, crowds);
   for (std::size_t i = 0; i < traces.count; ++i) {
     if (((wide >> i) & 1U) == 0) continue;
     double& best = traces.best[i];

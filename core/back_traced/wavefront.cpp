@@ -81,11 +81,11 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
   const bool is_search = sources.size() == 1 && limits.detour.is_bounded();
   std::vector<std::uint32_t>& visited = scratch.visited;
   visited.clear();
-  const auto takes =
-      bound == Bound::upper ? BackTrace::Takes::paths : BackTrace::Takes::virtual_sources;
+  const auto candidates =
+      bound == Bound::upper ? BackTrace::Candidates::paths : BackTrace::Candidates::virtual_sources;
   Poll poll(cancel);
   if (sources.size() == 1) {
-    BackTracedFront front(adjacency, takes, scratch, field.distance.doubles(), poll);
+    BackTracedFront front(adjacency, candidates, scratch, field.distance.doubles(), poll);
     RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
     auto wave = run_wave(front, adjacency, sources, 0, {}, limits.max, limits.detour, targets, poll,
                          [&](std::uint32_t v) {
@@ -99,7 +99,7 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
     if (const double max = reach(limits, field); max < kUnreached) field.forget_beyond(max);
   } else {
     scratch.distance.assign(vertex_count, kUnreached);
-    BackTracedFront front(adjacency, takes, scratch, scratch.distance, poll);
+    BackTracedFront front(adjacency, candidates, scratch, scratch.distance, poll);
     auto waves = detail::run_waves(
         front, limits, field, scratch.is_target,
         [&](std::uint32_t s, double max, RemainingTargets& targets, auto accepted) {

@@ -30,7 +30,7 @@ struct Front::Exit {
   std::uint32_t origin;  // the vertex from which positions on it count
   std::uint32_t other;
   double length;
-  // The length of the best way by the face's third vertex to the part's beginning.
+  // The length of the best way by the face's third vertex to the beginning of the interval.
   double by_third;
   bool from_flat_face;
 };
@@ -126,13 +126,13 @@ bool Front::useless_in(const UnfoldedFace& face, const Window& window) const {
 }
 
 // Through every other face on the side, what is not useless goes into the queue.
-void Front::pass(const Exit& exit, const Part& part, const Window& from) {
-  if (is_gap(part, exit.length)) return;
+void Front::pass(const Exit& exit, const SideInterval& at, const Window& from) {
+  if (is_gap(at, exit.length)) return;
   Window window = from;
-  window.begin = part.begin;
-  window.end = part.end;
-  window.x = part.x;
-  window.y = std::max(part.y, kDepthOnLine * exit.length);
+  window.begin = at.begin;
+  window.end = at.end;
+  window.x = at.x;
+  window.y = std::max(at.y, kDepthOnLine * exit.length);
   const double along = window.x - std::clamp(window.x, window.begin, window.end);
   if (exit.length < kPoint * length(along, window.y)) return;
   // No shortest path crosses a face twice.
@@ -189,15 +189,15 @@ void Front::spread(Window window) {
                    Window piece = window;
                    piece.begin = begin;
                    piece.end = end;
-                   spread_part(piece, face);
+                   propagate_piece(piece, face);
                  });
 }
 
 // "One angle, one split" is proved for strips of faces without a source inside: of
 // two paths one may start within the strip of the other, instead of crossing it. So
-// light is cut in two along its ray to a source in the face, unless that source is
+// a window is cut in two along its ray to a source in the face, unless that source is
 // nearer to something else. Calls visit(begin, end) for the pieces of [begin, end] on
-// a side of the face; `depth` is that of the light's source below the side, with the
+// a side of the face; `depth` is that of the window's source below the side, with the
 // face above it or (negative) below.
 template <class Visit>
 void Front::for_each_piece(Halfedge side, const Light& from, Visit visit) {
@@ -217,7 +217,7 @@ void Front::for_each_piece(Halfedge side, const Light& from, Visit visit) {
     const double x = place->bary[next_corner(c)] * face.base + above * face.apex_x;
     const double y = above * face.apex_y;
     const double rise = y + from.depth;
-    // Light from within the face meets what lies between its source and the side.
+    // A window whose source is within the face meets what lies between its source and the side.
     if (from.depth < 0 && !(rise < 0)) continue;
     const double cut = from.x + (x - from.x) * (from.depth / rise);
     if (!(cut > from.begin && cut < from.end)) continue;
@@ -230,7 +230,7 @@ void Front::for_each_piece(Halfedge side, const Light& from, Visit visit) {
   }
 }
 
-// The light of a root in a corner of the face or inside it, through one side. The root
+// The windows of a source in a corner of the face or inside it, through one side. The source
 // stands over (x, 0) of the side at the height y.
 void Front::leave_root(Halfedge side, const UnfoldedFace& face, double x, double y,
                        const Window& from) {
@@ -241,7 +241,7 @@ void Front::leave_root(Halfedge side, const UnfoldedFace& face, double x, double
   });
 }
 
-void Front::spread_part(const Window& w, const UnfoldedFace& face) {
+void Front::propagate_piece(const Window& w, const UnfoldedFace& face) {
   const double to_apex = (w.y * face.apex_x + w.x * face.apex_y) / (w.y + face.apex_y);
   const bool meets = w.begin <= to_apex && to_apex <= w.end;
   const double bend = std::clamp(to_apex, w.begin, w.end);
@@ -278,8 +278,8 @@ void Front::spread_part(const Window& w, const UnfoldedFace& face) {
     const double cut = mirrored ? (w.y * apex_x + x * face.apex_y) / (w.y + face.apex_y) : to_apex;
     const double side_length = mirrored ? face.right : face.left;
     if (!(begin < cut)) return;
-    const Part part = over_side(begin, end, x, w.y, apex_x, face.apex_y, cut, side_length);
-    const double along = part.begin / side_length;
+    const SideInterval at = over_side(begin, end, x, w.y, apex_x, face.apex_y, cut, side_length);
+    const double along = at.begin / side_length;
     const double to_third = length(face.base - along * apex_x, along * face.apex_y);
     const std::uint32_t origin = mirrored ? face.at_end : face.at_begin;
     const std::uint32_t third = mirrored ? face.at_begin : face.at_end;
@@ -287,7 +287,7 @@ void Front::spread_part(const Window& w, const UnfoldedFace& face) {
     from.left = mirrored ? 0 : 1;
     from.split_by = meets && w.branched == 0 ? w.into : kNone;
     from.split_limit = to_apex + (mirrored ? hair : -hair);
-    pass({side, origin, face.opposite, side_length, distance_[third] + to_third, flat}, part, from);
+    pass({side, origin, face.opposite, side_length, distance_[third] + to_third, flat}, at, from);
   };
   if (left) leave(halfedge(f, previous_corner(c)), false);
   if (right) leave(halfedge(f, next_corner(c)), true);

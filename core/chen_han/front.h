@@ -45,7 +45,7 @@ class Front {
   struct Light;
 
   void mark_duplicate_faces();
-  void link_faces_that_take_part();
+  void link_participating_faces();
   void mark_faces_with_sources();
   [[nodiscard]] bool needs_seen_windows() const;
   [[nodiscard]] bool skipped(std::uint32_t face) const {
@@ -63,12 +63,12 @@ class Front {
   [[nodiscard]] std::uint32_t source_of(std::uint32_t vertex) const {
     return field_.nearest_source.empty() ? 0 : field_.nearest_source[vertex];
   }
-  void spread_part(const Window& window, const UnfoldedFace& face);
+  void propagate_piece(const Window& window, const UnfoldedFace& face);
   template <class Visit>
   void for_each_piece(Halfedge side, const Light& from, Visit visit);
   void leave_root(Halfedge side, const UnfoldedFace& face, double x, double y, const Window& from);
   [[nodiscard]] bool enter_edge(const Exit& exit, Window& window);
-  void pass(const Exit& exit, const Part& part, const Window& from);
+  void pass(const Exit& exit, const SideInterval& at, const Window& from);
   [[nodiscard]] bool useless_in(const UnfoldedFace& face, const Window& window) const;
   void keep(const Window& window);
   void drop_useless_intervals();

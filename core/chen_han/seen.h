@@ -1,6 +1,6 @@
 // The windows that have crossed each edge, for surfaces on which "one angle, one
 // split" cannot be relied on: with edges in three faces or more, every page passes
-// light to every other, and faces without area can pass it round for ever. There a
+// windows to every other, and faces without area can pass them round for ever. There a
 // new window is compared with the earlier ones on its edge.
 #pragma once
 

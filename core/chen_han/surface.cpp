@@ -88,11 +88,11 @@ void Front::mark_duplicate_faces() {
     if (has_later_copy(adjacency_, f)) same_as[later_copy(adjacency_, f)] = same_as[f];
     if (has_source) same_as[f] = f;
   }
-  link_faces_that_take_part();
+  link_participating_faces();
 }
 
 // Thousands of others may lie between two of them on an edge.
-void Front::link_faces_that_take_part() {
+void Front::link_participating_faces() {
   polled_assign(ring_, 4 * adjacency_.faces().size(), kNone, poll_);
   for (std::uint32_t f = 0; f < adjacency_.faces().size() && !poll_.cancelled(); ++f) {
     if (skipped(f)) {

@@ -89,13 +89,12 @@ struct UnfoldedFace {
 inline constexpr double kNoArea = 1e-9;
 
 [[nodiscard]] inline bool has_no_area(const FaceRecord& face) {
-  const double longest2 = std::max({face.length2(0), face.length2(1), face.length2(2)});
-  return !(face.area2 > kNoArea * longest2);
+  return !(face.area2 > kNoArea * face.longest2());
 }
 
 // What a window sees of one side of the face above it. The side runs from the
 // base's beginning (its origin) to the apex.
-struct Part {
+struct SideInterval {
   double begin;
   double end;
   double x;
@@ -109,8 +108,9 @@ struct Part {
 // With s the source and a the apex, the line from s through (p, 0) meets the side at
 //   side * p y / (p y + (to_apex - p) (y + a_y)),
 // and the depth of s below the side is to_apex (y + a_y) / side.
-[[nodiscard]] inline Part over_side(double begin, double end, double x, double y, double apex_x,
-                                    double apex_y, double to_apex, double side) {
+[[nodiscard]] inline SideInterval over_side(double begin, double end, double x, double y,
+                                            double apex_x, double apex_y, double to_apex,
+                                            double side) {
   const auto carried = [&](double p) {
     if (p >= to_apex) return side;
     const double along = p * y;
@@ -128,13 +128,13 @@ inline constexpr double kDepthOnLine = 1e-20;
 // (in radians), a window is what rounding leaves between two neighbours.
 inline constexpr double kNarrow = 1e-12;
 
-[[nodiscard]] inline bool is_gap(const Part& part, double side) {
-  const double width = part.end - part.begin;
+[[nodiscard]] inline bool is_gap(const SideInterval& at, double side) {
+  const double width = at.end - at.begin;
   if (!(width > 0)) return true;
   if (width > kNarrow * side) return false;
-  const double to_begin = length(part.begin - part.x, part.y);
-  const double to_end = length(part.end - part.x, part.y);
-  return width * part.y <= kNarrow * to_begin * to_end;
+  const double to_begin = length(at.begin - at.x, at.y);
+  const double to_end = length(at.end - at.x, at.y);
+  return width * at.y <= kNarrow * to_begin * to_end;
 }
 
 // An edge shorter than this part of the way that a source sees it from is a point: where on it

@@ -63,8 +63,8 @@ class Frames {
   }
   [[nodiscard]] CornerAngle angle(std::uint32_t f, std::uint32_t c) const {
     const FaceRecord& record = surface_.faces[f];
-    // A line, exactly: what rounding would leave of a height, or make of sides of no length, light
-    // along the line would take for one.
+    // A line, exactly: a window along it would take for a height what rounding leaves of one, or
+    // makes of sides of no length.
     if (faces_[f].is_flat()) [[unlikely]]
       return {c == previous_corner(record.longest_side()) ? -1.0 : 1.0, 0};
     const double product = length(f, c) * length(f, previous_corner(c));

@@ -17,7 +17,7 @@ constexpr std::size_t kTogether = 256;
 // little earlier than it was reached spares few of them, and its own meet the others at more
 // places: the less the tolerance, the more there must be. Measured: 8 at 1e-2, 13 at 1e-3,
 // 22 at 1e-4, beyond which it makes no difference.
-std::size_t windows_for_early(double tolerance) {
+std::size_t windows_for_early_source(double tolerance) {
   constexpr double kMost = 1e-2;
   constexpr double kLeast = 1e-4;
   const double part = kMost / std::clamp(tolerance, kLeast, kMost);
@@ -39,7 +39,7 @@ Propagation::Propagation(const Adjacency& adjacency, const Triangulation& surfac
       max_(max * (1 + tolerance) * (1 + tolerance)),
       tolerance_(tolerance),
       keep_windows_(keep_windows),
-      windows_for_early_(windows_for_early(tolerance)) {
+      windows_for_early_source_(windows_for_early_source(tolerance)) {
   memory.frames.build(adjacency, surface, poll);
   if (poll.stopped()) return;
   memory.pool.reset(poll);
@@ -134,8 +134,8 @@ void Propagation::set_out(std::uint32_t e) {
   if (covered < edge.length) gap(covered, edge.length);
   Halfedge h = edge.first;
   do {
-    // Over a face with the same edges as another one it is as far as over that one. And light
-    // thrown to and fro between such faces, if thin, would gain by rounding for ever.
+    // Over a face with the same edges as another one it is as far as over that one. And windows
+    // that pass to and fro between such faces, if thin, would gain by rounding for ever.
     const bool is_worth_it = (!from_one || h != from) && !frames_.face(face_of(h)).is_copy();
     if (is_worth_it) load_entering(windows, h);
     h = h == edge.first ? edge.second : surface_.ring(h);
@@ -266,7 +266,8 @@ void Propagation::reach_apex(const ListOverFace& list) {
   const std::uint32_t apex_corner = previous_corner(corner_of(list.base));
   const std::uint32_t pseudo_source = memory_.entering.pseudo_source[list.best];
   relax(surface_.faces[f].vertex[apex_corner], list.distance, memory_.pseudo_sources[pseudo_source],
-        {halfedge(f, apex_corner), list.last - list.first >= windows_for_early_, list.crossing});
+        {halfedge(f, apex_corner), list.last - list.first >= windows_for_early_source_,
+         list.crossing});
 }
 
 // Over the sides from the far corner to the base's tail and from the base's head to it. Where

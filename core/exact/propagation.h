@@ -157,7 +157,7 @@ class Propagation {
 
   // Behind so many windows on an edge a vertex may become a source; for
   // tests, which want it to happen on small meshes.
-  void set_windows_for_early(std::size_t windows) { windows_for_early_ = windows; }
+  void set_windows_for_early_source(std::size_t windows) { windows_for_early_source_ = windows; }
 
   // Sends out a source's windows.
   void start(const Source& source, std::uint32_t number);
@@ -266,7 +266,7 @@ class Propagation {
   std::vector<bool> keep_on_edge_;  // by edge
   // A new pseudo-source behind so many windows spares most of them. Of fewer, as on slivers
   // and flat parts, it makes more.
-  std::size_t windows_for_early_;
+  std::size_t windows_for_early_source_;
   std::uint64_t propagated_ = 0;
   std::uint64_t reached_ = 0;
 };

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "core/locate/face_hierarchy.h"
+#include "core/locate/ray_box.h"
 
 namespace geodesic {
 namespace {
@@ -36,23 +37,10 @@ struct AlongRay {
   Vec3 direction = search.direction();
 
   [[nodiscard]] double least_in(const Box& box) const {
-    const double from[] = {origin.x, origin.y, origin.z};
-    const double ahead[] = {direction.x, direction.y, direction.z};
-    const double low[] = {box.min.x, box.min.y, box.min.z};
-    const double high[] = {box.max.x, box.max.y, box.max.z};
-    double begin = 0;
-    double end = kInfinity;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double a = low[axis] - kMargin - from[axis];
-      const double b = high[axis] + kMargin - from[axis];
-      if (ahead[axis] == 0) {
-        if (a > 0 || b < 0) return kInfinity;
-        continue;
-      }
-      begin = std::max(begin, std::min(a / ahead[axis], b / ahead[axis]));
-      end = std::min(end, std::max(a / ahead[axis], b / ahead[axis]));
-    }
-    return begin <= end ? begin : kInfinity;
+    const Vec3 margin{kMargin, kMargin, kMargin};
+    const RaySpan span = span_in_box({box.min - margin, box.max + margin}, origin, direction);
+    const double begin = std::max(0.0, span.begin);
+    return begin <= span.end ? begin : kInfinity;
   }
   [[nodiscard]] bool is_beaten(double least, std::size_t /*first_face*/) const {
     return least == kInfinity || least > search.reach() + kMargin;

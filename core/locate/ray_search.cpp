@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/locate/ray_box.h"
+
 namespace geodesic {
 namespace {
 
@@ -14,29 +16,6 @@ constexpr double kNear = 4;
 
 // A height below this part of the longest side is none, as in Mesh::build.
 constexpr double kZeroAreaRatio = 1e-12;
-
-struct Span {
-  double begin;
-  double end;
-};
-
-// The part of a ray in the box [-half, half]; empty (begin > end) if there is none.
-Span span_in_box(Vec3 origin, Vec3 direction, double half) {
-  Span span{-kInfinity, kInfinity};
-  const double o[] = {origin.x, origin.y, origin.z};
-  const double d[] = {direction.x, direction.y, direction.z};
-  for (int axis = 0; axis < 3; ++axis) {
-    if (d[axis] == 0) {
-      if (std::abs(o[axis]) > half) return {kInfinity, -kInfinity};
-      continue;
-    }
-    const double a = (-half - o[axis]) / d[axis];
-    const double b = (half - o[axis]) / d[axis];
-    span.begin = std::max(span.begin, std::min(a, b));
-    span.end = std::min(span.end, std::max(a, b));
-  }
-  return span;
-}
 
 bool is_flat(const FaceRecord& face) {
   return !(face.area2 > kZeroAreaRatio * face.length2(face.longest_side()));
@@ -89,7 +68,8 @@ std::optional<RaySearch> RaySearch::begin(const Adjacency& adjacency, const Unit
     const Vec3 from = unit.inside(origin);
     const double away = largest_component(from);
     const double slack = 16 * kEpsilon * away;
-    const Span span = span_in_box(from, direction, 1 + slack);
+    const double half = 1 + slack;
+    const RaySpan span = span_in_box({{-half, -half, -half}, {half, half, half}}, from, direction);
     if (span.begin > span.end + slack || span.end < 0) return std::nullopt;
     const double step = span.begin - 1 - slack;
     if (away <= kNear || step <= 0) break;

@@ -150,9 +150,8 @@ PointArrivals::PointArrivals(const Adjacency& adjacency, const Field& field, Pol
 int PointArrivals::steps_to_go(const StepBack& step) const {
   if (step.to == StepBack::To::source) return 0;
   const FaceRecord& face = adjacency_.face(step.face);
-  const double largest2 = std::max({face.length2(0), face.length2(1), face.length2(2)});
   if (!(squared_distance(sides_of(adjacency_, step.face), step.start, step.bary) >
-        kStays2 * largest2))
+        kStays2 * face.longest2()))
     return 3;
   return step.to == StepBack::To::vertex ? 1 : 2;
 }

@@ -8,6 +8,7 @@
 #include "core/base/vec3.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/triangle_soup.h"
+#include "core/surface/side_not_below.h"
 
 namespace geodesic {
 namespace {
@@ -19,10 +20,6 @@ struct Lines {
   Vec3 to;
   [[nodiscard]] double by(Vec3 place) const { return distance(from, place) + distance(place, to); }
 };
-
-double longest_side(const FaceRecord& face) {
-  return std::sqrt(std::max({face.length2(0), face.length2(1), face.length2(2), 0.0}));
-}
 
 }  // namespace
 

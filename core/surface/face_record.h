@@ -40,7 +40,9 @@ struct alignas(64) FaceRecord {
 
   // Squared length of the edge vertex[c] - vertex[c + 1].
   [[nodiscard]] double length2(std::uint32_t c) const { return dot[c] + dot[next_corner(c)]; }
-  // Whether that says little: of an edge far shorter than the others the two products are
+  [[nodiscard]] double longest2() const { return std::max({length2(0), length2(1), length2(2)}); }
+  [[nodiscard]] double shortest2() const { return std::min({length2(0), length2(1), length2(2)}); }
+  // Whether length2 says little: of an edge far shorter than the others the two products are
   // nearly opposite, and their sum is what rounding leaves of them, if not zero.
   [[nodiscard]] bool loses_length(std::uint32_t c) const {
     constexpr double kLeft = 1e-9;  // half of the digits

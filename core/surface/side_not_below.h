@@ -11,7 +11,7 @@
 namespace geodesic {
 
 [[nodiscard]] inline double longest_side(const FaceRecord& face) {
-  return std::sqrt(std::max({face.length2(0), face.length2(1), face.length2(2), 0.0}));
+  return std::sqrt(std::max(face.longest2(), 0.0));
 }
 
 // The length of the edge vertex[c] - vertex[c + 1], never below it by more than 1e-10 of it. On a

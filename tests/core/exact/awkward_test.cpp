@@ -53,7 +53,7 @@ TEST_CASE("ExactCrossesTheSpineOfABookToEveryPage") {
     }
   }
   const Field field = surface.field_by(Method::exact, {Source{surface.at(9), 0}});
-  // Three pages are lit over the spine, and the first by none of them.
+  // Windows cross the spine into three pages, and none of those comes back into the first.
   int intervals = 0;
   for (std::uint32_t f = 0; f < surface.mesh().face_count(); ++f) {
     for (std::uint32_t c = 0; c < 3; ++c) {

@@ -65,7 +65,7 @@ Field within_by_early_sources(double tolerance, const Surface& surface,
   Poll poll(never);
   exact::Propagation propagation(surface.adjacency(), surface.adjacency().triangulation(), memory,
                                  field, kUnreached, tolerance, false, poll);
-  propagation.set_windows_for_early(1);
+  propagation.set_windows_for_early_source(1);
   for (std::uint32_t s = 0; s < sources.size(); ++s) propagation.start(sources[s], s);
   do {
     while (propagation.step()) {

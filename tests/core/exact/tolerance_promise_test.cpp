@@ -45,7 +45,7 @@ std::vector<double> within_by_early_sources(double tolerance, const Surface& sur
   Poll poll(never);
   exact::Propagation propagation(surface.adjacency(), surface.adjacency().triangulation(), memory,
                                  field, kUnreached, tolerance, false, poll);
-  propagation.set_windows_for_early(1);
+  propagation.set_windows_for_early_source(1);
   propagation.start(source, 0);
   do {
     while (propagation.step()) {
@@ -109,7 +109,7 @@ TEST_CASE("ToleranceHoldsOnSmallSurfacesOfMixedScales") {
   CHECK(compared > 200);
 }
 
-// Where there are crowds. `exact` is held against every strip on small surfaces.
+// Where there are crowded edges. `exact` is held against every strip on small surfaces.
 TEST_CASE("ToleranceHoldsAgainstExactOnSurfacesOfMixedScales") {
   std::mt19937 random(fixtures::test_seed());
   for (int round = 0; round < 60; ++round) {

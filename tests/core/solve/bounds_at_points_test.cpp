@@ -328,7 +328,7 @@ TEST_CASE("WindowsWithinATolerancePromiseAsVerticesDo") {
     Poll poll(never);
     exact::Propagation propagation(surface.adjacency(), surface.adjacency().triangulation(), memory,
                                    field, kUnreached, tolerance, true, poll);
-    propagation.set_windows_for_early(1);
+    propagation.set_windows_for_early_source(1);
     for (std::uint32_t s = 0; s < from.size(); ++s) propagation.start(from[s], s);
     do {
       while (propagation.step()) {

@@ -1,4 +1,4 @@
-// Surfaces on which a path has nowhere to cross_vertices_of, or more places than two, or nothing to
+// Surfaces on which a path has no vertex to cross, or more places than two, or nothing to
 // tell them by.
 #include <doctest/doctest.h>
 
@@ -117,7 +117,7 @@ TEST_CASE("NeedlesAndTheirLikeComeToAnEnd") {
 
 TEST_CASE("VerticesNextToNothingApartDoNotHoldThePath") {
   // A terrain whose columns are there twice, the second a hair further on: a path over
-  // both of a pair gains nothing that can be seen by slipping over the first.
+  // both of a pair gains nothing that can be seen by passing the first on its other side.
   const TriangleSoup terrain = shapes::terrain(24, 6, 3);
   const auto total_length = [&](double hair) {
     TriangleSoup soup = shapes::plane(47, 24);
