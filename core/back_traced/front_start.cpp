@@ -6,6 +6,7 @@
 
 #include "core/back_traced/front.h"
 #include "core/back_traced/visibility_cones.h"
+#include "core/base/tolerances.h"
 #include "core/surface/side_not_below.h"
 
 namespace geodesic {
@@ -61,9 +62,7 @@ void BackTracedFront::start(const SurfacePoint& source) {
       see(face.vertex[previous_corner(c)],
           std::max(norm(to_left), side_not_below(face, previous_corner(c))));
       if (cones.size() == kVisibleFaces) continue;
-      // Beside a side as short as that, rounding says where the other one is.
-      constexpr double kLeastSide = 1e-6;
-      if (!surface_.is_even && !(length > kLeastSide * longest_side(face))) continue;
+      if (!surface_.is_even && !(length > tolerance::kLeastSide * longest_side(face))) continue;
       cones.push_back(
           cone_over(face, halfedge(face_of(corner), next_corner(c)), right, to_right, to_left));
     }

@@ -9,11 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/tolerances.h"
+
 namespace geodesic {
 namespace {
-
-// What is above by less than this part of an edge's length is above by rounding.
-constexpr double kRounding = 1e-12;
 
 class EdgeRelaxer {
  public:
@@ -29,7 +28,7 @@ class EdgeRelaxer {
   [[nodiscard]] unsigned is_above(std::uint32_t u, std::uint32_t v) const {
     const Vec3 edge = positions_[v] - positions_[u];
     const double difference = distance_[v] - distance_[u];  // no number between unreached ones
-    return difference * difference > (1 + kRounding) * dot(edge, edge) ? 1 : 0;
+    return difference * difference > (1 + tolerance::kSameWay) * dot(edge, edge) ? 1 : 0;
   }
 
   void relax(std::uint32_t u, std::uint32_t v) {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/back_traced/front.h"
+#include "core/base/tolerances.h"
 #include "core/base/vec2.h"
 #include "core/surface/unfold_rounding.h"
 #include "core/wavefront/virtual_source.h"
@@ -17,7 +18,7 @@ constexpr int kMostFacesRound = 12;
 // Whether rounding may turn what is beyond the face by more than 1e-12, so that it is not unfolded
 // round a bend.
 bool is_too_thin(const FaceRecord& face) {
-  return !(face.longest2() <= UnfoldRounding::kMostSpread2 * face.shortest2());
+  return !(face.longest2() <= tolerance::kMostSpread2 * face.shortest2());
 }
 
 }  // namespace

@@ -27,6 +27,7 @@
 #include <span>
 
 #include "core/back_traced/crowded_edges.h"
+#include "core/base/tolerances.h"
 #include "core/base/vec2.h"
 #include "core/field/field.h"
 #include "core/surface/face_record.h"
@@ -127,9 +128,8 @@ class BackTrace {
     if (surface_.is_even || !spread.is_wide()) return found;
     best = std::min({best, at_tail + side_not_below(face, previous_corner(c)),
                      at_head + side_not_below(face, n)});
-    // Over a side as short as that rounding says where the face is, and its ends are as good.
-    constexpr double kLeastBase2 = 1e-12;
-    const bool is_placed = base2 > kLeastBase2 * std::max(p + w, q + w);
+    // Over a shorter side, its ends are as good a crossing as any.
+    const bool is_placed = base2 > tolerance::kLeastSide2 * std::max(p + w, q + w);
     return is_laid_out && is_placed ? trace<true>(start, best, spread) : best;
   }
 
@@ -147,8 +147,8 @@ class BackTrace {
     double finest;     // one over the shortest of the edges that were crossed after that
 
     [[nodiscard]] bool is_wide() const {
-      return farthest2 * finest > UnfoldRounding::kMostSpread2 ||
-             !(farthest2 <= UnfoldRounding::kMostSpread2 * start2);
+      return farthest2 * finest > tolerance::kMostSpread2 ||
+             !(farthest2 <= tolerance::kMostSpread2 * start2);
     }
   };
   [[nodiscard]] static Spread spread_of(const TraceStart& start) {
@@ -208,7 +208,7 @@ class BackTrace {
         t.ends = Ends::at_border;
         return best;
       }
-      if (kCareful && !(t.turn <= UnfoldRounding::kMostTurn)) {
+      if (kCareful && !(t.turn <= tolerance::kMostTurn)) {
         t.ends = Ends::lost;
         return std::min(best, along_edge(t, spread));
       }
@@ -304,7 +304,7 @@ class BackTrace {
     const double length = norm(edge);
     const double straight = std::abs(t.right.x + share * edge.x);
     const double lack = UnfoldRounding::lack(straight, std::sqrt(spread.farthest2),
-                                             UnfoldRounding::kMostTurn, t.rounding);
+                                             tolerance::kMostTurn, t.rounding);
     return straight + lack +
            std::min(t.at_right + share * length, t.at_left + (1 - share) * length);
   }

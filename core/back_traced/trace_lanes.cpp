@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "core/base/lane_arithmetic.h"
+#include "core/base/tolerances.h"
 #include "core/field/field.h"
 
 namespace geodesic {
@@ -376,8 +377,8 @@ GEODESIC_LANES_INLINE std::uint32_t trace(const Task& task, TraceLanes& traces) 
       std::memcpy(traces.best.data() + part * kWide, &s.best, sizeof s.best);
       continue;
     }
-    const typename Lanes::Flags is_wide = (s.farthest2 * s.finest > UnfoldRounding::kMostSpread2) |
-                                          ~(s.farthest2 <= UnfoldRounding::kMostSpread2 * s.start2);
+    const typename Lanes::Flags is_wide = (s.farthest2 * s.finest > tolerance::kMostSpread2) |
+                                          ~(s.farthest2 <= tolerance::kMostSpread2 * s.start2);
     if (Lanes::any(is_wide)) {
       for (std::size_t i = 0; i < kWide; ++i) {
         if (is_wide[i] == 0) continue;

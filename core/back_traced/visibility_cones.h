@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/tolerances.h"
 #include "core/base/vec2.h"
 #include "core/surface/face_record.h"
 #include "core/surface/triangulation.h"
@@ -47,7 +48,7 @@ void look_around(const Triangulation& surface, std::vector<VisibilityCone>& cone
   for (std::size_t i = 0; i < cones.size() && crossed < most; ++i) {
     const VisibilityCone cone = cones[i];
     // Nor do they go on where nobody can say which way.
-    if (!(cone.turn <= UnfoldRounding::kMostTurn)) continue;
+    if (!(cone.turn <= tolerance::kMostTurn)) continue;
     Halfedge across = surface.ring(cone.edge);
     if (across == cone.edge) ++crossed;
     for (; across != cone.edge && crossed < most; across = surface.ring(across), ++crossed) {

@@ -6,6 +6,7 @@
 
 #include "core/back_traced/front.h"
 #include "core/back_traced/relax_edges.h"
+#include "core/base/tolerances.h"
 #include "core/field/straight_floor.h"
 #include "core/field/vertex_front.h"
 #include "core/wavefront/edge_dijkstra.h"
@@ -13,9 +14,6 @@
 
 namespace geodesic {
 namespace {
-
-// Rounding may bring back what is beyond a distance by less than this part of it.
-constexpr double kRounding = 1.2e-7;
 
 // The farthest that a field with these limits goes.
 double reach(const FieldLimits& limits, const Field& field) {
@@ -70,7 +68,7 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
                                 const FieldLimits& asked, Bound bound, BackTracedScratch& scratch,
                                 const Cancel& cancel) {
   FieldLimits limits = asked;
-  limits.max *= 1 + kRounding;
+  limits.max *= 1 + tolerance::kSinglePrecision;
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
   Field field = unreached_field(Method::back_traced, sources, vertex_count);
   if (!scratch.is_clean || scratch.vertices.size() != vertex_count) {

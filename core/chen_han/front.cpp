@@ -4,12 +4,10 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/tolerances.h"
+
 namespace geodesic::chen_han {
 namespace {
-
-// Two lines from different sources to one vertex that cross an edge closer together
-// than this part of it may be the same line.
-constexpr double kSameLine = 1e-9;
 
 constexpr std::uint32_t kMostCrossed = (1U << 30U) - 1;
 
@@ -132,9 +130,9 @@ void Front::pass(const Exit& exit, const SideInterval& at, const Window& from) {
   window.begin = at.begin;
   window.end = at.end;
   window.x = at.x;
-  window.y = std::max(at.y, kDepthOnLine * exit.length);
+  window.y = std::max(at.y, tolerance::kDepthOnLine * exit.length);
   const double along = window.x - std::clamp(window.x, window.begin, window.end);
-  if (exit.length < kPoint * length(along, window.y)) return;
+  if (exit.length < tolerance::kPoint * length(along, window.y)) return;
   // No shortest path crosses a face twice.
   if (window.crossed >= std::min(taking_part_, kMostCrossed)) return;
   window.crossed = window.crossed + 1;
@@ -251,7 +249,7 @@ void Front::propagate_piece(const Window& w, const UnfoldedFace& face) {
   lower(face.opposite, distance_[face.at_begin] + face.left, source_of(face.at_begin));
   lower(face.opposite, distance_[face.at_end] + face.right, source_of(face.at_end));
 
-  const double hair = kSameLine * face.base;
+  const double hair = tolerance::kSameLine * face.base;
   bool left = w.begin < to_apex;
   bool right = w.end > to_apex;
   if (meets) {

@@ -4,14 +4,10 @@
 #include <cmath>
 
 #include "core/base/polled_fill.h"
+#include "core/base/tolerances.h"
 
 namespace geodesic::chen_han {
 namespace {
-
-// Sources closer together than this part of their edge are one and the same: more
-// than rounding moves them, and a ray between them strays no farther than that. But rounding moves
-// what is a million edges away by more: by a part of its distance.
-constexpr double kSamePlace = 1e-10;
 
 // Where a nearer window ends to be nearer, to this many bits of its length.
 constexpr int kHalvings = 24;
@@ -37,7 +33,7 @@ void SeenWindows::reset(const Adjacency& adjacency, Poll& poll) {
 }
 
 bool SeenWindows::cut_where_nearer(const Seen& seen, Window& window, double base) {
-  const double narrow = kNarrow * base;
+  const double narrow = tolerance::kLeastWidth * base;
   const double begin = std::max(seen.begin, window.begin);
   const double end = std::min(seen.end, window.end);
   const bool from_begin = begin <= window.begin + narrow;
@@ -69,8 +65,10 @@ bool SeenWindows::cut_where_nearer(const Seen& seen, Window& window, double base
 }
 
 bool SeenWindows::trim(Halfedge edge, Window& window, double base, Poll& poll) const {
-  const double narrow = kNarrow * base;
-  const double same = std::max(kSamePlace * base, kSameDistance * window.least());
+  const double narrow = tolerance::kLeastWidth * base;
+  // Rounding moves by more than kSamePlace what is a million edges away.
+  const double same =
+      std::max(tolerance::kSamePlace * base, tolerance::kSameDistance * window.least());
   for (std::uint32_t i = first_[edge]; i != kNone; i = windows_[i].next) {
     if (poll.cancelled()) return false;
     const Seen& seen = windows_[i];

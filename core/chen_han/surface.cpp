@@ -7,20 +7,17 @@
 
 #include "core/base/polled_fill.h"
 #include "core/base/polled_sort.h"
+#include "core/base/tolerances.h"
 #include "core/chen_han/front.h"
 #include "core/surface/copied_faces.h"
 
 namespace geodesic::chen_han {
 namespace {
 
-// A vertex whose angles add up to more than 2 pi by this part is a saddle. Less is
-// rounding: on a flat grid no vertex is one.
-constexpr double kSaddle = 1e-12;
-
 // Whether a face is so thin, or one of its sides so short, that rounding decides by which side of
 // a corner a ray goes past it. Paths may bend at its corners then, whatever the angles there.
 bool is_thin(const FaceRecord& face) {
-  return !(face.area2 > kThin * face.length2(face.longest_side()));
+  return !(face.area2 > tolerance::kThin * face.length2(face.longest_side()));
 }
 
 // What ChenHanScratch::source_in_face says of a face.
@@ -139,7 +136,7 @@ bool Front::bends_by_its_faces(std::uint32_t vertex) const {
       if (next_around(side) == side || next_around(next_around(side)) != side) return true;
     }
   }
-  return angles > 2 * std::numbers::pi * (1 + kSaddle);
+  return angles > 2 * std::numbers::pi * (1 + tolerance::kSaddle);
 }
 
 }  // namespace geodesic::chen_han

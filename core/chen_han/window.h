@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/base/tolerances.h"
 #include "core/base/vec3.h"
 #include "core/surface/adjacency.h"
 
@@ -19,7 +20,7 @@ struct Window {
   double begin;
   double end;
   double x;
-  double y;  // positive: a source on the edge's line counts as below it (kDepthOnLine)
+  double y;  // positive: a source on the edge's line counts as below it (tolerance::kDepthOnLine)
   double offset;
   Halfedge into;
   std::uint32_t pseudo_source;
@@ -85,11 +86,8 @@ struct UnfoldedFace {
   }
 };
 
-// A face that is less high than this part of its longest side has no area.
-inline constexpr double kNoArea = 1e-9;
-
 [[nodiscard]] inline bool has_no_area(const FaceRecord& face) {
-  return !(face.area2 > kNoArea * face.longest2());
+  return !(face.area2 > tolerance::kWindowZeroArea * face.longest2());
 }
 
 // What a window sees of one side of the face above it. The side runs from the
@@ -120,35 +118,18 @@ struct SideInterval {
           to_apex * (y + apex_y) / side};
 }
 
-// A source on the line of an edge counts as this part of the edge below it, far below
-// what rounding can tell. So no formula divides nothing by nothing.
-inline constexpr double kDepthOnLine = 1e-20;
-
-// Less wide than this on an edge (in parts of its length) and as seen from the source
-// (in radians), a window is what rounding leaves between two neighbours.
-inline constexpr double kNarrow = 1e-12;
-
 [[nodiscard]] inline bool is_gap(const SideInterval& at, double side) {
   const double width = at.end - at.begin;
   if (!(width > 0)) return true;
-  if (width > kNarrow * side) return false;
+  if (width > tolerance::kLeastWidth * side) return false;
   const double to_begin = length(at.begin - at.x, at.y);
   const double to_end = length(at.end - at.x, at.y);
-  return width * at.y <= kNarrow * to_begin * to_end;
+  return width * at.y <= tolerance::kLeastWidth * to_begin * to_end;
 }
 
-// An edge shorter than this part of the way that a source sees it from is a point: where on it
-// a ray meets it, rounding decides. What goes through it goes by its ends, and is longer by no
-// more than twice its length.
-inline constexpr double kPoint = 1e-12;
-
-// A face lower than this part of its longest side is thin.
-inline constexpr double kThin = 1e-10;
-
-// Ways shorter by less than this part of their length are as long.
-inline constexpr double kSameDistance = 1e-13;
-
-[[nodiscard]] inline bool clearly_less(double a, double b) { return a < b - kSameDistance * b; }
+[[nodiscard]] inline bool clearly_less(double a, double b) {
+  return a < b - tolerance::kSameDistance * b;
+}
 
 // Whether between two places of the window the way from a place at (x, y), on either side of the
 // edge and with the distance `offset`, is clearly shorter. At one of the two it may be as long, if

@@ -3,16 +3,10 @@
 #include <algorithm>
 #include <cstring>
 
+#include "core/base/tolerances.h"
 #include "core/exact/propagation.h"
 
 namespace geodesic::exact {
-namespace {
-
-// Distances that a vertex is lowered by below this part send out nothing new.
-constexpr double kNews = 1e-14;
-
-}  // namespace
-
 // The fresh windows, none of which is nearer than `least`, join what is on the edge.
 void Propagation::commit(std::uint32_t e, std::span<Window> fresh, double least) {
   if (fresh.empty()) return;
@@ -24,8 +18,8 @@ void Propagation::commit(std::uint32_t e, std::span<Window> fresh, double least)
   } else {
     const double length = edge.length;
     // Those from `first` to `last` overlap them.
-    const double begin = fresh.front().begin + kTouch * length;
-    const double end = fresh.back().end - kTouch * length;
+    const double begin = fresh.front().begin + tolerance::kTouch * length;
+    const double end = fresh.back().end - tolerance::kTouch * length;
     std::uint32_t first = 0;
     while (first < edge.size && edge.windows[first].end <= begin) ++first;
     std::uint32_t last = edge.size;
@@ -66,7 +60,7 @@ void Propagation::commit(std::uint32_t e, std::span<Window> fresh, double least)
 // widths, however often they are cut, and come to the same.
 std::span<Window> Propagation::without_narrow(std::span<Window> fresh, double length) const {
   const auto end = std::remove_if(fresh.begin(), fresh.end(), [&](const Window& w) {
-    return !(w.end - w.begin > 4 * kTouch * length);
+    return !(w.end - w.begin > 4 * tolerance::kTouch * length);
   });
   return fresh.first(static_cast<std::size_t>(end - fresh.begin()));
 }
@@ -75,8 +69,8 @@ std::span<Window> Propagation::without_narrow(std::span<Window> fresh, double le
 void Propagation::merge_in(std::span<const Window> old, std::span<const Window> fresh,
                            double length) {
   std::vector<Window>& all = memory_.scratch;
-  const double begin = old.front().begin + kTouch * length;
-  const double end = old.back().end - kTouch * length;
+  const double begin = old.front().begin + tolerance::kTouch * length;
+  const double end = old.back().end - tolerance::kTouch * length;
   std::size_t from = 0;
   while (from < fresh.size() && fresh[from].end <= begin) ++from;
   std::size_t to = fresh.size();
@@ -148,7 +142,7 @@ void Propagation::relax(std::uint32_t v, double distance, const PseudoSource& ps
   if (memory_.bends[v] == Bends::nowhere && !(tolerance_ > 0)) return;
   memory_.arrivals[v] = arrival;
   if (memory_.bends[v] == Bends::nowhere && early_by(v) == 0) return;
-  if (distance < memory_.emitted[v] * (1 - kNews)) {
+  if (distance < memory_.emitted[v] * (1 - tolerance::kLeastGain)) {
     memory_.queue.push({distance, v, Waiting::What::vertex});
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/tolerances.h"
 #include "core/exact/window_comparison.h"
 
 namespace geodesic::exact {
@@ -167,7 +168,7 @@ bool cross_over(Window& left, const Window& right, PseudoSources pseudo_sources,
                                     left.at_end,
                                     right.at_begin,
                                     right.at(left.end, offset_right),
-                                    kSameDistance * left.at_end};
+                                    tolerance::kSameDistance * left.at_end};
   const double g_low = comparison.at_low_b - comparison.at_low_a;
   const double g_high = comparison.at_high_b - comparison.at_high_a;
   if (!(g_low > comparison.rounding && g_high < -comparison.rounding)) return false;
@@ -238,7 +239,7 @@ void append_merged(std::span<const Window> old, std::span<const Window> fresh,
     rest.at_begin = distance;
   };
   while (i < old.size() && j < fresh.size()) {
-    const double touch = kTouch * length;
+    const double touch = tolerance::kTouch * length;
     if (a.window->end <= b.begin + touch) {
       b.begin = std::max(b.begin, a.window->end);
       finish(a, old, i);
@@ -259,7 +260,7 @@ void append_merged(std::span<const Window> old, std::span<const Window> fresh,
         high == a.window->end ? a.window->at_end : a.window->at(high, offset_a);
     const double at_high_b =
         high == b.window->end ? b.window->at_end : b.window->at(high, offset_b);
-    const double rounding = kSameDistance * std::max(a.at_begin, at_high_a);
+    const double rounding = tolerance::kSameDistance * std::max(a.at_begin, at_high_a);
     add_nearer({*a.window, *b.window, offset_a, offset_b, low, high, a.at_begin, at_high_a,
                 b.at_begin, at_high_b, rounding},
                pieces);

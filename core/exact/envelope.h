@@ -12,30 +12,17 @@
 #include <span>
 #include <vector>
 
+#include "core/base/tolerances.h"
 #include "core/exact/window.h"
 
 namespace geodesic::exact {
 
 using PseudoSources = std::span<const PseudoSource>;
 
-// Distances that differ by less than this part are the same.
-inline constexpr double kSameDistance = 1e-13;
-// Intervals that overlap by less than this part of the edge only touch.
-inline constexpr double kTouch = 1e-13;
-// The least width of a window: this part of the shorter of its edge and its rays.
-inline constexpr double kLeastWidth = 1e-12;
-// Windows of one source this part of the edge apart may be one, if it makes no difference …
-inline constexpr double kNearlyTouch = 1e-6;
-// … and their unfolded sources are nearer to each other than this part of their distance.
-inline constexpr double kNearSource = 1e-6;
-// Unfolded sources nearer to each other than this part of their distance are the
-// same one, unfolded over different faces.
-inline constexpr double kSameSource = 3e-14;
-
 // Whether the window is too narrow to matter on an edge of this length.
 [[nodiscard]] inline bool too_narrow(const Window& window, double length, double offset) {
   const double rays = window.at_begin - offset + (window.at_end - offset);
-  return !(window.end - window.begin > kLeastWidth * std::min(length, rays));
+  return !(window.end - window.begin > tolerance::kLeastWidth * std::min(length, rays));
 }
 
 // Whether two windows are one, cut in two by a vertex that it passed on
@@ -46,8 +33,8 @@ inline constexpr double kSameSource = 3e-14;
       left.propagated != right.propagated) {
     return false;
   }
-  if (std::abs(right.begin - left.end) > kTouch * length) return false;
-  const double same = kSameSource * (left.at_end - offset);
+  if (std::abs(right.begin - left.end) > tolerance::kTouch * length) return false;
+  const double same = tolerance::kSameSource * (left.at_end - offset);
   return std::abs(left.x - right.x) <= same && std::abs(left.y - right.y) <= same;
 }
 
@@ -61,8 +48,9 @@ inline constexpr double kSameSource = 3e-14;
   const double to_begin = begin - left.x;
   const double to_end = end - left.x;
   return std::abs(offset + std::sqrt(to_begin * to_begin + y2) - at_begin) <=
-             kSameDistance * at_begin &&
-         std::abs(offset + std::sqrt(to_end * to_end + y2) - at_end) <= kSameDistance * at_end;
+             tolerance::kSameDistance * at_begin &&
+         std::abs(offset + std::sqrt(to_end * to_end + y2) - at_end) <=
+             tolerance::kSameDistance * at_end;
 }
 
 // Cuts off what is nearer along the edge from its tail or its head, as far as that
@@ -78,9 +66,10 @@ void cut_end(Window& window, double offset, double along_edge);
   if (at_tail + window.end <= window.at_end) return false;
   if (at_head + (length - window.begin) <= window.at_begin) return false;
   const double by_tail = at_tail + window.begin;
-  if (by_tail < window.at_begin * (1 - kSameDistance)) cut_begin(window, offset, by_tail);
+  if (by_tail < window.at_begin * (1 - tolerance::kSameDistance))
+    cut_begin(window, offset, by_tail);
   const double by_head = at_head + (length - window.end);
-  if (by_head < window.at_end * (1 - kSameDistance)) cut_end(window, offset, by_head);
+  if (by_head < window.at_end * (1 - tolerance::kSameDistance)) cut_end(window, offset, by_head);
   return !too_narrow(window, length, offset);
 }
 
@@ -93,7 +82,7 @@ void append_overlapping(std::vector<Window>& list, const Window& window,
 inline void append(std::vector<Window>& list, const Window& window, PseudoSources pseudo_sources,
                    double length, std::vector<Window>& scratch) {
   if (!list.empty()) {
-    if (list.back().end > window.begin + kTouch * length) {
+    if (list.back().end > window.begin + tolerance::kTouch * length) {
       append_overlapping(list, window, pseudo_sources, length, scratch);
       return;
     }

@@ -10,17 +10,10 @@
 #include "core/base/polled_fill.h"
 #include "core/base/polled_sort.h"
 #include "core/base/rough_angle.h"
+#include "core/base/tolerances.h"
 
 namespace geodesic::exact {
 namespace {
-
-// Angles are not told apart by less. Where a shortest path bends by an angle of this
-// size, going straight past the vertex is longer by its square.
-constexpr double kAngle = 1e-9;
-// A face lower than this part of its longest side is too thin to measure angles in.
-constexpr double kThin = 1e-10;
-// A face lower than this part of its shortest side is a line.
-constexpr double kFlat = 1e-14;
 
 // The length of side c of a face that need not be one of the mesh. Where it is lost in the face's
 // products, the face is one of the mesh.
@@ -153,12 +146,12 @@ std::vector<double> Frames::measure_faces(Poll& poll) {
     }
     const std::uint32_t longest = record.longest_side();
     const double longest_length = length(f, longest);
-    if (!(record.area2 > kThin * longest_length * longest_length)) {
+    if (!(record.area2 > tolerance::kThin * longest_length * longest_length)) {
       for (const std::uint32_t v : record.vertex) bends_[v] = Bends::everywhere;
     }
     const double shortest =
         std::min(length(f, next_corner(longest)), length(f, previous_corner(longest)));
-    if (!(record.area2 > kFlat * longest_length * shortest)) {
+    if (!(record.area2 > tolerance::kLine * longest_length * shortest)) {
       faces_[f].reversed |= FaceFrame::kFlat;
       has_flat_ = true;
     }
@@ -186,7 +179,7 @@ void Frames::classify_vertices(const Adjacency& adjacency, std::span<const doubl
       bends_[v] = Bends::everywhere;
       continue;
     }
-    const double straight = on_boundary[v] ? kPi - kAngle : 2 * kPi + kAngle;
+    const double straight = on_boundary[v] ? kPi - tolerance::kAngle : 2 * kPi + tolerance::kAngle;
     const auto corners = surface_.corners(v);
     // Angles are added up roughly; only where that leaves a doubt, exactly.
     double sum = angle_sum[v];

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "core/base/lane_arithmetic.h"
+#include "core/base/tolerances.h"
 #include "core/exact/envelope.h"
 #include "core/field/field.h"
 
@@ -27,10 +28,7 @@ GEODESIC_LANES_INLINE std::size_t crossings(EnteringWindows& entering, std::size
   using Lane = lanes::Lanes<kWide>;
   using Reals = typename Lane::Reals;
   using Flags = typename Lane::Flags;
-  // A window whose end the line misses by no more than this part of the base sees the corner.
-  constexpr double kNearlyMet = 1e-9;
-  constexpr double kNotStraight = 1 + 0x1p-50;
-  const double near = kNearlyMet * base;
+  const double near = tolerance::kNearlyMet * base;
   Reals least = Reals{} + kUnreached;
   Reals where{};
   Reals number;
@@ -57,7 +55,7 @@ GEODESIC_LANES_INLINE std::size_t crossings(EnteringWindows& entering, std::size
     Lane::root(there, run * run + y * y);
     Lane::root(on, rest * rest + apex_y * apex_y);
     Reals distance = offset + there + on;
-    Lane::choose(distance, straight, distance, distance * kNotStraight);
+    Lane::choose(distance, straight, distance, distance * tolerance::kBent);
     const Flags better = (distance < least) & (number < count);
     Lane::choose(least, better, distance, least);
     Lane::choose(where, better, number, where);
@@ -89,8 +87,6 @@ GEODESIC_LANES_INLINE void to_side(const EnteringWindows& entering, std::size_t 
   // may lie on the line too.
   const bool is_line = sine == 0;
   const Reals one = none + 1;
-  // A source above a side's line by no more than this part of its distance is on it.
-  constexpr double kOnLine = 1e-8;
   // From the base's tail to its head is the same as back again, mirrored.
   const double shift = side.on_right ? side.base_length : 0;
   const double sign = side.on_right ? -1 : 1;
@@ -125,7 +121,8 @@ GEODESIC_LANES_INLINE void to_side(const EnteringWindows& entering, std::size_t 
     // Seen from above the side, the source is not at its end but for rounding: where the side is
     // as short as that, the window came there by rounding.
     const Reals run = along > 0 ? along : -along;
-    const Flags comes = (near < crossing) & (low < high) & (depth >= -kOnLine * run);
+    const Flags comes =
+        (near < crossing) & (low < high) & (depth >= -tolerance::kOnUnfoldedLine * run);
 
     const Reals beyond_y = depth > 0 ? depth : none;
     const Reals beyond_x = edge_shift + edge_sign * along;
@@ -145,11 +142,12 @@ GEODESIC_LANES_INLINE void to_side(const EnteringWindows& entering, std::size_t 
     const Reals rays = ray_begin + ray_end;
     const Reals scale = rays < whole ? rays : whole;
     const Reals to_head = length - end;
-    const Flags clear =
-        (side.at_tail + end > at_end) & (side.at_head + (length - begin) > at_begin) &
-        (side.at_tail + begin >= at_begin * (1 - kSameDistance)) &
-        (side.at_head + to_head >= at_end * (1 - kSameDistance)) &
-        (end - begin > kLeastWidth * scale) & (least < side.upper_bound) & (least <= side.max);
+    const Flags clear = (side.at_tail + end > at_end) &
+                        (side.at_head + (length - begin) > at_begin) &
+                        (side.at_tail + begin >= at_begin * (1 - tolerance::kSameDistance)) &
+                        (side.at_head + to_head >= at_end * (1 - tolerance::kSameDistance)) &
+                        (end - begin > tolerance::kLeastWidth * scale) &
+                        (least < side.upper_bound) & (least <= side.max);
     Flags passes;
     Lane::choose(passes, clear, Flags{} + kWhole, Flags{} + kDoubtful);
     passes &= comes;
@@ -171,7 +169,7 @@ GEODESIC_LANES_INLINE void pair(std::size_t first, std::size_t last, bool upward
   using Lane = lanes::Lanes<kWide>;
   using Reals = typename Lane::Reals;
   using Flags = typename Lane::Flags;
-  const double touch = kTouch * length;
+  const double touch = tolerance::kTouch * length;
   // Windows i and i + 1, or i + 1 and i, the way that they lie on the edge.
   const std::size_t to_left = upwards ? 0 : 1;
   const std::size_t to_right = upwards ? 1 : 0;
@@ -240,7 +238,7 @@ GEODESIC_LANES_INLINE void meet(const EnteringWindows& entering, const Propagate
     Lane::root(ray_high_b, (high - bx) * (high - bx) + by2);
     const Reals at_low_a = a_offset + ray_low_a;
     const Reals at_high_b = b_offset + ray_high_b;
-    const Reals rounding = kSameDistance * at_high_a;
+    const Reals rounding = tolerance::kSameDistance * at_high_a;
     const Reals enough = 0.1 * rounding;
     Reals g_left = at_low_b - at_low_a;
     Reals g_right = at_high_b - at_high_a;

@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/tolerances.h"
+
 namespace geodesic::exact {
 namespace {
-
-// Gaps between windows below this part of the edge need not be looked into: what is in
-// them is no farther from their ends.
-constexpr double kLeastGap = 1e-9;
 
 // So many windows cross faces together, or more where an edge has more.
 constexpr std::size_t kTogether = 256;
@@ -122,7 +120,7 @@ void Propagation::set_out(std::uint32_t e) {
   Halfedge from = kNone;  // of those that wait
   bool from_one = true;
   // Less than this is rounding, and no branch worth.
-  const double least_gap = kLeastGap * edge.length;
+  const double least_gap = tolerance::kLeastGap * edge.length;
   for (const Window& w : windows) {
     if (covered + least_gap < w.begin) gap(covered, w.begin);
     farthest = std::max(farthest, std::max(w.at_begin, w.at_end));
@@ -190,12 +188,10 @@ void Propagation::load_entering(std::span<const Window> windows, Halfedge h) {
 // fans out at that place. A window that ends there, for on one side of it another one is nearer,
 // has the place in it, so that nothing of the fan is lost between the two.
 void Propagation::keep_sources_on_line(std::size_t first, double length) {
-  constexpr double kOnLine = 1e-13;
-  constexpr double kAtEnd = 1e-9;
   EnteringWindows& entering = memory_.entering;
   for (std::size_t i = first; i < entering.size; ++i) {
-    if (!(entering.y[i] <= kOnLine * length)) continue;
-    const double half_width = kAtEnd * length;
+    if (!(entering.y[i] <= tolerance::kOnLine * length)) continue;
+    const double half_width = tolerance::kAtEnd * length;
     const double x = entering.x[i];
     if (!(x >= entering.begin[i] - half_width && x <= entering.end[i] + half_width)) continue;
     entering.y[i] = 0;
@@ -335,9 +331,9 @@ void Propagation::add_plain(const ListOverSide& list, PropagatedOrder& order, Fr
   const std::int64_t* const passes = beyond.passes.data();
   const std::int64_t* const overlaps = beyond.overlaps.data();
   const std::uint32_t* const pseudo_sources = memory_.entering.pseudo_source.data();
-  const double touch = kTouch * side.length;
-  const double narrow = kLeastWidth * side.length;
-  const double nearly = kNearlyTouch * side.length;
+  const double touch = tolerance::kTouch * side.length;
+  const double narrow = tolerance::kLeastWidth * side.length;
+  const double nearly = tolerance::kNearlyTouch * side.length;
   const std::size_t step = order.upwards ? 1 : static_cast<std::size_t>(-1);
   // The one before a window on the edge is numbered before it, or it before that one.
   const std::size_t to_pair = order.upwards ? 0 : 1;
@@ -354,9 +350,10 @@ void Propagation::add_plain(const ListOverSide& list, PropagatedOrder& order, Fr
     const bool whole = passes[i] == kWhole;
     double from = begins[i];
     double at_from = at_begins[i];
-    const bool maybe_same = (static_cast<int>(last_pseudo_source == pseudo_sources[i]) &
-                             static_cast<int>(std::abs(xs[i] - last_x) <= kNearSource * at_from) &
-                             static_cast<int>(std::abs(from - reached) <= nearly)) != 0;
+    const bool maybe_same =
+        (static_cast<int>(last_pseudo_source == pseudo_sources[i]) &
+         static_cast<int>(std::abs(xs[i] - last_x) <= tolerance::kNearSource * at_from) &
+         static_cast<int>(std::abs(from - reached) <= nearly)) != 0;
     if (whole && maybe_same && reached == ends[i - step] &&
         is_as_good(out[-1], from, ends[i], at_from, at_ends[i], memory_.entering.offset[i])) {
       reached = out[-1].end = ends[i];

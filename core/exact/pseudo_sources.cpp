@@ -5,15 +5,12 @@
 #include <numbers>
 
 #include "core/base/rough_angle.h"
+#include "core/base/tolerances.h"
 #include "core/exact/propagation.h"
 #include "core/surface/point.h"
 
 namespace geodesic::exact {
 namespace {
-
-// The way that a vertex's distance came is known to about the square root of
-// rounding; beyond the vertex windows are wider by this much, in radians.
-constexpr double kSlack = 1e-5;
 
 double angle_at(const FaceRecord& face, std::uint32_t c) {
   return rough_angle(face.dot[c], face.area2);
@@ -140,7 +137,8 @@ void Propagation::send_beyond(std::uint32_t v, std::uint32_t pseudo_source) {
   } else {
     (void)turn(arrival.corner, false, whole - way_back);
   }
-  const double slack = kSlack + kRoughAngle * static_cast<double>(memory_.fan.size() + 2);
+  const double slack =
+      tolerance::kDirection + kRoughAngle * static_cast<double>(memory_.fan.size() + 2);
   last += slack;
   for (std::size_t i = 0; i < memory_.fan.size() && !poll_.cancelled(); ++i) {
     const FanFace face = memory_.fan[i];
@@ -257,14 +255,13 @@ void Propagation::raise_to_paths(Poll& poll) {
 }
 
 bool Propagation::relax_along_edges(Poll& poll) {
-  constexpr double kBroken = 1e-11;
   bool any = false;
   for (std::uint32_t e = 0; e < frames_.edges().size() && !poll.cancelled(); ++e) {
     const Edge& frame = frames_.edge(e);
     for (const auto& [from, to] :
          {std::pair{frame.tail, frame.head}, std::pair{frame.head, frame.tail}}) {
       const double distance = distance_[from] + frame.length;
-      if (!(distance < distance_[to] * (1 - kBroken)) || distance > max_) continue;
+      if (!(distance < distance_[to] * (1 - tolerance::kLostWindow)) || distance > max_) continue;
       memory_.bends[to] = Bends::everywhere;
       relax(to, distance, {distance_[from], from, nearest(from), allowance(from)},
             {kNone, false, 0});

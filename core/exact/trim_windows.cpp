@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/tolerances.h"
 #include "core/exact/window_comparison.h"
 
 namespace geodesic::exact {
@@ -39,7 +40,7 @@ Trimming trim(Window& old, Window& fresh, bool fresh_ends, PseudoSources pseudo_
                                     at_high_old,
                                     at_low_fresh,
                                     at_high_fresh,
-                                    kSameDistance * std::max(at_low_old, at_high_old)};
+                                    tolerance::kSameDistance * std::max(at_low_old, at_high_old)};
   const double g_low = at_low_fresh - at_low_old;
   const double g_high = at_high_fresh - at_high_old;
   // Whether the window has no more to it than the overlap on the other one's side.
@@ -78,7 +79,7 @@ Trimming trim(Window& old, Window& fresh, bool fresh_ends, PseudoSources pseudo_
 
 Trimmed trim(std::span<Window> old, std::span<Window> fresh, PseudoSources pseudo_sources,
              double length) {
-  const double touch = kTouch * length;
+  const double touch = tolerance::kTouch * length;
   const bool ends = fresh.front().begin >= old.front().begin && fresh.back().end >= old.back().end;
   const bool begins =
       fresh.front().begin <= old.front().begin && fresh.back().end <= old.back().end;

@@ -4,13 +4,12 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/tolerances.h"
 #include "core/base/vec3.h"
 #include "core/surface/point.h"
 
 namespace geodesic {
 namespace {
-
-constexpr double kRounding = 1e-9;
 
 class StraightLines {
  public:
@@ -29,7 +28,7 @@ class StraightLines {
     const double over_surface = distance_[v] - source.offset;
     if (!(over_surface * over_surface < dot(line, line))) return;
     const double straight = norm(line);
-    if (over_surface < (1 - kRounding) * straight) is_any_below_ = true;
+    if (over_surface < (1 - tolerance::kSamePath) * straight) is_any_below_ = true;
     distance_[v] = source.offset + straight;
   }
   void raise_all(std::uint32_t begin, std::uint32_t end) {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/tolerances.h"
 #include "core/locate/face_hierarchy.h"
 #include "core/locate/ray_box.h"
 
@@ -9,9 +10,6 @@ namespace geodesic {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-// What rounding adds up to in the frame, where the mesh and the point are not larger than some 10.
-constexpr double kMargin = 1e-12;
 
 struct ByDistance {
   NearSearch& search;
@@ -23,7 +21,7 @@ struct ByDistance {
     return distance(q, nearest);
   }
   [[nodiscard]] bool is_beaten(double least, std::size_t /*first_face*/) const {
-    return least > search.radius(kMargin);
+    return least > search.radius(tolerance::kBox);
   }
   void consider(std::uint32_t face) { search.consider(face); }
   [[nodiscard]] bool is_cancelled() { return search.is_cancelled(); }
@@ -37,13 +35,13 @@ struct AlongRay {
   Vec3 direction = search.direction();
 
   [[nodiscard]] double least_in(const Box& box) const {
-    const Vec3 margin{kMargin, kMargin, kMargin};
+    const Vec3 margin{tolerance::kBox, tolerance::kBox, tolerance::kBox};
     const RaySpan span = span_in_box({box.min - margin, box.max + margin}, origin, direction);
     const double begin = std::max(0.0, span.begin);
     return begin <= span.end ? begin : kInfinity;
   }
   [[nodiscard]] bool is_beaten(double least, std::size_t /*first_face*/) const {
-    return least == kInfinity || least > search.reach() + kMargin;
+    return least == kInfinity || least > search.reach() + tolerance::kBox;
   }
   void consider(std::uint32_t face) { search.consider(face); }
   [[nodiscard]] bool is_cancelled() { return poll.cancelled(); }

@@ -14,6 +14,7 @@
 #include <limits>
 #include <new>
 
+#include "core/base/tolerances.h"
 #include "core/locate/face_hierarchy.h"
 
 namespace geodesic {
@@ -47,9 +48,6 @@ struct RayContext : EmbreeContext {
   Poll* poll = nullptr;
 };
 
-// What of a ray's way single precision may be off by, in the hierarchy's units.
-constexpr double kRayMargin = 1e-5;
-
 void meet_face(const RTCIntersectFunctionNArguments* arguments) {
   if (arguments->valid[0] == 0) return;
   RaySearch& search = *static_cast<RayContext*>(arguments->context)->search;
@@ -59,7 +57,7 @@ void meet_face(const RTCIntersectFunctionNArguments* arguments) {
     return;
   }
   if (!search.consider(arguments->primID)) return;
-  end = std::min(end, static_cast<float>(search.reach() + kRayMargin));
+  end = std::min(end, static_cast<float>(search.reach() + tolerance::kEmbreeRay));
 }
 
 // Embree asks this while it builds the hierarchy, and leaves off at a false.
@@ -157,20 +155,18 @@ class EmbreeHierarchy : public FaceHierarchy {
 
  private:
   static void bound_face(const RTCBoundsFunctionArguments* arguments) {
-    // More than what the rounding of corners, origins and directions adds up to.
-    constexpr double kMargin = 4e-6;
     const auto& self = *static_cast<const EmbreeHierarchy*>(arguments->geometryUserPtr);
     const Triangle& t = self.mesh_.faces()[arguments->primID];
     const Vec3 a = self.unit_.inside(self.mesh_.positions()[t[0]]);
     const Vec3 b = self.unit_.inside(self.mesh_.positions()[t[1]]);
     const Vec3 c = self.unit_.inside(self.mesh_.positions()[t[2]]);
     RTCBounds& bounds = *arguments->bounds_o;
-    bounds.lower_x = static_cast<float>(std::min({a.x, b.x, c.x}) - kMargin);
-    bounds.lower_y = static_cast<float>(std::min({a.y, b.y, c.y}) - kMargin);
-    bounds.lower_z = static_cast<float>(std::min({a.z, b.z, c.z}) - kMargin);
-    bounds.upper_x = static_cast<float>(std::max({a.x, b.x, c.x}) + kMargin);
-    bounds.upper_y = static_cast<float>(std::max({a.y, b.y, c.y}) + kMargin);
-    bounds.upper_z = static_cast<float>(std::max({a.z, b.z, c.z}) + kMargin);
+    bounds.lower_x = static_cast<float>(std::min({a.x, b.x, c.x}) - tolerance::kEmbreeBox);
+    bounds.lower_y = static_cast<float>(std::min({a.y, b.y, c.y}) - tolerance::kEmbreeBox);
+    bounds.lower_z = static_cast<float>(std::min({a.z, b.z, c.z}) - tolerance::kEmbreeBox);
+    bounds.upper_x = static_cast<float>(std::max({a.x, b.x, c.x}) + tolerance::kEmbreeBox);
+    bounds.upper_y = static_cast<float>(std::max({a.y, b.y, c.y}) + tolerance::kEmbreeBox);
+    bounds.upper_z = static_cast<float>(std::max({a.z, b.z, c.z}) + tolerance::kEmbreeBox);
   }
 
   const Mesh& mesh_;

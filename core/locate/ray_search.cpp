@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/tolerances.h"
 #include "core/locate/ray_box.h"
 
 namespace geodesic {
@@ -14,11 +15,8 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 // Rays that begin within this need no moving, in the frame's units.
 constexpr double kNear = 4;
 
-// A height below this part of the longest side is none, as in Mesh::build.
-constexpr double kZeroAreaRatio = 1e-12;
-
 bool is_flat(const FaceRecord& face) {
-  return !(face.area2 > kZeroAreaRatio * face.length2(face.longest_side()));
+  return !(face.area2 > tolerance::kZeroArea * face.length2(face.longest_side()));
 }
 
 struct OnFace {

@@ -10,6 +10,7 @@
 
 #include "core/base/polled_fill.h"
 #include "core/base/polled_sort.h"
+#include "core/base/tolerances.h"
 #include "core/mesh/hilbert_order.h"
 
 namespace geodesic {
@@ -18,9 +19,6 @@ namespace {
 // Faces are addressed as 4 * face + corner in 32 bits, and kNone is taken.
 constexpr std::size_t kMaxFaces = (std::size_t{1} << 30) - 1;
 constexpr std::size_t kMaxVertices = std::size_t{kNone} - 2;
-
-// A face counts as without area when its height is below this part of its longest edge.
-constexpr double kZeroAreaRatio = 1e-12;
 
 double flushed(double coordinate) {
   // Adding zero turns -0 into +0, so that equal positions have equal bits.
@@ -250,7 +248,7 @@ void Mesh::measure(Poll& poll) {
 
 bool Mesh::is_without_area(Vec3 a, Vec3 b, Vec3 c) {
   const double longest2 = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
-  return norm(cross(b - a, c - a)) <= kZeroAreaRatio * longest2;
+  return norm(cross(b - a, c - a)) <= tolerance::kZeroArea * longest2;
 }
 
 Triangle Mesh::dropped_face(std::uint32_t source_face) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/tolerances.h"
 #include "core/field/edge_points.h"
 #include "core/field/way_through_windows.h"
 #include "core/surface/side_length.h"
@@ -21,26 +22,6 @@ Weights weights_at_corner(std::uint32_t corner) {
   return bary;
 }
 
-// A crossing closer to an end of its edge than this part of the edge is that end:
-// the face across would see nothing of the surface on the vertex's other side.
-constexpr double kAtEnd = 1e-9;
-constexpr double kAtEndSurely = 1e-14;  // the same where rounding alone decides
-
-// Distances that are floats move a crossing by some of their roundings. A vertex on the way
-// that was missed by that little sent one path in a hundred over a regular plane astray, by
-// 1 % of its length.
-constexpr double kRoundings = 16 * 6e-8;
-constexpr double kRoundedAtEnd = 1e-4;  // at most, however short the edge
-
-// Ways are as long as each other up to this part of their length.
-constexpr double kTie = 1e-12;
-// A step stays where it is if its square is less than this part of its face's longest side's.
-constexpr double kStays2 = 1e-14;
-
-// A point of an edge closer to one of `steiner`'s points than this part of their
-// spacing is that point.
-constexpr double kAtNode = 1e-6;
-
 // Whether corner c is the end of its side with the smaller vertex number.
 bool is_low_end(const FaceRecord& face, std::uint32_t c) {
   return face.vertex[c] < face.vertex[next_corner(c)];
@@ -58,12 +39,10 @@ bool has_no_parents(Method method) {
 using Sides2 = std::array<double, 3>;
 
 Sides2 sides_of(const Adjacency& adjacency, std::uint32_t f) {
-  // Half of the digits: no product of two sides is greater than the greatest of their squares.
-  constexpr double kLeft = 1e-9;
   const FaceRecord& face = adjacency.face(f);
   Sides2 side2{face.length2(0), face.length2(1), face.length2(2)};
   const double least = std::min(std::min(side2[0], side2[1]), side2[2]);
-  if (!(least > kLeft * (side2[0] + side2[1] + side2[2]))) [[unlikely]] {
+  if (!(least > tolerance::kHalfOfDigits * (side2[0] + side2[1] + side2[2]))) [[unlikely]] {
     for (std::uint32_t c = 0; c < 3; ++c) side2[c] = side_length2(adjacency, f, c);
   }
   return side2;
@@ -106,14 +85,16 @@ StepBack to_vertex(const FaceRecord& face, std::uint32_t f, std::uint32_t corner
 // Where a crossing of the side that starts at corner c is an end of it, for distances that
 // are floats.
 double rounded_at_end(const FaceRecord& face, std::uint32_t c, const Arrival& arrival) {
-  if (std::min(arrival.crossing, 1 - arrival.crossing) > kRoundedAtEnd) return kAtEnd;
-  const double rounding = kRoundings * arrival.distance / std::sqrt(std::max(face.length2(c), 0.0));
-  return std::min(kRoundedAtEnd, std::max(kAtEnd, rounding));
+  if (std::min(arrival.crossing, 1 - arrival.crossing) > tolerance::kMostAtEnd)
+    return tolerance::kAtEnd;
+  const double rounding = tolerance::kSinglePrecisionCrossing * arrival.distance /
+                          std::sqrt(std::max(face.length2(c), 0.0));
+  return std::min(tolerance::kMostAtEnd, std::max(tolerance::kAtEnd, rounding));
 }
 
 // The step that case (a), (b) or (c) of the paper's Fig. 4 asks for.
 StepBack over_side(const FaceRecord& face, std::uint32_t f, std::uint32_t c, const Weights& start,
-                   const Arrival& arrival, double at_end = kAtEnd) {
+                   const Arrival& arrival, double at_end = tolerance::kAtEnd) {
   const std::uint32_t n = next_corner(c);
   if (arrival.which == Fig4::b || arrival.crossing < at_end) {
     return to_vertex(face, f, c, start, arrival.distance);
@@ -151,14 +132,15 @@ int PointArrivals::steps_to_go(const StepBack& step) const {
   if (step.to == StepBack::To::source) return 0;
   const FaceRecord& face = adjacency_.face(step.face);
   if (!(squared_distance(sides_of(adjacency_, step.face), step.start, step.bary) >
-        kStays2 * face.longest2()))
+        tolerance::kStays2 * face.longest2()))
     return 3;
   return step.to == StepBack::To::vertex ? 1 : 2;
 }
 
 bool PointArrivals::is_better(const StepBack& step, const StepBack& than) const {
-  if (step.distance < than.distance * (1 - kTie)) return true;
-  if (!(step.distance <= than.distance * (1 + kTie)) || step.to == StepBack::To::nowhere) {
+  if (step.distance < than.distance * (1 - tolerance::kSameWay)) return true;
+  if (!(step.distance <= than.distance * (1 + tolerance::kSameWay)) ||
+      step.to == StepBack::To::nowhere) {
     return false;
   }
   const int more = steps_to_go(step) - steps_to_go(than);
@@ -217,7 +199,9 @@ double PointArrivals::below(const SurfacePoint& place) const {
         place.bary[is_low_end(adjacency_.face(place.face), c) ? next_corner(c) : c];
     const double at = from_low * (double(points.per_edge) + 1);
     const double nearest = std::round(at);
-    if (std::abs(at - nearest) > kAtNode || nearest < 1 || nearest > points.per_edge) break;
+    if (std::abs(at - nearest) > tolerance::kAtSteinerPoint || nearest < 1 ||
+        nearest > points.per_edge)
+      break;
     return points.distance[std::size_t{points.edge_of[halfedge(place.face, c)]} * points.per_edge +
                            static_cast<std::size_t>(nearest) - 1];
   }
@@ -275,14 +259,14 @@ StepBack PointArrivals::through_windows(const SurfacePoint& place) const {
   if (!(way.distance < best.distance)) return best;
   const FaceRecord& face = adjacency_.face(place.face);
   // By a vertex at the end of the side if that costs nothing. It does where the way leads round
-  // something narrower than kAtEnd, such as the ring at a pole.
+  // something narrower than tolerance::kAtEnd, such as the ring at a pole.
   const std::uint32_t end = way.crossing < 0.5 ? way.corner : next_corner(way.corner);
-  double at_end = kAtEndSurely;
-  if (std::min(way.crossing, 1 - way.crossing) < kAtEnd) {
+  double at_end = tolerance::kAtEndSurely;
+  if (std::min(way.crossing, 1 - way.crossing) < tolerance::kAtEnd) {
     const double by_end = field_.distance[face.vertex[end]] +
                           std::sqrt(squared_distance(sides_of(adjacency_, place.face), place.bary,
                                                      weights_at_corner(end)));
-    if (by_end <= way.distance * (1 + kTie)) at_end = kAtEnd;
+    if (by_end <= way.distance * (1 + tolerance::kSameWay)) at_end = tolerance::kAtEnd;
   }
   return over_side(face, place.face, way.corner, place.bary, {way.distance, Fig4::a, way.crossing},
                    at_end);
@@ -307,7 +291,8 @@ StepBack PointArrivals::through_face(const SurfacePoint& place) const {
     const UnfoldedApex apex = apex_at(face, side2, c, place.bary);
     const Arrival arrival = over_base(face.vertex[c], face.vertex[next_corner(c)], apex);
     if (!(arrival.distance < best.distance)) continue;
-    const double at_end = field_.distance.are_floats() ? rounded_at_end(face, c, arrival) : kAtEnd;
+    const double at_end =
+        field_.distance.are_floats() ? rounded_at_end(face, c, arrival) : tolerance::kAtEnd;
     const StepBack step = over_side(face, place.face, c, place.bary, arrival, at_end);
     if (step.to != StepBack::To::vertex || field_.distance[step.vertex] < limit) best = step;
   }

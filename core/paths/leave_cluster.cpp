@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "core/base/tolerances.h"
 #include "core/surface/side_length.h"
 
 namespace geodesic {
 namespace {
-
-// Relative, between distances that are computed through different faces.
-constexpr double kRounding = 1e-9;
 
 struct Came {
   std::uint32_t from = kNone;  // the vertex before
@@ -32,7 +30,7 @@ StepBack along_side(const FaceRecord& face, std::uint32_t f, std::uint32_t start
 // All vertices of the cluster in breadth-first order, each once.
 std::vector<std::uint32_t> gather(const Adjacency& adjacency, const Field& field,
                                   std::uint32_t vertex, Cluster& cluster, Poll& poll) {
-  const double longest = kLostInRounding * field.distance[vertex];
+  const double longest = tolerance::kPoint * field.distance[vertex];
   std::vector<std::uint32_t> found{vertex};
   cluster.emplace(vertex, Came{});
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -81,7 +79,7 @@ std::vector<StepBack> leave_cluster(const Adjacency& adjacency, const Field& fie
       if (!entered(place.face) && arrivals.is_better(step, best_new.step)) best_new = {v, step};
     }
   }
-  if (best_new.step.distance <= best.step.distance * (1 + kRounding)) best = best_new;
+  if (best_new.step.distance <= best.step.distance * (1 + tolerance::kSamePath)) best = best_new;
   if (best.step.to == StepBack::To::nowhere) return {};
   std::vector<StepBack> steps{best.step};
   for (std::uint32_t v = best.from; v != vertex; v = cluster.at(v).from) {

@@ -14,9 +14,6 @@
 
 namespace geodesic {
 
-// An edge shorter than this fraction of a distance is lost in the distance's rounding.
-inline constexpr double kLostInRounding = 1e-12;
-
 // A vertex's cluster is all vertices that edges as short as that join it to. The steps lead along
 // such edges to one vertex of the cluster and then out: to a source, to a point on an edge, or to
 // a vertex outside that has not been `passed`. They take the shortest way out. If a way through a

@@ -7,6 +7,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "core/base/tolerances.h"
 #include "core/field/edge_points.h"
 #include "core/paths/arrive_at_point.h"
 #include "core/paths/down_edges.h"
@@ -15,9 +16,6 @@
 
 namespace geodesic {
 namespace {
-
-// Relative, in distances by different faces.
-constexpr double kRounding = 1e-9;
 
 // A step costs from a tenth of a microsecond to some; a question, as much.
 constexpr std::uint32_t kStepsBetweenQuestions = 256;
@@ -118,7 +116,7 @@ class Tracer {
   }
 
   [[nodiscard]] bool is_longer_than_stated(const StepBack& step, std::uint32_t vertex) const {
-    return step.distance > field_.distance[vertex] * (1 + kRounding);
+    return step.distance > field_.distance[vertex] * (1 + tolerance::kSamePath);
   }
 
   // The last of the steps out of the vertex's cluster, which are left in steps_out_; once for
@@ -163,7 +161,7 @@ class Tracer {
     // on through another face, with the same distance.
     if (field_.windows) {
       const StepBack other = through_others(point_at_vertex(adjacency_, vertex));
-      if (other.distance <= step.distance * (1 + kRounding)) return other;
+      if (other.distance <= step.distance * (1 + tolerance::kSamePath)) return other;
     }
     return arrivals_.to_end_of_side(step.face, corner_of(step.base), step.start);
   }

@@ -7,15 +7,13 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/tolerances.h"
 #include "core/paths/arrive_at_point.h"
 #include "core/paths/trace_path.h"
 #include "core/surface/longest_edge.h"
 
 namespace geodesic {
 namespace {
-
-// A path that is longer than the distance by more than this fraction is not the shortest one.
-constexpr double kLonger = 1e-9;
 
 // How many rings of faces round the traced path have their windows kept: at the first attempt, and
 // at the last.
@@ -149,7 +147,7 @@ Result<Pair> exact_pair(const Adjacency& adjacency, const Source& from, const Su
     if (poll.stopped()) return fail_stopped(poll);
     auto path = search.path_by_windows(faces.faces(), cancel.part(kFirstField, 1));
     if (!path) return fail(std::move(path.error()));
-    if (*path && from.offset + (*path)->length <= pair.distance * (1 + kLonger)) {
+    if (*path && from.offset + (*path)->length <= pair.distance * (1 + tolerance::kSamePath)) {
       pair.path = std::move(*path);
       return pair;
     }

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/tolerances.h"
 #include "core/paths/arrive_at_point.h"
 #include "core/paths/edge_path.h"
 #include "core/solve/distance_at_point.h"
@@ -19,9 +20,6 @@
 
 namespace geodesic {
 namespace {
-
-// Rounding, in sums of a path's length.
-constexpr double kRounding = 1e-9;
 
 // A margin of so many mean edges and such a part of the path, beyond which hardly anything
 // has a say. Traces of `auto` need less of it: with 10 edges none of 3,000 pairs on scans
@@ -137,7 +135,7 @@ class PairSearch {
                         const Path& guess) {
     const auto shorter = shorten_path(adjacency, guess, cancel_);
     if (!shorter) return fail(shorter.error());
-    const double longest = (1 + kRounding) * shorter->length;
+    const double longest = (1 + tolerance::kSamePath) * shorter->length;
     if (method_ == Method::exact &&
         vertices_within(adjacency.mesh(), guess, longest) > kManyForWindows) {
       return exact_pair(adjacency, from, to, with_path(), scratch_.parts().exact, cancel_);
@@ -208,7 +206,7 @@ Result<Pair> pair_search(Method method, const MethodOptions& options, const Adja
     return search.straightened(adjacency, search.in_patch(adjacency, from, to, **guess));
   }
   if (method == Method::dijkstra) {
-    return search.by_field(adjacency, from, to, (1 + kRounding) * (*guess)->length);
+    return search.by_field(adjacency, from, to, (1 + tolerance::kSamePath) * (*guess)->length);
   }
   return search.in_margins(adjacency, from, to, **guess);
 }

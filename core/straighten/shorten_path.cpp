@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/tolerances.h"
 #include "core/straighten/face_strip.h"
 #include "core/straighten/funnel.h"
 #include "core/straighten/path_chain.h"
@@ -16,10 +17,6 @@
 
 namespace geodesic {
 namespace {
-
-// A straight piece runs through a vertex when it would turn by no more than this angle
-// to do so. Then both sides of the vertex are looked at.
-constexpr double kThroughVertex = 1e-12;
 
 class Shortener {
  public:
@@ -35,7 +32,7 @@ class Shortener {
     while (chain && cross_all_vertices(*chain)) ++counts_.rounds;
     if (poll_.stopped()) return fail_stopped(poll_);
     Path result = write_path(adjacency_, *chain, path);
-    return result.length < path.length * (1 - kLeastGain) ? std::move(result) : path;
+    return result.length < path.length * (1 - tolerance::kLeastGain) ? std::move(result) : path;
   }
 
   [[nodiscard]] ShortenCounts counts() const {
@@ -91,7 +88,7 @@ class Shortener {
       const bool left_is_nearer = from_left < 0.5;
       const Vec2 vertex = left_is_nearer ? unfolded_portal.left : unfolded_portal.right;
       const double arm = std::min(norm(vertex - stop), norm(plane.end - vertex));
-      if ((left_is_nearer ? left : right) < kThroughVertex * arm) {
+      if ((left_is_nearer ? left : right) < tolerance::kThroughVertex * arm) {
         run_through_.push_back({i, left_is_nearer});
         stop = vertex;
       }
@@ -225,7 +222,7 @@ class Shortener {
   // Moves the path over all vertices that have a side below pi. False when there
   // is none, or none of them gained anything.
   bool cross_all_vertices(Chain& chain) {
-    constexpr double kBelow = std::numbers::pi - kStraightAngle;
+    constexpr double kBelow = std::numbers::pi - tolerance::kStraightAngle;
     if (stopped()) return false;
     const std::size_t end = chain.path_vertices.size() - 1;
     std::vector<std::optional<Fan>> fans(chain.path_vertices.size());
@@ -264,7 +261,7 @@ class Shortener {
 
   // Neither shorter nor longer, as far as rounding tells.
   static bool is_even(double before, double after) {
-    return std::abs(after - before) <= before * kLeastGain;
+    return std::abs(after - before) <= before * tolerance::kLeastGain;
   }
 
   // Tries the fans at all path vertices between two that stay. If that is shorter, appends
@@ -285,7 +282,7 @@ class Shortener {
     counts_.crossings += last - first - 1;
     double after = 0;
     for (const PathSegment& segment : part.segments) after += segment.length;
-    if (!(after < before * (1 - kLeastGain)) &&
+    if (!(after < before * (1 - tolerance::kLeastGain)) &&
         !(is_even(before, after) && last == first + 2 &&
           crossed_even_.insert(chain.path_vertices[first + 1].place.vertex).second))
       return false;

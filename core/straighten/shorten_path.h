@@ -20,15 +20,6 @@
 
 namespace geodesic {
 
-// A vertex with sides this close to pi stays where it is: over arms as long as
-// each other the path is longer than the shortest by one part in 10^15.
-inline constexpr double kStraightAngle = 1e-7;
-
-// A change counts when it takes off this part of the length of what it changed.
-// Rounding takes off less, so every path comes to an end. (Once for each vertex a
-// change that neither gains nor loses as much is let pass too.)
-inline constexpr double kLeastGain = 1e-14;
-
 // Faces unfolded, in sum over all changes; some twenty seconds. A path across the
 // whole of a mesh of a million faces, from the shortest way along edges, takes some
 // hundred thousand. Beyond this the path is handed back as far as it has got.

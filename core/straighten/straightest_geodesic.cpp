@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/tolerances.h"
 #include "core/base/vec2.h"
 #include "core/straighten/flat_face.h"
 #include "core/straighten/vertex_fan.h"
@@ -16,19 +17,6 @@ namespace {
 
 using End = StraightestGeodesic::End;
 using Weights = std::array<double, 3>;
-
-// A crossing closer to an end of its edge than this part of the edge is that vertex …
-constexpr double kAtVertex = 1e-12;
-// … where the line passes it by less than this angle too: a line may well go round a ring that
-// is no wider than that part of the edges that begin there.
-constexpr double kPasses = 1e-9;
-// What may be missing of the length, as a part of it: rounding, so that a line
-// that ends on an edge does not go on into the next face.
-constexpr double kLengthSlack = 1e-13;
-// Radians by which an angle may be beyond the end of a fan: rounding.
-constexpr double kAngleSlack = 1e-12;
-// The least part of a vector that its projection may have.
-constexpr double kNoProjection = 1e-12;
 
 // A point about to leave through a face in a direction of that face's plane.
 struct Departure {
@@ -76,7 +64,8 @@ class Walk {
       }
       left -= step;
       add(there, position);
-      if (left <= kLengthSlack * length) return finish(flat, here.heading, End::length);
+      if (left <= tolerance::kMissingLength * length)
+        return finish(flat, here.heading, End::length);
       const auto next = there.at_vertex() ? over_vertex(flat, there.vertex, here.heading)
                                           : over_edge(flat, leaves, here.heading);
       if (poll_.stopped()) return fail_stopped(poll_);
@@ -128,7 +117,7 @@ class Walk {
       angle -= here;
       const Halfedge across = adjacency_.ring(other);
       if (across == other || adjacency_.ring(across) != other) {
-        if (angle <= kAngleSlack) return from_corner(corner, is_next ? here : 0);
+        if (angle <= tolerance::kFanEnd) return from_corner(corner, is_next ? here : 0);
         return tl::unexpected(across == other ? End::boundary : End::non_manifold);
       }
       // Once round a closed fan: what is left of the angle is a rounding error.
@@ -184,8 +173,11 @@ class Walk {
       } else if (ahead[1] > ahead[0]) {
         exit = {side, 0, 1};  // along the side, to the end that lies farther on
       }
-      if (exit.of_head < kAtVertex && before <= kPasses * norm(to[side])) exit = {side, 1, 0};
-      if (exit.of_tail < kAtVertex && behind <= kPasses * norm(to[end])) exit = {side, 0, 1};
+      if (exit.of_head < tolerance::kAtVertex &&
+          before <= tolerance::kPassesVertex * norm(to[side]))
+        exit = {side, 1, 0};
+      if (exit.of_tail < tolerance::kAtVertex && behind <= tolerance::kPassesVertex * norm(to[end]))
+        exit = {side, 0, 1};
       exit.ahead = exit.of_tail * ahead[0] + exit.of_head * ahead[1];
       return exit;
     };
@@ -285,9 +277,9 @@ Candidate closest_in_face(const Adjacency& adjacency, const SurfacePoint& place,
   // The cone of directions into the face reaches from `low` counterclockwise to `high`.
   const Vec2 low{1, 0};
   const Vec2 high = place.at_vertex() ? -flat.edges[2] : Vec2{-1, 0};
-  candidate.points_inside = inside || (cross(low, projected) >= -kNoProjection &&
-                                       cross(projected, high) >= -kNoProjection &&
-                                       dot(projected, low + high) >= -kNoProjection);
+  candidate.points_inside = inside || (cross(low, projected) >= -tolerance::kNoProjection &&
+                                       cross(projected, high) >= -tolerance::kNoProjection &&
+                                       dot(projected, low + high) >= -tolerance::kNoProjection);
   if (candidate.points_inside) {
     candidate.closeness = norm(projected);
     candidate.departure.heading = unit(projected);
@@ -345,14 +337,14 @@ Result<StraightestGeodesic> straightest_geodesic(const Adjacency& adjacency,
     return fail(ErrorCode::value_out_of_range, "the direction is at a right angle to the surface",
                 "direction");
   };
-  if (longest_projection <= kNoProjection) return vanishes();
+  if (longest_projection <= tolerance::kNoProjection) return vanishes();
   Walk walk(adjacency, cancel);
   if (at_boundary && !best.points_inside &&
-      (best.closeness <= kNoProjection || adjacency.ring(best.edge) == best.edge)) {
+      (best.closeness <= tolerance::kNoProjection || adjacency.ring(best.edge) == best.edge)) {
     const FlatFace flat(adjacency.mesh(), best.departure.base);
     return walk.only(from, flat, best.projection, End::boundary);
   }
-  if (best.closeness <= kNoProjection) return vanishes();
+  if (best.closeness <= tolerance::kNoProjection) return vanishes();
   return walk.go(best.departure, length);
 }
 
@@ -376,7 +368,7 @@ Result<StraightestGeodesic> straightest_geodesic_at_angle(const Adjacency& adjac
     const Halfedge across = adjacency.ring(corner);
     const bool manifold = across != corner && adjacency.ring(across) == corner;
     if (poll.stopped()) return fail_stopped(poll);
-    const auto departure = angle >= -kAngleSlack
+    const auto departure = angle >= -tolerance::kFanEnd
                                ? walk.turn(from.vertex, corner, std::max(angle, 0.0))
                            : manifold ? walk.turn(from.vertex, across, -angle)
                                       : tl::expected<Departure, End>(tl::unexpected(End::boundary));
@@ -392,7 +384,7 @@ Result<StraightestGeodesic> straightest_geodesic_at_angle(const Adjacency& adjac
   if (side == kNone) return walk.go({halfedge(from.face, 0), from.bary, heading}, length);
   const Walk::Exit at{side, from.bary[side], from.bary[next_corner(side)]};
   const double inward = cross(flat.edges[side], heading);
-  if (inward >= -kNoProjection) {
+  if (inward >= -tolerance::kNoProjection) {
     return walk.go({halfedge(from.face, side),
                     {at.of_tail, at.of_head, 0},
                     unit({dot(heading, flat.edges[side]), std::max(inward, 0.0)})},

@@ -7,6 +7,7 @@
 
 #include "core/base/polled_fill.h"
 #include "core/base/polled_sort.h"
+#include "core/base/tolerances.h"
 #include "core/surface/corner_lists.h"
 #include "core/surface/intrinsic_delaunay.h"
 #include "core/surface/unfold_rounding.h"
@@ -79,7 +80,7 @@ void Adjacency::fill_geometry(Poll& poll) {
     // large part of a needle's.
     const std::uint32_t longest = record.longest_side();
     record.area2 = norm(cross(side[next_corner(longest)], side[previous_corner(longest)]));
-    has_flat_faces_ = has_flat_faces_ || is_lower_than(kFlat, record);
+    has_flat_faces_ = has_flat_faces_ || is_lower_than(tolerance::kFlat, record);
   }
   is_even_ = is_even(faces_, poll);
 }

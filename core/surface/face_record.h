@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/base/tolerances.h"
 #include "core/surface/unfolded_apex.h"
 
 namespace geodesic {
@@ -45,9 +46,8 @@ struct alignas(64) FaceRecord {
   // Whether length2 says little: of an edge far shorter than the others the two products are
   // nearly opposite, and their sum is what rounding leaves of them, if not zero.
   [[nodiscard]] bool loses_length(std::uint32_t c) const {
-    constexpr double kLeft = 1e-9;  // half of the digits
     const double product = std::max(std::abs(dot[c]), std::abs(dot[next_corner(c)]));
-    return !(length2(c) > kLeft * product);
+    return !(length2(c) > tolerance::kHalfOfDigits * product);
   }
   // The corner that the longest edge begins at, so that the edge is c - next_corner(c).
   [[nodiscard]] std::uint32_t longest_side() const {

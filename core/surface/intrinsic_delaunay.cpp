@@ -6,26 +6,12 @@
 #include <limits>
 
 #include "core/base/polled_fill.h"
+#include "core/base/tolerances.h"
 #include "core/surface/corner_lists.h"
 #include "core/surface/unfold_rounding.h"
 
 namespace geodesic {
 namespace {
-
-// Angles that add up to pi but for rounding are as good either way; without this
-// margin, four vertices on one circle would be flipped to and fro.
-constexpr double kRounding = 1e-12;
-
-// A flip that leaves a face lower than this part of its longest side gains nothing
-// that rounding would not take away again.
-constexpr double kLeastHeight = 1e-14;
-
-// What a flip loses by rounding: so much of its longest side, for which what lies beyond its
-// shortest one turns.
-constexpr double kRoundings = 4 * std::numeric_limits<double>::epsilon();
-// An edge stays where its flip would lose more, the flips before it included. On scans stretched
-// 8 times they lose up to 2e-13, on a sphere stretched 100 times 6e-12.
-constexpr double kMostError = 1e-11;
 
 // Flipping ends by itself; on scans each edge is flipped 0.2 times. Whatever rounding
 // makes of the slivers, it ends here.
@@ -81,7 +67,7 @@ double IntrinsicDelaunay::excess(const Triangulation& faces, Halfedge h) {
 
 double IntrinsicDelaunay::excess_rounding(const Triangulation& faces, Halfedge h) {
   const auto [one, other] = cotangents(faces, h);
-  return kRounding * (std::abs(one) + std::abs(other));
+  return tolerance::kDelaunay * (std::abs(one) + std::abs(other));
 }
 
 void IntrinsicDelaunay::flip_edges(Poll& poll) {
@@ -162,17 +148,17 @@ bool IntrinsicDelaunay::flip(Halfedge h) {
   right.dot = {at_b, bc2 - at_b, bd2 - at_b};
   right.area2 = area_b;
   // Written so that what is not a number fails.
-  if (!(area_a > kLeastHeight * std::max({ac2, ad2, cd2})) ||
-      !(area_b > kLeastHeight * std::max({bc2, bd2, cd2})) || loses_a_length(one) ||
+  if (!(area_a > tolerance::kFlippedHeight * std::max({ac2, ad2, cd2})) ||
+      !(area_b > tolerance::kFlippedHeight * std::max({bc2, bd2, cd2})) || loses_a_length(one) ||
       loses_a_length(other) || loses_a_length(left) || loses_a_length(right)) {
     return false;
   }
 
   const double longest2 = std::max({base2, ac2, bc2, ad2, bd2, cd2});
   const double shortest2 = std::min({base2, ac2, bc2, ad2, bd2, cd2});
-  const double error =
-      double{std::max(one.error, other.error)} + kRoundings * std::sqrt(longest2 / shortest2);
-  if (!(error <= kMostError)) return false;
+  const double error = double{std::max(one.error, other.error)} +
+                       tolerance::kOneFlip * std::sqrt(longest2 / shortest2);
+  if (!(error <= tolerance::kFlips)) return false;
 
   // Sides as halfedges before and after: c - a, a - d in the face of h; d - b, b - c
   // in the other.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/base/tolerances.h"
 #include "core/surface/face_record.h"
 
 namespace geodesic {
@@ -18,12 +19,11 @@ namespace geodesic {
 // mesh's own faces the two dot products at the edge are off by some roundings of its length times
 // the longest side's. So they leave nothing of an edge 1e16 times shorter than the longest side.
 [[nodiscard]] inline double side_not_below(const FaceRecord& face, std::uint32_t c) {
-  constexpr double kRoundings = 8 * std::numeric_limits<double>::epsilon();
   constexpr double kMostRatio2 = 1e8;  // up to this ratio, rounding is below 1e-10 of the side
   const double length2 = std::max(face.length2(c), 0.0);
   const double longest = longest_side(face);
   if (longest * longest <= kMostRatio2 * length2) return std::sqrt(length2);
-  return std::sqrt(length2) + (kRoundings + double{face.error}) * longest;
+  return std::sqrt(length2) + (tolerance::kSide + double{face.error}) * longest;
 }
 
 }  // namespace geodesic

@@ -18,7 +18,7 @@ struct Triangulation {
   // No side is more than a thousand times as long as another: rounding turns nothing that is
   // unfolded over some dozens of such faces (unfold_rounding.h).
   bool is_even = false;
-  // A face is lower than kFlat (unfold_rounding.h).
+  // A face is lower than tolerance::kFlat (tolerances.h).
   bool has_flat_faces = false;
   // Some edge is in more than kCrowd faces: copies of a face, or the pages of a book. Asking all of
   // them at each crossing takes the square of their number.

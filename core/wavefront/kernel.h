@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/tolerances.h"
 #include "core/field/field.h"
 #include "core/surface/adjacency.h"
 #include "core/surface/unfold_rounding.h"
@@ -57,14 +58,14 @@ class Wavefront {
       const FaceRecord& face = adjacency_.face(face_of(corner));
       const std::uint32_t ahead = face.vertex[next_corner(c)];
       const std::uint32_t behind = face.vertex[previous_corner(c)];
-      if (has_flat_faces_ && is_lower_than(kFlat, face)) {
+      if (has_flat_faces_ && is_lower_than(tolerance::kFlat, face)) {
         // Along its sides, of which one may be all that leads on.
         lower_along_edge(v, ahead);
         lower_along_edge(v, behind);
         // Of a needle's short side rounding has left nothing.
         const auto [shorter, longer] =
             std::minmax({face.length2(0), face.length2(1), face.length2(2)});
-        if (!(shorter > kWithoutArea * kWithoutArea * longer)) continue;
+        if (!(shorter > tolerance::kWithoutArea * tolerance::kWithoutArea * longer)) continue;
       }
       const bool ahead_accepted = queue_.accepted(ahead);
       if (ahead_accepted == queue_.accepted(behind)) continue;
