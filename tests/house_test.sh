@@ -142,5 +142,16 @@ for folder in tests/core/*/ tests/proto/*/ tests/server/*/; do
   fi
 done
 
+# A code without a row would be told as an internal error.
+codes=$(sed -nE 's/^inline constexpr ErrorCode (ErrorCode::[a-z_]+).*/\1/p' core/base/error.h
+  sed -nE 's/.*static constexpr ErrorCode ([a-z_]+).*/InputCode::\1/p' proto/wire/input_codes.h
+  sed -nE 's/.*static constexpr ErrorCode ([a-z_]+).*/ServiceCode::\1/p' server/base/service_codes.h)
+for code in $codes; do
+  if ! grep -q "Row{$code," server/http/problem.cpp; then
+    echo "FAILED: $code has no row in server/http/problem.cpp. Give it a status and a title."
+    status=1
+  fi
+done
+
 [ $status -eq 0 ] && echo "every include is in its room"
 exit $status

@@ -1,7 +1,7 @@
 // The error model of all layers: errors are values. Every function that can be
 // given bad input returns `Result<T>`; exceptions are caught at the HTTP edge
-// only. The codes are a closed set: a client may switch on their names, and one
-// table in the server maps each to its HTTP status.
+// only. The names of the codes are a closed set: a client may switch on them, and one
+// table in the server (server/http/problem.cpp) maps each to its HTTP status.
 #pragma once
 
 #include <cstdint>
@@ -13,50 +13,46 @@
 
 namespace geodesic {
 
-enum class ErrorCode : std::uint8_t {
-  bad_syntax,          // the request does not parse
-  unknown_parameter,   // a parameter that no such query has
-  route_unknown,       // no such path
-  mesh_unknown,        // no mesh of that id
-  method_not_allowed,  // the path exists, the HTTP method does not
-  unauthorized,        // no token, or one that is not valid (any more)
-  forbidden,           // the token lacks the scope that this needs
-  not_acceptable,      // no format that the client accepts
-  request_timeout,     // the body did not arrive in time
-  length_required,     // a body without a length
-  too_large,           // more bytes than a limit allows
-  format_unknown,      // the bytes are of no format that we read
-  mesh_invalid,        // a known format, but a mesh that cannot be used
-  no_triangles,        // nothing to walk on: points, lines or an empty scene
-  too_many_vertices,   // over the limit of vertices
-  too_many_faces,      // over the limit of faces
-  external_uri,        // the file refers to another file
-  extension_required,  // the file requires an extension that we lack
-  index_out_of_range,  // a vertex or face that the mesh does not have
-  value_out_of_range,  // a number outside its domain
-  method_unknown,      // no geodesic method of that name
-  snap_too_far,        // the closest point is farther than `max_snap`
-  no_hit,              // a ray misses the surface
-  unsupported,         // valid, but not offered by this version
-  digest_mismatch,     // the bytes are not those of the given digest
-  job_unknown,         // no job of that id (any more)
-  job_unfinished,      // the job has no result yet
-  job_cancelled,       // the job was cancelled and has no result
-  too_much_memory,     // the computation would take more memory than one may
-  overloaded,          // the queue is full: try again later
-  too_many_requests,   // this client asks for more than its share: try again later
-  draining,            // the process is about to stop
-  cancelled,           // the client is gone or the job was cancelled
-  deadline,            // the time allowed is over
-  store_failed,        // the store cannot read or write
-  store_corrupt,       // stored bytes are not what was stored
-  store_full,          // no room for an upload: the budget, the disk or a quota
-  store_unavailable,   // the store does not answer: try again later
-  internal,            // a fault of ours
+// A kind of error, told by its name: what a program branches on. The floors above the engine add
+// kinds of their own (proto/wire/input_codes.h, server/base/service_codes.h), so this is no
+// enumeration.
+class ErrorCode {
+ public:
+  // The name must outlive the code, as a literal does.
+  constexpr explicit ErrorCode(std::string_view name) : name_(name) {}
+
+  // As clients see it, such as "mesh_invalid".
+  [[nodiscard]] constexpr std::string_view name() const { return name_; }
+  friend constexpr bool operator==(ErrorCode a, ErrorCode b) { return a.name_ == b.name_; }
+
+  // The engine's own.
+  static const ErrorCode too_large;           // more bytes or elements than a limit allows
+  static const ErrorCode mesh_invalid;        // a mesh that cannot be used
+  static const ErrorCode no_triangles;        // nothing to walk on: points, lines or an empty scene
+  static const ErrorCode too_many_vertices;   // over the limit of vertices
+  static const ErrorCode too_many_faces;      // over the limit of faces
+  static const ErrorCode index_out_of_range;  // a vertex or face that the mesh does not have
+  static const ErrorCode value_out_of_range;  // a number outside its domain
+  static const ErrorCode no_hit;              // a ray misses the surface
+  static const ErrorCode unsupported;         // valid, but not offered by this version
+  static const ErrorCode cancelled;           // whoever asked does not want the answer any more
+  static const ErrorCode internal;            // a fault of ours
+
+ private:
+  std::string_view name_;
 };
 
-// The name of a code as clients see it, such as "mesh_unknown".
-[[nodiscard]] std::string_view name_of(ErrorCode code);
+inline constexpr ErrorCode ErrorCode::too_large{"too_large"};
+inline constexpr ErrorCode ErrorCode::mesh_invalid{"mesh_invalid"};
+inline constexpr ErrorCode ErrorCode::no_triangles{"no_triangles"};
+inline constexpr ErrorCode ErrorCode::too_many_vertices{"too_many_vertices"};
+inline constexpr ErrorCode ErrorCode::too_many_faces{"too_many_faces"};
+inline constexpr ErrorCode ErrorCode::index_out_of_range{"index_out_of_range"};
+inline constexpr ErrorCode ErrorCode::value_out_of_range{"value_out_of_range"};
+inline constexpr ErrorCode ErrorCode::no_hit{"no_hit"};
+inline constexpr ErrorCode ErrorCode::unsupported{"unsupported"};
+inline constexpr ErrorCode ErrorCode::cancelled{"cancelled"};
+inline constexpr ErrorCode ErrorCode::internal{"internal"};
 
 struct Error {
   ErrorCode code = ErrorCode::internal;

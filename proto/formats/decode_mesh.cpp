@@ -12,6 +12,7 @@
 #include "proto/formats/ply_header.h"
 #include "proto/gltf/decode.h"
 #include "proto/mesh/one_part.h"
+#include "proto/wire/input_codes.h"
 
 namespace geodesic::proto {
 namespace {
@@ -37,7 +38,7 @@ Result<MeshFormat> sniff_format(std::span<const std::byte> bytes) {
   if (is_ply(text)) return MeshFormat::ply;
   if (is_stl(bytes)) return MeshFormat::stl;
   if (is_obj(bytes)) return MeshFormat::obj;
-  return fail(ErrorCode::format_unknown,
+  return fail(InputCode::format_unknown,
               "The bytes are none of GLB, glTF, Draco, OBJ, PLY and STL.");
 }
 

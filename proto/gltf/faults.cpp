@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "proto/gltf/geometry.h"
+#include "proto/wire/input_codes.h"
 
 namespace geodesic::proto {
 namespace {
@@ -54,8 +55,8 @@ Bounds bounds_of_floats(const GltfElements& elements) {
 
 // What reading would refuse, unless it is only that the bytes are elsewhere.
 std::optional<Error> fault_in(const Result<GltfElements>& elements) {
-  if (elements || elements.error().code == ErrorCode::external_uri ||
-      elements.error().code == ErrorCode::extension_required) {
+  if (elements || elements.error().code == InputCode::external_uri ||
+      elements.error().code == InputCode::extension_required) {
     return std::nullopt;
   }
   return elements.error();

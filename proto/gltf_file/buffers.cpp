@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "proto/wire/input_codes.h"
+
 namespace geodesic::proto {
 namespace {
 
@@ -74,7 +76,7 @@ Result<std::span<const std::byte>> GltfBuffers::buffer(std::size_t index) {
       const std::string_view uri = *buffer.uri;
       const std::size_t comma = uri.find(',');
       if (!uri.starts_with("data:")) {
-        return fail(ErrorCode::external_uri, name_of_buffer(index) +
+        return fail(InputCode::external_uri, name_of_buffer(index) +
                                                  " is in another file; only files with "
                                                  "everything embedded are read.");
       }

@@ -11,6 +11,7 @@
 #include "proto/gltf_file/extensions.h"
 #include "proto/gltf_file/json_checks.h"
 #include "proto/gltf_file/json_extensions.h"
+#include "proto/wire/input_codes.h"
 #include "proto/wire/json_outline.h"
 
 namespace geodesic::proto {
@@ -70,7 +71,7 @@ class Reduction {
       const auto& extension = item.get_ref<const std::string&>();
       if (!is_accepted_extension(extension)) {
         return checks_.fault(
-            ErrorCode::extension_required,
+            InputCode::extension_required,
             "The file requires the extension " + quotable(extension) + ", which is not supported.");
       }
     }

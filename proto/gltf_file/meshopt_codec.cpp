@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "proto/wire/input_codes.h"
+
 namespace geodesic::proto {
 namespace {
 
@@ -113,7 +115,7 @@ Result<std::vector<std::byte>> decode_meshopt(std::span<const std::byte> bytes,
     return fail(ErrorCode::mesh_invalid, name + ": its compressed data claims " + fault + ".");
   }
   if (!bytes.empty() && !is_known_meshopt(bytes, layout)) {
-    return fail(ErrorCode::extension_required,
+    return fail(InputCode::extension_required,
                 name +
                     " is compressed by a newer version of meshopt compression, or a filter for "
                     "colours, which is not supported.");

@@ -12,6 +12,7 @@
 #include "proto/gltf_file/container.h"
 #include "proto/gltf_file/extensions.h"
 #include "proto/gltf_file/json_checks.h"
+#include "proto/wire/input_codes.h"
 #include "proto/wire/json_outline.h"
 
 namespace geodesic::proto {
@@ -109,7 +110,7 @@ class Packing {
       }
       const auto bytes = file_of(uri->get_ref<const std::string&>());
       if (!bytes) {
-        return fail(ErrorCode::external_uri,
+        return fail(InputCode::external_uri,
                     name + " is in " + fit_for_message(uri->get_ref<const std::string&>()) +
                         ", which is not among the parts.");
       }

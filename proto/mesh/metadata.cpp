@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "proto/mesh/mesh_findings.h"
+#include "proto/wire/input_codes.h"
 
 namespace geodesic::proto {
 namespace {
@@ -129,13 +130,13 @@ Result<ImportOptions> import_options_of(const std::string& description) {
       if (auto options = read_import_options(*parameters)) return options;
     }
   }
-  return fail(ErrorCode::store_corrupt, "the stored description of the mesh cannot be read");
+  return fail(InputCode::store_corrupt, "the stored description of the mesh cannot be read");
 }
 
 Result<std::string> with_state(const std::string& description, bool resident, bool prepared) {
   auto object = ordered_json::parse(description, nullptr, /*allow_exceptions=*/false);
   if (!object.is_object()) {
-    return fail(ErrorCode::store_corrupt, "the stored description of the mesh cannot be read");
+    return fail(InputCode::store_corrupt, "the stored description of the mesh cannot be read");
   }
   object["state"] = resident ? "resident" : "stored";
   object["prepared"] = prepared;

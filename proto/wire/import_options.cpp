@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "proto/wire/input_codes.h"
 #include "proto/wire/number.h"
 
 namespace geodesic::proto {
@@ -14,7 +15,7 @@ constexpr double least_scale = 1e-30;
 constexpr double most_scale = 1e30;
 
 tl::unexpected<Error> wrong(const char* parameter, const char* detail,
-                            ErrorCode code = ErrorCode::bad_syntax) {
+                            ErrorCode code = InputCode::bad_syntax) {
   return fail(code, detail, parameter);
 }
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <charconv>
 
+#include "proto/wire/input_codes.h"
+
 namespace geodesic::proto {
 
 namespace {
@@ -107,7 +109,7 @@ Result<Method> find_method(std::string_view name) {
     known += known.empty() ? "" : ", ";
     known += info.name;
   }
-  return fail(ErrorCode::method_unknown, "no such method; there are: " + known, "method");
+  return fail(InputCode::method_unknown, "no such method; there are: " + known, "method");
 }
 
 std::string field_key(const MethodChoice& choice) {

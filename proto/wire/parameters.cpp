@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "proto/wire/input_codes.h"
 #include "proto/wire/json_outline.h"
 #include "proto/wire/number.h"
 
@@ -41,7 +42,7 @@ struct Parameters::Values {
     const json* values = find(name);
     if (values == nullptr) return nullptr;
     if (values->size() != 1) {
-      return fail(ErrorCode::bad_syntax, "this parameter takes one value", std::string(name));
+      return fail(InputCode::bad_syntax, "this parameter takes one value", std::string(name));
     }
     return &values->front();
   }
@@ -62,25 +63,25 @@ Result<Parameters> Parameters::from_json(std::string_view body) {
   auto values = std::make_unique<Values>();
   const JsonOutline outline = outline_of_json(body, kMaxDepth);
   if (outline.is_too_deep) {
-    return fail(ErrorCode::bad_syntax, "the body is nested too deeply", "body");
+    return fail(InputCode::bad_syntax, "the body is nested too deeply", "body");
   }
   json document;
   try {
     document = json::parse(body);
   } catch (const json::exception& error) {
     const auto* parse_error = dynamic_cast<const json::parse_error*>(&error);
-    return fail(ErrorCode::bad_syntax,
+    return fail(InputCode::bad_syntax,
                 parse_error != nullptr
                     ? "the body is not JSON from byte " + std::to_string(parse_error->byte)
                     : "the body is not JSON that can be read",
                 "body");
   }
   if (outline.repeated_name) {
-    return fail(ErrorCode::bad_syntax, "this name comes twice in one JSON object",
+    return fail(InputCode::bad_syntax, "this name comes twice in one JSON object",
                 *outline.repeated_name);
   }
   if (!document.is_object()) {
-    return fail(ErrorCode::bad_syntax, "the body is not a JSON object", "body");
+    return fail(InputCode::bad_syntax, "the body is not a JSON object", "body");
   }
   for (auto& [name, value] : document.items()) {
     values->by_name[name] = value.is_array() ? std::move(value) : json::array({std::move(value)});
@@ -108,7 +109,7 @@ Result<std::vector<PointRequest>> Parameters::points(std::string_view name) {
 
 Result<PointRequest> Parameters::point(std::string_view name) {
   if (count(name) > 1) {
-    return fail(ErrorCode::bad_syntax, "this parameter takes one point", std::string(name));
+    return fail(InputCode::bad_syntax, "this parameter takes one point", std::string(name));
   }
   auto all = points(name);
   if (!all) {
@@ -119,7 +120,7 @@ Result<PointRequest> Parameters::point(std::string_view name) {
     return fail(std::move(all.error()));
   }
   if (all->empty()) {
-    return fail(ErrorCode::bad_syntax, "this parameter is missing", std::string(name));
+    return fail(InputCode::bad_syntax, "this parameter is missing", std::string(name));
   }
   all->front().parameter = std::string(name);
   return std::move(all->front());
@@ -130,7 +131,7 @@ Result<std::optional<double>> Parameters::number(std::string_view name) {
   if (!value) return fail(value.error());
   if (*value == nullptr) return std::optional<double>();
   const auto number = finite_number(**value);
-  if (!number) return fail(ErrorCode::bad_syntax, "this is not a number", std::string(name));
+  if (!number) return fail(InputCode::bad_syntax, "this is not a number", std::string(name));
   return number;
 }
 
@@ -142,7 +143,7 @@ Result<std::optional<std::uint64_t>> Parameters::whole(std::string_view name) {
   if ((*value)->is_string()) number = parse_whole((*value)->get_ref<const std::string&>());
   if ((*value)->is_number_unsigned()) number = (*value)->get<std::uint64_t>();
   if (!number) {
-    return fail(ErrorCode::bad_syntax, "this is not a whole number of zero or more",
+    return fail(InputCode::bad_syntax, "this is not a whole number of zero or more",
                 std::string(name));
   }
   return number;
@@ -153,7 +154,7 @@ Result<std::optional<std::string>> Parameters::text(std::string_view name) {
   if (!value) return fail(value.error());
   if (*value == nullptr) return std::optional<std::string>();
   if (!(*value)->is_string()) {
-    return fail(ErrorCode::bad_syntax, "this is not a text", std::string(name));
+    return fail(InputCode::bad_syntax, "this is not a text", std::string(name));
   }
   return std::optional((*value)->get<std::string>());
 }
@@ -163,7 +164,7 @@ Result<std::optional<std::string>> Parameters::scalar(std::string_view name) {
   if (!value) return fail(value.error());
   if (*value == nullptr) return std::nullopt;
   if (!(*value)->is_number() && !(*value)->is_string()) {
-    return fail(ErrorCode::bad_syntax, "this is a number or a text", std::string(name));
+    return fail(InputCode::bad_syntax, "this is a number or a text", std::string(name));
   }
   return (*value)->dump();
 }
@@ -178,7 +179,7 @@ Result<std::optional<bool>> Parameters::flag(std::string_view name) {
       return std::optional(state);
     }
   }
-  return fail(ErrorCode::bad_syntax, "this is neither 1 nor 0", std::string(name));
+  return fail(InputCode::bad_syntax, "this is neither 1 nor 0", std::string(name));
 }
 
 Result<std::vector<double>> Parameters::numbers(std::string_view name) {
@@ -189,7 +190,7 @@ Result<std::vector<double>> Parameters::numbers(std::string_view name) {
   for (const json& value : *values) {
     const auto number = finite_number(value);
     if (!number) {
-      return fail(ErrorCode::bad_syntax, "this is not a number",
+      return fail(InputCode::bad_syntax, "this is not a number",
                   std::string(name) + "[" + std::to_string(numbers.size()) + "]");
     }
     numbers.push_back(*number);
@@ -213,7 +214,7 @@ Result<std::optional<Vec3>> Parameters::vector(std::string_view name) {
     if (numbers.size() != values->size()) numbers.clear();
   }
   if (numbers.size() != 3) {
-    return fail(ErrorCode::bad_syntax, "a vector is written X,Y,Z, or in JSON [x,y,z]",
+    return fail(InputCode::bad_syntax, "a vector is written X,Y,Z, or in JSON [x,y,z]",
                 std::string(name));
   }
   return std::optional(Vec3{numbers[0], numbers[1], numbers[2]});
@@ -222,7 +223,7 @@ Result<std::optional<Vec3>> Parameters::vector(std::string_view name) {
 Result<void> Parameters::check_all_known() const {
   for (const auto& [name, value] : values_->by_name.items()) {
     if (std::find(values_->asked.begin(), values_->asked.end(), name) == values_->asked.end()) {
-      return fail(ErrorCode::unknown_parameter, "this call has no such parameter",
+      return fail(InputCode::unknown_parameter, "this call has no such parameter",
                   name.substr(0, 64));
     }
   }

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "proto/wire/input_codes.h"
 #include "proto/wire/number.h"
 
 namespace geodesic::proto {
@@ -18,7 +19,7 @@ using nlohmann::json;
 constexpr double kWeightSlack = 1e-6;
 
 tl::unexpected<Error> bad(std::string detail, std::string parameter) {
-  return fail(ErrorCode::bad_syntax, std::move(detail), std::move(parameter));
+  return fail(InputCode::bad_syntax, std::move(detail), std::move(parameter));
 }
 
 Result<PointRequest> on_face(std::uint64_t face, std::array<double, 3> bary, double offset,
@@ -104,7 +105,7 @@ Result<void> check_only_has(const json& object, std::initializer_list<std::strin
                             const std::string& parameter) {
   for (const auto& member : object.items()) {
     if (std::find(names.begin(), names.end(), member.key()) == names.end()) {
-      return fail(ErrorCode::unknown_parameter, "a point of this kind has no such member",
+      return fail(InputCode::unknown_parameter, "a point of this kind has no such member",
                   parameter + "." + member.key());
     }
   }

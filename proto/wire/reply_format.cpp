@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "proto/wire/input_codes.h"
+
 namespace geodesic::proto {
 namespace {
 
@@ -94,7 +96,7 @@ Result<Format> choose(Parameters& parameters, const std::string* accept,
     for (const Format format : offered) {
       if (**name == row_of(format).name) return format;
     }
-    return fail(ErrorCode::not_acceptable,
+    return fail(InputCode::not_acceptable,
                 "this call has no such format; there are: " + list_of(offered, &FormatName::name),
                 "format");
   }
@@ -108,7 +110,7 @@ Result<Format> choose(Parameters& parameters, const std::string* accept,
     best = format;
   }
   if (best) return *best;
-  return fail(ErrorCode::not_acceptable,
+  return fail(InputCode::not_acceptable,
               "offered are: " + list_of(offered, &FormatName::media_type), "Accept");
 }
 

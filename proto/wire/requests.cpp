@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "proto/wire/input_codes.h"
 #include "proto/wire/number.h"
 #include "proto/wire/query_limits.h"
 
@@ -60,7 +61,7 @@ Result<void> check_parameters_of_others(const Parameters& parameters, Purpose pu
       };
       if (parameters.count(parameter.name) == 0 || is_of(info_of(chosen))) continue;
       if (!serves(parameter, purpose)) continue;
-      return fail(ErrorCode::unknown_parameter,
+      return fail(InputCode::unknown_parameter,
                   "method=" + std::string(name_of(chosen)) +
                       " does not take this, method=" + std::string(other.name) + " does",
                   std::string(parameter.name));
@@ -110,7 +111,7 @@ Result<void> check_count(std::size_t count, std::size_t most, const char* parame
 }
 
 Result<void> missing(const char* parameter) {
-  return fail(ErrorCode::bad_syntax, "this parameter is missing", parameter);
+  return fail(InputCode::bad_syntax, "this parameter is missing", parameter);
 }
 
 // Only a source can have an offset; anywhere else it would be ignored silently.
@@ -193,13 +194,13 @@ Result<void> read_levels(Parameters& parameters, IsolinesRequest& request) {
   if (!count) return fail(count.error());
   const bool by_levels = !levels->empty();
   if (!by_levels && !*step && !*count) {
-    return fail(ErrorCode::bad_syntax, "one of levels, step and count is needed", "levels");
+    return fail(InputCode::bad_syntax, "one of levels, step and count is needed", "levels");
   }
   if ((by_levels || *step) && *count) {
-    return fail(ErrorCode::bad_syntax, "only one of levels, step and count", "count");
+    return fail(InputCode::bad_syntax, "only one of levels, step and count", "count");
   }
   if (by_levels && *step) {
-    return fail(ErrorCode::bad_syntax, "only one of levels, step and count", "step");
+    return fail(InputCode::bad_syntax, "only one of levels, step and count", "step");
   }
   if (by_levels) {
     if (auto usable = check_levels(*levels); !usable) return usable;
@@ -273,10 +274,10 @@ Result<void> parse_request(Parameters& parameters, TraceRequest& request) {
   const auto angle = parameters.number("angle");
   if (!angle) return fail(angle.error());
   if (!*direction && !*angle) {
-    return fail(ErrorCode::bad_syntax, "one of direction and angle is needed", "direction");
+    return fail(InputCode::bad_syntax, "one of direction and angle is needed", "direction");
   }
   if (*direction && *angle) {
-    return fail(ErrorCode::bad_syntax, "only one of direction and angle", "angle");
+    return fail(InputCode::bad_syntax, "only one of direction and angle", "angle");
   }
   if (*direction) {
     request.ahead = **direction;

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "server/base/service_codes.h"
 #include "server/base/stage_times.h"
 
 namespace geodesic::server {
@@ -49,7 +50,7 @@ struct Caller {
   // What it stopped by, once it has: its deadline, or its client's leaving.
   [[nodiscard]] Error why_stopped() const {
     if (deadline_over()) {
-      return {ErrorCode::deadline, "the request's deadline has passed", {}, {}, {}};
+      return {ServiceCode::deadline, "the request's deadline has passed", {}, {}, {}};
     }
     return {ErrorCode::cancelled, "the client is gone", {}, {}, {}};
   }

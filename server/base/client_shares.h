@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "server/base/service_codes.h"
 
 namespace geodesic::server {
 
@@ -30,10 +31,10 @@ class ClientShares {
     if (most != 0 && total_ != 0) {
       const std::uint64_t left = total_ < most ? most - total_ : 0;
       if (amount > left) {
-        return fail_limit(ErrorCode::overloaded, "too many " + what_, most, total_ + amount);
+        return fail_limit(ServiceCode::overloaded, "too many " + what_, most, total_ + amount);
       }
       if (own != 0 && own + amount > left) {
-        return fail_limit(ErrorCode::too_many_requests,
+        return fail_limit(ServiceCode::too_many_requests,
                           "too many " + what_ + ", and this client has its share of them", most,
                           total_ + amount);
       }

@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <system_error>
 
+#include "server/base/service_codes.h"
+
 namespace geodesic::server {
 
 namespace fs = std::filesystem;
@@ -19,7 +21,7 @@ File::~File() {
 tl::unexpected<Error> disk_failure(std::string_view what, int error) {
   const bool full = error == ENOSPC || error == EDQUOT || error == EFBIG;
   return fail(
-      full ? ErrorCode::store_full : ErrorCode::store_failed,
+      full ? ServiceCode::store_full : ServiceCode::store_failed,
       fmt::format("the store failed to {}: {}", what, std::generic_category().message(error)));
 }
 

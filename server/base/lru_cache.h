@@ -39,6 +39,7 @@
 
 #include "core/base/error.h"
 #include "server/base/caller.h"
+#include "server/base/service_codes.h"
 
 namespace geodesic::server {
 
@@ -230,7 +231,7 @@ void LruCache<Value>::land(const std::string& key, const std::shared_ptr<Flight>
   if (keep) flights_.erase(under_way);
 
   flight->abandoned = !result || (!*result && (result->error().code == ErrorCode::cancelled ||
-                                               result->error().code == ErrorCode::deadline));
+                                               result->error().code == ServiceCode::deadline));
   if (!flight->abandoned && *result && keep && bytes <= budget_) {
     order_.push_front(Entry{key, **result, bytes});
     entries_.emplace(key, order_.begin());

@@ -7,6 +7,7 @@
 #include <new>
 
 #include "core/base/error.h"
+#include "server/base/service_codes.h"
 
 namespace geodesic::server {
 
@@ -19,7 +20,7 @@ template <class Body>
   } catch (const std::bad_alloc&) {
     // Memory is a resource like a free slot: the same job may do well later.
     spdlog::error("a job ran out of memory");
-    return fail(ErrorCode::overloaded, "out of memory");
+    return fail(ServiceCode::overloaded, "out of memory");
   } catch (const std::exception& thrown) {
     spdlog::error("a job threw: {}", thrown.what());
   } catch (...) {

@@ -12,6 +12,8 @@
 #include <system_error>
 #include <utility>
 
+#include "server/base/service_codes.h"
+
 namespace geodesic::server {
 
 // Guarded by the registry's mutex, but for `request`, which is the thread's once the
@@ -87,16 +89,16 @@ Result<void> Jobs::admit(const std::string& client, std::uint64_t bytes) {
                          std::uint64_t actual) {
     return fail_limit(code, std::move(detail), limit, actual);
   };
-  if (stopping_) return fail(ErrorCode::draining, "the server is about to stop");
+  if (stopping_) return fail(ServiceCode::draining, "the server is about to stop");
   const std::size_t all = waiting_.size() + running_;
   if (all >= limits_.jobs) {
-    return refuse(ErrorCode::overloaded, "too many jobs wait and run", limits_.jobs, all);
+    return refuse(ServiceCode::overloaded, "too many jobs wait and run", limits_.jobs, all);
   }
   const auto share = shares_.find(client);
   const std::size_t own =
       share == shares_.end() ? 0 : share->second.waiting + share->second.running;
   if (own >= half(limits_.jobs)) {
-    return refuse(ErrorCode::too_many_requests, "too many jobs of this client wait and run",
+    return refuse(ServiceCode::too_many_requests, "too many jobs of this client wait and run",
                   half(limits_.jobs), own);
   }
   if (bytes > limits_.bytes) {  // at no time
@@ -106,7 +108,7 @@ Result<void> Jobs::admit(const std::string& client, std::uint64_t bytes) {
   // What has ended makes room for what is wanted.
   while (bytes_ + bytes > limits_.bytes && !ended_.empty()) forget(next_to_forget());
   if (bytes_ + bytes > limits_.bytes) {
-    return refuse(ErrorCode::overloaded, "the jobs' requests take all of their memory",
+    return refuse(ServiceCode::overloaded, "the jobs' requests take all of their memory",
                   limits_.bytes, bytes_ + bytes);
   }
   return {};
@@ -143,7 +145,7 @@ Result<JobReport> Jobs::start(HttpRequest request) {
     } catch (const std::system_error& error) {
       if (threads_.empty()) {
         ++counts_.refused;
-        return fail(ErrorCode::overloaded, "no thread for a job");
+        return fail(ServiceCode::overloaded, "no thread for a job");
       }
       spdlog::warn("a job waits for another's thread: {}", error.what());
     }
@@ -242,7 +244,7 @@ HttpResponse Jobs::reply_to(Job& job) {
                                  job.request);
   } catch (const std::bad_alloc&) {
     spdlog::error("{} a job ran out of memory", job.request.id);
-    return problem(ErrorCode::overloaded, "out of memory");
+    return problem(ServiceCode::overloaded, "out of memory");
   } catch (const std::exception& thrown) {
     spdlog::error("{} a job threw: {}", job.request.id, thrown.what());
   } catch (...) {
@@ -259,14 +261,14 @@ std::uint64_t Jobs::charged(const Job& job) {
 // While a job runs, what it gathers is charged before it is kept.
 Result<void> Jobs::grow(Job& job, std::uint64_t bytes) {
   const std::lock_guard lock(mutex_);
-  if (has_ended(job.report.state)) return fail(ErrorCode::job_cancelled, "the job was cancelled");
+  if (has_ended(job.report.state)) return fail(ServiceCode::job_cancelled, "the job was cancelled");
   if (bytes > limits_.bytes) {  // at no time
     return fail_limit(ErrorCode::too_large, "the reply is too large to be kept", limits_.bytes,
                       bytes);
   }
   while (bytes_ - job.bytes + bytes > limits_.bytes && !ended_.empty()) forget(next_to_forget());
   if (bytes_ - job.bytes + bytes > limits_.bytes) {
-    return fail_limit(ErrorCode::overloaded, "the jobs' replies take all of their memory",
+    return fail_limit(ServiceCode::overloaded, "the jobs' replies take all of their memory",
                       limits_.bytes, bytes_ - job.bytes + bytes);
   }
   charge(job, bytes);
@@ -359,13 +361,13 @@ JobReport Jobs::wait_for_news(const Handle& job, const JobReport& seen,
 Result<HttpResponse> Jobs::result(const std::string& id) {
   const std::lock_guard lock(mutex_);
   const Handle job = find_locked(id);
-  if (!job) return fail(ErrorCode::job_unknown, "no job of this id is kept");
+  if (!job) return fail(ServiceCode::job_unknown, "no job of this id is kept");
   switch (job->report.state) {
     case JobState::queued:
     case JobState::running:
-      return fail(ErrorCode::job_unfinished, "the job has not ended yet");
+      return fail(ServiceCode::job_unfinished, "the job has not ended yet");
     case JobState::cancelled:
-      return fail(ErrorCode::job_cancelled, "the job was cancelled and has no result");
+      return fail(ServiceCode::job_cancelled, "the job was cancelled and has no result");
     case JobState::done:
     case JobState::failed:
       break;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/base/service_codes.h"
+
 namespace geodesic::server {
 namespace {
 
@@ -69,7 +71,7 @@ void JobMemory::limit_to_query() {
 }
 
 std::uint64_t JobMemory::crowded_out() const {
-  return refusal() && refusal()->code == ErrorCode::overloaded ? wanted_at_refusal_ : 0;
+  return refusal() && refusal()->code == ServiceCode::overloaded ? wanted_at_refusal_ : 0;
 }
 
 std::uint64_t JobMemory::held() const { return not_negative(held_); }
@@ -92,7 +94,7 @@ std::optional<Error> JobMemory::ask(std::uint64_t bytes) {
   if (limit_ != 0 && wanted > limit_) {
     ++all_.refused_;
     const std::uint64_t beside = is_query_ ? found_ : 0;
-    return Error{ErrorCode::too_much_memory,
+    return Error{ServiceCode::too_much_memory,
                  is_query_ ? "the query takes more memory than one may: auto takes little, and "
                              "`tolerance` or a nearer `max` less"
                            : "this takes more memory than all computations may have together",
@@ -101,7 +103,7 @@ std::optional<Error> JobMemory::ask(std::uint64_t bytes) {
                  wanted - beside};
   }
   ++all_.crowded_out_;
-  return Error{ErrorCode::overloaded,
+  return Error{ServiceCode::overloaded,
                "other computations hold the memory that this one needs",
                {},
                all_.limit_,

@@ -6,6 +6,7 @@
 #include <new>
 
 #include "server/base/run_guarded.h"
+#include "server/base/service_codes.h"
 #include "server/compute/crew.h"
 
 namespace geodesic::server {
@@ -54,11 +55,11 @@ auto ComputePool::expected_wait(const std::string& client) const -> Clock::durat
 }
 
 Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& caller) {
-  if (draining_) return fail(ErrorCode::draining, "the server is about to stop");
+  if (draining_) return fail(ServiceCode::draining, "the server is about to stop");
   if (caller.deadline_over()) return fail(caller.why_stopped());
   const std::size_t own = queue_.size_of(caller.client);
   if (!caller.is_patient && limits_.jobs_of_client != 0 && own >= limits_.jobs_of_client) {
-    return refuse(Error{ErrorCode::too_many_requests,
+    return refuse(Error{ServiceCode::too_many_requests,
                         "too many computations of this client are waiting",
                         {},
                         limits_.jobs_of_client,
@@ -73,7 +74,7 @@ Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& c
     // waiting.
     const bool too_long = bounds_wait_of(caller) && wait + wait / 4 > limits_.wait;
     if (too_late || too_long) {
-      return refuse(Error{ErrorCode::overloaded,
+      return refuse(Error{ServiceCode::overloaded,
                           too_late ? "the queue is longer than the request's deadline allows"
                                    : "the queue of computations is too long",
                           {},
@@ -88,7 +89,7 @@ Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& c
   if (!caller.is_patient && impatient >= limits_.jobs + (counts_.slots - busy())) {
     if (queue_.longest(may_go) > own + 1) {
       const std::shared_ptr<Job> displaced = queue_.take_from_longest(may_go);
-      displaced->outcome = refuse(Error{ErrorCode::too_many_requests,
+      displaced->outcome = refuse(Error{ServiceCode::too_many_requests,
                                         "the queue is full, and most of it is this client's",
                                         {},
                                         limits_.jobs,
@@ -98,7 +99,7 @@ Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& c
     } else {
       // Whoever waits alone has no share to exceed.
       const bool greedy = queue_.clients() > 1 && own * queue_.clients() > queue_.size();
-      return refuse(Error{greedy ? ErrorCode::too_many_requests : ErrorCode::overloaded,
+      return refuse(Error{greedy ? ServiceCode::too_many_requests : ServiceCode::overloaded,
                           "the queue of computations is full",
                           {},
                           limits_.jobs,
@@ -143,7 +144,7 @@ Result<void> ComputePool::wait_for(const std::shared_ptr<Job>& job, const Caller
     if (caller.deadline_over()) {
       reason = caller.why_stopped();
     } else if (Clock::now() >= latest) {
-      reason = Error{ErrorCode::overloaded, "no compute slot became free in time", {}, {}, {}};
+      reason = Error{ServiceCode::overloaded, "no compute slot became free in time", {}, {}, {}};
     } else if (caller.gone) {
       lock.unlock();  // the question may take a system call
       const bool gone = caller.gone();
@@ -159,7 +160,7 @@ Result<void> ComputePool::wait_for(const std::shared_ptr<Job>& job, const Caller
     }
     if (job->is_patient) --patient_;
     note_queue();
-    ++(reason->code == ErrorCode::overloaded ? counts_.rejected : counts_.given_up);
+    ++(reason->code == ServiceCode::overloaded ? counts_.rejected : counts_.given_up);
     return fail(std::move(*reason));
   }
   return {};

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "server/base/service_codes.h"
 #include "server/compute/pool.h"
 #include "server/http/request_log.h"
 
@@ -66,7 +67,7 @@ bool ComputePool::has_room_for(std::uint64_t wanted) const {
 }
 
 Result<void> ComputePool::wait_for_room(std::uint64_t wanted, const Caller& caller) {
-  const Error crowded{ErrorCode::overloaded,
+  const Error crowded{ServiceCode::overloaded,
                       "other computations hold the memory that this one needs",
                       {},
                       memory_.limits().all,

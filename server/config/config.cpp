@@ -15,6 +15,7 @@
 #include <system_error>
 #include <variant>
 
+#include "proto/wire/input_codes.h"
 #include "proto/wire/json_outline.h"
 #include "server/config/tokens.h"
 
@@ -150,7 +151,7 @@ std::string variable_name(std::string_view option) {
 }
 
 tl::unexpected<Error> bad(std::string detail) {
-  return fail(ErrorCode::bad_syntax, std::move(detail));
+  return fail(InputCode::bad_syntax, std::move(detail));
 }
 
 std::string format_value(const Option& option, const Config& config) {
@@ -166,7 +167,7 @@ std::string format_value(const Option& option, const Config& config) {
 Result<void> set_option(const Option& option, std::string_view text, std::string_view source,
                         Config& config) {
   const auto refuse = [&](std::string_view reason) {
-    return fail(Error{ErrorCode::bad_syntax,
+    return fail(Error{InputCode::bad_syntax,
                       fmt::format("{}: {}", source, reason),
                       std::string(option.name),
                       {},
@@ -223,7 +224,7 @@ using Problems = std::vector<Error>;
 
 void read_file(const std::string& path, Config& config, Origins& origins, Problems& problems) {
   const auto refuse = [&](std::string detail) {
-    problems.push_back({ErrorCode::bad_syntax, std::move(detail), {}, {}, {}});
+    problems.push_back({InputCode::bad_syntax, std::move(detail), {}, {}, {}});
   };
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) return refuse(path + ": is a folder");
@@ -238,7 +239,7 @@ void read_file(const std::string& path, Config& config, Origins& origins, Proble
   const auto repeated =
       proto::outline_of_json(text, kMostLevels, /*ignore_comments=*/true).repeated_name;
   if (repeated) {
-    problems.push_back({ErrorCode::bad_syntax,
+    problems.push_back({InputCode::bad_syntax,
                         fmt::format("{}: {}: comes twice", path, *repeated),
                         *repeated,
                         {},
@@ -251,7 +252,7 @@ void read_file(const std::string& path, Config& config, Origins& origins, Proble
     const auto known = std::find_if(options().begin(), options().end(),
                                     [&](const Option& option) { return option.name == key; });
     if (known == options().end()) {
-      problems.push_back({ErrorCode::unknown_parameter, source + ": no such option", key, {}, {}});
+      problems.push_back({InputCode::unknown_parameter, source + ": no such option", key, {}, {}});
       continue;
     }
     if (!value.is_string() && !value.is_number_unsigned()) {
@@ -360,7 +361,7 @@ Result<CommandLine> read_config(const std::vector<std::string>& arguments,
   }
   for (const std::string& extra : app.remaining()) {
     result.problems.push_back(
-        {ErrorCode::unknown_parameter, fmt::format("'{}' is not known here", extra), {}, {}, {}});
+        {InputCode::unknown_parameter, fmt::format("'{}' is not known here", extra), {}, {}, {}});
   }
   if (result.problems.empty() && (table || make->count() > 0)) {
     auto text = table ? Result<std::string>(config_table()) : print_token(token);
@@ -385,7 +386,7 @@ Result<CommandLine> read_config(const std::vector<std::string>& arguments,
   }
   if (result.config.tls_cert.empty() != result.config.tls_key.empty()) {
     result.problems.push_back(
-        {ErrorCode::bad_syntax, "--tls-cert and --tls-key go together", {}, {}, {}});
+        {InputCode::bad_syntax, "--tls-cert and --tls-key go together", {}, {}, {}});
   }
   if (!result.check && !result.problems.empty()) return fail(result.problems.front());
   if (print && !result.check) result.print = print_config(result.config, origins);

@@ -16,6 +16,7 @@
 #include <system_error>
 #include <utility>
 
+#include "proto/wire/input_codes.h"
 #include "server/base/sha256.h"
 
 namespace geodesic::server {
@@ -28,7 +29,7 @@ constexpr std::array<std::pair<std::string_view, Scope>, 3> kScopeNames{
     {{"read", Scope::read}, {"upload", Scope::upload}, {"admin", Scope::admin}}};
 
 tl::unexpected<Error> bad(std::string detail) {
-  return fail(ErrorCode::bad_syntax, std::move(detail));
+  return fail(InputCode::bad_syntax, std::move(detail));
 }
 
 bool is_name(std::string_view text) {

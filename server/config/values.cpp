@@ -7,12 +7,14 @@
 #include <limits>
 #include <utility>
 
+#include "proto/wire/input_codes.h"
+
 namespace geodesic::server {
 
 namespace {
 
 tl::unexpected<Error> bad(std::string detail) {
-  return fail(ErrorCode::bad_syntax, std::move(detail));
+  return fail(InputCode::bad_syntax, std::move(detail));
 }
 
 }  // namespace

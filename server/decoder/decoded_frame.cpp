@@ -1,12 +1,17 @@
 #include "server/decoder/decoded_frame.h"
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
+#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "core/base/polled_fill.h"
+#include "proto/wire/input_codes.h"
+#include "server/base/service_codes.h"
 
 namespace geodesic::server {
 namespace {
@@ -167,9 +172,31 @@ void mesh_fields(Archive& archive, Mesh& mesh) {
   for (auto& finding : mesh.findings) finding_fields(archive, finding);
 }
 
+// What a decoder may say of a file. A frame that names another code is damaged.
+constexpr std::array kCodes{
+    ErrorCode::too_large,          ErrorCode::mesh_invalid,       ErrorCode::no_triangles,
+    ErrorCode::too_many_vertices,  ErrorCode::too_many_faces,     ErrorCode::index_out_of_range,
+    ErrorCode::value_out_of_range, ErrorCode::unsupported,        ErrorCode::cancelled,
+    ErrorCode::internal,           InputCode::bad_syntax,         InputCode::unknown_parameter,
+    InputCode::format_unknown,     InputCode::extension_required, InputCode::external_uri,
+    ServiceCode::overloaded,
+};
+
+template <class Archive, class Code>
+void code_field(Archive& archive, Code& code) {
+  std::string name(code.name());
+  array(archive, name);
+  if constexpr (std::is_same_v<Archive, Read>) {
+    const auto* const known = std::find_if(kCodes.begin(), kCodes.end(),
+                                           [&](ErrorCode one) { return one.name() == name; });
+    if (known == kCodes.end()) return archive.fail();
+    code = *known;
+  }
+}
+
 template <class Archive, class Problem>
 void error_fields(Archive& archive, Problem& error) {
-  field(archive, error.code);
+  code_field(archive, error.code);
   array(archive, error.detail);
   array(archive, error.parameter);
   optional(archive, error.limit);
@@ -285,9 +312,7 @@ std::optional<Result<Content>> read_frame(std::span<const std::byte> frame, cons
   }
   Error error;
   error_fields(read, error);
-  if (kind != kError || !read.is_complete() || error.code > ErrorCode::internal) {
-    return std::nullopt;
-  }
+  if (kind != kError || !read.is_complete()) return std::nullopt;
   return fail(std::move(error));
 }
 

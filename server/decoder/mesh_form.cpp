@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "proto/gltf_file/pack.h"
+#include "proto/wire/input_codes.h"
 #include "server/decoder/multipart.h"
 
 namespace geodesic::server {
@@ -17,16 +18,16 @@ Result<std::string> file_of_form(std::string_view body, std::string_view boundar
     if (part.filename.empty()) continue;  // a field of the form
     const bool is_document = part.filename.ends_with(".gltf") || part.filename.ends_with(".GLTF");
     if (is_document && document != nullptr) {
-      return fail(ErrorCode::bad_syntax, "more than one part is a .gltf file", "body");
+      return fail(InputCode::bad_syntax, "more than one part is a .gltf file", "body");
     }
     if (is_document) document = &part;
     if (!files.emplace(part.filename, part.bytes).second) {
-      return fail(ErrorCode::bad_syntax, "two parts are files of the same name", "body");
+      return fail(InputCode::bad_syntax, "two parts are files of the same name", "body");
     }
   }
   if (document != nullptr) return proto::pack_gltf(document->bytes, files, limits);
   if (files.size() != 1) {
-    return fail(ErrorCode::bad_syntax, "one part is to be a .gltf file, the others its buffers",
+    return fail(InputCode::bad_syntax, "one part is to be a .gltf file, the others its buffers",
                 "body");
   }
   return std::string(files.begin()->second);

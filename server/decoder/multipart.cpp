@@ -4,6 +4,8 @@
 #include <cctype>
 #include <utility>
 
+#include "proto/wire/input_codes.h"
+
 namespace geodesic::server {
 namespace {
 
@@ -12,7 +14,7 @@ constexpr std::size_t kMostHeaderBytes = 8192;
 constexpr std::size_t kMostBoundaryBytes = 70;  // RFC 2046, section 5.1.1
 
 tl::unexpected<Error> no_form(const char* detail) {
-  return fail(ErrorCode::bad_syntax, detail, "body");
+  return fail(InputCode::bad_syntax, detail, "body");
 }
 
 std::string lower_case(std::string_view text) {

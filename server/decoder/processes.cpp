@@ -17,6 +17,8 @@
 #include <functional>
 #include <utility>
 
+#include "proto/wire/input_codes.h"
+#include "server/base/service_codes.h"
 #include "server/decoder/local_message.h"
 #include "server/decoder/process.h"
 
@@ -70,7 +72,7 @@ std::optional<Result<Content>> frame_in(int fd, const Cancel& cancel) {
 }
 
 tl::unexpected<Error> no_process() {
-  return fail(ErrorCode::overloaded, "there is no process to decode the file");
+  return fail(ServiceCode::overloaded, "there is no process to decode the file");
 }
 
 bool says_no_copy(std::string_view answer) {
@@ -101,7 +103,7 @@ Result<std::unique_ptr<DecoderProcesses>> DecoderProcesses::start(std::string pr
   std::unique_ptr<DecoderProcesses> processes(new DecoderProcesses(std::move(program)));
   processes->limits_ = limits;
   const Decoded tried = processes->decode("no mesh", {}, {}, {});
-  if (tried.error().code != ErrorCode::format_unknown) {
+  if (tried.error().code != InputCode::format_unknown) {
     return fail(ErrorCode::internal, "mesh files cannot be decoded in processes of their own (" +
                                          tried.error().detail +
                                          "); --decoder in-process does without");

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "proto/wire/input_codes.h"
+#include "server/base/service_codes.h"
 #include "server/http/request_log.h"
 
 namespace geodesic::server {
@@ -159,13 +161,13 @@ auto HttpConversation::receive_body(bool overdue) -> MaybeNext {
     if (state == HttpBody::State::too_large) {
       refuse_body({ErrorCode::too_large, "the body is too large", {}, exchange_->body_limit, {}});
     } else if (state == HttpBody::State::malformed) {
-      refuse_body({ErrorCode::bad_syntax, "the chunks of the body do not parse", {}, {}, {}});
+      refuse_body({InputCode::bad_syntax, "the chunks of the body do not parse", {}, {}, {}});
     } else if (!has_room || (state == HttpBody::State::complete && !held_.complete())) {
-      refuse_body({ErrorCode::overloaded, "too many bodies are being received", {}, {}, {}});
+      refuse_body({ServiceCode::overloaded, "too many bodies are being received", {}, {}, {}});
     } else if (state == HttpBody::State::complete) {
       return go(Phase::reply);
     } else if (overdue || Clock::now() > deadline) {
-      refuse_body({ErrorCode::request_timeout, "the body did not arrive in time", {}, {}, {}});
+      refuse_body({ServiceCode::request_timeout, "the body did not arrive in time", {}, {}, {}});
     } else {
       const Progress progress = connection_.receive(body_chunk);
       if (progress == Progress::done) continue;

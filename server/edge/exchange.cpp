@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "server/base/service_codes.h"
 #include "server/http/request_log.h"
 
 namespace geodesic::server {
@@ -41,7 +42,7 @@ void judge_head(const HttpOptions& options, HttpConnection::Head outcome, std::s
       break;
     case HttpConnection::Head::incomplete:
       exchange.refuse(
-          {ErrorCode::request_timeout, "the request's head did not arrive in time", {}, {}, {}});
+          {ServiceCode::request_timeout, "the request's head did not arrive in time", {}, {}, {}});
       break;
     case HttpConnection::Head::target_too_long:
       exchange.refuse({ErrorCode::too_large,

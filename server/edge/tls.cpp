@@ -7,6 +7,8 @@
 #include <array>
 #include <utility>
 
+#include "proto/wire/input_codes.h"
+
 namespace geodesic::server {
 
 namespace {
@@ -34,7 +36,7 @@ tl::unexpected<Error> refuse(const std::string& what) {
   std::array<char, 256> reason{};
   ERR_error_string_n(ERR_peek_last_error(), reason.data(), reason.size());
   ERR_clear_error();
-  return fail(ErrorCode::bad_syntax, fmt::format("TLS: {}: {}", what, reason.data()));
+  return fail(InputCode::bad_syntax, fmt::format("TLS: {}: {}", what, reason.data()));
 }
 
 Result<std::shared_ptr<SSL_CTX>> make_context(const std::string& certificate_file,

@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "server/base/service_codes.h"
 #include "server/http/head.h"
 
 namespace geodesic::server {
@@ -81,7 +82,7 @@ bool CrossOrigin::may_change(const HttpRequest& request) const {
 
 HttpResponse CrossOrigin::refusal(const HttpRequest& request) {
   HttpResponse response = HttpResponse::problem(
-      Error{ErrorCode::forbidden,
+      Error{ServiceCode::forbidden,
             "pages of other origins may not change meshes here; the server's operator can let "
             "them (--cors-write-origins)",
             "Origin",

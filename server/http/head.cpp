@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <charconv>
 
+#include "proto/wire/input_codes.h"
+
 namespace geodesic::server {
 
 namespace {
 
 HeadError bad(std::string detail, std::string parameter = {}, int status = 0) {
-  return {Error{ErrorCode::bad_syntax, std::move(detail), std::move(parameter), {}, {}}, status};
+  return {Error{InputCode::bad_syntax, std::move(detail), std::move(parameter), {}, {}}, status};
 }
 
 HeadError over_limit(std::string detail, int status, std::uint64_t limit, std::uint64_t actual) {
@@ -316,10 +318,10 @@ Result<std::string> percent_decode(std::string_view text, bool plus_is_space) {
       const int high = i + 1 < text.size() ? hex_digit(text[i + 1]) : -1;
       const int low = i + 2 < text.size() ? hex_digit(text[i + 2]) : -1;
       if (high < 0 || low < 0) {
-        return fail(ErrorCode::bad_syntax, "'%' must be followed by two hexadecimal digits");
+        return fail(InputCode::bad_syntax, "'%' must be followed by two hexadecimal digits");
       }
       const int byte = 16 * high + low;
-      if (byte == 0) return fail(ErrorCode::bad_syntax, "%00 is not accepted in a request target");
+      if (byte == 0) return fail(InputCode::bad_syntax, "%00 is not accepted in a request target");
       out += static_cast<char>(byte);
       i += 2;
     }

@@ -4,12 +4,16 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/error.h"
 
 namespace geodesic::server {
 
 inline constexpr std::string_view problem_media_type = "application/problem+json";
+
+// Every code that a client may meet, in the order of the contract.
+[[nodiscard]] std::vector<ErrorCode> all_error_codes();
 
 // The HTTP status of a code, such as 404 for `mesh_unknown`.
 [[nodiscard]] int http_status(ErrorCode code);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/base/client_shares.h"
+#include "server/base/service_codes.h"
 
 namespace geodesic::server {
 
@@ -33,7 +34,7 @@ auto ReplyBudget::reserve(std::uint64_t bytes, const std::string& client)
   const std::uint64_t budget = account_->shares.most();
   if (bytes > budget) {
     ++account_->refused;
-    return fail_limit(ErrorCode::too_much_memory,
+    return fail_limit(ServiceCode::too_much_memory,
                       "this reply takes more memory than the server has for replies; ask for less, "
                       "or in a binary format",
                       budget, bytes);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "proto/wire/input_codes.h"
 #include "server/config/tokens.h"
 #include "server/program/check_config.h"
 #include "server/program/memory_limits.h"
@@ -45,7 +46,7 @@ auto Reload::run() -> Result<Outcome> {
   if (!command) return fail(command.error());
   const Config& fresh = command->config;
   if (const auto problems = problems_of(fresh, environment_); !problems.empty()) {
-    return fail(ErrorCode::bad_syntax, fmt::format("{}", fmt::join(problems, "; ")));
+    return fail(InputCode::bad_syntax, fmt::format("{}", fmt::join(problems, "; ")));
   }
   std::optional<Tokens> tokens;
   if (!fresh.tokens.empty()) {

@@ -8,6 +8,8 @@
 #include "core/mesh/weld.h"
 #include "proto/formats/decode_mesh.h"
 #include "proto/mesh/metadata.h"
+#include "proto/wire/input_codes.h"
+#include "server/base/service_codes.h"
 #include "server/base/sha256.h"
 #include "server/compute/memory.h"
 #include "server/decoder/mesh_form.h"
@@ -82,7 +84,7 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const proto::Imp
     if (sure) return Upload{id, std::move(*description), false};
     // Removed since, or found damaged: then this upload puts it back.
     const ErrorCode code = sure.error().code;
-    if (code != ErrorCode::mesh_unknown && code != ErrorCode::store_corrupt) {
+    if (code != ServiceCode::mesh_unknown && code != InputCode::store_corrupt) {
       return fail(std::move(sure.error()));
     }
   }

@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "server/base/service_codes.h"
+
 namespace geodesic::server {
 namespace {
 
@@ -87,7 +89,7 @@ Result<PlacedPoint> closest_to(const Adjacency& adjacency, const ClosestPointInd
   const auto found = index.closest(request.xyz, cancel);
   if (!found) return fail(found.error());
   if (request.max_snap && found->distance > *request.max_snap) {
-    return fail(ErrorCode::snap_too_far,
+    return fail(ServiceCode::snap_too_far,
                 "the surface is " + std::to_string(found->distance) + " away", parameter);
   }
   PlacedPoint result = placed(adjacency.mesh(), found->point);

@@ -6,6 +6,7 @@
 #include <array>
 #include <string>
 
+#include "server/base/service_codes.h"
 #include "server/http/head.h"
 #include "server/http/request_log.h"
 
@@ -97,7 +98,7 @@ bool Access::admits(HttpRequest& request) const {
 
 std::optional<HttpResponse> Access::check(HttpRequest& request) const {
   const Verdict verdict = judge(request);
-  Error error{ErrorCode::unauthorized, {}, {}, {}, {}};
+  Error error{ServiceCode::unauthorized, {}, {}, {}, {}};
   std::string challenge = "Bearer realm=\"geodesicd\"";
   switch (verdict.outcome) {
     case Outcome::allowed:
@@ -116,7 +117,7 @@ std::optional<HttpResponse> Access::check(HttpRequest& request) const {
       // Of several that would do, the first.
       std::string scope = format_scopes(verdict.needed);
       scope = scope.substr(0, scope.find(','));
-      error.code = ErrorCode::forbidden;
+      error.code = ServiceCode::forbidden;
       error.detail = "the token lacks the scope '" + scope + "'";
       challenge += ", error=\"insufficient_scope\", scope=\"" + scope + "\"";
       break;

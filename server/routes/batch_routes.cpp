@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "proto/wire/input_codes.h"
 #include "proto/wire/parameters.h"
 #include "server/http/problem.h"
 #include "server/routes/call.h"
@@ -74,7 +75,7 @@ HttpResponse Routes::batch(Call& call) {
   const auto hurry = hurried(call.request.caller, parameters);
   if (!hurry) return call.problem(hurry.error());
   if (const auto known = parameters.check_all_known(); !known) {
-    return call.problem(Error{ErrorCode::unknown_parameter,
+    return call.problem(Error{InputCode::unknown_parameter,
                               "parameters of a batch are in its lines, but for deadline_ms",
                               known.error().parameter,
                               {},
@@ -131,7 +132,7 @@ std::string Routes::answer_line(const std::string& mesh, std::string_view text,
     const auto action = parameters->text("query");
     if (!action) return fail(action.error());
     if (!*action || !is_query(**action)) {
-      return fail(ErrorCode::bad_syntax, "each line names its query, such as \"path\"", "query");
+      return fail(InputCode::bad_syntax, "each line names its query, such as \"path\"", "query");
     }
     return answer_any_query({mesh, **action, *parameters, nullptr, caller, nullptr, nullptr, true});
   };

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "proto/wire/input_codes.h"
 #include "proto/wire/parameters.h"
+#include "server/base/service_codes.h"
 #include "server/http/message.h"
 #include "server/routes/routes.h"
 
@@ -41,7 +43,7 @@ struct Routes::Call {
     return problem(Error{code, std::move(detail), {}, {}, {}});
   }
   [[nodiscard]] HttpResponse not_allowed(std::string allowed) const {
-    HttpResponse response = problem(ErrorCode::method_not_allowed, "allowed here: " + allowed);
+    HttpResponse response = problem(ServiceCode::method_not_allowed, "allowed here: " + allowed);
     response.set_header("Allow", allowed + ", OPTIONS");
     return response;
   }
@@ -51,7 +53,7 @@ struct Routes::Call {
   [[nodiscard]] Result<proto::Parameters> parameters() const {
     if (is("GET")) return proto::Parameters::from_query(request.query);
     if (!request.query.empty()) {
-      return fail(ErrorCode::unknown_parameter, "with POST, parameters are in the body",
+      return fail(InputCode::unknown_parameter, "with POST, parameters are in the body",
                   request.query.front().first);
     }
     return proto::Parameters::from_json(request.body);

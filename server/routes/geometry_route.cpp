@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "proto/encode/encode_geometry.h"
+#include "proto/wire/input_codes.h"
 #include "proto/wire/parameters.h"
 #include "proto/wire/reply_format.h"
 #include "server/http/entity_tag.h"
@@ -19,7 +20,7 @@ HttpResponse Routes::mesh_geometry(Call& call) {
   for (const char* name : {"precision", "colormap"}) {
     if (call.request.parameter(name) == nullptr) continue;
     return call.problem(
-        Error{ErrorCode::unknown_parameter, "this call has no such parameter", name, {}, {}});
+        Error{InputCode::unknown_parameter, "this call has no such parameter", name, {}, {}});
   }
   auto parameters = proto::Parameters::from_query(call.request.query);
   const auto format =

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <utility>
 
+#include "server/base/service_codes.h"
 #include "server/base/stage_times.h"
 #include "server/compute/jobs.h"
 #include "server/http/finish_reply.h"
@@ -162,7 +163,7 @@ HttpResponse Routes::one_job(Call& call) {
   const auto& s = call.segments;
   const std::string_view part = s.size() == 4 ? s[3] : "";
   if (s.size() < 3 || s.size() > 4 || (s.size() == 4 && part != "result" && part != "events")) {
-    return call.problem(ErrorCode::route_unknown, "there is nothing here");
+    return call.problem(ServiceCode::route_unknown, "there is nothing here");
   }
   call.route = "/v1/jobs/{id}";
   if (s.size() == 4) call.route += "/" + std::string(part);
@@ -174,7 +175,7 @@ HttpResponse Routes::one_job(Call& call) {
   if (call.is("DELETE")) {
     // To cancel again, or what is forgotten, changes nothing.
     if (!jobs_.remove(id) && !is_job_id(id)) {
-      return call.problem(ErrorCode::job_unknown, "this is no id of a job");
+      return call.problem(ServiceCode::job_unknown, "this is no id of a job");
     }
     HttpResponse response;
     response.status = 204;
@@ -182,7 +183,7 @@ HttpResponse Routes::one_job(Call& call) {
   }
   if (!call.is("GET")) return call.not_allowed("GET, HEAD, DELETE");
   const auto job = jobs_.find(id);
-  if (!job) return call.problem(ErrorCode::job_unknown, "no job of this id is kept");
+  if (!job) return call.problem(ServiceCode::job_unknown, "no job of this id is kept");
   return job_reply(*job);
 }
 
@@ -207,7 +208,7 @@ HttpResponse Routes::packed(HttpResponse response, const HttpRequest& reader) {
 
 HttpResponse Routes::job_events(Call& call, const std::string& id) {
   Jobs::Handle job = jobs_.hold(id);
-  if (!job) return call.problem(ErrorCode::job_unknown, "no job of this id is kept");
+  if (!job) return call.problem(ServiceCode::job_unknown, "no job of this id is kept");
   HttpResponse response;
   response.set_header("Cache-Control", "no-store");
   const std::string* const last = call.request.header("Last-Event-ID");

@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "proto/wire/import_options.h"
+#include "proto/wire/input_codes.h"
 #include "proto/wire/parameters.h"
+#include "server/base/service_codes.h"
 #include "server/base/sha256.h"
 #include "server/decoder/multipart.h"
 #include "server/http/entity_tag.h"
@@ -33,7 +35,7 @@ std::string_view media_type_of(std::string_view format) {
 
 // Whether it may be so of every mesh.
 bool is_of_the_store(ErrorCode code) {
-  return code == ErrorCode::store_failed || code == ErrorCode::store_unavailable;
+  return code == ServiceCode::store_failed || code == ServiceCode::store_unavailable;
 }
 
 // What a list says of a mesh that cannot be described, and why not: the others still can.
@@ -57,7 +59,7 @@ HttpResponse Routes::one_mesh(Call& call) {
   }
   constexpr std::array<std::string_view, 4> kOthers{"source", "geometry", "prepare", "batch"};
   if (!is_query(action) && std::find(kOthers.begin(), kOthers.end(), action) == kOthers.end()) {
-    return call.problem(ErrorCode::route_unknown, "a mesh has nothing of this name");
+    return call.problem(ServiceCode::route_unknown, "a mesh has nothing of this name");
   }
   call.route += "/" + std::string(action);
   if (action == "source") return call.is("GET") ? mesh_source(call) : call.not_allowed("GET, HEAD");
@@ -91,7 +93,7 @@ Result<void> Routes::join_parts(Call& call) {
   if (type == nullptr || !is_multipart(*type)) return {};
   const auto boundary = multipart_boundary(*type);
   if (!boundary) {
-    return fail(ErrorCode::bad_syntax, "the content type has no boundary", "Content-Type");
+    return fail(InputCode::bad_syntax, "the content type has no boundary", "Content-Type");
   }
   auto file = catalog_.file_of_form(call.request.body, *boundary, call.request.caller);
   if (!file) return fail(std::move(file.error()));
@@ -103,15 +105,15 @@ Result<void> Routes::join_parts(Call& call) {
 // give it.
 Result<void> Routes::check_own_digest(const Call& call, const proto::ImportOptions& options) {
   if (!is_mesh_id(call.id)) {
-    return fail(ErrorCode::digest_mismatch,
+    return fail(ServiceCode::digest_mismatch,
                 "a mesh is put under the SHA-256 of its bytes, in lower-case hexadecimal");
   }
   const std::string digest = sha256_hex(call.request.body);
   if (digest != source_digest(call.id)) {
-    return fail(ErrorCode::digest_mismatch, "the bytes have another SHA-256 than the URL");
+    return fail(ServiceCode::digest_mismatch, "the bytes have another SHA-256 than the URL");
   }
   if (has_options(call.id) && call.id != mesh_id(digest, proto::canonical_text(options))) {
-    return fail(ErrorCode::digest_mismatch, "the options have another digest than the URL");
+    return fail(ServiceCode::digest_mismatch, "the options have another digest than the URL");
   }
   return {};
 }
@@ -130,7 +132,7 @@ HttpResponse Routes::list_meshes(Call& call) {
   }
   if (*cursor && !is_mesh_id(**cursor)) {
     return call.problem(
-        Error{ErrorCode::bad_syntax, "this is no cursor of ours", "cursor", {}, {}});
+        Error{InputCode::bad_syntax, "this is no cursor of ours", "cursor", {}, {}});
   }
   const auto ids = catalog_.list(cursor->value_or(""), count + 1);
   std::string page = "{\"meshes\":[";
@@ -140,7 +142,7 @@ HttpResponse Routes::list_meshes(Call& call) {
   for (std::size_t i = 0; i < std::min<std::size_t>(ids.size(), count); ++i) {
     if (call.request.caller()) return call.problem(call.request.caller.why_stopped());
     const auto metadata = catalog_.metadata(ids[i], call.request.caller);
-    if (!metadata && metadata.error().code == ErrorCode::mesh_unknown) continue;  // just deleted
+    if (!metadata && metadata.error().code == ServiceCode::mesh_unknown) continue;  // just deleted
     if (!metadata) {
       all_for_the_store = all_for_the_store && is_of_the_store(metadata.error().code);
       if (!others.empty()) others += ',';

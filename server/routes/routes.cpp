@@ -9,6 +9,7 @@
 
 #include "proto/wire/query_limits.h"
 #include "proto/wire/replies.h"
+#include "server/base/service_codes.h"
 #include "server/base/stage_times.h"
 #include "server/http/finish_reply.h"
 #include "server/reply/encode_reply.h"
@@ -169,14 +170,14 @@ HttpResponse Routes::dispatch(Call& call) {
     return call.not_allowed("GET, HEAD, POST, PUT, DELETE");
   }
   if (config_->admin_listen.host.empty()) return operate(call);
-  return call.problem(ErrorCode::route_unknown, "there is nothing here");
+  return call.problem(ServiceCode::route_unknown, "there is nothing here");
 }
 
 // /livez, /readyz, /metrics and /debug/cache.
 HttpResponse Routes::operate(Call& call) {
   const std::string& path = call.request.path;
   if (path != "/livez" && path != "/readyz" && path != "/metrics" && path != "/debug/cache") {
-    return call.problem(ErrorCode::route_unknown, "there is nothing here");
+    return call.problem(ServiceCode::route_unknown, "there is nothing here");
   }
   call.route = path;
   if (!call.is("GET")) return call.not_allowed("GET, HEAD");
@@ -187,9 +188,9 @@ HttpResponse Routes::operate(Call& call) {
     response = json_reply(cache_report());
   } else {
     if (path == "/readyz") {
-      if (draining_) return call.problem(ErrorCode::draining, "about to stop");
+      if (draining_) return call.problem(ServiceCode::draining, "about to stop");
       if (!listener_().is_accepting) {
-        return call.problem(ErrorCode::overloaded, "connections wait that cannot be accepted");
+        return call.problem(ServiceCode::overloaded, "connections wait that cannot be accepted");
       }
       if (const auto store = catalog_.store_health(); !store) return call.problem(store.error());
     }

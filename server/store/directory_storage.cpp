@@ -13,6 +13,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "server/base/service_codes.h"
 #include "server/store/mesh_store.h"
 
 namespace geodesic::server {
@@ -70,7 +71,7 @@ Result<std::vector<Found>> files_below(const fs::path& folder, std::string_view 
 Result<std::unique_ptr<ObjectStorage>> DirectoryStorage::open(const fs::path& directory) {
   // This error is for the operator, who needs to know where.
   const auto cannot = [&](const std::string& reason) {
-    return fail(ErrorCode::store_failed,
+    return fail(ServiceCode::store_failed,
                 fmt::format("cannot use {} as the store: {}", directory.string(), reason));
   };
   std::error_code error;

@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "server/base/service_codes.h"
+
 namespace geodesic::server {
 
 namespace {
@@ -100,8 +102,8 @@ Result<std::vector<std::string>> StoreIndex::reserve(std::uint64_t bytes) {
     }
     return victims;
   }
-  return fail_limit(ErrorCode::store_full, "the store has no room for this mesh", budget_.max_bytes,
-                    wanted);
+  return fail_limit(ServiceCode::store_full, "the store has no room for this mesh",
+                    budget_.max_bytes, wanted);
 }
 
 void StoreIndex::release(std::uint64_t bytes) {

@@ -5,6 +5,8 @@
 #include <ctime>
 #include <utility>
 
+#include "proto/wire/input_codes.h"
+#include "server/base/service_codes.h"
 #include "server/base/sha256.h"
 
 namespace geodesic::server {
@@ -96,14 +98,14 @@ Result<void> MeshStore::put(std::string_view id, std::string_view bytes,
                             std::string_view metadata) {
   if (!is_mesh_id(id)) return unknown_mesh();
   if (sha256_hex(bytes) != source_digest(id)) {
-    return fail(ErrorCode::digest_mismatch, "the bytes do not have the given SHA-256");
+    return fail(ServiceCode::digest_mismatch, "the bytes do not have the given SHA-256");
   }
   auto stored = is_stored(id);
   if (!stored) return fail(std::move(stored.error()));
   if (*stored && is_surely_whole(id)) {
     auto replaced = put_metadata(id, metadata);
     // Somebody may have removed it meanwhile: then it is put anew.
-    if (replaced || replaced.error().code != ErrorCode::mesh_unknown) return replaced;
+    if (replaced || replaced.error().code != ServiceCode::mesh_unknown) return replaced;
     stored = false;
   }
   std::optional<Room> room;  // what is there has its own
@@ -274,7 +276,7 @@ Result<std::string> MeshStore::read_again_or_quarantine(std::string_view id) {
   const bool moved = static_cast<bool>(counted(storage_->quarantine(id, damaged.bytes)));
   spdlog::error("store: {} is {}; {}", id, *bytes ? "not what was stored" : "missing",
                 moved ? "it is in quarantine now" : "it could not be put into quarantine");
-  return fail(ErrorCode::store_corrupt, "the stored bytes are damaged; upload the mesh again");
+  return fail(InputCode::store_corrupt, "the stored bytes are damaged; upload the mesh again");
 }
 
 Result<std::optional<std::string>> MeshStore::get_metadata(std::string_view id) {
@@ -290,7 +292,7 @@ Result<std::optional<std::string>> MeshStore::get_metadata(std::string_view id) 
         return std::make_shared<const std::string>(std::move((*read)->bytes));
       });
   if (metadata) return *metadata->value;
-  if (metadata.error().code == ErrorCode::mesh_unknown) return std::nullopt;
+  if (metadata.error().code == ServiceCode::mesh_unknown) return std::nullopt;
   return fail(metadata.error());
 }
 
@@ -421,7 +423,7 @@ Result<void> MeshStore::check() {
     if (age >= kScanInterval) well = rescan();
   }
   // Whatever the cause: not now, and perhaps later.
-  if (!well) well.error().code = ErrorCode::store_unavailable;
+  if (!well) well.error().code = ServiceCode::store_unavailable;
   const std::lock_guard lock(state_mutex_);
   if (health_ && !well) spdlog::error("store: not ready: {}", well.error().detail);
   if (!health_ && well) spdlog::info("store: ready again");

@@ -43,6 +43,7 @@
 #include "core/base/error.h"
 #include "server/base/lru_cache.h"
 #include "server/base/reply_file.h"
+#include "server/base/service_codes.h"
 #include "server/store/budget.h"
 #include "server/store/index.h"
 #include "server/store/object_storage.h"
@@ -51,7 +52,7 @@ namespace geodesic::server {
 
 // The error that names no mesh: nothing of that id is stored.
 [[nodiscard]] inline tl::unexpected<Error> unknown_mesh() {
-  return fail(ErrorCode::mesh_unknown, "no mesh of this id is stored");
+  return fail(ServiceCode::mesh_unknown, "no mesh of this id is stored");
 }
 
 class MeshStore {

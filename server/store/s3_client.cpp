@@ -14,6 +14,7 @@
 #include <thread>
 #include <utility>
 
+#include "server/base/service_codes.h"
 #include "server/base/sha256.h"
 
 namespace geodesic::server {
@@ -144,7 +145,7 @@ class S3Client::Turn {
     // A probe counts, but does not queue: it must tell of a storage that is too busy.
     if (!at_once && client.running_ >= kMostRunning) {
       if (client.waiting_ >= kMostWaiting) {
-        return fail(ErrorCode::store_unavailable,
+        return fail(ServiceCode::store_unavailable,
                     "too many requests wait for the object store; try again");
       }
       ++client.waiting_;
@@ -152,7 +153,7 @@ class S3Client::Turn {
                                                [&] { return client.running_ < kMostRunning; });
       --client.waiting_;
       if (!free) {
-        return fail(ErrorCode::store_unavailable, "the object store is too slow; try again");
+        return fail(ServiceCode::store_unavailable, "the object store is too slow; try again");
       }
     }
     CURL* handle = nullptr;
@@ -197,7 +198,7 @@ S3Client::~S3Client() {
 
 Result<S3Reply> S3Client::send(const S3Request& request) {
   if (!request.is_probe) {
-    if (const auto reason = why_resting()) return fail(ErrorCode::store_unavailable, *reason);
+    if (const auto reason = why_resting()) return fail(ServiceCode::store_unavailable, *reason);
   }
   auto turn = Turn::take(*this, request.is_probe);
   if (!turn) return fail(std::move(turn.error()));
@@ -221,7 +222,7 @@ Result<S3Reply> S3Client::send_with(CURL* handle, const S3Request& request) {
           "the object store cannot be reached: " +
           std::string(curl_easy_strerror(static_cast<CURLcode>(result.curl_code)));
       rest(reason);
-      return fail(ErrorCode::store_unavailable, reason);
+      return fail(ServiceCode::store_unavailable, reason);
     }
     end_rest();
     if ((status >= 200 && status < 300) || status == 404) return std::move(result.reply);
@@ -235,9 +236,10 @@ Result<S3Reply> S3Client::send_with(CURL* handle, const S3Request& request) {
     const std::string reason =
         fmt::format("the object store answered {}{}{}", status, code.empty() ? "" : " ", code);
     if (status == 507 || code == "QuotaExceeded" || code == "XMinioStorageFull") {
-      return fail(ErrorCode::store_full, reason);
+      return fail(ServiceCode::store_full, reason);
     }
-    return fail(is_later(status) ? ErrorCode::store_unavailable : ErrorCode::store_failed, reason);
+    return fail(is_later(status) ? ServiceCode::store_unavailable : ServiceCode::store_failed,
+                reason);
   }
 }
 

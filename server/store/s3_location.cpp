@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "proto/wire/input_codes.h"
 #include "server/http/head.h"
 
 namespace geodesic::server {
@@ -24,7 +25,7 @@ using Url = std::unique_ptr<CURLU, FreeUrl>;
 using Text = std::unique_ptr<char, FreeText>;
 
 tl::unexpected<Error> bad(std::string_view url, std::string_view reason) {
-  return fail(ErrorCode::bad_syntax, fmt::format("'{}': {}", url, reason));
+  return fail(InputCode::bad_syntax, fmt::format("'{}': {}", url, reason));
 }
 
 // A part of a URL, empty if it has none.
@@ -94,7 +95,7 @@ Result<Parameters> parameters_of(std::string_view url, std::string_view query) {
       parameters.timeout = std::move(value);
     } else {
       return fail(
-          ErrorCode::unknown_parameter,
+          InputCode::unknown_parameter,
           fmt::format("'{}': '{}' is none of endpoint, region, style and timeout", url, name));
     }
   }

@@ -8,6 +8,7 @@
 #include <pugixml.hpp>
 #include <utility>
 
+#include "server/base/service_codes.h"
 #include "server/store/mesh_store.h"
 
 namespace geodesic::server {
@@ -21,7 +22,7 @@ constexpr std::uint64_t kMostObjectBytes = std::uint64_t{5} << 30;
 constexpr std::size_t kListsAtOnce = 8;
 
 tl::unexpected<Error> not_there() {
-  return fail(ErrorCode::store_failed, "the bucket of the object store is not there");
+  return fail(ServiceCode::store_failed, "the bucket of the object store is not there");
 }
 
 // "2026-01-31T12:34:56.789Z" in seconds since 1970; 0 if it is none.
@@ -53,7 +54,7 @@ Result<S3Storage::Page> S3Storage::list_page(const std::string& digits, const st
   const pugi::xml_node list = document.load_buffer(reply->body.data(), reply->body.size())
                                   ? document.child("ListBucketResult")
                                   : pugi::xml_node();
-  if (!list) return fail(ErrorCode::store_failed, "the object store's list cannot be read");
+  if (!list) return fail(ServiceCode::store_failed, "the object store's list cannot be read");
   Page page;
   for (const pugi::xml_node item : list.children("Contents")) {
     std::string key = item.child_value("Key");
@@ -67,7 +68,7 @@ Result<S3Storage::Page> S3Storage::list_page(const std::string& digits, const st
   if (std::string_view(list.child_value("IsTruncated")) == "true") {
     page.next = list.child_value("NextContinuationToken");
     if (page.next.empty() || page.next == token) {
-      return fail(ErrorCode::store_failed, "the object store's list does not go on");
+      return fail(ServiceCode::store_failed, "the object store's list does not go on");
     }
   }
   return page;
@@ -83,7 +84,7 @@ Result<std::vector<StoredMesh>> S3Storage::list_all(const std::string& digits) {
     if (page->next.empty()) return meshes;
     token = std::move(page->next);
   }
-  return fail(ErrorCode::store_failed, "the object store's list has no end");
+  return fail(ServiceCode::store_failed, "the object store's list has no end");
 }
 
 // One page holds a small store. A large one is listed by the ids' first digits, some
@@ -161,7 +162,7 @@ Result<std::optional<StoredObject>> S3Storage::read(ObjectKind kind, std::string
     request.max_reply_bytes = kMostObjectBytes;
     reply = client_.send(request);
     if (!reply) return fail(std::move(reply.error()));
-    if (reply->cut) return fail(ErrorCode::store_failed, "an object of the store is too large");
+    if (reply->cut) return fail(ServiceCode::store_failed, "an object of the store is too large");
   }
   if (reply->status == 404) return std::nullopt;
   // Without a length, a body that ended early looks whole: it must not stand for a version.

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "proto/wire/input_codes.h"
 #include "server/decoder/multipart.h"
 #include "server/edge/body.h"
 #include "server/http/head.h"
@@ -153,7 +154,7 @@ void fuzz_form(Input input) {
   const std::string_view body = text.substr(line + 1);
   const auto parts = server::read_multipart(body, *boundary);
   if (!parts) {
-    expect(parts.error().code == ErrorCode::bad_syntax, "an error is the client's");
+    expect(parts.error().code == InputCode::bad_syntax, "an error is the client's");
     return;
   }
   std::size_t bytes = 0;

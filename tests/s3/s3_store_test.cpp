@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "proto/wire/input_codes.h"
+#include "server/base/service_codes.h"
 #include "server/base/sha256.h"
 #include "server/store/mesh_store.h"
 #include "server/store/open_store.h"
@@ -112,9 +114,9 @@ TEST_CASE("S3: what was put comes back, from another process's store too") {
   CHECK(*other->get_metadata(id) == "{\"vertices\":3}");
   CHECK(store->remove(id) == true);
   CHECK(store->remove(id) == false);
-  CHECK(store->get_source(id).error().code == ErrorCode::mesh_unknown);
+  CHECK(store->get_source(id).error().code == ServiceCode::mesh_unknown);
   // The other one finds out when it asks.
-  CHECK(other->get_source(id).error().code == ErrorCode::mesh_unknown);
+  CHECK(other->get_source(id).error().code == ServiceCode::mesh_unknown);
   CHECK_FALSE(other->contains(id));
   CHECK(opened(url)->size() == 0);
 }
@@ -186,11 +188,11 @@ TEST_CASE("S3: damaged bytes are put into quarantine and not served") {
     overwrite(client, "objects/" + id, damaged);
     const auto got = store->get_source(id);
     REQUIRE_FALSE(got);
-    CHECK(got.error().code == ErrorCode::store_corrupt);
+    CHECK(got.error().code == InputCode::store_corrupt);
     CHECK((object(client, "quarantine/" + id) == damaged.substr(0, 1 << 20)));
     // Not deleted, for another process may have put the mesh again meanwhile.
     CHECK((object(client, "objects/" + id) == damaged.substr(0, 1 << 20)));
-    CHECK(store->get_source(id).error().code == ErrorCode::mesh_unknown);
+    CHECK(store->get_source(id).error().code == ServiceCode::mesh_unknown);
     CHECK(store->is_stored(id) == false);
     REQUIRE(store->rescan());
     CHECK(store->list("", 10).empty());
@@ -211,13 +213,13 @@ TEST_CASE("S3: budgets hold there too") {
   const auto full = opened(url_of("refuse"), {2500, WhenFull::refuse});
   REQUIRE(full->put(sha256_hex(a), a, "{}"));
   REQUIRE(full->put(sha256_hex(b), b, "{}"));
-  CHECK(full->put(sha256_hex(c), c, "{}").error().code == ErrorCode::store_full);
+  CHECK(full->put(sha256_hex(c), c, "{}").error().code == ServiceCode::store_full);
   const auto store = opened(url_of("evict"), {2500, WhenFull::evict});
   REQUIRE(store->put(sha256_hex(a), a, "{}"));
   REQUIRE(store->put(sha256_hex(b), b, "{}"));
   REQUIRE(store->put(sha256_hex(c), c, "{}"));
   CHECK_FALSE(store->contains(sha256_hex(a)));
-  CHECK(store->get_source(sha256_hex(a)).error().code == ErrorCode::mesh_unknown);
+  CHECK(store->get_source(sha256_hex(a)).error().code == ServiceCode::mesh_unknown);
   CHECK(store->get_source(sha256_hex(b)) == b);
 }
 
@@ -248,7 +250,7 @@ TEST_CASE("S3: every way to name the bucket is signed as the server reads it") {
 TEST_CASE("S3: a store that cannot be opened says why, and tells no secret") {
   const auto wrong = open_store(url_of(""), {}, with({{"AWS_SECRET_ACCESS_KEY", "hush-hush"}}));
   REQUIRE_FALSE(wrong);
-  CHECK(wrong.error().code == ErrorCode::store_failed);
+  CHECK(wrong.error().code == ServiceCode::store_failed);
   CHECK(wrong.error().detail.find("SignatureDoesNotMatch") != std::string::npos);
   CHECK(wrong.error().detail.find("hush") == std::string::npos);
   const auto missing = open_store("s3://nosuchbucket?endpoint=" + variable("GEODESIC_TEST_S3"), {},
@@ -260,7 +262,7 @@ TEST_CASE("S3: a store that cannot be opened says why, and tells no secret") {
   const auto down =
       open_store("s3://bucket?endpoint=http://127.0.0.1:1", {}, process_environment());
   REQUIRE_FALSE(down);
-  CHECK(down.error().code == ErrorCode::store_unavailable);
+  CHECK(down.error().code == ServiceCode::store_unavailable);
   CHECK(down.error().detail.find("cannot be reached") != std::string::npos);
 }
 
@@ -272,19 +274,19 @@ TEST_CASE("S3: when the server hangs, errors are soon and clear, and it comes ba
     const Paused paused;
     const auto first = store->get_source(id);
     REQUIRE_FALSE(first);
-    CHECK(first.error().code == ErrorCode::store_unavailable);
+    CHECK(first.error().code == ServiceCode::store_unavailable);
     CHECK(first.error().detail.find("127.0.0.1") == std::string::npos);
     // From now on nobody waits: a thousand requests would take an hour.
     for (int i = 0; i < 1000; ++i) {
-      CHECK(store->get_source(id).error().code == ErrorCode::store_unavailable);
+      CHECK(store->get_source(id).error().code == ServiceCode::store_unavailable);
     }
-    CHECK(store->use(sha256_hex("y")).error().code == ErrorCode::store_unavailable);
-    CHECK(store->put(sha256_hex("y"), "y", "{}").error().code == ErrorCode::store_unavailable);
-    CHECK(store->remove(id).error().code == ErrorCode::store_unavailable);
+    CHECK(store->use(sha256_hex("y")).error().code == ServiceCode::store_unavailable);
+    CHECK(store->put(sha256_hex("y"), "y", "{}").error().code == ServiceCode::store_unavailable);
+    CHECK(store->remove(id).error().code == ServiceCode::store_unavailable);
     CHECK(store->contains(id));
     CHECK(store->list("", 10) == std::vector<std::string>{id});
     CHECK_FALSE(store->check());
-    CHECK(store->health().error().code == ErrorCode::store_unavailable);
+    CHECK(store->health().error().code == ServiceCode::store_unavailable);
   }
   CHECK(is_well_again(*store));
   CHECK(store->health());
@@ -303,7 +305,7 @@ TEST_CASE("S3: a hundred requests at once to a server that hangs are answered al
     for (int i = 0; i < 100; ++i) {
       crowd.emplace_back([&] {
         const auto got = store->get_source(id);
-        if (!got && got.error().code == ErrorCode::store_unavailable) ++unavailable;
+        if (!got && got.error().code == ServiceCode::store_unavailable) ++unavailable;
       });
     }
     for (std::thread& one : crowd) one.join();
@@ -325,7 +327,7 @@ TEST_CASE("S3: puts, reads and removals at once do no harm") {
         if (t < 3) wrong += !store->put(id, bytes, "{}");
         if (t == 3) wrong += !store->remove(id);
         const auto got = store->get_source(id);
-        if (got ? *got != bytes : got.error().code != ErrorCode::mesh_unknown) ++wrong;
+        if (got ? *got != bytes : got.error().code != ServiceCode::mesh_unknown) ++wrong;
       }
       return wrong;
     }));

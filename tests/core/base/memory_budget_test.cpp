@@ -12,6 +12,7 @@
 #include "core/field/window_table.h"
 #include "core/paths/isolines.h"
 #include "core/solve/solve_field.h"
+#include "server/base/service_codes.h"
 #include "tests/fixtures/bumpy_plane.h"
 #include "tests/fixtures/test_seed.h"
 
@@ -29,7 +30,7 @@ struct Purse {
   MemoryBudget budget{[this](std::uint64_t bytes) -> std::optional<Error> {
     asked += bytes;
     if (bytes > left) {
-      return Error{ErrorCode::too_much_memory, "no more", {}, left, bytes};
+      return Error{ServiceCode::too_much_memory, "no more", {}, left, bytes};
     }
     left -= bytes;
     return std::nullopt;
@@ -76,7 +77,7 @@ TEST_CASE("WhatIsRefusedEndsWithTooMuchMemoryAndLeavesNothingBehind") {
         solve_field(method, options, adjacency, {&source, 1}, limits, kept, little.cancel);
     if (!field) {
       ++refused;
-      CHECK(field.error().code == ErrorCode::too_much_memory);
+      CHECK(field.error().code == ServiceCode::too_much_memory);
       CHECK(field.error().detail == "no more");
       CHECK(little.budget.refusal());
     }
@@ -108,7 +109,7 @@ TEST_CASE("TheWindowsOfAnExactMethodAreAskedForBeforeTheyAreMade") {
     SolveScratch other;
     const auto refused = solve_field(method, {}, adjacency, {&source, 1}, {}, other, cancel);
     REQUIRE_FALSE(refused);
-    CHECK(refused.error().code == ErrorCode::too_much_memory);
+    CHECK(refused.error().code == ServiceCode::too_much_memory);
     CHECK(polled < 3);
   }
 }
@@ -118,12 +119,12 @@ TEST_CASE("MeshesAndAdjacencyAndLinesAskToo") {
   Purse none(1000);
   const auto mesh = Mesh::build(soup, Weld::by_position, none.cancel);
   REQUIRE_FALSE(mesh);
-  CHECK(mesh.error().code == ErrorCode::too_much_memory);
+  CHECK(mesh.error().code == ServiceCode::too_much_memory);
   const auto built = std::make_shared<const Mesh>(std::move(*Mesh::build(soup)));
   Purse little(1000);
   const auto adjacency = Adjacency::build(built, little.cancel);
   REQUIRE_FALSE(adjacency);
-  CHECK(adjacency.error().code == ErrorCode::too_much_memory);
+  CHECK(adjacency.error().code == ServiceCode::too_much_memory);
 
   const Adjacency whole = Adjacency::build(built);
   const Source source{point_at_vertex(whole, 0), 0};
@@ -135,5 +136,5 @@ TEST_CASE("MeshesAndAdjacencyAndLinesAskToo") {
   Purse few(1000);
   const auto lines = isolines(whole, *field, levels, 1'000'000, few.cancel);
   REQUIRE_FALSE(lines);
-  CHECK(lines.error().code == ErrorCode::too_much_memory);
+  CHECK(lines.error().code == ServiceCode::too_much_memory);
 }

@@ -15,6 +15,7 @@
 #include "core/mesh/shapes.h"
 #include "core/steiner/path.h"
 #include "core/straighten/refine_path.h"
+#include "server/base/service_codes.h"
 #include "tests/fixtures/crumpled_surfaces.h"
 #include "tests/fixtures/dense_graph.h"
 #include "tests/fixtures/mixed_scales.h"
@@ -198,7 +199,7 @@ bool comes_to_an_end(const Surface& surface, std::mt19937& random) {
     std::uint64_t bytes = 0;
     MemoryBudget memory([&](std::uint64_t wanted) -> std::optional<Error> {
       if ((bytes += wanted) < kMostBytes) return std::nullopt;
-      return Error{ErrorCode::too_much_memory, "more than this mesh needs", {}, {}, {}};
+      return Error{ServiceCode::too_much_memory, "more than this mesh needs", {}, {}, {}};
     });
     const Cancel cancel([&] { return ++questions > kMostQuestions; }, {}, &memory);
     SolveScratch scratch;

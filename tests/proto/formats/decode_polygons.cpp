@@ -40,7 +40,7 @@ void check_bad(const std::string& text, ErrorCode code, const std::string& named
   CAPTURE(text);
   REQUIRE_FALSE(mesh.has_value());
   CAPTURE(mesh.error().detail);
-  CHECK(name_of(mesh.error().code) == name_of(code));
+  CHECK(mesh.error().code.name() == code.name());
   CHECK(mesh.error().detail.find(named) != std::string::npos);
 }
 

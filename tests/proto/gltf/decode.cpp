@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "proto/wire/input_codes.h"
 #include "tests/proto/gltf_file/fixture.h"
 
 using namespace geodesic;
@@ -274,6 +275,6 @@ TEST_CASE("the format is found from the bytes") {
        {"", "glT", "plyers\n", "[1]", "solid", "\x89PNG", "v", "# v 1 2 3", "vase 1"}) {
     const auto format = sniff_format(bytes_of(other));
     REQUIRE_FALSE(format.has_value());
-    CHECK(format.error().code == ErrorCode::format_unknown);
+    CHECK(format.error().code == InputCode::format_unknown);
   }
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "proto/encode/encode_mesh.h"
+#include "proto/wire/input_codes.h"
 #include "tests/proto/gltf_file/fixture.h"
 
 using namespace geodesic;
@@ -161,7 +162,7 @@ TEST_CASE("other files are never opened") {
                           "https://example.org/mesh.bin"}) {
     CAPTURE(uri);
     check_refused(spoiled("/buffers", {{{"byteLength", 44}, {"uri", uri}}}),
-                  ErrorCode::external_uri, "buffer 0");
+                  InputCode::external_uri, "buffer 0");
   }
 }
 
@@ -177,7 +178,7 @@ TEST_CASE("data URIs that are not base64 are refused") {
 
 TEST_CASE("extensions that move vertices are refused by name") {
   for (const char* name : {"MPEG_media", "KHR_gaussian_splatting", "ACME_bend"}) {
-    check_refused(spoiled("/extensionsRequired", {name}), ErrorCode::extension_required, name);
+    check_refused(spoiled("/extensionsRequired", {name}), InputCode::extension_required, name);
   }
 }
 

@@ -181,7 +181,7 @@ inline void check_refused(const Bytes& bytes, ErrorCode code, const std::string&
   const auto mesh = decode_mesh(bytes, limits);
   REQUIRE_FALSE(mesh.has_value());
   CAPTURE(mesh.error().detail);
-  CHECK(name_of(mesh.error().code) == name_of(code));
+  CHECK(mesh.error().code.name() == code.name());
   CHECK(mesh.error().detail.find(named) != std::string::npos);
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "proto/wire/input_codes.h"
 #include "tests/proto/gltf_file/fixture.h"
 
 using namespace geodesic;
@@ -59,7 +60,7 @@ Parts three_buffers() {
 void check_not_packed(const Result<std::string>& packed, ErrorCode code, const std::string& named) {
   REQUIRE_FALSE(packed.has_value());
   CAPTURE(packed.error().detail);
-  CHECK(name_of(packed.error().code) == name_of(code));
+  CHECK(packed.error().code.name() == code.name());
   CHECK(packed.error().detail.find(named) != std::string::npos);
 }
 
@@ -100,12 +101,12 @@ TEST_CASE("what needs no packing is packed too") {
 
 TEST_CASE("a file that is missing is named") {
   const Parts parts = three_buffers();
-  check_not_packed(parts.packed({{"indices.bin", parts.indices}}), ErrorCode::external_uri,
+  check_not_packed(parts.packed({{"indices.bin", parts.indices}}), InputCode::external_uri,
                    "buffer 0 is in ./data/a%20b.bin, which is not among the parts");
   for (const char* uri : {"../../etc/passwd", "file:///etc/passwd", "https://example.org/a.bin"}) {
     Parts other = parts;
     other.document["buffers"][2]["uri"] = uri;
-    check_not_packed(other.packed(), ErrorCode::external_uri, "buffer 2 is in");
+    check_not_packed(other.packed(), InputCode::external_uri, "buffer 2 is in");
   }
 }
 

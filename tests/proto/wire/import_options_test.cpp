@@ -12,6 +12,7 @@
 #include "proto/encode/encode_mesh.h"
 #include "proto/mesh/mesh_findings.h"
 #include "proto/mesh/metadata.h"
+#include "proto/wire/input_codes.h"
 #include "tests/proto/gltf_file/fixture.h"
 
 using namespace geodesic;
@@ -115,7 +116,7 @@ TEST_CASE("options that can't be are refused, naming the parameter") {
          {"scale", "big"},
          {"scale", "inf"},
          {"scene", std::string(600, 'a')}},
-        ErrorCode::bad_syntax);
+        InputCode::bad_syntax);
   check({{"weld", "-1"},
          {"weld", "1e99"},
          {"weld", "1e-99"},

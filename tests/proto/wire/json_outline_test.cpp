@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "proto/wire/input_codes.h"
 #include "proto/wire/parameters.h"
 #include "tests/fixtures/test_seed.h"
 
@@ -78,6 +79,6 @@ TEST_CASE("names that collide in a hash table cost no more than others") {
   // A hash table takes a second and a half of processor time for each, a tree hundredths of one.
   CHECK(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC < 1);
   REQUIRE_FALSE(repeated);
-  CHECK(repeated.error().code == ErrorCode::bad_syntax);
+  CHECK(repeated.error().code == InputCode::bad_syntax);
   CHECK(repeated.error().parameter == first);
 }

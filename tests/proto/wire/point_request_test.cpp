@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "proto/wire/input_codes.h"
+
 using namespace geodesic;
 using namespace geodesic::proto;
 using nlohmann::json;
@@ -66,23 +68,23 @@ TEST_CASE("WhatIsNoRayIsBadSyntax") {
         "ray:1,,3,0,0,1", "ray:+1,2,3,0,0,1", "ray:0x1,2,3,0,0,1", "ray", "RAY:1,2,3,0,0,1",
         "ray=1,2,3,0,0,1"}) {
     CAPTURE(text);
-    check_refused(parse_point(text, "to"), ErrorCode::bad_syntax, "to");
+    check_refused(parse_point(text, "to"), InputCode::bad_syntax, "to");
   }
   const auto refused = [](const char* text, ErrorCode code, const char* parameter) {
     CAPTURE(text);
     check_refused(parse_json_point(json::parse(text), "to"), code, parameter);
   };
-  refused(R"({"ray":[0,0,9,0,0,-1]})", ErrorCode::bad_syntax, "to.ray");
-  refused(R"({"ray":{}})", ErrorCode::bad_syntax, "to.ray.origin");
-  refused(R"({"ray":{"origin":[0,0,9]}})", ErrorCode::bad_syntax, "to.ray.direction");
-  refused(R"({"ray":{"origin":[0,0],"direction":[0,0,1]}})", ErrorCode::bad_syntax,
+  refused(R"({"ray":[0,0,9,0,0,-1]})", InputCode::bad_syntax, "to.ray");
+  refused(R"({"ray":{}})", InputCode::bad_syntax, "to.ray.origin");
+  refused(R"({"ray":{"origin":[0,0,9]}})", InputCode::bad_syntax, "to.ray.direction");
+  refused(R"({"ray":{"origin":[0,0],"direction":[0,0,1]}})", InputCode::bad_syntax,
           "to.ray.origin");
-  refused(R"({"ray":{"origin":[0,0,1],"direction":["0",0,1]}})", ErrorCode::bad_syntax,
+  refused(R"({"ray":{"origin":[0,0,1],"direction":["0",0,1]}})", InputCode::bad_syntax,
           "to.ray.direction");
   refused(R"({"ray":{"origin":[0,0,1],"direction":[0,0,1],"length":1}})",
-          ErrorCode::unknown_parameter, "to.ray.length");
+          InputCode::unknown_parameter, "to.ray.length");
   refused(R"({"ray":{"origin":[0,0,1],"direction":[0,0,1]},"max_snap":1})",
-          ErrorCode::unknown_parameter, "to.max_snap");
+          InputCode::unknown_parameter, "to.max_snap");
   refused(R"({"ray":{"origin":[0,0,1],"direction":[0,0,1]},"offset":-1})",
           ErrorCode::value_out_of_range, "to.offset");
 }
@@ -98,5 +100,5 @@ TEST_CASE("TheOtherPointsAreReadAsBefore") {
   REQUIRE(space);
   CHECK(std::get<SpaceRequest>(space->where).max_snap == 0.5);
   check_refused(parse_json_point(json::parse(R"({"vertex":1,"max_snap":1})"), "to"),
-                ErrorCode::unknown_parameter, "to.max_snap");
+                InputCode::unknown_parameter, "to.max_snap");
 }

@@ -11,6 +11,8 @@
 #include <thread>
 #include <vector>
 
+#include "server/base/service_codes.h"
+
 using namespace geodesic;
 using namespace geodesic::server;
 using namespace std::chrono_literals;
@@ -160,7 +162,7 @@ TEST_CASE("when the maker is told to stop or throws, a waiter takes over") {
       return cache.get_or_create("a", [&]() -> Result<Cache::Pointer> {
         go.get_future().wait();
         if (how == "throws") throw std::runtime_error("x");
-        return fail(how == "deadline" ? ErrorCode::deadline : ErrorCode::cancelled, "stopped");
+        return fail(how == "deadline" ? ServiceCode::deadline : ErrorCode::cancelled, "stopped");
       });
     });
     wait_until([&] { return cache.stats().makes == 1; });
@@ -197,7 +199,7 @@ TEST_CASE("a waiter whose client leaves or whose time is over waits no longer") 
   wait_until([&] { return cache.stats().makes == 1; });
   Caller hasty;
   hasty.deadline = Caller::Clock::now() + 10ms;
-  CHECK(cache.get_or_create("a", making("other"), hasty).error().code == ErrorCode::deadline);
+  CHECK(cache.get_or_create("a", making("other"), hasty).error().code == ServiceCode::deadline);
   const Caller gone([] { return true; });
   CHECK(cache.get_or_create("a", making("other"), gone).error().code == ErrorCode::cancelled);
   made.count_down();

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/base/service_codes.h"
 #include "server/compute/pool.h"
 
 using namespace geodesic;
@@ -204,6 +205,6 @@ TEST_CASE("a caller that is gone stops all slots, and a deadline says so") {
 
   is_gone = false;
   caller.deadline = Caller::Clock::now() + 20ms;
-  CHECK(pool.run_each(50, polls, caller).error().code == ErrorCode::deadline);
+  CHECK(pool.run_each(50, polls, caller).error().code == ServiceCode::deadline);
   CHECK(pool.stats().running == 0);
 }

@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/base/service_codes.h"
 #include "server/compute/pool.h"
 #include "tests/server/compute/jobs_fixture.h"
 
@@ -19,7 +20,7 @@ TEST_CASE("NoMoreJobsWaitAndRunThanAllowed") {
   for (const std::string client : {"ann", "bob", "cid", "dan"}) fixture.start("/hold", client);
   const auto refused = fixture.try_start("/x", "eve");
   REQUIRE_FALSE(refused);
-  CHECK(refused.error().code == ErrorCode::overloaded);
+  CHECK(refused.error().code == ServiceCode::overloaded);
   CHECK(refused.error().limit == 4);
   fixture.gate.let_go("/hold");
   const auto end = std::chrono::steady_clock::now() + kJobPatience;
@@ -35,7 +36,7 @@ TEST_CASE("AGreedyClientHasHalfOfTheJobsAndHalfOfTheThreads") {
   for (int i = 0; i < 4; ++i) fixture.start("/hold greedy", "greedy");
   const auto refused = fixture.try_start("/hold greedy", "greedy");
   REQUIRE_FALSE(refused);
-  CHECK(refused.error().code == ErrorCode::too_many_requests);
+  CHECK(refused.error().code == ServiceCode::too_many_requests);
   // Two of them run; somebody else's begins at once, whatever waits.
   fixture.gate.begun(2);
   fixture.wait_for(fixture.start("/x", "modest"), JobState::done);
@@ -178,7 +179,7 @@ TEST_CASE("BodiesThatWaitHaveABudgetToo") {
   const std::string held = fixture.start("/hold", "ann", std::string(60'000, 'x'));
   const auto refused = fixture.try_start("/x", "bob", std::string(60'000, 'x'));
   REQUIRE_FALSE(refused);
-  CHECK(refused.error().code == ErrorCode::overloaded);
+  CHECK(refused.error().code == ServiceCode::overloaded);
   CHECK(fixture.jobs.remove(held));
   const auto end = std::chrono::steady_clock::now() + kJobPatience;
   while (!fixture.try_start("/x", "bob", std::string(60'000, 'x'))) {
@@ -226,7 +227,7 @@ TEST_CASE("APatientCallerWaitsForASlotHoweverLongThatTakes") {
   // Somebody else gives up first, and so would have the other one.
   const auto impatient = pool.run([](Worker&) -> Result<int> { return 8; });
   REQUIRE_FALSE(impatient);
-  CHECK(impatient.error().code == ErrorCode::overloaded);
+  CHECK(impatient.error().code == ServiceCode::overloaded);
   go_on = true;
   waiter.join();
   holder.join();

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/base/service_codes.h"
 #include "tests/server/compute/jobs_fixture.h"
 
 using namespace geodesic;
@@ -30,7 +31,7 @@ TEST_CASE("AJobGoesFromQueuedToDoneAndKeepsItsReply") {
   CHECK_FALSE(running.finished);
   const auto early = fixture.jobs.result(id);
   REQUIRE_FALSE(early);
-  CHECK(early.error().code == ErrorCode::job_unfinished);
+  CHECK(early.error().code == ServiceCode::job_unfinished);
 
   fixture.gate.let_go("/hold");
   const JobReport done = fixture.wait_for(id, JobState::done);
@@ -82,11 +83,11 @@ TEST_CASE("CancellingARunningJobTellsItsHandlerAndOnceMoreForgetsIt") {
   const JobReport cancelled = fixture.wait_for(id, JobState::cancelled);
   CHECK(cancelled.finished);
   CHECK(cancelled.status == 0);
-  CHECK(fixture.jobs.result(id).error().code == ErrorCode::job_cancelled);
+  CHECK(fixture.jobs.result(id).error().code == ServiceCode::job_cancelled);
   CHECK(fixture.jobs.remove(id));
   CHECK_FALSE(fixture.jobs.find(id));
   CHECK_FALSE(fixture.jobs.remove(id));
-  CHECK(fixture.jobs.result(id).error().code == ErrorCode::job_unknown);
+  CHECK(fixture.jobs.result(id).error().code == ServiceCode::job_unknown);
   // The thread is free again: the handler has noticed.
   fixture.wait_for(fixture.start("/x"), JobState::done);
 }
@@ -195,7 +196,7 @@ TEST_CASE("StoppingCancelsAllAndRefusesMore") {
   CHECK(fixture.jobs.stats().running == 0);
   const auto refused = fixture.try_start("/x");
   REQUIRE_FALSE(refused);
-  CHECK(refused.error().code == ErrorCode::draining);
+  CHECK(refused.error().code == ServiceCode::draining);
   fixture.jobs.stop();
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "server/base/service_codes.h"
 #include "server/program/memory_limits.h"
 #include "tests/fixtures/bumpy_plane.h"
 #include "tests/fixtures/test_seed.h"
@@ -29,12 +30,12 @@ TEST_CASE("a job that wants more than one may have is refused, with what and how
   CHECK(pool.run(taking(18 * kMiB)) == 18 * kMiB);
   const auto query = pool.run(query_taking(11 * kMiB));
   REQUIRE_FALSE(query);
-  CHECK(query.error().code == ErrorCode::too_much_memory);
+  CHECK(query.error().code == ServiceCode::too_much_memory);
   CHECK(query.error().limit == 10 * kMiB);
   CHECK(query.error().actual >= 11 * kMiB);
   const auto other = pool.run(taking(21 * kMiB));
   REQUIRE_FALSE(other);
-  CHECK(other.error().code == ErrorCode::too_much_memory);
+  CHECK(other.error().code == ServiceCode::too_much_memory);
   CHECK(other.error().limit == 20 * kMiB);
   CHECK(pool.memory().refused == 2);
   CHECK(pool.memory().bytes == 0);
@@ -61,7 +62,7 @@ TEST_CASE("growth in small steps is refused as well, and a job that goes on rega
     return taken.size();
   });
   REQUIRE_FALSE(grown);
-  CHECK(grown.error().code == ErrorCode::too_much_memory);
+  CHECK(grown.error().code == ServiceCode::too_much_memory);
   CHECK(pool.memory().bytes == 0);
 }
 
@@ -82,7 +83,7 @@ TEST_CASE("a job that has no room beside others is told to come back, and later 
   CHECK(pool.memory().bytes >= 59 * kMiB);
   const auto second = pool.run(query_taking(50 * kMiB));
   REQUIRE_FALSE(second);
-  CHECK(second.error().code == ErrorCode::overloaded);
+  CHECK(second.error().code == ServiceCode::overloaded);
   CHECK(pool.run(query_taking(30 * kMiB)) == 30 * kMiB);
   leave.set_value();
   CHECK(first.get() == 1);

@@ -16,6 +16,8 @@
 #include <thread>
 #include <vector>
 
+#include "server/base/service_codes.h"
+
 using namespace geodesic;
 using namespace geodesic::server;
 using namespace std::chrono_literals;
@@ -68,7 +70,7 @@ TEST_CASE("what a job throws becomes an error without details") {
   const auto number = pool.run([](Worker&) -> Result<int> { throw 42; });
   CHECK(number.error().code == ErrorCode::internal);
   const auto memory = pool.run([](Worker&) -> Result<int> { throw std::bad_alloc(); });
-  CHECK(memory.error().code == ErrorCode::overloaded);
+  CHECK(memory.error().code == ServiceCode::overloaded);
   CHECK(pool.run([](Worker&) -> Result<int> { return 1; }) == 1);
 }
 
@@ -82,7 +84,7 @@ TEST_CASE("a full queue is refused at once") {
   wait_until([&] { return pool.stats().running == 1 && pool.stats().queued == 2; });
   const auto refused = pool.run(gate.job());
   REQUIRE_FALSE(refused);
-  CHECK(refused.error().code == ErrorCode::overloaded);
+  CHECK(refused.error().code == ServiceCode::overloaded);
   CHECK(refused.error().limit == 2);
   gate.open();
   for (auto& caller : callers) CHECK(caller.get() == 1);
@@ -105,7 +107,7 @@ TEST_CASE("a patient caller waits however full the queue is") {
   wait_until([&] { return pool.stats().running == 1; });
   for (int i = 0; i < 3; ++i) callers.push_back(call(true));
   wait_until([&] { return pool.stats().queued == 3; });
-  CHECK(call(false).get().error().code == ErrorCode::too_many_requests);
+  CHECK(call(false).get().error().code == ServiceCode::too_many_requests);
   gate.open();
   for (auto& caller : callers) CHECK(caller.get() == 1);
 }
@@ -131,7 +133,7 @@ TEST_CASE("a job that can wait is not sent away for another's, and takes nobody'
   wait_until([&] { return pool.stats().queued == 6; });
   // Full. Most of what waits is the greedy one's, but only one of these can go, and nobody
   // has more of such than the newcomer would have.
-  CHECK(call("third", false).get().error().code == ErrorCode::overloaded);
+  CHECK(call("third", false).get().error().code == ServiceCode::overloaded);
   gate.open();
   for (auto& caller : patient) CHECK(caller.get() == 1);
   CHECK(first.get() == 1);
@@ -144,7 +146,7 @@ TEST_CASE("without a queue, a free slot is taken and a busy one refused") {
   ComputePool pool(1, 0);
   auto running = std::async(std::launch::async, [&] { return pool.run(gate.job()); });
   wait_until([&] { return pool.stats().running == 1; });
-  CHECK(pool.run(gate.job()).error().code == ErrorCode::overloaded);
+  CHECK(pool.run(gate.job()).error().code == ServiceCode::overloaded);
   gate.open();
   CHECK(running.get() == 1);
 }
@@ -222,7 +224,7 @@ TEST_CASE("draining finishes what is queued and refuses what comes") {
   auto drained = std::async(std::launch::async, [&] { pool.drain(); });
   wait_until([&] {
     const auto tried = pool.run([](Worker&) -> Result<int> { return 1; }, [] { return true; });
-    return !tried && tried.error().code == ErrorCode::draining;
+    return !tried && tried.error().code == ServiceCode::draining;
   });
   CHECK(drained.wait_for(50ms) == std::future_status::timeout);
   gate.open();
@@ -262,13 +264,13 @@ TEST_CASE("a greedy client's jobs make room for others, who get their turns") {
     wait_until([&] { return pool.stats().queued == i + 1; });
   }
   // Alone, it has no share to exceed: the server is full.
-  CHECK(start("greedy").get().error().code == ErrorCode::overloaded);
+  CHECK(start("greedy").get().error().code == ServiceCode::overloaded);
   // The newest of its jobs is sent away for another's.
   auto meek = start("meek");
-  CHECK(greedy[3].get().error().code == ErrorCode::too_many_requests);
+  CHECK(greedy[3].get().error().code == ServiceCode::too_many_requests);
   // Now it is not alone any more, and most of the queue is its own.
   wait_until([&] { return pool.stats().clients == 2; });
-  CHECK(start("greedy").get().error().code == ErrorCode::too_many_requests);
+  CHECK(start("greedy").get().error().code == ServiceCode::too_many_requests);
   CHECK(pool.stats().rejected == 3);
   gate.open();
   CHECK(meek.get() == 1);
@@ -287,7 +289,7 @@ TEST_CASE("one client's jobs have a bound of their own") {
   auto queued = std::async(std::launch::async, [&] { return pool.run(gate.job(), caller); });
   wait_until([&] { return pool.stats().queued == 1; });
   const auto refused = pool.run(gate.job(), caller);
-  CHECK(refused.error().code == ErrorCode::too_many_requests);
+  CHECK(refused.error().code == ServiceCode::too_many_requests);
   CHECK(refused.error().limit == 1);
   gate.open();
   CHECK(running.get() == 1);
@@ -306,8 +308,8 @@ TEST_CASE("a queued job whose deadline passes ends with deadline, and never runs
     ran = true;
     return 2;
   };
-  CHECK(pool.run(job, caller).error().code == ErrorCode::deadline);
-  CHECK(pool.run(job, caller).error().code == ErrorCode::deadline);  // over before it queues
+  CHECK(pool.run(job, caller).error().code == ServiceCode::deadline);
+  CHECK(pool.run(job, caller).error().code == ServiceCode::deadline);  // over before it queues
   CHECK(pool.stats().queued == 0);
   gate.open();
   CHECK(running.get() == 1);
@@ -324,7 +326,7 @@ TEST_CASE("a running job that stops for its deadline ends with deadline") {
         return fail(ErrorCode::cancelled, "cancelled");
       },
       caller);
-  CHECK(stopped.error().code == ErrorCode::deadline);
+  CHECK(stopped.error().code == ServiceCode::deadline);
 }
 
 TEST_CASE("a job that does not stop is counted and named, and its slot comes back") {
@@ -370,7 +372,7 @@ TEST_CASE("a job that stops in time is not counted as one that does not") {
         return fail(ErrorCode::cancelled, "cancelled");
       },
       caller);
-  CHECK(stopped.error().code == ErrorCode::deadline);
+  CHECK(stopped.error().code == ServiceCode::deadline);
   CHECK(pool.stats().unanswered == 0);
 }
 
@@ -389,7 +391,7 @@ TEST_CASE("a wait has a bound, and a deadline that cannot be met is refused at o
   // There is no line yet, so the estimate does not count; but the bound does.
   auto waits = std::async(std::launch::async, [&] { return pool.run(gate.job()); });
   const auto late = waits.get();
-  CHECK(late.error().code == ErrorCode::overloaded);
+  CHECK(late.error().code == ServiceCode::overloaded);
   CHECK(pool.stats().rejected == 1);
   gate.open();
   CHECK(running.get() == 1);
@@ -409,7 +411,7 @@ TEST_CASE("a wait has a bound, and a deadline that cannot be met is refused at o
   }
   Caller hurried;
   hurried.deadline = Caller::Clock::now() + 100ms;  // twenty jobs of some 25 ms are ahead
-  CHECK(unbounded.run(second.job(), hurried).error().code == ErrorCode::overloaded);
+  CHECK(unbounded.run(second.job(), hurried).error().code == ServiceCode::overloaded);
   second.open();
   CHECK(holds.get() == 1);
   for (auto& job : line) CHECK(job.get() == 1);

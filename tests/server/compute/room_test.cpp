@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/base/service_codes.h"
 #include "server/compute/pool.h"
 #include "tests/fixtures/test_seed.h"
 #include "tests/server/compute/taken_memory.h"
@@ -99,18 +100,18 @@ TEST_CASE("who waits for room goes when nobody wants it any more, or it takes to
   Holder holder(pool, 60 * kMiB);
   const auto late = pool.run_with_room(query_taking(50 * kMiB));
   REQUIRE_FALSE(late);
-  CHECK(late.error().code == ErrorCode::overloaded);
+  CHECK(late.error().code == ServiceCode::overloaded);
   CHECK(late.error().limit == 100 * kMiB);
   Caller hurried;
   hurried.deadline = Caller::Clock::now() + 100ms;
-  CHECK(pool.run_with_room(query_taking(50 * kMiB), hurried).error().code == ErrorCode::deadline);
+  CHECK(pool.run_with_room(query_taking(50 * kMiB), hurried).error().code == ServiceCode::deadline);
   Caller leaving;
   const auto gone_at = Caller::Clock::now() + 100ms;
   leaving.gone = [&] { return Caller::Clock::now() >= gone_at; };
   CHECK(pool.run_with_room(query_taking(50 * kMiB), leaving).error().code == ErrorCode::cancelled);
   // What is too much for one alone does not wait.
   const auto refused = pool.run_with_room(query_taking(90 * kMiB));
-  CHECK(refused.error().code == ErrorCode::too_much_memory);
+  CHECK(refused.error().code == ServiceCode::too_much_memory);
   CHECK(pool.stats().running == 1);
 }
 
@@ -178,7 +179,7 @@ TEST_CASE("any jobs that fit alone are all answered") {
           std::this_thread::sleep_for(2ms);
           return bytes;
         });
-        if (taken || taken.error().code != ErrorCode::overloaded) return taken;
+        if (taken || taken.error().code != ServiceCode::overloaded) return taken;
       }
     }));
   }

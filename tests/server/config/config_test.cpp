@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "proto/wire/input_codes.h"
 #include "server/config/tokens.h"
 #include "server/program/check_config.h"
 
@@ -113,12 +114,12 @@ TEST_CASE("a bad value names its source") {
 }
 
 TEST_CASE("unknown options and unreadable files are refused") {
-  CHECK(error_of({"--quue=1"}).code == ErrorCode::unknown_parameter);
+  CHECK(error_of({"--quue=1"}).code == InputCode::unknown_parameter);
   CHECK(mentions(error_of({"--quue=1"}), "--quue"));
   CHECK(mentions(error_of({"stray"}), "stray"));
-  CHECK(error_of({"--queue"}).code == ErrorCode::bad_syntax);
+  CHECK(error_of({"--queue"}).code == InputCode::bad_syntax);
   const ConfigFile unknown(R"({"quue": 1})");
-  CHECK(error_of({"--config", unknown.path}).code == ErrorCode::unknown_parameter);
+  CHECK(error_of({"--config", unknown.path}).code == InputCode::unknown_parameter);
   CHECK(mentions(error_of({"--config", unknown.path}), "quue: no such option"));
   const ConfigFile array("[1]");
   CHECK(mentions(error_of({"--config", array.path}), "is not a JSON object"));
@@ -136,7 +137,7 @@ TEST_CASE("a name that comes twice in the file is refused, with the same value t
     CAPTURE(text);
     const ConfigFile file(text);
     const Error error = error_of({"--config", file.path});
-    CHECK(error.code == ErrorCode::bad_syntax);
+    CHECK(error.code == InputCode::bad_syntax);
     CHECK(error.parameter == "queue");
     CHECK(mentions(error, file.path + ": queue: comes twice"));
   }

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "proto/wire/input_codes.h"
 #include "server/base/sha256.h"
 #include "tests/server/routes/service_fixture.h"
 
@@ -32,7 +33,7 @@ Tokens parsed(const std::string& text) {
 std::string refusal(const std::string& text) {
   const auto tokens = Tokens::parse(text, "folder/file");
   REQUIRE_FALSE(tokens);
-  CHECK(tokens.error().code == ErrorCode::bad_syntax);
+  CHECK(tokens.error().code == InputCode::bad_syntax);
   return tokens.error().detail;
 }
 

@@ -21,6 +21,7 @@
 
 #include "core/mesh/shapes.h"
 #include "proto/encode/encode_mesh.h"
+#include "server/base/service_codes.h"
 #include "server/decoder/confine_process.h"
 #include "server/decoder/decoded_frame.h"
 #include "server/decoder/local_message.h"
@@ -172,7 +173,7 @@ TEST_CASE("ADecoderIsKilledOnceNobodyWantsItsAnswer") {
   CHECK(soon([] { return decoder_pids().size() == 1; }));
   Caller hurried;
   hurried.deadline = Caller::Clock::now() + 20ms;
-  CHECK(processes->decode("hang", {}, {}, hurried).error().code == ErrorCode::deadline);
+  CHECK(processes->decode("hang", {}, {}, hurried).error().code == ServiceCode::deadline);
 }
 
 TEST_CASE("ADecoderEndsIfNobodyWantedItsAnswerFromTheStart") {

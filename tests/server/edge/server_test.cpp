@@ -11,6 +11,8 @@
 #include <thread>
 #include <vector>
 
+#include "proto/wire/input_codes.h"
+#include "server/base/service_codes.h"
 #include "server/edge/exchange.h"
 #include "server/http/problem.h"
 #include "tests/server/edge/fixture.h"
@@ -287,16 +289,15 @@ TEST_CASE("a port in use is an error that says so") {
 }
 
 TEST_CASE("every error code has a status, a title and a problem that parses") {
-  for (int i = 0; i <= static_cast<int>(ErrorCode::internal); ++i) {
-    const auto code = static_cast<ErrorCode>(i);
-    CAPTURE(name_of(code));
+  for (const ErrorCode code : all_error_codes()) {
+    CAPTURE(code.name());
     CHECK(http_status(code) >= 400);
     CHECK(http_status(code) < 600);
     const bool later = http_status(code) == 503 || http_status(code) == 429;
     CHECK(later == (retry_after_seconds(code) > 0));
     const json problem =
         json::parse(to_problem_json(Error{code, "\xff", "from[2]", 5, 6}, "/x\xff", "id"));
-    CHECK(problem["type"] == "/problems/" + std::string(name_of(code)));
+    CHECK(problem["type"] == "/problems/" + std::string(code.name()));
     CHECK(problem["title"] == problem_title(code));
     CHECK(problem["status"] == http_status(code));
     CHECK(problem["parameter"] == "from[2]");
@@ -304,9 +305,9 @@ TEST_CASE("every error code has a status, a title and a problem that parses") {
     CHECK(problem["actual"] == 6);
     CHECK(problem["instance"].get<std::string>().starts_with("/x"));
   }
-  CHECK(http_status(ErrorCode::mesh_unknown) == 404);
+  CHECK(http_status(ServiceCode::mesh_unknown) == 404);
   CHECK(http_status(ErrorCode::cancelled) == 499);
-  CHECK(http_status(ErrorCode::deadline) == 504);
-  CHECK(http_status(ErrorCode::method_unknown) == 422);
-  CHECK(http_status(ErrorCode::too_many_requests) == 429);
+  CHECK(http_status(ServiceCode::deadline) == 504);
+  CHECK(http_status(InputCode::method_unknown) == 422);
+  CHECK(http_status(ServiceCode::too_many_requests) == 429);
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/base/client_shares.h"
+#include "server/base/service_codes.h"
 #include "tests/server/edge/fixture.h"
 
 using namespace geodesic;
@@ -117,19 +118,19 @@ TEST_CASE("uploads that stall give way to those that come") {
 TEST_CASE("shares halve what is left, and the first is served") {
   ClientShares shares(8, "things");
   for (int i = 0; i < 4; ++i) CHECK(shares.take("a", 1));
-  CHECK(shares.take("a", 1).error().code == ErrorCode::too_many_requests);
+  CHECK(shares.take("a", 1).error().code == ServiceCode::too_many_requests);
   CHECK(shares.take("b", 1));
   CHECK(shares.take("b", 1));  // two of four that were left
-  CHECK(shares.take("b", 1).error().code == ErrorCode::too_many_requests);
+  CHECK(shares.take("b", 1).error().code == ServiceCode::too_many_requests);
   CHECK(shares.take("c", 1));
   CHECK(shares.take("d", 1));
-  CHECK(shares.take("e", 1).error().code == ErrorCode::overloaded);
+  CHECK(shares.take("e", 1).error().code == ServiceCode::overloaded);
   shares.give_back("a", 4);
   CHECK(shares.take("e", 1));
   for (const auto& [client, amount] : {std::pair{"b", 2}, {"c", 1}, {"d", 1}, {"e", 1}}) {
     shares.give_back(client, static_cast<std::uint64_t>(amount));
   }
   CHECK(shares.take("a", 100));  // alone, however much
-  CHECK(shares.take("b", 1).error().code == ErrorCode::overloaded);
+  CHECK(shares.take("b", 1).error().code == ServiceCode::overloaded);
   CHECK(ClientShares(0, "things").take("a", 1000));
 }

@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/base/service_codes.h"
 #include "tests/server/edge/fixture.h"
 #include "tests/server/routes/service_fixture.h"
 
@@ -217,7 +218,7 @@ TEST_CASE("a shorter queue refuses the next, and keeps those that wait") {
   pool.set_limits({0, 0, std::chrono::milliseconds(0)});
   const auto refused = pool.run(job);
   REQUIRE_FALSE(refused);
-  CHECK(refused.error().code == ErrorCode::overloaded);
+  CHECK(refused.error().code == ServiceCode::overloaded);
   go_on.count_down();
   first.join();
   second.join();

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "server/base/service_codes.h"
 #include "server/http/reply_budget.h"
 #include "tests/server/http/gunzipped.h"
 #include "tests/server/routes/plane_service.h"
@@ -33,10 +34,10 @@ TEST_CASE("AReplyBudgetIsSharedAndGivenBack") {
   REQUIRE(first);
   const auto second = budget.reserve(40, "bob");
   REQUIRE_FALSE(second);
-  CHECK(second.error().code == ErrorCode::overloaded);  // another time it may fit
+  CHECK(second.error().code == ServiceCode::overloaded);  // another time it may fit
   const auto never = budget.reserve(101, "bob");
   REQUIRE_FALSE(never);
-  CHECK(never.error().code == ErrorCode::too_much_memory);
+  CHECK(never.error().code == ServiceCode::too_much_memory);
   CHECK(never.error().limit == 100);
   CHECK(never.error().actual == 101);
   (*first)->shrink(60);
@@ -63,9 +64,9 @@ TEST_CASE("OneClientCannotHoldAllMemoryForReplies") {
       held.push_back(std::move(*share));
     }
   };
-  CHECK(take_all("ann") == ErrorCode::too_many_requests);
+  CHECK(take_all("ann") == ServiceCode::too_many_requests);
   CHECK(budget.stats().bytes == 50);
-  CHECK(take_all("bob") == ErrorCode::too_many_requests);
+  CHECK(take_all("bob") == ServiceCode::too_many_requests);
   CHECK(budget.stats().bytes == 75);
   CHECK(budget.reserve(5, "eve"));
   held.clear();
@@ -73,7 +74,7 @@ TEST_CASE("OneClientCannotHoldAllMemoryForReplies") {
   // Alone, a client may have all of it at once; and it follows a new configuration.
   CHECK(budget.reserve(100, "ann"));
   budget.set_budget(20);
-  CHECK(budget.reserve(21, "ann").error().code == ErrorCode::too_much_memory);
+  CHECK(budget.reserve(21, "ann").error().code == ServiceCode::too_much_memory);
   CHECK(budget.reserve(20, "ann"));
 }
 

@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/base/service_codes.h"
 #include "server/base/sha256.h"
 #include "server/config/config.h"
 #include "server/store/mesh_store.h"
@@ -93,7 +94,7 @@ TEST_CASE("a full store refuses uploads and keeps what it has") {
   REQUIRE(store->put(id_of('b'), bytes_of('b'), "{}"));
   const auto third = store->put(id_of('c'), bytes_of('c'), "{}");
   REQUIRE_FALSE(third);
-  CHECK(third.error().code == ErrorCode::store_full);
+  CHECK(third.error().code == ServiceCode::store_full);
   CHECK(third.error().limit == 2500u);
   CHECK(files_below(folder.path() / "objects") == 2);
   CHECK(store->stats().refusals == 1);
@@ -117,12 +118,12 @@ TEST_CASE("a store that evicts drops what was used longest ago") {
   REQUIRE(store->put(id_of('d'), bytes_of('d'), "{}"));
   CHECK_FALSE(store->contains(id_of('c')));
   CHECK_FALSE(fs::exists(object_of(folder.path(), id_of('c'))));
-  CHECK(store->get_source(id_of('c')).error().code == ErrorCode::mesh_unknown);
+  CHECK(store->get_source(id_of('c')).error().code == ServiceCode::mesh_unknown);
   for (const char letter : {'a', 'b', 'd'}) CHECK(store->get_source(id_of(letter)));
   CHECK(store->stats().evictions == 1);
   // One larger than the budget evicts nobody.
   CHECK(store->put(id_of('e', 4000), bytes_of('e', 4000), "{}").error().code ==
-        ErrorCode::store_full);
+        ServiceCode::store_full);
   CHECK(store->size() == 3);
   CHECK(files_below(folder.path() / "objects") == 3);
   CHECK(files_below(folder.path() / "meta") == 3);
@@ -212,11 +213,11 @@ TEST_CASE("when the disk is full an upload fails whole, and the rest goes on") {
   }
   for (const Result<void>& stored : {source_stored, metadata_stored}) {
     REQUIRE_FALSE(stored);
-    CHECK(stored.error().code == ErrorCode::store_full);
+    CHECK(stored.error().code == ServiceCode::store_full);
     CHECK(stored.error().detail.find(folder.path().string()) == std::string::npos);
   }
   REQUIRE_FALSE(health);
-  CHECK(health.error().code == ErrorCode::store_unavailable);
+  CHECK(health.error().code == ServiceCode::store_unavailable);
   CHECK(store->health().error().detail == health.error().detail);
   CHECK(store->list("", 10) == std::vector<std::string>{id_of('a')});
   CHECK(files_below(folder.path() / "objects") == 1);
@@ -237,14 +238,14 @@ TEST_CASE("a store that cannot be written to reads on and says that it is not we
   // A file in the place of the folder refuses every user, root included.
   fs::remove_all(folder.path() / "tmp");
   std::ofstream(folder.path() / "tmp") << "in the way";
-  CHECK(store->put(id_of('b'), bytes_of('b'), "{}").error().code == ErrorCode::store_failed);
+  CHECK(store->put(id_of('b'), bytes_of('b'), "{}").error().code == ServiceCode::store_failed);
   CHECK_FALSE(store->contains(id_of('b')));
   CHECK_FALSE(fs::exists(object_of(folder.path(), id_of('b'))));
   CHECK(store->get_source(id_of('a')) == bytes_of('a'));
   {
     const StoreMonitor monitor(*store, std::chrono::milliseconds(1));
     while (store->health()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    CHECK(store->health().error().code == ErrorCode::store_unavailable);
+    CHECK(store->health().error().code == ServiceCode::store_unavailable);
     fs::remove(folder.path() / "tmp");
     fs::create_directory(folder.path() / "tmp");
     while (!store->health()) std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "server/base/service_codes.h"
+
 using namespace geodesic;
 using namespace geodesic::server;
 
@@ -28,7 +30,7 @@ TEST_CASE("a store that refuses says by how much an upload is too large") {
   REQUIRE(index.reserve(40)->empty());
   const auto more = index.reserve(1);
   REQUIRE_FALSE(more);
-  CHECK(more.error().code == ErrorCode::store_full);
+  CHECK(more.error().code == ServiceCode::store_full);
   CHECK(more.error().limit == 100u);
   CHECK(more.error().actual == 101u);
   index.release(40);
@@ -50,8 +52,8 @@ TEST_CASE("what was used longest ago goes first, and no more of it than needed")
 TEST_CASE("uploads under way cannot be evicted for one another") {
   StoreIndex index(of(100, WhenFull::evict));
   REQUIRE(index.reserve(70)->empty());
-  CHECK(index.reserve(40).error().code == ErrorCode::store_full);
-  CHECK(index.reserve(101).error().code == ErrorCode::store_full);
+  CHECK(index.reserve(40).error().code == ServiceCode::store_full);
+  CHECK(index.reserve(101).error().code == ServiceCode::store_full);
   index.release(70);
   CHECK(index.reserve(40)->empty());
 }

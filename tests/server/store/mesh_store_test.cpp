@@ -16,6 +16,8 @@
 #include <thread>
 #include <vector>
 
+#include "proto/wire/input_codes.h"
+#include "server/base/service_codes.h"
 #include "server/base/sha256.h"
 #include "server/config/config.h"
 #include "server/store/open_store.h"
@@ -112,14 +114,14 @@ TEST_CASE("an id that is no digest reaches no file") {
     CAPTURE(bad);
     CHECK_FALSE(is_mesh_id(bad));
     CHECK_FALSE(store->contains(bad));
-    CHECK(store->get_source(bad).error().code == ErrorCode::mesh_unknown);
-    CHECK(store->get_metadata(bad).error().code == ErrorCode::mesh_unknown);
-    CHECK(store->put(bad, "x", "").error().code == ErrorCode::mesh_unknown);
-    CHECK(store->put_metadata(bad, "x").error().code == ErrorCode::mesh_unknown);
+    CHECK(store->get_source(bad).error().code == ServiceCode::mesh_unknown);
+    CHECK(store->get_metadata(bad).error().code == ServiceCode::mesh_unknown);
+    CHECK(store->put(bad, "x", "").error().code == ServiceCode::mesh_unknown);
+    CHECK(store->put_metadata(bad, "x").error().code == ServiceCode::mesh_unknown);
     CHECK(store->remove(bad) == false);
   }
-  CHECK(store->get_source(id).error().code == ErrorCode::mesh_unknown);
-  CHECK(store->put(id, "y", "").error().code == ErrorCode::digest_mismatch);
+  CHECK(store->get_source(id).error().code == ServiceCode::mesh_unknown);
+  CHECK(store->put(id, "y", "").error().code == ServiceCode::digest_mismatch);
   CHECK(store->size() == 0);
   CHECK(files_below(folder.path) == 1);  // the lock
 }
@@ -189,7 +191,7 @@ TEST_CASE("damaged bytes are noticed, quarantined and can be uploaded again") {
                                                             : "");
     const auto got = store->get_source(id);
     REQUIRE_FALSE(got);
-    CHECK(got.error().code == ErrorCode::store_corrupt);
+    CHECK(got.error().code == InputCode::store_corrupt);
     CHECK(got.error().detail.find(folder.path.string()) == std::string::npos);
     CHECK(fs::exists(folder.path / "quarantine" / id));
     CHECK_FALSE(store->contains(id));
@@ -197,7 +199,7 @@ TEST_CASE("damaged bytes are noticed, quarantined and can be uploaded again") {
   }
   REQUIRE(store->put(id, bytes, "{}"));
   fs::remove(object_of(folder.path, id));
-  CHECK(store->get_source(id).error().code == ErrorCode::store_corrupt);
+  CHECK(store->get_source(id).error().code == InputCode::store_corrupt);
   REQUIRE(store->put(id, bytes, "{}"));
   CHECK(store->get_source(id) == bytes);
 }
@@ -212,7 +214,7 @@ TEST_CASE("when the disk fails nothing of the put remains and no path leaks") {
     write(folder.path / part / id.substr(0, 2), "in the way");
     const auto stored = store->put(id, "x", "{}");
     REQUIRE_FALSE(stored);
-    CHECK(stored.error().code == ErrorCode::store_failed);
+    CHECK(stored.error().code == ServiceCode::store_failed);
     CHECK(stored.error().detail.find("Not a directory") != std::string::npos);
     CHECK(stored.error().detail.find(folder.path.string()) == std::string::npos);
     CHECK_FALSE(store->contains(id));
@@ -221,7 +223,7 @@ TEST_CASE("when the disk fails nothing of the put remains and no path leaks") {
     fs::remove(folder.path / part / id.substr(0, 2));
   }
   fs::remove_all(folder.path / "tmp");
-  CHECK(store->put(id, "x", "{}").error().code == ErrorCode::store_failed);
+  CHECK(store->put(id, "x", "{}").error().code == ServiceCode::store_failed);
   fs::create_directory(folder.path / "tmp");
   CHECK(store->put(id, "x", "{}"));
 }
@@ -231,7 +233,7 @@ TEST_CASE("a store that cannot be opened says so and where") {
   write(folder.path / "file", "");
   const auto store = open(folder.path / "file");
   REQUIRE_FALSE(store);
-  CHECK(store.error().code == ErrorCode::store_failed);
+  CHECK(store.error().code == ServiceCode::store_failed);
   CHECK(store.error().detail.find((folder.path / "file").string()) != std::string::npos);
   write(folder.path / "half" / "objects", "");
   CHECK_FALSE(open(folder.path / "half"));
@@ -273,7 +275,7 @@ TEST_CASE("puts, reads and removals of the same meshes at once do no harm") {
         if (t < 3) wrong += !store->put(ids[m], bytes[m], "{}");
         if (t == 3 && i % 4 == 0) wrong += !store->remove(ids[m]);
         const auto got = store->get_source(ids[m]);
-        if (got ? *got != bytes[m] : got.error().code != ErrorCode::mesh_unknown) ++wrong;
+        if (got ? *got != bytes[m] : got.error().code != ServiceCode::mesh_unknown) ++wrong;
       }
       return wrong;
     }));
@@ -321,8 +323,8 @@ TEST_CASE("every flipped bit of a source is noticed") {
     write(object_of(folder.path, id), damaged);
     const auto got = store->get_source(id);
     REQUIRE_FALSE(got);
-    CHECK(got.error().code == ErrorCode::store_corrupt);
-    CHECK(store->get_source(id).error().code == ErrorCode::mesh_unknown);
+    CHECK(got.error().code == InputCode::store_corrupt);
+    CHECK(store->get_source(id).error().code == ServiceCode::mesh_unknown);
   }
   CHECK(store->stats().corrupt == 8 * bytes.size());
 }
@@ -335,8 +337,8 @@ TEST_CASE("a damaged mesh that cannot be moved is not served either") {
   write(object_of(folder.path, id), "y");
   fs::remove_all(folder.path / "quarantine");
   write(folder.path / "quarantine", "a file in the way");
-  CHECK(store->get_source(id).error().code == ErrorCode::store_corrupt);
-  CHECK(store->get_source(id).error().code == ErrorCode::mesh_unknown);
+  CHECK(store->get_source(id).error().code == InputCode::store_corrupt);
+  CHECK(store->get_source(id).error().code == ServiceCode::mesh_unknown);
   CHECK(store->stats().corrupt == 1);
   CHECK(store->stats().failures == 1);
 }

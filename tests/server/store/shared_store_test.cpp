@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "proto/wire/input_codes.h"
+#include "server/base/service_codes.h"
 #include "server/query/mesh_catalog.h"
 #include "server/query/metrics.h"
 #include "server/store/mesh_store.h"
@@ -276,11 +278,11 @@ TEST_CASE("what a server finds damaged it deletes for nobody, and serves once it
     const auto two = s3.open();
     REQUIRE(one->put(id, bytes, "{}"));
     s3.put("objects/" + id, "a mesh of some lengtH");
-    CHECK(one->get_source(id).error().code == ErrorCode::store_corrupt);
+    CHECK(one->get_source(id).error().code == InputCode::store_corrupt);
     CHECK(s3.object("quarantine/" + id) == "a mesh of some lengtH");
     if (tags) {
       // As long as the same bytes are there, it is known to be no mesh.
-      CHECK(one->get_source(id).error().code == ErrorCode::mesh_unknown);
+      CHECK(one->get_source(id).error().code == ServiceCode::mesh_unknown);
       REQUIRE(one->rescan());
       CHECK(one->list("", 10).empty());
       CHECK(one->is_stored(id) == false);
