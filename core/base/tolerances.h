@@ -68,11 +68,10 @@ inline constexpr double kFlat = 1e-3;
 // Of the longest side, a face's height: a flip that leaves less gains nothing that rounding would
 // not take away again.
 inline constexpr double kFlippedHeight = 1e-14;
-// Of the longest side: what flips may lose in all. On scans stretched 8 times they lose up to
-// 2e-13, on a sphere stretched 100 times 6e-12.
+// Of the longest side: what flips may lose in all, as side_lengths.h reckons it.
 inline constexpr double kFlips = 1e-11;
-// Of the longest side over the shortest: what one flip loses.
-inline constexpr double kOneFlip = 4 * std::numeric_limits<double>::epsilon();
+// Of a sum or product in numbers of two doubles, with room for the twenty in a row of one flip.
+inline constexpr double kDoubleDouble = 0x1p-98;
 // Of the two products that a squared length is the sum of: less is what rounding leaves when they
 // are nearly opposite. Half of the digits.
 inline constexpr double kHalfOfDigits = 1e-9;

@@ -56,7 +56,8 @@ Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cance
     if (poll.ask()) return fail_stopped(cancel);
     cancel.report(++done / 7.0);
   }
-  auto delaunay = IntrinsicDelaunay::build(adjacency.triangulation(), cancel);
+  auto delaunay =
+      IntrinsicDelaunay::build(adjacency.triangulation(), adjacency.mesh_->positions(), cancel);
   if (!delaunay) return fail(std::move(delaunay.error()));
   if (delaunay->flips() != 0) {
     adjacency.delaunay_ = std::make_shared<const IntrinsicDelaunay>(std::move(*delaunay));

@@ -8,6 +8,7 @@
 #include "core/base/polled_fill.h"
 #include "core/base/tolerances.h"
 #include "core/surface/corner_lists.h"
+#include "core/surface/side_lengths.h"
 #include "core/surface/unfold_rounding.h"
 
 namespace geodesic {
@@ -20,6 +21,7 @@ constexpr std::uint64_t kMostFlipsPerFace = 64;
 }  // namespace
 
 Result<IntrinsicDelaunay> IntrinsicDelaunay::build(const Triangulation& mesh,
+                                                   std::span<const Vec3> positions,
                                                    const Cancel& cancel) {
   IntrinsicDelaunay result;
   result.is_oriented_ = mesh.is_oriented;
@@ -27,7 +29,7 @@ Result<IntrinsicDelaunay> IntrinsicDelaunay::build(const Triangulation& mesh,
   result.has_flat_faces_ = mesh.has_flat_faces;
   Poll poll(cancel);
   polled_copy(result.faces_, mesh.faces, poll);
-  if (!poll.ask()) result.flip_edges(poll);
+  if (!poll.ask()) result.flip_edges(positions, poll);
   if (result.flips_ != 0 && !poll.stopped()) {
     list_corners(result.faces_, mesh.corner_begin.size() - 1, result.corner_begin_, result.corners_,
                  poll);
@@ -70,8 +72,10 @@ double IntrinsicDelaunay::excess_rounding(const Triangulation& faces, Halfedge h
   return tolerance::kDelaunay * (std::abs(one) + std::abs(other));
 }
 
-void IntrinsicDelaunay::flip_edges(Poll& poll) {
+void IntrinsicDelaunay::flip_edges(std::span<const Vec3> positions, Poll& poll) {
   const Triangulation faces{faces_, {}, {}, is_oriented_, is_even_, has_flat_faces_, is_crowded_};
+  SideLengths lengths(positions, faces_.size(), poll);
+  if (poll.stopped()) return;
   std::vector<Halfedge> waiting;
   const auto is_wanted = [&](Halfedge h) {
     return faces.ring(h) != h && excess(faces, h) < -excess_rounding(faces, h);
@@ -89,7 +93,7 @@ void IntrinsicDelaunay::flip_edges(Poll& poll) {
     if (!can_flip(faces, h) || !is_wanted(h)) continue;
     const std::uint32_t f = face_of(h);
     const std::uint32_t g = face_of(faces.ring(h));
-    if (!flip(h)) continue;
+    if (!flip(h, lengths)) continue;
     ++flips_;
     // The new edge is side 1 of both; their other sides have a new angle opposite.
     for (const Halfedge side : {halfedge(f, 0), halfedge(f, 2), halfedge(g, 0), halfedge(g, 2)}) {
@@ -113,7 +117,7 @@ bool loses_a_length(const FaceRecord& face) {
 //     a --- b     ->     a  |  b      face across:    (b, c, d)
 //      \   /              \ | /
 //        d                  d
-bool IntrinsicDelaunay::flip(Halfedge h) {
+bool IntrinsicDelaunay::flip(Halfedge h, SideLengths& lengths) {
   const auto ring = [this](Halfedge x) { return faces_[face_of(x)].ring[corner_of(x)]; };
   const std::uint32_t f = face_of(h);
   const Halfedge across = ring(h);
@@ -129,35 +133,27 @@ bool IntrinsicDelaunay::flip(Halfedge h) {
   const std::uint32_t b2 = opposed ? corner_of(across) : next_corner(corner_of(across));
   const std::uint32_t d2 = previous_corner(corner_of(across));
 
-  // From the edge's length L: a and the apexes are at (dot / L, area2 / L) on either
-  // side, and the angles at a (and b) of both faces add up.
-  const double base2 = one.dot[a1] + one.dot[b1];
-  const double at_a = (one.dot[a1] * other.dot[a2] - one.area2 * other.area2) / base2;
-  const double at_b = (one.dot[b1] * other.dot[b2] - one.area2 * other.area2) / base2;
-  const double area_a = (one.dot[a1] * other.area2 + one.area2 * other.dot[a2]) / base2;
-  const double area_b = (one.dot[b1] * other.area2 + one.area2 * other.dot[b2]) / base2;
-  const double ac2 = one.dot[a1] + one.dot[c1];
-  const double bc2 = one.dot[b1] + one.dot[c1];
-  const double ad2 = other.dot[a2] + other.dot[d2];
-  const double bd2 = other.dot[b2] + other.dot[d2];
-  const double cd2 = ac2 + ad2 - 2 * at_a;
+  const auto of_one = lengths.squared(f, one);
+  const auto of_other = lengths.squared(g, other);
+  const Quad quad{.ab2 = of_one[a1],
+                  .bc2 = of_one[b1],
+                  .ca2 = of_one[c1],
+                  .ad2 = of_other[opposed ? a2 : d2],
+                  .bd2 = of_other[opposed ? d2 : b2]};
+  const Flipped flipped = flip_diagonal(quad);
   FaceRecord left = one;
   FaceRecord right = other;
-  left.dot = {at_a, ad2 - at_a, ac2 - at_a};
-  left.area2 = area_a;
-  right.dot = {at_b, bc2 - at_b, bd2 - at_b};
-  right.area2 = area_b;
+  left.dot = corner_products({quad.ad2, flipped.cd2, quad.ca2});
+  left.area2 = flipped.area_a;
+  right.dot = corner_products({quad.bc2, flipped.cd2, quad.bd2});
+  right.area2 = flipped.area_b;
   // Written so that what is not a number fails.
-  if (!(area_a > tolerance::kFlippedHeight * std::max({ac2, ad2, cd2})) ||
-      !(area_b > tolerance::kFlippedHeight * std::max({bc2, bd2, cd2})) || loses_a_length(one) ||
-      loses_a_length(other) || loses_a_length(left) || loses_a_length(right)) {
+  if (!(left.area2 > tolerance::kFlippedHeight * left.longest2()) ||
+      !(right.area2 > tolerance::kFlippedHeight * right.longest2()) || loses_a_length(left) ||
+      loses_a_length(right)) {
     return false;
   }
-
-  const double longest2 = std::max({base2, ac2, bc2, ad2, bd2, cd2});
-  const double shortest2 = std::min({base2, ac2, bc2, ad2, bd2, cd2});
-  const double error = double{std::max(one.error, other.error)} +
-                       tolerance::kOneFlip * std::sqrt(longest2 / shortest2);
+  const double error = double{std::max(one.error, other.error)} + flipped.error;
   if (!(error <= tolerance::kFlips)) return false;
 
   // Sides as halfedges before and after: c - a, a - d in the face of h; d - b, b - c
@@ -201,6 +197,8 @@ bool IntrinsicDelaunay::flip(Halfedge h) {
   right.ring[1] = halfedge(f, 1);
   faces_[f] = left;
   faces_[g] = right;
+  lengths.set(f, {quad.ad2, flipped.cd2, quad.ca2});
+  lengths.set(g, {quad.bc2, flipped.cd2, quad.bd2});
   for (std::size_t i = 0; i < 4; ++i) {
     const auto set = [&](Halfedge from, Halfedge to) {
       faces_[face_of(from)].ring[corner_of(from)] = to;

@@ -21,7 +21,8 @@ using fixtures::Surface;
 namespace {
 
 IntrinsicDelaunay delaunay_of(const Surface& surface) {
-  auto result = IntrinsicDelaunay::build(surface.adjacency().triangulation(), Cancel());
+  auto result = IntrinsicDelaunay::build(surface.adjacency().triangulation(),
+                                         surface.mesh().positions(), Cancel());
   REQUIRE(result.has_value());
   return std::move(*result);
 }
@@ -229,7 +230,8 @@ TEST_CASE("FlippingEndsWhenItIsCancelled") {
   const Triangulation mesh = surface.adjacency().triangulation();
   for (int allowed = 0; allowed < 3; ++allowed) {
     int asked = 0;
-    const auto result = IntrinsicDelaunay::build(mesh, Cancel([&] { return asked++ >= allowed; }));
+    const auto result = IntrinsicDelaunay::build(mesh, surface.mesh().positions(),
+                                                 Cancel([&] { return asked++ >= allowed; }));
     REQUIRE_FALSE(result.has_value());
     CHECK(result.error().code == ErrorCode::cancelled);
   }

@@ -1,0 +1,57 @@
+// The lengths of the sides of faces that flips have made, and a flip of an edge in terms of them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/cancel.h"
+#include "core/base/double_double.h"
+#include "core/base/vec3.h"
+#include "core/surface/face_record.h"
+
+namespace geodesic {
+
+// Squared: side c is vertex[c] - vertex[c + 1].
+using SquaredSides = std::array<DoubleDouble, 3>;
+
+// For each face that was asked for: its sides as the mesh has them, until they are set.
+class SideLengths {
+ public:
+  SideLengths(std::span<const Vec3> positions, std::size_t face_count, Poll& poll);
+
+  [[nodiscard]] SquaredSides squared(std::uint32_t face, const FaceRecord& record) const;
+  void set(std::uint32_t face, const SquaredSides& sides);
+
+ private:
+  std::span<const Vec3> positions_;
+  std::vector<std::uint32_t> place_;  // of each face in `sides_`; kNone: as in the mesh
+  std::vector<SquaredSides> sides_;
+};
+
+// Two triangles with an edge a - b, and their other corners c and d: squared lengths.
+struct Quad {
+  DoubleDouble ab2;
+  DoubleDouble bc2;
+  DoubleDouble ca2;
+  DoubleDouble ad2;
+  DoubleDouble bd2;
+};
+
+// The same, cut along c - d instead.
+struct Flipped {
+  DoubleDouble cd2;
+  // Twice the areas of (a, d, c) and (b, c, d). Below zero: c - d runs past that corner.
+  double area_a;
+  double area_b;
+  // How far a corner may be from its place by the rounding of this flip, of the longest side.
+  double error;
+};
+[[nodiscard]] Flipped flip_diagonal(const Quad& quad);
+
+// At each corner, the dot product of the two sides that leave it (FaceRecord::dot).
+[[nodiscard]] std::array<double, 3> corner_products(const SquaredSides& sides);
+
+}  // namespace geodesic
