@@ -82,6 +82,7 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
   const auto candidates =
       bound == Bound::upper ? BackTrace::Candidates::paths : BackTrace::Candidates::virtual_sources;
   Poll poll(cancel);
+  bool is_any_below = false;
   if (sources.size() == 1) {
     BackTracedFront front(adjacency, candidates, scratch, field.distance.doubles(), poll);
     RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
@@ -97,18 +98,26 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
     if (const double max = reach(limits, field); max < kUnreached) field.forget_beyond(max);
   } else {
     scratch.distance.assign(vertex_count, kUnreached);
+    std::vector<std::uint32_t> reached;
     BackTracedFront front(adjacency, candidates, scratch, scratch.distance, poll);
     auto waves = detail::run_waves(
         front, limits, field, scratch.is_target,
         [&](std::uint32_t s, double max, RemainingTargets& targets, auto accepted) {
-          return run_wave(front, adjacency, sources, s, field.distance.doubles(), max, {}, targets,
-                          poll, accepted);
+          reached.clear();
+          auto wave = run_wave(front, adjacency, sources, s, field.distance.doubles(), max, {},
+                               targets, poll, [&](std::uint32_t v) {
+                                 reached.push_back(v);
+                                 accepted(v);
+                               });
+          is_any_below = raise_to_straight_lines(adjacency.mesh(), sources[s].point, reached,
+                                                 scratch.distance, poll) ||
+                         is_any_below;
+          return wave;
         },
         [&](std::uint32_t v) { front.forget(v); });
     if (!waves) return fail(waves.error());
   }
   const double max = reach(limits, field);
-  bool is_any_below = false;
   if (is_search) {
     // Where the detour ended the front, what it left out is left out.
     relax_edges_among(visited, adjacency, max, field, poll);
@@ -116,7 +125,7 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
     for (const std::uint32_t v : visited) scratch.vertices[v] = {};
   } else {
     relax_edges(adjacency, max, field, poll);
-    is_any_below = raise_to_straight_lines(adjacency.mesh(), field, poll);
+    is_any_below = raise_to_straight_lines(adjacency.mesh(), field, poll) || is_any_below;
     std::fill(scratch.vertices.begin(), scratch.vertices.end(), FrontVertex{});
   }
   if (poll.stopped()) return fail_stopped(cancel);

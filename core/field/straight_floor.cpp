@@ -11,63 +11,75 @@
 namespace geodesic {
 namespace {
 
+// Straight lines from one source. Its place is kept relative to a corner of its face: the farther
+// the mesh is from the origin, the more coarsely the position itself would be rounded.
+class LinesFrom {
+ public:
+  LinesFrom(const Mesh& mesh, const SurfacePoint& source) {
+    const auto positions = mesh.positions();
+    if (source.at_vertex()) {
+      corner_ = positions[source.vertex];
+      return;
+    }
+    const Triangle& t = mesh.faces()[source.face];
+    corner_ = positions[t[0]];
+    beyond_ =
+        source.bary[1] * (positions[t[1]] - corner_) + source.bary[2] * (positions[t[2]] - corner_);
+  }
+
+  [[nodiscard]] double squared_to(Vec3 place) const {
+    const Vec3 line = (place - corner_) - beyond_;
+    return dot(line, line);
+  }
+  // Raises the distance of a place, if it is below; whether it was so by more than rounding.
+  bool raise(Vec3 place, double& distance) const {
+    const double straight2 = squared_to(place);
+    if (!(distance * distance < straight2)) return false;
+    const double straight = std::sqrt(straight2);
+    const bool is_below = distance < (1 - tolerance::kSamePath) * straight;
+    distance = straight;
+    return is_below;
+  }
+
+ private:
+  Vec3 corner_;
+  Vec3 beyond_{};
+};
+
 class StraightLines {
  public:
   StraightLines(const Mesh& mesh, Field& field)
       : positions_(mesh.positions()), distance_(field.distance.doubles()), field_(field) {
-    for (const Source& source : field.sources) {
-      sources_.push_back(from(mesh, source));
-    }
+    for (const Source& source : field.sources) lines_.emplace_back(mesh, source.point);
   }
 
   void raise(std::uint32_t v) {
     const std::uint32_t number = field_.nearest_source.empty() ? 0 : field_.nearest_source[v];
-    if (number >= sources_.size()) return;  // not reached
-    const From& source = sources_[number];
-    const Vec3 line = (positions_[v] - source.corner) - source.beyond;
-    const double over_surface = distance_[v] - source.offset;
-    if (!(over_surface * over_surface < dot(line, line))) return;
-    const double straight = norm(line);
-    if (over_surface < (1 - tolerance::kSamePath) * straight) is_any_below_ = true;
-    distance_[v] = source.offset + straight;
+    if (number >= lines_.size()) return;  // not reached
+    const double offset = field_.sources[number].offset;
+    double over_surface = distance_[v] - offset;
+    const double before = over_surface;
+    is_any_below_ = lines_[number].raise(positions_[v], over_surface) || is_any_below_;
+    if (over_surface != before) distance_[v] = offset + over_surface;
   }
   void raise_all(std::uint32_t begin, std::uint32_t end) {
-    if (sources_.size() != 1 || sources_[0].offset != 0) {
+    if (lines_.size() != 1 || field_.sources[0].offset != 0) {
       for (std::uint32_t v = begin; v < end; ++v) raise(v);
       return;
     }
     // The usual case: one source without an offset. Hardly any distance has to be raised.
-    const From& source = sources_[0];
     for (std::uint32_t v = begin; v < end; ++v) {
-      const Vec3 line = (positions_[v] - source.corner) - source.beyond;
-      if (distance_[v] * distance_[v] < dot(line, line)) [[unlikely]]
+      if (distance_[v] * distance_[v] < lines_[0].squared_to(positions_[v])) [[unlikely]]
         raise(v);
     }
   }
   [[nodiscard]] bool is_any_below() const { return is_any_below_; }
 
  private:
-  // The place of a source, relative to a corner of its face. The farther the mesh is from the
-  // origin, the more coarsely the position itself would be rounded.
-  struct From {
-    Vec3 corner;
-    Vec3 beyond;  // from there to the source
-    double offset;
-  };
-  static From from(const Mesh& mesh, const Source& source) {
-    const SurfacePoint& point = source.point;
-    const auto positions = mesh.positions();
-    if (point.at_vertex()) return {positions[point.vertex], {}, source.offset};
-    const Triangle& t = mesh.faces()[point.face];
-    const Vec3 corner = positions[t[0]];
-    return {corner,
-            point.bary[1] * (positions[t[1]] - corner) + point.bary[2] * (positions[t[2]] - corner),
-            source.offset};
-  }
   std::span<const Vec3> positions_;
   std::span<double> distance_;
   const Field& field_;
-  std::vector<From> sources_;
+  std::vector<LinesFrom> lines_;
   bool is_any_below_ = false;
 };
 
@@ -81,6 +93,18 @@ bool raise_to_straight_lines(const Mesh& mesh, std::span<const std::uint32_t> ve
     lines.raise(v);
   }
   return lines.is_any_below();
+}
+
+bool raise_to_straight_lines(const Mesh& mesh, const SurfacePoint& source,
+                             std::span<const std::uint32_t> vertices, std::span<double> distance,
+                             Poll& poll) {
+  const LinesFrom lines(mesh, source);
+  bool is_any_below = false;
+  for (const std::uint32_t v : vertices) {
+    if (poll.cancelled()) break;
+    is_any_below = lines.raise(mesh.positions()[v], distance[v]) || is_any_below;
+  }
+  return is_any_below;
 }
 
 bool raise_to_straight_lines(const Mesh& mesh, Field& field, Poll& poll) {

@@ -20,6 +20,12 @@ bool raise_to_straight_lines(const Mesh& mesh, std::span<const std::uint32_t> ve
 // The same, of all vertices.
 bool raise_to_straight_lines(const Mesh& mesh, Field& field, Poll& poll);
 
+// The same, of distances from this source without its offset. Where there are several sources, each
+// wave's must be raised before the nearest is chosen: what is too low would win.
+bool raise_to_straight_lines(const Mesh& mesh, const SurfacePoint& source,
+                             std::span<const std::uint32_t> vertices, std::span<double> distance,
+                             Poll& poll);
+
 // Raises the distances of a field that is ready, if there is one: at the targets, or at all
 // vertices where there are none. A vertex that comes to lie beyond `limits.max` is unreached.
 // Errors: the field's, cancelled.
