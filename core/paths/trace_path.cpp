@@ -17,6 +17,11 @@
 namespace geodesic {
 namespace {
 
+// A path is astray when it is longer than the target's distance by more than this factor: even the
+// way along edges, which is some tenths of a path's length too long on coarse meshes, may be
+// shorter.
+constexpr double kAstray = 1.05;
+
 // A step costs from a tenth of a microsecond to some; a question, as much.
 constexpr std::uint32_t kStepsBetweenQuestions = 256;
 
@@ -54,7 +59,7 @@ class Tracer {
     for (std::uint64_t left = most_steps(); step.to != StepBack::To::nowhere && left > 0; --left) {
       if (poll_.cancelled()) break;
       walk(step);
-      if (step.to == StepBack::To::source) return assemble(step.source);
+      if (step.to == StepBack::To::source) return unless_astray(assemble(step.source), target);
       step = step.to == StepBack::To::vertex ? from_vertex(step.vertex) : from_edge(step);
     }
     if (poll_.stopped()) return fail_stopped(poll_);
@@ -200,6 +205,19 @@ class Tracer {
   // In the graph of `steiner` every step leads to a lesser distance as it is.
   [[nodiscard]] bool may_enter(std::uint32_t face) const {
     return field_.method == Method::steiner || !entered_[face];
+  }
+
+  // Approximate distances may send a trace round and round, as on the wall of a hole that is hardly
+  // wider than it is high. The way along edges is better then.
+  Result<std::optional<Path>> unless_astray(Path traced, const SurfacePoint& target) {
+    if (!by_distance_alone()) return traced;
+    const auto delayed = [&](const Path& path) {
+      return field_.sources[path.source].offset + path.length;
+    };
+    if (!(delayed(traced) > kAstray * arrivals_.distance_at(target))) return traced;
+    auto other = along_edges(target);
+    if (!other || (*other && delayed(**other) < delayed(traced))) return other;
+    return traced;
   }
 
   // Where the distances do not lead to a source: some path, to that of the sources that the
