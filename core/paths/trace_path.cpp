@@ -214,7 +214,9 @@ class Tracer {
     const auto delayed = [&](const Path& path) {
       return field_.sources[path.source].offset + path.length;
     };
-    if (!(delayed(traced) > kAstray * arrivals_.distance_at(target))) return traced;
+    const double expected = arrivals_.distance_at(target);
+    if (poll_.stopped()) return fail_stopped(poll_);
+    if (!(delayed(traced) > kAstray * expected)) return traced;
     auto other = along_edges(target);
     if (!other || (*other && delayed(**other) < delayed(traced))) return other;
     return traced;

@@ -140,15 +140,16 @@ bool IntrinsicDelaunay::flip(Halfedge h, SideLengths& lengths) {
                   .ca2 = of_one[c1],
                   .ad2 = of_other[opposed ? a2 : d2],
                   .bd2 = of_other[opposed ? d2 : b2]};
+  if (!(quad.ab2.high > 0)) return false;
   const Flipped flipped = flip_diagonal(quad);
   FaceRecord left = one;
   FaceRecord right = other;
-  left.dot = corner_products({quad.ad2, flipped.cd2, quad.ca2});
+  left.dot = flipped.dot_a;
   left.area2 = flipped.area_a;
-  right.dot = corner_products({quad.bc2, flipped.cd2, quad.bd2});
+  right.dot = flipped.dot_b;
   right.area2 = flipped.area_b;
   // Written so that what is not a number fails.
-  if (!(left.area2 > tolerance::kFlippedHeight * left.longest2()) ||
+  if (!flipped.is_convex || !(left.area2 > tolerance::kFlippedHeight * left.longest2()) ||
       !(right.area2 > tolerance::kFlippedHeight * right.longest2()) || loses_a_length(left) ||
       loses_a_length(right)) {
     return false;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/polled_fill.h"
 #include "core/base/tolerances.h"
@@ -17,18 +18,24 @@ DoubleDouble squared_distance(Vec3 p, Vec3 q) {
   return x * x + y * y + z * z;
 }
 
-// The dot product of two sides, from the squares of them and of the third.
+// The dot product of two sides, from the squares of them and of the third. Off by some 2^-104 of
+// the largest of them, which is what the products that it goes into are off by anyway.
 DoubleDouble dot_of(DoubleDouble side2, DoubleDouble other2, DoubleDouble opposite2) {
-  return (side2 + other2 - opposite2) * 0.5;
+  const DoubleDouble both = DoubleDouble::sum(side2.high, other2.high);
+  const DoubleDouble rest = DoubleDouble::sum(both.high, -opposite2.high);
+  const double low = (rest.low + both.low) + ((side2.low + other2.low) - opposite2.low);
+  return DoubleDouble::sum(0.5 * rest.high, 0.5 * low);
 }
 
+// Twice the area, squared.
 struct Area {
-  DoubleDouble twice;
-  double product2;  // of the squares of the two sides that it was computed from
+  DoubleDouble squared;
+  double rounding2;  // what that may be off by
 
+  // Twice the area, and what that may be off by.
+  [[nodiscard]] double twice() const { return std::sqrt(std::max(squared.high, 0.0)); }
   [[nodiscard]] double rounding() const {
-    const double of_square = tolerance::kDoubleDouble * product2;
-    return std::min(std::sqrt(of_square), of_square / twice.high);
+    return std::min(std::sqrt(rounding2), rounding2 / twice());
   }
 };
 
@@ -37,7 +44,23 @@ Area area_of(DoubleDouble a, DoubleDouble b, DoubleDouble c) {
   if (a.high > c.high) std::swap(a, c);
   if (b.high > c.high) std::swap(b, c);
   const DoubleDouble dot = dot_of(a, b, c);
-  return {square_root(a * b - dot * dot), a.high * b.high};
+  return {a * b - dot * dot, tolerance::kDoubleDouble * a.high * b.high};
+}
+
+// At each corner, the dot product of the two sides that leave it (FaceRecord::dot).
+std::array<double, 3> corner_products(const SquaredSides& sides) {
+  return {dot_of(sides[0], sides[2], sides[1]).high, dot_of(sides[1], sides[0], sides[2]).high,
+          dot_of(sides[2], sides[1], sides[0]).high};
+}
+
+// The same, as a face record has it: mostly no digits are lost between plain doubles.
+double area_of(const std::array<double, 3>& dot, const SquaredSides& sides) {
+  const auto [p, q, w] = dot;
+  const double squared = p * q + p * w + q * w;
+  const double of_terms = std::abs(p * q) + std::abs(p * w) + std::abs(q * w);
+  constexpr double kLost = 0.25;  // two bits
+  if (squared > kLost * of_terms) return std::sqrt(squared);
+  return area_of(sides[0], sides[1], sides[2]).twice();
 }
 
 }  // namespace
@@ -67,25 +90,37 @@ void SideLengths::set(std::uint32_t face, const SquaredSides& sides) {
 }
 
 // With a at the origin and b on the x axis, c and d are at (dot / |ab|, area / |ab|) on either side
-// of it, where the dot products are those at a.
+// of it, where the dot products are those at a. Or from b, if the four lengths there are less.
 Flipped flip_diagonal(const Quad& quad) {
   const Area one = area_of(quad.ab2, quad.bc2, quad.ca2);
   const Area other = area_of(quad.ab2, quad.bd2, quad.ad2);
   const DoubleDouble at_a1 = dot_of(quad.ab2, quad.ca2, quad.bc2);
   const DoubleDouble at_a2 = dot_of(quad.ab2, quad.ad2, quad.bd2);
-  const DoubleDouble at_b1 = quad.ab2 - at_a1;
-  const DoubleDouble at_b2 = quad.ab2 - at_a2;
-  // The angles of both faces add up at a, and at b. The nearer of the two says more.
   const bool from_a = quad.ca2.high * quad.ad2.high <= quad.bc2.high * quad.bd2.high;
-  const DoubleDouble dot1 = from_a ? at_a1 : at_b1;
-  const DoubleDouble dot2 = from_a ? at_a2 : at_b2;
+  const DoubleDouble dot1 = from_a ? at_a1 : quad.ab2 - at_a1;
+  const DoubleDouble dot2 = from_a ? at_a2 : quad.ab2 - at_a2;
   const DoubleDouble to_c2 = from_a ? quad.ca2 : quad.bc2;
   const DoubleDouble to_d2 = from_a ? quad.ad2 : quad.bd2;
-  const DoubleDouble across = (dot1 * dot2 - one.twice * other.twice) / quad.ab2;
+  // By a power of two, so that the product of four squares stays within range.
+  const double scale = std::ldexp(1.0, -std::ilogb(quad.ab2.high));
+  const DoubleDouble areas =
+      square_root((one.squared * scale) * (other.squared * scale)) * (1 / scale);
+  const DoubleDouble across = (dot1 * dot2 - areas) / quad.ab2;
   Flipped flipped;
-  flipped.cd2 = to_c2 + to_d2 - across * 2;
-  flipped.area_a = ((at_a1 * other.twice + one.twice * at_a2) / quad.ab2).high;
-  flipped.area_b = ((at_b1 * other.twice + one.twice * at_b2) / quad.ab2).high;
+  flipped.cd2 = (to_c2 + to_d2) - across * 2;
+
+  const double area1 = one.twice();
+  const double area2 = other.twice();
+  const SquaredSides left{quad.ad2, flipped.cd2, quad.ca2};
+  const SquaredSides right{quad.bc2, flipped.cd2, quad.bd2};
+  flipped.dot_a = corner_products(left);
+  flipped.dot_b = corner_products(right);
+  flipped.area_a = area_of(flipped.dot_a, left);
+  flipped.area_b = area_of(flipped.dot_b, right);
+  // The angles at a add up to less than pi, and those at b.
+  flipped.is_convex =
+      at_a1.high * area2 + area1 * at_a2.high > 0 &&
+      (quad.ab2.high - at_a1.high) * area2 + area1 * (quad.ab2.high - at_a2.high) > 0;
 
   // What c - d may be off by turns what is beyond it, the more the thinner the new faces are.
   const double longest2 =
@@ -93,15 +128,10 @@ Flipped flip_diagonal(const Quad& quad) {
   const double least = std::min(flipped.area_a, flipped.area_b);
   const double of_cd2 = tolerance::kDoubleDouble * (to_c2.high + to_d2.high) +
                         (tolerance::kDoubleDouble * std::abs(dot1.high * dot2.high) +
-                         one.rounding() * other.twice.high + one.twice.high * other.rounding()) /
+                         one.rounding() * area2 + area1 * other.rounding()) /
                             quad.ab2.high;
   flipped.error = of_cd2 / (2 * std::sqrt(flipped.cd2.high)) * (std::sqrt(longest2) / least);
   return flipped;
-}
-
-std::array<double, 3> corner_products(const SquaredSides& sides) {
-  return {dot_of(sides[0], sides[2], sides[1]).high, dot_of(sides[1], sides[0], sides[2]).high,
-          dot_of(sides[2], sides[1], sides[0]).high};
 }
 
 }  // namespace geodesic

@@ -40,18 +40,19 @@ struct Quad {
   DoubleDouble bd2;
 };
 
-// The same, cut along c - d instead.
+// The same, cut along c - d instead: the triangles (a, d, c) and (b, c, d).
 struct Flipped {
   DoubleDouble cd2;
-  // Twice the areas of (a, d, c) and (b, c, d). Below zero: c - d runs past that corner.
+  bool is_convex;  // c - d passes between a and b, as far as rounding to double tells
+  // As FaceRecord has them, of either triangle.
+  std::array<double, 3> dot_a;
+  std::array<double, 3> dot_b;
   double area_a;
   double area_b;
   // How far a corner may be from its place by the rounding of this flip, of the longest side.
   double error;
 };
+// Needs ab2 > 0.
 [[nodiscard]] Flipped flip_diagonal(const Quad& quad);
-
-// At each corner, the dot product of the two sides that leave it (FaceRecord::dot).
-[[nodiscard]] std::array<double, 3> corner_products(const SquaredSides& sides);
 
 }  // namespace geodesic
