@@ -5,17 +5,15 @@
 #include <prometheus/histogram.h>
 #include <prometheus/registry.h>
 #include <prometheus/text_serializer.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <array>
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <mutex>
 #include <tuple>
 #include <utility>
+
+#include "server/base/process_usage.h"
 
 namespace geodesic::server {
 namespace {
@@ -39,43 +37,6 @@ std::string_view known_method(std::string_view method) {
     if (method == known) return method;
   }
   return "other";
-}
-
-struct Process {
-  double resident_bytes = 0;
-  double virtual_bytes = 0;
-  double cpu_seconds = 0;
-  double open_fds = 0;
-  double max_fds = 0;
-};
-
-Process process_now() {
-  Process process;
-  std::ifstream statm("/proc/self/statm");
-  double pages = 0;
-  double resident = 0;
-  if (statm >> pages >> resident) {
-    const auto page = static_cast<double>(sysconf(_SC_PAGESIZE));
-    process.virtual_bytes = pages * page;
-    process.resident_bytes = resident * page;
-  }
-  rusage usage{};
-  if (getrusage(RUSAGE_SELF, &usage) == 0) {
-    for (const timeval& time : {usage.ru_utime, usage.ru_stime}) {
-      process.cpu_seconds +=
-          static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-    }
-  }
-  std::error_code error;
-  for (std::filesystem::directory_iterator it("/proc/self/fd", error), end; !error && it != end;
-       it.increment(error)) {
-    ++process.open_fds;
-  }
-  rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) == 0) {
-    process.max_fds = static_cast<double>(limit.rlim_cur);
-  }
-  return process;
 }
 
 // A counter that follows a count kept elsewhere.
@@ -461,7 +422,7 @@ std::string Metrics::text(const Present& present) {
   f.connections.Set(static_cast<double>(present.connections));
   follow(f.accept_failures, present.accept_failures);
   f.ready.Set(present.ready ? 1 : 0);
-  const Process process = process_now();
+  const ProcessUsage process = process_usage();
   f.resident.Set(process.resident_bytes);
   f.virtual_bytes.Set(process.virtual_bytes);
   f.cpu.Increment(std::max(process.cpu_seconds - f.cpu.Value(), 0.0));
