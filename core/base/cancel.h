@@ -76,6 +76,13 @@ class Poll {
   // True once the computation should stop, and ever after.
   [[nodiscard]] bool cancelled() { return --left_ == 0 && ask(); }
 
+  // The same for so many steps at once: for a list that is gone through without a question.
+  [[nodiscard]] bool cancelled_after(std::uint64_t steps) {
+    if (steps >= left_) return ask();
+    left_ -= static_cast<std::uint32_t>(steps);
+    return stopped_;
+  }
+
   // The same in a loop that has done `done` of about `total` steps of its computation. Reports
   // progress only when it asks, so it costs no more.
   [[nodiscard]] bool cancelled(std::uint64_t done, std::uint64_t total) {

@@ -24,6 +24,7 @@ void polled_sort(std::vector<T>& values, std::size_t begin, std::size_t end, Bef
     if (count > kRun && poll.ask()) return;
   }
   if (count <= kRun) return;
+  if (count > spare.capacity() && !poll.may_take(count * sizeof(T))) return;
   if (spare.size() < count) spare.resize(count);
   T* to = spare.data();
   for (std::size_t width = kRun; width < count; width *= 2) {

@@ -12,7 +12,7 @@ void Propagation::commit(std::uint32_t e, std::span<Window> fresh, double least)
   if (fresh.empty()) return;
   Edge& edge = edges_[e];
   fresh = without_narrow(fresh, edge.length);
-  if (fresh.empty()) return;
+  if (fresh.empty() || cancelled_after(edge.size)) return;
   if (edge.size == 0) {
     replace(edge, 0, 0, fresh);
   } else {
@@ -33,6 +33,8 @@ void Propagation::commit(std::uint32_t e, std::span<Window> fresh, double least)
         const auto left = static_cast<std::uint32_t>(trimmed.old.size());
         trimmed.fresh_ends ? first += left : last -= left;
       } else {
+        // Each may be cut by each end of those that it meets, and in between.
+        if (!may_hold(memory_.scratch, 3 * (trimmed.old.size() + trimmed.fresh.size()))) return;
         merge_in(trimmed.old, trimmed.fresh, length);
         windows = memory_.scratch;
       }
@@ -160,7 +162,8 @@ VisibleIntervals Propagation::visible_intervals(Poll& poll) const {
       const PseudoSource& pseudo_source = memory_.pseudo_sources[w.pseudo_source];
       // What a window leads along is the length of a path, as raise_to_paths makes vertices'.
       const double offset = pseudo_source.offset + pseudo_source.allowance;
-      for (Halfedge h = surface_.ring(w.from); h != w.from; h = surface_.ring(h)) {
+      for (Halfedge h = surface_.ring(w.from); h != w.from && !poll.cancelled();
+           h = surface_.ring(h)) {
         if (keeps_some_ && !keep_of_[face_of(h)]) continue;
         if (frames_.is_reversed(h)) {
           intervals.add(h, {length - w.end, length - w.begin, length - w.x, w.y, offset,

@@ -11,6 +11,12 @@ namespace {
 // So many windows cross faces together, or more where an edge has more.
 constexpr std::size_t kTogether = 256;
 
+// On an edge of many faces no more than these, or else those of one face.
+constexpr std::size_t kMostTogether = std::size_t{1} << 15U;
+
+// Of a list that comes to an edge, so many without a question.
+constexpr std::size_t kPlainAtOnce = 1024;
+
 // Behind so many windows on an edge a vertex may become a source. What starts
 // little earlier than it was reached spares few of them, and its own meet the others at more
 // places: the less the tolerance, the more there must be. Measured: 8 at 1e-2, 13 at 1e-3,
@@ -71,9 +77,12 @@ void Propagation::keep_windows_of(std::span<const std::uint32_t> faces) {
 }
 
 std::uint32_t Propagation::add_pseudo_source(const PseudoSource& pseudo_source) {
-  memory_.pseudo_sources.push_back(pseudo_source);
+  std::vector<PseudoSource>& all = memory_.pseudo_sources;
+  // What is refused, the computation learns when it polls next.
+  if (all.size() == all.capacity()) (void)poll_.may_take(2 * all.size() * sizeof(PseudoSource));
+  all.push_back(pseudo_source);
   memory_.offsets.push_back(pseudo_source.offset);
-  return static_cast<std::uint32_t>(memory_.pseudo_sources.size() - 1);
+  return static_cast<std::uint32_t>(all.size() - 1);
 }
 
 // What is in one bucket of the queue may be done in any order. So windows are gathered from some
@@ -116,7 +125,7 @@ void Propagation::set_out(std::uint32_t e) {
   const auto gap = [&](double begin, double end) {
     farthest = std::max(farthest, std::min(at_tail + end, at_head + (edge.length - begin)));
   };
-  const std::span<Window> windows(edge.windows, edge.size);
+  std::span<Window> windows(edge.windows, edge.size);
   Halfedge from = kNone;  // of those that wait
   bool from_one = true;
   // Less than this is rounding, and no branch worth.
@@ -137,16 +146,36 @@ void Propagation::set_out(std::uint32_t e) {
     const bool is_worth_it = (!from_one || h != from) && !frames_.face(face_of(h)).is_copy();
     if (is_worth_it) load_entering(windows, h);
     h = h == edge.first ? edge.second : surface_.ring(h);
-  } while (h != edge.first && !poll_.cancelled());
+    if (h != edge.first && memory_.entering.size > kMostTogether) [[unlikely]] {
+      if (windows.data() == edge.windows) windows = take_waiting(windows);
+      cross_faces();
+      memory_.entering.size = 0;
+      memory_.over_faces.clear();
+    }
+  } while (h != edge.first && !cancelled_after(windows.size()));
   for (Window& w : windows) w.propagated = true;
   bound_edge(e, farthest + least_gap);
+}
+
+// Those that wait, apart: of an edge that is in a face twice, more may come while they cross.
+std::span<Window> Propagation::take_waiting(std::span<Window> windows) {
+  std::vector<Window>& waiting = memory_.waiting;
+  waiting.clear();
+  if (!may_hold(waiting, windows.size())) return {};
+  waiting.reserve(windows.size());
+  for (Window& w : windows) {
+    if (w.propagated) continue;
+    waiting.push_back(w);
+    w.propagated = true;
+  }
+  return waiting;
 }
 
 // The windows on the edge of h that wait and did not come from its face, in its frame.
 void Propagation::load_entering(std::span<const Window> windows, Halfedge h) {
   EnteringWindows& entering = memory_.entering;
   const std::size_t first = entering.size;
-  entering.make_room(first + windows.size());
+  if (!entering.make_room(first + windows.size(), poll_)) return;
   const double* const offsets = memory_.offsets.data();
   double* const begin = entering.begin.data();
   double* const end = entering.end.data();
@@ -209,9 +238,11 @@ void Propagation::cross_faces() {
   for (const ListOverFace& list : memory_.over_faces) reach_apex(list);
   memory_.over_sides.clear();
   const std::size_t count = memory_.entering.size;
-  for (PropagatedWindows& beyond : memory_.beyond) beyond.make_room(count);
+  for (PropagatedWindows& beyond : memory_.beyond) {
+    if (!beyond.make_room(count, poll_)) return;
+  }
   for (EquidistantPoints& equidistant : memory_.equidistant) {
-    equidistant.make_room(count);
+    if (!equidistant.make_room(count, poll_)) return;
     equidistant.size = 0;
   }
   for (const ListOverFace& list : memory_.over_faces) cross_to_sides(list);
@@ -226,7 +257,7 @@ void Propagation::cross_faces() {
     }
   }
   for (const ListOverSide& list : memory_.over_sides) {
-    if (poll_.cancelled()) return;
+    if (cancelled_after(list.last - list.first)) return;
     arrive(list);
   }
 }
@@ -306,19 +337,31 @@ void Propagation::arrive(const ListOverSide& list) {
   PropagatedOrder order{list.first, list.last, list.upwards};
   FreshList fresh{memory_.fresh, 0, kUnreached};
   for (;;) {
-    add_plain(list, order, fresh);
+    const bool is_plain = add_plain(list, order, fresh);
+    if (poll_.stopped()) return;
     if (order.left() == 0) break;
+    if (is_plain) {
+      if (cancelled_after(kPlainAtOnce)) return;
+      continue;
+    }
     add_with_care(list, order, fresh);
+    // What it overlapped has been taken apart, and room is made anew for those to come.
+    if (cancelled_after(memory_.scratch.size() + std::min(order.left(), kPlainAtOnce))) return;
   }
   commit(list.side.edge, {fresh.list.data(), fresh.size}, fresh.least);
 }
 
 // Adds windows in the order on the edge, as long as they can be trimmed to those before:
-// nearly all of them can, and most come whole and meet none but the one before.
-void Propagation::add_plain(const ListOverSide& list, PropagatedOrder& order, FreshList& fresh) {
+// nearly all of them can, and most come whole and meet none but the one before. False at one that
+// cannot; true after some, or the last.
+bool Propagation::add_plain(const ListOverSide& list, PropagatedOrder& order, FreshList& fresh) {
   const Side& side = list.side;
-  const std::size_t most = fresh.size + order.left();
-  if (fresh.list.size() < most) fresh.list.resize(most);
+  const std::size_t count = std::min(order.left(), kPlainAtOnce);
+  const std::size_t most = fresh.size + count;
+  if (fresh.list.size() < most) {
+    if (!may_hold(fresh.list, most)) return false;
+    fresh.list.resize(most);
+  }
   const PropagatedWindows& beyond = memory_.beyond[list.on_right];
   const EquidistantPoints& equidistant = memory_.equidistant[list.on_right];
   const double* const begins = beyond.begin.data();
@@ -338,7 +381,7 @@ void Propagation::add_plain(const ListOverSide& list, PropagatedOrder& order, Fr
   // The one before a window on the edge is numbered before it, or it before that one.
   const std::size_t to_pair = order.upwards ? 0 : 1;
   std::size_t i = order.next();
-  std::size_t left = order.left();
+  std::size_t left = count;
   double least = fresh.least;
   Window* const begin = fresh.list.data();
   Window* out = begin + fresh.size;
@@ -401,9 +444,10 @@ void Propagation::add_plain(const ListOverSide& list, PropagatedOrder& order, Fr
     reached = out[-1].end;
     least = std::min(least, least_here);
   }
-  order.skip(order.left() - left);
+  order.skip(count - left);
   fresh.size = static_cast<std::size_t>(out - begin);
   fresh.least = least;
+  return left == 0;
 }
 
 // Trims the last of the windows from `first` on, which is not counted in yet, to those before
@@ -441,6 +485,7 @@ void Propagation::add_with_care(const ListOverSide& list, PropagatedOrder& order
   if (beyond.passes[i] != kWhole && !is_of_use(window, side)) return;
   fresh.least = std::min(fresh.least, window.least(memory_.entering.offset[i]));
   fresh.list.resize(fresh.size);
+  memory_.scratch.clear();
   append(fresh.list, window, memory_.pseudo_sources, side.length, memory_.scratch);
   fresh.size = fresh.list.size();
 }

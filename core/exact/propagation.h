@@ -134,6 +134,7 @@ struct PropagationMemory {
   std::array<EquidistantPoints, 2> equidistant;
   std::vector<Window> fresh;  // windows that come to an edge
   std::vector<Window> scratch;
+  std::vector<Window> waiting;  // of an edge whose faces are crossed some at a time
   std::vector<FanFace> fan;
 };
 
@@ -193,10 +194,24 @@ class Propagation {
   [[nodiscard]] std::uint64_t propagated() const { return propagated_; }
 
  private:
+  // Of the poll's steps: few of ordinary lists, and of lists of any length one in some
+  // microseconds.
+  static constexpr std::size_t kWindowsAStep = 16;
+
   [[nodiscard]] std::uint32_t add_pseudo_source(const PseudoSource& pseudo_source);
 
   // exact/propagation.cpp: windows over faces.
   void set_out(std::uint32_t e);
+  // Counts so many windows as gone through. True once the computation should stop.
+  [[nodiscard]] bool cancelled_after(std::size_t windows) {
+    return poll_.cancelled_after(1 + windows / kWindowsAStep);
+  }
+  // Whether a list may have room for so many.
+  template <class T>
+  [[nodiscard]] bool may_hold(const std::vector<T>& list, std::size_t count) {
+    return count <= list.capacity() || poll_.may_take(count * sizeof(T));
+  }
+  [[nodiscard]] std::span<Window> take_waiting(std::span<Window> windows);
   void load_entering(std::span<const Window> windows, Halfedge h);
   void keep_sources_on_line(std::size_t first, double length);
   void cross_faces();
@@ -206,7 +221,7 @@ class Propagation {
   void cross_to_sides(const ListOverFace& list);
   void cross_to_side(const ListOverFace& list, bool on_right, std::size_t first, std::size_t last);
   void arrive(const ListOverSide& list);
-  void add_plain(const ListOverSide& list, PropagatedOrder& order, FreshList& fresh);
+  [[nodiscard]] bool add_plain(const ListOverSide& list, PropagatedOrder& order, FreshList& fresh);
   [[nodiscard]] Trimming trim_last(Window* first, Window*& last, double length);
   void add_with_care(const ListOverSide& list, PropagatedOrder& order, FreshList& fresh);
   [[nodiscard]] Side side(Halfedge h, bool from_tail) const;

@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/cancel.h"
+
 namespace geodesic::exact {
 
 // Beyond the last number of a column there is room for so many.
@@ -26,14 +28,17 @@ struct EnteringWindows {
   std::vector<double> crossing;  // where the line from the source to the far corner meets the base
   std::vector<std::uint32_t> pseudo_source;
 
-  // Room for so many.
-  void make_room(std::size_t count) {
+  // Room for so many; false if there is none, as the poll then says, too.
+  [[nodiscard]] bool make_room(std::size_t count, Poll& poll) {
     const std::size_t room = count + kColumnSlack;
     // The last to grow: if memory ran out halfway, it has not.
-    if (pseudo_source.size() >= room) return;
+    if (pseudo_source.size() >= room) return true;
     const std::size_t rounded = std::bit_ceil(room);
+    constexpr std::size_t kBytes = 6 * sizeof(double) + sizeof(std::uint32_t);
+    if (!poll.may_take(rounded * kBytes)) return false;
     for (auto* column : {&begin, &end, &x, &y, &offset, &crossing}) column->resize(rounded, 0);
     pseudo_source.resize(rounded, 0);
+    return true;
   }
 };
 
@@ -57,17 +62,21 @@ struct PropagatedWindows {
   std::vector<std::int64_t> overlaps;
   std::vector<std::uint32_t> pair;  // then the number of their pair
 
-  // Room for so many. What was there need not be there any more.
-  void make_room(std::size_t count) {
+  // Room for so many, or false as above. What was there need not be there any more.
+  [[nodiscard]] bool make_room(std::size_t count, Poll& poll) {
     const std::size_t room = count + kColumnSlack;
-    if (pair.size() >= room) return;
+    if (pair.size() >= room) return true;
     const std::size_t rounded = std::bit_ceil(room);
+    constexpr std::size_t kBytes =
+        7 * sizeof(double) + 2 * sizeof(std::int64_t) + sizeof(std::uint32_t);
+    if (!poll.may_take(rounded * kBytes)) return false;
     for (auto* column : {&begin, &end, &x, &y, &at_begin, &at_end, &least}) {
       column->assign(rounded, 0);
     }
     passes.assign(rounded, kMisses);
     overlaps.assign(rounded, 0);
     pair.assign(rounded, 0);
+    return true;
   }
 };
 
@@ -82,14 +91,18 @@ struct EquidistantPoints {
   std::vector<double> at_right;
   std::vector<std::int64_t> found;  // not 0: there is one such place, and this is it
 
-  // Room for so many. What was there need not be there any more.
-  void make_room(std::size_t count) {
+  // Room for so many, or false as above. What was there need not be there any more.
+  [[nodiscard]] bool make_room(std::size_t count, Poll& poll) {
     const std::size_t room = count + kColumnSlack;
-    if (found.size() >= room) return;
+    if (found.size() >= room) return true;
     const std::size_t rounded = std::bit_ceil(room);
+    constexpr std::size_t kBytes =
+        3 * sizeof(double) + 2 * sizeof(std::uint32_t) + sizeof(std::int64_t);
+    if (!poll.may_take(rounded * kBytes)) return false;
     for (auto* column : {&place, &at_left, &at_right}) column->assign(rounded, 0);
     for (auto* column : {&left, &right}) column->assign(rounded, 0);
     found.assign(rounded, 0);
+    return true;
   }
 };
 

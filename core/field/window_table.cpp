@@ -3,8 +3,15 @@
 #include <algorithm>
 
 #include "core/base/polled_fill.h"
+#include "core/base/polled_sort.h"
 
 namespace geodesic {
+namespace {
+
+// So many sorted in a list are a step to the poll: a thousand steps take a millisecond or two.
+constexpr std::size_t kWindowsAStep = 16;
+
+}  // namespace
 
 WindowTable::WindowTable(std::size_t face_count, VisibleIntervals windows, Poll& poll) {
   const std::size_t count = windows.size();
@@ -23,10 +30,13 @@ WindowTable::WindowTable(std::size_t face_count, VisibleIntervals windows, Poll&
     windows_[--begin_[entry.first]] = entry.second;
     return !poll.cancelled();
   });
-  for (std::size_t h = 0; h + 1 < begin_.size() && !poll.cancelled(); ++h) {
-    std::sort(windows_.begin() + static_cast<std::ptrdiff_t>(begin_[h]),
-              windows_.begin() + static_cast<std::ptrdiff_t>(begin_[h + 1]),
-              [](const VisibleInterval& a, const VisibleInterval& b) { return a.begin < b.begin; });
+  std::vector<VisibleInterval> spare;
+  for (std::size_t h = 0; h + 1 < begin_.size(); ++h) {
+    if (poll.cancelled_after(1 + (begin_[h + 1] - begin_[h]) / kWindowsAStep)) return;
+    polled_sort(
+        windows_, begin_[h], begin_[h + 1],
+        [](const VisibleInterval& a, const VisibleInterval& b) { return a.begin < b.begin; }, spare,
+        poll);
   }
 }
 

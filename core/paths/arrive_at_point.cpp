@@ -14,6 +14,9 @@
 namespace geodesic {
 namespace {
 
+// So many are a step to the poll.
+constexpr std::size_t kWindowsAStep = 16;
+
 using Weights = std::array<double, 3>;
 
 Weights weights_at_corner(std::uint32_t corner) {
@@ -256,6 +259,13 @@ StepBack PointArrivals::through_windows(const SurfacePoint& place) const {
   const StepBack best = straight_in_face(place, below(place));
   if (!field_.windows) return best;
   const WayThroughWindow way = shortest_way_through_windows(adjacency_, *field_.windows, place);
+  if (poll_ != nullptr) {
+    // Tells the caller, who asks after each face, of lists of any length.
+    std::size_t windows = 0;
+    for (std::uint32_t c = 0; c < 3; ++c)
+      windows += field_.windows->into(halfedge(place.face, c)).size();
+    (void)poll_->cancelled_after(windows / kWindowsAStep);
+  }
   if (!(way.distance < best.distance)) return best;
   const FaceRecord& face = adjacency_.face(place.face);
   // By a vertex at the end of the side if that costs nothing. It does where the way leads round

@@ -7,11 +7,14 @@
 #include <cstdint>
 #include <ctime>
 #include <numbers>
+#include <random>
 #include <string>
 #include <vector>
 
 #include "core/solve/solve_field.h"
+#include "tests/fixtures/crumpled_surfaces.h"
 #include "tests/fixtures/surface.h"
+#include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;
 using fixtures::Surface;
@@ -145,6 +148,61 @@ TEST_CASE("TheSameLightFromAMillionEdgesAwayIsOneWindow") {
     const Field exact = surface.field_by(Method::exact, {from}, limits);
     for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
       CHECK(std::abs(field->distance[v] - exact.distance[v]) <= 1e-12 * exact.distance[v]);
+    }
+  }
+}
+
+// Of three groups of points each three are a face, and all lie nearly on a line: hundreds of
+// thousands of windows come to an edge, and all of them are to cross each of its faces.
+TEST_CASE("WindowsByTheMillionOnThinHeapsAskWhetherToStop") {
+  std::mt19937 random(fixtures::test_seed());
+  for (int round = 0; round < 4; ++round) {
+    const std::uint32_t n = 12 + random() % 9;
+    CAPTURE(n);
+    TriangleSoup soup;
+    const auto about = [&] {
+      return fixtures::fraction(random) + fixtures::fraction(random) + fixtures::fraction(random) -
+             1.5;
+    };
+    for (std::uint32_t i = 0; i < 3 * n; ++i) {
+      soup.positions.push_back({2 * about(), 2e-3 * about(), 2e-3 * about()});
+    }
+    for (std::uint32_t i = 0; i < n * n * n; ++i) {
+      soup.faces.push_back({i % n, n + i / n % n, 2 * n + i / n / n});
+    }
+    const Surface surface(soup);
+    const Source source{round % 2 == 0 ? surface.on(random() % (n * n * n), {0.3, 0.3, 0.4})
+                                       : surface.at(random() % (3 * n)),
+                        0};
+    MethodOptions within;
+    within.error_at_most = 1e-3;
+    MethodOptions upper;
+    upper.bound = Bound::upper;
+    for (const auto& [method, options] :
+         {std::pair{Method::exact, MethodOptions()}, std::pair{Method::chen_han, MethodOptions()},
+          std::pair{Method::back_traced, within}, std::pair{Method::back_traced, upper}}) {
+      for (const bool keep_details : {false, true}) {
+        CAPTURE(static_cast<int>(method));
+        CAPTURE(keep_details);
+        const double start = seconds_of_work();
+        double last = start;
+        double longest = 0;
+        const auto ask = [&] {
+          const double now = seconds_of_work();
+          longest = std::max(longest, now - last);
+          last = now;
+          return now - start > 0.7;
+        };
+        FieldLimits limits;
+        limits.keep_details = keep_details;
+        SolveScratch scratch;
+        const Cancel cancel(ask);
+        // Whether it has come to an end by then does not matter.
+        (void)solve_field(method, options, surface.adjacency(), {&source, 1}, limits, scratch,
+                          cancel);
+        (void)ask();
+        CHECK(longest < kLongestWithoutAQuestion);
+      }
     }
   }
 }

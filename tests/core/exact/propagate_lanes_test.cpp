@@ -24,6 +24,13 @@ std::vector<Vectors> vectors_of_this_processor() {
   return all;
 }
 
+template <class Columns>
+void make_room(Columns& columns, std::size_t count) {
+  const Cancel never;
+  Poll poll(never);
+  REQUIRE(columns.make_room(count, poll));
+}
+
 double share(std::mt19937& random) { return static_cast<double>(random()) / 4294967296.0; }
 
 // A face over its base and light that comes to it from below.
@@ -35,7 +42,7 @@ struct Scene {
   explicit Scene(std::mt19937& random) : base(0.5 + share(random)) {
     apex = {base * (1.6 * share(random) - 0.3), 0.2 + share(random)};
     const std::size_t count = 1 + random() % 30;
-    entering.make_room(count);
+    make_room(entering, count);
     entering.size = count;
     std::vector<double> ends{0};
     for (std::size_t i = 0; i < count; ++i) ends.push_back(ends.back() + 0.1 + share(random));
@@ -115,7 +122,7 @@ TEST_CASE("ChildrenAreTheLightOfTheirBeamsOnTheOtherSide") {
       PropagatedWindows first;
       for (const Vectors vectors : vectors_of_this_processor()) {
         PropagatedWindows beyond;
-        beyond.make_room(count);
+        make_room(beyond, count);
         cross_to_side(vectors, scene.entering, 0, count, side, beyond);
         if (first.begin.empty()) first = beyond;
         CHECK(same(first.passes, beyond.passes, 0, count));
@@ -170,8 +177,8 @@ TEST_CASE("NeighboursShareAnOverlapWhereTheyAreEquallyFar") {
     for (const Vectors vectors : vectors_of_this_processor()) {
       PropagatedWindows beyond;
       EquidistantPoints equidistant;
-      beyond.make_room(count);
-      equidistant.make_room(count);
+      make_room(beyond, count);
+      make_room(equidistant, count);
       cross_to_side(vectors, scene.entering, 0, count, side, beyond);
       pair_overlaps(vectors, 0, count, upwards, side.length, beyond, equidistant);
       find_equidistant_points(vectors, scene.entering, beyond, equidistant);
