@@ -11,6 +11,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -48,6 +49,20 @@ struct Worthwhile {
   }
 };
 
+// Past obtuse angles a vertex may be nearer than those that it is computed from, by up to the side
+// between them, and the next one nearer still. So much may what comes by way of this one be nearer
+// than it. Of 2,500 crumpled and grown surfaces with a limit, with 2 sides 2 differ from the whole
+// field by `wavefront` and 26 by `novotni`, with 4 one and 11, with 8 none and 4; with none 4
+// in 10.
+[[nodiscard]] inline double comes_back(const Adjacency& adjacency, std::uint32_t vertex) {
+  constexpr double kSides = 8;
+  double longest2 = 0;
+  for (const std::uint32_t corner : adjacency.corners(vertex)) {
+    longest2 = std::max(longest2, adjacency.face(face_of(corner)).longest2());
+  }
+  return kSides * std::sqrt(longest2);
+}
+
 // Runs one source's wave, without the source's offset, of which the rule's virtual
 // sources know nothing. It goes no further where that is not worthwhile, for `earlier`
 // sources or for the detour. Tells every vertex it accepted; others stay unreached.
@@ -72,11 +87,11 @@ Result<void> run_wave(Front& front, const Adjacency& adjacency, const Source& so
   bool cancelled = false;
   while (!heap.empty() && !targets.done() && !cancelled) {
     cancelled = poll.cancelled(done++, total);
-    if (heap.least().key > max) break;
     const VertexHeap::Entry next = heap.pop();
     if (!heap.empty()) front.expect(heap.least().vertex);
     targets.accept(next.vertex);
     accepted(next.vertex);
+    if (next.key > max && next.key - comes_back(adjacency, next.vertex) > max) continue;
     if (worthwhile(next.vertex, next.key)) front.spread_from(next.vertex);
   }
   // What is still considered is not final.
