@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "core/base/lane_arithmetic.h"
+#include "core/wavefront/virtual_source.h"
 
 namespace geodesic {
 namespace {
@@ -69,6 +70,18 @@ GEODESIC_LANES_INLINE void arrive_some(const FaceRecord* faces, const double* di
   Lanes::choose(crossing, at_q, zero + ArrivalLanes::kBendsAtHead, crossing);
   std::memcpy(to_distance, &d, sizeof d);
   for (std::size_t i = 0; i < kWide; ++i) to_crossing[i] = static_cast<float>(crossing[i]);
+  // Where all of it is on one line.
+  const Flags on_line = ~(rise > 0);
+  if (!Lanes::any(on_line)) [[likely]]
+    return;
+  for (std::size_t i = 0; i < kWide; ++i) {
+    if (on_line[i] == 0) continue;
+    const Arrival arrival = arrive(dp[i], dq[i], face[i]->apex_over(corner_of(bases[i])));
+    to_distance[i] = arrival.distance;
+    to_crossing[i] = arrival.which == Fig4::b   ? ArrivalLanes::kBendsAtTail
+                     : arrival.which == Fig4::c ? ArrivalLanes::kBendsAtHead
+                                                : static_cast<float>(arrival.crossing);
+  }
 }
 
 template <std::size_t kWide>

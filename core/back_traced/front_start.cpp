@@ -61,7 +61,7 @@ void BackTracedFront::start(const SurfacePoint& source) {
       see(right, side_not_below(face, c));
       see(face.vertex[previous_corner(c)],
           std::max(norm(to_left), side_not_below(face, previous_corner(c))));
-      if (cones.size() == kVisibleFaces) continue;
+      if (cones.size() == kVisibleFaces || is_line(face)) continue;
       if (!surface_.is_even && !(length > tolerance::kLeastSide * longest_side(face))) continue;
       cones.push_back(
           cone_over(face, halfedge(face_of(corner), next_corner(c)), right, to_right, to_left));
@@ -77,7 +77,7 @@ void BackTracedFront::start(const SurfacePoint& source) {
         // at the origin and the side's direction as the x axis.
         const double base2 = face.length2(c);
         const double height = place.bary[previous_corner(c)] * face.area2;
-        if (!(base2 > 0) || !(height > 0)) continue;
+        if (!(base2 > 0) || !(height > 0) || is_line(face)) continue;
         const double base = std::sqrt(base2);
         const double foot =
             place.bary[next_corner(c)] * base2 + place.bary[previous_corner(c)] * face.dot[c];

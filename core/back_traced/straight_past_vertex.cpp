@@ -37,7 +37,7 @@ void BackTracedFront::trace_past_vertex(std::uint32_t place, std::uint32_t bend)
     const std::uint32_t first = face_of(corner);
     const std::uint32_t c = corner_of(corner);
     const FaceRecord& face = surface_.faces[first];
-    if (!surface_.is_even && is_too_thin(face)) continue;
+    if ((!surface_.is_even && is_too_thin(face)) || is_line(face)) continue;
     const bool ahead = face.vertex[next_corner(c)] == bend;
     if (first == face_of(bend_base) || (!ahead && face.vertex[previous_corner(c)] != bend))
       continue;
@@ -58,7 +58,7 @@ void BackTracedFront::trace_past_vertex(std::uint32_t place, std::uint32_t bend)
       const Halfedge across = surface_.ring(edge);
       if (across == edge || surface_.ring(across) != edge) break;
       const FaceRecord& next = surface_.faces[face_of(across)];
-      if (!surface_.is_even && is_too_thin(next)) break;
+      if ((!surface_.is_even && is_too_thin(next)) || is_line(next)) break;
       const std::uint32_t at = corner_of(across);
       const std::uint32_t apex = previous_corner(at);
       const bool at_bend = next.vertex[at] == bend;

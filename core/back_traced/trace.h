@@ -120,7 +120,8 @@ class BackTrace {
                            {scale * (area * area - p * along), scale * (-area * across)},
                            {scale * (area * area + q * along), scale * (area * (base2 - across))}};
     // No number where the face is too thin to say.
-    const bool is_laid_out = start.to_right.x < kUnreached;
+    const bool is_laid_out =
+        start.to_right.x < kUnreached && !(surface_.has_lines && is_line(face));
     Spread spread{std::max({p + w, q + w, base2}), std::min({p + w, q + w, base2}), 0};
     double found = std::min({best, at_tail + std::sqrt(std::max(p + w, 0.0)),
                              at_head + std::sqrt(std::max(q + w, 0.0))});
@@ -215,6 +216,10 @@ class BackTrace {
       if (surface_.ring(t.across) != t.edge) t.across = nearest_beyond(t.edge);
       const SurfacePoint* const stop = stop_in(face_of(t.across));
       const FaceRecord& face = surface_.faces[face_of(t.across)];
+      if (surface_.has_lines && is_seen_along_line(face, t.right, t.left)) [[unlikely]] {
+        t.ends = Ends::lost;
+        return best;
+      }
       const std::uint32_t c = corner_of(t.across);
       const std::uint32_t n = next_corner(c);
       const std::uint32_t apex = previous_corner(c);

@@ -29,7 +29,7 @@ struct TraceLaneState {
 
 template <std::size_t kWide>
 GEODESIC_LANES_INLINE void begin_traces(const FaceRecord* faces, const double* distance,
-                                        const TraceLanes& traces, std::size_t first,
+                                        const TraceLanes& traces, std::size_t first, bool has_lines,
                                         TraceLaneState<kWide>& s) {
   using Lanes = lanes::Lanes<kWide>;
   using Reals = typename Lanes::Reals;
@@ -96,6 +96,11 @@ GEODESIC_LANES_INLINE void begin_traces(const FaceRecord* faces, const double* d
   s.left_bound_x = s.left_x;
   s.left_bound_y = s.left_y;
   s.alive = s.right_x < kUnreached;
+  if (has_lines) [[unlikely]] {
+    for (std::size_t j = 0; j < kWide; ++j) {
+      if (is_line(*face[j])) s.alive[j] = 0;
+    }
+  }
   s.beyond_is_surface = s.alive;
   s.at_border = s.edge == s.across;
   s.crossed = Flags{};

@@ -43,8 +43,8 @@ struct Ahead {
 // The next faces of the traces. Where there are more than two on an edge, the nearest.
 template <std::size_t kWide, bool kOriented>
 GEODESIC_LANES_INLINE void look_ahead(const FaceRecord* faces, const double* distance,
-                                      const CrowdedEdges* crowds, TraceLaneState<kWide>& s,
-                                      Ahead<kWide>& to) {
+                                      const CrowdedEdges* crowds, bool has_lines,
+                                      TraceLaneState<kWide>& s, Ahead<kWide>& to) {
   using Lanes = lanes::Lanes<kWide>;
   if constexpr (!kOriented) {
     for (std::size_t i = 0; i < kWide; ++i) {
@@ -69,6 +69,14 @@ GEODESIC_LANES_INLINE void look_ahead(const FaceRecord* faces, const double* dis
   Lanes::gather(to.dot, [&](std::size_t i) { return face[i]->dot[corner[i]]; });
   Lanes::gather(to.next_dot, [&](std::size_t i) { return face[i]->dot[next[i]]; });
   Lanes::gather(to.area, [&](std::size_t i) { return face[i]->area2; });
+  if (has_lines) [[unlikely]] {
+    for (std::size_t i = 0; i < kWide; ++i) {
+      const Vec2 right{s.right_x[i], s.right_y[i]};
+      const Vec2 left{s.left_x[i], s.left_y[i]};
+      // Nobody sees over it.
+      if (is_seen_along_line(*face[i], right, left)) s.at_border[i] = -1;
+    }
+  }
   const auto gather_ids = [](auto& ids, auto id) {
     Lanes::gather(ids, [&](std::size_t i) { return std::uint64_t{id(i)}; });
   };
@@ -207,6 +215,7 @@ struct Task {
   const double* distance;
   bool is_oriented;
   bool is_even;
+  bool has_lines;
   BackTrace::Candidates candidates;
   const CrowdedEdges* crowds;
 };
@@ -217,12 +226,12 @@ template <std::size_t kWide, bool kOriented, bool kEven>
 GEODESIC_LANES_INLINE std::uint32_t trace(const Task& task, TraceLanes& traces) {
   using Lanes = lanes::Lanes<kWide>;
   constexpr std::size_t kParts = TraceLanes::kLanes / kWide;
-  const auto [faces, distance, is_oriented, is_even, candidates, crowds] = task;
+  const auto [faces, distance, is_oriented, is_even, has_lines, candidates, crowds] = task;
   const std::size_t parts = (traces.count + kWide - 1) / kWide;
   TraceLaneState<kWide> states[kParts];
   std::size_t part_of[kParts];
   for (std::size_t part = 0; part < parts; ++part) {
-    begin_traces<kWide>(faces, distance, traces, part * kWide, states[part]);
+    begin_traces<kWide>(faces, distance, traces, part * kWide, has_lines, states[part]);
     if ((traces.elsewhere >> (part * kWide)) != 0) {
       begin_traces_elsewhere<kWide>(faces, distance, traces, part * kWide, states[part]);
     }
@@ -237,7 +246,7 @@ GEODESIC_LANES_INLINE std::uint32_t trace(const Task& task, TraceLanes& traces) 
       typename Lanes::Flags going = {};
       for (std::size_t i = 0; i < count; ++i) {
         TraceLaneState<kWide>& s = states[part_of[i]];
-        look_ahead<kWide, kOriented>(faces, distance, crowds, s, ahead);
+        look_ahead<kWide, kOriented>(faces, distance, crowds, has_lines, s, ahead);
         unfold<kWide, kOriented, kEven>(ahead, s, going);
         // While the other parts have their turn.
         for (std::size_t j = 0; j < kWide; ++j) __builtin_prefetch(&faces[s.across[j] >> 2U]);
@@ -306,8 +315,13 @@ __attribute__((target("avx512f,avx512vl,avx512dq"))) std::uint32_t trace_avx512(
 void trace_lanes(const Triangulation& surface, std::span<const double> distance,
                  BackTrace::Candidates candidates, Vectors vectors, TraceLanes& traces,
                  const CrowdedEdges* crowds) {
-  const Task task{surface.faces.data(), distance.data(), surface.is_oriented,
-                  surface.is_even,      candidates,      crowds};
+  const Task task{surface.faces.data(),
+                  distance.data(),
+                  surface.is_oriented,
+                  surface.is_even,
+                  surface.has_lines,
+                  candidates,
+                  crowds};
   std::uint32_t wide = 0;
 #ifdef __x86_64__
   if (vectors == Vectors::avx512) {

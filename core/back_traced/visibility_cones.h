@@ -58,7 +58,7 @@ void look_around(const Triangulation& surface, std::vector<VisibilityCone>& cone
       const std::uint32_t apex = previous_corner(c);
       const bool forward = face.vertex[c] == cone.right;
       const double base2 = face.dot[c] + face.dot[n];
-      if (!(base2 > 0)) continue;
+      if (!(base2 > 0) || is_seen_along_line(face, cone.to_right, cone.to_left)) continue;
       const Vec2 base = cone.to_left - cone.to_right;
       const Vec2 to_apex = cone.to_right + ((forward ? face.dot[c] : face.dot[n]) / base2) * base +
                            (face.area2 / base2) * Vec2{base.y, -base.x};

@@ -81,7 +81,9 @@ void Adjacency::fill_geometry(Poll& poll) {
     // large part of a needle's.
     const std::uint32_t longest = record.longest_side();
     record.area2 = norm(cross(side[next_corner(longest)], side[previous_corner(longest)]));
-    has_flat_faces_ = has_flat_faces_ || is_lower_than(tolerance::kFlat, record);
+    const bool is_flat = is_lower_than(tolerance::kFlat, record);
+    has_flat_faces_ = has_flat_faces_ || is_flat;
+    has_lines_ = has_lines_ || (is_flat && is_line(record));
   }
   is_even_ = is_even(faces_, poll);
 }
@@ -268,7 +270,11 @@ void Adjacency::count_boundary_loops(Poll& poll) {
 }
 
 Triangulation Adjacency::delaunay() const {
-  return delaunay_ ? delaunay_->triangulation() : triangulation();
+  if (!delaunay_) return triangulation();
+  Triangulation delaunay = delaunay_->triangulation();
+  // Flips make none.
+  delaunay.has_lines = has_lines_;
+  return delaunay;
 }
 
 Halfedge Adjacency::find_edge(std::uint32_t a, std::uint32_t b) const {

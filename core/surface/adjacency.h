@@ -66,7 +66,8 @@ class Adjacency {
   // The faces of the mesh, and those that cut the same surface up best for what is
   // computed from triangle to triangle: the same where nothing was to be improved.
   [[nodiscard]] Triangulation triangulation() const {
-    return {faces_, corner_begin_, corners_, is_oriented_, is_even_, has_flat_faces_, is_crowded_};
+    return {faces_,   corner_begin_,   corners_,    is_oriented_,
+            is_even_, has_flat_faces_, is_crowded_, has_lines_};
   }
   [[nodiscard]] Triangulation delaunay() const;
 
@@ -101,6 +102,7 @@ class Adjacency {
   bool is_oriented_ = true;
   bool is_even_ = false;
   bool has_flat_faces_ = false;
+  bool has_lines_ = false;
   bool is_crowded_ = false;
   std::vector<bool> pinched_;                          // per vertex; empty when no vertex is
   std::shared_ptr<const IntrinsicDelaunay> delaunay_;  // null when no edge was flipped

@@ -24,6 +24,8 @@ struct Triangulation {
   // them at each crossing takes the square of their number.
   bool is_crowded = false;
   static constexpr std::size_t kCrowd = 16;
+  // A face is a line (unfold_rounding.h).
+  bool has_lines = false;
 
   // The corners at a vertex, in ascending order.
   [[nodiscard]] std::span<const std::uint32_t> corners(std::uint32_t vertex) const {

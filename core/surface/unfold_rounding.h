@@ -14,6 +14,7 @@
 
 #include "core/base/cancel.h"
 #include "core/base/tolerances.h"
+#include "core/base/vec2.h"
 #include "core/surface/face_record.h"
 #include "core/surface/side_not_below.h"
 
@@ -39,6 +40,21 @@ struct UnfoldRounding {
 
 [[nodiscard]] inline bool is_lower_than(double part, const FaceRecord& face) {
   return !(face.area2 > part * (face.dot[0] + face.dot[1] + face.dot[2]));
+}
+
+// Whether the corners lie on one line, as far as rounding can tell, in three places.
+[[nodiscard]] inline bool is_line(const FaceRecord& face) {
+  const double shortest2 = face.shortest2();
+  return shortest2 > 0 &&
+         !(face.area2 > tolerance::kLine * std::sqrt(shortest2) * std::sqrt(face.longest2()));
+}
+
+// Whether what is seen over a face, through the edge from `right` to `left`, may be behind who
+// looks from the origin, or before that edge: where they are on the same line, all directions are
+// one.
+[[nodiscard]] inline bool is_seen_along_line(const FaceRecord& face, Vec2 right, Vec2 left) {
+  return is_line(face) &&
+         !(cross(right, left) > tolerance::kWithoutArea * (dot(right, right) + dot(left, left)));
 }
 
 // Computes Triangulation::is_even. False when the poll says to stop.

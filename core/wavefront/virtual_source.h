@@ -51,15 +51,17 @@ struct Arrival {
   const double rise = sy + w.height;
   const double meets = sx * w.height + w.from_p * sy;  // crossing * base2 * rise
   const bool no_base = !(base2 > 0);
-  if (meets < 0 || (no_base && dp <= dq)) {
+  // No rise: source, base and apex on one line. The way leads over the base all the same.
+  const bool on_line = !(rise > 0);
+  if (meets < 0 || (no_base && dp <= dq) || (on_line && sx < 0 && w.from_p < 0)) {
     return {dp + std::sqrt(std::max(w.to_p2, 0.0)), Fig4::b, 0};
   }
-  if (meets > base2 * rise || no_base) {
+  if (meets > base2 * rise || no_base || (on_line && sx > base2 && w.from_p > base2)) {
     return {dq + std::sqrt(std::max(w.to_q2, 0.0)), Fig4::c, 1};
   }
   const double run = w.from_p - sx;
-  // No rise: source, base and apex on one line; any point between will do.
-  const double crossing = rise > 0 ? meets / (base2 * rise) : std::clamp(sx / base2, 0.0, 1.0);
+  // On a line any point between will do.
+  const double crossing = on_line ? std::clamp(sx / base2, 0.0, 1.0) : meets / (base2 * rise);
   return {std::sqrt((run * run + rise * rise) / base2), Fig4::a, crossing};
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/mesh/mesh.h"
@@ -185,4 +186,63 @@ TEST_CASE("OfPointsAllInOnePlaceButOneNoMethodIsWorseThanEdges") {
       CHECK(check_as_near_as_along_edges(surface, v) == 0);
     }
   }
+}
+
+// A way over a face that is a line turns where the face ends, and does not lead back as if it went
+// on. So no bound is below the way by windows, whether chen_han's or exact's.
+TEST_CASE("OverFacesFoldedOnALineUpperIsNotBelowTheTruth") {
+  std::mt19937 random(fixtures::test_seed());
+  const Surface behind(
+      {{{0, 0, -3.875}, {0, 0, -3.625}, {0, 0, -3.25}, {0, 0, 0}}, {{3, 1, 0}, {0, 1, 2}}});
+  const Surface before({{{0, 0, 2}, {0, 0, -2}, {0, 0, 1}, {0, 0, 0}, {1, 0, 1}},
+                        {{0, 1, 2}, {1, 0, 2}, {2, 3, 4}, {0, 2, 3}, {0, 3, 2}}});
+  MethodOptions upper;
+  upper.bound = Bound::upper;
+  for (const auto& [method, options] :
+       {std::pair{Method::back_traced, upper}, std::pair{Method::back_traced, MethodOptions()},
+        std::pair{Method::wavefront, MethodOptions()}}) {
+    CAPTURE(static_cast<int>(method));
+    const Field over_behind = behind.field_by(method, {{behind.at(3), 0}}, {}, options);
+    CHECK(over_behind.distance[behind.vertex(2)] == doctest::Approx(4.0));
+    const Field over_before =
+        before.field_by(method, {{before.on(0, {0.5, 0.4, 0.1}), 0}}, {}, options);
+    CHECK(over_before.distance[before.vertex(3)] == doctest::Approx(1.7));
+  }
+  int compared = 0;
+  for (int round = 0; round < 300; ++round) {
+    CAPTURE(round);
+    TriangleSoup soup = fixtures::grown(random, 3 + static_cast<int>(random() % 25));
+    const bool turned = random() % 2 == 0;
+    for (Vec3& p : soup.positions) {
+      p = {std::round(2 * p.x) + std::round(p.y), 0,
+           round % 3 == 0 && p.z > 0.5 ? std::round(p.z) : 0.0};
+      if (turned) p = {0.6 * p.x, 0.8 * p.x, p.z};
+    }
+    if (!Mesh::build(soup)) continue;
+    const Surface surface(soup);
+    const auto face = static_cast<std::uint32_t>(random() % surface.mesh().face_count());
+    const auto vertex = static_cast<std::uint32_t>(random() % surface.mesh().vertex_count());
+    const Source source{random() % 2 == 0
+                            ? point_on_face(surface.adjacency(), face, {0.5, 0.3, 0.2})
+                            : point_at_vertex(surface.adjacency(), vertex),
+                        0};
+    const auto solved = [&](Method method) {
+      int questions = 0;
+      SolveScratch scratch;
+      return solve_field(method, {}, surface.adjacency(), {&source, 1}, {}, scratch,
+                         Cancel([&] { return ++questions > 300; }));
+    };
+    const auto exact = solved(Method::exact);
+    const auto chen_han = solved(Method::chen_han);
+    if (!exact || !chen_han) continue;
+    ++compared;
+    const Field bound = surface.field_by(Method::back_traced, {source}, {}, upper);
+    for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+      CAPTURE(v);
+      if (exact->distance[v] == kUnreached) continue;
+      const double truth = std::min(exact->distance[v], chen_han->distance[v]);
+      CHECK(bound.distance[v] >= truth * (1 - 1e-9));
+    }
+  }
+  CHECK(compared > 200);
 }
