@@ -53,7 +53,7 @@ class Assembly {
     DecodedMesh mesh;
     mesh.soup.positions.resize(room_.vertices);
     mesh.soup.faces.resize(room_.faces);
-    mesh.parts.reserve(parts_);
+    mesh.parts.reserve(std::min(parts_, kMostParts));
     Cursor cursor;
     for (const GltfInstance& instance : *instances) {
       if (const auto done = write(instance, mesh, cursor); !done) return fail(done.error());
@@ -142,12 +142,12 @@ class Assembly {
         MeshPart part{static_cast<std::int64_t>(instance.node),
                       static_cast<std::int64_t>(instance.mesh),
                       static_cast<std::int64_t>(i),
-                      node.name.empty() ? source.name : node.name,
+                      {},
                       cursor.vertex,
                       geometry->vertices,
                       cursor.face,
                       geometry->faces};
-        mesh.parts.push_back(std::move(part));
+        mesh.add_part(std::move(part), node.name.empty() ? source.name : node.name);
       }
       cursor.vertex += geometry->vertices;
       cursor.face += geometry->faces;

@@ -1,5 +1,9 @@
 #include "proto/mesh/decoded_mesh.h"
 
+#include <utility>
+
+#include "proto/wire/cut_to.h"
+
 namespace geodesic::proto {
 
 std::string_view name_of(MeshFormat format) {
@@ -18,6 +22,12 @@ std::string_view name_of(MeshFormat format) {
       return "stl";
   }
   return "";
+}
+
+void DecodedMesh::add_part(MeshPart part, std::string_view name) {
+  if (++part_count > kMostParts) return;
+  part.name = cut_to(name, kMostNameBytes);
+  parts.push_back(std::move(part));
 }
 
 }  // namespace geodesic::proto

@@ -1,6 +1,7 @@
 // What a mesh file decodes to, and the limits within which it is decoded.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -32,18 +33,28 @@ struct MeshPart {
   std::int64_t node = -1;       // glTF node; -1: none (Draco)
   std::int64_t mesh = -1;       // glTF mesh
   std::int64_t primitive = -1;  // index within the mesh
-  std::string name;             // the node's name, else the mesh's
+  std::string name;             // the node's name, else the mesh's; of kMostNameBytes at most
   std::uint64_t first_vertex = 0;
   std::uint64_t vertex_count = 0;
   std::uint64_t first_face = 0;
   std::uint64_t face_count = 0;
 };
 
+// Of a file's parts, those that are kept and told of: the first ones. A file of megabytes can
+// draw a million.
+inline constexpr std::size_t kMostParts = 10'000;
+// Of a name in a file.
+inline constexpr std::size_t kMostNameBytes = 200;
+
 struct DecodedMesh {
   MeshFormat format = MeshFormat::glb;
-  TriangleSoup soup;  // in source-vertex order, node transforms applied
-  std::vector<MeshPart> parts;
+  TriangleSoup soup;              // in source-vertex order, node transforms applied
+  std::vector<MeshPart> parts;    // the first kMostParts
+  std::uint64_t part_count = 0;   // of the file
   std::vector<Finding> findings;  // what was ignored or taken otherwise
+
+  // Counts a part, and keeps it under that name if it is one of the first.
+  void add_part(MeshPart part, std::string_view name);
 };
 
 }  // namespace geodesic::proto

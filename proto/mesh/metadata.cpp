@@ -5,12 +5,16 @@
 #include <utility>
 
 #include "proto/mesh/mesh_findings.h"
+#include "proto/wire/cut_to.h"
 #include "proto/wire/input_codes.h"
 
 namespace geodesic::proto {
 namespace {
 
 using nlohmann::ordered_json;
+
+// Of a sentence, which may name what is in the file.
+constexpr std::size_t kMostTextBytes = 1000;
 
 // Names come from the file: what is not UTF-8 is replaced, never an exception.
 std::string dumped(const ordered_json& value) {
@@ -21,11 +25,13 @@ ordered_json report_of(const DecodedMesh& decoded, const Adjacency& adjacency) {
   ordered_json report = ordered_json::array();
   for (const Finding& finding : decoded.findings) {
     ordered_json examples = ordered_json::array();
-    for (const std::string& where : finding.examples) examples.push_back({{"where", where}});
+    for (const std::string& where : finding.examples) {
+      examples.push_back({{"where", cut_to(where, kMostNameBytes)}});
+    }
     report.push_back({{"code", finding.code},
                       {"count", finding.count},
                       {"examples", std::move(examples)},
-                      {"text", finding.text}});
+                      {"text", cut_to(finding.text, kMostTextBytes)}});
   }
   for (const MeshFinding& finding : examine(adjacency)) {
     ordered_json examples = ordered_json::array();
@@ -49,26 +55,53 @@ ordered_json number_or_null(std::int64_t value) {
   return value < 0 ? ordered_json() : ordered_json(value);
 }
 
+// What parts take of a description, the rest is for all else.
+constexpr std::size_t kMostPartsBytes = kMostDescriptionBytes * 7 / 8;
+
 ordered_json parts_of(const DecodedMesh& decoded) {
   ordered_json parts = ordered_json::array();
+  std::size_t bytes = 0;
   for (const MeshPart& part : decoded.parts) {
-    parts.push_back({{"node", number_or_null(part.node)},
-                     {"mesh", number_or_null(part.mesh)},
-                     {"primitive", number_or_null(part.primitive)},
-                     {"name", part.name},
-                     {"first_vertex", part.first_vertex},
-                     {"vertex_count", part.vertex_count},
-                     {"first_face", part.first_face},
-                     {"face_count", part.face_count}});
+    ordered_json told{{"node", number_or_null(part.node)},
+                      {"mesh", number_or_null(part.mesh)},
+                      {"primitive", number_or_null(part.primitive)},
+                      {"name", cut_to(part.name, kMostNameBytes)},
+                      {"first_vertex", part.first_vertex},
+                      {"vertex_count", part.vertex_count},
+                      {"first_face", part.first_face},
+                      {"face_count", part.face_count}};
+    bytes += dumped(told).size() + 1;
+    if (parts.size() == kMostParts || bytes > kMostPartsBytes) break;
+    parts.push_back(std::move(told));
   }
   return parts;
+}
+
+// A description's members once it is known how many parts it lists.
+void tell_of_missing_parts(ordered_json& description, std::uint64_t part_count) {
+  const std::size_t listed = description["parts"].size();
+  if (listed >= part_count) return;
+  const std::string text = std::to_string(part_count - listed) + " of " +
+                           std::to_string(part_count) + " parts are not listed: `parts` has the " +
+                           "first " + std::to_string(listed) + ". All are in the mesh.";
+  description["parts_total"] = part_count;
+  description["warnings"].push_back(text);
+  description["report"].push_back({{"code", "parts_not_listed"},
+                                   {"count", part_count - listed},
+                                   {"examples", ordered_json::array()},
+                                   {"text", text}});
+}
+
+tl::unexpected<Error> unreadable() {
+  return fail(InputCode::store_corrupt, "the stored description of the mesh cannot be read");
 }
 
 // What the client should know of its own mesh, in words.
 ordered_json warnings_of(const DecodedMesh& decoded, const Mesh& mesh,
                          const TopologyReport& topology) {
   ordered_json warnings = ordered_json::array();
-  for (const Finding& finding : decoded.findings) warnings.push_back(finding.text);
+  for (const Finding& finding : decoded.findings)
+    warnings.push_back(cut_to(finding.text, kMostTextBytes));
   const auto warn = [&](std::uint64_t count, const char* one, const char* many,
                         const char* meaning) {
     if (count == 0) return;
@@ -99,7 +132,7 @@ std::string describe_mesh(std::string_view id, std::uint64_t bytes, const Import
   const TopologyReport& topology = adjacency.report();
   const std::string import = canonical_text(options);
   const Box& box = mesh.box();
-  const ordered_json description{
+  ordered_json description{
       {"id", id},
       {"bytes", bytes},
       {"format", name_of(decoded.format)},
@@ -119,28 +152,58 @@ std::string describe_mesh(std::string_view id, std::uint64_t bytes, const Import
       {"warnings", warnings_of(decoded, mesh, topology)},
       {"report", report_of(decoded, adjacency)},
       {"unit", "mesh"}};
+  tell_of_missing_parts(description, decoded.part_count);
   return dumped(description);
 }
 
+Result<std::string> without_parts(const std::string& description) {
+  std::uint64_t parts = 0;
+  bool in_parts = false;
+  const ordered_json::parser_callback_t keep = [&](int depth, ordered_json::parse_event_t event,
+                                                   ordered_json& value) {
+    using Event = ordered_json::parse_event_t;
+    if (event == Event::key && depth == 1) return !(in_parts = value == "parts");
+    if (event == Event::object_start && depth == 2 && in_parts) ++parts;
+    return true;
+  };
+  auto object = ordered_json::parse(description, keep, /*allow_exceptions=*/false);
+  const auto is_list = [&](const char* name) {
+    const auto found = object.find(name);
+    return found != object.end() && found->is_array();
+  };
+  if (!object.is_object() || !is_list("warnings") || !is_list("report")) return unreadable();
+  object["parts"] = ordered_json::array();
+  tell_of_missing_parts(object, parts);
+  std::string shorter = dumped(object);
+  if (shorter.size() > kMostDescriptionBytes) return unreadable();
+  return shorter;
+}
+
 Result<ImportOptions> import_options_of(const std::string& description) {
-  const auto object = ordered_json::parse(description, nullptr, /*allow_exceptions=*/false);
+  // All of it is read, and no more than the options is kept.
+  const ordered_json::parser_callback_t is_import = [](int depth, ordered_json::parse_event_t event,
+                                                       ordered_json& value) {
+    return depth != 1 || event != ordered_json::parse_event_t::key || value == "import";
+  };
+  const auto object = ordered_json::parse(description, is_import, /*allow_exceptions=*/false);
   const auto import = object.is_object() ? object.find("import") : object.end();
   if (import != object.end() && import->is_object()) {
     if (auto parameters = Parameters::from_json(import->dump())) {
       if (auto options = read_import_options(*parameters)) return options;
     }
   }
-  return fail(InputCode::store_corrupt, "the stored description of the mesh cannot be read");
+  return unreadable();
 }
 
 Result<std::string> with_state(const std::string& description, bool resident, bool prepared) {
-  auto object = ordered_json::parse(description, nullptr, /*allow_exceptions=*/false);
-  if (!object.is_object()) {
-    return fail(InputCode::store_corrupt, "the stored description of the mesh cannot be read");
-  }
-  object["state"] = resident ? "resident" : "stored";
-  object["prepared"] = prepared;
-  return dumped(object);
+  if (!description.starts_with('{') || !description.ends_with('}')) return unreadable();
+  std::string complete;
+  constexpr std::size_t kRoom = 64;
+  complete.reserve(description.size() + kRoom);
+  complete.append(description, 0, description.size() - 1);
+  complete += resident ? R"(,"state":"resident")" : R"(,"state":"stored")";
+  complete += prepared ? R"(,"prepared":true})" : R"(,"prepared":false})";
+  return complete;
 }
 
 }  // namespace geodesic::proto

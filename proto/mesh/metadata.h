@@ -13,7 +13,12 @@
 
 namespace geodesic::proto {
 
-// The part that never changes, as a JSON object. Of `decoded` all but the soup.
+// What a description takes at most, so that any number of them can be read, listed and sent.
+inline constexpr std::size_t kMostDescriptionBytes = std::size_t{2} << 20;
+
+// The part that never changes, as a JSON object of kMostDescriptionBytes at most: of very many
+// parts the first ones, and a finding that says how many are left out. Of `decoded` all but the
+// soup.
 [[nodiscard]] std::string describe_mesh(std::string_view id, std::uint64_t bytes,
                                         const ImportOptions& options, const DecodedMesh& decoded,
                                         const Adjacency& adjacency);
@@ -21,7 +26,12 @@ namespace geodesic::proto {
 // The options that such an object tells of. Errors: store_corrupt.
 [[nodiscard]] Result<ImportOptions> import_options_of(const std::string& description);
 
-// That object with `state` and `prepared` added. Errors: store_corrupt.
+// A description as an older version may have stored it, over kMostDescriptionBytes: without its
+// parts. Errors: store_corrupt.
+[[nodiscard]] Result<std::string> without_parts(const std::string& description);
+
+// That object, whose options have been read, with `state` and `prepared` added. Takes no longer
+// than a copy. Errors: store_corrupt.
 [[nodiscard]] Result<std::string> with_state(const std::string& description, bool resident,
                                              bool prepared);
 

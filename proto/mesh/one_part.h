@@ -1,7 +1,7 @@
 // The mesh of a file that knows no parts: one part, which is all of it.
 #pragma once
 
-#include <string>
+#include <string_view>
 #include <utility>
 
 #include "core/mesh/triangle_soup.h"
@@ -10,14 +10,13 @@
 namespace geodesic::proto {
 
 [[nodiscard]] inline DecodedMesh mesh_of_one_part(MeshFormat format, TriangleSoup soup,
-                                                  std::string name = {}) {
+                                                  std::string_view name = {}) {
   DecodedMesh mesh;
   mesh.format = format;
   MeshPart part;
-  part.name = std::move(name);
   part.vertex_count = soup.positions.size();
   part.face_count = soup.faces.size();
-  mesh.parts.push_back(std::move(part));
+  mesh.add_part(std::move(part), name);
   mesh.soup = std::move(soup);
   return mesh;
 }

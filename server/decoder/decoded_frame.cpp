@@ -166,6 +166,7 @@ void mesh_fields(Archive& archive, Mesh& mesh) {
   field(archive, parts);
   archive.resize(mesh.parts, parts, kLeastOfPart);
   for (auto& part : mesh.parts) part_fields(archive, part);
+  field(archive, mesh.part_count);
   std::uint64_t findings = mesh.findings.size();
   field(archive, findings);
   archive.resize(mesh.findings, findings, kLeastOfFinding);

@@ -4,6 +4,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "proto/wire/cut_to.h"
 #include "proto/wire/input_codes.h"
 #include "server/base/service_codes.h"
 
@@ -61,6 +62,9 @@ constexpr std::array kRows{
     Row{ErrorCode::internal, 500, "Internal error"},
 };
 
+constexpr std::size_t kMostDetailBytes = 2000;
+constexpr std::size_t kMostParameterBytes = 200;
+
 const Row& row_of(ErrorCode code) {
   const auto* const row =
       std::find_if(kRows.begin(), kRows.end(), [&](const Row& r) { return r.code == code; });
@@ -88,10 +92,12 @@ std::string to_problem_json(const Error& error, std::string_view instance,
   problem["type"] = "/problems/" + std::string(error.code.name());
   problem["title"] = problem_title(error.code);
   problem["status"] = status != 0 ? status : http_status(error.code);
-  problem["detail"] = error.detail;
+  // Both may have words of the request or of a file in them.
+  problem["detail"] = proto::cut_to(error.detail, kMostDetailBytes);
   problem["instance"] = instance;
   problem["code"] = error.code.name();
-  if (!error.parameter.empty()) problem["parameter"] = error.parameter;
+  if (!error.parameter.empty())
+    problem["parameter"] = proto::cut_to(error.parameter, kMostParameterBytes);
   if (error.limit) problem["limit"] = *error.limit;
   if (error.actual) problem["actual"] = *error.actual;
   problem["request_id"] = request_id;

@@ -193,6 +193,14 @@ Result<std::string> MeshCatalog::metadata(const std::string& id, const Caller& c
 Result<std::optional<std::string>> MeshCatalog::description_of(const std::string& id) {
   auto stored = store_.get_metadata(id);
   if (!stored || !*stored) return stored;
+  if ((*stored)->size() > proto::kMostDescriptionBytes) {  // by an older version
+    if (!has_options(id)) return std::nullopt;             // to be described anew
+    auto bounded = proto::without_parts(**stored);
+    if (!bounded) return std::nullopt;
+    // So that the next one need not do it; if it fails, the next one does.
+    (void)store_.put_metadata(id, *bounded);
+    *stored = std::move(*bounded);
+  }
   const auto options = proto::import_options_of(**stored);
   if (!options || !is_of_options(id, proto::canonical_text(*options))) return std::nullopt;
   return stored;

@@ -24,6 +24,8 @@ namespace {
 
 constexpr std::uint64_t kPageDefault = 100;
 constexpr std::uint64_t kPageMost = 1000;
+// A page ends behind the mesh that takes it over this.
+constexpr std::size_t kPageBytes = std::size_t{1} << 20;
 
 std::string_view media_type_of(std::string_view format) {
   if (format == "glb") return "model/gltf-binary";
@@ -83,8 +85,8 @@ HttpResponse Routes::add_mesh(Call& call) {
   }
   const auto upload = catalog_.add(std::move(call.request.body), *options, call.request.caller);
   if (!upload) return call.problem(upload.error());
-  HttpResponse response = json_reply(upload->metadata, upload->created ? 201 : 200);
-  response.set_header("Location", "/v1/meshes/" + upload->id);
+  HttpResponse response = described(call, upload->metadata, upload->created ? 201 : 200);
+  if (response.status < 300) response.set_header("Location", "/v1/meshes/" + upload->id);
   return response;
 }
 
@@ -139,7 +141,10 @@ HttpResponse Routes::list_meshes(Call& call) {
   std::string others;  // that cannot be described
   bool all_for_the_store = true;
   bool first = true;
-  for (std::size_t i = 0; i < std::min<std::size_t>(ids.size(), count); ++i) {
+  std::size_t told = 0;  // of the ids
+  while (told < std::min<std::size_t>(ids.size(), count)) {
+    if (page.size() + others.size() > kPageBytes) break;
+    const std::size_t i = told++;
     if (call.request.caller()) return call.problem(call.request.caller.why_stopped());
     const auto metadata = catalog_.metadata(ids[i], call.request.caller);
     if (!metadata && metadata.error().code == ServiceCode::mesh_unknown) continue;  // just deleted
@@ -158,14 +163,25 @@ HttpResponse Routes::list_meshes(Call& call) {
   }
   if (!others.empty()) page += "],\"undescribed\":[" + others;
   page += "],\"next\":";
-  page += ids.size() > count ? "\"" + ids[count - 1] + "\"" : "null";
+  page += told < ids.size() ? "\"" + ids[told - 1] + "\"" : "null";
   page += "}";
-  return json_reply(std::move(page));
+  return described(call, std::move(page));
+}
+
+// What is told of meshes, counted like any large reply.
+HttpResponse Routes::described(const Call& call, std::string json, int status) {
+  constexpr std::size_t kLittle = std::size_t{64} << 10;
+  if (json.size() <= kLittle) return json_reply(std::move(json), status);
+  auto reserved = reply_budget_.reserve(json.size(), call.request.caller.client);
+  if (!reserved) return call.problem(reserved.error());
+  HttpResponse response = json_reply(std::move(json), status);
+  response.reserved = std::move(*reserved);
+  return response;
 }
 
 HttpResponse Routes::mesh_metadata(Call& call) {
-  const auto metadata = catalog_.metadata(call.id, call.request.caller);
-  return metadata ? json_reply(*metadata) : call.problem(metadata.error());
+  auto metadata = catalog_.metadata(call.id, call.request.caller);
+  return metadata ? described(call, std::move(*metadata)) : call.problem(metadata.error());
 }
 
 HttpResponse Routes::mesh_source(Call& call) {

@@ -104,6 +104,7 @@ class Routes {
   [[nodiscard]] Result<void> join_parts(Call& call);
   [[nodiscard]] HttpResponse list_meshes(Call& call);
   [[nodiscard]] HttpResponse mesh_metadata(Call& call);
+  [[nodiscard]] HttpResponse described(const Call& call, std::string json, int status = 200);
   [[nodiscard]] HttpResponse mesh_source(Call& call);
   [[nodiscard]] Result<HttpResponse> source_reply(const Call& call, std::uint64_t expected_bytes);
   [[nodiscard]] HttpResponse mesh_geometry(Call& call);

@@ -1,0 +1,230 @@
+// What a file says of itself is told again in bounds: whatever names, parts and findings it has,
+// the description of its mesh stays small, and so does any reply that has it.
+#include <doctest/doctest.h>
+
+#include <fstream>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "proto/mesh/decoded_mesh.h"
+#include "proto/mesh/metadata.h"
+#include "proto/wire/cut_to.h"
+#include "tests/proto/gltf_file/fixture.h"
+#include "tests/server/routes/plane_service.h"
+
+using namespace geodesic;
+using namespace geodesic::server;
+using namespace geodesic::server::test;
+
+namespace {
+
+constexpr std::size_t kMost = proto::kMostDescriptionBytes + 100;  // and its state
+
+struct Case {
+  std::string what;
+  std::string file;
+  std::uint64_t parts = 1;
+};
+
+std::string text_of(const proto::Bytes& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+// One triangle, drawn by whatever the test makes of its document.
+proto::GltfFixture triangle() {
+  proto::GltfFixture f;
+  f.mesh({proto::GltfFixture::primitive(f.positions({0, 0, 0, 3, 0, 0, 0, 4, 0}))});
+  f.node({{"mesh", 0}});
+  return f;
+}
+
+std::string drawn(proto::GltfFixture f, std::size_t times) {
+  f.document["scenes"] = {{{"nodes", std::vector<int>(times, 0)}}};
+  f.document["scene"] = 0;
+  return text_of(f.glb());
+}
+
+std::string nodes_of(const std::string& name, int count) {
+  proto::GltfFixture f = triangle();
+  f.document["nodes"] = json::array();
+  std::vector<int> numbers;
+  for (int i = 0; i < count; ++i) {
+    numbers.push_back(i);
+    f.node({{"mesh", 0}, {"name", std::to_string(i) + name}, {"skin", 0}});
+  }
+  f.document["scenes"] = {{{"nodes", numbers}}};
+  f.document["scene"] = 0;
+  return text_of(f.glb());
+}
+
+const std::string kTriangleObj = "v 0 0 0\nv 3 0 0\nv 0 4 0\nf 1 2 3\n";
+
+// Every way to say much that a file has.
+std::vector<Case> wordy_files() {
+  std::vector<Case> cases;
+  cases.push_back({"one node many times", drawn(triangle(), 200'000), 200'000});
+  proto::GltfFixture f = triangle();
+  f.document["meshes"][0]["primitives"] =
+      json(std::vector<json>(30'000, f.document["meshes"][0]["primitives"][0]));
+  cases.push_back({"many primitives", drawn(f, 3), 90'000});
+  f = triangle();
+  f.document["nodes"][0]["name"] = std::string(3'000'000, 'n');
+  cases.push_back({"a long name many times", drawn(f, 20'000), 20'000});
+  f.document["nodes"][0].erase("name");
+  f.document["meshes"][0]["name"] = std::string(3'000'000, '\x01');
+  cases.push_back({"a long name of a mesh", drawn(f, 20'000), 20'000});
+  cases.push_back({"names that grow sixfold", nodes_of(std::string(190, '\x01'), 12'000), 12'000});
+  cases.push_back({"many names", nodes_of(std::string(60, 'n'), 12'000), 12'000});
+  std::string umlauts;
+  for (int i = 0; i < 100'000; ++i) umlauts += "ä";
+  f.document["meshes"][0]["name"] = "a" + umlauts;
+  cases.push_back({"a cut within a character", drawn(f, 1)});
+  cases.push_back({"an object's name", "o " + std::string(5'000'000, 'o') + "\n" + kTriangleObj});
+  cases.push_back(
+      {"a name that is no UTF-8", "o " + std::string(5'000'000, '\xbf') + "\n" + kTriangleObj});
+  std::string lines = kTriangleObj;
+  for (int i = 0; i < 100'000; ++i) lines += "l 1 2\ncurv 0 1 1 2\n";
+  cases.push_back({"much that is left out", lines});
+  cases.push_back(
+      {"a solid's name", "solid " + std::string(5'000'000, 's') +
+                             "\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n"
+                             "vertex 3 0 0\nvertex 0 4 0\nendloop\nendfacet\nendsolid\n"});
+  return cases;
+}
+
+}  // namespace
+
+TEST_CASE("AnyMeshIsDescribedInBounds") {
+  const TemporaryFolder folder;
+  Service service(folder.path());
+  for (const Case& one : wordy_files()) {
+    CAPTURE(one.what);
+    const HttpResponse sent = service.ask("POST", "/v1/meshes", one.file);
+    REQUIRE(sent.status == 201);
+    CHECK(sent.body->size() < kMost);
+    const json mesh = body_of(sent);
+    CHECK(mesh["faces"] == one.parts);
+    const std::size_t listed = mesh["parts"].size();
+    CHECK(listed <= 10'000);
+    CHECK(listed >= std::min<std::size_t>(one.parts, 1000));
+    CHECK(mesh["parts"][listed - 1]["first_face"] == listed - 1);
+    for (const json& part : mesh["parts"]) {
+      CHECK(part["name"].get<std::string>().size() <= 3 * 200);  // no UTF-8: three bytes for one
+    }
+    // What is missing is said, and nothing is said where nothing is.
+    CHECK(mesh.value("parts_total", listed) == one.parts);
+    CHECK(mesh.contains("parts_total") == (listed < one.parts));
+    bool is_found = false;
+    for (const json& finding : mesh["report"]) {
+      if (finding["code"] != "parts_not_listed") continue;
+      is_found = true;
+      CHECK(finding["count"] == one.parts - listed);
+    }
+    CHECK(is_found == (listed < one.parts));
+
+    const std::string target = "/v1/meshes/" + mesh["id"].get<std::string>();
+    const HttpResponse read = service.get(target);
+    CHECK(*read.body == *sent.body);
+    CHECK(static_cast<bool>(read.reserved) == (read.body->size() > (64U << 10)));
+    const std::string tag = header_of(read, "ETag");
+    const HttpResponse same = service.ask("GET", target, {}, {{"If-None-Match", tag}});
+    CHECK(same.status == 304);
+    CHECK_FALSE(same.body);
+    CHECK(service.get(target + "/distance?from=v:0&at=v:1").status == 200);
+  }
+}
+
+TEST_CASE("APageOfMeshesEndsWhereItIsLong") {
+  const TemporaryFolder folder;
+  Service service(folder.path());
+  std::set<std::string> all;
+  for (int i = 0; i < 5; ++i) {
+    all.insert(service.upload(nodes_of(std::string(60 + i, 'n'), 5000)));
+    all.insert(service.upload(glb_of(shapes::plane(3 + i, 3))));
+  }
+  std::set<std::string> seen;
+  std::size_t pages = 0;
+  std::string target = "/v1/meshes";
+  while (!target.empty()) {
+    const HttpResponse reply = service.get(target);
+    REQUIRE(reply.status == 200);
+    CHECK(reply.body->size() < kMost + (1U << 20));
+    const json page = body_of(reply);
+    CHECK(!page["meshes"].empty());
+    for (const json& mesh : page["meshes"]) CHECK(seen.insert(mesh["id"]).second);
+    target = page["next"].is_null() ? "" : "/v1/meshes?cursor=" + page["next"].get<std::string>();
+    REQUIRE(++pages <= all.size());
+  }
+  CHECK(seen == all);
+  CHECK(pages > 1);
+}
+
+TEST_CASE("WhatWasDescribedWithoutBoundsIsDescribedAnew") {
+  for (const std::string options : {"", "?scale=2"}) {
+    CAPTURE(options);
+    const TemporaryFolder folder;
+    std::string id;
+    json before;
+    {
+      Service service(folder.path());
+      before = body_of(service.ask("POST", "/v1/meshes" + options, glb_of(shapes::plane(4, 4))));
+      id = before["id"];
+    }
+    json stored = before;
+    stored.erase("state");
+    stored.erase("prepared");
+    stored["parts"] = std::vector<json>(30'000, before["parts"][0]);
+    const auto path = folder.path() / "meta" / id.substr(0, 2) / (id + ".json");
+    std::ofstream(path) << stored.dump();
+    Service service(folder.path());
+    const HttpResponse reply = service.get("/v1/meshes/" + id);
+    REQUIRE(reply.status == 200);
+    CHECK(reply.body->size() < kMost);
+    const json after = body_of(reply);
+    CHECK(after["import"] == before["import"]);
+    CHECK(after["area"] == before["area"]);
+    // Without options all is known again; with options, how many parts there were.
+    if (options.empty()) {
+      CHECK(after["parts"] == before["parts"]);
+    } else {
+      CHECK(after["parts_total"] == 30'000);
+    }
+    CHECK(std::filesystem::file_size(path) < kMost);
+    CHECK(service.get("/v1/meshes/" + id + "/distance?from=v:0").status == 200);
+  }
+}
+
+TEST_CASE("ARefusalRepeatsLittleOfWhatItRefuses") {
+  PlaneService plane;
+  const std::string word(1'000'000, 'w');
+  proto::GltfFixture f = triangle();
+  f.document["extensionsRequired"] = {word};
+  f.document["extensionsUsed"] = {word};
+  const std::vector<HttpResponse> refusals{
+      plane.service.ask("POST", "/v1/meshes", drawn(f, 1)),
+      plane.service.ask("POST", "/v1/meshes", "ply\nformat " + word + "\n"),
+      plane.service.ask("POST", "/v1/meshes", kTriangleObj + "f " + word + " 1 2\n"),
+      plane.service.ask("POST", plane.base + "/distance", R"({"from":"v:0",")" + word + "\":1}"),
+      plane.service.ask("POST", plane.base + "/distance", R"({"from":")" + word + "\"}"),
+      plane.service.ask("POST", plane.base + "/distance", R"({"from":{")" + word + "\":1}}"),
+      plane.service.ask("POST", plane.base + "/distance",
+                        R"({"from":"v:0","method":")" + word + "\"}")};
+  for (const HttpResponse& refusal : refusals) {
+    CAPTURE(refusal.body->substr(0, 300));
+    CHECK(refusal.status >= 400);
+    CHECK(refusal.body->size() < 4000);
+    CHECK(body_of(refusal)["detail"].is_string());
+  }
+}
+
+TEST_CASE("ATextIsShortenedBetweenCharacters") {
+  using proto::cut_to;
+  CHECK(cut_to("abc", 3) == "abc");
+  CHECK(cut_to("abcd", 3) == "…");
+  CHECK(cut_to("abcdef", 5) == "ab…");
+  CHECK(cut_to("aäöü", 6) == "aä…");
+  CHECK(cut_to("aäöüa", 7) == "aä…");
+  CHECK(cut_to(std::string(20, '\x80'), 10).size() <= 10);  // no UTF-8
+}
