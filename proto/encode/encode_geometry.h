@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/cancel.h"
 #include "core/base/error.h"
 #include "core/mesh/mesh.h"
 
@@ -22,10 +23,11 @@ namespace geodesic::proto {
 // As a GLB of one triangle primitive. Positions are rounded to float32, which is what
 // they were unless a node moved them. Errors: unsupported, when float32 or the size
 // of a GLB (4 GiB) does not hold them.
-[[nodiscard]] Result<std::string> geometry_glb(const Mesh& mesh);
+[[nodiscard]] Result<std::string> geometry_glb(const Mesh& mesh, Poll& poll);
 
 // As a frame (array_formats.h) of `positions`, float64 [vertices, 3], and `triangles`,
-// uint32 [faces, 3]; its JSON has the mesh's id and both counts.
-[[nodiscard]] std::string geometry_frame(std::string_view id, const Mesh& mesh);
+// uint32 [faces, 3]; its JSON has the mesh's id and both counts. Errors: what the poll stopped by,
+// here and above.
+[[nodiscard]] Result<std::string> geometry_frame(std::string_view id, const Mesh& mesh, Poll& poll);
 
 }  // namespace geodesic::proto

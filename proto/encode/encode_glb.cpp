@@ -41,7 +41,7 @@ std::uint8_t linear(std::uint8_t channel) {
 // The document and its binary chunk, growing part by part.
 class GlbWriter {
  public:
-  GlbWriter() {
+  explicit GlbWriter(Poll* poll) : poll_(poll) {
     document_["asset"] = {{"version", "2.0"}, {"generator", "geodesicd"}};
     document_["scene"] = 0;
     document_["scenes"][0]["nodes"] = json::array();
@@ -108,6 +108,7 @@ class GlbWriter {
     high.fill(-std::numeric_limits<float>::infinity());
     binary_.reserve(begin + 12 * positions.size());
     for (const Vec3& p : positions) {
+      if (is_stopped()) break;
       const float xyz[3] = {static_cast<float>(p.x), static_cast<float>(p.y),
                             static_cast<float>(p.z)};
       for (std::size_t i = 0; i < 3; ++i) {
@@ -127,6 +128,7 @@ class GlbWriter {
   std::size_t add_colours(const std::vector<Colour>& colours) {
     const std::size_t begin = binary_.size();
     for (const Colour& colour : colours) {
+      if (is_stopped()) break;
       for (const std::uint8_t channel : colour) {
         binary_.push_back(static_cast<std::byte>(linear(channel)));
       }
@@ -141,7 +143,10 @@ class GlbWriter {
 
   std::size_t add_indices(const std::vector<std::uint32_t>& indices) {
     const std::size_t begin = binary_.size();
-    for (const std::uint32_t index : indices) append_u32(binary_, index);
+    for (const std::uint32_t index : indices) {
+      if (is_stopped()) break;
+      append_u32(binary_, index);
+    }
     return add_accessor(
         begin, kElementArrayBuffer,
         {{"componentType", kUnsignedInt}, {"count", indices.size()}, {"type", "SCALAR"}});
@@ -159,15 +164,22 @@ class GlbWriter {
     return 0;
   }
 
+  [[nodiscard]] bool is_stopped() { return poll_ != nullptr && poll_->cancelled(); }
+
+  Poll* poll_;  // may be null
   json document_;
   std::vector<std::byte> binary_;
 };
 
 }  // namespace
 
-std::vector<std::byte> encode_glb_parts(std::span<const GlbPart> parts) {
-  GlbWriter writer;
-  for (const GlbPart& part : parts) writer.add(part);
+std::vector<std::byte> encode_glb_parts(std::span<const GlbPart> parts, Poll* poll) {
+  GlbWriter writer(poll);
+  for (const GlbPart& part : parts) {
+    if (poll != nullptr && poll->cancelled()) return {};
+    writer.add(part);
+  }
+  if (poll != nullptr && poll->ask()) return {};
   return writer.finish();
 }
 

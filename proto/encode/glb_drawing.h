@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/cancel.h"
 #include "core/base/vec3.h"
 #include "proto/picture/colour_map.h"
 
@@ -26,7 +27,9 @@ struct GlbPart {
 
 // A valid glTF 2.0 binary with a node for each part; a part without positions is a
 // node that draws nothing. Indices must be in range. Lines and coloured parts are
-// not lit (KHR_materials_unlit), so that colours read as on a scale.
-[[nodiscard]] std::vector<std::byte> encode_glb_parts(std::span<const GlbPart> parts);
+// not lit (KHR_materials_unlit), so that colours read as on a scale. No file if the poll says to
+// stop.
+[[nodiscard]] std::vector<std::byte> encode_glb_parts(std::span<const GlbPart> parts,
+                                                      Poll* poll = nullptr);
 
 }  // namespace geodesic::proto

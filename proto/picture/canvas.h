@@ -46,12 +46,13 @@ class Canvas {
     std::copy(result.begin(), result.end(), pixel);
   }
 
-  // Averages squares of `scale` x `scale` pixels.
-  [[nodiscard]] Image reduced(std::uint32_t scale) const {
+  // Averages squares of `scale` x `scale` pixels, until the poll says to stop.
+  [[nodiscard]] Image reduced(std::uint32_t scale, Poll& poll) const {
     Image image{width_ / scale, height_ / scale, {}};
     image.rgb.resize(std::size_t{3} * image.width * image.height);
     for (std::uint32_t y = 0; y < image.height; ++y) {
       for (std::uint32_t x = 0; x < image.width; ++x) {
+        if (poll.cancelled()) return image;
         for (std::size_t channel = 0; channel < 3; ++channel) {
           std::uint32_t sum = 0;
           for (std::uint32_t j = 0; j < scale; ++j) {

@@ -18,7 +18,7 @@ void flush_nothing(png_structp) {}
 // The simplified API of libpng writes to memory of a size known before; this one
 // grows a string. With rows of the right size no error can occur but a lack of
 // memory, which libpng reports by longjmp: nothing with a destructor lives between.
-std::string encode_png(const Image& image) {
+std::string encode_png(const Image& image, Poll* poll) {
   std::string bytes;
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
   if (png == nullptr) throw std::bad_alloc();
@@ -33,10 +33,12 @@ std::string encode_png(const Image& image) {
   png_set_IHDR(png, info, image.width, image.height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_write_info(png, info);
+  constexpr std::uint32_t kRowsBetween = 32;  // some ms of compressing
   for (std::uint32_t row = 0; row < image.height; ++row) {
+    if (poll != nullptr && row % kRowsBetween == 0 && poll->ask()) break;
     png_write_row(png, image.rgb.data() + std::size_t{3} * image.width * row);
   }
-  png_write_end(png, info);
+  if (poll == nullptr || !poll->stopped()) png_write_end(png, info);
   png_destroy_write_struct(&png, &info);
   return bytes;
 }

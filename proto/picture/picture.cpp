@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "core/base/polled_fill.h"
 #include "core/field/field.h"
 #include "proto/picture/canvas.h"
 #include "proto/picture/small_digits.h"
@@ -65,8 +66,11 @@ Colour scaled(Colour colour, double light) {
 
 class Drawing {
  public:
-  Drawing(const Mesh& mesh, const PictureContent& content, const PictureOptions& options)
-      : mesh_(mesh),
+  // What is drawn once the poll says to stop is cut short, and no result.
+  Drawing(const Mesh& mesh, const PictureContent& content, const PictureOptions& options,
+          Poll& poll)
+      : poll_(poll),
+        mesh_(mesh),
         content_(content),
         options_(options),
         scale_(std::uint64_t{options.width} * options.height <= kSmoothPixels ? 2 : 1),
@@ -74,16 +78,15 @@ class Drawing {
         canvas_(options.width * scale_, options.height * scale_),
         frame_(frame_of(options.view.value_or(view_for(mesh)))) {
     for (const double value : content.values) {
+      if (poll_.cancelled()) return;
       if (value != kUnreached) greatest_ = std::max(greatest_, value);
     }
     place();
   }
 
-  Result<Image> draw(const Cancel& cancel) {
-    Poll poll(cancel);
+  Result<Image> draw() {
     shade_vertices();
-    for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
-      if (poll.cancelled()) return fail_stopped(poll);
+    for (std::uint32_t f = 0; f < mesh_.face_count() && !poll_.cancelled(); ++f) {
       draw_face(mesh_.faces()[f]);
     }
     const double thick = scale_ * std::max(1.5, 0.0022 * std::min(options_.width, options_.height));
@@ -99,7 +102,9 @@ class Drawing {
     for (const Vec3 p : content_.sources) draw_mark(p, 3 * thick, kInk, kInk);
     for (const Vec3 p : content_.targets) draw_mark(p, 3 * thick, kInk, kPaper);
     if (has_scale()) draw_scale();
-    return canvas_.reduced(scale_);
+    Image image = canvas_.reduced(scale_, poll_);
+    if (poll_.stopped()) return fail_stopped(poll_);
+    return image;
   }
 
  private:
@@ -114,6 +119,7 @@ class Drawing {
     Vec3 high{-INFINITY, -INFINITY, -INFINITY};
     seen_.reserve(mesh_.vertex_count());
     for (const Vec3 p : mesh_.positions()) {
+      if (poll_.cancelled()) return;
       const Vec3 s = frame_.seen(p);
       seen_.push_back(s);
       low = {std::min(low.x, s.x), std::min(low.y, s.y), std::min(low.z, s.z)};
@@ -128,7 +134,10 @@ class Drawing {
     pixels_per_unit_ =
         std::min(width / std::max(size.x, 1e-6 * most), height / std::max(size.y, 1e-6 * most));
     const Vec3 middle = 0.5 * (low + high);
-    for (Vec3& s : seen_) s = to_pixels(s - middle, margin + width / 2, margin + height / 2);
+    for (Vec3& s : seen_) {
+      if (poll_.cancelled()) return;
+      s = to_pixels(s - middle, margin + width / 2, margin + height / 2);
+    }
     middle_ = middle;
     centre_x_ = margin + width / 2;
     centre_y_ = margin + height / 2;
@@ -149,12 +158,17 @@ class Drawing {
   }
 
   void shade_vertices() {
-    normals_.assign(mesh_.vertex_count(), {0, 0, 0});
+    if (poll_.stopped()) return;  // not all is seen
+    polled_assign(normals_, mesh_.vertex_count(), Vec3{0, 0, 0}, poll_);
     for (const Triangle& t : mesh_.faces()) {
+      if (poll_.cancelled()) return;
       const Vec3 n = facing_normal(t);
       for (const std::uint32_t v : t) normals_[v] = normals_[v] + n;
     }
-    for (Vec3& n : normals_) n = unit(n);
+    for (Vec3& n : normals_) {
+      if (poll_.cancelled()) return;
+      n = unit(n);
+    }
   }
 
   // Mostly from over the left shoulder, a little from everywhere.
@@ -194,7 +208,9 @@ class Drawing {
         pixels_between(std::min({a.y, b.y, c.y}), std::max({a.y, b.y, c.y}), canvas_.height());
     for (std::uint32_t y = rows.first; y < rows.end; ++y) {
       const Span columns = columns_in(a, b, c, y + 0.5);
+      if (poll_.cancelled()) return;
       for (std::uint32_t x = columns.first; x < columns.end; ++x) {
+        if (poll_.cancelled()) return;
         const double px = x + 0.5;
         const double py = y + 0.5;
         const double w1 = ((px - a.x) * (c.y - a.y) - (c.x - a.x) * (py - a.y)) / area2;
@@ -256,6 +272,7 @@ class Drawing {
     }
     for (std::uint32_t y = 0; y < canvas_.height(); ++y) {
       for (std::uint32_t x = 0; x < canvas_.width(); ++x) {
+        if (poll_.cancelled()) return;
         const float covers = covered[std::size_t{y} * canvas_.width() + x];
         if (covers > 0) canvas_.blend(x, y, kLine, 0.35 * covers);
       }
@@ -271,8 +288,10 @@ class Drawing {
     const Span columns =
         pixels_between(std::min(a.x, b.x) - radius, std::max(a.x, b.x) + radius, canvas_.width());
     const double length2 = (b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y);
+    if (poll_.cancelled()) return;
     for (std::uint32_t y = rows.first; y < rows.end; ++y) {
       for (std::uint32_t x = columns.first; x < columns.end; ++x) {
+        if (poll_.cancelled()) return;
         const double dx = x + 0.5 - a.x;
         const double dy = y + 0.5 - a.y;
         const double along =
@@ -353,6 +372,7 @@ class Drawing {
 
   static constexpr std::uint32_t kScaleWidth = 110;  // pixels of the picture
 
+  Poll& poll_;
   const Mesh& mesh_;
   const PictureContent& content_;
   const PictureOptions& options_;
@@ -402,7 +422,8 @@ Result<View> parse_view(std::string_view text) {
 
 Result<Image> draw_picture(const Mesh& mesh, const PictureContent& content,
                            const PictureOptions& options, const Cancel& cancel) {
-  return Drawing(mesh, content, options).draw(cancel);
+  Poll poll(cancel);
+  return Drawing(mesh, content, options, poll).draw();
 }
 
 }  // namespace geodesic::proto

@@ -60,7 +60,7 @@ struct PictureContent {
 [[nodiscard]] Result<Image> draw_picture(const Mesh& mesh, const PictureContent& content,
                                          const PictureOptions& options, const Cancel& cancel);
 
-// PNG, by libpng.
-[[nodiscard]] std::string encode_png(const Image& image);
+// PNG, by libpng. Without an end if the poll says to stop.
+[[nodiscard]] std::string encode_png(const Image& image, Poll* poll = nullptr);
 
 }  // namespace geodesic::proto

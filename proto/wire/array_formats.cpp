@@ -24,9 +24,10 @@ void append(std::string& bytes, T value) {
 }
 
 template <class To, class From, class Convert>
-std::string converted(std::span<const From> values, Convert convert) {
+std::string converted(std::span<const From> values, Poll* poll, Convert convert) {
   std::string bytes(values.size() * sizeof(To), '\0');
   for (std::size_t i = 0; i < values.size(); ++i) {
+    if (poll != nullptr && poll->cancelled()) break;
     const To value = convert(values[i]);
     std::memcpy(bytes.data() + i * sizeof(To), &value, sizeof(To));
   }
@@ -53,34 +54,34 @@ std::string_view dtype_of(NumberType type) {
   return "<f8";
 }
 
-std::string f32_bytes(std::span<const double> values, Bound bound) {
+std::string f32_bytes(std::span<const double> values, Bound bound, Poll* poll) {
   if (bound == Bound::none) {
-    return converted<float>(values, [](double value) { return static_cast<float>(value); });
+    return converted<float>(values, poll, [](double value) { return static_cast<float>(value); });
   }
-  return converted<float>(values, [](double value) {
+  return converted<float>(values, poll, [](double value) {
     const auto next = static_cast<float>(value);
     return next < value ? std::nextafter(next, std::numeric_limits<float>::infinity()) : next;
   });
 }
 
-std::string f64_bytes(std::span<const double> values) {
-  return converted<double>(values, [](double value) { return value; });
+std::string f64_bytes(std::span<const double> values, Poll* poll) {
+  return converted<double>(values, poll, [](double value) { return value; });
 }
 
-std::string u32_bytes(std::span<const std::uint32_t> values) {
-  return converted<std::uint32_t>(values, [](std::uint32_t value) { return value; });
+std::string u32_bytes(std::span<const std::uint32_t> values, Poll* poll) {
+  return converted<std::uint32_t>(values, poll, [](std::uint32_t value) { return value; });
 }
 
-std::string u16_bytes(std::span<const double> values, double max, Bound bound) {
+std::string u16_bytes(std::span<const double> values, double max, Bound bound, Poll* poll) {
   constexpr long kMost = 65534;
   const double scale = max > 0 ? kMost / max : 0;
   if (bound == Bound::none) {
-    return converted<std::uint16_t>(values, [scale](double value) {
+    return converted<std::uint16_t>(values, poll, [scale](double value) {
       return static_cast<std::uint16_t>(std::isfinite(value) ? std::lround(value * scale) : 65535);
     });
   }
   const double step = max / kMost;
-  return converted<std::uint16_t>(values, [=](double value) {
+  return converted<std::uint16_t>(values, poll, [=](double value) {
     if (!std::isfinite(value)) return std::uint16_t{65535};
     long steps = std::clamp(std::lround(value * scale), 0L, kMost);
     // However a client computes it.

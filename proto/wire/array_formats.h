@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/cancel.h"
 #include "core/field/method.h"
 
 namespace geodesic::proto {
@@ -25,15 +26,17 @@ struct Array {
   std::string bytes;
 };
 
+// These are cut short if the poll, where there is one, says to stop.
 // Rounded to the next float; with Bound::upper to the next that is not below.
-[[nodiscard]] std::string f32_bytes(std::span<const double> values, Bound bound = Bound::none);
-[[nodiscard]] std::string f64_bytes(std::span<const double> values);
-[[nodiscard]] std::string u32_bytes(std::span<const std::uint32_t> values);
+[[nodiscard]] std::string f32_bytes(std::span<const double> values, Bound bound = Bound::none,
+                                    Poll* poll = nullptr);
+[[nodiscard]] std::string f64_bytes(std::span<const double> values, Poll* poll = nullptr);
+[[nodiscard]] std::string u32_bytes(std::span<const std::uint32_t> values, Poll* poll = nullptr);
 // Values from 0 to `max` as whole numbers from 0 to 65534, rounded; infinite ones
 // as 65535. With a `max` of zero every finite value is 0. With Bound::upper they are rounded up:
 // none is below what it stands for.
 [[nodiscard]] std::string u16_bytes(std::span<const double> values, double max,
-                                    Bound bound = Bound::none);
+                                    Bound bound = Bound::none, Poll* poll = nullptr);
 
 // NumPy's .npy, version 1.0.
 [[nodiscard]] std::string npy(const Array& array);

@@ -11,11 +11,14 @@
 namespace geodesic::proto {
 namespace {
 
+bool is_stopped(Poll* poll) { return poll != nullptr && poll->cancelled(); }
+
 template <class Values>
-void append_numbers(std::string& out, const Values& values, int digits) {
+void append_numbers(std::string& out, const Values& values, int digits, Poll* poll = nullptr) {
   out += '[';
   bool first = true;
   for (const double value : values) {
+    if (is_stopped(poll)) break;
     if (!first) out += ',';
     first = false;
     append_number(out, value, digits);
@@ -24,10 +27,11 @@ void append_numbers(std::string& out, const Values& values, int digits) {
 }
 
 void append_distances(std::string& out, std::span<const double> distances, int digits,
-                      bool short_digits, Bound bound) {
+                      bool short_digits, Bound bound, Poll* poll) {
   out += '[';
   bool first = true;
   for (const double distance : distances) {
+    if (is_stopped(poll)) break;
     if (!first) out += ',';
     first = false;
     append_distance(out, distance, digits, short_digits, bound);
@@ -70,18 +74,22 @@ void append_point(std::string& out, const ResolvedPoint& point, int digits) {
   out += '}';
 }
 
-void append_points(std::string& out, const std::vector<ResolvedPoint>& points, int digits) {
+void append_points(std::string& out, const std::vector<ResolvedPoint>& points, int digits,
+                   Poll* poll) {
   out += '[';
   for (std::size_t i = 0; i < points.size(); ++i) {
+    if (is_stopped(poll)) break;
     if (i > 0) out += ',';
     append_point(out, points[i], digits);
   }
   out += ']';
 }
 
-void append_path_points(std::string& out, const std::vector<PathReplyPoint>& points, int digits) {
+void append_path_points(std::string& out, const std::vector<PathReplyPoint>& points, int digits,
+                        Poll* poll) {
   out += '[';
   for (std::size_t i = 0; i < points.size(); ++i) {
+    if (is_stopped(poll)) break;
     out += i > 0 ? ",{\"xyz\":" : "{\"xyz\":";
     append_xyz(out, points[i].xyz, digits);
     out += ',';
@@ -94,9 +102,10 @@ void append_path_points(std::string& out, const std::vector<PathReplyPoint>& poi
 // Mesh ids are hexadecimal and method names are ours: neither needs escaping.
 std::string opening(const std::string& mesh) { return "{\"mesh\":\"" + mesh + "\""; }
 
-void append_labels(std::string& out, const std::vector<std::uint32_t>& labels) {
+void append_labels(std::string& out, const std::vector<std::uint32_t>& labels, Poll* poll) {
   out += '[';
   for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (is_stopped(poll)) break;
     if (i > 0) out += ',';
     out += labels[i] == kNone ? "null" : std::to_string(labels[i]);
   }
@@ -111,15 +120,15 @@ void append_method(std::string& out, Method method) {
 
 }  // namespace
 
-std::string to_json(const DistanceReply& reply, int digits) {
+std::string to_json(const DistanceReply& reply, int digits, Poll* poll) {
   std::string out = opening(reply.mesh);
   out.reserve(reply.distances.size() * 25 + 1024);
   append_method(out, reply.method);
   out += ",\"from\":";
-  append_points(out, reply.from, digits);
+  append_points(out, reply.from, digits, poll);
   if (reply.at) {
     out += ",\"at\":";
-    append_points(out, *reply.at, digits);
+    append_points(out, *reply.at, digits, poll);
   }
   out += ",\"count\":" + std::to_string(reply.distances.size());
   out += ",\"reached\":" + std::to_string(reply.reached);
@@ -129,16 +138,16 @@ std::string to_json(const DistanceReply& reply, int digits) {
   out += ",\"farthest\":";
   append_whole(out, reply.farthest);
   out += ",\"distances\":";
-  append_distances(out, reply.distances, digits, reply.short_digits, reply.bound);
+  append_distances(out, reply.distances, digits, reply.short_digits, reply.bound, poll);
   if (reply.labels) {
     out += ",\"labels\":";
-    append_labels(out, *reply.labels);
+    append_labels(out, *reply.labels, poll);
   }
   out += '}';
   return out;
 }
 
-std::string to_json(const PathReply& reply, int digits) {
+std::string to_json(const PathReply& reply, int digits, Poll* poll) {
   std::string out = opening(reply.mesh);
   out.reserve(reply.points.size() * 160 + 1024);
   append_method(out, reply.method);
@@ -146,7 +155,7 @@ std::string to_json(const PathReply& reply, int digits) {
   out += ",\"from\":";
   append_point(out, reply.from, digits);
   out += ",\"via\":";
-  append_points(out, reply.via, digits);
+  append_points(out, reply.via, digits, poll);
   out += ",\"to\":";
   append_point(out, reply.to, digits);
   out += ",\"reachable\":";
@@ -155,44 +164,46 @@ std::string to_json(const PathReply& reply, int digits) {
   append_bound(out, reply.reachable ? reply.length : std::numeric_limits<double>::infinity(),
                digits, reply.bound);
   out += ",\"points\":";
-  append_path_points(out, reply.points, digits);
+  append_path_points(out, reply.points, digits, poll);
   out += '}';
   return out;
 }
 
-std::string to_json(const TableReply& reply, int digits) {
+std::string to_json(const TableReply& reply, int digits, Poll* poll) {
   std::string out = opening(reply.mesh);
   out.reserve(reply.distances.size() * 19 + 1024);
   append_method(out, reply.method);
   out += ",\"rows\":";
-  append_points(out, reply.rows, digits);
+  append_points(out, reply.rows, digits, poll);
   out += ",\"columns\":";
-  append_points(out, reply.columns, digits);
+  append_points(out, reply.columns, digits, poll);
   out += ",\"distances\":[";
   const std::span<const double> all(reply.distances);
   // Without its distances, which then go another way, there is no row.
   const std::size_t rows = all.empty() ? 0 : reply.rows.size();
   for (std::size_t row = 0; row < rows; ++row) {
+    if (is_stopped(poll)) break;
     if (row > 0) out += ',';
     append_distances(out, all.subspan(row * reply.columns.size(), reply.columns.size()), digits,
-                     reply.short_digits, reply.bound);
+                     reply.short_digits, reply.bound, poll);
   }
   out += "]}";
   return out;
 }
 
-std::string to_json(const IsolinesReply& reply, int digits) {
+std::string to_json(const IsolinesReply& reply, int digits, Poll* poll) {
   std::string out = opening(reply.mesh);
   append_method(out, reply.method);
   out += ",\"from\":";
-  append_points(out, reply.from, digits);
+  append_points(out, reply.from, digits, poll);
   out += ",\"max\":";
   append_number(out, reply.max.value_or(std::numeric_limits<double>::infinity()), digits);
   out += ",\"levels\":";
-  append_numbers(out, reply.levels, digits);
+  append_numbers(out, reply.levels, digits, poll);
   out += ",\"isolines\":[";
   bool first = true;
   for (const Isoline& line : reply.isolines) {
+    if (is_stopped(poll)) break;
     out += first ? "{\"level\":" : ",{\"level\":";
     first = false;
     append_number(out, line.level, digits);
@@ -200,6 +211,7 @@ std::string to_json(const IsolinesReply& reply, int digits) {
     append_number(out, line.length, digits);
     out += ",\"points\":[";
     for (std::size_t i = 0; i < line.points.size(); ++i) {
+      if (is_stopped(poll)) break;
       if (i > 0) out += ',';
       append_xyz(out, line.points[i], digits);
     }
@@ -209,14 +221,15 @@ std::string to_json(const IsolinesReply& reply, int digits) {
   return out;
 }
 
-std::string to_json(const SamplesReply& reply, int digits) {
+std::string to_json(const SamplesReply& reply, int digits, Poll* poll) {
   std::string out = opening(reply.mesh);
   append_method(out, reply.method);
   out += ",\"from\":";
-  append_points(out, reply.from, digits);
+  append_points(out, reply.from, digits, poll);
   out += ",\"samples\":[";
   bool first = true;
   for (const SampleReply& sample : reply.samples) {
+    if (is_stopped(poll)) break;
     out += first ? "{\"vertex\":" : ",{\"vertex\":";
     first = false;
     out += std::to_string(sample.vertex) + ",\"xyz\":";
@@ -231,7 +244,7 @@ std::string to_json(const SamplesReply& reply, int digits) {
   return out;
 }
 
-std::string to_json(const TraceReply& reply, int digits) {
+std::string to_json(const TraceReply& reply, int digits, Poll* poll) {
   std::string out = opening(reply.mesh);
   out.reserve(reply.points.size() * 160 + 1024);
   out += ",\"from\":";
@@ -245,15 +258,15 @@ std::string to_json(const TraceReply& reply, int digits) {
   out += "\",\"direction_at_end\":";
   append_xyz(out, reply.direction_at_end, digits);
   out += ",\"points\":";
-  append_path_points(out, reply.points, digits);
+  append_path_points(out, reply.points, digits, poll);
   out += '}';
   return out;
 }
 
-std::string to_json(const NearestReply& reply, int digits) {
+std::string to_json(const NearestReply& reply, int digits, Poll* poll) {
   std::string out = opening(reply.mesh);
   out += ",\"points\":";
-  append_points(out, reply.points, digits);
+  append_points(out, reply.points, digits, poll);
   out += '}';
   return out;
 }

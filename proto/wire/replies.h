@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/cancel.h"
 #include "core/base/vec3.h"
 #include "core/paths/isolines.h"
 #include "proto/wire/methods.h"
@@ -109,14 +110,15 @@ struct NearestReply {
   std::vector<ResolvedPoint> points;
 };
 
-// `digits`: see append_number.
-[[nodiscard]] std::string to_json(const DistanceReply& reply, int digits);
-[[nodiscard]] std::string to_json(const PathReply& reply, int digits);
-[[nodiscard]] std::string to_json(const TableReply& reply, int digits);
-[[nodiscard]] std::string to_json(const IsolinesReply& reply, int digits);
-[[nodiscard]] std::string to_json(const SamplesReply& reply, int digits);
-[[nodiscard]] std::string to_json(const TraceReply& reply, int digits);
-[[nodiscard]] std::string to_json(const NearestReply& reply, int digits);
+// `digits`: see append_number. Cut short, and no JSON, if the poll, where there is one, says to
+// stop.
+[[nodiscard]] std::string to_json(const DistanceReply& reply, int digits, Poll* poll = nullptr);
+[[nodiscard]] std::string to_json(const PathReply& reply, int digits, Poll* poll = nullptr);
+[[nodiscard]] std::string to_json(const TableReply& reply, int digits, Poll* poll = nullptr);
+[[nodiscard]] std::string to_json(const IsolinesReply& reply, int digits, Poll* poll = nullptr);
+[[nodiscard]] std::string to_json(const SamplesReply& reply, int digits, Poll* poll = nullptr);
+[[nodiscard]] std::string to_json(const TraceReply& reply, int digits, Poll* poll = nullptr);
+[[nodiscard]] std::string to_json(const NearestReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string methods_json();
 
 }  // namespace geodesic::proto

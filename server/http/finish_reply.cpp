@@ -59,13 +59,13 @@ bool admits_gzip(const HttpRequest& request) {
   return accepted != nullptr && admits_gzip(*accepted);
 }
 
-void pack(const HttpRequest& request, HttpResponse& response) {
+void pack(const HttpRequest& request, HttpResponse& response, Poll* poll) {
   if (!is_text(response.content_type) || response.stream) return;
   // What is small now may be large another time.
   add_to_list(response, "Vary", "Accept-Encoding");
   if (!response.body || response.body->size() <= kLeastPacked || !admits_gzip(request)) return;
   if (header_of(response, "Content-Encoding") != nullptr) return;  // done already
-  response.body = std::make_shared<const std::string>(gzip(*response.body));
+  response.body = std::make_shared<const std::string>(gzip(*response.body, poll));
   response.set_header("Content-Encoding", "gzip");
   if (const std::string* const tag = header_of(response, "ETag")) {
     response.set_header("ETag", packed_tag(*tag));
@@ -80,7 +80,7 @@ void finish_reply(const HttpRequest& request, HttpResponse& response) {
   if (policy != nullptr && policy->starts_with("private")) {
     add_to_list(response, "Vary", "Authorization");
   }
-  pack(request, response);
+  pack(request, response, nullptr);
   response.set_header("X-Content-Type-Options", "nosniff");
   if (const std::string_view trace = trace_of(request); !trace.empty()) {
     response.set_header("traceparent", std::string(trace));

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/cancel.h"
 #include "server/base/stage_times.h"
 #include "server/http/message.h"
 
@@ -15,8 +16,8 @@ namespace geodesic::server {
 [[nodiscard]] bool admits_gzip(const HttpRequest& request);
 
 // Packs text of more than 1 kB for those who take it, unless it is packed; what is
-// binary stays bare.
-void pack(const HttpRequest& request, HttpResponse& response);
+// binary stays bare. No reply any more if the poll, where there is one, says to stop.
+void pack(const HttpRequest& request, HttpResponse& response, Poll* poll);
 
 // Packs what is to be packed. A reply to GET or HEAD that has no tag of its own gets one of its
 // bytes, and is a 304 for those who have them; one that does not say how long it holds must be

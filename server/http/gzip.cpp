@@ -35,21 +35,22 @@ bool admits_gzip(std::string_view accept_encoding) {
   return any;
 }
 
-std::string gzip(std::string_view bytes) {
+std::string gzip(std::string_view bytes, Poll* poll) {
   z_stream stream{};
   constexpr int kGzip = 15 + 16;  // the greatest window, and gzip's header
   if (deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, kGzip, 8, Z_DEFAULT_STRATEGY) != Z_OK) {
     throw std::bad_alloc();
   }
   std::string out(deflateBound(&stream, bytes.size()), '\0');
-  // zlib counts in 32 bits: in pieces.
-  constexpr std::size_t kPiece = std::numeric_limits<uInt>::max() / 2;
+  constexpr std::size_t kPiece = std::size_t{1} << 20;                     // some ms
+  constexpr std::size_t kMostRoom = std::numeric_limits<uInt>::max() / 2;  // zlib counts in 32 bits
   std::size_t read = 0;
   std::size_t written = 0;
   int state = Z_OK;
   while (state == Z_OK) {
+    if (poll != nullptr && poll->ask()) break;
     const auto input = static_cast<uInt>(std::min(bytes.size() - read, kPiece));
-    const auto room = static_cast<uInt>(std::min(out.size() - written, kPiece));
+    const auto room = static_cast<uInt>(std::min(out.size() - written, kMostRoom));
     stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data() + read));
     stream.avail_in = input;
     stream.next_out = reinterpret_cast<Bytef*>(out.data() + written);

@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/cancel.h"
+
 namespace geodesic::server {
 
 // Whether an Accept-Encoding header admits gzip: by name or by `*`, and not with
@@ -11,6 +13,7 @@ namespace geodesic::server {
 [[nodiscard]] bool admits_gzip(std::string_view accept_encoding);
 
 // At zlib's fastest level: numbers in JSON shrink to half, at 100 MB a second.
-[[nodiscard]] std::string gzip(std::string_view bytes);
+// Without an end if the poll, where there is one, says to stop.
+[[nodiscard]] std::string gzip(std::string_view bytes, Poll* poll = nullptr);
 
 }  // namespace geodesic::server

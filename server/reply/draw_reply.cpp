@@ -1,10 +1,12 @@
 #include "server/reply/draw_reply.h"
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "core/base/polled_fill.h"
 #include "proto/encode/glb_drawing.h"
 #include "proto/picture/colour_map.h"
 #include "proto/picture/picture.h"
@@ -18,8 +20,9 @@ using proto::GlbPart;
 
 constexpr proto::Colour kGrey{190, 192, 196};  // of what is not reached
 
-HttpResponse glb_reply(const std::vector<GlbPart>& parts) {
-  const std::vector<std::byte> bytes = proto::encode_glb_parts(parts);
+Result<HttpResponse> glb_reply(const std::vector<GlbPart>& parts, Poll& poll) {
+  const std::vector<std::byte> bytes = proto::encode_glb_parts(parts, &poll);
+  if (poll.stopped()) return fail_stopped(poll);
   HttpResponse response;
   response.set_body(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()),
                     std::string(proto::media_type_of(Format::glb)));
@@ -27,37 +30,46 @@ HttpResponse glb_reply(const std::vector<GlbPart>& parts) {
 }
 
 Result<HttpResponse> png_reply(const Mesh& mesh, const proto::PictureContent& content,
-                               const proto::PictureOptions& options, const Cancel& cancel) {
+                               const proto::PictureOptions& options, const Cancel& cancel,
+                               Poll& poll) {
+  if (poll.stopped()) return fail_stopped(poll);
   const auto image = proto::draw_picture(mesh, content, options, cancel);
   if (!image) return fail(image.error());
   HttpResponse response;
-  response.set_body(proto::encode_png(*image), std::string(proto::media_type_of(Format::png)));
+  response.set_body(proto::encode_png(*image, &poll),
+                    std::string(proto::media_type_of(Format::png)));
+  if (poll.stopped()) return fail_stopped(poll);
   return response;
 }
 
-GlbPart coloured_surface(const Mesh& mesh, const proto::DistanceReply& reply,
-                         proto::ColourMap map) {
+GlbPart coloured_surface(const Mesh& mesh, const proto::DistanceReply& reply, proto::ColourMap map,
+                         Poll& poll) {
   GlbPart part;
   part.name = "distance";
   const double max = reply.max.value_or(0);
   part.positions.reserve(mesh.source_vertex_count());
   part.colours.reserve(mesh.source_vertex_count());
   for (std::uint32_t v = 0; v < mesh.source_vertex_count(); ++v) {
+    if (poll.cancelled()) break;
     part.positions.push_back(mesh.positions()[mesh.vertex_of_source()[v]]);
     const double d = reply.distances[v];
     part.colours.push_back(d == kUnreached ? kGrey : proto::colour_at(map, max > 0 ? d / max : 0));
   }
   part.indices.reserve(3 * mesh.faces().size());
   for (std::uint32_t f = 0; f < mesh.faces().size(); ++f) {
+    if (poll.cancelled()) break;
     for (const std::uint32_t v : mesh.faces()[f]) part.indices.push_back(mesh.source_of_vertex(v));
   }
   return part;
 }
 
-std::vector<Vec3> positions_of(const std::vector<proto::PathReplyPoint>& points) {
+std::vector<Vec3> positions_of(const std::vector<proto::PathReplyPoint>& points, Poll& poll) {
   std::vector<Vec3> positions;
   positions.reserve(points.size());
-  for (const proto::PathReplyPoint& point : points) positions.push_back(point.xyz);
+  for (const proto::PathReplyPoint& point : points) {
+    if (poll.cancelled()) break;
+    positions.push_back(point.xyz);
+  }
   return positions;
 }
 
@@ -74,13 +86,14 @@ Result<HttpResponse> draw_line(const Mesh& mesh, const char* name,
                                const std::vector<proto::PathReplyPoint>& points, Vec3 start,
                                std::vector<Vec3> targets, const proto::ReplyFormat& format,
                                const Cancel& cancel) {
-  std::vector<Vec3> positions = positions_of(points);
-  if (format.format == Format::glb) return glb_reply({line(name, std::move(positions))});
+  Poll poll(cancel);
+  std::vector<Vec3> positions = positions_of(points, poll);
+  if (format.format == Format::glb) return glb_reply({line(name, std::move(positions))}, poll);
   proto::PictureContent content;
   if (positions.size() > 1) content.lines.push_back(std::move(positions));
   content.sources = {start};
   content.targets = std::move(targets);
-  return png_reply(mesh, content, format.picture, cancel);
+  return png_reply(mesh, content, format.picture, cancel, poll);
 }
 
 }  // namespace
@@ -89,18 +102,20 @@ Result<HttpResponse> draw(const Answered<proto::DistanceReply>& answer,
                           const proto::ReplyFormat& format, const Cancel& cancel) {
   const Mesh& mesh = answer.adjacency->mesh();
   const proto::DistanceReply& reply = answer.reply;
+  Poll poll(cancel);
   Result<HttpResponse> response;
   if (format.format == Format::glb) {
-    response = glb_reply({coloured_surface(mesh, reply, format.picture.colour_map)});
+    response = glb_reply({coloured_surface(mesh, reply, format.picture.colour_map, poll)}, poll);
   } else {
     std::vector<double> values(mesh.vertex_count());
     for (std::uint32_t v = 0; v < values.size(); ++v) {
+      if (poll.cancelled()) break;
       values[v] = reply.distances[mesh.source_of_vertex(v)];
     }
     proto::PictureContent content;
     content.values = values;
     for (const proto::ResolvedPoint& point : reply.from) content.sources.push_back(point.xyz);
-    response = png_reply(mesh, content, format.picture, cancel);
+    response = png_reply(mesh, content, format.picture, cancel, poll);
   }
   if (response && reply.max) response->set_header("Geo-Max", header_number(*reply.max));
   if (response) add_cache_header(*response, answer.cache_hit);
@@ -129,15 +144,18 @@ Result<HttpResponse> draw(const Answered<proto::TraceReply>& answer,
 }
 
 Result<HttpResponse> draw(const Answered<proto::IsolinesReply>& answer, const proto::ReplyFormat&,
-                          const Cancel&) {
+                          const Cancel& cancel) {
+  Poll poll(cancel);
   std::vector<GlbPart> parts;
   parts.reserve(answer.reply.isolines.size());
   for (const Isoline& isoline : answer.reply.isolines) {
-    std::vector<Vec3> points = isoline.points;
+    std::vector<Vec3> points;
+    polled_copy(points, std::span(isoline.points), poll);
+    if (poll.cancelled()) return fail_stopped(poll);
     if (isoline.closed) points.push_back(points.front());
     parts.push_back(line("level " + header_number(isoline.level), std::move(points)));
   }
-  Result<HttpResponse> response = glb_reply(parts);
+  Result<HttpResponse> response = glb_reply(parts, poll);
   if (response) add_cache_header(*response, answer.cache_hit);
   return response;
 }

@@ -36,19 +36,19 @@ std::string as_text(const Shape& shape) {
   return text;
 }
 
-std::string bytes_of(const Numbers& numbers, NumberType type) {
-  if (type == NumberType::f32) return proto::f32_bytes(numbers.values, numbers.bound);
+std::string bytes_of(const Numbers& numbers, NumberType type, Poll& poll) {
+  if (type == NumberType::f32) return proto::f32_bytes(numbers.values, numbers.bound, &poll);
   if (type == NumberType::u16) {
-    return proto::u16_bytes(numbers.values, numbers.max.value_or(0), numbers.bound);
+    return proto::u16_bytes(numbers.values, numbers.max.value_or(0), numbers.bound, &poll);
   }
-  return proto::f64_bytes(numbers.values);
+  return proto::f64_bytes(numbers.values, &poll);
 }
 
-HttpResponse array_reply(const Numbers& numbers, Format format) {
+HttpResponse array_reply(const Numbers& numbers, Format format, Poll& poll) {
   const NumberType type = format == Format::f32   ? NumberType::f32
                           : format == Format::u16 ? NumberType::u16
                                                   : NumberType::f64;
-  std::string bytes = bytes_of(numbers, type);
+  std::string bytes = bytes_of(numbers, type, poll);
   if (format == Format::npy) {
     bytes = proto::npy(Array{"", type, numbers.shape, std::move(bytes)});
   }
@@ -63,59 +63,67 @@ HttpResponse array_reply(const Numbers& numbers, Format format) {
 // The arrays, and a reply that has them no more, less what is left of them in its JSON.
 template <class Reply>
 HttpResponse frame_reply(const Reply& rest, std::initializer_list<const char*> taken,
-                         const std::vector<Array>& arrays) {
-  auto about = nlohmann::ordered_json::parse(proto::to_json(rest, 0));
+                         const std::vector<Array>& arrays, Poll& poll) {
+  const std::string text = proto::to_json(rest, 0, &poll);
+  if (poll.stopped()) return {};
+  auto about = nlohmann::ordered_json::parse(text);
   for (const char* const name : taken) about.erase(name);
   HttpResponse response;
   response.set_body(proto::frame(about, arrays), std::string(proto::media_type_of(Format::frame)));
   return response;
 }
 
-Array f64_array(const char* name, const Numbers& numbers) {
-  return {name, NumberType::f64, numbers.shape, proto::f64_bytes(numbers.values)};
+Array f64_array(const char* name, const Numbers& numbers, Poll& poll) {
+  return {name, NumberType::f64, numbers.shape, proto::f64_bytes(numbers.values, &poll)};
 }
 
-Array u32_array(const char* name, const std::vector<std::uint32_t>& values) {
-  return {name, NumberType::u32, {values.size()}, proto::u32_bytes(values)};
+Array u32_array(const char* name, const std::vector<std::uint32_t>& values, Poll& poll) {
+  return {name, NumberType::u32, {values.size()}, proto::u32_bytes(values, &poll)};
 }
 
 // The faces and weights of points: where they are on the surface.
 std::vector<Array> point_arrays(const std::vector<proto::PathReplyPoint>& points,
-                                const Numbers& coordinates) {
+                                const Numbers& coordinates, Poll& poll) {
   std::vector<std::uint32_t> faces;
   Numbers weights{{}, {points.size(), 3}};
   for (const proto::PathReplyPoint& point : points) {
+    if (poll.cancelled()) break;
     faces.push_back(point.face ? static_cast<std::uint32_t>(*point.face) : kNone);
     weights.values.insert(weights.values.end(), point.bary.begin(), point.bary.end());
   }
-  return {f64_array("points", coordinates), u32_array("faces", faces), f64_array("bary", weights)};
+  return {f64_array("points", coordinates, poll), u32_array("faces", faces, poll),
+          f64_array("bary", weights, poll)};
 }
 
 template <class Reply>
-HttpResponse encode_as_json(const Reply& reply, const proto::ReplyFormat& format) {
-  return json_reply(proto::to_json(reply, format.precision));
+HttpResponse encode_as_json(const Reply& reply, const proto::ReplyFormat& format, Poll& poll) {
+  return json_reply(proto::to_json(reply, format.precision, &poll));
 }
 
-HttpResponse with_cache_header(HttpResponse response, std::optional<bool> hit) {
+// What was encoded, unless it was cut short.
+Result<HttpResponse> whole(HttpResponse response, std::optional<bool> hit, const Poll& poll) {
+  if (poll.stopped()) return fail_stopped(poll);
   add_cache_header(response, hit);
   return response;
 }
 
 // A reply with points along a line and their length.
 template <class Reply>
-HttpResponse encode_line(Reply reply, const proto::ReplyFormat& format, bool has_length) {
-  if (format.format == Format::json) return encode_as_json(reply, format);
+HttpResponse encode_line(Reply reply, const proto::ReplyFormat& format, bool has_length,
+                         Poll& poll) {
+  if (format.format == Format::json) return encode_as_json(reply, format, poll);
   Numbers coordinates{{}, {reply.points.size(), 3}};
   coordinates.values.reserve(3 * reply.points.size());
   for (const proto::PathReplyPoint& point : reply.points) {
+    if (poll.cancelled()) break;
     coordinates.values.insert(coordinates.values.end(), {point.xyz.x, point.xyz.y, point.xyz.z});
   }
   HttpResponse response;
   if (format.format == Format::frame) {
-    const auto arrays = point_arrays(std::exchange(reply.points, {}), coordinates);
-    response = frame_reply(reply, {"points"}, arrays);
+    const auto arrays = point_arrays(std::exchange(reply.points, {}), coordinates, poll);
+    response = frame_reply(reply, {"points"}, arrays, poll);
   } else {
-    response = array_reply(coordinates, format.format);
+    response = array_reply(coordinates, format.format, poll);
   }
   if (has_length) response.set_header("Geo-Length", header_number(reply.length));
   return response;
@@ -140,60 +148,75 @@ HttpResponse json_reply(std::string json, int status) {
   return response;
 }
 
-HttpResponse encode(Answered<proto::DistanceReply> answer, const proto::ReplyFormat& format) {
+Result<HttpResponse> encode(Answered<proto::DistanceReply> answer, const proto::ReplyFormat& format,
+                            const Cancel& cancel) {
+  Poll poll(cancel);
   proto::DistanceReply& reply = answer.reply;
   if (format.format == Format::json) {
-    return with_cache_header(encode_as_json(reply, format), answer.cache_hit);
+    return whole(encode_as_json(reply, format, poll), answer.cache_hit, poll);
   }
   Numbers distances{{}, {reply.distances.size()}, reply.max, reply.bound};
   distances.values = std::exchange(reply.distances, {});
   if (format.format != Format::frame) {
-    return with_cache_header(array_reply(distances, format.format), answer.cache_hit);
+    return whole(array_reply(distances, format.format, poll), answer.cache_hit, poll);
   }
   // Beside an array of doubles, the greatest of which it is to be.
   reply.short_digits = false;
-  std::vector<Array> arrays{f64_array("distances", distances)};
-  if (reply.labels) arrays.push_back(u32_array("labels", *std::exchange(reply.labels, {})));
-  return with_cache_header(frame_reply(reply, {"count", "distances"}, arrays), answer.cache_hit);
+  std::vector<Array> arrays{f64_array("distances", distances, poll)};
+  if (reply.labels) arrays.push_back(u32_array("labels", *std::exchange(reply.labels, {}), poll));
+  return whole(frame_reply(reply, {"count", "distances"}, arrays, poll), answer.cache_hit, poll);
 }
 
-HttpResponse encode(Answered<proto::PathReply> answer, const proto::ReplyFormat& format) {
+Result<HttpResponse> encode(Answered<proto::PathReply> answer, const proto::ReplyFormat& format,
+                            const Cancel& cancel) {
+  Poll poll(cancel);
   const bool reachable = answer.reply.reachable;
-  return with_cache_header(encode_line(std::move(answer.reply), format, reachable),
-                           answer.cache_hit);
+  return whole(encode_line(std::move(answer.reply), format, reachable, poll), answer.cache_hit,
+               poll);
 }
 
-HttpResponse encode(Answered<proto::TraceReply> answer, const proto::ReplyFormat& format) {
-  return with_cache_header(encode_line(std::move(answer.reply), format, true), answer.cache_hit);
+Result<HttpResponse> encode(Answered<proto::TraceReply> answer, const proto::ReplyFormat& format,
+                            const Cancel& cancel) {
+  Poll poll(cancel);
+  return whole(encode_line(std::move(answer.reply), format, true, poll), answer.cache_hit, poll);
 }
 
-HttpResponse encode(Answered<proto::TableReply> answer, const proto::ReplyFormat& format) {
+Result<HttpResponse> encode(Answered<proto::TableReply> answer, const proto::ReplyFormat& format,
+                            const Cancel& cancel) {
+  Poll poll(cancel);
   proto::TableReply& reply = answer.reply;
   if (format.format == Format::json) {
-    return with_cache_header(encode_as_json(reply, format), answer.cache_hit);
+    return whole(encode_as_json(reply, format, poll), answer.cache_hit, poll);
   }
   Numbers distances{std::exchange(reply.distances, {}), {reply.rows.size(), reply.columns.size()}};
   distances.bound = reply.bound;
   for (const double d : distances.values) {
+    if (poll.cancelled()) break;
     if (d != kUnreached) distances.max = std::max(distances.max.value_or(0), d);
   }
   HttpResponse response =
       format.format == Format::frame
-          ? frame_reply(reply, {"distances"}, {f64_array("distances", distances)})
-          : array_reply(distances, format.format);
-  return with_cache_header(std::move(response), answer.cache_hit);
+          ? frame_reply(reply, {"distances"}, {f64_array("distances", distances, poll)}, poll)
+          : array_reply(distances, format.format, poll);
+  return whole(std::move(response), answer.cache_hit, poll);
 }
 
-HttpResponse encode(Answered<proto::IsolinesReply> answer, const proto::ReplyFormat& format) {
-  return with_cache_header(encode_as_json(answer.reply, format), answer.cache_hit);
+Result<HttpResponse> encode(Answered<proto::IsolinesReply> answer, const proto::ReplyFormat& format,
+                            const Cancel& cancel) {
+  Poll poll(cancel);
+  return whole(encode_as_json(answer.reply, format, poll), answer.cache_hit, poll);
 }
 
-HttpResponse encode(Answered<proto::SamplesReply> answer, const proto::ReplyFormat& format) {
-  return with_cache_header(encode_as_json(answer.reply, format), answer.cache_hit);
+Result<HttpResponse> encode(Answered<proto::SamplesReply> answer, const proto::ReplyFormat& format,
+                            const Cancel& cancel) {
+  Poll poll(cancel);
+  return whole(encode_as_json(answer.reply, format, poll), answer.cache_hit, poll);
 }
 
-HttpResponse encode(Answered<proto::NearestReply> answer, const proto::ReplyFormat& format) {
-  return with_cache_header(encode_as_json(answer.reply, format), answer.cache_hit);
+Result<HttpResponse> encode(Answered<proto::NearestReply> answer, const proto::ReplyFormat& format,
+                            const Cancel& cancel) {
+  Poll poll(cancel);
+  return whole(encode_as_json(answer.reply, format, poll), answer.cache_hit, poll);
 }
 
 }  // namespace geodesic::server

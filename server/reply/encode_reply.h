@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "core/base/cancel.h"
+#include "core/base/error.h"
 #include "proto/wire/replies.h"
 #include "proto/wire/reply_format.h"
 #include "server/http/message.h"
@@ -45,22 +47,22 @@ struct ReplySize {
 // shape (count), path points with shape (count, 3), a table with shape (rows,
 // columns); whole numbers are quantised over [0, Geo-Max]); or as a frame of all the
 // arrays of the reply, float64 and uint32 (4294967295: none), whose JSON has the rest.
-// The format is one that the query offers, and no drawing.
-[[nodiscard]] HttpResponse encode(Answered<proto::DistanceReply> answer,
-                                  const proto::ReplyFormat& format);
-[[nodiscard]] HttpResponse encode(Answered<proto::PathReply> answer,
-                                  const proto::ReplyFormat& format);
-[[nodiscard]] HttpResponse encode(Answered<proto::TraceReply> answer,
-                                  const proto::ReplyFormat& format);
-[[nodiscard]] HttpResponse encode(Answered<proto::TableReply> answer,
-                                  const proto::ReplyFormat& format);
+// The format is one that the query offers, and no drawing. Errors here and below: cancelled.
+[[nodiscard]] Result<HttpResponse> encode(Answered<proto::DistanceReply> answer,
+                                          const proto::ReplyFormat& format, const Cancel& cancel);
+[[nodiscard]] Result<HttpResponse> encode(Answered<proto::PathReply> answer,
+                                          const proto::ReplyFormat& format, const Cancel& cancel);
+[[nodiscard]] Result<HttpResponse> encode(Answered<proto::TraceReply> answer,
+                                          const proto::ReplyFormat& format, const Cancel& cancel);
+[[nodiscard]] Result<HttpResponse> encode(Answered<proto::TableReply> answer,
+                                          const proto::ReplyFormat& format, const Cancel& cancel);
 
 // These have no array, and are always JSON.
-[[nodiscard]] HttpResponse encode(Answered<proto::IsolinesReply> answer,
-                                  const proto::ReplyFormat& format);
-[[nodiscard]] HttpResponse encode(Answered<proto::SamplesReply> answer,
-                                  const proto::ReplyFormat& format);
-[[nodiscard]] HttpResponse encode(Answered<proto::NearestReply> answer,
-                                  const proto::ReplyFormat& format);
+[[nodiscard]] Result<HttpResponse> encode(Answered<proto::IsolinesReply> answer,
+                                          const proto::ReplyFormat& format, const Cancel& cancel);
+[[nodiscard]] Result<HttpResponse> encode(Answered<proto::SamplesReply> answer,
+                                          const proto::ReplyFormat& format, const Cancel& cancel);
+[[nodiscard]] Result<HttpResponse> encode(Answered<proto::NearestReply> answer,
+                                          const proto::ReplyFormat& format, const Cancel& cancel);
 
 }  // namespace geodesic::server

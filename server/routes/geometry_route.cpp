@@ -48,14 +48,14 @@ Result<HttpResponse> Routes::geometry_reply(const Call& call, proto::Format form
     if (!adjacency) return fail(adjacency.error());
     const Mesh& mesh = (*adjacency)->mesh();
     auto made = queries_.in_slot(
-        [&](const Cancel&) -> Result<std::shared_ptr<const ChargedBody>> {
+        [&](const Cancel& cancel) -> Result<std::shared_ptr<const ChargedBody>> {
           if (auto others = geometries_.find(tag)) return others;
           auto reserved =
               reply_budget_.reserve(proto::memory_of_geometry(mesh), call.request.caller.client);
           if (!reserved) return fail(std::move(reserved.error()));
-          auto bytes = format == proto::Format::frame
-                           ? Result<std::string>(proto::geometry_frame(call.id, mesh))
-                           : proto::geometry_glb(mesh);
+          Poll poll(cancel);
+          auto bytes = format == proto::Format::frame ? proto::geometry_frame(call.id, mesh, poll)
+                                                      : proto::geometry_glb(mesh, poll);
           if (!bytes) return fail(std::move(bytes.error()));
           (*reserved)->shrink(bytes->size());
           auto whole = std::make_shared<const ChargedBody>(

@@ -198,8 +198,10 @@ HttpResponse Routes::packed(HttpResponse response, const HttpRequest& reader) {
   constexpr std::size_t kLarge = std::size_t{1} << 20;
   if (!response.body || response.body->size() < kLarge) return response;
   const auto done = queries_.in_slot(
-      [&](const Cancel&) -> Result<void> {
-        pack(reader, response);
+      [&](const Cancel& cancel) -> Result<void> {
+        Poll poll(cancel);
+        pack(reader, response, &poll);
+        if (poll.stopped()) return fail_stopped(poll);
         return {};
       },
       reader.caller);

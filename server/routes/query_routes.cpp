@@ -75,7 +75,7 @@ Result<HttpResponse> make_reply(Answered<Reply> answer, const proto::ReplyFormat
   if constexpr (requires { draw(answer, format, cancel); }) {
     if (is_drawing(format.format)) return draw(answer, format, cancel);
   }
-  return encode(std::move(answer), format);
+  return encode(std::move(answer), format, cancel);
 }
 
 // Distances at points and paths may be read off a field that is kept, searched for, or taken from
@@ -135,7 +135,11 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
       made->set_header("ETag", tag);
       add_to_list(*made, "Vary", "Accept");
     }
-    if (query.packed_for != nullptr) pack(*query.packed_for, *made);
+    if (query.packed_for != nullptr) {
+      Poll poll(cancel);
+      pack(*query.packed_for, *made, &poll);
+      if (poll.stopped()) return fail_stopped(poll);
+    }
     if (share && made->body) {
       share->shrink(made->body->size());
       made->reserved = std::move(share);
@@ -144,7 +148,11 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
   };
   auto response = is_large(size) || is_drawing(format->format) ? queries_.in_slot(make, *caller)
                                                                : make(Cancel(std::cref(*caller)));
-  if (!response) return response;
+  if (!response) {
+    // Outside of a slot nobody else says what ended it.
+    const bool is_late = response.error().code == ErrorCode::cancelled && caller->deadline_over();
+    return is_late ? fail(caller->why_stopped()) : std::move(response);
+  }
   if (!identity.empty()) {
     keep_reply(query, identity, *response);
     response->set_header("Cache-Control", query_cache_policy());
