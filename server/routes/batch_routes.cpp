@@ -1,6 +1,5 @@
 // Many queries in one request, each a line of JSON (NDJSON): answered in their order,
 // line by line as they are done.
-#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -20,6 +19,17 @@ namespace {
 
 constexpr const char* kMediaType = "application/x-ndjson";
 
+// The next line of a body that is not blank, from `done` on; none at its end.
+bool next_line(std::string_view body, std::size_t& done, std::string_view& line) {
+  while (done < body.size()) {
+    const std::size_t end = body.find('\n', done);
+    line = body.substr(done, end == body.npos ? body.npos : end - done);
+    done = end == body.npos ? body.size() : end + 1;
+    if (line.find_first_not_of(" \t\r") != line.npos) return true;
+  }
+  return false;
+}
+
 // A batch under way: its lines, and how far it has come.
 struct Batch {
   std::string mesh;
@@ -33,16 +43,7 @@ struct Batch {
     return static_cast<double>(done) / static_cast<double>(body.size());
   }
 
-  // The next line that is not blank; none at the end.
-  bool next(std::string_view& line) {
-    while (done < body.size()) {
-      const std::size_t end = body.find('\n', done);
-      line = std::string_view(body).substr(done, end == body.npos ? body.npos : end - done);
-      done = end == body.npos ? body.size() : end + 1;
-      if (line.find_first_not_of(" \t\r") != line.npos) return true;
-    }
-    return false;
-  }
+  bool next(std::string_view& line) { return next_line(body, done, line); }
 };
 
 // {"id":…,"status":200,"reply":{…}} or {"id":…,"status":422,"problem":{…}}
@@ -63,9 +64,12 @@ std::string problem_line(const std::optional<std::string>& id, const Error& erro
                     to_problem_json(error, request.target, request.id, status));
 }
 
-// At most so many, those that are blank included.
+// Those that will be answered.
 std::size_t lines_of(std::string_view body) {
-  return static_cast<std::size_t>(std::count(body.begin(), body.end(), '\n')) + 1;
+  std::size_t lines = 0;
+  std::string_view line;
+  for (std::size_t done = 0; next_line(body, done, line);) ++lines;
+  return lines;
 }
 
 }  // namespace

@@ -109,6 +109,27 @@ TEST_CASE("ABatchIsRefusedAsAWholeWhereItCanBe") {
   CHECK(lines_of(plane.service.ask("POST", plane.base + "/batch", "\n \n")).empty());
 }
 
+TEST_CASE("ABatchMayHaveAsManyLinesAsItSaysHoweverTheyEnd") {
+  PlaneService plane;
+  const auto most = body_of(plane.service.get("/v1/status"))["limits"]["max_batch_lines"];
+  const auto lines = [](std::size_t count, const std::string& between) {
+    std::string body;
+    for (std::size_t i = 0; i < count; ++i) body += "{}" + between;
+    return body;
+  };
+  const auto status = [&](const std::string& body) {
+    return plane.service.ask("POST", plane.base + "/batch", body).status;
+  };
+  for (const std::string between : {"\n", "\r\n", "\n\n \t\n"}) {
+    CAPTURE(between);
+    for (const std::string end : {"", "\n", "\n\n\n"}) {
+      CHECK(status(lines(most, between) + end) == 200);
+      CHECK(status(lines(most, between).substr(0, lines(most, between).size() - 1) + end) == 200);
+      CHECK(status(lines(most, between) + "{}" + end) == 413);
+    }
+  }
+}
+
 TEST_CASE("ALinesMemoryIsHeldUntilTheNextIsAskedFor") {
   Config config;
   config.reply_memory_bytes = 4'000'000;
