@@ -19,9 +19,13 @@ namespace geodesic::server {
 // The tag of a reply with that tag once it is packed by gzip: other bytes.
 [[nodiscard]] std::string packed_tag(std::string_view tag);
 
-// Whether the request already has the reply of that tag, packed or not: by
-// If-None-Match, which compares weakly and may be "*".
+// Whether the request has the reply of that tag already, packed or not: by the list in
+// If-None-Match, compared weakly.
 [[nodiscard]] bool has_already(const HttpRequest& request, std::string_view tag);
+
+// Whether If-None-Match is "*": any reply is as good as had, but only once it is known that there
+// is one (RFC 9110, section 13.2.1).
+[[nodiscard]] bool has_any(const HttpRequest& request);
 
 // 304: what the request has is still good.
 [[nodiscard]] HttpResponse not_modified(std::string_view tag);

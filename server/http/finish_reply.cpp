@@ -32,19 +32,27 @@ bool is_read(const HttpRequest& request) {
 }
 
 void tag(const HttpRequest& request, HttpResponse& response) {
-  if (!is_read(request) || response.status != 200 || response.stream || !response.body) return;
+  if (!is_read(request) || response.status != 200 || response.stream) return;
+  if (!response.body && !response.file) return;
   const std::string* const policy = header_of(response, "Cache-Control");
   if (policy == nullptr) {
     response.set_header("Cache-Control", "no-cache");
   } else if (*policy == "no-store") {
     return;
   }
-  if (header_of(response, "ETag") != nullptr) return;
-  const std::string tag = entity_tag(*response.body);
-  response.set_header("ETag", tag);
-  if (!has_already(request, tag)) return;
+  bool is_had = has_any(request);
+  if (header_of(response, "ETag") == nullptr) {
+    if (!response.body) return;
+    const std::string tag = entity_tag(*response.body);
+    response.set_header("ETag", tag);
+    is_had = is_had || has_already(request, tag);
+  }
+  if (!is_had) return;
   response.status = 304;
   response.body = nullptr;
+  response.file = nullptr;
+  response.reserved = nullptr;
+  std::erase_if(response.headers, [](const NameValue& h) { return h.first == "Content-Encoding"; });
   response.content_type.clear();
 }
 

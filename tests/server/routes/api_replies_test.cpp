@@ -50,6 +50,37 @@ TEST_CASE("ATagSavesTheComputation") {
   CHECK(conditional(plane, target, tag).status == 404);
 }
 
+TEST_CASE("AConditionSparesOnlyWhatWouldBeASuccess") {
+  PlaneService plane;
+  const std::vector<NameValue> any{{"If-None-Match", "*"}};
+  const std::string nobody = "/v1/meshes/" + std::string(64, '0');
+  for (const std::string& target :
+       {plane.base, plane.base + "/source", plane.base + "/geometry", std::string("/v1/meshes"),
+        plane.base + "/distance?from=v:0", plane.base + "/distance?from=v:0&format=png&width=64",
+        plane.base + "/path?from=v:0&to=v:7", std::string("/openapi.yaml"),
+        plane.base + "/distance?from=v:999",
+        plane.base + "/trace?from=v:0&direction=0,0,0&length=1",
+        plane.base + "/nearest?point=ray:9,9,9,0,0,1", plane.base + "/samples?count=0",
+        plane.base + "/geometry?format=obj", plane.base + "/isolines?from=v:0&step=1e-300", nobody,
+        nobody + "/source", nobody + "/geometry", nobody + "/distance?from=v:0"}) {
+    CAPTURE(target);
+    for (const char* method : {"GET", "HEAD"}) {
+      // Cold, and where all is in the caches.
+      for (int i = 0; i < 2; ++i) {
+        const HttpResponse met = plane.service.ask(method, target, {}, any);
+        const HttpResponse plain = plane.service.get(target);
+        CHECK(met.status == (plain.status == 200 ? 304 : plain.status));
+        CHECK((plain.status == 200) != (plain.status >= 400));
+        if (plain.status != 200) continue;
+        CHECK_FALSE(met.body);
+        CHECK_FALSE(met.file);
+        CHECK(header_of(met, "ETag") == header_of(plain, "ETag"));
+        CHECK(header_of(met, "Cache-Control") == header_of(plain, "Cache-Control"));
+      }
+    }
+  }
+}
+
 TEST_CASE("EachRepresentationHasItsOwnTag") {
   PlaneService plane;
   const auto tag = [&](const std::string& target, std::vector<NameValue> headers = {}) {
