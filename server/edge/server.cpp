@@ -94,6 +94,13 @@ Clock::time_point sent_by(const HttpOptions& options, std::uint64_t bytes) {
 // A streamed chunk is handed on in pieces of so many bytes: each is copied on its way.
 constexpr std::size_t kChunkPiece = std::size_t{64} << 10;
 
+// cpp-httplib's status line for a status that it has no words for, and what stands there instead.
+constexpr std::string_view kWordless = " Internal Server Error\r\n";
+std::string_view reason_of(int status) {
+  constexpr int kClientClosedRequest = 499;  // nginx's
+  return status == kClientClosedRequest ? " Client Closed Request\r\n" : kWordless;
+}
+
 // What cpp-httplib reads, a request that says nothing, and where it writes: the
 // connection's queue or, if the reply is streamed, the socket.
 class ReplyStream final : public httplib::Stream {
@@ -113,7 +120,17 @@ class ReplyStream final : public httplib::Stream {
   }
   ssize_t write(const char* data, std::size_t size) override {
     HttpConnection& connection = exchange_.connection;
-    connection.queue(std::string_view(data, size));
+    std::string_view bytes(data, size);
+    if (!std::exchange(begun_, true)) {
+      const std::size_t end_of_status = std::string_view("HTTP/1.1 499").size();
+      const std::string_view rest = bytes.substr(std::min(end_of_status, size));
+      if (rest.starts_with(kWordless) && reason_of(exchange_.status) != kWordless) {
+        connection.queue(bytes.substr(0, end_of_status));
+        connection.queue(reason_of(exchange_.status));
+        bytes = rest.substr(kWordless.size());
+      }
+    }
+    connection.queue(bytes);
     if (exchange_.streams) {
       const Clock::time_point deadline = sent_by(options_, connection.unsent());
       if (!connection.send_all_waiting(options_.write_timeout, deadline)) return -1;
@@ -133,6 +150,7 @@ class ReplyStream final : public httplib::Stream {
   Exchange& exchange_;
   const HttpOptions& options_;
   std::size_t used_ = 0;
+  bool begun_ = false;  // the reply has
 };
 
 // Replies up to this are sent however many wait: that all is well, or what is not.

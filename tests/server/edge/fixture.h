@@ -75,6 +75,9 @@ inline HttpResponse answer(HttpRequest& request) {
       chunk = ":\n\n";
       return !gone();
     };
+  } else if (request.path.starts_with("/status/")) {
+    response.status = std::stoi(request.path.substr(8));
+    response.set_body("x", "text/plain");
   } else if (request.path == "/client") {
     response.set_body(request.caller.client, "text/plain");
   } else {

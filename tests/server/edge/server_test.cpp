@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <future>
 #include <memory>
+#include <set>
 #include <sstream>
 #include <thread>
 #include <vector>
@@ -286,6 +287,28 @@ TEST_CASE("a port in use is an error that says so") {
   options.host = "name.invalid";
   HttpServer third(options, answer);
   CHECK_FALSE(third.start());
+}
+
+TEST_CASE("a status line says what its status means, and no other") {
+  Edge edge;
+  std::set<int> statuses{200, 201, 202, 204, 304};
+  for (const ErrorCode code : all_error_codes()) statuses.insert(http_status(code));
+  std::set<std::string> reasons;
+  for (const int status : statuses) {
+    RawClient client(edge.port);
+    client.send(get("/status/" + std::to_string(status), "Connection: close\r\n"));
+    const std::string reply = client.receive_all();
+    const std::string line = reply.substr(0, reply.find("\r\n"));
+    CAPTURE(line);
+    CHECK(line.starts_with("HTTP/1.1 " + std::to_string(status) + " "));
+    CHECK(reasons.insert(line.substr(line.find(' ', 9))).second);
+    CHECK(reply.find("\r\nX-Request-Id: ") != std::string::npos);
+  }
+  // Whoever closes a half is told so too.
+  RawClient client(edge.port);
+  client.send(post("/echo", "Content-Length: 10\r\n", "abc"));
+  client.half_close();
+  CHECK(client.receive_all().starts_with("HTTP/1.1 499 Client Closed Request\r\n"));
 }
 
 TEST_CASE("every error code has a status, a title and a problem that parses") {
