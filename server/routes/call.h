@@ -49,6 +49,11 @@ struct Routes::Call {
   }
   [[nodiscard]] bool is(std::string_view name) const { return method == name; }
 
+  // Errors: unknown_parameter. For what takes no parameters.
+  [[nodiscard]] Result<void> check_no_parameters() const {
+    return proto::Parameters::from_query(request.query).check_all_known();
+  }
+
   // The parameters of a query: of the URL for GET, of the JSON body for POST.
   [[nodiscard]] Result<proto::Parameters> parameters() const {
     if (is("GET")) return proto::Parameters::from_query(request.query);

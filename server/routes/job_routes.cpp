@@ -168,10 +168,13 @@ HttpResponse Routes::one_job(Call& call) {
   call.route = "/v1/jobs/{id}";
   if (s.size() == 4) call.route += "/" + std::string(part);
   const std::string id(s[2]);
+  const auto none = call.check_no_parameters();
   if (s.size() == 4) {
     if (!call.is("GET")) return call.not_allowed("GET, HEAD");
+    if (!none) return call.problem(none.error());
     return part == "result" ? job_result(call, id) : job_events(call, id);
   }
+  if (!none && (call.is("DELETE") || call.is("GET"))) return call.problem(none.error());
   if (call.is("DELETE")) {
     // To cancel again, or what is forgotten, changes nothing.
     if (!jobs_.remove(id) && !is_job_id(id)) {

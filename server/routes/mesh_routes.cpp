@@ -52,11 +52,14 @@ HttpResponse Routes::one_mesh(Call& call) {
   call.id = std::string(call.segments[2]);
   call.route = "/v1/meshes/{id}";
   const std::string_view action = call.segments.size() == 4 ? call.segments[3] : "";
-  const bool plain = call.segments.size() == 3;
-  if (plain) {
-    if (call.is("GET")) return mesh_metadata(call);
+  const auto plain = [&](HttpResponse (Routes::*reply)(Call&)) {
+    const auto none = call.check_no_parameters();
+    return none ? (this->*reply)(call) : call.problem(none.error());
+  };
+  if (call.segments.size() == 3) {
+    if (call.is("GET")) return plain(&Routes::mesh_metadata);
     if (call.is("PUT")) return add_mesh(call);
-    if (call.is("DELETE")) return delete_mesh(call);
+    if (call.is("DELETE")) return plain(&Routes::delete_mesh);
     return call.not_allowed("GET, HEAD, PUT, DELETE");
   }
   constexpr std::array<std::string_view, 4> kOthers{"source", "geometry", "prepare", "batch"};
@@ -64,11 +67,13 @@ HttpResponse Routes::one_mesh(Call& call) {
     return call.problem(ServiceCode::route_unknown, "a mesh has nothing of this name");
   }
   call.route += "/" + std::string(action);
-  if (action == "source") return call.is("GET") ? mesh_source(call) : call.not_allowed("GET, HEAD");
+  if (action == "source")
+    return call.is("GET") ? plain(&Routes::mesh_source) : call.not_allowed("GET, HEAD");
   if (action == "geometry") {
     return call.is("GET") ? mesh_geometry(call) : call.not_allowed("GET, HEAD");
   }
-  if (action == "prepare") return call.is("POST") ? prepare_mesh(call) : call.not_allowed("POST");
+  if (action == "prepare")
+    return call.is("POST") ? plain(&Routes::prepare_mesh) : call.not_allowed("POST");
   if (action == "batch") return call.is("POST") ? batch(call) : call.not_allowed("POST");
   if (!call.is("GET") && !call.is("POST")) return call.not_allowed("GET, HEAD, POST");
   return query(call, action);
@@ -222,6 +227,9 @@ Result<HttpResponse> Routes::source_reply(const Call& call, std::uint64_t expect
 }
 
 HttpResponse Routes::prepare_mesh(Call& call) {
+  if (!call.request.body.empty()) {
+    return call.problem(Error{InputCode::bad_syntax, "this call takes no body", "body", {}, {}});
+  }
   const auto adjacency = catalog_.adjacency(call.id, call.request.caller);
   if (!adjacency) return call.problem(adjacency.error());
   return mesh_metadata(call);

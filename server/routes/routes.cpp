@@ -151,11 +151,17 @@ HttpResponse Routes::dispatch(Call& call) {
     call.route = call.request.path;
     return call.is("GET") ? std::move(*document) : call.not_allowed("GET, HEAD");
   }
+  const auto plain = [&](auto reply) {
+    return [&call, reply] {
+      const auto none = call.check_no_parameters();
+      return none ? reply() : call.problem(none.error());
+    };
+  };
   if (call.request.path == "/v1/methods") {
-    return reads("/v1/methods", [] { return json_reply(proto::methods_json()); });
+    return reads("/v1/methods", plain([] { return json_reply(proto::methods_json()); }));
   }
   if (call.request.path == "/v1/status") {
-    return reads("/v1/status", [&] { return status(); });
+    return reads("/v1/status", plain([this] { return status(); }));
   }
   if (s.size() >= 2 && s[0] == "v1" && s[1] == "meshes") {
     if (may_be_job(call)) return begin_job(call);

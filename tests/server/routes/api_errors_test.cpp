@@ -213,3 +213,48 @@ TEST_CASE("ABodyTooLargeIsRefusedAtTheEdge") {
   CHECK(service.store->size() == 0);
   server.stop(std::chrono::seconds(1));
 }
+
+TEST_CASE("WhatTakesNoParametersRefusesThemUnderV1") {
+  PlaneService plane;
+  const auto job =
+      plane.service.ask("POST", plane.base + "/prepare", {}, {{"Prefer", "respond-async"}});
+  REQUIRE(job.status == 202);
+  const std::string made = header_of(job, "Location");
+  const std::vector<std::pair<std::string, std::string>> paths{{"GET", plane.base},
+                                                               {"GET", plane.base + "/source"},
+                                                               {"GET", plane.base + "/geometry"},
+                                                               {"GET", "/v1/meshes"},
+                                                               {"GET", "/v1/status"},
+                                                               {"GET", "/v1/methods"},
+                                                               {"GET", made},
+                                                               {"GET", made + "/result"},
+                                                               {"GET", made + "/events"},
+                                                               {"DELETE", made},
+                                                               {"DELETE", plane.base},
+                                                               {"POST", plane.base + "/prepare"},
+                                                               {"POST", plane.base + "/batch"},
+                                                               {"POST", "/v1/meshes"},
+                                                               {"GET", plane.base + "/path"}};
+  for (const auto& [method, path] : paths) {
+    CAPTURE(path);
+    // A path that asks for `from` and `to` misses them first.
+    const std::string others = path.ends_with("/path") ? "from=v:0&to=v:1&" : "";
+    for (const std::string name : {"x", "From", ""}) {
+      check_problem(plane.service.ask(method, path + "?" + others + name + "=1"), 400,
+                    "unknown_parameter", name);
+    }
+    if (method == "GET") {
+      CHECK(plane.service.ask("HEAD", path + "?x=1").status == 400);
+    }
+  }
+  for (const char* body : {"junk", "{}", "{\"x\":1}"}) {
+    check_problem(plane.service.ask("POST", plane.base + "/prepare", body), 400, "bad_syntax",
+                  "body");
+  }
+  // Nothing of that did anything.
+  CHECK(plane.service.get(plane.base).status == 200);
+  CHECK(plane.service.get(made).status == 200);
+  for (const char* probe : {"/livez", "/readyz", "/metrics", "/", "/openapi.yaml"}) {
+    CHECK(plane.service.get(probe + std::string("?x=1")).status == 200);
+  }
+}
