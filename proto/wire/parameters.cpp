@@ -31,7 +31,11 @@ std::optional<double> finite_number(const json& value) {
 struct Parameters::Values {
   json by_name = json::object();  // every value an array of what came under that name
   std::vector<std::string> asked;
+  std::vector<std::string> lists;  // names that came with a list, of any length
 
+  [[nodiscard]] bool is_list(std::string_view name) const {
+    return std::find(lists.begin(), lists.end(), name) != lists.end();
+  }
   // The values under a name, as an array; null when there are none.
   const json* find(std::string_view name) {
     asked.emplace_back(name);
@@ -41,7 +45,7 @@ struct Parameters::Values {
   Result<const json*> find_one(std::string_view name) {
     const json* values = find(name);
     if (values == nullptr) return nullptr;
-    if (values->size() != 1) {
+    if (values->size() != 1 || is_list(name)) {
       return fail(InputCode::bad_syntax, "this parameter takes one value", std::string(name));
     }
     return &values->front();
@@ -84,6 +88,7 @@ Result<Parameters> Parameters::from_json(std::string_view body) {
     return fail(InputCode::bad_syntax, "the body is not a JSON object", "body");
   }
   for (auto& [name, value] : document.items()) {
+    if (value.is_array()) values->lists.push_back(name);
     values->by_name[name] = value.is_array() ? std::move(value) : json::array({std::move(value)});
   }
   return Parameters(std::move(values));
@@ -108,7 +113,7 @@ Result<std::vector<PointRequest>> Parameters::points(std::string_view name) {
 }
 
 Result<PointRequest> Parameters::point(std::string_view name) {
-  if (count(name) > 1) {
+  if (count(name) > 1 || values_->is_list(name)) {
     return fail(InputCode::bad_syntax, "this parameter takes one point", std::string(name));
   }
   auto all = points(name);
@@ -141,7 +146,7 @@ Result<std::optional<std::uint64_t>> Parameters::whole(std::string_view name) {
   if (*value == nullptr) return std::optional<std::uint64_t>();
   std::optional<std::uint64_t> number;
   if ((*value)->is_string()) number = parse_whole((*value)->get_ref<const std::string&>());
-  if ((*value)->is_number_unsigned()) number = (*value)->get<std::uint64_t>();
+  if ((*value)->is_number()) number = whole_number(**value);
   if (!number) {
     return fail(InputCode::bad_syntax, "this is not a whole number of zero or more",
                 std::string(name));
@@ -202,7 +207,7 @@ Result<std::optional<Vec3>> Parameters::vector(std::string_view name) {
   const json* values = values_->find(name);
   if (values == nullptr) return std::optional<Vec3>();
   std::vector<double> numbers;
-  if (values->size() == 1 && values->front().is_string()) {
+  if (values->size() == 1 && values->front().is_string() && !values_->is_list(name)) {
     numbers = numbers_between_commas(values->front().get_ref<const std::string&>())
                   .value_or(std::vector<double>());
   } else {

@@ -127,6 +127,15 @@ Result<PointRequest> parse_json_ray(const json& ray, double offset, std::string 
 
 }  // namespace
 
+std::optional<std::uint64_t> whole_number(const json& value) {
+  if (value.is_number_unsigned()) return value.get<std::uint64_t>();
+  if (!value.is_number()) return std::nullopt;
+  const auto number = value.get<double>();  // -0 or less, or written as a fraction
+  constexpr double kTooMuch = 0x1p64;
+  if (!(number >= 0 && number < kTooMuch) || std::floor(number) != number) return std::nullopt;
+  return static_cast<std::uint64_t>(number);
+}
+
 Result<PointRequest> parse_point(std::string_view text, std::string parameter) {
   if (text.starts_with("v:")) {
     if (const auto vertex = parse_whole(text.substr(2))) {
@@ -171,22 +180,23 @@ Result<PointRequest> parse_json_point(const json& value, std::string parameter) 
   if (const auto it = value.find("vertex"); it != value.end()) {
     if (auto known = check_only_has(value, {"vertex", "offset"}, parameter); !known)
       return fail(known.error());
-    if (!it->is_number_unsigned()) {
+    const auto vertex = whole_number(*it);
+    if (!vertex) {
       return bad("\"vertex\" is not a whole number", parameter + ".vertex");
     }
-    return PointRequest{VertexRequest{it->get<std::uint64_t>()}, offset->value_or(0),
-                        std::move(parameter)};
+    return PointRequest{VertexRequest{*vertex}, offset->value_or(0), std::move(parameter)};
   }
   if (const auto it = value.find("face"); it != value.end()) {
     if (auto known = check_only_has(value, {"face", "bary", "offset"}, parameter); !known)
       return fail(known.error());
-    if (!it->is_number_unsigned()) {
+    const auto face = whole_number(*it);
+    if (!face) {
       return bad("\"face\" is not a whole number", parameter + ".face");
     }
     const auto bary = finite_numbers(value.value("bary", json()), 3);
     if (!bary) return bad("\"bary\" is not three numbers", parameter + ".bary");
-    return on_face(it->get<std::uint64_t>(), {(*bary)[0], (*bary)[1], (*bary)[2]},
-                   offset->value_or(0), std::move(parameter));
+    return on_face(*face, {(*bary)[0], (*bary)[1], (*bary)[2]}, offset->value_or(0),
+                   std::move(parameter));
   }
   if (const auto it = value.find("xyz"); it != value.end()) {
     if (auto known = check_only_has(value, {"xyz", "max_snap", "offset"}, parameter); !known)

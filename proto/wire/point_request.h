@@ -48,6 +48,9 @@ struct PointRequest {
   std::string parameter;  // where the client wrote it, such as "from[2]", for errors
 };
 
+// What JSON Schema calls an integer, 1.0 and 1e0 too, of 0 to 2^64 - 1.
+[[nodiscard]] std::optional<std::uint64_t> whole_number(const nlohmann::json& value);
+
 // `parameter` is what errors name. Errors: bad_syntax, value_out_of_range.
 [[nodiscard]] Result<PointRequest> parse_point(std::string_view text, std::string parameter);
 [[nodiscard]] Result<PointRequest> parse_json_point(const nlohmann::json& value,

@@ -4,8 +4,10 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "proto/wire/input_codes.h"
+#include "proto/wire/parameters.h"
 
 using namespace geodesic;
 using namespace geodesic::proto;
@@ -19,11 +21,11 @@ const RayRequest& ray_of(const Result<PointRequest>& point) {
   return std::get<RayRequest>(point->where);
 }
 
-void check_refused(const Result<PointRequest>& point, ErrorCode code,
-                   const std::string& parameter) {
-  REQUIRE_FALSE(point);
-  CHECK(point.error().code == code);
-  CHECK(point.error().parameter == parameter);
+template <class T>
+void check_refused(const Result<T>& read, ErrorCode code, const std::string& parameter) {
+  REQUIRE_FALSE(read);
+  CHECK(read.error().code == code);
+  CHECK(read.error().parameter == parameter);
 }
 
 }  // namespace
@@ -87,6 +89,59 @@ TEST_CASE("WhatIsNoRayIsBadSyntax") {
           InputCode::unknown_parameter, "to.max_snap");
   refused(R"({"ray":{"origin":[0,0,1],"direction":[0,0,1]},"offset":-1})",
           ErrorCode::value_out_of_range, "to.offset");
+}
+
+TEST_CASE("ANumberThatIsWholeIsOneHoweverItIsWritten") {
+  for (const char* one : {"1", "1.0", "1e0", "10e-1", "0.1e1", "1.000E+0"}) {
+    CAPTURE(one);
+    const std::string text(one);
+    const auto vertex = parse_json_point(json::parse("{\"vertex\":" + text + "}"), "to");
+    REQUIRE(vertex);
+    CHECK(std::get<VertexRequest>(vertex->where).vertex == 1);
+    const auto face =
+        parse_json_point(json::parse("{\"face\":" + text + ",\"bary\":[1,0,0]}"), "to");
+    REQUIRE(face);
+    CHECK(std::get<FaceRequest>(face->where).face == 1);
+    auto parameters = Parameters::from_json("{\"precision\":" + text + "}");
+    REQUIRE(parameters);
+    CHECK(parameters->whole("precision").value() == 1);
+  }
+  for (const char* zero : {"-0", "-0.0", "0e9", "0.0"}) CHECK(whole_number(json::parse(zero)) == 0);
+  CHECK(whole_number(json::parse("18446744073709551615")) == 18446744073709551615ULL);
+  CHECK(whole_number(json::parse("9007199254740993")) == 9007199254740993ULL);  // no double
+  CHECK(whole_number(json::parse("1e19")) == 10000000000000000000ULL);
+  for (const char* none : {"-1", "-1.0", "0.5", "1.5e0", "18446744073709551616", "1e300", "\"1\"",
+                           "true", "null", "[1]", "{}"}) {
+    CAPTURE(none);
+    CHECK_FALSE(whole_number(json::parse(none)));
+    check_refused(parse_json_point(json::parse("{\"vertex\":" + std::string(none) + "}"), "to"),
+                  InputCode::bad_syntax, "to.vertex");
+  }
+}
+
+TEST_CASE("AListIsNoScalarHoweverShort") {
+  const auto read = [](const char* body) {
+    auto parameters = Parameters::from_json(body);
+    REQUIRE(parameters);
+    return std::move(*parameters);
+  };
+  for (const char* list : {"{\"a\":[\"1\"]}", "{\"a\":[1]}", "{\"a\":[true]}", "{\"a\":[\"v:1\"]}",
+                           "{\"a\":[]}", "{\"a\":[1,1]}", "{\"a\":[\"1,0,0\"]}"}) {
+    CAPTURE(list);
+    Parameters p = read(list);
+    check_refused(p.number("a"), InputCode::bad_syntax, "a");
+    check_refused(p.whole("a"), InputCode::bad_syntax, "a");
+    check_refused(p.text("a"), InputCode::bad_syntax, "a");
+    check_refused(p.scalar("a"), InputCode::bad_syntax, "a");
+    check_refused(p.flag("a"), InputCode::bad_syntax, "a");
+    check_refused(p.point("a"), InputCode::bad_syntax, "a");
+    check_refused(p.vector("a"), InputCode::bad_syntax, "a");
+  }
+  // Where a list may stand, one of one may.
+  CHECK(read("{\"a\":[\"v:1\"]}").points("a").value().size() == 1);
+  CHECK(read("{\"a\":[1]}").numbers("a").value().size() == 1);
+  CHECK(read("{\"a\":[1,0,0]}").vector("a").value()->x == 1);
+  CHECK(read("{\"a\":\"1,0,0\"}").vector("a").value()->x == 1);
 }
 
 TEST_CASE("TheOtherPointsAreReadAsBefore") {
