@@ -50,7 +50,8 @@ Result<void> read_weld(Parameters& parameters, ImportOptions& options) {
   if (!tolerance) return wrong("weld", "a length in mesh units, or `off`, is wanted");
   if (*tolerance != 0 &&
       !(*tolerance >= Mesh::kMinCoordinate && *tolerance <= Mesh::kMaxCoordinate)) {
-    return wrong("weld", "nothing is welded over such a length", ErrorCode::value_out_of_range);
+    return wrong("weld", "a length of 1e-60 to 1e60, 0 or `off` is wanted",
+                 ErrorCode::value_out_of_range);
   }
   options.weld_tolerance = *tolerance + 0.0;  // -0 is 0
   return {};

@@ -129,6 +129,32 @@ TEST_CASE("options that can't be are refused, naming the parameter") {
   CHECK_FALSE(read({{"up", "y"}, {"up", "z"}}));
 }
 
+TEST_CASE("a length or a factor out of bounds is told its bounds, and those are true") {
+  struct Bounds {
+    const char* name;
+    const char* least;
+    const char* most;
+    std::vector<const char*> beyond;
+  };
+  for (const Bounds& one :
+       {Bounds{"weld", "1e-60", "1e60", {"1e-300", "9e-61", "1.1e60", "-1e-60"}},
+        Bounds{"scale", "1e-30", "1e30", {"1e-300", "9e-31", "1.1e30", "-1", "0"}}}) {
+    CAPTURE(one.name);
+    CHECK(read({{one.name, one.least}}));
+    CHECK(read({{one.name, one.most}}));
+    for (const char* const value : one.beyond) {
+      CAPTURE(value);
+      const auto refused = read({{one.name, value}});
+      REQUIRE_FALSE(refused);
+      CHECK(refused.error().code == ErrorCode::value_out_of_range);
+      CHECK(refused.error().detail.find(one.least) != std::string::npos);
+      CHECK(refused.error().detail.find(one.most) != std::string::npos);
+    }
+  }
+  CHECK(read({{"weld", "0"}}));
+  CHECK(read({{"weld", "-0"}}));
+}
+
 TEST_CASE("a scene is chosen by index or name, a name of digits by index alone") {
   const auto f = two_scenes();
   CHECK(with(f, {})->soup.faces.size() == 2);
