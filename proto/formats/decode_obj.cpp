@@ -13,8 +13,6 @@
 namespace geodesic::proto {
 namespace {
 
-constexpr std::size_t sniffed_bytes = 65536;
-
 std::string_view text_of(std::span<const std::byte> bytes) {
   std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
@@ -98,7 +96,7 @@ class ObjReader {
 bool is_obj(std::span<const std::byte> bytes) {
   static constexpr std::string_view keywords[] = {"v", "vn", "vt", "vp",     "f",      "o",
                                                   "g", "s",  "l",  "mtllib", "usemtl", "p"};
-  TextTokens tokens(text_of(bytes.first(std::min(bytes.size(), sniffed_bytes))));
+  TextTokens tokens(text_of(bytes));
   do {
     const auto keyword = tokens.word_on_line();
     if (keyword.empty() || keyword[0] == '#') continue;

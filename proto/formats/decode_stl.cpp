@@ -138,7 +138,7 @@ std::string_view text_of_stl(std::span<const std::byte> bytes) {
 bool is_stl(std::span<const std::byte> bytes) {
   if (is_binary_stl(bytes)) return true;
   TextTokens tokens(text_of_stl(bytes));
-  if (!is_word(tokens.word_on_line(), "solid") || !tokens.next_line()) return false;
+  if (!is_word(tokens.word(), "solid") || !tokens.next_line()) return false;
   const auto word = tokens.word();
   return is_word(word, "facet") || is_word(word, "endsolid");
 }

@@ -13,6 +13,7 @@
 
 #include "core/mesh/shapes.h"
 #include "proto/mesh/polygon_soup.h"
+#include "proto/wire/input_codes.h"
 #include "tests/proto/gltf_file/fixture.h"
 
 using namespace geodesic;
@@ -481,4 +482,41 @@ TEST_CASE("damaged OBJ, PLY and STL files end in an error or a mesh that holds t
   }
   CHECK(refused > 1000);
   CHECK(accepted > 1000);
+}
+
+TEST_CASE("a file is known however much it says before it begins") {
+  const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const std::string facet =
+      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
+      "endfacet\nendsolid\n";
+  const std::string ply_rest =
+      "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  const auto many = [](const std::string& line) {
+    std::string lines;
+    while (lines.size() < 3'000'000) lines += line;
+    return lines;
+  };
+  const std::string long_line(3'000'000, 'x');
+  for (const std::string& file :
+       {many("# a comment\n") + obj, many("\n") + obj, many(" \t\r\n") + obj,
+        many("#\r\n \n") + obj, "# " + long_line + "\n" + obj, many(" ") + obj,
+        "# v\\\n" + many("#\n") + obj, many("\n") + "solid a\n" + facet,
+        "solid " + long_line + "\n" + facet, "solid a\n" + many("\r\n") + facet,
+        many(" \n") + "solid\n" + many(" \n") + facet,
+        "ply\nformat ascii 1.0\n" + many("comment that is one\n") + ply_rest,
+        "ply\n" + many("obj_info x\n") + "format ascii 1.0\n" + ply_rest,
+        "ply\nformat ascii 1.0\ncomment " + long_line + "\n" + many("\n") + ply_rest}) {
+    CAPTURE(file.substr(0, 40));
+    const auto mesh = decode(bytes_of(file));
+    REQUIRE(mesh);
+    CHECK(mesh->soup.faces.size() == 1);
+  }
+  // What never begins is nothing.
+  for (const std::string& file : {many("# a comment\n"), many("\n"), many(" ")}) {
+    const auto refused = decode(bytes_of(file));
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().code == InputCode::format_unknown);
+  }
 }
