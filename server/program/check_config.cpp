@@ -1,5 +1,8 @@
 #include "server/program/check_config.h"
 
+#include <filesystem>
+#include <system_error>
+
 #include "server/config/tokens.h"
 #include "server/edge/tls.h"
 #include "server/routes/viewer_files.h"
@@ -38,6 +41,12 @@ std::string check_config(const CommandLine& command, const Environment& environm
   std::string out;
   for (const Error& problem : command.problems) out += problem.detail + "\n";
   for (const std::string& problem : problems_of(command.config, environment)) out += problem + "\n";
+  // Read at the start only, so a reload does not need them.
+  if (const std::string& samples = command.config.samples; !samples.empty()) {
+    std::error_code error;
+    const std::filesystem::directory_iterator files(samples, error);
+    if (error) out += "samples: " + samples + ": " + error.message() + "\n";
+  }
   return out;
 }
 

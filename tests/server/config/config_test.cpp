@@ -235,6 +235,26 @@ TEST_CASE("--check-config reads the files and places that are named, and touches
   CHECK(several.find(hash) == std::string::npos);
 }
 
+TEST_CASE("--check-config tries each place that is to be read") {
+  const std::string none = (std::filesystem::temp_directory_path() / "never_made").string();
+  const ConfigFile file("");
+  const std::string folder = std::filesystem::path(file.path).parent_path().string();
+  const auto said = [](const std::string& option, const std::string& place) {
+    const auto line = read_config({"--check-config", option, place}, in({}));
+    REQUIRE(line);
+    return check_config(*line, in({}));
+  };
+  CHECK(said("--samples", folder).empty());
+  CHECK(said("--samples", "").empty());
+  for (const std::string option : {"--samples", "--viewer"}) {
+    CAPTURE(option);
+    for (const std::string& place : {none, file.path}) {
+      CHECK_FALSE(said(option, place).empty());
+      CHECK(said(option, place).find(option.substr(2)) != std::string::npos);
+    }
+  }
+}
+
 TEST_CASE("--make-token prints a token and the line that lets it in") {
   const auto made = [](const std::vector<std::string>& flags) {
     const auto line = read_config(flags, in({}));
