@@ -54,6 +54,13 @@ auto ComputePool::expected_wait(const std::string& client) const -> Clock::durat
   return usual_time_ * (2 * turns + slots) / (2 * slots);
 }
 
+std::chrono::seconds ComputePool::retry_after(const std::string& client) const {
+  const Lock lock(mutex_);
+  constexpr std::chrono::seconds kMost{60};
+  return std::clamp(std::chrono::ceil<std::chrono::seconds>(expected_wait(client)),
+                    std::chrono::seconds(1), kMost);
+}
+
 Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& caller) {
   if (draining_) return fail(ServiceCode::draining, "the server is about to stop");
   if (caller.deadline_over()) return fail(caller.why_stopped());
@@ -74,9 +81,16 @@ Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& c
     // waiting.
     const bool too_long = bounds_wait_of(caller) && wait + wait / 4 > limits_.wait;
     if (too_late || too_long) {
+      const auto seconds = [](Clock::duration time) {
+        return std::to_string(std::chrono::ceil<std::chrono::seconds>(time).count()) + " s";
+      };
+      const std::string expected = ": about " + seconds(wait) + " to wait";
       return refuse(Error{ServiceCode::overloaded,
-                          too_late ? "the queue is longer than the request's deadline allows"
-                                   : "the queue of computations is too long",
+                          too_late
+                              ? "the queue is longer than the request's deadline allows" + expected
+                              : "the queue of computations is too long" + expected +
+                                    ", and the server lets nobody wait for more than " +
+                                    seconds(limits_.wait) + " (--queue-seconds)",
                           {},
                           {},
                           {}});

@@ -98,6 +98,9 @@ class ComputePool {
 
   [[nodiscard]] std::size_t slots() const { return threads_.size(); }
 
+  // In how many seconds a client that was refused may try again: by what waits, 1 to 60.
+  [[nodiscard]] std::chrono::seconds retry_after(const std::string& client) const;
+
   // For jobs to come; those that wait already keep the wait they were promised.
   void set_limits(const QueueLimits& limits);
   // The limit of all jobs together holds at once, those of one job for jobs to come.

@@ -95,6 +95,12 @@ HttpResponse Routes::answer(HttpRequest& request) {
     response = refusal ? std::move(*refusal) : route(request);
     cross_origin_.allow(request, response);
   }
+  // How long the queue is, the code alone does not know.
+  const bool is_refused = response.status == 429 || response.status == 503;
+  for (auto& [name, value] : response.headers) {
+    if (!is_refused || draining_ || name != "Retry-After" || value != "1") continue;
+    value = std::to_string(pool_.retry_after(request.caller.client).count());
+  }
   finish_reply(request, response);
   add_timing(*request.caller.times, response);
   return response;

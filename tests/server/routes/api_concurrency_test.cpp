@@ -3,6 +3,8 @@
 
 #include <atomic>
 #include <barrier>
+#include <chrono>
+#include <future>
 #include <string>
 #include <thread>
 #include <vector>
@@ -152,4 +154,51 @@ TEST_CASE("DeletingWhileOthersAskIsSafe") {
   CHECK(unexpected == 0);
   CHECK(service.ask("POST", "/v1/meshes", glb).status < 300);
   CHECK(service.get("/v1/meshes/" + id + "/distance?from=v:0").status == 200);
+}
+
+TEST_CASE("WhoIsRefusedHearsHowLongTheQueueIs") {
+  const TemporaryFolder folder;
+  Service service(folder.path(), {}, 1);
+  const std::string id = service.upload(glb_of(shapes::plane(12, 10)));
+  const auto ask = [&](int vertex) {
+    return service.get("/v1/meshes/" + id + "/distance?from=v:" + std::to_string(vertex));
+  };
+  // Jobs that are known to take a tenth of a second, and more; then a line of them.
+  for (int i = 0; i < 8; ++i) {
+    (void)service.pool.run([](Worker&) -> Result<int> {
+      std::this_thread::sleep_for(std::chrono::milliseconds(250));
+      return 1;
+    });
+  }
+  std::promise<void> gate;
+  std::shared_future<void> opened = gate.get_future().share();
+  std::vector<std::future<Result<int>>> line;
+  constexpr std::size_t kWaiting = 40;
+  for (std::size_t i = 0; i < kWaiting + 1; ++i) {
+    line.push_back(std::async(std::launch::async, [&] {
+      return service.pool.run([&](Worker&) -> Result<int> {
+        opened.wait();
+        return 1;
+      });
+    }));
+  }
+  while (service.pool.stats().queued < kWaiting) std::this_thread::yield();
+  const auto waits = [](const HttpResponse& refused) {
+    CHECK(refused.status == 503);
+    CHECK(body_of(refused)["code"] == "overloaded");
+    return std::stoi(header_of(refused, "Retry-After"));
+  };
+  service.pool.set_limits({0, 0, std::chrono::milliseconds(0)});
+  CHECK(waits(ask(1)) >= 3);
+  CHECK(waits(ask(1)) <= 60);
+  service.pool.set_limits({256, 0, std::chrono::milliseconds(1000)});
+  const HttpResponse late = ask(1);
+  const std::string wait = std::to_string(waits(late));
+  const std::string detail = body_of(late)["detail"];
+  CAPTURE(detail);
+  CHECK(detail.find("about " + wait + " s to wait") != std::string::npos);
+  CHECK(detail.find("1 s (--queue-seconds)") != std::string::npos);
+  gate.set_value();
+  for (auto& one : line) CHECK(one.get());
+  CHECK(ask(1).status == 200);
 }
