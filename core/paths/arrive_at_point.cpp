@@ -266,7 +266,8 @@ StepBack PointArrivals::through_windows(const SurfacePoint& place) const {
       windows += field_.windows->into(halfedge(place.face, c)).size();
     (void)poll_->cancelled_after(windows / kWindowsAStep);
   }
-  if (!(way.distance < best.distance)) return best;
+  // Straight there, if that is as near: a way over a line may be as near through anything.
+  if (!(way.distance < best.distance * (1 - tolerance::kSameWay))) return best;
   const FaceRecord& face = adjacency_.face(place.face);
   // By a vertex at the end of the side if that costs nothing. It does where the way leads round
   // something narrower than tolerance::kAtEnd, such as the ring at a pole.

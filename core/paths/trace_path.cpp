@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
@@ -25,6 +26,9 @@ constexpr double kAstray = 1.05;
 // A step costs from a tenth of a microsecond to some; a question, as much.
 constexpr std::uint32_t kStepsBetweenQuestions = 256;
 
+// Of a path that may enter faces again, besides four times those of one that may not.
+constexpr std::uint64_t kMostStepsAgain = 64;
+
 // One straight piece of the path, going back: from `start` to `end` within a face.
 struct Leg {
   std::uint32_t face;
@@ -42,17 +46,23 @@ struct Leg {
 // many steps has no distances that lead to one.
 class Tracer {
  public:
-  Tracer(const Adjacency& adjacency, const Field& field, const Cancel& cancel)
+  // `most_steps`, if not 0: so many, and then it may enter faces again. Over faces that are lines a
+  // shortest path does.
+  Tracer(const Adjacency& adjacency, const Field& field, const Cancel& cancel,
+         std::uint64_t most_steps = 0)
       : adjacency_(adjacency),
         field_(field),
         cancel_(cancel),
         poll_(cancel, kStepsBetweenQuestions),
+        enters_again_(most_steps > 0),
+        most_steps_(most_steps),
         arrivals_(adjacency, field, &poll_),
         entered_(adjacency.faces().size(), false),
         come_to_(adjacency.mesh().vertex_count(), false) {}
 
   Result<std::optional<Path>> trace(const SurfacePoint& target) {
     StepBack step = first_step(target);
+    same_way_ = tolerance::kSameWay * step.distance;
     if (step.to == StepBack::To::nowhere && !target.at_vertex() && !poll_.stopped()) {
       return std::nullopt;
     }
@@ -70,6 +80,7 @@ class Tracer {
   void walk(const StepBack& step) {
     if (step.face == kNone) return;
     entered_[step.face] = true;
+    if (enters_again_) ++times_entered_[step.face];
     const bool to_vertex = step.to == StepBack::To::vertex;
     legs_.push_back({step.face, step.start, step.bary, to_vertex ? step.vertex : kNone});
   }
@@ -83,6 +94,7 @@ class Tracer {
 
   // Several times what the reasons above allow.
   [[nodiscard]] std::uint64_t most_steps() const {
+    if (enters_again_) return most_steps_;
     const std::uint64_t points = field_.edge_points ? field_.edge_points->distance.size() : 0;
     return 8 * (entered_.size() + come_to_.size() + points + 1);
   }
@@ -102,6 +114,7 @@ class Tracer {
   }
 
   StepBack from_vertex(std::uint32_t vertex) {
+    if (enters_again_) return through_others(point_at_vertex(adjacency_, vertex));
     lowest_ = std::min(lowest_, field_.distance[vertex]);
     if (!come_to_[vertex]) {
       come_to_[vertex] = true;
@@ -178,9 +191,27 @@ class Tracer {
       if (poll_.cancelled()) return {};
       if (!may_enter(place.face)) continue;
       const StepBack step = arrivals_.through_face(place);
-      if (arrivals_.is_better(step, best)) best = step;
+      if (enters_again_ ? is_newer(step, best) : arrivals_.is_better(step, best)) best = step;
     }
     return best;
+  }
+
+  // Shorter, or as short through a face that was entered less often: so it does not go round in
+  // circles where steps have no length.
+  [[nodiscard]] bool is_newer(const StepBack& step, const StepBack& than) const {
+    if (than.to == StepBack::To::nowhere || step.to == StepBack::To::nowhere) {
+      return step.to != StepBack::To::nowhere;
+    }
+    if (step.distance < than.distance - same_way_) return true;
+    if (step.distance > than.distance + same_way_) return false;
+    if (step.to == StepBack::To::source || than.to == StepBack::To::source) {
+      return step.to == StepBack::To::source && than.to != StepBack::To::source;
+    }
+    return times_entered(step.face) < times_entered(than.face);
+  }
+  [[nodiscard]] std::uint32_t times_entered(std::uint32_t face) const {
+    const auto found = times_entered_.find(face);
+    return found == times_entered_.end() ? 0 : found->second;
   }
 
   // Step 3: on across the edge, through whichever face beyond it gives the point
@@ -204,6 +235,7 @@ class Tracer {
 
   // In the graph of `steiner` every step leads to a lesser distance as it is.
   [[nodiscard]] bool may_enter(std::uint32_t face) const {
+    if (enters_again_) return true;
     return field_.method == Method::steiner || !entered_[face];
   }
 
@@ -279,6 +311,10 @@ class Tracer {
   const Field& field_;
   const Cancel& cancel_;
   Poll poll_;
+  bool enters_again_;
+  std::unordered_map<std::uint32_t, std::uint32_t> times_entered_;  // … and how often which
+  std::uint64_t most_steps_;
+  double same_way_ = 0;  // of the whole distance
   PointArrivals arrivals_;
   std::uint32_t target_ = kNone;  // when it is a vertex
   std::vector<Leg> legs_;
@@ -294,7 +330,18 @@ class Tracer {
 Result<std::optional<Path>> trace_path(const Adjacency& adjacency, const Field& field,
                                        const SurfacePoint& target, const Cancel& cancel) {
   if (target.at_vertex() && field.distance[target.vertex] == kUnreached) return std::nullopt;
-  return Tracer(adjacency, field, cancel).trace(target);
+  auto path = Tracer(adjacency, field, cancel).trace(target);
+  if (!path || !*path || !field.windows) return path;
+  Poll poll(cancel);
+  const double stated = PointArrivals(adjacency, field, &poll).distance_at(target);
+  if (poll.stopped()) return fail_stopped(poll);
+  const double length = field.sources[(*path)->source].offset + (*path)->length;
+  if (length <= stated * (1 + tolerance::kSamePath)) return path;
+  const std::uint64_t most_steps = kMostStepsAgain + 4 * (*path)->points.size();
+  auto again = Tracer(adjacency, field, cancel, most_steps).trace(target);
+  if (!again) return again;
+  if (*again && field.sources[(*again)->source].offset + (*again)->length < length) return again;
+  return path;
 }
 
 }  // namespace geodesic
