@@ -75,6 +75,9 @@ inline constexpr double kDoubleDouble = 0x1p-98;
 // Of the two products that a squared length is the sum of: less is what rounding leaves when they
 // are nearly opposite. Half of the digits.
 inline constexpr double kHalfOfDigits = 1e-9;
+// Of the longest side, squared: from the squares of sides a shorter line within a face has fewer
+// than twelve digits.
+inline constexpr double kNearInFace2 = 1e-4;
 // Of the longest side: what a length computed from two such products may be off.
 inline constexpr double kSide = 8 * std::numeric_limits<double>::epsilon();
 // Of the longest side, squared: beside a shorter side, rounding says where the other one is.

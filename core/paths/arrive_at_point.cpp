@@ -62,6 +62,21 @@ double squared_distance(const Sides2& side2, const Weights& a, const Weights& b)
   return std::max(sum, 0.0);
 }
 
+// The straight line in space between two points of a face. Where they are so near to each other
+// that the sides' squares have lost it, by their positions.
+double straight_distance(const Adjacency& adjacency, std::uint32_t f, const Sides2& side2,
+                         const Weights& a, const Weights& b) {
+  const double square = squared_distance(side2, a, b);
+  const double longest2 = std::max(std::max(side2[0], side2[1]), side2[2]);
+  if (square > tolerance::kNearInFace2 * longest2) [[likely]]
+    return std::sqrt(square);
+  const auto positions = adjacency.mesh().positions();
+  const FaceRecord& face = adjacency.face(f);
+  const Vec3 corner = positions[face.vertex[0]];
+  return norm((a[1] - b[1]) * (positions[face.vertex[1]] - corner) +
+              (a[2] - b[2]) * (positions[face.vertex[2]] - corner));
+}
+
 // The point as an apex over the side that starts at corner c.
 UnfoldedApex apex_at(const FaceRecord& face, const Sides2& side2, std::uint32_t c,
                      const Weights& bary) {
@@ -177,7 +192,7 @@ StepBack PointArrivals::from_sources_in_face(const SurfacePoint& place) const {
   const Sides2 side2 = sides_of(adjacency_, place.face);
   for (auto it = first; it != source_places_.end() && it->face == place.face; ++it) {
     const double d = field_.sources[it->source].offset +
-                     std::sqrt(squared_distance(side2, place.bary, it->bary));
+                     straight_distance(adjacency_, place.face, side2, place.bary, it->bary);
     if (d < best.distance) {
       best.to = StepBack::To::source;
       best.distance = d;
@@ -218,7 +233,8 @@ StepBack PointArrivals::straight_in_face(const SurfacePoint& place, double limit
   for (std::uint32_t c = 0; c < 3; ++c) {
     const double d = field_.distance[face.vertex[c]];
     if (!(d < limit)) continue;
-    const double along = d + std::sqrt(squared_distance(side2, place.bary, weights_at_corner(c)));
+    const double along =
+        d + straight_distance(adjacency_, place.face, side2, place.bary, weights_at_corner(c));
     if (along < best.distance) best = to_vertex(face, place.face, c, place.bary, along);
   }
   return best;
@@ -293,7 +309,8 @@ StepBack PointArrivals::through_face(const SurfacePoint& place) const {
   for (std::uint32_t c = 0; c < 3; ++c) {
     const double d = field_.distance[face.vertex[c]];
     if (d == kUnreached) continue;
-    const double along = d + std::sqrt(squared_distance(side2, place.bary, weights_at_corner(c)));
+    const double along =
+        d + straight_distance(adjacency_, place.face, side2, place.bary, weights_at_corner(c));
     if (along < best.distance && d < limit) {
       best = to_vertex(face, place.face, c, place.bary, along);
     }

@@ -10,8 +10,10 @@
 #include "core/exact/field.h"
 #include "core/field/window_table.h"
 #include "core/mesh/shapes.h"
+#include "core/paths/arrive_at_point.h"
 #include "tests/fixtures/crumpled_surfaces.h"
 #include "tests/fixtures/surface.h"
+#include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;
 using fixtures::crumpled;
@@ -266,4 +268,37 @@ TEST_CASE("WithoutASourceNothingIsReached") {
   const Field field = surface.field_by(Method::exact, {});
   CHECK(field.reached == 0);
   CHECK(field.windows->size() == 0);
+}
+
+// Of two points of one face that are next to each other, the squares of its sides tell the distance
+// as coarsely as half of their digits.
+TEST_CASE("WithinOneFaceADistanceIsTheStraightLineHoweverShort") {
+  const auto check = [](const Surface& surface, const SurfacePoint& from, const SurfacePoint& to) {
+    const double straight =
+        distance(position_of(surface.mesh(), from), position_of(surface.mesh(), to));
+    for (const Method method : {Method::exact, Method::chen_han}) {
+      CAPTURE(static_cast<int>(method));
+      const Field field = surface.field_by(method, {{from, 0}});
+      const double found = PointArrivals(surface.adjacency(), field).distance_at(to);
+      CHECK(std::abs(found - straight) <= 1e-6 * straight + 4e-15);
+    }
+  };
+  const Surface sliver({{{-1.1483151980354904e-10, -5.431292829022035e-10, 2.709894660315713e-10},
+                         {0.9999999999506259, 2.2389691545981642e-10, 1.8529649003740324e-11},
+                         {3.0000000004698784, -1.4717961598858471e-10, -3.416995399748161e-10}},
+                        {{2, 1, 0}}});
+  check(sliver, sliver.at(1), sliver.on(0, {0.25, 0.25, 0.5}));
+  std::mt19937 random(fixtures::test_seed());
+  for (int round = 0; round < 100; ++round) {
+    CAPTURE(round);
+    const double off = std::pow(10, -1 - 11 * fixtures::fraction(random));
+    TriangleSoup soup{{{0, 0, 0}, {1, 0, 0}, {3, 0, 0}}, {{2, 1, 0}}};
+    for (Vec3& p : soup.positions) {
+      p = p + off * Vec3{fixtures::fraction(random), fixtures::fraction(random),
+                         fixtures::fraction(random)};
+    }
+    const Surface surface(soup);
+    const double x = 0.25 + off * fixtures::fraction(random);
+    check(surface, surface.at(1), surface.on(0, {x, 0.25, 0.75 - x}));
+  }
 }
