@@ -69,7 +69,7 @@ def chunked(body, *headers):
 
 GOOD = [
     head(),
-    head("GET /v1/methods?a=b&c=%20 HTTP/1.1", "Accept: */*", "X-Thing:\tvalue \t"),
+    head("GET /livez?a=b&c=%20 HTTP/1.1", "Accept: */*", "X-Thing:\tvalue \t"),
     head("HEAD /v1/methods HTTP/1.1", "Connection: close"),
     head("GET /v1/methods HTTP/1.0", host=None),
     head("GET http://example.org/v1/methods HTTP/1.1", host="Host: example.org"),
