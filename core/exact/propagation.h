@@ -200,8 +200,6 @@ class Propagation {
 
   [[nodiscard]] std::uint32_t add_pseudo_source(const PseudoSource& pseudo_source);
 
-  // exact/propagation.cpp: windows over faces.
-  void set_out(std::uint32_t e);
   // Counts so many windows as gone through. True once the computation should stop.
   [[nodiscard]] bool cancelled_after(std::size_t windows) {
     return poll_.cancelled_after(1 + windows / kWindowsAStep);
@@ -211,15 +209,22 @@ class Propagation {
   [[nodiscard]] bool may_hold(const std::vector<T>& list, std::size_t count) {
     return count <= list.capacity() || poll_.may_take(count * sizeof(T));
   }
+
+  // exact/propagation.cpp: windows set out from their edges.
+  void set_out(std::uint32_t e);
   [[nodiscard]] std::span<Window> take_waiting(std::span<Window> windows);
   void load_entering(std::span<const Window> windows, Halfedge h);
   void keep_sources_on_line(std::size_t first, double length);
+
+  // exact/cross_faces.cpp: they cross the faces beyond.
   void cross_faces();
   void unfold(ListOverFace& list) const;
   void find_nearest(ListOverFace& list);
   void reach_apex(const ListOverFace& list);
   void cross_to_sides(const ListOverFace& list);
   void cross_to_side(const ListOverFace& list, bool on_right, std::size_t first, std::size_t last);
+
+  // exact/join_windows.cpp: they join the windows on the edges that they come to.
   void arrive(const ListOverSide& list);
   [[nodiscard]] bool add_plain(const ListOverSide& list, PropagatedOrder& order, FreshList& fresh);
   [[nodiscard]] Trimming trim_last(Window* first, Window*& last, double length);
@@ -227,7 +232,7 @@ class Propagation {
   [[nodiscard]] Side side(Halfedge h, bool from_tail) const;
   [[nodiscard]] bool is_of_use(Window& window, const Side& side) const;
 
-  // exact/arrivals.cpp: windows and ways where they arrive.
+  // exact/arrivals.cpp: what becomes of edges and vertices by that.
   void commit(std::uint32_t e, std::span<Window> fresh, double least);
   [[nodiscard]] std::span<Window> without_narrow(std::span<Window> fresh, double length) const;
   void merge_in(std::span<const Window> old, std::span<const Window> fresh, double length);
