@@ -14,7 +14,7 @@ constexpr std::uint32_t kMostCrossed = (1U << 30U) - 1;
 }  // namespace
 
 // What a source sees of a side of a face: an interval, and the source below the side by `depth`.
-struct Front::Light {
+struct Front::IntervalOfSource {
   double begin;
   double end;
   double x;
@@ -198,7 +198,7 @@ void Front::spread(Window window) {
 // a side of the face; `depth` is that of the window's source below the side, with the
 // face above it or (negative) below.
 template <class Visit>
-void Front::for_each_piece(Halfedge side, const Light& from, Visit visit) {
+void Front::for_each_piece(Halfedge side, const IntervalOfSource& from, Visit visit) {
   const std::uint32_t f = face_of(side);
   const std::uint32_t c = corner_of(side);
   if (scratch_.source_in_face.empty() || scratch_.source_in_face[f] == 0) {

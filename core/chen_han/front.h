@@ -42,7 +42,7 @@ class Front {
 
  private:
   struct Exit;
-  struct Light;
+  struct IntervalOfSource;
 
   void mark_duplicate_faces();
   void link_participating_faces();
@@ -65,7 +65,7 @@ class Front {
   }
   void propagate_piece(const Window& window, const UnfoldedFace& face);
   template <class Visit>
-  void for_each_piece(Halfedge side, const Light& from, Visit visit);
+  void for_each_piece(Halfedge side, const IntervalOfSource& from, Visit visit);
   void leave_root(Halfedge side, const UnfoldedFace& face, double x, double y, const Window& from);
   [[nodiscard]] bool enter_edge(const Exit& exit, Window& window);
   void pass(const Exit& exit, const SideInterval& at, const Window& from);

@@ -14,12 +14,13 @@
 
 namespace geodesic {
 
-// A vertex's cluster is all vertices that edges as short as that join it to. The steps lead along
-// such edges to one vertex of the cluster and then out: to a source, to a point on an edge, or to
-// a vertex outside that has not been `passed`. They take the shortest way out. If a way through a
-// face that has not been `entered` is as short, up to rounding, they take that one. There are no
-// steps if no way leads out. Looks once at each face round each vertex of the cluster. The result
-// is meaningless if the poll says to stop.
+// A vertex's cluster is all vertices that edges join it to which are so short that its distance
+// loses them in rounding (tolerance::kPoint). The steps lead along such edges to one vertex of the
+// cluster and then out: to a source, to a point on an edge, or to a vertex outside that has not
+// been `passed`. They take the shortest way out. If a way through a face that has not been
+// `entered` is as short, up to rounding, they take that one. There are no steps if no way leads
+// out. Looks once at each face round each vertex of the cluster. The result is meaningless if the
+// poll says to stop.
 [[nodiscard]] std::vector<StepBack> leave_cluster(
     const Adjacency& adjacency, const Field& field, const PointArrivals& arrivals,
     std::uint32_t vertex, const std::function<bool(std::uint32_t face)>& entered,

@@ -220,16 +220,16 @@ class SteinerFront {
   void start(const Source& source, std::uint32_t number) {
     if (source.point.at_vertex()) lower(source.point.vertex, source.offset, number);
     const Vec3 at = position_of(adjacency_.mesh(), source.point);
-    const auto light = [&](std::uint32_t node, Vec3 to) {
+    const auto come_to = [&](std::uint32_t node, Vec3 to) {
       lower(node, source.offset + distance(at, to), number);
     };
-    nodes_around(graph_, in_all_faces(adjacency_, source.point), light, poll_);
+    nodes_around(graph_, in_all_faces(adjacency_, source.point), come_to, poll_);
   }
 
   void spread_from(std::uint32_t node, double d) {
     const Vec3 at = graph_.position(node);
     const std::uint32_t source = field_.nearest_source.empty() ? 0 : source_at(node);
-    const auto light = [&](std::uint32_t to, Vec3 there) {
+    const auto come_to = [&](std::uint32_t to, Vec3 there) {
       if (heap_.accepted(to)) return;
       double sum = d + distance(at, there);
       // However short the step beside the distance: the way back is found by
@@ -237,7 +237,7 @@ class SteinerFront {
       if (!(sum > d)) sum = std::nextafter(d, std::numeric_limits<double>::infinity());
       lower(to, sum, source);
     };
-    graph_.neighbours(node, light, poll_);
+    graph_.neighbours(node, come_to, poll_);
   }
 
   // What is still considered is not final.

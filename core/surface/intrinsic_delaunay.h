@@ -17,7 +17,8 @@
 // faces of an edge share. So whatever rounding does, the faces fit together, and what a flip loses
 // is lost once: it does not grow with the flips after it. Faces that did not quite fit together
 // would be pulled further apart by each flip over a short edge, by its longest side over its
-// shortest: on flat fans of 200 slivers, flips of products in double precision ended 10 % off.
+// shortest: by flips of products in double precision, distances were 1 % off on a flat fan of 200
+// slivers, and 30 % on one of 900.
 // FaceRecord::error is the larger loss of the two faces before, and that of the flip; it is an
 // estimate, far below rounding to double wherever faces are higher than 1e-14 of their length.
 #pragma once

@@ -32,6 +32,26 @@ double seconds_of_work() {
 constexpr double kLongestWithoutAQuestion = 0.5;
 constexpr double kMostWork = 5;
 
+// How long a computation works at most between two questions. Ends it after so much in all.
+class WorkBetweenQuestions {
+ public:
+  explicit WorkBetweenQuestions(double most) : most_(most) {}
+
+  [[nodiscard]] bool ask() {
+    const double now = seconds_of_work();
+    longest_ = std::max(longest_, now - last_);
+    last_ = now;
+    return now - start_ > most_;
+  }
+  [[nodiscard]] double longest() const { return longest_; }
+
+ private:
+  double most_;
+  double start_ = seconds_of_work();
+  double last_ = start_;
+  double longest_ = 0;
+};
+
 void check_that_it_ends(const Surface& surface, const Source& source) {
   for (const Method method : {Method::exact, Method::chen_han, Method::steiner}) {
     for (const bool keep_details : {false, true}) {
@@ -39,22 +59,14 @@ void check_that_it_ends(const Surface& surface, const Source& source) {
       CAPTURE(keep_details);
       FieldLimits limits;
       limits.keep_details = keep_details;
-      const double start = seconds_of_work();
-      double last = start;
-      double longest = 0;
-      const auto ask = [&] {
-        const double now = seconds_of_work();
-        longest = std::max(longest, now - last);
-        last = now;
-        return now - start > kMostWork;
-      };
+      WorkBetweenQuestions work(kMostWork);
       SolveScratch scratch;
-      const Cancel cancel(ask);
+      const Cancel cancel([&] { return work.ask(); });
       const auto field =
           solve_field(method, {}, surface.adjacency(), {&source, 1}, limits, scratch, cancel);
-      (void)ask();
+      (void)work.ask();
       CHECK(field.has_value());
-      CHECK(longest < kLongestWithoutAQuestion);
+      CHECK(work.longest() < kLongestWithoutAQuestion);
     }
   }
 }
@@ -110,7 +122,7 @@ TEST_CASE("AVertexOfAHundredThousandFacesIsPassedWithQuestions") {
   check_that_it_ends(surface, {surface.on(kFaces / 2, {0.25, 0.25, 0.5}), 0});
 }
 
-// Two sheets meet on each of many lines, so that light comes to the last one in 2^14 ways, all of
+// Two sheets meet on each of many lines, so that windows come to the last one in 2^14 ways, all of
 // which unfold to the same. From far away rounding sets them apart by more than a part of an edge.
 TEST_CASE("TheSameLightFromAMillionEdgesAwayIsOneWindow") {
   constexpr std::uint32_t kLines = 14;
@@ -184,24 +196,16 @@ TEST_CASE("WindowsByTheMillionOnThinHeapsAskWhetherToStop") {
       for (const bool keep_details : {false, true}) {
         CAPTURE(static_cast<int>(method));
         CAPTURE(keep_details);
-        const double start = seconds_of_work();
-        double last = start;
-        double longest = 0;
-        const auto ask = [&] {
-          const double now = seconds_of_work();
-          longest = std::max(longest, now - last);
-          last = now;
-          return now - start > 0.7;
-        };
+        WorkBetweenQuestions work(0.7);
         FieldLimits limits;
         limits.keep_details = keep_details;
         SolveScratch scratch;
-        const Cancel cancel(ask);
+        const Cancel cancel([&] { return work.ask(); });
         // Whether it has come to an end by then does not matter.
         (void)solve_field(method, options, surface.adjacency(), {&source, 1}, limits, scratch,
                           cancel);
-        (void)ask();
-        CHECK(longest < kLongestWithoutAQuestion);
+        (void)work.ask();
+        CHECK(work.longest() < kLongestWithoutAQuestion);
       }
     }
   }
