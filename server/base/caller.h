@@ -45,6 +45,8 @@ struct Caller {
   // computes in several steps need not take care that it never falls.
   std::function<void(double)> progress;
   bool is_patient = false;  // waits for its turn however long that takes
+  // What it asks for ends a request that has had its turn: it does not wait for another one.
+  bool is_finishing = false;
 
   [[nodiscard]] bool deadline_over() const { return deadline && Clock::now() >= *deadline; }
   // What it stopped by, once it has: its deadline, or its client's leaving.
@@ -64,6 +66,12 @@ struct Caller {
       };
     }
     return part;
+  }
+  // The same caller for the rest of a request, once what takes long is done.
+  [[nodiscard]] Caller finishing() const {
+    Caller rest = *this;
+    rest.is_finishing = true;
+    return rest;
   }
   // Whether work for this caller should stop. Costs a system call.
   [[nodiscard]] bool operator()() const { return deadline_over() || (gone && gone()); }

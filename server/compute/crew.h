@@ -46,7 +46,8 @@ struct ComputePool::Job {
   Clock::time_point queued = Clock::now();
   Clock::duration waited{0};
   std::condition_variable finished_signal;
-  bool is_patient = false;  // its caller's
+  bool is_patient = false;    // its caller's
+  bool is_finishing = false;  // its caller's
   bool finished = false;
   Result<void> outcome;
 };

@@ -1,6 +1,7 @@
 // A queue in which clients take turns: each has a line of its own, first in first
 // out, and `pop` serves the lines round robin. So one client's thousand items
-// delay another's first by one turn, and not by a thousand. Not thread-safe.
+// delay another's first by one turn, and not by a thousand. Items that are pushed ahead
+// wait for no turn. Not thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -19,8 +20,9 @@ class FairQueue {
  public:
   [[nodiscard]] bool empty() const { return size_ == 0; }
   [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] std::size_t waiting_for_turn() const { return size_ - ahead_.size(); }
   [[nodiscard]] std::size_t clients() const { return lines_.size(); }
-  // Items of one client.
+  // Items of one client that wait for a turn.
   [[nodiscard]] std::size_t size_of(const std::string& client) const {
     const auto found = of_client_.find(client);
     return found == of_client_.end() ? 0 : found->second->items.size();
@@ -28,7 +30,7 @@ class FairQueue {
   // How many `pop`s come before that of an item pushed now.
   [[nodiscard]] std::size_t turns_before(const std::string& client) const {
     const std::size_t mine = size_of(client);
-    std::size_t turns = 0;
+    std::size_t turns = ahead_.size();
     for (const Line& line : lines_) turns += std::min(line.items.size(), mine + 1);
     return turns;
   }
@@ -43,8 +45,21 @@ class FairQueue {
     ++size_;
   }
 
-  // The oldest item of the client whose turn it is. Requires that there is one.
+  // Puts an item before all that wait for a turn, and behind those that went ahead earlier.
+  void push_ahead(T item) {
+    ahead_.push_back(std::move(item));
+    ++size_;
+  }
+
+  // The oldest item that was pushed ahead, or else that of the client whose turn it is. Requires
+  // that there is one.
   [[nodiscard]] T pop() {
+    if (!ahead_.empty()) {
+      T item = std::move(ahead_.front());
+      ahead_.pop_front();
+      --size_;
+      return item;
+    }
     const auto line = lines_.begin();
     T item = std::move(line->items.front());
     line->items.pop_front();
@@ -78,6 +93,11 @@ class FairQueue {
 
   // Takes one item out, wherever it is; false if it is not there.
   bool erase(const std::string& client, const T& item) {
+    if (const auto at = std::find(ahead_.begin(), ahead_.end(), item); at != ahead_.end()) {
+      ahead_.erase(at);
+      --size_;
+      return true;
+    }
     const auto found = of_client_.find(client);
     if (found == of_client_.end()) return false;
     auto& items = found->second->items;
@@ -107,6 +127,7 @@ class FairQueue {
     lines_.erase(line);
   }
 
+  std::deque<T> ahead_;
   Lines lines_;  // none is empty; the first is the one whose turn it is
   std::unordered_map<std::string, typename Lines::iterator> of_client_;
   std::size_t size_ = 0;

@@ -64,6 +64,13 @@ std::chrono::seconds ComputePool::retry_after(const std::string& client) const {
 Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& caller) {
   if (draining_) return fail(ServiceCode::draining, "the server is about to stop");
   if (caller.deadline_over()) return fail(caller.why_stopped());
+  job->is_finishing = caller.is_finishing;
+  if (job->is_finishing) {
+    queue_.push_ahead(job);
+    note_queue();
+    job_ready_.notify_one();
+    return {};
+  }
   const std::size_t own = queue_.size_of(caller.client);
   if (!caller.is_patient && limits_.jobs_of_client != 0 && own >= limits_.jobs_of_client) {
     return refuse(Error{ServiceCode::too_many_requests,
@@ -99,7 +106,7 @@ Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& c
   // Jobs that a free worker is about to take do not count as waiting, nor do the few that can
   // wait: they take no place from others, and others none from them.
   const auto may_go = [](const std::shared_ptr<Job>& waiting) { return !waiting->is_patient; };
-  const std::size_t impatient = queue_.size() - patient_;
+  const std::size_t impatient = queue_.waiting_for_turn() - patient_;
   if (!caller.is_patient && impatient >= limits_.jobs + (counts_.slots - busy())) {
     if (queue_.longest(may_go) > own + 1) {
       const std::shared_ptr<Job> displaced = queue_.take_from_longest(may_go);
@@ -246,7 +253,8 @@ void ComputePool::run_job(const std::shared_ptr<Job>& job, Worker& worker, Lock&
     Result<void> outcome = run_counted(worker, [&] { job->body(worker); });
     const Clock::duration taken = Clock::now() - begin;
     lock.lock();
-    usual_time_ += (taken - usual_time_) / 16;
+    // What finishes a request takes no turn: its time is part of the turn that the request had.
+    usual_time_ += (job->is_finishing ? taken : taken - usual_time_) / 16;
     ++counts_.finished;
     job->outcome = std::move(outcome);
   }

@@ -11,6 +11,8 @@
 //    lately, is `overloaded` too;
 //  - a queued job whose deadline passes ends with `deadline`, and one whose client
 //    is gone with `cancelled`.
+// A job that finishes a request, whose long work is done, is next: it is not refused for the
+// queue's length, for then that work would be lost.
 // A running job is never interrupted: it polls its caller through its own `Cancel`. One that
 // still runs a second after its caller has stopped holds a slot for nobody: that is a fault of
 // ours, and is said in the log and counted.
@@ -79,8 +81,8 @@ class ComputePool {
     std::size_t jobs_of_client = 0;  // … of one client: `too_many_requests`. 0: no bound
     // Longest wait; a job that waited, or would wait, longer is `overloaded`. 0: no bound.
     std::chrono::milliseconds wait{0};
-    // None of these holds for callers that are patient, who are few. Their jobs are not sent
-    // away either.
+    // None of these holds for callers that are patient, who are few, nor for those that
+    // finish a request. Their jobs are not sent away either.
   };
 
   // `slots` 0: as many as the machine has cores.
@@ -224,7 +226,7 @@ class ComputePool {
   [[nodiscard]] Clock::duration expected_wait(const std::string& client) const;
   Result<void> refuse(Error error);
   [[nodiscard]] bool bounds_wait_of(const Caller& caller) const {
-    return limits_.wait.count() != 0 && !caller.is_patient;
+    return limits_.wait.count() != 0 && !caller.is_patient && !caller.is_finishing;
   }
   // Waits, in no slot, until others have given back enough for a job that has wanted so much,
   // or nothing else runs. Errors: those of waiting in the queue. (compute/watch.cpp)
@@ -271,7 +273,7 @@ class ComputePool {
   std::size_t forgetting_ = 0;  // slots that call it now
   std::vector<bool> keeps_;     // by slot: whether its last job left something to it
   QueueLimits limits_;
-  Clock::duration usual_time_{0};  // of a job: a moving average
+  Clock::duration usual_time_{0};  // of a turn: a moving average
   std::function<void(StageTimes::Duration)> waited_;
   bool draining_ = false;
   Stats counts_;

@@ -176,7 +176,7 @@ Result<PointDistances> Fields::at_points(const FieldQuestion& question,
             return read_field(*question.adjacency, *field->value, question.max, points, labels,
                               cancel);
           },
-          caller);
+          field->hit ? caller : caller.finishing());
       if (read) read->hit = field->hit;
       return read;
     }

@@ -65,6 +65,7 @@ class LegFinder {
     const auto field = fields_.whole(question, Details::kept, part_of_leg(0, kFieldOfLeg));
     if (!field) return fail(field.error());
     hit_ = hit_.value_or(true) && field->hit;
+    const Caller tracer = part_of_leg(kFieldOfLeg, 1);
     return fields_.compute(
         [&](SolveScratch&, const Cancel& cancel) -> Result<MaybePath> {
           const Timed tracing(caller_, Stage::trace);
@@ -75,7 +76,7 @@ class LegFinder {
           if (!refined) return fail(std::move(refined.error()));
           return MaybePath(std::move(*refined));
         },
-        part_of_leg(kFieldOfLeg, 1));
+        field->hit ? tracer : tracer.finishing());
   }
 
   // By the method's own refinement of a path, which keeps no field.

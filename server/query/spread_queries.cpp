@@ -73,12 +73,13 @@ Result<Answered<proto::IsolinesReply>> FieldQueries::answer(const std::string& m
   auto levels = levels_within(request.levels, reply.max.value_or(0));
   if (!levels) return fail(std::move(levels.error()));
   reply.levels = std::move(*levels);
+  const Caller tracer = caller.part(kFieldOfIsolines, 1);
   auto lines = fields_.compute(
       [&](SolveScratch&, const Cancel& cancel) {
         return isolines(*place->adjacency(), *field->value, reply.levels,
                         proto::kMaxIsolineSegments, cancel);
       },
-      caller.part(kFieldOfIsolines, 1));
+      field->hit ? tracer : tracer.finishing());
   if (!lines) {
     if (lines.error().code == ErrorCode::too_large) {
       lines.error().parameter = parameter_of(request.levels);

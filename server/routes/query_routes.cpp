@@ -146,8 +146,10 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
     }
     return made;
   };
-  auto response = is_large(size) || is_drawing(format->format) ? queries_.in_slot(make, *caller)
-                                                               : make(Cancel(std::cref(*caller)));
+  const bool was_computed = !answer->cache_hit.value_or(false);
+  auto response = is_large(size) || is_drawing(format->format)
+                      ? queries_.in_slot(make, was_computed ? caller->finishing() : *caller)
+                      : make(Cancel(std::cref(*caller)));
   if (!response) {
     // Outside of a slot nobody else says what ended it.
     const bool is_late = response.error().code == ErrorCode::cancelled && caller->deadline_over();

@@ -5,7 +5,7 @@
 
 Measures one query at a time (unloaded), then the capacity, then sends X times the
 capacity, evenly paced whatever comes back, and says how long the accepted and the
-refused took, whether probes were answered throughout, and how soon a query takes
+refused took, whether fields were computed for nobody, whether probes were answered throughout, and how soon a query takes
 as long as before once the load has ended. The queries differ, so that no cache
 answers them. OPTIONs go to the server. Exit status 1 if a bound is missed by more
 than the slack.
@@ -150,7 +150,9 @@ async def measure(service, arguments, checks):
     most = await capacity(service.port, queries, min(5, arguments.seconds))
     rate = arguments.times * most
     print(f"capacity {most:.0f}/s; now {rate:.0f}/s for {arguments.seconds} s", flush=True)
+    before = service.solves()
     crowd, (probes, dead) = await overload(service, rate, queries, arguments.seconds)
+    in_vain = service.solves() - before - len(crowd.accepted)
     threads, memory = service.stat("Threads"), service.stat("VmRSS") // 1024
     crowd.hang_up()
     back = await recovery(service.port, queries, 2 * quantile(unloaded, 0.99))
@@ -164,6 +166,10 @@ async def measure(service, arguments, checks):
     bound = 2 * quantile(unloaded, 0.99) + min(arguments.queue / most, arguments.queue_seconds)
     checks.at_most("accepted, p99", 1000 * quantile(crowd.accepted, 0.99), 1000 * bound)
     checks.at_most("refused, p99", 1000 * quantile(crowd.refused, 0.99), 50)
+    # What the slots are busy with is neither.
+    busy = 100 * service.slots() / max(1, len(crowd.accepted))
+    lost = 100 * in_vain / max(1, len(crowd.accepted))
+    checks.at_most("fields computed for nobody", lost, 5 + 2 * busy, "%")
     checks.at_most("neither answered nor refused", sum(crowd.other.values()), 0, "")
     checks.at_most("probes not answered", dead, 0, "")
     checks.at_most("recovery", 1000 * back, 2000)

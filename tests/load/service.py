@@ -5,6 +5,7 @@ import contextlib
 import json
 import os
 import pathlib
+import re
 import resource
 import shutil
 import signal
@@ -92,6 +93,21 @@ class Service:
         """The body of a reply."""
         with urllib.request.urlopen(self.url(target)) as reply:
             return reply.read()
+
+    def metric(self, name):
+        """The sum of a metric over its labels."""
+        url = f"http://127.0.0.1:{self.admin_port}/metrics"
+        with urllib.request.urlopen(url) as reply:
+            lines = reply.read().decode().splitlines()
+        return sum(float(line.split()[-1]) for line in lines if re.match(name + r"[ {]", line))
+
+    def solves(self):
+        """How many fields it has computed."""
+        return int(self.metric("geodesicd_solve_duration_seconds_count"))
+
+    def slots(self):
+        """How many it computes at once."""
+        return int(self.metric("geodesicd_compute_slots"))
 
     def stat(self, name):
         """A number of /proc, such as Threads or VmRSS (in kB)."""

@@ -56,6 +56,7 @@ TEST_CASE("the longest line gives its newest item") {
 TEST_CASE("the fair queue agrees with a map of lines") {
   FairQueue<int> queue;
   std::map<std::string, std::deque<int>> lines;
+  std::deque<int> ahead;
   std::uint32_t state = 5;
   const auto random = [&](std::uint32_t n) {
     return ((state = state * 1664525u + 1013904223u) >> 8) % n;
@@ -63,7 +64,7 @@ TEST_CASE("the fair queue agrees with a map of lines") {
   std::size_t size = 0;
   for (int step = 0; step < 20'000; ++step) {
     const std::string client(1, static_cast<char>('a' + random(6)));
-    switch (random(4)) {
+    switch (random(5)) {
       case 0:
       case 1:
         queue.push(client, step);
@@ -74,6 +75,11 @@ TEST_CASE("the fair queue agrees with a map of lines") {
         if (queue.empty()) break;
         const int item = queue.pop();
         --size;
+        if (!ahead.empty()) {
+          CHECK(item == ahead.front());
+          ahead.pop_front();
+          break;
+        }
         bool found = false;
         for (auto& [name, line] : lines) {
           if (line.empty() || line.front() != item) continue;
@@ -83,6 +89,17 @@ TEST_CASE("the fair queue agrees with a map of lines") {
         CHECK(found);
         break;
       }
+      case 3:
+        queue.push_ahead(step);
+        ahead.push_back(step);
+        ++size;
+        if (random(4) == 0) {
+          const std::size_t at = random(static_cast<std::uint32_t>(ahead.size()));
+          CHECK(queue.erase("a", ahead[at]));
+          ahead.erase(ahead.begin() + static_cast<std::ptrdiff_t>(at));
+          --size;
+        }
+        break;
       default: {
         auto& line = lines[client];
         if (line.empty()) break;
@@ -93,6 +110,7 @@ TEST_CASE("the fair queue agrees with a map of lines") {
       }
     }
     CHECK(queue.size() == size);
+    CHECK(queue.waiting_for_turn() == size - ahead.size());
     for (const auto& [name, line] : lines) CHECK(queue.size_of(name) == line.size());
   }
 }

@@ -141,6 +141,61 @@ TEST_CASE("a job that can wait is not sent away for another's, and takes nobody'
   CHECK(pool.stats().rejected == 1);
 }
 
+TEST_CASE("what finishes a request goes before all that wait, and is not refused") {
+  Gate gate;
+  ComputePool pool(1, ComputePool::QueueLimits{1, 1, 10ms});
+  auto running = std::async(std::launch::async, [&] { return pool.run(gate.job()); });
+  wait_until([&] { return pool.stats().running == 1; });
+  std::mutex mutex;
+  std::string order;
+  const auto note = [&](char name) {
+    return [&, name](Worker&) -> Result<int> {
+      const std::lock_guard lock(mutex);
+      order += name;
+      return 1;
+    };
+  };
+  Caller waiting;
+  waiting.client = "a";
+  waiting.is_patient = true;
+  auto first = std::async(std::launch::async, [&] { return pool.run(note('p'), waiting); });
+  wait_until([&] { return pool.stats().queued == 1; });
+  Caller own;
+  own.client = "a";
+  const Caller rest = own.finishing();
+  auto second = std::async(std::launch::async, [&] { return pool.run(note('1'), rest); });
+  wait_until([&] { return pool.stats().queued == 2; });
+  auto third = std::async(std::launch::async, [&] { return pool.run(note('2'), rest); });
+  wait_until([&] { return pool.stats().queued == 3; });
+  std::this_thread::sleep_for(30ms);  // longer than others may wait
+  gate.open();
+  CHECK(second.get() == 1);
+  CHECK(third.get() == 1);
+  CHECK(first.get() == 1);
+  CHECK(running.get() == 1);
+  CHECK(order == "12p");
+}
+
+TEST_CASE("what finishes a request is taken back when its client is gone") {
+  Gate gate;
+  ComputePool pool(1, 0);
+  auto running = std::async(std::launch::async, [&] { return pool.run(gate.job()); });
+  wait_until([&] { return pool.stats().running == 1; });
+  std::atomic<bool> gone{false};
+  Caller caller([&] { return gone.load(); });
+  auto rest = std::async(std::launch::async, [&] {
+    return pool.run([](Worker&) -> Result<int> { return 1; }, caller.finishing());
+  });
+  wait_until([&] { return pool.stats().queued == 1; });
+  gone = true;
+  const auto answer = rest.get();
+  REQUIRE_FALSE(answer);
+  CHECK(answer.error().code == ErrorCode::cancelled);
+  CHECK(pool.stats().queued == 0);
+  gate.open();
+  CHECK(running.get() == 1);
+}
+
 TEST_CASE("without a queue, a free slot is taken and a busy one refused") {
   Gate gate;
   ComputePool pool(1, 0);
