@@ -1,5 +1,5 @@
-// The ways to a distance field that this library knows, and what can be asked of
-// them. One `switch` in solve_field.cpp tells them apart.
+// The ways to a distance field that this library knows, what holds of each, and what can be asked
+// of them. One `switch` in solve_field.cpp tells them apart.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,42 @@ enum class Method : std::uint8_t {
   chen_han,       // Chen, Han 1996; Xin, Wang 2009
   back_traced,    // the paper's wavefront, looking back; "auto" to clients
 };
+
+// What holds of all fields by a method.
+struct MethodTraits {
+  // They say of each vertex where its distance came from (`Field::parents`). Without parents a path
+  // goes back by distances, through whichever face leads to the least.
+  bool has_parents = false;
+  // These distances are approximate, and nothing else is there to go by: they may lead a path
+  // astray, or to nowhere. It goes along edges then.
+  bool may_lead_astray = false;
+  // They can keep windows (`Field::windows`), by which a point inside a face has its distance.
+  bool has_windows = false;
+  // They can keep the points that are added to edges (`Field::edge_points`), for the same end.
+  bool has_edge_points = false;
+
+  // Whether they are larger with `FieldLimits::keep_details`.
+  [[nodiscard]] constexpr bool has_details() const { return has_windows || has_edge_points; }
+};
+
+// The table of these traits, a row a method.
+[[nodiscard]] constexpr MethodTraits traits_of(Method method) {
+  switch (method) {
+    case Method::wavefront:
+    case Method::novotni:
+    case Method::dijkstra:
+      return {.has_parents = true};
+    case Method::fast_marching:
+    case Method::back_traced:
+      return {.may_lead_astray = true};
+    case Method::steiner:
+      return {.has_edge_points = true};
+    case Method::exact:
+    case Method::chen_han:
+      return {.has_windows = true};
+  }
+  return {};
+}
 
 // What distances may be relative to the true ones.
 enum class Bound : std::uint8_t {

@@ -30,14 +30,6 @@ bool is_low_end(const FaceRecord& face, std::uint32_t c) {
   return face.vertex[c] < face.vertex[next_corner(c)];
 }
 
-bool has_windows(Method method) { return method == Method::exact || method == Method::chen_han; }
-
-// Methods whose fields say nothing of where a vertex's distance came from.
-bool has_no_parents(Method method) {
-  return method == Method::fast_marching || method == Method::steiner ||
-         method == Method::back_traced || has_windows(method);
-}
-
 // The squared lengths of a face's sides, from the one that starts at corner 0.
 using Sides2 = std::array<double, 3>;
 
@@ -206,7 +198,7 @@ StepBack PointArrivals::from_sources_in_face(const SurfacePoint& place) const {
 }
 
 double PointArrivals::below(const SurfacePoint& place) const {
-  if (!has_no_parents(field_.method)) return kUnreached;
+  if (traits_of(field_.method).has_parents) return kUnreached;
   if (place.at_vertex()) return field_.distance[place.vertex];
   if (!field_.edge_points) return kUnreached;
   const EdgePoints& points = *field_.edge_points;
@@ -300,8 +292,9 @@ StepBack PointArrivals::through_windows(const SurfacePoint& place) const {
 }
 
 StepBack PointArrivals::through_face(const SurfacePoint& place) const {
-  if (field_.method == Method::steiner) return through_graph(place);
-  if (has_windows(field_.method)) return through_windows(place);
+  const MethodTraits traits = traits_of(field_.method);
+  if (traits.has_edge_points) return through_graph(place);
+  if (traits.has_windows) return through_windows(place);
   const Sides2 side2 = sides_of(adjacency_, place.face);
   const FaceRecord& face = adjacency_.face(place.face);
   StepBack best = from_sources_in_face(place);
@@ -341,7 +334,7 @@ StepBack PointArrivals::through_faces_at(std::uint32_t vertex) const {
 }
 
 StepBack PointArrivals::by_parents(std::uint32_t vertex) const {
-  if (has_no_parents(field_.method)) return through_faces_at(vertex);
+  if (!traits_of(field_.method).has_parents) return through_faces_at(vertex);
   const Parents parents = field_.parents[vertex];
   if (parents.from_source()) return straight_from_source(vertex, parents.second);
   if (parents.along_edge()) {

@@ -167,7 +167,7 @@ class Tracer {
   StepBack on_from_vertex(std::uint32_t vertex) {
     const StepBack step = arrivals_.by_parents(vertex);
     const bool blocked = step.to == StepBack::To::edge && !may_enter(step.face);
-    if (by_distance_alone() && (blocked || step.to == StepBack::To::nowhere)) {
+    if (traits_of(field_.method).may_lead_astray && (blocked || step.to == StepBack::To::nowhere)) {
       std::vector<StepBack> steps = arrivals_.to_lesser_vertex(vertex);
       if (steps.empty()) {
         steps = down_edges(adjacency_, field_, vertex, field_.distance[vertex], poll_);
@@ -228,21 +228,16 @@ class Tracer {
     return arrivals_.to_end_of_side(arrived.face, corner_of(arrived.base), arrived.bary);
   }
 
-  // Approximate distances without a word of where they came from.
-  [[nodiscard]] bool by_distance_alone() const {
-    return field_.method == Method::fast_marching || field_.method == Method::back_traced;
-  }
-
   // In the graph of `steiner` every step leads to a lesser distance as it is.
   [[nodiscard]] bool may_enter(std::uint32_t face) const {
     if (enters_again_) return true;
-    return field_.method == Method::steiner || !entered_[face];
+    return traits_of(field_.method).has_edge_points || !entered_[face];
   }
 
   // Approximate distances may send a trace round and round, as on the wall of a hole that is hardly
   // wider than it is high. The way along edges is better then.
   Result<std::optional<Path>> unless_astray(Path traced, const SurfacePoint& target) {
-    if (!by_distance_alone()) return traced;
+    if (!traits_of(field_.method).may_lead_astray) return traced;
     const auto delayed = [&](const Path& path) {
       return field_.sources[path.source].offset + path.length;
     };

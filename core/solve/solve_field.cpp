@@ -86,7 +86,7 @@ Result<Field> bound_across_slivers(const Adjacency& adjacency, std::span<const S
 
 bool goes_by_windows(Method method, const MethodOptions& options, const Adjacency& adjacency,
                      std::span<const Source> sources) {
-  if (method == Method::exact || method == Method::chen_han) return true;
+  if (traits_of(method).has_windows) return true;
   if (method != Method::back_traced) return false;
   if (options.error_at_most) return true;
   if (options.bound != Bound::upper) return false;

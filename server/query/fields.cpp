@@ -25,15 +25,10 @@ bool is_for_points_alone(const FieldQuestion& question, Details details) {
          question.method.options.error_at_most.has_value();
 }
 
-// Whether fields by the method are larger with details.
-bool has_details(Method method) {
-  return method == Method::exact || method == Method::chen_han || method == Method::steiner;
-}
-
 // The question spelt out; two spellings of one point are one key.
 std::string key_of(const FieldQuestion& question, Details details) {
   std::string key = question.mesh + "/" + proto::field_key(question.method) + "/";
-  if (details == Details::kept && has_details(question.method.which)) key += "details/";
+  if (details == Details::kept && traits_of(question.method.which).has_details()) key += "details/";
   proto::append_number(key, question.max);
   for (const Source& source : question.sources) {
     if (source.point.at_vertex()) {
