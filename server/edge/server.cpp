@@ -13,7 +13,6 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 #include <mutex>
 #include <string_view>
 #include <system_error>
@@ -25,8 +24,8 @@
 #include "server/edge/conversation.h"
 #include "server/edge/exchange.h"
 #include "server/edge/listener.h"
+#include "server/edge/reply_head.h"
 #include "server/edge/workers.h"
-#include "server/http/head.h"
 #include "server/http/problem.h"
 #include "server/http/request_log.h"
 
@@ -49,42 +48,6 @@ using Clock = HttpConnection::Clock;
 // in a variable of that thread.
 thread_local Exchange* current_exchange = nullptr;
 
-bool is_unfit_for_header(char c) {
-  return (static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7f;
-}
-
-// The text itself, or `spare` with what there is beside controls.
-const std::string& without_controls(const std::string& text, std::string& spare) {
-  if (std::none_of(text.begin(), text.end(), is_unfit_for_header)) return text;
-  spare = text;
-  std::erase_if(spare, is_unfit_for_header);
-  return spare;
-}
-
-// Headers of a reply that the edge sets itself.
-bool is_ours(std::string_view name) {
-  for (const std::string_view ours : {"Content-Length", "Content-Type", "Transfer-Encoding",
-                                      "Connection", "Keep-Alive", "Date", "X-Request-Id"}) {
-    if (equals_ignoring_case(name, ours)) return true;
-  }
-  return false;
-}
-
-// Written once a second.
-const std::string& http_date() {
-  thread_local std::time_t known = 0;
-  thread_local std::string date;
-  const std::time_t now = std::time(nullptr);
-  if (now != known || date.empty()) {
-    std::tm utc{};
-    ::gmtime_r(&now, &utc);
-    char text[64];
-    date.assign(text, std::strftime(text, sizeof text, "%a, %d %b %Y %H:%M:%S GMT", &utc));
-    known = now;
-  }
-  return date;
-}
-
 // When so many bytes that are streamed must be sent.
 Clock::time_point sent_by(const HttpOptions& options, std::uint64_t bytes) {
   if (options.min_send_rate == 0) return Clock::time_point::max();
@@ -93,13 +56,6 @@ Clock::time_point sent_by(const HttpOptions& options, std::uint64_t bytes) {
 
 // A streamed chunk is handed on in pieces of so many bytes: each is copied on its way.
 constexpr std::size_t kChunkPiece = std::size_t{64} << 10;
-
-// cpp-httplib's status line for a status that it has no words for, and what stands there instead.
-constexpr std::string_view kWordless = " Internal Server Error\r\n";
-std::string_view reason_of(int status) {
-  constexpr int kClientClosedRequest = 499;  // nginx's
-  return status == kClientClosedRequest ? " Client Closed Request\r\n" : kWordless;
-}
 
 // What cpp-httplib reads, a request that says nothing, and where it writes: the
 // connection's queue or, if the reply is streamed, the socket.
@@ -333,7 +289,7 @@ class HttpServer::Impl final : public httplib::Server {
     std::string spare_name;
     std::string spare_value;
     for (const auto& [name, value] : reply.headers) {
-      if (is_ours(name)) continue;
+      if (is_of_edge(name)) continue;
       response.set_header(without_controls(name, spare_name), without_controls(value, spare_value));
     }
     const bool has_content = reply.stream || reply.file || (reply.body && !reply.body->empty());
