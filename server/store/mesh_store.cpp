@@ -13,11 +13,6 @@ namespace geodesic::server {
 
 namespace {
 
-constexpr std::string_view kHexDigits = "0123456789abcdef";
-constexpr std::size_t kDigestSize = 64;
-constexpr std::size_t kOptionsDigestSize = 32;
-constexpr std::size_t kOldOptionsDigestSize = 12;
-constexpr char kOptionsMark = '~';
 constexpr std::uint64_t kMetadataCacheBytes = std::uint64_t{32} << 20;
 // Descriptions have no budget of their own; this is far above any real one.
 constexpr std::uint64_t kExpectedMetadataBytes = std::uint64_t{64} << 20;
@@ -26,33 +21,6 @@ constexpr std::chrono::seconds kScanInterval(60);
 std::int64_t seconds_now() { return static_cast<std::int64_t>(std::time(nullptr)); }
 
 }  // namespace
-
-bool is_mesh_id(std::string_view id) {
-  const auto is_hex = [](std::string_view digits) {
-    return digits.find_first_not_of(kHexDigits) == std::string_view::npos;
-  };
-  if (id.size() == kDigestSize) return is_hex(id);
-  const bool has_size = id.size() == kDigestSize + 1 + kOptionsDigestSize ||
-                        id.size() == kDigestSize + 1 + kOldOptionsDigestSize;
-  return has_size && id[kDigestSize] == kOptionsMark && is_hex(source_digest(id)) &&
-         is_hex(id.substr(kDigestSize + 1));
-}
-
-std::string mesh_id(std::string_view sha256, std::string_view options) {
-  std::string id(sha256);
-  if (!options.empty())
-    id.append(1, kOptionsMark).append(sha256_hex(options), 0, kOptionsDigestSize);
-  return id;
-}
-
-bool is_of_options(std::string_view id, std::string_view options) {
-  if (options.empty() || !has_options(id)) return options.empty() && !has_options(id);
-  return sha256_hex(options).starts_with(id.substr(kDigestSize + 1));
-}
-
-std::string_view source_digest(std::string_view id) { return id.substr(0, kDigestSize); }
-
-bool has_options(std::string_view id) { return id.size() > kDigestSize; }
 
 // Room reserved for an upload under way; given back at the end, when what was
 // written counts by itself.
@@ -187,26 +155,6 @@ Result<std::string> MeshStore::get_source(std::string_view id) {
   return read_again_or_quarantine(id);
 }
 
-bool MeshStore::is_verified(const std::string& id, const std::string& state) const {
-  const auto known = verified_.find(id);
-  return known != verified_.end() && known->second == state;
-}
-
-Result<bool> MeshStore::has_digest(const ReplyFile& file, std::string_view id,
-                                   const std::function<bool()>& stop) {
-  Sha256 digest;
-  std::string piece;
-  for (std::uint64_t done = 0; done < file.size(); done += piece.size()) {
-    if (stop()) return fail(ErrorCode::cancelled, "the client is gone");
-    constexpr std::size_t kPiece = std::size_t{1} << 20;
-    piece.resize(kPiece);
-    piece.resize(file.read(done, piece.data(), piece.size()));
-    if (piece.empty()) return false;
-    digest.add(piece);
-  }
-  return digest.hex() == source_digest(id);
-}
-
 Result<std::shared_ptr<const ReplyFile>> MeshStore::open_source(std::string_view id,
                                                                 const std::function<bool()>& stop) {
   const auto known = use(id);
@@ -214,40 +162,11 @@ Result<std::shared_ptr<const ReplyFile>> MeshStore::open_source(std::string_view
   if (!*known) return unknown_mesh();
   auto opened = counted(storage_->open_source(id));
   if (!opened || !*opened) return nullptr;
-  const std::string key(id);
   const std::string state = std::move((*opened)->state);
   const auto file = std::make_shared<const ReplyFile>(std::move((*opened)->file), (*opened)->bytes);
-  std::unique_lock lock(state_mutex_);
-  // Who asks for the same mesh meanwhile is glad of the outcome; others do not wait.
-  while (verifying_.contains(key)) {
-    constexpr std::chrono::milliseconds kAskEvery{50};
-    if (verify_done_.wait_for(lock, kAskEvery) != std::cv_status::timeout) continue;
-    lock.unlock();  // the question may take a system call
-    if (stop()) return fail(ErrorCode::cancelled, "the client is gone");
-    lock.lock();
-  }
-  if (is_verified(key, state)) return file;
-  verifying_.insert(key);
-  lock.unlock();
-  Result<bool> is_whole = false;
-  const auto end = [&] {
-    lock.lock();
-    verifying_.erase(key);
-    verify_done_.notify_all();
-  };
-  try {
-    is_whole = has_digest(*file, id, stop);
-  } catch (...) {
-    end();
-    throw;
-  }
-  end();
+  const auto is_whole = verified_.is_whole(*file, id, state, stop);
   if (!is_whole) return fail(is_whole.error());
-  if (!*is_whole) return nullptr;
-  constexpr std::size_t kMostKept = 10'000;
-  if (verified_.size() >= kMostKept) verified_.clear();
-  verified_[key] = state;
-  return file;
+  return *is_whole ? file : nullptr;
 }
 
 // Once more, alone with the mesh: it may have been removed or put since, or the
@@ -436,7 +355,9 @@ Result<void> MeshStore::health() const {
   return health_;
 }
 
+// By the first six bits of the digest.
 std::mutex& MeshStore::stripe(std::string_view id) {
+  constexpr std::string_view kHexDigits = "0123456789abcdef";
   return stripes_[kHexDigits.find(id[0]) * 4 + kHexDigits.find(id[1]) / 4];
 }
 

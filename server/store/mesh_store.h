@@ -27,7 +27,6 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -35,7 +34,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,7 +44,9 @@
 #include "server/base/service_codes.h"
 #include "server/store/budget.h"
 #include "server/store/index.h"
+#include "server/store/mesh_id.h"
 #include "server/store/object_storage.h"
+#include "server/store/verified_files.h"
 
 namespace geodesic::server {
 
@@ -144,11 +144,6 @@ class MeshStore {
   // Forgets a mesh that is not in the storage.
   void forget(std::string_view id);
   [[nodiscard]] std::mutex& stripe(std::string_view id);
-  // Whether the file has the mesh's digest, by reading it. Errors: cancelled.
-  [[nodiscard]] static Result<bool> has_digest(const ReplyFile& file, std::string_view id,
-                                               const std::function<bool()>& stop);
-  // The caller holds `state_mutex_`.
-  [[nodiscard]] bool is_verified(const std::string& id, const std::string& state) const;
   // Counts what the storage failed to do.
   template <class T>
   Result<T> counted(Result<T> result);
@@ -160,33 +155,16 @@ class MeshStore {
   std::array<std::mutex, 64> stripes_;
   std::mutex scan_mutex_;
   std::chrono::steady_clock::time_point scanned_;
-  mutable std::mutex state_mutex_;  // of the next six
+  VerifiedFiles verified_;
+  mutable std::mutex state_mutex_;  // of the next three
   Result<void> health_;
   using Versions = std::map<std::string, std::string, std::less<>>;  // by id
   Versions damaged_;
-  Versions whole_;                               // of known meshes in a shared storage
-  std::map<std::string, std::string> verified_;  // the states of files that were, by id
-  std::set<std::string> verifying_;              // ids of those that are read for it now
-  std::condition_variable verify_done_;          // of one of these
+  Versions whole_;  // of known meshes in a shared storage
   std::atomic<std::uint64_t> evictions_{0};
   std::atomic<std::uint64_t> refusals_{0};
   std::atomic<std::uint64_t> corrupt_{0};
   std::atomic<std::uint64_t> failures_{0};
 };
-
-// Whether `id` is 64 lower-case hexadecimal digits, alone or followed by `~` and 32. With
-// 12 behind the `~` it is of a mesh that an older version has stored, which is still read.
-[[nodiscard]] bool is_mesh_id(std::string_view id);
-
-// The id of a file of that SHA-256, read with the options of that canonical text,
-// which is empty for the defaults.
-[[nodiscard]] std::string mesh_id(std::string_view sha256, std::string_view options);
-
-// Whether an id is of a mesh read with the options of that canonical text.
-[[nodiscard]] bool is_of_options(std::string_view id, std::string_view options);
-
-// Of an id: the SHA-256 of its bytes, and whether it has options.
-[[nodiscard]] std::string_view source_digest(std::string_view id);
-[[nodiscard]] bool has_options(std::string_view id);
 
 }  // namespace geodesic::server
