@@ -1,0 +1,38 @@
+// One job: what `Jobs` keeps of it from its start until it is forgotten.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "server/compute/jobs.h"
+#include "server/http/message.h"
+
+namespace geodesic::server {
+
+// What a job costs besides bodies, generously: its request's head, its reply's.
+inline constexpr std::uint64_t kBytesOfJob = 4096;
+
+// Guarded by the registry's mutex, but for `request`, which is the thread's once the
+// job runs, and what is atomic.
+struct Jobs::Job {
+  JobReport report;
+  HttpRequest request;
+  std::string client;
+  HttpResponse reply;
+  Clock::time_point forgotten_at;
+  std::uint64_t bytes = 0;  // charged
+  bool is_kept = false;     // it has ended, and its bytes count among its client's
+  std::atomic<bool> cancelled{false};
+  std::atomic<double> progress{0};
+
+  void advance(double done) {
+    double known = progress.load();
+    done = std::min(done, 1.0);
+    while (done > known && !progress.compare_exchange_weak(known, done)) {
+    }
+  }
+};
+
+}  // namespace geodesic::server
