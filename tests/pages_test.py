@@ -50,9 +50,10 @@ def looks_like_code(name):
 def main():
     """Prints what is not there."""
     words = words_of_sources()
-    flags = set(FLAG.findall((ROOT / "server/config/config.cpp").read_text(encoding="utf-8")))
-    flags |= {"--" + flag for flag in re.findall(r'"([a-z][a-z-]+)"', (
-        ROOT / "server/config/config.cpp").read_text(encoding="utf-8"))}
+    config = "".join((ROOT / "server/config" / file).read_text(encoding="utf-8")
+                     for file in ("config.cpp", "options.cpp"))
+    flags = set(FLAG.findall(config))
+    flags |= {"--" + flag for flag in re.findall(r'"([a-z][a-z-]+)"', config)}
     cases = "".join(file.read_text(encoding="utf-8")
                     for file in (ROOT / "tests/server/edge").glob("*.cpp"))
     failed = checked = 0
