@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -28,33 +27,6 @@ double normal_length(Vec3 v) { return std::sqrt(dot(v, v)); }
 Vec3 unit(Vec3 v) {
   const double length = normal_length(v);
   return length > 0 ? (1 / length) * v : Vec3{0, 0, 1};
-}
-
-// The frame of the eye: x to the right, y up, z towards the eye.
-struct Frame {
-  Vec3 right, up, towards;
-  [[nodiscard]] Vec3 seen(Vec3 p) const { return {dot(right, p), dot(up, p), dot(towards, p)}; }
-};
-
-Frame frame_of(const View& view) {
-  const double azimuth = view.azimuth * 3.141592653589793 / 180;
-  const double elevation = view.elevation * 3.141592653589793 / 180;
-  Frame frame;
-  frame.right = {std::cos(azimuth), 0, -std::sin(azimuth)};
-  frame.towards = {std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
-                   std::cos(azimuth) * std::cos(elevation)};
-  frame.up = cross(frame.towards, frame.right);
-  return frame;
-}
-
-// Straight at a mesh that is flat along an axis, else from the corner.
-View view_for(const Mesh& mesh) {
-  const Vec3 size = mesh.box().max - mesh.box().min;
-  const double flat = 1e-3 * std::max({size.x, size.y, size.z});
-  if (size.z <= flat) return {0, 0};
-  if (size.y <= flat) return {0, 90};
-  if (size.x <= flat) return {90, 0};
-  return {30, 20};
 }
 
 Colour scaled(Colour colour, double light) {
@@ -390,35 +362,7 @@ class Drawing {
   double bias_ = 0;  // lines lie on the surface, not in it
 };
 
-bool parse_degrees(std::string_view text, double& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() && std::abs(value) <= 360;
-}
-
 }  // namespace
-
-Result<View> parse_view(std::string_view text) {
-  struct Named {
-    std::string_view name;
-    View view;
-  };
-  static constexpr Named kNamed[] = {{"corner", {30, 20}}, {"front", {0, 0}},  {"back", {180, 0}},
-                                     {"right", {90, 0}},   {"left", {-90, 0}}, {"top", {0, 90}},
-                                     {"bottom", {0, -90}}};
-  for (const Named& named : kNamed) {
-    if (named.name == text) return named.view;
-  }
-  View view;
-  const std::size_t comma = text.find(',');
-  if (comma != text.npos && parse_degrees(text.substr(0, comma), view.azimuth) &&
-      parse_degrees(text.substr(comma + 1), view.elevation)) {
-    return view;
-  }
-  return fail(ErrorCode::value_out_of_range,
-              "view is corner, front, back, left, right, top, bottom, or azimuth,elevation in "
-              "degrees",
-              "view");
-}
 
 Result<Image> draw_picture(const Mesh& mesh, const PictureContent& content,
                            const PictureOptions& options, const Cancel& cancel) {

@@ -7,7 +7,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/base/cancel.h"
@@ -15,6 +14,7 @@
 #include "core/base/vec3.h"
 #include "core/mesh/mesh.h"
 #include "proto/picture/colour_map.h"
+#include "proto/picture/view.h"
 
 namespace geodesic::proto {
 
@@ -23,13 +23,6 @@ struct Image {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::vector<std::uint8_t> rgb;
-};
-
-// Degrees: the eye's azimuth round the y axis (0: on +z, 90: on +x), and its
-// elevation over the xz plane. glTF's y is up.
-struct View {
-  double azimuth = 30;
-  double elevation = 20;
 };
 
 struct PictureOptions {
@@ -51,10 +44,6 @@ struct PictureContent {
   std::vector<Vec3> sources;             // marked by discs
   std::vector<Vec3> targets;             // marked by rings
 };
-
-// A name (front, back, left, right, top, bottom, corner) or "azimuth,elevation".
-// Errors: value_out_of_range with parameter "view".
-[[nodiscard]] Result<View> parse_view(std::string_view text);
 
 // Errors: cancelled. The options must be within their bounds.
 [[nodiscard]] Result<Image> draw_picture(const Mesh& mesh, const PictureContent& content,
