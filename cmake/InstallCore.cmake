@@ -17,7 +17,7 @@ set(GEODESIC_PUBLIC_HEADERS
   solve/distances.h solve/farthest_points.h solve/pair_search.h solve/solve_field.h
   solve/solve_scratch.h
   # paths and lines
-  paths/isolines.h paths/join_paths.h paths/trace_path.h
+  paths/isolines.h paths/join_paths.h paths/path.h paths/trace_path.h
   straighten/refine_path.h straighten/shorten_path.h straighten/straightest_geodesic.h
   # from space to the surface
   locate/closest_point.h)

@@ -9,7 +9,7 @@
 
 #include "core/base/cancel.h"
 #include "core/base/error.h"
-#include "core/paths/trace_path.h"
+#include "core/paths/path.h"
 #include "core/surface/adjacency.h"
 #include "core/surface/point.h"
 #include "core/wavefront/wavefront.h"

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "core/paths/trace_path.h"
+#include "core/paths/path.h"
 
 namespace geodesic {
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/paths/trace_path.h"
 #include "core/steiner/steiner.h"
 #include "core/steiner/strip_graph.h"
 

@@ -9,7 +9,7 @@
 #include "core/base/error.h"
 #include "core/field/field.h"
 #include "core/field/method.h"
-#include "core/paths/trace_path.h"
+#include "core/paths/path.h"
 #include "core/surface/adjacency.h"
 #include "core/surface/point.h"
 #include "core/wavefront/wavefront.h"

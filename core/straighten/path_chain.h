@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/cancel.h"
-#include "core/paths/trace_path.h"
+#include "core/paths/path.h"
 #include "core/straighten/face_strip.h"
 #include "core/straighten/vertex_fan.h"
 #include "core/surface/adjacency.h"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/paths/arrive_at_point.h"
+#include "core/paths/trace_path.h"
 #include "core/straighten/shorten_path.h"
 
 namespace geodesic {

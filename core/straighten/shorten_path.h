@@ -15,7 +15,7 @@
 
 #include "core/base/cancel.h"
 #include "core/base/error.h"
-#include "core/paths/trace_path.h"
+#include "core/paths/path.h"
 #include "core/surface/adjacency.h"
 
 namespace geodesic {
@@ -34,7 +34,7 @@ struct ShortenCounts {
 };
 
 // A locally shortest path between the ends of `path`, which may be any that
-// trace_path.h describes: along edges, through vertices, back and forth. It is the
+// path.h describes: along edges, through vertices, back and forth. It is the
 // shortest of all that can be deformed into it near the given one, not the shortest
 // of the surface.
 //

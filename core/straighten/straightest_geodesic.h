@@ -13,7 +13,7 @@
 #include "core/base/cancel.h"
 #include "core/base/error.h"
 #include "core/base/vec3.h"
-#include "core/paths/trace_path.h"
+#include "core/paths/path.h"
 #include "core/surface/adjacency.h"
 #include "core/surface/point.h"
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/paths/trace_path.h"
+#include "core/paths/path.h"
 #include "core/surface/adjacency.h"
 #include "proto/wire/replies.h"
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/back_traced/trace_lanes.h"
+#include "core/paths/trace_path.h"
 #include "core/straighten/refine_path.h"
 #include "tests/bench/edge_dijkstra.h"
 #include "tests/bench/errors.h"

@@ -7,6 +7,7 @@
 #include <optional>
 #include <random>
 
+#include "core/paths/trace_path.h"
 #include "core/solve/pair_search.h"
 #include "tests/bench/prepared.h"
 #include "tests/bench/processor_time.h"

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "core/paths/trace_path.h"
 #include "proto/wire/methods.h"
 
 namespace geodesic::bench {

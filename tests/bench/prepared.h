@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/mesh/mesh.h"
-#include "core/paths/trace_path.h"
+#include "core/paths/path.h"
 #include "core/solve/solve_field.h"
 #include "core/surface/adjacency.h"
 #include "tests/bench/subjects.h"

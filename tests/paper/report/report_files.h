@@ -14,7 +14,7 @@
 #include "core/base/vec3.h"
 #include "core/field/field.h"
 #include "core/mesh/triangle_soup.h"
-#include "core/paths/trace_path.h"
+#include "core/paths/path.h"
 #include "core/surface/adjacency.h"
 
 namespace geodesic::report {
