@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cstdint>
 
 #include "proto/wire/input_codes.h"
 
@@ -12,24 +13,55 @@ namespace {
 
 std::vector<MethodParameter> steiner_parameters() {
   const MethodOptions standard;
-  return {{"points_per_edge", true, 1, 64, static_cast<double>(standard.points_per_edge),
-           Serves::all, "points added inside each edge, evenly spaced"},
-          {"tolerance", false, 1e-12, 1, standard.tolerance, Serves::paths,
-           "a path is refined until a round shortens it by less than this part of its length"}};
+  return {
+      {"points_per_edge", true, 1, 64, static_cast<double>(standard.points_per_edge), Serves::all,
+       "points added inside each edge, evenly spaced",
+       [](MethodOptions& options, double value) {
+         options.points_per_edge = static_cast<std::uint32_t>(value);
+       },
+       [](const MethodOptions& options) {
+         return std::string(",").append(std::to_string(options.points_per_edge));
+       }},
+      {"tolerance", false, 1e-12, 1, standard.tolerance, Serves::paths,
+       "a path is refined until a round shortens it by less than this part of its length",
+       [](MethodOptions& options, double value) { options.tolerance = value; }, nullptr},
+  };
+}
+
+std::string key_of_bound(const MethodOptions& options) {
+  // Within a tolerance, distances are never below, whatever the bound.
+  return options.bound == Bound::upper && !options.error_at_most ? ",upper" : "";
+}
+
+std::string key_of_error(const MethodOptions& options) {
+  if (!options.error_at_most) return "";
+  std::array<char, 32> digits{};
+  const auto end = std::to_chars(digits.begin(), digits.end(), *options.error_at_most);
+  return std::string(",within ").append(digits.begin(), end.ptr);
 }
 
 std::vector<MethodParameter> back_traced_parameters() {
-  return {{"bound",
-           true,
-           0,
-           1,
-           0,
-           Serves::all,
-           "upper: no distance is below the true one, each is the length of a path",
-           {"none", "upper"}},
-          {"tolerance", false, 0, 0.5, kNoStandard, Serves::distances,
-           "no vertex's distance is above the true one by more than this part of it, nor below; 0 "
-           "is exact. Without it there is no such promise"}};
+  return {
+      {"bound",
+       true,
+       0,
+       1,
+       0,
+       Serves::all,
+       "upper: no distance is below the true one, each is the length of a path",
+       [](MethodOptions& options, double value) {
+         options.bound = value == 0 ? Bound::none : Bound::upper;
+       },
+       key_of_bound,
+       {"none", "upper"}},
+      {"tolerance", false, 0, 0.5, kNoStandard, Serves::distances,
+       "no vertex's distance is above the true one by more than this part of it, nor below; 0 "
+       "is exact. Without it there is no such promise",
+       [](MethodOptions& options, double value) {
+         options.error_at_most = value + 0.0;  // -0 becomes 0
+       },
+       key_of_error},
+  };
 }
 
 }  // namespace
@@ -113,19 +145,10 @@ Result<Method> find_method(std::string_view name) {
 }
 
 std::string field_key(const MethodChoice& choice) {
-  std::string key(name_of(choice.which));
-  if (choice.which == Method::steiner) {
-    key += ',';
-    key += std::to_string(choice.options.points_per_edge);
-  }
-  if (choice.options.error_at_most) {
-    // Whatever the bound, these distances are never below.
-    key += ",within ";
-    std::array<char, 32> digits{};
-    const auto end = std::to_chars(digits.begin(), digits.end(), *choice.options.error_at_most);
-    key.append(digits.begin(), end.ptr);
-  } else if (choice.options.bound == Bound::upper) {
-    key += ",upper";
+  const MethodInfo& info = info_of(choice.which);
+  std::string key(info.name);
+  for (const MethodParameter& parameter : info.parameters) {
+    if (parameter.key != nullptr) key += parameter.key(choice.options);
   }
   return key;
 }

@@ -33,6 +33,10 @@ struct MethodParameter {
   double standard;
   Serves serves;
   std::string_view meaning;
+  // Tells the method the value.
+  void (*set)(MethodOptions& options, double value);
+  // What the value adds to `field_key`; null: fields do not depend on it.
+  std::string (*key)(const MethodOptions& options);
   // Of a word; then `standard` is the place of one of them, and there are no bounds.
   std::vector<std::string_view> choices = {};
 };

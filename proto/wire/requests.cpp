@@ -22,16 +22,6 @@ bool serves(const MethodParameter& parameter, Purpose purpose) {
          (parameter.serves == Serves::paths) == (purpose == Purpose::paths);
 }
 
-void set_option(MethodChoice& choice, std::string_view name, double value) {
-  MethodOptions& options = choice.options;
-  if (name == "points_per_edge") options.points_per_edge = static_cast<std::uint32_t>(value);
-  if (name == "tolerance") {
-    if (choice.which == Method::steiner) options.tolerance = value;
-    if (choice.which == Method::back_traced) options.error_at_most = value + 0.0;  // -0 is 0
-  }
-  if (name == "bound") options.bound = value == 0 ? Bound::none : Bound::upper;
-}
-
 // The place of the given word among the choices.
 Result<double> read_choice(Parameters& parameters, const MethodParameter& parameter) {
   const auto given = parameters.text(parameter.name);
@@ -100,7 +90,7 @@ Result<void> read_method(Parameters& parameters, Purpose purpose, MethodChoice& 
       append_number(detail, parameter.maximum);
       return fail(ErrorCode::value_out_of_range, std::move(detail), std::string(parameter.name));
     }
-    set_option(choice, parameter.name, value);
+    parameter.set(choice.options, value);
   }
   return check_parameters_of_others(parameters, purpose, choice.which);
 }
