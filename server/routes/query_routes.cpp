@@ -1,6 +1,7 @@
 // The routes of queries on one mesh: parameters to a request, its answer to the
 // format asked for, and the tag by which a client knows it again.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -197,13 +198,24 @@ void Routes::keep_reply(const Query& query, const std::string& identity,
 }
 
 Result<HttpResponse> Routes::answer_any_query(const Query& query) {
-  if (query.action == "distance") return answer_query<proto::DistanceRequest>(query);
-  if (query.action == "path") return answer_query<proto::PathRequest>(query);
-  if (query.action == "table") return answer_query<proto::TableRequest>(query);
-  if (query.action == "isolines") return answer_query<proto::IsolinesRequest>(query);
-  if (query.action == "samples") return answer_query<proto::SamplesRequest>(query);
-  if (query.action == "trace") return answer_query<proto::TraceRequest>(query);
-  return answer_query<proto::NearestRequest>(query);
+  struct Row {
+    std::string_view name;
+    Result<HttpResponse> (Routes::*answer)(const Query&);
+  };
+  static constexpr std::array<Row, kQueries.size()> kRows{{
+      {"distance", &Routes::answer_query<proto::DistanceRequest>},
+      {"path", &Routes::answer_query<proto::PathRequest>},
+      {"table", &Routes::answer_query<proto::TableRequest>},
+      {"isolines", &Routes::answer_query<proto::IsolinesRequest>},
+      {"samples", &Routes::answer_query<proto::SamplesRequest>},
+      {"trace", &Routes::answer_query<proto::TraceRequest>},
+      {"nearest", &Routes::answer_query<proto::NearestRequest>},
+  }};
+  static_assert(std::ranges::equal(kRows, kQueries, {}, &Row::name), "a row for each query");
+  for (const Row& row : kRows) {
+    if (row.name == query.action) return (this->*row.answer)(query);
+  }
+  return fail(ErrorCode::internal, "a query that nobody answers");
 }
 
 // What it says holds for ever, but an engine may become better.
