@@ -11,7 +11,7 @@
 #include "proto/wire/parameters.h"
 #include "server/http/problem.h"
 #include "server/routes/call.h"
-#include "server/routes/hurried.h"
+#include "server/routes/request_deadline.h"
 #include "server/routes/routes.h"
 
 namespace geodesic::server {
@@ -76,8 +76,8 @@ std::size_t lines_of(std::string_view body) {
 
 HttpResponse Routes::batch(Call& call) {
   auto parameters = proto::Parameters::from_query(call.request.query);
-  const auto hurry = hurried(call.request.caller, parameters);
-  if (!hurry) return call.problem(hurry.error());
+  auto hurried = with_deadline(call.request.caller, parameters);
+  if (!hurried) return call.problem(hurried.error());
   if (const auto known = parameters.check_all_known(); !known) {
     return call.problem(Error{InputCode::unknown_parameter,
                               "parameters of a batch are in its lines, but for deadline_ms",
@@ -97,7 +97,7 @@ HttpResponse Routes::batch(Call& call) {
   batch->mesh = call.id;
   batch->body = std::move(call.request.body);
   batch->request = call.request;
-  batch->request.caller = *hurry;
+  batch->request.caller = std::move(*hurried);
   HttpResponse response;
   response.content_type = kMediaType;
   response.set_header("Cache-Control", "no-store");

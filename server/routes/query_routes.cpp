@@ -23,7 +23,7 @@
 #include "server/reply/encode_reply.h"
 #include "server/routes/call.h"
 #include "server/routes/engine_digest.h"
-#include "server/routes/hurried.h"
+#include "server/routes/request_deadline.h"
 #include "server/routes/routes.h"
 
 namespace geodesic::server {
@@ -106,7 +106,7 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
   const auto offered = query.json_only ? proto::kJsonOnly : proto::formats_of(request);
   const auto format = proto::parse_format(query.parameters, query.accept, offered);
   if (!format) return fail(format.error());
-  const auto caller = hurried(query.caller, query.parameters);
+  const auto caller = with_deadline(query.caller, query.parameters);
   if (!caller) return fail(caller.error());
   if (auto known = query.parameters.check_all_known(); !known) {
     return fail(std::move(known.error()));

@@ -15,7 +15,8 @@ inline constexpr std::uint64_t kLongestDeadline = 3'600'000;  // milliseconds
 
 // The caller, with an earlier deadline if the query asks for one: `deadline_ms` from now. Errors:
 // bad_syntax, value_out_of_range.
-[[nodiscard]] inline Result<Caller> hurried(const Caller& caller, proto::Parameters& parameters) {
+[[nodiscard]] inline Result<Caller> with_deadline(const Caller& caller,
+                                                  proto::Parameters& parameters) {
   const auto milliseconds = parameters.whole("deadline_ms");
   if (!milliseconds) return fail(milliseconds.error());
   Caller hurried = caller;
