@@ -12,6 +12,7 @@
 #include "proto/formats/ply_header.h"
 #include "proto/gltf/decode.h"
 #include "proto/mesh/one_part.h"
+#include "proto/mesh/text_tokens.h"
 #include "proto/wire/input_codes.h"
 
 namespace geodesic::proto {
@@ -29,10 +30,10 @@ Result<DecodedMesh> decode_drc(std::span<const std::byte> bytes, const DecodeLim
 }  // namespace
 
 Result<MeshFormat> sniff_format(std::span<const std::byte> bytes) {
-  std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-  if (text.starts_with("glTF")) return MeshFormat::glb;
+  const std::string_view raw{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  if (raw.starts_with("glTF")) return MeshFormat::glb;
   if (is_draco(bytes)) return MeshFormat::drc;
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  const std::string_view text = text_of_file(bytes);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first != std::string_view::npos && text[first] == '{') return MeshFormat::gltf;
   if (is_ply(text)) return MeshFormat::ply;

@@ -13,12 +13,6 @@
 namespace geodesic::proto {
 namespace {
 
-std::string_view text_of(std::span<const std::byte> bytes) {
-  std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  return text;
-}
-
 class ObjReader {
  public:
   ObjReader(std::string_view text, const DecodeLimits& limits) : tokens_(text), soup_(limits) {}
@@ -96,7 +90,7 @@ class ObjReader {
 bool is_obj(std::span<const std::byte> bytes) {
   static constexpr std::string_view keywords[] = {"v", "vn", "vt", "vp",     "f",      "o",
                                                   "g", "s",  "l",  "mtllib", "usemtl", "p"};
-  TextTokens tokens(text_of(bytes));
+  TextTokens tokens(text_of_file(bytes));
   do {
     const auto keyword = tokens.word_on_line();
     if (keyword.empty() || keyword[0] == '#') continue;
@@ -107,7 +101,7 @@ bool is_obj(std::span<const std::byte> bytes) {
 }
 
 Result<DecodedMesh> decode_obj(std::span<const std::byte> bytes, const DecodeLimits& limits) {
-  return ObjReader(text_of(bytes), limits).run();
+  return ObjReader(text_of_file(bytes), limits).run();
 }
 
 }  // namespace geodesic::proto

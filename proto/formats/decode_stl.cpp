@@ -129,15 +129,11 @@ class TextReader {
   TriangleSoup soup_;
 };
 
-std::string_view text_of_stl(std::span<const std::byte> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 }  // namespace
 
 bool is_stl(std::span<const std::byte> bytes) {
   if (is_binary_stl(bytes)) return true;
-  TextTokens tokens(text_of_stl(bytes));
+  TextTokens tokens(text_of_file(bytes));
   if (!is_word(tokens.word(), "solid") || !tokens.next_line()) return false;
   const auto word = tokens.word();
   return is_word(word, "facet") || is_word(word, "endsolid");
@@ -145,7 +141,7 @@ bool is_stl(std::span<const std::byte> bytes) {
 
 Result<DecodedMesh> decode_stl(std::span<const std::byte> bytes, const DecodeLimits& limits) {
   auto soup = is_binary_stl(bytes) ? read_binary(bytes, limits)
-                                   : TextReader(text_of_stl(bytes), limits).run();
+                                   : TextReader(text_of_file(bytes), limits).run();
   if (!soup) return fail(std::move(soup.error()));
   if (soup->positions.empty()) {
     return fail(ErrorCode::no_triangles, "The STL file has no facets.");

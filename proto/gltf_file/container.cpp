@@ -4,6 +4,8 @@
 #include <cstring>
 #include <string>
 
+#include "proto/mesh/text_tokens.h"
+
 namespace geodesic::proto {
 namespace {
 
@@ -85,8 +87,7 @@ Result<GltfContainer> open_glb(std::span<const std::byte> bytes) {
 
 GltfContainer open_gltf(std::span<const std::byte> bytes) {
   GltfContainer container;
-  container.json = as_text(bytes);
-  if (container.json.starts_with("\xEF\xBB\xBF")) container.json.remove_prefix(3);
+  container.json = text_of_file(bytes);
   return container;
 }
 

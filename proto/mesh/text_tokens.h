@@ -4,12 +4,21 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
 namespace geodesic::proto {
+
+// The text of a file, from behind the byte order mark that some editors put before it.
+[[nodiscard]] inline std::string_view text_of_file(std::span<const std::byte> bytes) {
+  std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  return text;
+}
 
 class TextTokens {
  public:

@@ -91,6 +91,17 @@ TEST_CASE("a text PLY may have colours that are no bytes") {
   CHECK(mesh.soup.positions == Places{{0, 0, 0}, {1.5, 0, 0}, {0, 1, 0}});
 }
 
+TEST_CASE("a text file may begin with a byte order mark") {
+  const TriangleSoup soup = shapes::icosphere(1);
+  const std::string mark = "\xEF\xBB\xBF";
+  check_same(good(mark + obj_of(soup), MeshFormat::obj).soup, soup);
+  check_same(good(mark + ply_text_of(soup), MeshFormat::ply).soup, soup);
+  check_same(good(mark + stl_text_of(soup), MeshFormat::stl).soup, in_facets(soup, false));
+  // What says nothing in a binary file may begin so too.
+  check_same(good(stl_binary_of(soup).replace(0, 3, mark), MeshFormat::stl).soup,
+             in_facets(soup, true));
+}
+
 TEST_CASE("damaged OBJ, PLY and STL files end in an error or a mesh that holds together") {
   const TriangleSoup soup = shapes::icosphere(1);
   std::mt19937 random(5);
