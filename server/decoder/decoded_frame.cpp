@@ -264,7 +264,8 @@ void frame_fields(Archive& archive, const Result<Content>& answer) {
   }
 }
 
-bool is_known(const proto::DecodedMesh& mesh) { return mesh.format <= proto::MeshFormat::stl; }
+// A format without a name is a number that no decoder of ours writes.
+bool is_known(const proto::DecodedMesh& mesh) { return !proto::name_of(mesh.format).empty(); }
 bool is_known(const std::string& /*bytes*/) { return true; }
 
 }  // namespace

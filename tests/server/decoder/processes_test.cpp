@@ -281,6 +281,10 @@ TEST_CASE("FramesSurviveTheWay") {
   CHECK((*read)->findings[1].text == "text");
   CHECK((*read)->format == proto::MeshFormat::drc);
   CHECK(frame_of(*read) == frame);
+  for (const auto& [number, is_a_format] : {std::pair(0, true), {5, true}, {100, false}}) {
+    mesh.format = static_cast<proto::MeshFormat>(number);
+    CHECK(read_frame(frame_of(mesh)).has_value() == is_a_format);
+  }
 
   const Error error{ErrorCode::too_large, "detail", "from[2]", 5, {}};
   const auto failed = read_frame(frame_of(fail(error)));
