@@ -20,7 +20,10 @@ namespace geodesic {
 // Vertices and points on edges together may not be more than this.
 inline constexpr std::uint64_t kMaxSteinerNodes = std::uint64_t{1} << 31U;
 
-// The edges of a mesh, numbered.
+// The edges of a mesh, numbered. core/exact/frames.h numbers edges too, and it cannot be for both:
+// there they are those of a triangulation, whose edges need not be the mesh's, and the number
+// stands in the record of a face that windows are carried across. Here it outlives the computation,
+// by halfedge alone, in the details that a field keeps (core/field/edge_points.h).
 struct EdgeNumbers {
   std::vector<std::uint32_t> of;  // by halfedge 4f + c
   std::vector<Halfedge> first;    // by edge: one of its halfedges
