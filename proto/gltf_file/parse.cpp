@@ -11,6 +11,8 @@
 
 #include "proto/gltf_file/extensions.h"
 #include "proto/gltf_file/json.h"
+#include "proto/wire/cut_to.h"
+#include "proto/wire/import_options.h"
 
 #define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_NO_FS
@@ -23,15 +25,8 @@
 namespace geodesic::proto {
 namespace {
 
-constexpr std::size_t max_name_bytes = 128;
-
-// At most so many bytes of a UTF-8 string, cut between two code points.
-std::string shortened(const std::string& name) {
-  if (name.size() <= max_name_bytes) return name;
-  std::size_t size = max_name_bytes;
-  while (size > 0 && (static_cast<unsigned char>(name[size]) & 0xC0) == 0x80) --size;
-  return name.substr(0, size);
-}
+// Whole, if a client may choose it.
+std::string kept_name(const std::string& name) { return cut_to(name, kMostChosenNameBytes); }
 
 std::optional<std::size_t> reference(int index) {
   if (index < 0) return std::nullopt;
@@ -121,7 +116,7 @@ Result<GltfDocument> convert(const tinygltf::Model& model, ReducedGltf reduced) 
     document.accessors.push_back(convert(accessor, reduced.absent_view));
   }
   for (const auto& from : model.meshes) {
-    GltfMesh mesh{shortened(from.name), from.weights, {}};
+    GltfMesh mesh{kept_name(from.name), from.weights, {}};
     for (const auto& primitive : from.primitives) mesh.primitives.push_back(convert(primitive));
     document.meshes.push_back(std::move(mesh));
   }
@@ -132,7 +127,7 @@ Result<GltfDocument> convert(const tinygltf::Model& model, ReducedGltf reduced) 
       return fail(ErrorCode::mesh_invalid,
                   "node " + std::to_string(i) + ": the last row of `matrix` is not 0 0 0 1.");
     }
-    GltfNode node{shortened(from.name),
+    GltfNode node{kept_name(from.name),
                   reference(from.mesh),
                   references(from.children),
                   *transform,
@@ -146,7 +141,7 @@ Result<GltfDocument> convert(const tinygltf::Model& model, ReducedGltf reduced) 
   }
   for (const auto& scene : model.scenes) {
     document.scenes.push_back(references(scene.nodes));
-    document.scene_names.push_back(shortened(scene.name));
+    document.scene_names.push_back(kept_name(scene.name));
   }
   document.scene = reference(model.defaultScene);
   return document;

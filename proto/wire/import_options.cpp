@@ -10,7 +10,6 @@
 namespace geodesic::proto {
 namespace {
 
-constexpr std::size_t max_chosen_name_bytes = 512;
 constexpr double least_scale = 1e-30;
 constexpr double most_scale = 1e30;
 
@@ -28,7 +27,7 @@ bool is_utf8(const std::string& text) {
 Result<std::optional<std::string>> index_or_name(Parameters& parameters, const char* name) {
   auto text = parameters.text(name);
   if (text && *text &&
-      ((*text)->empty() || (*text)->size() > max_chosen_name_bytes || !is_utf8(**text))) {
+      ((*text)->empty() || (*text)->size() > kMostChosenNameBytes || !is_utf8(**text))) {
     return wrong(name, "an index, or a name of at most 512 bytes of UTF-8, is wanted");
   }
   // 007 and 7 are the same index and must have the same id.

@@ -2,6 +2,7 @@
 // from the default makes another mesh of the same bytes, with an id of its own.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -13,6 +14,9 @@
 #include "proto/wire/parameters.h"
 
 namespace geodesic::proto {
+
+// Of the name of a scene or a node that a client may choose.
+inline constexpr std::size_t kMostChosenNameBytes = 512;
 
 enum class UpAxis : std::uint8_t { x, y, z };
 

@@ -169,6 +169,17 @@ TEST_CASE("a scene is chosen by index or name, a name of digits by index alone")
   }
 }
 
+TEST_CASE("a long name that may be chosen is found, and told up to 200 bytes") {
+  auto f = two_scenes();
+  const std::string name = std::string(500, 'n') + "\u00e4";
+  f.document["scenes"][1]["name"] = "s" + name;
+  f.document["nodes"][3]["name"] = name;
+  const auto mesh = with(f, {{"scene", "s" + name}, {"node", name}});
+  REQUIRE(mesh);
+  CHECK(mesh->soup.positions[0] == Vec3{0, 0, 7});
+  CHECK(mesh->parts.at(0).name == std::string(197, 'n') + "\u2026");
+}
+
 TEST_CASE("a node is drawn with its children, where its parents put it") {
   const auto f = two_scenes();
   const auto right = with(f, {{"node", "right"}});
