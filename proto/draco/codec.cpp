@@ -20,7 +20,7 @@
 namespace geodesic::proto {
 namespace {
 
-constexpr int max_position_bits = 30;  // what Draco's quantiser can do
+constexpr int kMaxPositionBits = 30;  // what Draco's quantiser can do
 
 // The value that integers of a type stand for when they are normalised, or 0.
 double full_scale(draco::DataType type) {
@@ -145,7 +145,7 @@ Result<TriangleSoup> decode_draco(std::span<const std::byte> bytes, const DracoL
 }
 
 Result<std::vector<std::byte>> encode_drc(const TriangleSoup& soup, int position_bits) {
-  if (position_bits < 0 || position_bits > max_position_bits) {
+  if (position_bits < 0 || position_bits > kMaxPositionBits) {
     return fail(ErrorCode::value_out_of_range,
                 "Positions can be quantised to 1 to 30 bits, or to 0 for not at all.",
                 "position_bits");

@@ -6,20 +6,20 @@
 namespace geodesic::proto {
 namespace {
 
-constexpr char magic[] = {'D', 'R', 'A', 'C', 'O'};
-constexpr std::uint32_t mesh_type = 1;
-constexpr std::uint32_t sequential_method = 0;
-constexpr std::uint32_t edgebreaker_method = 1;
-constexpr std::uint32_t metadata_flag = 0x8000;
-constexpr int max_metadata_depth = 16;
+constexpr char kMagic[] = {'D', 'R', 'A', 'C', 'O'};
+constexpr std::uint32_t kMeshType = 1;
+constexpr std::uint32_t kSequentialMethod = 0;
+constexpr std::uint32_t kEdgebreakerMethod = 1;
+constexpr std::uint32_t kMetadataFlag = 0x8000;
+constexpr int kMaxMetadataDepth = 16;
 
 // Faces or points that one byte may stand for, and what even the smallest file
 // may claim. The reference encoder's densest file of any use is a flat regular
 // grid at its slowest level: 106 faces a byte (316 x 316 vertices, 14 bits), and
 // scanned meshes have one to four. Only at 1 bit, when all vertices collapse into
 // the corners of the box, does a grid of a million reach 684.
-constexpr std::uint64_t claims_per_byte = 256;
-constexpr std::uint64_t claims_for_free = 4096;
+constexpr std::uint64_t kClaimsPerByte = 256;
+constexpr std::uint64_t kClaimsForFree = 4096;
 
 // Little-endian reading that remembers having come to the end.
 class Reader {
@@ -72,7 +72,7 @@ void skip_metadata(Reader& reader, int depth) {
   const std::uint64_t children = reader.varint();
   for (std::uint64_t i = 0; i < children && reader.good(); ++i) {
     // The library recurses here without a bound.
-    if (depth == max_metadata_depth) return reader.skip(~std::uint64_t{0});
+    if (depth == kMaxMetadataDepth) return reader.skip(~std::uint64_t{0});
     reader.skip(reader.fixed(1));
     skip_metadata(reader, depth + 1);
   }
@@ -85,15 +85,15 @@ tl::unexpected<Error> invalid(const std::string& detail) {
 }  // namespace
 
 bool is_draco(std::span<const std::byte> bytes) {
-  return bytes.size() >= std::size(magic) &&
-         std::equal(std::begin(magic), std::end(magic), bytes.begin(),
+  return bytes.size() >= std::size(kMagic) &&
+         std::equal(std::begin(kMagic), std::end(kMagic), bytes.begin(),
                     [](char c, std::byte b) { return std::byte(c) == b; });
 }
 
 Result<DracoClaims> check_draco_claims(std::span<const std::byte> bytes,
                                        const DracoLimits& limits) {
   if (!is_draco(bytes)) return invalid("The Draco data does not start with DRACO.");
-  Reader reader(bytes.subspan(std::size(magic)));
+  Reader reader(bytes.subspan(std::size(kMagic)));
   const std::uint32_t major = reader.fixed(1);
   const std::uint32_t minor = reader.fixed(1);
   const std::uint32_t version = major << 8 | minor;
@@ -101,17 +101,17 @@ Result<DracoClaims> check_draco_claims(std::span<const std::byte> bytes,
   const std::uint32_t method = reader.fixed(1);
   const std::uint32_t flags = reader.fixed(2);
   if (!reader.good()) return invalid("The Draco data ends within its header.");
-  if (type != mesh_type) {
+  if (type != kMeshType) {
     return fail(ErrorCode::no_triangles, "The Draco data is a point cloud: it has no triangles.");
   }
   if (version < 0x0100 || version > 0x0202) {
     return invalid("The Draco data is of version " + std::to_string(major) + "." +
                    std::to_string(minor) + ", which is not known.");
   }
-  if (method != sequential_method && method != edgebreaker_method) {
+  if (method != kSequentialMethod && method != kEdgebreakerMethod) {
     return invalid("The Draco data is encoded by a method that is not known.");
   }
-  if (version >= 0x0103 && (flags & metadata_flag) != 0) {
+  if (version >= 0x0103 && (flags & kMetadataFlag) != 0) {
     const std::uint64_t attributes = reader.varint();
     for (std::uint64_t i = 0; i < attributes && reader.good(); ++i) {
       (void)reader.varint();  // unique id
@@ -122,7 +122,7 @@ Result<DracoClaims> check_draco_claims(std::span<const std::byte> bytes,
 
   DracoClaims claims;
   std::uint64_t seams = 0;  // attributes with a connectivity of their own
-  if (method == sequential_method) {
+  if (method == kSequentialMethod) {
     const bool fixed = version < 0x0202;
     claims.faces = fixed ? reader.fixed(4) : reader.varint();
     claims.points = fixed ? reader.fixed(4) : reader.varint();
@@ -153,7 +153,7 @@ Result<DracoClaims> check_draco_claims(std::span<const std::byte> bytes,
   }
   // Each seam costs a table of corners.
   const std::uint64_t claimed = std::max(claims.points, claims.faces * (1 + seams));
-  if (claimed > claims_for_free + claims_per_byte * bytes.size()) {
+  if (claimed > kClaimsForFree + kClaimsPerByte * bytes.size()) {
     return invalid("The Draco data claims " + std::to_string(claims.faces) + " faces and " +
                    std::to_string(claims.points) + " points in " + std::to_string(bytes.size()) +
                    " bytes.");

@@ -88,13 +88,13 @@ class ObjReader {
 }  // namespace
 
 bool is_obj(std::span<const std::byte> bytes) {
-  static constexpr std::string_view keywords[] = {"v", "vn", "vt", "vp",     "f",      "o",
-                                                  "g", "s",  "l",  "mtllib", "usemtl", "p"};
+  static constexpr std::string_view kKeywords[] = {"v", "vn", "vt", "vp",     "f",      "o",
+                                                   "g", "s",  "l",  "mtllib", "usemtl", "p"};
   TextTokens tokens(text_of_file(bytes));
   do {
     const auto keyword = tokens.word_on_line();
     if (keyword.empty() || keyword[0] == '#') continue;
-    if (std::ranges::count(keywords, keyword) == 0) return false;
+    if (std::ranges::count(kKeywords, keyword) == 0) return false;
     return keyword == "g" || keyword == "s" || !tokens.word_on_line().empty();
   } while (tokens.next_line());
   return false;

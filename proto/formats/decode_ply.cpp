@@ -45,8 +45,8 @@ struct ClosePly {
 
 // e_ply_type has each of eight types by two names, and then the list.
 std::uint64_t size_of(e_ply_type type) {
-  static constexpr std::array<std::uint64_t, 8> sizes{1, 1, 2, 2, 4, 4, 4, 8};
-  return sizes[static_cast<std::size_t>(type) % sizes.size()];
+  static constexpr std::array<std::uint64_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[static_cast<std::size_t>(type) % kSizes.size()];
 }
 bool is_integer(e_ply_type type) { return type < PLY_LIST && type % 8 < PLY_FLOAT32; }
 

@@ -13,10 +13,10 @@
 namespace geodesic::proto {
 namespace {
 
-constexpr std::size_t binary_header = 80;
-constexpr std::size_t binary_preamble = 84;
-constexpr std::size_t binary_facet = 50;  // normal, three vertices, 16 bits of anything
-constexpr std::size_t binary_normal = 12;
+constexpr std::size_t kBinaryHeader = 80;
+constexpr std::size_t kBinaryPreamble = 84;
+constexpr std::size_t kBinaryFacet = 50;  // normal, three vertices, 16 bits of anything
+constexpr std::size_t kBinaryNormal = 12;
 
 template <class T>
 T little_endian(const std::byte* at) {
@@ -27,12 +27,12 @@ T little_endian(const std::byte* at) {
 }
 
 std::uint64_t facets_claimed(std::span<const std::byte> bytes) {
-  return little_endian<std::uint32_t>(bytes.data() + binary_header);
+  return little_endian<std::uint32_t>(bytes.data() + kBinaryHeader);
 }
 
 bool is_binary_stl(std::span<const std::byte> bytes) {
-  return bytes.size() >= binary_preamble &&
-         bytes.size() == binary_preamble + binary_facet * facets_claimed(bytes);
+  return bytes.size() >= kBinaryPreamble &&
+         bytes.size() == kBinaryPreamble + kBinaryFacet * facets_claimed(bytes);
 }
 
 bool is_word(std::string_view word, std::string_view lower_case) {
@@ -61,7 +61,7 @@ Result<TriangleSoup> read_binary(std::span<const std::byte> bytes, const DecodeL
   TriangleSoup soup;
   soup.positions.resize(3 * facets);
   for (std::size_t i = 0; i < soup.positions.size(); ++i) {
-    const std::byte* at = bytes.data() + binary_preamble + i / 3 * binary_facet + binary_normal +
+    const std::byte* at = bytes.data() + kBinaryPreamble + i / 3 * kBinaryFacet + kBinaryNormal +
                           i % 3 * 3 * sizeof(float);
     const Vec3 p{little_endian<float>(at), little_endian<float>(at + 4),
                  little_endian<float>(at + 8)};

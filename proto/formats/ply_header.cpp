@@ -10,14 +10,14 @@
 namespace geodesic::proto {
 namespace {
 
-constexpr std::size_t most_header_bytes = 16384;  // rply takes about twenty times that
-constexpr std::size_t most_word_bytes = 255;      // rply's WORDSIZE, less the end
+constexpr std::size_t kMostHeaderBytes = 16384;  // rply takes about twenty times that
+constexpr std::size_t kMostWordBytes = 255;      // rply's WORDSIZE, less the end
 
 bool is_integer_type(std::string_view name) {
-  static constexpr std::string_view names[] = {"char",  "uchar",  "short", "ushort",
-                                               "int",   "uint",   "int8",  "uint8",
-                                               "int16", "uint16", "int32", "uint32"};
-  return std::ranges::count(names, name) != 0;
+  static constexpr std::string_view kNames[] = {"char",  "uchar",  "short", "ushort",
+                                                "int",   "uint",   "int8",  "uint8",
+                                                "int16", "uint16", "int32", "uint32"};
+  return std::ranges::count(kNames, name) != 0;
 }
 
 class HeaderCleaner {
@@ -30,7 +30,7 @@ class HeaderCleaner {
       const auto keyword = tokens_.word_on_line();
       if (keyword == "end_header") break;
       if (const auto read = line(keyword); !read) return fail(read.error());
-      if (header_.lines.size() > most_header_bytes) return invalid("the header is too long.");
+      if (header_.lines.size() > kMostHeaderBytes) return invalid("the header is too long.");
       if (!tokens_.next_line()) {
         return fail(ErrorCode::mesh_invalid, "The PLY header has no `end_header`.");
       }
@@ -79,7 +79,7 @@ class HeaderCleaner {
     }
     for (const std::string_view& word : words) {
       if (word.empty()) return invalid("a word is lacking here.");
-      if (word.size() > most_word_bytes || word.find('\0') != std::string_view::npos) {
+      if (word.size() > kMostWordBytes || word.find('\0') != std::string_view::npos) {
         return invalid("a word is too long, or has a zero byte.");
       }
       // Where it looks for a type, rply would step over it.

@@ -14,7 +14,7 @@
 namespace geodesic::proto {
 namespace {
 
-constexpr double bounds_tolerance = 0.01;
+constexpr double kBoundsTolerance = 0.01;
 
 struct Bounds {
   std::vector<double> low;
@@ -22,11 +22,11 @@ struct Bounds {
 };
 
 Bounds bounds_of(const GltfElements& elements) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const auto components = static_cast<std::size_t>(elements.components);
   GltfElements raw = elements;  // bounds are of the numbers as stored
   raw.normalized = false;
-  Bounds bounds{std::vector(components, infinity), std::vector(components, -infinity)};
+  Bounds bounds{std::vector(components, kInfinity), std::vector(components, -kInfinity)};
   for (std::uint64_t i = 0; i < raw.count; ++i) {
     for (std::size_t k = 0; k < components; ++k) {
       const double value = raw.number(i, static_cast<int>(k));
@@ -110,7 +110,7 @@ Result<void> check_bounds(const GltfDocument& document, std::size_t accessor,
   if (!std::isfinite(longest)) return {};  // who fills positions names the one at fault
   const auto agree = [&](const std::vector<double>& stated, const std::vector<double>& found) {
     for (std::size_t k = 0; k < stated.size(); ++k) {
-      if (std::abs(stated[k] - found[k]) > bounds_tolerance * longest) return false;
+      if (std::abs(stated[k] - found[k]) > kBoundsTolerance * longest) return false;
     }
     return true;
   };

@@ -38,9 +38,9 @@ std::optional<BadPosition> fill_as(const GltfElements& elements, const GltfTrans
                                    std::span<Vec3> out) {
   if constexpr (std::is_integral_v<T>) {
     if (elements.normalized) {
-      constexpr double full = std::numeric_limits<T>::max();
+      constexpr double kFull = std::numeric_limits<T>::max();
       const auto value = [&](std::uint64_t i, int which) {
-        return std::max(elements.component<T>(i, which) / full, -1.0);
+        return std::max(elements.component<T>(i, which) / kFull, -1.0);
       };
       return fill(
           [&](std::uint64_t i) {

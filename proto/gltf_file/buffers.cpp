@@ -10,15 +10,15 @@
 namespace geodesic::proto {
 namespace {
 
-constexpr std::uint8_t not_base64 = 0xFF;
+constexpr std::uint8_t kNotBase64 = 0xFF;
 
 constexpr std::array<std::uint8_t, 256> base64_values() {
   std::array<std::uint8_t, 256> values{};
-  values.fill(not_base64);
-  constexpr std::string_view alphabet =
+  values.fill(kNotBase64);
+  constexpr std::string_view kAlphabet =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  for (std::size_t i = 0; i < alphabet.size(); ++i) {
-    values[static_cast<unsigned char>(alphabet[i])] = static_cast<std::uint8_t>(i);
+  for (std::size_t i = 0; i < kAlphabet.size(); ++i) {
+    values[static_cast<unsigned char>(kAlphabet[i])] = static_cast<std::uint8_t>(i);
   }
   return values;
 }
@@ -28,7 +28,7 @@ std::string name_of_buffer(std::size_t index) { return "buffer " + std::to_strin
 }  // namespace
 
 std::optional<std::vector<std::byte>> decode_base64(std::string_view text) {
-  static constexpr auto values = base64_values();
+  static constexpr auto kValues = base64_values();
   for (int i = 0; i < 2 && text.ends_with('='); ++i) text.remove_suffix(1);
   if (text.size() % 4 == 1) return std::nullopt;
   std::vector<std::byte> bytes(text.size() / 4 * 3 + text.size() % 4 * 3 / 4);
@@ -36,7 +36,7 @@ std::optional<std::vector<std::byte>> decode_base64(std::string_view text) {
   std::uint32_t bits = 0;
   std::uint8_t bad = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
-    const std::uint8_t value = values[static_cast<unsigned char>(text[i])];
+    const std::uint8_t value = kValues[static_cast<unsigned char>(text[i])];
     bad |= value;  // a good value is below 64
     bits = bits << 6 | (value & 63u);
     if (i % 4 == 3) {

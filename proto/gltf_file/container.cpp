@@ -9,10 +9,10 @@
 namespace geodesic::proto {
 namespace {
 
-constexpr std::uint32_t json_chunk = 0x4E4F534A;    // "JSON"
-constexpr std::uint32_t binary_chunk = 0x004E4942;  // "BIN\0"
-constexpr std::size_t header_size = 12;
-constexpr std::size_t chunk_header_size = 8;
+constexpr std::uint32_t kJsonChunk = 0x4E4F534A;    // "JSON"
+constexpr std::uint32_t kBinaryChunk = 0x004E4942;  // "BIN\0"
+constexpr std::size_t kHeaderSize = 12;
+constexpr std::size_t kChunkHeaderSize = 8;
 
 std::uint32_t read_u32(std::span<const std::byte> bytes, std::size_t at) {
   std::uint32_t value = 0;
@@ -28,7 +28,7 @@ std::string_view as_text(std::span<const std::byte> bytes) {
 }  // namespace
 
 Result<GltfContainer> open_glb(std::span<const std::byte> bytes) {
-  if (bytes.size() < header_size) {
+  if (bytes.size() < kHeaderSize) {
     return fail(ErrorCode::mesh_invalid, "The GLB ends within its 12-byte header.");
   }
   if (const std::uint32_t version = read_u32(bytes, 4); version != 2) {
@@ -36,7 +36,7 @@ Result<GltfContainer> open_glb(std::span<const std::byte> bytes) {
                 "The GLB is of version " + std::to_string(version) + "; only version 2 is read.");
   }
   const std::uint32_t length = read_u32(bytes, 8);
-  if (length < header_size || length > bytes.size()) {
+  if (length < kHeaderSize || length > bytes.size()) {
     return fail(ErrorCode::mesh_invalid, "The GLB header claims " + std::to_string(length) +
                                              " bytes, but " + std::to_string(bytes.size()) +
                                              " are present.");
@@ -44,15 +44,15 @@ Result<GltfContainer> open_glb(std::span<const std::byte> bytes) {
   GltfContainer container;
   container.trailing_bytes = bytes.size() - length;
   bytes = bytes.first(length);
-  std::size_t at = header_size;
+  std::size_t at = kHeaderSize;
   for (std::size_t chunk = 0; at < bytes.size(); ++chunk) {
     const std::string name = "GLB chunk " + std::to_string(chunk);
-    if (bytes.size() - at < chunk_header_size) {
+    if (bytes.size() - at < kChunkHeaderSize) {
       return fail(ErrorCode::mesh_invalid, name + " ends within its 8-byte header.");
     }
     const std::uint32_t size = read_u32(bytes, at);
     const std::uint32_t type = read_u32(bytes, at + 4);
-    at += chunk_header_size;
+    at += kChunkHeaderSize;
     if (size > bytes.size() - at) {
       return fail(ErrorCode::mesh_invalid, name + " claims " + std::to_string(size) +
                                                " bytes, but " + std::to_string(bytes.size() - at) +
@@ -64,17 +64,17 @@ Result<GltfContainer> open_glb(std::span<const std::byte> bytes) {
     }
     const auto content = bytes.subspan(at, size);
     at += size;
-    if (chunk == 0 && type != json_chunk) {
+    if (chunk == 0 && type != kJsonChunk) {
       return fail(ErrorCode::mesh_invalid, "GLB chunk 0 is not the JSON chunk.");
     }
     if (chunk == 0) {
       container.json = as_text(content);
       // Padding is to be spaces; some exporters write zeros.
       while (container.json.ends_with('\0')) container.json.remove_suffix(1);
-    } else if (chunk == 1 && type == binary_chunk) {
+    } else if (chunk == 1 && type == kBinaryChunk) {
       container.binary = content;
       container.has_binary = true;
-    } else if (type == json_chunk || type == binary_chunk) {
+    } else if (type == kJsonChunk || type == kBinaryChunk) {
       return fail(ErrorCode::mesh_invalid,
                   name + " is a JSON or BIN chunk, which is not to be there.");
     }  // chunks of other types are to be ignored

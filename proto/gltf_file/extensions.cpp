@@ -6,11 +6,11 @@ namespace geodesic::proto {
 namespace {
 
 // Of all others the geometry might depend on them.
-constexpr std::string_view implemented[] = {draco_extension,         instancing_extension,
-                                            meshopt_extensions[0],   meshopt_extensions[1],
-                                            "KHR_mesh_quantization", rtc_extension};
+constexpr std::string_view kImplemented[] = {kDracoExtension,         kInstancingExtension,
+                                             kMeshoptExtensions[0],   kMeshoptExtensions[1],
+                                             "KHR_mesh_quantization", kRtcExtension};
 
-constexpr std::string_view irrelevant[] = {
+constexpr std::string_view kIrrelevant[] = {
     "ADOBE_materials_clearcoat_specular",
     "ADOBE_materials_clearcoat_tint",
     "ADOBE_materials_thin_transparency",
@@ -41,8 +41,8 @@ constexpr std::string_view irrelevant[] = {
 }  // namespace
 
 bool is_accepted_extension(std::string_view name) {
-  return name.starts_with("KHR_materials_") || std::ranges::count(implemented, name) != 0 ||
-         std::ranges::count(irrelevant, name) != 0;
+  return name.starts_with("KHR_materials_") || std::ranges::count(kImplemented, name) != 0 ||
+         std::ranges::count(kIrrelevant, name) != 0;
 }
 
 }  // namespace geodesic::proto

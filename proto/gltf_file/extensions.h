@@ -7,10 +7,10 @@
 
 namespace geodesic::proto {
 
-inline constexpr std::string_view draco_extension = "KHR_draco_mesh_compression";
-inline constexpr std::string_view instancing_extension = "EXT_mesh_gpu_instancing";
-inline constexpr std::string_view rtc_extension = "CESIUM_RTC";
-inline constexpr std::string_view meshopt_extensions[] = {"EXT_meshopt_compression",
+inline constexpr std::string_view kDracoExtension = "KHR_draco_mesh_compression";
+inline constexpr std::string_view kInstancingExtension = "EXT_mesh_gpu_instancing";
+inline constexpr std::string_view kRtcExtension = "CESIUM_RTC";
+inline constexpr std::string_view kMeshoptExtensions[] = {"EXT_meshopt_compression",
                                                           "KHR_meshopt_compression"};
 
 // May a file list this extension in `extensionsRequired`?

@@ -60,7 +60,7 @@ class Reduction {
 
   bool extensions(json& root) {
     if (const json* used = object_member(root, "extensions")) {
-      out_.has_rtc_center = used->contains(rtc_extension);
+      out_.has_rtc_center = used->contains(kRtcExtension);
     }
     const auto it = root.find("extensionsRequired");
     if (it == root.end()) return true;
@@ -116,7 +116,7 @@ class Reduction {
     for (std::size_t i = 0; i < buffer_count_; ++i) {
       json& item = root["buffers"][i];
       const GltfPlace place{"buffer", i};
-      if (!checks_.whole(item, "byteLength", 1, gltf_max_bytes, place, true)) return false;
+      if (!checks_.whole(item, "byteLength", 1, kGltfMaxBytes, place, true)) return false;
       GltfBuffer buffer;
       buffer.byte_length = item["byteLength"].get<std::uint64_t>();
       if (const auto it = item.find("uri"); it != item.end()) {
@@ -134,8 +134,8 @@ class Reduction {
       json& view = root["bufferViews"][i];
       const GltfPlace place{"bufferView", i};
       if (!checks_.reference(view, "buffer", buffer_count_, place, true) ||
-          !checks_.whole(view, "byteOffset", 0, gltf_max_bytes, place) ||
-          !checks_.whole(view, "byteLength", 1, gltf_max_bytes, place, true) ||
+          !checks_.whole(view, "byteOffset", 0, kGltfMaxBytes, place) ||
+          !checks_.whole(view, "byteLength", 1, kGltfMaxBytes, place, true) ||
           !checks_.whole(view, "byteStride", 4, 252, place)) {
         return false;
       }
@@ -157,19 +157,19 @@ class Reduction {
       json& accessor = root["accessors"][i];
       const GltfPlace place{"accessor", i};
       if (!checks_.reference(accessor, "bufferView", out_.absent_view, place) ||
-          !checks_.whole(accessor, "byteOffset", 0, gltf_max_bytes, place) ||
+          !checks_.whole(accessor, "byteOffset", 0, kGltfMaxBytes, place) ||
           !checks_.whole(accessor, "componentType", gltf_int8, gltf_float32, place, true) ||
-          !checks_.whole(accessor, "count", 1, gltf_max_bytes, place, true)) {
+          !checks_.whole(accessor, "count", 1, kGltfMaxBytes, place, true)) {
         return false;
       }
       if (const auto it = accessor.find("normalized"); it != accessor.end() && !it->is_boolean()) {
         return checks_.invalid(place.text() + ": `normalized` is neither true nor false.");
       }
-      static constexpr std::string_view types[] = {"SCALAR", "VEC2", "VEC3", "VEC4",
-                                                   "MAT2",   "MAT3", "MAT4"};
+      static constexpr std::string_view kTypes[] = {"SCALAR", "VEC2", "VEC3", "VEC4",
+                                                    "MAT2",   "MAT3", "MAT4"};
       const auto type = accessor.find("type");
       if (type == accessor.end() || !type->is_string() ||
-          std::ranges::count(types, type->get_ref<const std::string&>()) == 0) {
+          std::ranges::count(kTypes, type->get_ref<const std::string&>()) == 0) {
         return checks_.invalid(place.text() + " has no `type` that glTF knows.");
       }
       if (accessor.contains("byteOffset") && !accessor.contains("bufferView")) {
@@ -200,12 +200,12 @@ class Reduction {
     json& indices = sparse["indices"];
     json& values = sparse["values"];
     keep_members(sparse, {"count", "indices", "values"});
-    return checks_.whole(sparse, "count", 1, gltf_max_int, place, true) &&
+    return checks_.whole(sparse, "count", 1, kGltfMaxInt, place, true) &&
            checks_.reference(indices, "bufferView", out_.absent_view, place, true) &&
-           checks_.whole(indices, "byteOffset", 0, gltf_max_int, place) &&
+           checks_.whole(indices, "byteOffset", 0, kGltfMaxInt, place) &&
            checks_.whole(indices, "componentType", gltf_uint8, gltf_uint32, place, true) &&
            checks_.reference(values, "bufferView", out_.absent_view, place, true) &&
-           checks_.whole(values, "byteOffset", 0, gltf_max_int, place);
+           checks_.whole(values, "byteOffset", 0, kGltfMaxInt, place);
   }
 
   bool meshes(json& root) {

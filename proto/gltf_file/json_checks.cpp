@@ -27,7 +27,7 @@ bool GltfChecks::whole(json& object, const char* key, std::uint64_t low, std::ui
   }
   if (it->is_number_float()) {  // 10.0 is a whole number too
     const double value = it->get<double>();
-    if (value >= 0 && value < static_cast<double>(gltf_max_bytes) && value == std::floor(value)) {
+    if (value >= 0 && value < static_cast<double>(kGltfMaxBytes) && value == std::floor(value)) {
       *it = static_cast<std::uint64_t>(value);
     }
   }

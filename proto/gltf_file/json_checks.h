@@ -15,8 +15,8 @@
 
 namespace geodesic::proto {
 
-inline constexpr std::uint64_t gltf_max_bytes = std::uint64_t{1} << 53;  // whole in a double
-inline constexpr std::uint64_t gltf_max_int = 0x7FFFFFFF;  // what tinygltf keeps in an int
+inline constexpr std::uint64_t kGltfMaxBytes = std::uint64_t{1} << 53;  // whole in a double
+inline constexpr std::uint64_t kGltfMaxInt = 0x7FFFFFFF;  // what tinygltf keeps in an int
 
 // "accessor 3", made only when there is something to say.
 struct GltfPlace {

@@ -13,8 +13,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::string_view meshopt_modes[] = {"ATTRIBUTES", "TRIANGLES", "INDICES"};
-constexpr std::string_view meshopt_filters[] = {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL",
+constexpr std::string_view kMeshoptModes[] = {"ATTRIBUTES", "TRIANGLES", "INDICES"};
+constexpr std::string_view kMeshoptFilters[] = {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL",
                                                 "COLOR"};
 
 // The place of a text property in a list of names.
@@ -40,7 +40,7 @@ bool take_meshopt(json& view, std::size_t index, std::size_t buffers, GltfChecks
                   std::map<std::size_t, GltfMeshopt>& out) {
   json* extensions = object_member(view, "extensions");
   if (extensions == nullptr) return true;
-  for (const std::string_view extension : meshopt_extensions) {
+  for (const std::string_view extension : kMeshoptExtensions) {
     const auto it = extensions->find(extension);
     if (it == extensions->end()) continue;
     const GltfPlace place{"bufferView", index};
@@ -48,17 +48,17 @@ bool take_meshopt(json& view, std::size_t index, std::size_t buffers, GltfChecks
       return checks.invalid(place.text() + ": " + std::string(extension) + " is not an object.");
     }
     if (!checks.reference(*it, "buffer", buffers, place, true) ||
-        !checks.whole(*it, "byteOffset", 0, gltf_max_bytes, place) ||
-        !checks.whole(*it, "byteLength", 1, gltf_max_bytes, place, true) ||
+        !checks.whole(*it, "byteOffset", 0, kGltfMaxBytes, place) ||
+        !checks.whole(*it, "byteLength", 1, kGltfMaxBytes, place, true) ||
         !checks.whole(*it, "byteStride", 1, 256, place, true) ||
-        !checks.whole(*it, "count", 1, gltf_max_bytes, place, true)) {
+        !checks.whole(*it, "count", 1, kGltfMaxBytes, place, true)) {
       return false;
     }
-    const auto mode = named(*it, "mode", meshopt_modes);
+    const auto mode = named(*it, "mode", kMeshoptModes);
     if (!mode) {
       return checks.invalid(place.text() + " has no `mode` that meshopt compression knows.");
     }
-    const auto filter = it->contains("filter") ? named(*it, "filter", meshopt_filters) : 0;
+    const auto filter = it->contains("filter") ? named(*it, "filter", kMeshoptFilters) : 0;
     if (!filter) {
       return checks.invalid(place.text() + " has no `filter` that meshopt compression knows.");
     }
@@ -75,12 +75,12 @@ bool take_instancing(json& node, std::size_t index, std::size_t accessors, GltfC
                      std::map<std::size_t, GltfInstancing>& out) {
   json* extensions = object_member(node, "extensions");
   if (extensions == nullptr) return true;
-  const auto it = extensions->find(instancing_extension);
+  const auto it = extensions->find(kInstancingExtension);
   if (it == extensions->end()) return true;
   const GltfPlace place{"node", index};
   json* attributes = it->is_object() ? object_member(*it, "attributes") : nullptr;
   if (attributes == nullptr) {
-    return checks.invalid(place.text() + ": " + std::string(instancing_extension) +
+    return checks.invalid(place.text() + ": " + std::string(kInstancingExtension) +
                           " has no `attributes`.");
   }
   for (const char* key : {"TRANSLATION", "ROTATION", "SCALE"}) {
@@ -97,19 +97,19 @@ bool take_instancing(json& node, std::size_t index, std::size_t accessors, GltfC
 bool reduce_draco(json& primitive, const GltfPlace& place, std::size_t views, GltfChecks& checks) {
   json kept = json::object();
   if (json* extensions = object_member(primitive, "extensions")) {
-    if (const auto it = extensions->find(draco_extension); it != extensions->end()) {
+    if (const auto it = extensions->find(kDracoExtension); it != extensions->end()) {
       json* ids = it->is_object() ? object_member(*it, "attributes") : nullptr;
       if (ids == nullptr) {
         return checks.invalid(place.text() + ": its Draco data has no `attributes`.");
       }
       if (!checks.reference(*it, "bufferView", views, place, true) ||
-          !checks.whole(*ids, "POSITION", 0, gltf_max_int, place,
+          !checks.whole(*ids, "POSITION", 0, kGltfMaxInt, place,
                         primitive["attributes"].contains("POSITION"))) {
         return false;
       }
       keep_members(*it, {"bufferView", "attributes"});
       keep_members(*ids, {"POSITION"});
-      kept[std::string(draco_extension)] = std::move(*it);
+      kept[std::string(kDracoExtension)] = std::move(*it);
     }
   }
   primitive.erase("extensions");

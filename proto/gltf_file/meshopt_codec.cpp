@@ -15,21 +15,21 @@ namespace {
 // two bits for sixteen bytes, and version 1 one byte for 256 elements of four.
 // Indices: a byte makes a triangle, or one index.
 #if MESHOPTIMIZER_VERSION >= 230
-constexpr unsigned newest_vertex_version = 1;
-constexpr std::uint64_t vertex_claims_per_byte = 1024;
+constexpr unsigned kNewestVertexVersion = 1;
+constexpr std::uint64_t kVertexClaimsPerByte = 1024;
 #else
-constexpr unsigned newest_vertex_version = 0;
-constexpr std::uint64_t vertex_claims_per_byte = 64;
+constexpr unsigned kNewestVertexVersion = 0;
+constexpr std::uint64_t kVertexClaimsPerByte = 64;
 #endif
-constexpr unsigned newest_index_version = 1;
-constexpr std::uint64_t index_claims_per_byte = 12;
+constexpr unsigned kNewestIndexVersion = 1;
+constexpr std::uint64_t kIndexClaimsPerByte = 12;
 // What headers, tails and the last, unfilled block may claim beyond that.
-constexpr std::uint64_t claims_for_free = 16384;
+constexpr std::uint64_t kClaimsForFree = 16384;
 
-constexpr std::uint64_t most_stride = 256;
+constexpr std::uint64_t kMostStride = 256;
 
 unsigned newest_version(MeshoptMode mode) {
-  return mode == MeshoptMode::attributes ? newest_vertex_version : newest_index_version;
+  return mode == MeshoptMode::attributes ? kNewestVertexVersion : kNewestIndexVersion;
 }
 
 unsigned codec_of(MeshoptMode mode) {
@@ -48,7 +48,7 @@ unsigned codec_of(MeshoptMode mode) {
 std::string fault_of(const MeshoptLayout& layout) {
   const std::uint64_t stride = layout.stride;
   if (layout.mode == MeshoptMode::attributes) {
-    if (stride == 0 || stride % 4 != 0 || stride > most_stride) {
+    if (stride == 0 || stride % 4 != 0 || stride > kMostStride) {
       return "a stride that is no multiple of 4 up to 256";
     }
   } else if (stride != 2 && stride != 4) {
@@ -123,8 +123,8 @@ Result<std::vector<std::byte>> decode_meshopt(std::span<const std::byte> bytes,
   // The counts are below 2^53 and the stride is at most 2^8.
   const std::uint64_t size = layout.count * layout.stride;
   const std::uint64_t per_byte =
-      layout.mode == MeshoptMode::attributes ? vertex_claims_per_byte : index_claims_per_byte;
-  if (size > claims_for_free + per_byte * bytes.size()) {
+      layout.mode == MeshoptMode::attributes ? kVertexClaimsPerByte : kIndexClaimsPerByte;
+  if (size > kClaimsForFree + per_byte * bytes.size()) {
     return fail(ErrorCode::mesh_invalid, name + " claims " + std::to_string(layout.count) +
                                              " elements of " + std::to_string(layout.stride) +
                                              " bytes, compressed into " +

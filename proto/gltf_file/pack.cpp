@@ -20,8 +20,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr std::uint64_t most_packed_bytes = std::uint64_t{1} << 53;
-constexpr std::size_t buffer_alignment = 8;
+constexpr std::uint64_t kMostPackedBytes = std::uint64_t{1} << 53;
+constexpr std::size_t kBufferAlignment = 8;
 
 std::optional<unsigned> hexadecimal(char c) {
   if (c >= '0' && c <= '9') return static_cast<unsigned>(c - '0');
@@ -62,7 +62,7 @@ std::optional<std::uint64_t> whole_number(const ordered_json& object, const char
                                           std::optional<std::uint64_t> absent) {
   const auto it = object.find(key);
   if (it == object.end()) return absent;
-  if (!it->is_number_unsigned() || it->get<std::uint64_t>() > most_packed_bytes) {
+  if (!it->is_number_unsigned() || it->get<std::uint64_t>() > kMostPackedBytes) {
     return std::nullopt;
   }
   return it->get<std::uint64_t>();
@@ -146,7 +146,7 @@ class Packing {
         return fail(ErrorCode::too_large, "Several buffers are ever longer parts of one file.");
       }
     }
-    binary_.resize((binary_.size() + buffer_alignment - 1) / buffer_alignment * buffer_alignment);
+    binary_.resize((binary_.size() + kBufferAlignment - 1) / kBufferAlignment * kBufferAlignment);
     places_.push_back({0, binary_.size(), length});
     placed_[file.data()] = places_.back();
     binary_ += file.substr(0, length);
@@ -170,7 +170,7 @@ class Packing {
       if (auto moved = move_part(views[i], name); !moved) return moved;
       const auto extensions = views[i].find("extensions");
       if (extensions == views[i].end() || !extensions->is_object()) continue;
-      for (const std::string_view extension : meshopt_extensions) {
+      for (const std::string_view extension : kMeshoptExtensions) {
         const auto it = extensions->find(std::string(extension));
         if (it == extensions->end() || !it->is_object()) continue;
         if (auto moved = move_part(*it, name + ", its compressed data,"); !moved) return moved;

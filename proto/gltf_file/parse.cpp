@@ -76,7 +76,7 @@ GltfPrimitive convert(const tinygltf::Primitive& from) {
   if (const auto it = from.attributes.find("POSITION"); it != from.attributes.end()) {
     primitive.position = reference(it->second);
   }
-  if (const auto it = from.extensions.find(std::string(draco_extension));
+  if (const auto it = from.extensions.find(std::string(kDracoExtension));
       it != from.extensions.end() && primitive.position) {
     const tinygltf::Value& draco = it->second;
     const int id = draco.Get("attributes").Get("POSITION").GetNumberAsInt();

@@ -10,7 +10,7 @@
 namespace geodesic::proto {
 namespace {
 
-constexpr std::size_t most_examples = 5;
+constexpr std::size_t kMostExamples = 5;
 
 using Of = MeshExample::Of;
 
@@ -20,11 +20,11 @@ class FirstFew {
   explicit FirstFew(Of of) : of_(of) {}
 
   void offer(std::vector<std::uint32_t> numbers) {
-    if (kept_.size() == most_examples && numbers >= kept_.back()) return;
+    if (kept_.size() == kMostExamples && numbers >= kept_.back()) return;
     const auto place = std::ranges::lower_bound(kept_, numbers);
     if (place != kept_.end() && *place == numbers) return;
     kept_.insert(place, std::move(numbers));
-    if (kept_.size() > most_examples) kept_.pop_back();
+    if (kept_.size() > kMostExamples) kept_.pop_back();
   }
 
   [[nodiscard]] std::vector<MeshExample> taken() {
@@ -50,7 +50,7 @@ std::vector<MeshExample> welded(const Mesh& mesh) {
 std::vector<MeshExample> dropped(const Mesh& mesh) {
   FirstFew few(Of::face);
   for (const auto& face :
-       mesh.dropped_faces().first(std::min(most_examples, mesh.dropped_faces().size()))) {
+       mesh.dropped_faces().first(std::min(kMostExamples, mesh.dropped_faces().size()))) {
     few.offer({face.source_face});
   }
   return few.taken();

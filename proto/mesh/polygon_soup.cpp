@@ -11,9 +11,9 @@ namespace {
 
 using Face = std::array<std::uint32_t, 3>;
 
-constexpr std::size_t most_cut_corners = 256;
+constexpr std::size_t kMostCutCorners = 256;
 // Looks at a corner in all cutting of one file; then faces become fans. A second's work.
-constexpr std::uint64_t most_looks = 300'000'000;
+constexpr std::uint64_t kMostLooks = 300'000'000;
 
 struct Point {
   double x;
@@ -35,7 +35,7 @@ class EarCutter {
       fan(corners, out);
       return true;
     }
-    if (corners.size() > most_cut_corners || looks_ > most_looks) {
+    if (corners.size() > kMostCutCorners || looks_ > kMostLooks) {
       fan(corners, out);
       return false;
     }

@@ -10,8 +10,8 @@
 namespace geodesic::proto {
 namespace {
 
-constexpr double least_scale = 1e-30;
-constexpr double most_scale = 1e30;
+constexpr double kLeastScale = 1e-30;
+constexpr double kMostScale = 1e30;
 
 tl::unexpected<Error> wrong(const char* parameter, const char* detail,
                             ErrorCode code = InputCode::bad_syntax) {
@@ -81,7 +81,7 @@ Result<ImportOptions> read_import_options(Parameters& parameters) {
   const auto scale = parameters.number("scale");
   if (!scale) return fail(scale.error());
   if (*scale) {
-    if (!(**scale >= least_scale && **scale <= most_scale)) {
+    if (!(**scale >= kLeastScale && **scale <= kMostScale)) {
       return wrong("scale", "a positive factor from 1e-30 to 1e30 is wanted",
                    ErrorCode::value_out_of_range);
     }

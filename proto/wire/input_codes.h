@@ -6,6 +6,7 @@
 
 namespace geodesic {
 
+// NOLINTBEGIN(readability-identifier-naming): called as clients are told.
 struct InputCode {
   // The request does not parse.
   static constexpr ErrorCode bad_syntax{"bad_syntax"};
@@ -24,5 +25,6 @@ struct InputCode {
   // Stored bytes are not what was stored.
   static constexpr ErrorCode store_corrupt{"store_corrupt"};
 };
+// NOLINTEND(readability-identifier-naming)
 
 }  // namespace geodesic

@@ -132,10 +132,11 @@ Result<void> read_whole(Parameters& parameters, std::string_view name, std::uint
 }
 
 Result<void> read_picture(Parameters& parameters, PictureOptions& picture) {
-  constexpr std::uint64_t least = PictureOptions::kMinSide;
-  constexpr std::uint64_t most = PictureOptions::kMaxSide;
-  if (auto read = read_whole(parameters, "width", least, most, picture.width); !read) return read;
-  if (auto read = read_whole(parameters, "height", least, most, picture.height); !read) return read;
+  constexpr std::uint64_t kLeast = PictureOptions::kMinSide;
+  constexpr std::uint64_t kMost = PictureOptions::kMaxSide;
+  if (auto read = read_whole(parameters, "width", kLeast, kMost, picture.width); !read) return read;
+  if (auto read = read_whole(parameters, "height", kLeast, kMost, picture.height); !read)
+    return read;
   if (auto read =
           read_whole(parameters, "stripes", 0, PictureOptions::kMaxStripes, picture.stripes);
       !read) {

@@ -5,6 +5,7 @@
 
 namespace geodesic {
 
+// NOLINTBEGIN(readability-identifier-naming): called as clients are told.
 struct ServiceCode {
   // No such path.
   static constexpr ErrorCode route_unknown{"route_unknown"};
@@ -47,5 +48,6 @@ struct ServiceCode {
   // The store does not answer: try again later.
   static constexpr ErrorCode store_unavailable{"store_unavailable"};
 };
+// NOLINTEND(readability-identifier-naming)
 
 }  // namespace geodesic

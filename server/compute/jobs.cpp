@@ -40,9 +40,9 @@ std::size_t half(std::size_t count) { return (count + 1) / 2; }
 }  // namespace
 
 std::string_view name_of(JobState state) {
-  constexpr std::array<std::string_view, 5> names{"queued", "running", "done", "failed",
-                                                  "cancelled"};
-  return names[static_cast<std::size_t>(state)];
+  constexpr std::array<std::string_view, 5> kNames{"queued", "running", "done", "failed",
+                                                   "cancelled"};
+  return kNames[static_cast<std::size_t>(state)];
 }
 
 Jobs::Jobs(const Limits& limits, Handler handler) : limits_(limits), handler_(std::move(handler)) {}

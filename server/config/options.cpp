@@ -14,13 +14,13 @@ namespace {
 
 using Kind = Option::Kind;
 
-constexpr bool follows = true;
+constexpr bool kFollows = true;
 
-constexpr std::uint64_t max_threads = 4096;
-constexpr std::uint64_t max_seconds = 86400;
-constexpr std::uint64_t max_queue = 4096;         // each holds a thread
-constexpr std::uint64_t max_index = 0xffff'fffe;  // vertices and faces are 32-bit indices
-constexpr std::uint64_t no_bound = std::numeric_limits<std::uint64_t>::max();
+constexpr std::uint64_t kMaxThreads = 4096;
+constexpr std::uint64_t kMaxSeconds = 86400;
+constexpr std::uint64_t kMaxQueue = 4096;         // each holds a thread
+constexpr std::uint64_t kMaxIndex = 0xffff'fffe;  // vertices and faces are 32-bit indices
+constexpr std::uint64_t kNoBound = std::numeric_limits<std::uint64_t>::max();
 
 }  // namespace
 
@@ -35,7 +35,7 @@ std::span<const Option> options() {
       Option{"tls-key", Kind::text, &Config::tls_key, "FILE", "PEM key of that certificate"},
       Option{"tokens", Kind::text, &Config::tokens, "FILE",
              "Tokens that clients need, a line each: NAME SCOPES SHA256; empty: none is asked for",
-             0, no_bound, follows},
+             0, kNoBound, kFollows},
       Option{"cors-origins", Kind::text, &Config::cors_origins, "ORIGINS",
              "Origins whose pages may call the API, with commas between them; *: any; empty: none"},
       Option{"cors-write-origins", Kind::text, &Config::cors_write_origins, "ORIGINS",
@@ -51,71 +51,71 @@ std::span<const Option> options() {
       Option{"viewer", Kind::text, &Config::viewer, "DIR",
              "Directory of the built viewer, served at /; empty: a plain page"},
       Option{"io-threads", Kind::whole_number, &Config::io_threads, "N",
-             "Threads for requests, started at once; more come as requests wait", 1, max_threads},
+             "Threads for requests, started at once; more come as requests wait", 1, kMaxThreads},
       Option{"max-connections", Kind::whole_number, &Config::max_connections, "N",
              "Connections at once; more push out who idles longest", 1, 1'000'000},
       Option{"compute-threads", Kind::whole_number, &Config::compute_threads, "N",
-             "Computations that run at once; 0: one a core", 0, max_threads},
+             "Computations that run at once; 0: one a core", 0, kMaxThreads},
       Option{"queue", Kind::whole_number, &Config::queue, "N",
-             "Computations that may wait; more are answered 503", 0, max_queue, follows},
+             "Computations that may wait; more are answered 503", 0, kMaxQueue, kFollows},
       Option{
           "queue-per-client", Kind::whole_number, &Config::queue_per_client, "N",
           "Computations of one client that may wait; more are answered 429; 0: as many as of all",
-          0, max_queue, follows},
+          0, kMaxQueue, kFollows},
       Option{"queue-seconds", Kind::whole_number, &Config::queue_seconds, "SECONDS",
-             "Longest wait for a compute slot; longer is answered 503; 0: any", 0, max_seconds,
-             follows},
+             "Longest wait for a compute slot; longer is answered 503; 0: any", 0, kMaxSeconds,
+             kFollows},
       Option{"query-memory-bytes", Kind::bytes, &Config::query_memory_bytes, "BYTES",
-             "Memory that one query may take; more is answered 422; 0: as for all", 0, no_bound,
-             follows},
+             "Memory that one query may take; more is answered 422; 0: as for all", 0, kNoBound,
+             kFollows},
       Option{"compute-memory-bytes", Kind::bytes, &Config::compute_memory_bytes, "BYTES",
              "Memory of all computations together, with preparing meshes; 0: what the machine or "
              "container has, less 1GiB, the caches, the replies and a decoder",
-             0, no_bound, follows},
+             0, kNoBound, kFollows},
       Option{"max-body-bytes", Kind::bytes, &Config::max_body_bytes, "BYTES",
-             "Most bytes of an uploaded mesh", 1, no_bound, follows},
+             "Most bytes of an uploaded mesh", 1, kNoBound, kFollows},
       Option{"max-json-bytes", Kind::bytes, &Config::max_json_bytes, "BYTES",
-             "Most bytes of a query's body", 1, no_bound, follows},
+             "Most bytes of a query's body", 1, kNoBound, kFollows},
       Option{"max-vertices", Kind::whole_number, &Config::max_vertices, "N",
-             "Most vertices of a mesh", 1, max_index, follows},
+             "Most vertices of a mesh", 1, kMaxIndex, kFollows},
       Option{"max-faces", Kind::whole_number, &Config::max_faces, "N", "Most faces of a mesh", 1,
-             max_index, follows},
+             kMaxIndex, kFollows},
       Option{"decoder", Kind::decoder, &Config::decoder, "WHERE",
              "process: files are decoded in confined processes of their own; in-process: not"},
       Option{"decoder-memory-bytes", Kind::bytes, &Config::decoder_memory_bytes, "BYTES",
              "Memory for decoding one file; a small file gets less: 512MiB and 256 times its size",
-             std::uint64_t{64} << 20, no_bound, follows},
+             std::uint64_t{64} << 20, kNoBound, kFollows},
       Option{"decoder-seconds", Kind::whole_number, &Config::decoder_seconds, "SECONDS",
-             "Time for decoding one file", 1, max_seconds, follows},
+             "Time for decoding one file", 1, kMaxSeconds, kFollows},
       Option{"mesh-cache-bytes", Kind::bytes, &Config::mesh_cache_bytes, "BYTES",
-             "Memory for decoded meshes", 0, no_bound, follows},
+             "Memory for decoded meshes", 0, kNoBound, kFollows},
       Option{"adjacency-cache-bytes", Kind::bytes, &Config::adjacency_cache_bytes, "BYTES",
-             "Memory for prepared adjacencies", 0, no_bound, follows},
+             "Memory for prepared adjacencies", 0, kNoBound, kFollows},
       Option{"field-cache-bytes", Kind::bytes, &Config::field_cache_bytes, "BYTES",
-             "Memory for distance fields", 0, no_bound, follows},
+             "Memory for distance fields", 0, kNoBound, kFollows},
       Option{"reply-cache-bytes", Kind::bytes, &Config::reply_cache_bytes, "BYTES",
-             "Memory for encoded replies to GET", 0, no_bound, follows},
+             "Memory for encoded replies to GET", 0, kNoBound, kFollows},
       Option{"reply-memory-bytes", Kind::bytes, &Config::reply_memory_bytes, "BYTES",
              "Memory for replies being made or sent; more are answered 503, larger ones 422",
-             std::uint64_t{16} << 20, no_bound, follows},
+             std::uint64_t{16} << 20, kNoBound, kFollows},
       Option{"body-timeout-seconds", Kind::whole_number, &Config::body_timeout_seconds, "SECONDS",
-             "Time for a request's body to arrive", 1, max_seconds, follows},
+             "Time for a request's body to arrive", 1, kMaxSeconds, kFollows},
       Option{"min-upload-rate", Kind::bytes, &Config::min_upload_rate, "BYTES",
              "Bytes a second that a body must bring on average; slower is answered 408; 0: any", 0,
-             no_bound, follows},
+             kNoBound, kFollows},
       Option{"keep-alive-seconds", Kind::whole_number, &Config::keep_alive_seconds, "SECONDS",
-             "Time a connection may idle between requests", 1, max_seconds, follows},
+             "Time a connection may idle between requests", 1, kMaxSeconds, kFollows},
       Option{"drain-seconds", Kind::whole_number, &Config::drain_seconds, "SECONDS",
-             "Time for running requests to finish after SIGTERM", 0, max_seconds, follows},
+             "Time for running requests to finish after SIGTERM", 0, kMaxSeconds, kFollows},
       Option{"max-jobs", Kind::whole_number, &Config::max_jobs, "N",
              "Jobs (Prefer: respond-async) that may wait and run; more are answered 503", 0,
-             max_queue},
+             kMaxQueue},
       Option{"job-result-bytes", Kind::bytes, &Config::job_result_bytes, "BYTES",
              "Memory for the bodies of jobs' requests and replies"},
       Option{"job-seconds", Kind::whole_number, &Config::job_seconds, "SECONDS",
-             "Time for which a job is kept after its end", 1, max_seconds},
+             "Time for which a job is kept after its end", 1, kMaxSeconds},
       Option{"log-level", Kind::level, &Config::log_level, "LEVEL",
-             "trace, debug, info, warn, error, critical or off", 0, no_bound, follows},
+             "trace, debug, info, warn, error, critical or off", 0, kNoBound, kFollows},
   };
   return table;
 }
@@ -160,10 +160,10 @@ Result<void> set_option(const Option& option, std::string_view text, std::string
       config.*std::get<std::string Config::*>(option.member) = text;
       return {};
     case Kind::level: {
-      constexpr std::array<std::string_view, 7> levels{"trace", "debug",    "info", "warn",
-                                                       "error", "critical", "off"};
-      if (std::find(levels.begin(), levels.end(), text) == levels.end()) {
-        return refuse(fmt::format("'{}' is none of {}", text, fmt::join(levels, ", ")));
+      constexpr std::array<std::string_view, 7> kLevels{"trace", "debug",    "info", "warn",
+                                                        "error", "critical", "off"};
+      if (std::find(kLevels.begin(), kLevels.end(), text) == kLevels.end()) {
+        return refuse(fmt::format("'{}' is none of {}", text, fmt::join(kLevels, ", ")));
       }
       [[fallthrough]];
     }

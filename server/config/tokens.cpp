@@ -65,9 +65,9 @@ std::vector<std::string_view> fields_of(std::string_view line) {
 
 // What is wrong with a line is said of its places, not of what is in them.
 Result<Token> parse_line(const std::vector<std::string_view>& fields) {
-  constexpr std::string_view form = "NAME SCOPES SHA256 [expires=WHEN]";
+  constexpr std::string_view kForm = "NAME SCOPES SHA256 [expires=WHEN]";
   if (fields.size() < 3 || fields.size() > 4) {
-    return bad(fmt::format("has {} fields, not {}", fields.size(), form));
+    return bad(fmt::format("has {} fields, not {}", fields.size(), kForm));
   }
   Token token;
   if (!is_name(fields[0])) {
@@ -85,9 +85,9 @@ Result<Token> parse_line(const std::vector<std::string_view>& fields) {
   }
   token.sha256 = fields[2];
   if (fields.size() == 4) {
-    constexpr std::string_view key = "expires=";
-    if (!fields[3].starts_with(key)) return bad("the fourth field is not expires=WHEN");
-    const auto moment = parse_moment(fields[3].substr(key.size()));
+    constexpr std::string_view kKey = "expires=";
+    if (!fields[3].starts_with(kKey)) return bad("the fourth field is not expires=WHEN");
+    const auto moment = parse_moment(fields[3].substr(kKey.size()));
     if (!moment) return bad("the fourth field: " + moment.error().detail);
     token.expires = *moment;
   }

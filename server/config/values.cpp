@@ -30,11 +30,11 @@ Result<std::uint64_t> parse_whole_number(std::string_view text) {
 }
 
 std::string format_bytes(std::uint64_t bytes) {
-  constexpr std::array<std::string_view, 3> suffixes{"KiB", "MiB", "GiB"};
+  constexpr std::array<std::string_view, 3> kSuffixes{"KiB", "MiB", "GiB"};
   for (int i = 2; i >= 0; --i) {
     const std::uint64_t unit = std::uint64_t{1} << (10 * (i + 1));
     if (bytes != 0 && bytes % unit == 0) {
-      return fmt::format("{}{}", bytes / unit, suffixes[static_cast<std::size_t>(i)]);
+      return fmt::format("{}{}", bytes / unit, kSuffixes[static_cast<std::size_t>(i)]);
     }
   }
   return std::to_string(bytes);

@@ -11,8 +11,8 @@ namespace {
 
 // A chunk's line is a number; extensions, which nobody uses, are skipped. More
 // than this of either, or of trailers, is an attempt to keep us busy.
-constexpr std::size_t max_line = 256;
-constexpr std::size_t max_trailers = 4096;
+constexpr std::size_t kMaxLine = 256;
+constexpr std::size_t kMaxTrailers = 4096;
 
 }  // namespace
 
@@ -32,7 +32,7 @@ void HttpBody::take_data(std::string_view& arrived, std::string& body) {
 bool HttpBody::take_line(std::string_view& arrived, bool& malformed) {
   const std::size_t end = arrived.find('\n');
   const std::string_view part = arrived.substr(0, end);
-  if (line_.size() + part.size() > max_line) {
+  if (line_.size() + part.size() > kMaxLine) {
     malformed = true;
     return false;
   }
@@ -96,7 +96,7 @@ HttpBody::State HttpBody::take(std::string_view& arrived, std::string& body) {
           return State::malformed;
         }
         trailer_bytes_ += line_.size();
-        if (trailer_bytes_ > max_trailers) return State::malformed;
+        if (trailer_bytes_ > kMaxTrailers) return State::malformed;
         line_.clear();
         break;
     }

@@ -16,11 +16,11 @@ namespace geodesic::server {
 
 namespace {
 
-constexpr std::size_t read_chunk = 64u << 10;
+constexpr std::size_t kReadChunk = 64u << 10;
 // An idle connection keeps no more than this.
-constexpr std::size_t kept_buffer = 4u << 10;
+constexpr std::size_t kKeptBuffer = 4u << 10;
 // A body up to this is copied behind its head, to leave in one piece.
-constexpr std::size_t copied_body = 16u << 10;
+constexpr std::size_t kCopiedBody = 16u << 10;
 
 // A head starts with a method; TLS and other protocols do not.
 bool may_start_method(char c) { return c > ' ' && c < 0x7f && c != ':' && c != '"' && c != '/'; }
@@ -28,7 +28,7 @@ bool may_start_method(char c) { return c > ' ' && c < 0x7f && c != ':' && c != '
 bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK; }
 
 void give_back(std::string& buffer) {
-  if (buffer.capacity() > kept_buffer) {
+  if (buffer.capacity() > kKeptBuffer) {
     std::string().swap(buffer);
   } else {
     buffer.clear();
@@ -114,7 +114,7 @@ void HttpConnection::use(std::size_t bytes) {
 }
 
 Progress HttpConnection::receive(std::size_t most) {
-  std::array<char, read_chunk> chunk;
+  std::array<char, kReadChunk> chunk;
   std::size_t count = 0;
   const Progress progress = read(chunk.data(), std::min(most, chunk.size()), count);
   if (progress == Progress::done) {
@@ -156,7 +156,7 @@ auto HttpConnection::find_head(std::size_t max_target_bytes, std::size_t max_byt
 void HttpConnection::queue(std::string_view bytes) { out_ += bytes; }
 
 void HttpConnection::queue(std::shared_ptr<const std::string> bytes) {
-  if (bytes->size() <= copied_body) {
+  if (bytes->size() <= kCopiedBody) {
     out_ += *bytes;
   } else {
     body_ = std::move(bytes);
@@ -171,7 +171,7 @@ void HttpConnection::queue(std::shared_ptr<const ReplyFile> file) {
 
 // The next piece of the file; false where it cannot be read.
 bool HttpConnection::read_on() {
-  piece_.resize(std::min<std::uint64_t>(read_chunk, file_->size() - file_read_));
+  piece_.resize(std::min<std::uint64_t>(kReadChunk, file_->size() - file_read_));
   piece_.resize(file_->read(file_read_, piece_.data(), piece_.size()));
   piece_sent_ = 0;
   file_read_ += piece_.size();
@@ -238,7 +238,7 @@ void HttpConnection::say_goodbye() {
 
 Progress HttpConnection::discard(std::size_t most) {
   use(arrived().size());
-  std::array<char, read_chunk> nobody;
+  std::array<char, kReadChunk> nobody;
   while (most > 0) {
     // Beneath TLS: what it says is of no interest any more.
     const ssize_t n = ::recv(socket_, nobody.data(), std::min(most, nobody.size()), 0);

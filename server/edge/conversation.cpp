@@ -13,13 +13,13 @@ namespace geodesic::server {
 
 namespace {
 
-constexpr std::size_t head_chunk = 16u << 10;
-constexpr std::size_t body_chunk = 64u << 10;
+constexpr std::size_t kHeadChunk = 16u << 10;
+constexpr std::size_t kBodyChunk = 64u << 10;
 // After a last reply: for how long, and how many bytes at a time, what still comes
 // is taken. Closing with unread bytes would reset the connection and may destroy
 // the reply on its way.
-constexpr std::chrono::seconds goodbye_time{1};
-constexpr std::size_t goodbye_chunk = 1u << 20;
+constexpr std::chrono::seconds kGoodbyeTime{1};
+constexpr std::size_t kGoodbyeChunk = 1u << 20;
 
 }  // namespace
 
@@ -111,7 +111,7 @@ auto HttpConversation::receive_head(bool overdue) -> MaybeNext {
       return go(Phase::body);
     }
     if (late) return go(Phase::over);
-    const Progress progress = connection_.receive(head_chunk);
+    const Progress progress = connection_.receive(kHeadChunk);
     if (progress == Progress::closed) return go(Phase::over);  // there is nobody to answer
     if (progress != Progress::done) {
       Next next = wait_for(progress, deadline_);
@@ -169,7 +169,7 @@ auto HttpConversation::receive_body(bool overdue) -> MaybeNext {
     } else if (overdue || Clock::now() > deadline) {
       refuse_body({ServiceCode::request_timeout, "the body did not arrive in time", {}, {}, {}});
     } else {
-      const Progress progress = connection_.receive(body_chunk);
+      const Progress progress = connection_.receive(kBodyChunk);
       if (progress == Progress::done) continue;
       if (progress != Progress::closed) return wait_for(progress, deadline);
       refuse_body(
@@ -235,7 +235,7 @@ void HttpConversation::finish(bool sent) {
     phase_ = Phase::over;
   } else if (exchange_->close) {
     connection_.say_goodbye();
-    deadline_ = now + goodbye_time;
+    deadline_ = now + kGoodbyeTime;
     pollfd query{connection_.socket(), POLLIN, 0};
     const bool listens = exchange_->body_unread || ::poll(&query, 1, 0) > 0;
     phase_ = listens ? Phase::goodbye : Phase::over;
@@ -248,7 +248,7 @@ void HttpConversation::finish(bool sent) {
 
 auto HttpConversation::part(bool overdue) -> MaybeNext {
   if (overdue || Clock::now() > deadline_) return go(Phase::over);
-  if (connection_.discard(goodbye_chunk) == Progress::closed) return go(Phase::over);
+  if (connection_.discard(kGoodbyeChunk) == Progress::closed) return go(Phase::over);
   return Next{WaitsFor::readable, deadline_, false, true};
 }
 

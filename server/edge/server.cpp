@@ -64,13 +64,13 @@ class ReplyStream final : public httplib::Stream {
   ReplyStream(Exchange& exchange, const HttpOptions& options)
       : exchange_(exchange), options_(options) {}
 
-  bool is_readable() const override { return used_ < head.size(); }
+  bool is_readable() const override { return used_ < kHead.size(); }
   bool wait_readable() const override { return true; }
   bool wait_writable() const override { return true; }  // `write` waits
   bool is_peer_alive() const override { return true; }  // `write` finds out
 
   ssize_t read(char* out, std::size_t size) override {
-    const std::size_t count = head.copy(out, size, used_);
+    const std::size_t count = kHead.copy(out, size, used_);
     used_ += count;
     return static_cast<ssize_t>(count);
   }
@@ -102,7 +102,7 @@ class ReplyStream final : public httplib::Stream {
   time_t duration() const override { return 0; }
 
  private:
-  static constexpr std::string_view head = "GET / HTTP/1.1\r\n\r\n";
+  static constexpr std::string_view kHead = "GET / HTTP/1.1\r\n\r\n";
   Exchange& exchange_;
   const HttpOptions& options_;
   std::size_t used_ = 0;
@@ -159,7 +159,7 @@ class HttpServer::Impl final : public httplib::Server {
           response.headers.clear();
           response.status = current_exchange->status = 500;
           response.set_content(R"({"type":"/problems/internal","status":500,"code":"internal"})",
-                               std::string(problem_media_type));
+                               std::string(kProblemMediaType));
           current_exchange->reply_body.reset();
           current_exchange->reply_file.reset();
           current_exchange->close = true;

@@ -14,7 +14,7 @@ namespace geodesic::server {
 namespace {
 
 // TLS 1.3 has only suites of this kind.
-constexpr const char* ciphers_of_tls_1_2 = "ECDHE+AESGCM:ECDHE+CHACHA20";
+constexpr const char* kCiphersOfTls12 = "ECDHE+AESGCM:ECDHE+CHACHA20";
 
 // A question for a passphrase would wait at a terminal that nobody sees.
 int no_passphrase(char*, int, int, void*) { return 0; }
@@ -22,9 +22,9 @@ int no_passphrase(char*, int, int, void*) { return 0; }
 // Clients that offer other protocols only (h2) learn at once that this is HTTP/1.1.
 int choose_protocol(SSL*, const unsigned char** chosen, unsigned char* chosen_size,
                     const unsigned char* offered, unsigned offered_size, void*) {
-  static constexpr std::array<unsigned char, 9> ours{8, 'h', 't', 't', 'p', '/', '1', '.', '1'};
+  static constexpr std::array<unsigned char, 9> kOurs{8, 'h', 't', 't', 'p', '/', '1', '.', '1'};
   unsigned char* selected = nullptr;
-  if (SSL_select_next_proto(&selected, chosen_size, ours.data(), ours.size(), offered,
+  if (SSL_select_next_proto(&selected, chosen_size, kOurs.data(), kOurs.size(), offered,
                             offered_size) != OPENSSL_NPN_NEGOTIATED) {
     return SSL_TLSEXT_ERR_ALERT_FATAL;
   }
@@ -46,7 +46,7 @@ Result<std::shared_ptr<SSL_CTX>> make_context(const std::string& certificate_fil
   if (!context) return refuse("no memory");
   SSL_CTX* const raw = context.get();
   if (SSL_CTX_set_min_proto_version(raw, TLS1_2_VERSION) != 1 ||
-      SSL_CTX_set_cipher_list(raw, ciphers_of_tls_1_2) != 1) {
+      SSL_CTX_set_cipher_list(raw, kCiphersOfTls12) != 1) {
     return refuse("the library lacks a cipher");
   }
   SSL_CTX_set_options(

@@ -20,25 +20,25 @@ namespace geodesic::server {
 namespace {
 
 // How often the clock looks. Deadlines are met within this.
-constexpr std::chrono::milliseconds tick{50};
-constexpr std::chrono::milliseconds tick_while_stopping{10};
+constexpr std::chrono::milliseconds kTick{50};
+constexpr std::chrono::milliseconds kTickWhileStopping{10};
 
 // How long a thread stays with a connection after a reply.
-constexpr int linger_ms = 2;
+constexpr int kLingerMs = 2;
 
 // Places beyond the bound on connections, for those that were pushed out and are
 // about to leave.
-constexpr std::size_t spare_places = 64;
+constexpr std::size_t kSparePlaces = 64;
 
 // What events of no connection carry instead of a place.
-constexpr std::uint64_t overdue_data = std::numeric_limits<std::uint64_t>::max();
-constexpr std::uint64_t end_data = overdue_data - 1;
+constexpr std::uint64_t kOverdueData = std::numeric_limits<std::uint64_t>::max();
+constexpr std::uint64_t kEndData = kOverdueData - 1;
 
 }  // namespace
 
 HttpWorkers::HttpWorkers(HttpEdge& edge)
     : edge_(edge),
-      place_count_(std::max<std::size_t>(1, edge.options.max_connections) + spare_places),
+      place_count_(std::max<std::size_t>(1, edge.options.max_connections) + kSparePlaces),
       places_(std::make_unique<Place[]>(place_count_)),
       first_overdue_(place_count_) {
   free_.reserve(place_count_);  // who leaves must not need memory
@@ -56,7 +56,7 @@ Result<void> HttpWorkers::start() {
   overdue_event_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK | EFD_SEMAPHORE);
   end_event_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   for (const auto& [file, data] :
-       {std::pair{overdue_event_, overdue_data}, std::pair{end_event_, end_data}}) {
+       {std::pair{overdue_event_, kOverdueData}, std::pair{end_event_, kEndData}}) {
     epoll_event event{EPOLLIN, {}};
     event.data.u64 = data;
     if (epoll_ < 0 || file < 0 || ::epoll_ctl(epoll_, EPOLL_CTL_ADD, file, &event) != 0) {
@@ -79,7 +79,7 @@ void HttpWorkers::adopt(UniqueFd socket) {
   std::size_t index = place_count_;
   {
     std::unique_lock lock(places_mutex_);
-    const std::size_t bound = place_count_ - spare_places;
+    const std::size_t bound = place_count_ - kSparePlaces;
     bool room = used_ < bound;
     if (!room) {
       lock.unlock();
@@ -139,28 +139,28 @@ bool HttpWorkers::wait_in_kernel(std::size_t index, const HttpConversation::Next
                                  bool first) {
   Place& place = places_[index];
   const int socket = place.conversation->connection().socket();
-  const std::uint64_t ticket = place.next_ticket++ & ticket_mask;
+  const std::uint64_t ticket = place.next_ticket++ & kTicketMask;
   place.deadline.store(next.deadline.time_since_epoch().count(), std::memory_order_relaxed);
   place.idle.store(next.idle, std::memory_order_relaxed);
   place.dispensable.store(next.dispensable, std::memory_order_relaxed);
-  place.state.store(ticket << 2 | arming, std::memory_order_release);
+  place.state.store(ticket << 2 | kArming, std::memory_order_release);
 
   epoll_event event{EPOLLONESHOT, {}};
   event.events |= next.what == HttpConversation::WaitsFor::writable
                       ? static_cast<std::uint32_t>(EPOLLOUT)
                       : static_cast<std::uint32_t>(EPOLLIN | EPOLLRDHUP);
-  event.data.u64 = static_cast<std::uint64_t>(index) << ticket_bits | ticket;
+  event.data.u64 = static_cast<std::uint64_t>(index) << kTicketBits | ticket;
   if (::epoll_ctl(epoll_, first ? EPOLL_CTL_ADD : EPOLL_CTL_MOD, socket, &event) != 0) {
     spdlog::error("a connection cannot wait: {}", std::strerror(errno));
-    place.state.store(busy, std::memory_order_relaxed);
+    place.state.store(kBusy, std::memory_order_relaxed);
     return false;
   }
-  place.state.store(ticket << 2 | parked, std::memory_order_release);
+  place.state.store(ticket << 2 | kParked, std::memory_order_release);
   return true;
 }
 
 bool HttpWorkers::take(Place& place, std::uint64_t state) {
-  return place.state.compare_exchange_strong(state, busy, std::memory_order_acquire,
+  return place.state.compare_exchange_strong(state, kBusy, std::memory_order_acquire,
                                              std::memory_order_relaxed);
 }
 
@@ -171,9 +171,9 @@ void HttpWorkers::work() {
     epoll_event event{};
     const int count = ::epoll_wait(epoll_, &event, 1, -1);
     if (count <= 0) continue;  // a signal
-    if (event.data.u64 == end_data) return;
+    if (event.data.u64 == kEndData) return;
     if (--idle_threads_ == 0) hire();
-    if (event.data.u64 == overdue_data) {
+    if (event.data.u64 == kOverdueData) {
       serve_overdue();
     } else {
       serve_event(event.data.u64);
@@ -183,15 +183,15 @@ void HttpWorkers::work() {
 }
 
 void HttpWorkers::serve_event(std::uint64_t data) {
-  const auto index = static_cast<std::size_t>(data >> ticket_bits);
-  const std::uint64_t ticket = data & ticket_mask;
+  const auto index = static_cast<std::size_t>(data >> kTicketBits);
+  const std::uint64_t ticket = data & kTicketMask;
   Place& place = places_[index];
   // The event may come while the parking thread still has its hands on the socket: it
   // is about to let go.
-  while (place.state.load(std::memory_order_acquire) == (ticket << 2 | arming)) {
+  while (place.state.load(std::memory_order_acquire) == (ticket << 2 | kArming)) {
     std::this_thread::yield();
   }
-  if (take(place, ticket << 2 | parked)) {
+  if (take(place, ticket << 2 | kParked)) {
     serve(index, /*overdue=*/false);
   }
 }
@@ -232,11 +232,11 @@ bool HttpWorkers::goes_on_at_once(int socket, const HttpConversation::Next& next
   if (next.what != HttpConversation::WaitsFor::readable || !next.idle || edge_.stopping) {
     return false;
   }
-  if (idle_threads_ < 2 || 2 * connections() > place_count_ - spare_places) return false;
+  if (idle_threads_ < 2 || 2 * connections() > place_count_ - kSparePlaces) return false;
   bool comes = false;
   if (++lingering_ <= std::max<std::size_t>(1, edge_.options.io_threads / 2)) {
     pollfd query{socket, POLLIN | POLLRDHUP, 0};
-    comes = ::poll(&query, 1, linger_ms) > 0;
+    comes = ::poll(&query, 1, kLingerMs) > 0;
   }
   --lingering_;
   return comes;
@@ -283,12 +283,12 @@ bool HttpWorkers::push_out() {
   // Twice: what was chosen may wake up meanwhile.
   for (int attempt = 0; attempt < 2; ++attempt) {
     std::size_t chosen = used;
-    std::uint64_t chosen_state = busy;
+    std::uint64_t chosen_state = kBusy;
     auto earliest = std::numeric_limits<Clock::rep>::max();
     for (std::size_t index = 0; index < used; ++index) {
       Place& place = places_[index];
       const std::uint64_t state = place.state.load(std::memory_order_acquire);
-      if ((state & 3) != parked || !place.dispensable.load(std::memory_order_relaxed)) continue;
+      if ((state & 3) != kParked || !place.dispensable.load(std::memory_order_relaxed)) continue;
       const Clock::rep deadline = place.deadline.load(std::memory_order_relaxed);
       if (deadline >= earliest) continue;
       earliest = deadline;
@@ -305,7 +305,7 @@ bool HttpWorkers::push_out() {
 
 void HttpWorkers::watch_clock() {
   std::unique_lock lock(threads_mutex_);
-  while (!clock_signal_.wait_for(lock, edge_.stopping ? tick_while_stopping : tick,
+  while (!clock_signal_.wait_for(lock, edge_.stopping ? kTickWhileStopping : kTick,
                                  [this] { return ending_; })) {
     lock.unlock();
     std::size_t used;
@@ -317,7 +317,7 @@ void HttpWorkers::watch_clock() {
     for (std::size_t index = 0; index < used; ++index) {
       Place& place = places_[index];
       const std::uint64_t state = place.state.load(std::memory_order_acquire);
-      if ((state & 3) != parked) continue;
+      if ((state & 3) != kParked) continue;
       const bool over = place.deadline.load(std::memory_order_relaxed) <= now ||
                         place.unwanted.load(std::memory_order_relaxed) ||
                         (edge_.stopping && place.idle.load(std::memory_order_relaxed));
@@ -377,7 +377,7 @@ std::size_t HttpWorkers::dispensable() const {
   std::size_t count = 0;
   for (std::size_t index = 0; index < high_water_; ++index) {
     const Place& place = places_[index];
-    const bool waits = (place.state.load(std::memory_order_acquire) & 3) == parked;
+    const bool waits = (place.state.load(std::memory_order_acquire) & 3) == kParked;
     count += static_cast<std::size_t>(waits && place.dispensable.load(std::memory_order_relaxed));
   }
   return count;

@@ -59,7 +59,7 @@ class HttpWorkers {
   // who turns that ticket to `busy` owns the place. The clock takes only what is
   // `parked`: while `arming`, the parking thread still has its hands on the socket.
   struct Place {
-    std::atomic<std::uint64_t> state{busy};  // busy, or a ticket and what it is about
+    std::atomic<std::uint64_t> state{kBusy};  // busy, or a ticket and what it is about
     std::atomic<Clock::rep> deadline{0};
     std::atomic<bool> idle{false};
     std::atomic<bool> dispensable{false};
@@ -69,12 +69,12 @@ class HttpWorkers {
     std::unique_ptr<HttpConversation> conversation;  // the owner's
     std::shared_ptr<PeerWatch> watch;                // guarded by places_mutex_; null: free
   };
-  static constexpr std::uint64_t busy = 0;
-  static constexpr std::uint64_t arming = 1;
-  static constexpr std::uint64_t parked = 2;
+  static constexpr std::uint64_t kBusy = 0;
+  static constexpr std::uint64_t kArming = 1;
+  static constexpr std::uint64_t kParked = 2;
   // Events carry the place's number above the ticket.
-  static constexpr int ticket_bits = 40;
-  static constexpr std::uint64_t ticket_mask = (std::uint64_t{1} << ticket_bits) - 1;
+  static constexpr int kTicketBits = 40;
+  static constexpr std::uint64_t kTicketMask = (std::uint64_t{1} << kTicketBits) - 1;
 
   [[nodiscard]] bool wait_in_kernel(std::size_t index, const HttpConversation::Next& next,
                                     bool first);

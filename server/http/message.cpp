@@ -33,7 +33,7 @@ HttpResponse HttpResponse::problem(const Error& error, const HttpRequest& reques
   HttpResponse response;
   response.status = status != 0 ? status : http_status(error.code);
   response.set_body(to_problem_json(error, request.target, request.id, response.status),
-                    std::string(problem_media_type));
+                    std::string(kProblemMediaType));
   if (const int seconds = retry_after_seconds(error.code); seconds != 0) {
     response.set_header("Retry-After", std::to_string(seconds));
   }

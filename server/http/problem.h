@@ -10,7 +10,7 @@
 
 namespace geodesic::server {
 
-inline constexpr std::string_view problem_media_type = "application/problem+json";
+inline constexpr std::string_view kProblemMediaType = "application/problem+json";
 
 // Every code that a client may meet, in the order of the contract.
 [[nodiscard]] std::vector<ErrorCode> all_error_codes();

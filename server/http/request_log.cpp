@@ -7,9 +7,9 @@
 namespace geodesic::server {
 
 bool is_sane_request_id(std::string_view id) {
-  constexpr std::string_view allowed =
+  constexpr std::string_view kAllowed =
       "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ._-";
-  return !id.empty() && id.size() <= 64 && id.find_first_not_of(allowed) == std::string_view::npos;
+  return !id.empty() && id.size() <= 64 && id.find_first_not_of(kAllowed) == std::string_view::npos;
 }
 
 std::string make_request_id() {
@@ -22,16 +22,16 @@ std::string make_request_id() {
 }
 
 std::string for_log(std::string_view text) {
-  constexpr std::size_t max_bytes = 200;
+  constexpr std::size_t kMaxBytes = 200;
   std::string out;
-  for (const char c : text.substr(0, max_bytes)) {
+  for (const char c : text.substr(0, kMaxBytes)) {
     if (c > ' ' && c < 0x7f && c != '"' && c != '\\') {
       out += c;
     } else {
       out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
     }
   }
-  if (text.size() > max_bytes) out += "...";
+  if (text.size() > kMaxBytes) out += "...";
   return out.empty() ? "-" : out;
 }
 

@@ -47,17 +47,17 @@ namespace {
 // Allows as many open files as the system lets us. Returns for how many connections
 // that is enough.
 std::uint64_t allow_connections(std::uint64_t wanted) {
-  constexpr rlim_t other_files = 256;
+  constexpr rlim_t kOtherFiles = 256;
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return wanted;
-  const rlim_t needed = std::max<rlim_t>(wanted + other_files, limit.rlim_cur);
+  const rlim_t needed = std::max<rlim_t>(wanted + kOtherFiles, limit.rlim_cur);
   limit.rlim_cur = std::min(limit.rlim_max, needed);
   ::setrlimit(RLIMIT_NOFILE, &limit);
-  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= wanted + other_files) {
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= wanted + kOtherFiles) {
     return wanted;
   }
   const rlim_t possible =
-      limit.rlim_cur > 2 * other_files ? limit.rlim_cur - other_files : limit.rlim_cur / 2;
+      limit.rlim_cur > 2 * kOtherFiles ? limit.rlim_cur - kOtherFiles : limit.rlim_cur / 2;
   spdlog::warn("the limit of open files allows {} connections only", possible);
   return possible;
 }

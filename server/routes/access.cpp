@@ -28,11 +28,11 @@ std::optional<std::string_view> bearer_token(const HttpRequest& request) {
     sent = &value;
   }
   if (sent == nullptr) return {};
-  constexpr std::string_view scheme = "Bearer";
+  constexpr std::string_view kScheme = "Bearer";
   const std::string_view text = *sent;
-  if (!equals_ignoring_case(text.substr(0, scheme.size()), scheme)) return {};
-  if (text.size() > scheme.size() && text[scheme.size()] != ' ') return {};
-  const std::size_t begin = text.find_first_not_of(' ', scheme.size());
+  if (!equals_ignoring_case(text.substr(0, kScheme.size()), kScheme)) return {};
+  if (text.size() > kScheme.size() && text[kScheme.size()] != ' ') return {};
+  const std::size_t begin = text.find_first_not_of(' ', kScheme.size());
   if (begin == std::string_view::npos) return std::string_view();
   return text.substr(begin, text.find_last_not_of(" \t") + 1 - begin);
 }
@@ -46,10 +46,11 @@ bool is_below(std::string_view path, std::string_view folder) {
 Scopes needed_scopes(std::string_view method, std::string_view path) {
   if (method == "OPTIONS") return {};
   const bool gets = method == "GET" || method == "HEAD";
-  constexpr std::array<std::string_view, 6> open{"/",      "/openapi.json", "/openapi.yaml",
-                                                 "/livez", "/readyz",       "/v1/methods"};
-  if (gets && (std::find(open.begin(), open.end(), path) != open.end() || is_below(path, "/docs") ||
-               is_below(path, "/assets") || is_below(path, "/problems"))) {
+  constexpr std::array<std::string_view, 6> kOpen{"/",      "/openapi.json", "/openapi.yaml",
+                                                  "/livez", "/readyz",       "/v1/methods"};
+  if (gets &&
+      (std::find(kOpen.begin(), kOpen.end(), path) != kOpen.end() || is_below(path, "/docs") ||
+       is_below(path, "/assets") || is_below(path, "/problems"))) {
     return {};
   }
   if (is_below(path, "/metrics") || is_below(path, "/debug")) return Scope::admin;

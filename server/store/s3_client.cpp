@@ -43,11 +43,11 @@ void add_header(Headers& headers, const std::string& line) {
 
 // RFC 3986: everything but the unreserved characters, as %XX in capitals.
 std::string escaped(std::string_view text) {
-  constexpr std::string_view unreserved =
+  constexpr std::string_view kUnreserved =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
   std::string out;
   for (const char c : text) {
-    if (unreserved.find(c) != std::string_view::npos) {
+    if (kUnreserved.find(c) != std::string_view::npos) {
       out += c;
     } else {
       out += fmt::format("%{:02X}", static_cast<unsigned char>(c));

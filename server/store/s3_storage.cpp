@@ -93,11 +93,11 @@ Result<std::vector<StoredMesh>> S3Storage::scan() {
   auto first = list_page("", "");
   if (!first) return fail(std::move(first.error()));
   if (first->next.empty()) return std::move(first->meshes);
-  constexpr std::string_view digits = "0123456789abcdef";
+  constexpr std::string_view kDigits = "0123456789abcdef";
   std::vector<StoredMesh> meshes;
-  for (std::size_t begin = 0; begin < digits.size(); begin += kListsAtOnce) {
+  for (std::size_t begin = 0; begin < kDigits.size(); begin += kListsAtOnce) {
     std::vector<std::future<Result<std::vector<StoredMesh>>>> lists;
-    for (const char digit : digits.substr(begin, kListsAtOnce)) {
+    for (const char digit : kDigits.substr(begin, kListsAtOnce)) {
       lists.push_back(std::async(std::launch::async,
                                  [this, digit] { return list_all(std::string(1, digit)); }));
     }
