@@ -167,13 +167,16 @@ def test_every_way_in_is_the_same_mesh(client: geodesicd.Client) -> None:
     arrays = client.upload((vertices, faces))
     for mesh in (
         trimesh.Trimesh(vertices, faces, process=False),
-        pyvista.PolyData.from_regular_faces(vertices.astype(np.float32), faces),
+        pyvista.PolyData.from_regular_faces(vertices, faces),
         meshio.Mesh(vertices, [("triangle", faces)]),
-        geodesicd.glb_bytes(vertices, faces),
+        geodesicd.ply_bytes(vertices, faces),
     ):
         assert client.upload(mesh).id == arrays.id
     np.testing.assert_array_equal(arrays.geometry().triangles, faces)
-    np.testing.assert_array_equal(arrays.geometry().positions, vertices.astype(np.float32))
+    np.testing.assert_array_equal(arrays.geometry().positions, vertices)
+    rounded = client.upload(geodesicd.glb_bytes(vertices, faces))
+    assert client.upload((vertices.astype(np.float32), faces)).id == rounded.id
+    np.testing.assert_array_equal(rounded.geometry().positions, vertices.astype(np.float32))
     quads = meshio.Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], [("quad", [[0, 1, 2, 3]])])
     assert client.upload(quads).area == 1
     square = pyvista.Plane(i_resolution=2, j_resolution=2)  # quads, which are cut

@@ -10,6 +10,7 @@
 :class:`AsyncClient` is the same with ``await``. :func:`serve` starts a server on this machine.
 """
 
+from .arrays import ply_bytes
 from .async_client import AsyncClient, AsyncMesh
 from .client import Client, Mesh
 from .errors import (
@@ -20,6 +21,7 @@ from .errors import (
     NotAllowed,
     NotFound,
     Overloaded,
+    PrecisionWarning,
 )
 from .flows import Retries
 from .glb import glb_bytes
@@ -66,6 +68,7 @@ __all__ = [
     "Point",
     "PointLike",
     "PointsLike",
+    "PrecisionWarning",
     "Ray",
     "Retries",
     "Samples",
@@ -74,5 +77,6 @@ __all__ = [
     "Vertex",
     "Xyz",
     "glb_bytes",
+    "ply_bytes",
     "serve",
 ]

@@ -33,7 +33,7 @@ from . import batches, connection, queries, service
 from .client import _single, bound_signature
 from .errors import error_of
 from .flows import Flow, Progress, Request, Retries, Send, Step, Watch, with_retries
-from .mesh_input import body_of
+from .mesh_input import body_of, warn_of_rounding
 from .metadata import Metadata
 from .points import PointsLike
 from .results import FloatArray, LabelledDistances
@@ -191,8 +191,9 @@ class AsyncClient:
         """Uploads a mesh, as :meth:`geodesicd.Client.upload`."""
         # Reading and hashing a large file is not to hold up everything else.
         body = await asyncio.to_thread(body_of, mesh)
-        flow = service.upload(body, progress, probe=probe, reading=reading)
-        return AsyncMesh(self, await self.run(flow))
+        found = await self.run(service.upload(body, progress, probe=probe, reading=reading))
+        warn_of_rounding(body, found, reading, stacklevel=3)
+        return AsyncMesh(self, found)
 
     async def mesh(self, id: str) -> AsyncMesh:
         """A mesh that the server has.

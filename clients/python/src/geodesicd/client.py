@@ -34,7 +34,7 @@ from numpy.typing import DTypeLike
 from . import batches, connection, queries, service
 from .errors import error_of
 from .flows import Flow, Progress, Request, Retries, Send, Step, Watch, with_retries
-from .mesh_input import body_of
+from .mesh_input import body_of, warn_of_rounding
 from .metadata import Metadata
 from .points import PointsLike
 from .results import FloatArray, LabelledDistances
@@ -233,7 +233,9 @@ class Client:
             mesh: a path to a .glb, .gltf, .drc, .obj, .ply or .stl file; the bytes of one; a
                 pair (vertices (n, 3), faces (m, 3)); or a mesh of trimesh, PyVista (PolyData)
                 or meshio.
-                Positions of arrays are rounded to float32.
+                Positions of arrays arrive as they are, float64 too (a .ply file is sent; a .glb
+                file of float32). A .ply file is of some 50 bytes a vertex, so that the server's
+                limit on a body, 256 MiB unless set otherwise, is met at 5.4 million vertices.
             progress: called with the part that is done, from 0 to 1: the first half is sending,
                 the second the server's work.
             probe: ask first, by its digest, whether the server has it.
@@ -244,9 +246,15 @@ class Client:
         Raises:
             TypeError, ValueError, OSError: it is no mesh, or cannot be read.
             GeodesicError: the server refuses it, or cannot be reached.
+
+        Warns:
+            PrecisionWarning: positions of arrays are too coarse for their edges, or the server
+                has made one of several that differ.
         """
-        flow = service.upload(body_of(mesh), progress, probe=probe, reading=reading)
-        return Mesh(self, self.run(flow))
+        body = body_of(mesh)
+        found = self.run(service.upload(body, progress, probe=probe, reading=reading))
+        warn_of_rounding(body, found, reading, stacklevel=3)
+        return Mesh(self, found)
 
     def mesh(self, id: str) -> Mesh:
         """A mesh that the server has.

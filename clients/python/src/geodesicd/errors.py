@@ -69,6 +69,10 @@ class GeodesicError(Exception):
         return error
 
 
+class PrecisionWarning(UserWarning):
+    """The positions of an upload are too coarse for its edges, so distances are wrong."""
+
+
 class NotFound(GeodesicError):
     """404: no such mesh, job or route."""
 

@@ -1,5 +1,5 @@
 """A mesh of arrays as a .glb file in memory: one triangle primitive, positions as float32
-(glTF has no wider), indices as uint32."""
+(glTF has no wider), indices as uint32. Of float64, :func:`~geodesicd.ply_bytes` loses nothing."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ import json
 import struct
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
+
+from .arrays import checked
 
 _FLOAT, _UNSIGNED_INT = 5126, 5125
 _VERTICES, _INDICES = 34962, 34963
@@ -26,24 +27,7 @@ def glb_bytes(vertices: NDArray[Any], faces: NDArray[Any], name: str = "mesh") -
         ValueError: other shapes, numbers that are not finite in float32, or faces that name
             vertices that are not there.
     """
-    with np.errstate(over="ignore"):  # said below, by the number itself
-        positions = np.ascontiguousarray(vertices, dtype="<f4")
-    corners = np.asarray(faces)
-    if positions.ndim != 2 or positions.shape[1] != 3 or len(positions) == 0:
-        raise ValueError(f"vertices have the shape (n, 3), not {positions.shape}")
-    if corners.ndim != 2 or corners.shape[1] != 3 or len(corners) == 0:
-        raise ValueError(f"faces have the shape (m, 3), not {corners.shape}")
-    if not np.issubdtype(corners.dtype, np.integer):
-        raise ValueError(f"faces are integers, not {corners.dtype}")
-    bad = np.flatnonzero(~np.isfinite(positions).all(axis=1))
-    if len(bad):
-        raise ValueError(
-            f"vertex {bad[0]} is not finite in float32: {np.asarray(vertices)[bad[0]]}"
-        )
-    if corners.min() < 0 or corners.max() >= len(positions):
-        raise ValueError(f"faces name vertices from {corners.min()} to {corners.max()}, "
-                         f"and there are {len(positions)}")  # fmt: skip
-    indices = np.ascontiguousarray(corners, dtype="<u4")
+    positions, indices = checked(vertices, faces, "<f4")
     document = {
         "asset": {"version": "2.0", "generator": "geodesicd for Python"},
         "scene": 0,

@@ -5,12 +5,16 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable, Iterator
+import warnings
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from .arrays import distinct_rows, ply_bytes
+from .errors import PrecisionWarning
 from .glb import glb_bytes
 
 _CHUNK = 1 << 18
@@ -22,10 +26,12 @@ class UploadBody:
     Attributes:
         length: in bytes.
         digest: their SHA-256 in hexadecimal, a mesh's id.
+        positions: (n, 3) what they were made of, if that was arrays.
     """
 
-    def __init__(self, source: bytes | Path) -> None:
+    def __init__(self, source: bytes | Path, positions: NDArray[Any] | None = None) -> None:
         self._source = source
+        self.positions = positions
         self.progress: Callable[[float], None] | None = None
         digest = hashlib.sha256()
         self.length = 0
@@ -69,18 +75,58 @@ def body_of(mesh: Any) -> UploadBody:
     if isinstance(mesh, bytes | bytearray | memoryview):
         return UploadBody(bytes(mesh))
     if isinstance(mesh, tuple) and len(mesh) == 2:
-        return UploadBody(glb_bytes(np.asarray(mesh[0]), np.asarray(mesh[1])))
+        return _of_arrays(*mesh)
     library = {base.__module__.partition(".")[0] for base in type(mesh).__mro__}
     if "trimesh" in library and hasattr(mesh, "faces"):
-        return UploadBody(glb_bytes(np.asarray(mesh.vertices), np.asarray(mesh.faces)))
+        return _of_arrays(mesh.vertices, mesh.faces)
     if "pyvista" in library and hasattr(mesh, "triangulate"):
-        return UploadBody(glb_bytes(*_of_pyvista(mesh)))
+        return _of_arrays(*_of_pyvista(mesh))
     if "meshio" in library and hasattr(mesh, "cells"):
-        return UploadBody(glb_bytes(*_of_meshio(mesh)))
+        return _of_arrays(*_of_meshio(mesh))
     raise TypeError(
         f"cannot upload a {type(mesh).__module__}.{type(mesh).__qualname__}: give a path, bytes, "
         "(vertices, faces), or a mesh of trimesh, PyVista or meshio"
     )
+
+
+def _of_arrays(vertices: Any, faces: Any) -> UploadBody:
+    """As a .glb file if its float32 holds the numbers, else as a .ply file of float64."""
+    positions = np.asarray(vertices)
+    narrow = positions.dtype in (np.float16, np.float32)
+    made = (glb_bytes if narrow else ply_bytes)(positions, np.asarray(faces))
+    return UploadBody(made, positions)
+
+
+def warn_of_rounding(
+    body: UploadBody, metadata: Mapping[str, Any], reading: Mapping[str, Any], stacklevel: int
+) -> None:
+    """Warns where an upload of arrays has lost what tells vertices apart: the server has made
+    one of positions that differ, or they came as float32 too coarse for their edges."""
+    positions = body.positions
+    if positions is None:
+        return
+    welded = metadata["vertices"] - metadata["welded_vertices"]
+    if welded and "weld" not in reading:
+        joined = welded - (len(positions) - distinct_rows(positions))
+        if joined > 0:
+            warnings.warn(
+                f"the server joined {joined:,} of {len(positions):,} vertices with others although "
+                "their positions differ: distances are wrong there. Upload with weld='off', or in "
+                "another unit or from another origin, such as vertices - vertices.mean(axis=0)",
+                PrecisionWarning,
+                stacklevel,
+            )
+    if positions.dtype == np.float32:
+        far = np.abs(positions).max()
+        step = float(np.spacing(far)) * float(reading.get("scale", 1))
+        if step > 0.01 * metadata["mean_edge"]:
+            warnings.warn(
+                f"the vertices are float32, which at {far:g} knows steps of {step:.2g}, and edges "
+                f"are {metadata['mean_edge']:.2g} long on average: make them float64 from the "
+                "first, or take the origin away before they become float32",
+                PrecisionWarning,
+                stacklevel,
+            )
 
 
 def _of_pyvista(mesh: Any) -> tuple[Any, Any]:
