@@ -75,6 +75,23 @@ def test_a_path_is_on_its_faces(holes: geodesicd.Mesh) -> None:
     )
 
 
+def test_what_is_not_said_is_the_servers_to_decide(plane: geodesicd.Mesh) -> None:
+    asked: list[str] = []
+    hooks = plane.client._http.event_hooks["request"]
+    hooks.append(lambda request: asked.append(f"{request.url} {request.read().decode()}"))
+    try:
+        path = plane.path(0, 50)
+        (same,) = plane.paths([(0, 50)])
+        plane.distance(0)
+        plane.table([0, 1])
+    finally:
+        hooks.clear()
+    assert not [one for one in asked if "method" in one or "refine" in one]
+    assert (path.method, path.refine) == (same.method, same.refine)
+    assert path.method in [method["name"] for method in plane.client.methods()]
+    assert plane.path(0, 50, refine="none").refine == "none"
+
+
 def test_a_result_is_a_point_again(plane: geodesicd.Mesh) -> None:
     found = plane.nearest([(3.25, 4.5, 2.0), geodesicd.Ray((7.5, 8.25, 9), (0, 0, -1)), 12])
     assert [p.snap_distance for p in found] == [2, 0, 0]

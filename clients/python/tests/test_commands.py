@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -147,6 +148,15 @@ def test_a_mesh_with_an_unreached_part_is_drawn(client: geodesicd.Client) -> Non
     seen = np.asarray(colours)[np.asarray(colours)[..., 3] > 0][:, :3]
     grey = np.ptp(seen, axis=1) < 1e-9
     assert grey.mean() == pytest.approx(0.5, abs=0.05)
+
+
+def test_a_title_names_the_method_of_the_reply(plane: geodesicd.Mesh) -> None:
+    default = plane.path(0, 5).method
+    small: dict[str, Any] = {"size": (2, 2), "dpi": 40, "isolines": 2}
+    assert plot(plane, 0, **small).axes[0].get_title().endswith(f" · {default}")
+    figure = plot(plane, 0, target=99, method="dijkstra", **small)
+    assert figure.axes[0].get_title().endswith(" · dijkstra · path 99")
+    assert plot(plane, 0, method="auto", tolerance=0.1, **small).axes
 
 
 def test_on_a_terminal_progress_is_shown(

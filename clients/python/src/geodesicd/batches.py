@@ -56,7 +56,7 @@ def paths(
     mesh: str,
     pairs: Iterable[tuple[PointLike, PointLike]],
     *,
-    refine: Refine = "none",
+    refine: Refine | None = None,
     method: str | None = None,
     progress: Progress | None = None,
 ) -> Flow[list[Path]]:

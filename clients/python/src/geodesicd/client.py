@@ -144,7 +144,8 @@ class Mesh(Metadata):
             max: what is farther counts as unreached; mesh units.
             dtype: float64 or float32, which is half to send.
             quantised: send 2 bytes a vertex; float32 in steps of the greatest distance / 65534.
-            method: how distances are computed; ``client.methods()`` lists them.
+            method: how distances are computed; ``client.methods()`` lists them. Without it, the
+                server's default.
             points_per_edge: for ``method="steiner"`` only.
             bound: for ``method="auto"`` only; "upper": no distance is below the true one.
             tolerance: for ``method="auto"`` only: the largest relative error, 0 for none.

@@ -137,7 +137,7 @@ def _query(parser: argparse.ArgumentParser, several: bool = True) -> None:
         help="a vertex (12), v:12, f:FACE,W0,W1, p:X,Y,Z or ray:OX,OY,OZ,DX,DY,DZ"
         + ("; repeat for several" if several else ""),
     )
-    parser.add_argument("--method", help="wavefront, exact, …")
+    parser.add_argument("--method", help="auto, exact, …; else the server's default")
 
 
 def connect(options: argparse.Namespace) -> Client:

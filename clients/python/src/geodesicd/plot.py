@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .client import Mesh
 from .flows import Progress
-from .points import PointLike, PointsLike
+from .points import PointLike, PointsLike, points_of
 from .queries import Refine
 from .raster import Camera, Seen, corner_normals, render
 from .results import Float64, FloatArray, Geometry, Isoline, Path, SurfacePoint
@@ -44,6 +44,8 @@ def plot(
     target: PointLike | None = None,
     via: PointsLike = (),
     method: str | None = None,
+    bound: str | None = None,
+    tolerance: float | None = None,
     refine: Refine = "shortest",
     isolines: int = 12,
     view: str | View | None = None,
@@ -58,6 +60,8 @@ def plot(
 
     Args:
         sources: points; a path starts at the first of them.
+        method: how distances are computed; without it the server's default, which the title names.
+        bound, tolerance: for ``method="auto"``, of the field and its isolines.
         isolines: how many, evenly spaced; 0 for none.
         view: ``"front"``, ``"back"``, ``"left"``, ``"right"``, ``"top"``, ``"bottom"``,
             ``"corner"`` or (azimuth, elevation) in degrees; without it from a corner, or
@@ -71,10 +75,19 @@ def plot(
     Raises:
         GeodesicError: from the server. ImportError: matplotlib is not installed.
     """
-    field = mesh.distance(sources, method=method, progress=progress)
+    exactness = {"method": method, "bound": bound, "tolerance": tolerance}
+    # A frame, because it says by which method: a bare array does not.
+    asked = {"from": points_of(sources), **exactness}
+    answer = mesh.query("distance", asked, format="frame", progress=progress)
+    field = answer.arrays["distances"]
+    used = str((answer.document or {}).get("method", method or ""))
     found = mesh.nearest(sources)
     finite = np.isfinite(field).any() and field[np.isfinite(field)].max() > 0
-    lines = mesh.isolines(sources, count=isolines, method=method) if isolines and finite else []
+    lines = (
+        mesh.isolines(sources, count=isolines, method=method, bound=bound, tolerance=tolerance)
+        if isolines and finite
+        else []
+    )
     path = None
     if target is not None:
         path = mesh.path(found[0], target, via=via, method=method, refine=refine)
@@ -84,7 +97,7 @@ def plot(
         isolines=lines,
         path=path,
         sources=found,
-        title=_title(mesh, title, method, path),
+        title=_title(mesh, title, used, path),
         view=view,
         up=up,
         colormap=colormap,
@@ -93,11 +106,13 @@ def plot(
     )
 
 
-def _title(mesh: Mesh, name: str | None, method: str | None, path: Path | None) -> str:
+def _title(mesh: Mesh, name: str | None, method: str, path: Path | None) -> str:
     name = name or next((part.name for part in mesh.parts if part.name), mesh.id[:12])
-    title = f"{name} · {mesh.vertices:,} vertices · {method or 'wavefront'}"
+    title = f"{name} · {mesh.vertices:,} vertices · {method}"
     if path is not None:
         title += f" · path {path.length:.5g}" if path.reachable else " · target out of reach"
+        if path.method != method:
+            title += f" ({path.method})"
     return title
 
 

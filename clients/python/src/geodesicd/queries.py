@@ -1,13 +1,13 @@
 """Every query on a mesh: its parameters as a request, and how its reply is read. The first
 parameter of each is the mesh's id; the methods of ``Mesh`` and ``AsyncMesh`` are made of these.
 
-All take ``method`` (how distances are computed; ``client.methods()`` lists them),
-``points_per_edge`` (for ``method="steiner"`` only), ``bound`` (for ``method="auto"`` only),
-``tolerance`` (for ``method="auto"``: the largest relative error of a vertex's distance),
-``deadline`` (seconds, after which DeadlineExceeded is raised) and ``progress`` (called with the
-part that is done, from 0 to 1; the query is a job of the server's then, cancelled if the caller
-is interrupted). All raise
-GeodesicError. Lengths are in mesh units. Points are given as :mod:`geodesicd.points` says.
+All take ``method`` (how distances are computed; ``client.methods()`` lists them; without it, the
+server's default), ``points_per_edge`` (for ``method="steiner"`` only), ``bound`` (for
+``method="auto"`` only), ``tolerance`` (for ``method="auto"``: the largest relative error of a
+vertex's distance), ``deadline`` (seconds, after which DeadlineExceeded is raised) and ``progress``
+(called with the part that is done, from 0 to 1; the query is a job of the server's then, cancelled
+if the caller is interrupted). All raise GeodesicError. Lengths are in mesh units. Points are given
+as :mod:`geodesicd.points` says.
 """
 
 from __future__ import annotations
@@ -166,7 +166,7 @@ def path(
     target: PointLike,
     *,
     via: PointsLike = (),
-    refine: Refine = "none",
+    refine: Refine | None = None,
     method: str | None = None,
     points_per_edge: int | None = None,
     bound: str | None = None,
@@ -179,7 +179,9 @@ def path(
 
     Args:
         via: points that it visits in this order.
-        refine: ``"shortest"`` pulls it straight until no path near it is shorter.
+        refine: ``"shortest"`` pulls it straight until no path near it is shorter, ``"none"`` leaves
+            it as it was traced; without it the server's default, which the result's ``refine``
+            names, as its ``method`` does.
         tolerance: for ``method="steiner"`` only, relative.
     """
     parameters = {

@@ -47,7 +47,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--vertices", type=int, default=20000, help="of the hills (%(default)s)")
     parser.add_argument("--sources", type=int, default=0, help="different sources; 0: any vertex")
     parser.add_argument("--table-side", type=int, default=8, help="rows and columns (%(default)s)")
-    parser.add_argument("--method", help="wavefront, exact, …")
+    parser.add_argument("--method", help="auto, exact, …; else the server's default")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the report; -: print it")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="draw it (.png, .svg, .pdf)")
