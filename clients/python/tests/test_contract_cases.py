@@ -119,7 +119,9 @@ def check_refused(call: Call, name: str, arguments: dict[str, Any], expect: dict
     with pytest.raises(geodesicd.GeodesicError) as caught:
         call.run(name, arguments)
     check_error(caught.value, expect)
-    # The method of the query's name refuses it alike.
+    # The method of the query's name refuses it alike, but for tables, which it cuts.
+    if (name, expect.get("code")) == ("table", "too_large"):
+        return
     if name in QUERIES and not set(arguments) & {"format", "precision", "width", "view"}:
         with pytest.raises(geodesicd.GeodesicError) as caught:
             call.natural(name, dict(arguments))

@@ -28,6 +28,7 @@ from .glb import glb_bytes
 from .local_server import LocalServer, serve
 from .metadata import Finding, Metadata, Part
 from .points import OnFace, Point, PointLike, PointsLike, Ray, Vertex, Xyz
+from .progress import progress_bar
 from .results import (
     Answer,
     BatchReply,
@@ -78,5 +79,6 @@ __all__ = [
     "Xyz",
     "glb_bytes",
     "ply_bytes",
+    "progress_bar",
     "serve",
 ]

@@ -29,7 +29,7 @@ import httpx
 import numpy as np
 from numpy.typing import DTypeLike
 
-from . import batches, connection, queries, service
+from . import batches, connection, queries, service, tables
 from .client import _single, bound_signature
 from .errors import error_of
 from .flows import Flow, Progress, Request, Retries, Send, Step, Watch, with_retries
@@ -81,7 +81,7 @@ class AsyncMesh(Metadata):
     distance_at = Query(queries.distance_at)
     path = Query(queries.path)
     paths = Query(batches.paths)
-    table = Query(queries.table)
+    table = Query(tables.table)
     isolines = Query(queries.isolines)
     samples = Query(queries.samples)
     trace = Query(queries.trace)

@@ -10,7 +10,7 @@ from typing import Any
 from . import wire
 from .encoding import as_points, body_json
 from .errors import error_of_problem, refusal
-from .flows import Flow, Progress, Request, ask
+from .flows import Flow, Progress, Request, ask, part_of
 from .points import PointLike
 from .queries import Refine
 from .results import BatchReply, Path
@@ -48,7 +48,7 @@ def batch(
             {"Content-Type": "application/x-ndjson", "Accept": "application/x-ndjson"},
             body,
         )
-        replies += yield from ask(request, _decode, _scaled(progress, base, part))
+        replies += yield from ask(request, _decode, part_of(progress, base, part))
     return replies
 
 
@@ -95,10 +95,6 @@ def _bodies(lines: list[bytes]) -> Iterator[bytes]:
         size += len(line)
     if gathered:
         yield b"".join(gathered)
-
-
-def _scaled(progress: Progress | None, base: float, part: float) -> Progress | None:
-    return None if progress is None else lambda done: progress(base + part * done)
 
 
 def _decode(reply: Reply) -> list[BatchReply]:

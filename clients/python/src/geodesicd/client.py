@@ -31,7 +31,7 @@ import httpx
 import numpy as np
 from numpy.typing import DTypeLike
 
-from . import batches, connection, queries, service
+from . import batches, connection, queries, service, tables
 from .errors import error_of
 from .flows import Flow, Progress, Request, Retries, Send, Step, Watch, with_retries
 from .mesh_input import body_of, warn_of_rounding
@@ -90,7 +90,7 @@ class Mesh(Metadata):
     distance_at = Query(queries.distance_at)
     path = Query(queries.path)
     paths = Query(batches.paths)
-    table = Query(queries.table)
+    table = Query(tables.table)
     isolines = Query(queries.isolines)
     samples = Query(queries.samples)
     trace = Query(queries.trace)

@@ -11,19 +11,19 @@ import re
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any, Unpack, cast
 
 import numpy as np
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from . import __version__
 from .client import Client, Mesh
 from .errors import GeodesicError
 from .local_server import serve
+from .progress import progress_bar
 from .results import Float64
 from .service import Reading
 
@@ -145,23 +145,9 @@ def connect(options: argparse.Namespace) -> Client:
     return Client(options.url, token=options.token or os.environ.get("GEODESICD_TOKEN"))
 
 
-@contextmanager
-def bar(what: str) -> Iterator[Callable[[float], None]]:
+def bar(what: str) -> AbstractContextManager[Callable[[float], None]]:
     """A progress bar, on a terminal only; a function that moves it, from 0 to 1."""
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.percentage:>3.0f}%"),
-    )
-    with Progress(
-        *columns,
-        TimeElapsedColumn(),
-        console=people,
-        transient=True,
-        disable=not people.is_terminal,
-    ) as progress:
-        task = progress.add_task(what, total=1.0)
-        yield lambda part: progress.update(task, completed=part)
+    return progress_bar(what, people)
 
 
 def _mesh(client: Client, name: str, **reading: Unpack[Reading]) -> Mesh:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from typing import Any
 from urllib.parse import urlencode
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from .flows import Request
 from .points import Point, point_of, points_of
@@ -79,3 +81,25 @@ def as_points(parameters: Mapping[str, Any]) -> dict[str, Any]:
     if "direction" in found:
         found["direction"] = tuple(found["direction"])
     return found
+
+
+def milliseconds(seconds: float | None) -> int | None:
+    """A deadline as the server takes it: at least 1."""
+    return None if seconds is None else max(1, math.ceil(seconds * 1000))
+
+
+def as_bound(max: float | None) -> float | None:
+    """A bound as the server takes it: no bound is to leave it out."""
+    return None if max is None or max == math.inf else max
+
+
+def format_of(dtype: DTypeLike) -> str:
+    """The format of bare arrays of that dtype.
+
+    Raises:
+        ValueError: neither float32 nor float64.
+    """
+    wanted = np.dtype(dtype)
+    if wanted not in (np.dtype(np.float32), np.dtype(np.float64)):
+        raise ValueError(f"distances are float32 or float64, not {wanted}")
+    return "f32" if wanted == np.dtype(np.float32) else "f64"

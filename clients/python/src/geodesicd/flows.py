@@ -145,6 +145,11 @@ def ask(
     return decode(reply)
 
 
+def part_of(progress: Progress | None, base: float, part: float) -> Progress | None:
+    """The progress of one request of several: from ``base`` on, ``part`` of the whole."""
+    return None if progress is None else lambda done: progress(base + part * done)
+
+
 def _as_job(request: Request, progress: Progress) -> Flow[Reply]:
     """Has a request answered as a job, telling its progress from 0 to 1. Whatever ends this
     early, be it Ctrl-C, cancels the job."""
@@ -192,8 +197,8 @@ def _watched(where: str, progress: Progress) -> Flow[dict[str, Any]]:
         # The stream was cut, by a proxy perhaps. Asking says whether the job is still there.
         try:
             reply: Reply = yield Send(Request("GET", where))
-        except NotFound as error:
-            raise JobCancelled(404, "job_unknown", "the job is not there any more") from error
+        except NotFound:
+            raise JobCancelled(404, "job_unknown", "the job is not there any more") from None
         now: dict[str, Any] = reply.json()
         if now["state"] in ("done", "failed", "cancelled"):
             return now

@@ -12,7 +12,6 @@ as :mod:`geodesicd.points` says.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypeAlias
 
@@ -20,7 +19,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from . import wire
-from .encoding import as_points, encode
+from .encoding import as_bound, as_points, encode, format_of, milliseconds
 from .flows import Flow, Progress, Request, ask
 from .points import Point, PointLike, PointsLike, Triple, point_of, points_of, triple
 from .results import (
@@ -36,22 +35,6 @@ from .results import (
 )
 
 Refine: TypeAlias = Literal["none", "shortest"]
-
-
-def _milliseconds(seconds: float | None) -> int | None:
-    return None if seconds is None else max(1, math.ceil(seconds * 1000))
-
-
-def _bound(max: float | None) -> float | None:
-    """A bound as the server takes it: no bound is to leave it out."""
-    return None if max is None or max == math.inf else max
-
-
-def _format(dtype: DTypeLike) -> str:
-    wanted = np.dtype(dtype)
-    if wanted not in (np.dtype(np.float32), np.dtype(np.float64)):
-        raise ValueError(f"distances are float32 or float64, not {wanted}")
-    return "f32" if wanted == np.dtype(np.float32) else "f64"
 
 
 def distance(
@@ -81,13 +64,13 @@ def distance(
     """
     parameters = {
         "from": points_of(sources),
-        "max": _bound(max),
+        "max": as_bound(max),
         "method": method,
         "points_per_edge": points_per_edge,
         "bound": bound,
         "tolerance": tolerance,
-        "deadline_ms": _milliseconds(deadline),
-        "format": "u16" if quantised else _format(dtype),
+        "deadline_ms": milliseconds(deadline),
+        "format": "u16" if quantised else format_of(dtype),
     }
     return ask(encode(mesh, "distance", parameters), wire.array, progress)
 
@@ -113,13 +96,13 @@ def regions(
     """
     parameters = {
         "from": points_of(sources),
-        "max": _bound(max),
+        "max": as_bound(max),
         "labels": True,
         "method": method,
         "points_per_edge": points_per_edge,
         "bound": bound,
         "tolerance": tolerance,
-        "deadline_ms": _milliseconds(deadline),
+        "deadline_ms": milliseconds(deadline),
         "format": "frame",
     }
     return ask(encode(mesh, "distance", parameters), wire.labelled_of_frame, progress)
@@ -149,12 +132,12 @@ def distance_at(
     parameters = {
         "from": points_of(sources),
         "at": asked,
-        "max": _bound(max),
+        "max": as_bound(max),
         "method": method,
         "points_per_edge": points_per_edge,
         "bound": bound,
         "tolerance": tolerance,
-        "deadline_ms": _milliseconds(deadline),
+        "deadline_ms": milliseconds(deadline),
         "format": "f64",
     }
     return ask(encode(mesh, "distance", parameters), wire.array, progress)
@@ -193,7 +176,7 @@ def path(
         "points_per_edge": points_per_edge,
         "bound": bound,
         "tolerance": tolerance,
-        "deadline_ms": _milliseconds(deadline),
+        "deadline_ms": milliseconds(deadline),
         "format": "frame",
     }
     return ask(encode(mesh, "path", parameters), wire.path_of_frame, progress)
@@ -201,40 +184,6 @@ def path(
 
 def _via(via: PointsLike) -> list[Point]:
     return [] if isinstance(via, tuple) and not via else points_of(via)
-
-
-def table(
-    mesh: str,
-    sources: PointsLike,
-    targets: PointsLike | None = None,
-    *,
-    max: float | None = None,
-    dtype: DTypeLike = np.float64,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
-) -> Flow[FloatArray]:
-    """Distances from each of several points to each of several others (without ``targets``: to
-    each of the same).
-
-    Returns:
-        (sources, targets) distances, infinite where unreached.
-    """
-    parameters = {
-        "from": points_of(sources),
-        "to": None if targets is None else points_of(targets),
-        "max": _bound(max),
-        "method": method,
-        "points_per_edge": points_per_edge,
-        "bound": bound,
-        "tolerance": tolerance,
-        "deadline_ms": _milliseconds(deadline),
-        "format": _format(dtype),
-    }
-    return ask(encode(mesh, "table", parameters), wire.array, progress)
 
 
 def isolines(
@@ -259,12 +208,12 @@ def isolines(
         "levels": None if levels is None else list(levels),
         "step": step,
         "count": count,
-        "max": _bound(max),
+        "max": as_bound(max),
         "method": method,
         "points_per_edge": points_per_edge,
         "bound": bound,
         "tolerance": tolerance,
-        "deadline_ms": _milliseconds(deadline),
+        "deadline_ms": milliseconds(deadline),
     }
     return ask(encode(mesh, "isolines", parameters), wire.isolines_of_json, progress)
 
@@ -290,7 +239,7 @@ def samples(
         "points_per_edge": points_per_edge,
         "bound": bound,
         "tolerance": tolerance,
-        "deadline_ms": _milliseconds(deadline),
+        "deadline_ms": milliseconds(deadline),
     }
     return ask(encode(mesh, "samples", parameters), wire.samples_of_json, progress)
 
@@ -313,7 +262,7 @@ def trace(
         "direction": None if direction is None else triple(direction, "direction"),
         "angle": angle,
         "length": length,
-        "deadline_ms": _milliseconds(deadline),
+        "deadline_ms": milliseconds(deadline),
         "format": "frame",
     }
     return ask(encode(mesh, "trace", parameters), wire.trace_of_frame, progress)
@@ -328,7 +277,7 @@ def nearest(
 ) -> Flow[list[SurfacePoint]]:
     """Where on the surface points are: the closest points of places in space, the first hits
     of rays."""
-    parameters = {"point": points_of(points), "deadline_ms": _milliseconds(deadline)}
+    parameters = {"point": points_of(points), "deadline_ms": milliseconds(deadline)}
     return ask(encode(mesh, "nearest", parameters), wire.nearest_of_json, progress)
 
 
@@ -366,7 +315,7 @@ def picture(
         "view": view if view is None or isinstance(view, str) else f"{view[0]:g},{view[1]:g}",
         "colormap": colormap,
         "stripes": stripes,
-        "deadline_ms": _milliseconds(deadline),
+        "deadline_ms": milliseconds(deadline),
         "format": "png",
     }
     query = "distance"

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import queries, service
+from .. import queries, service, tables
 from ..flows import Flow
 from ..glb import glb_bytes
 from ..mesh_input import UploadBody
@@ -112,7 +112,7 @@ class Workload:
             return queries.path(self.mesh, self._source(), self._vertex(), method=self._method)
         rows = [self._source() for _ in range(self._table_side)]
         columns = [self._vertex() for _ in range(self._table_side)]
-        return queries.table(self.mesh, rows, columns, method=self._method)
+        return tables.table(self.mesh, rows, columns, method=self._method)
 
     def _vertex(self) -> int:
         return self._chance.randrange(self._vertices)

@@ -1,0 +1,100 @@
+"""Tables of any size are those that one request would give, and errors in them are named."""
+
+from __future__ import annotations
+
+import os
+import random
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+
+import geodesicd
+from geodesicd import tables
+from geodesicd.bench.mixes import hills
+from geodesicd.flows import Flow
+
+
+@pytest.fixture(scope="module")
+def rough(client: geodesicd.Client) -> Iterator[geodesicd.Mesh]:
+    """1,600 vertices of hills."""
+    mesh = client.upload(hills(40, 5))
+    yield mesh
+    mesh.delete()
+
+
+@contextmanager
+def asked(mesh: geodesicd.Mesh) -> Iterator[list[str]]:
+    """The paths of the requests of a block."""
+    sent: list[str] = []
+    hooks = mesh.client._http.event_hooks["request"]
+    hooks.append(lambda request: sent.append(request.url.path.rpartition("/")[2]))
+    try:
+        yield sent
+    finally:
+        hooks.clear()
+
+
+def test_more_than_the_server_takes_at_once(rough: geodesicd.Mesh) -> None:
+    rows, columns = list(range(1200)), list(range(400, 1600))
+    told: list[float] = []
+    with asked(rough) as sent:
+        whole = rough.table(rows, columns, method="fast_marching")
+    assert sent == ["status", "table", "table"]
+    assert whole.shape == (1200, 1200)
+    np.testing.assert_allclose(whole[833], rough.distance(833, method="fast_marching")[400:])
+    one = rough.table(rows[900:905], columns, method="fast_marching")
+    np.testing.assert_allclose(whole[900:905], one, rtol=1e-4)
+    halves = rough.table(
+        rows, columns, method="fast_marching", dtype=np.float32, progress=told.append
+    )
+    assert halves.dtype == np.float32
+    np.testing.assert_allclose(halves, whole, rtol=1e-4)
+    assert told == sorted(told)
+    assert told[-1] == pytest.approx(1)
+
+
+def test_blocks_are_one_table(rough: geodesicd.Mesh, monkeypatch: pytest.MonkeyPatch) -> None:
+    seed = int(os.environ.get("GEODESICD_SEED") or random.SystemRandom().getrandbits(31))
+    print(f"GEODESICD_SEED={seed}")
+    chance = random.Random(seed)
+
+    def some(most: int) -> list[geodesicd.PointLike]:
+        x, y = (chance.uniform(0, 39) for _ in range(2))
+        kinds: list[geodesicd.PointLike] = [(x, y, 3.0), geodesicd.OnFace(7, (0, 0, 1))]
+        return [
+            chance.choice([*kinds, chance.randrange(1600)]) for _ in range(chance.randint(1, most))
+        ]
+
+    for _ in range(5):
+        rows, columns = some(12), some(40)
+        whole = rough.table(rows, columns, method="exact")
+        limits = {
+            "max_sources": chance.randint(1, 6),
+            "max_points": chance.randint(1, 20),
+            "max_table_entries": chance.randint(1, 60),
+            "max_json_bytes": chance.randint(200, 2000),
+        }
+
+        def told(limits: dict[str, int] = limits) -> Flow[dict[str, int]]:
+            yield from ()
+            return limits
+
+        with monkeypatch.context() as patch, asked(rough) as sent:
+            patch.setattr(tables, "_LIMITS", limits)
+            patch.setattr(tables, "_told_limits", told)
+            np.testing.assert_allclose(
+                rough.table(rows, columns, method="exact"), whole, rtol=1e-9, atol=1e-9
+            )
+            if len(rows) > limits["max_sources"]:
+                assert len(sent) > 1
+
+
+def test_an_error_in_a_block_is_named_as_in_the_whole(rough: geodesicd.Mesh) -> None:
+    rows = [*range(1500), 77777]
+    with pytest.raises(geodesicd.GeodesicError) as caught:
+        rough.table(rows, [0, 1], method="dijkstra")
+    assert caught.value.parameter == "from[1500]"
+    with pytest.raises(geodesicd.DeadlineExceeded):
+        rough.table(rows, list(range(1600)), method="exact", deadline=0.05)
