@@ -5,8 +5,11 @@ from __future__ import annotations
 
 import asyncio
 import http.server
+import pickle
+import socket
 import threading
 import time
+import traceback
 import tracemalloc
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -105,6 +108,75 @@ def test_too_long_a_wait_is_an_error_at_once(server: geodesicd.LocalServer) -> N
         client.status()
     assert caught.value.retry_after == 3600
     assert len(asked) == 1
+
+
+@pytest.mark.parametrize("status", [413, 422, 507])
+def test_what_can_never_fit_is_not_asked_again(server: geodesicd.LocalServer, status: int) -> None:
+    with (
+        trouble_before(server.url, [(status, {"Retry-After": "0"})] * 3) as (url, asked),
+        geodesicd.Client(url) as client,
+        pytest.raises(geodesicd.GeodesicError) as caught,
+    ):
+        client.status()
+    assert caught.value.status == status
+    assert len(asked) == 1
+
+
+def told_of(error: BaseException) -> str:
+    return "".join(traceback.format_exception(error))
+
+
+def test_a_server_that_is_not_there_is_named_in_one_traceback() -> None:
+    with socket.socket() as unused:
+        unused.bind(("127.0.0.1", 0))
+        port = unused.getsockname()[1]
+        for address in (f"http://127.0.0.1:{port}", f"127.0.0.1:{port}"):
+            with (
+                geodesicd.Client(address, retries=geodesicd.Retries(attempts=1)) as client,
+                pytest.raises(geodesicd.ConnectionFailed) as caught,
+            ):
+                client.status()
+            told = told_of(caught.value)
+            assert told.count("Traceback") == 1
+            assert "httpx" not in told
+            assert f"127.0.0.1:{port} gave no reply to GET /v1/status" in told
+            assert "geodesic serve" in told
+            assert told_of(pickle.loads(pickle.dumps(caught.value))).endswith(told[-60:])
+
+
+@pytest.mark.parametrize("wrong", ["ftp://127.0.0.1", "http://", "http://[::1"])
+def test_what_is_no_address(wrong: str) -> None:
+    with pytest.raises(ValueError, match="no server's address"):
+        geodesicd.Client(wrong)
+
+
+def test_a_refusal_says_who_refused_and_what_to_do(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh
+) -> None:
+    with pytest.raises(geodesicd.NotFound) as caught:
+        plane.client.mesh("0" * 64)
+    told = told_of(caught.value)
+    assert told.count("Traceback") == 1
+    assert server.url.removeprefix("http://") in told
+    assert "Upload it" in told
+    small = geodesicd.serve(flags=["--store-max-bytes", "1000", "--max-body-bytes", "200000"])
+    with small as client:
+        with pytest.raises(geodesicd.GeodesicError, match="--store-max-bytes") as refused:
+            client.upload(hills(20, 1))
+        assert (refused.value.status, refused.value.limit) == (507, 1000)
+        with pytest.raises(geodesicd.GeodesicError, match="too_large") as refused:
+            client.upload(hills(300, 1))  # refused while it is still being sent
+        assert refused.value.limit == 200000
+        client.fetch("GET", "/v1/status")
+        with pytest.raises(geodesicd.NotFound) as caught:
+            client.fetch("GET", "/v1/nothing")
+        assert caught.value.hint is None
+    with (
+        trouble_before(server.url, [(404, {})]) as (url, _),
+        geodesicd.Client(url) as client,
+        pytest.raises(geodesicd.NotFound, match="no reply of geodesicd's own"),
+    ):
+        client.status()
 
 
 def test_an_upload_is_sent_again_in_full(server: geodesicd.LocalServer) -> None:

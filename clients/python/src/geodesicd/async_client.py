@@ -31,7 +31,7 @@ from numpy.typing import DTypeLike
 
 from . import batches, connection, queries, service, tables
 from .client import _single, bound_signature
-from .errors import error_of
+from .errors import GeodesicError, error_of
 from .flows import Flow, Progress, Request, Retries, Send, Step, Watch, with_retries
 from .mesh_input import body_of, warn_of_rounding
 from .metadata import Metadata
@@ -243,6 +243,10 @@ class AsyncClient:
         except StopIteration as end:
             value: T = end.value
             return value
+        except GeodesicError as error:
+            # Where in here it was noticed is nothing that its reader could use.
+            error.server = connection.address(self.url)
+            raise error.with_traceback(None) from None
 
     async def _carry_out(self, step: Step) -> Reply | None:
         if isinstance(step, Send):
@@ -269,7 +273,7 @@ class AsyncClient:
             finally:
                 await response.aclose()
         except httpx.TransportError as error:
-            raise connection.failure(error, request) from error
+            raise connection.failure(error, request, self.url) from None
         return Reply(response.status_code, response.headers, body.finish())
 
     async def _watch(self, step: Watch) -> None:
@@ -283,4 +287,4 @@ class AsyncClient:
             finally:
                 await response.aclose()
         except httpx.TransportError as error:
-            raise connection.failure(error, step.request) from error
+            raise connection.failure(error, step.request, self.url) from None

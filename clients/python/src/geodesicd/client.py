@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from . import batches, connection, queries, service, tables
-from .errors import error_of
+from .errors import GeodesicError, error_of
 from .flows import Flow, Progress, Request, Retries, Send, Step, Watch, with_retries
 from .mesh_input import body_of, warn_of_rounding
 from .metadata import Metadata
@@ -309,6 +309,10 @@ class Client:
         except StopIteration as end:
             value: T = end.value
             return value
+        except GeodesicError as error:
+            # Where in here it was noticed is nothing that its reader could use.
+            error.server = connection.address(self.url)
+            raise error.with_traceback(None) from None
 
     def _carry_out(self, step: Step) -> Reply | None:
         if isinstance(step, Send):
@@ -335,7 +339,7 @@ class Client:
             finally:
                 response.close()
         except httpx.TransportError as error:
-            raise connection.failure(error, request) from error
+            raise connection.failure(error, request, self.url) from None
         return Reply(response.status_code, response.headers, body.finish())
 
     def _watch(self, step: Watch) -> None:
@@ -349,7 +353,7 @@ class Client:
             finally:
                 response.close()
         except httpx.TransportError as error:
-            raise connection.failure(error, step.request) from error
+            raise connection.failure(error, step.request, self.url) from None
 
 
 def _single(step: Step) -> Flow[Any]:

@@ -17,6 +17,30 @@ from .mesh_input import UploadBody
 DEFAULT_URL = "http://127.0.0.1:8080"
 
 
+def url_of(url: str | None) -> str:
+    """Where the server is: this, else $GEODESICD_URL, else DEFAULT_URL. ``localhost:8080`` will do.
+
+    Raises:
+        ValueError: no address of HTTP.
+    """
+    named = url or os.environ.get("GEODESICD_URL") or DEFAULT_URL
+    full = named if "://" in named else f"http://{named}"
+    try:
+        parsed = httpx.URL(full)
+    except httpx.InvalidURL as error:
+        raise ValueError(f"{named!r} is no server's address: {error}") from None
+    if parsed.scheme not in ("http", "https") or not parsed.host:
+        raise ValueError(f"{named!r} is no server's address, such as {DEFAULT_URL}")
+    return full
+
+
+def address(url: str) -> str:
+    """The host and port of a URL."""
+    parsed = httpx.URL(url)
+    host = f"[{parsed.host}]" if ":" in parsed.host else parsed.host
+    return f"{host}:{parsed.port or (443 if parsed.scheme == 'https' else 80)}"
+
+
 def options(
     url: str | None,
     token: str | None,
@@ -29,7 +53,7 @@ def options(
     if token is not None:
         headers["Authorization"] = f"Bearer {token}"
     return {
-        "base_url": url or os.environ.get("GEODESICD_URL") or DEFAULT_URL,
+        "base_url": url_of(url),
         "headers": headers,
         # To connect is quick or never; an answer may be long in the making.
         "timeout": httpx.Timeout(timeout, connect=10, pool=None),
@@ -59,13 +83,27 @@ async def _async_chunks(body: UploadBody) -> AsyncIterator[bytes]:
         yield chunk
 
 
-def failure(error: httpx.TransportError, request: Request) -> ConnectionFailed:
-    """httpx's failure as ours."""
+def failure(error: httpx.TransportError, request: Request, url: str) -> ConnectionFailed:
+    """httpx's failure as ours, which says where, and what to do."""
     not_sent = isinstance(error, httpx.ConnectError | httpx.ConnectTimeout | httpx.PoolTimeout)
     silent = isinstance(error, httpx.ReadTimeout)
     detail = str(error) or type(error).__name__
+    if silent:
+        hint = (
+            "It may still be computing: give Client a longer timeout=, or the query a progress=, "
+            "which makes it a job"
+        )
+    elif not_sent:
+        hint = (
+            "Is a server running there? Start one with 'geodesic serve', or name another: "
+            "Client(url), --url or $GEODESICD_URL"
+        )
+    else:
+        hint = "The connection broke: ask again, and look into the server's log if it breaks again"
     return ConnectionFailed(
-        f"{request.method} {request.target.partition('?')[0]}: {detail}",
+        f"{address(url)} gave no reply to {request.method} {request.target.partition('?')[0]}: "
+        f"{detail}",
         sent=not not_sent,
         timeout=silent,
+        hint=hint,
     )

@@ -7,6 +7,26 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
+# What to do about a code, where the server's own sentence does not say it.
+_HINTS = {
+    "mesh_unknown": "Upload it, again if it was deleted; client.meshes() lists what is there",
+    "unauthorized": "Give a token: Client(token=), --token or $GEODESICD_TOKEN",
+    "forbidden": "Give a token with that scope: Client(token=), --token or $GEODESICD_TOKEN",
+    "method_unknown": "client.methods() lists them",
+    "too_large": "Asking again will not help: ask for less at once, or start the server with more",
+    "too_many_vertices": "Simplify the mesh, or start the server with a larger --max-vertices",
+    "too_many_faces": "Simplify the mesh, or start the server with a larger --max-faces",
+    "too_much_memory": "Asking again will not help: give method='auto', a tolerance or a nearer "
+    "max, or start the server with a larger --query-memory-bytes",
+    "external_uri": "Upload the .gltf file by its path: the files that it names are sent with it",
+    "store_full": "Asking again will not help: delete meshes, or start the server with a larger "
+    "--store-max-bytes",
+    "deadline": "Give a longer deadline=, or a method that is faster",
+    "overloaded": "Ask later, or give Client more patience: retries=Retries(attempts=)",
+    "too_many_requests": "Ask for less at a time, or later: retries=Retries(attempts=)",
+    "draining": "The server is about to stop: ask again once it has been started",
+}
+
 
 class GeodesicError(Exception):
     """A request that did not get what it asked for.
@@ -20,6 +40,8 @@ class GeodesicError(Exception):
         actual: by what it was exceeded, or None.
         request_id: finds the request in the server's log; None if no reply came.
         retry_after: seconds after which the server wants to be asked again, or None.
+        server: host and port of who was asked, or None.
+        hint: what to do next, or None.
     """
 
     def __init__(
@@ -42,7 +64,18 @@ class GeodesicError(Exception):
         self.actual = actual
         self.request_id = request_id
         self.retry_after = retry_after
+        self.server: str | None = None
         super().__init__(self._sentence())
+
+    @property
+    def hint(self) -> str | None:
+        """What to do next."""
+        if self.code.startswith("http_"):
+            return "This is no reply of geodesicd's own: is that address one, and what is between?"
+        return _HINTS.get(self.code)
+
+    def __str__(self) -> str:
+        return self._sentence()
 
     def _sentence(self) -> str:
         text = f"{self.code}: {self.detail}"
@@ -55,7 +88,11 @@ class GeodesicError(Exception):
             notes.append(f"actual {self.actual}")
         if self.request_id is not None:
             notes.append(f"request {self.request_id}")
-        return f"{text} ({', '.join(notes)})" if notes else text
+            if self.server is not None:
+                notes.append(f"server {self.server}")
+        if notes:
+            text += f" ({', '.join(notes)})"
+        return text if self.hint is None else f"{text}. {self.hint}."
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Exceptions cross process pools by pickle, which would call __init__ with the sentence.
@@ -99,10 +136,18 @@ class ConnectionFailed(GeodesicError):
     ``sent`` tells whether the request may have reached it.
     """
 
-    def __init__(self, detail: str, *, sent: bool, timeout: bool = False) -> None:
+    def __init__(
+        self, detail: str, *, sent: bool, timeout: bool = False, hint: str | None = None
+    ) -> None:
         self.sent = sent
         self.timeout = timeout
+        self._hint = hint
         super().__init__(0, "connection_failed", detail)
+
+    @property
+    def hint(self) -> str | None:
+        """What to do next."""
+        return self._hint
 
 
 def error_of(status: int, headers: Mapping[str, str], body: bytes | bytearray) -> GeodesicError:
@@ -154,7 +199,7 @@ def error_of_problem(
 def refusal(error: GeodesicError, where: str) -> GeodesicError:
     """The same error, of one line of a batch: ``parameter`` tells which."""
     parameter = where if error.parameter is None else f"{where}.{error.parameter}"
-    return type(error)(
+    told = type(error)(
         error.status,
         error.code,
         error.detail,
@@ -163,6 +208,8 @@ def refusal(error: GeodesicError, where: str) -> GeodesicError:
         actual=error.actual,
         request_id=error.request_id,
     )
+    told.server = error.server
+    return told
 
 
 def seconds_of(retry_after: str | None) -> float | None:
