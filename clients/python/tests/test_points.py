@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -10,25 +12,70 @@ from geodesicd.encoding import encode
 from geodesicd.points import point_of, points_of
 
 
-def test_a_tuple_is_a_place_and_a_list_several_points() -> None:
+def test_what_points_are() -> None:
     assert point_of((0, 5, 9)).json() == {"xyz": [0, 5, 9]}
     assert [p.json() for p in points_of([0, 5, 9])] == [{"vertex": v} for v in (0, 5, 9)]
     assert [p.text() for p in points_of(np.array([3, 4]))] == ["v:3", "v:4"]
     assert [p.text() for p in points_of(np.eye(3)[:2])] == ["p:1.0,0.0,0.0", "p:0.0,1.0,0.0"]
     assert [p.text() for p in points_of(((1.0, 2.0, 3.0), 7))] == ["p:1.0,2.0,3.0", "v:7"]
-    assert point_of(np.int32(4)).text() == "v:4"
+    for integer in (np.int32(4), np.uint8(4), np.array(4), 4):
+        assert point_of(integer).text() == "v:4"
+        assert [p.text() for p in points_of(integer)] == ["v:4"]
+    assert [p.text() for p in points_of([np.int64(4), 5])] == ["v:4", "v:5"]
     assert point_of(np.array([1.5, 2, 3])).text() == "p:1.5,2.0,3.0"
 
 
-@pytest.mark.parametrize("wrong", [True, 1.5, None, {1}, np.array([1, 2, 3]), np.zeros((2, 2))])
-def test_what_is_no_point_is_refused(wrong: object) -> None:
-    with pytest.raises(TypeError):
+def test_three_numbers_with_a_fraction_are_a_place() -> None:
+    places: list[Any] = [[0.5, 1, 2], (0.5, 1, 2), np.array([0.5, 1, 2]), (np.float32(0.5), 1, 2)]
+    for place in places:
+        assert point_of(place).text() == "p:0.5,1.0,2.0"
+        assert [p.text() for p in points_of(place)] == ["p:0.5,1.0,2.0"]
+    assert [p.text() for p in points_of([(0, 1, 2), 7])] == ["p:0.0,1.0,2.0", "v:7"]
+    assert [p.text() for p in points_of(places[:1])] == ["p:0.5,1.0,2.0"]
+
+
+def test_three_integers_are_not_guessed_about() -> None:
+    with pytest.raises(TypeError, match=r"write \[0, 5, 9\] for vertices, \(0\.0, 5\.0, 9\.0\)"):
+        points_of((0, 5, 9))
+    with pytest.raises(TypeError, match=r"the tuple \(0, 5, 9\)"):
+        point_of([0, 5, 9])  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="three vertices"):
+        point_of(np.array([0, 5, 9]))
+    with pytest.raises(TypeError, match=r"a list: \[3, 7\]"):
+        points_of((3, 7))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "why"),
+    [
+        (True, "flatnonzero"),
+        (1.5, "an integer"),
+        (np.float64(3), "an integer"),
+        (None, "NoneType is no point: give a vertex"),
+        ({1}, "one point only"),
+        ([1, 2], "three numbers"),
+        (np.zeros((2, 2)), "shape"),
+        (np.zeros(5), "astype"),
+        (np.ones(5, bool), "flatnonzero"),
+        (object(), "object is no point"),
+    ],
+)
+def test_what_is_no_point_is_refused(wrong: object, why: str) -> None:
+    with pytest.raises(TypeError, match=why):
         point_of(wrong)  # type: ignore[arg-type]
+    if not isinstance(wrong, list):
+        with pytest.raises(TypeError):
+            points_of(wrong)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="integer"):
+        points_of([0.5, 1.0, 2.0, 3.0])  # type: ignore[list-item]
 
 
-def test_a_list_of_floats_is_refused_with_a_hint() -> None:
-    with pytest.raises(TypeError, match="tuple"):
-        points_of([0.5, 1.0, 2.0])  # type: ignore[list-item]
+def test_what_makes_an_array_is_one() -> None:
+    class Series:
+        def __array__(self, dtype: object = None, copy: object = None) -> object:
+            return np.array([3, 4])
+
+    assert [p.text() for p in points_of(Series())] == ["v:3", "v:4"]  # type: ignore[arg-type]
 
 
 def test_numbers_that_are_not_finite_are_refused() -> None:

@@ -1,11 +1,16 @@
 """Points on a surface, as a caller has them and as the server reads them.
 
-One point is an int (a source vertex), a *tuple* of three numbers or a float array of shape
-(3,) (a place in space: whatever of the surface is closest), one of the classes below, a
-:class:`~geodesicd.SurfacePoint` from an earlier reply, a text of the URL grammar (``"v:12"``)
-or a mapping as the contract's JSON has it. Several points are a *list* of those, an integer
-array of shape (n,) (vertices) or a float array of shape (n, 3) (places). So ``(0, 5, 9)`` is
-one place and ``[0, 5, 9]`` three vertices.
+One point is an integer, Python's or NumPy's (a source vertex), a tuple of three numbers or a float
+array of shape (3,) (a place in space: whatever of the surface is closest), one of the classes
+below, a :class:`~geodesicd.SurfacePoint` from an earlier reply, a text of the URL grammar
+(``"v:12"``) or a mapping as the contract's JSON has it. Several points are a list of those, an
+integer array of shape (n,) (vertices) or a float array of shape (n, 3) (places).
+
+Three numbers can be read in two ways. With a fraction or a point among them, as in
+``[0.0, 5, 9]``, they are a place, in a tuple or in a list. Three integers in a list are three
+vertices. Three integers in a tuple are a place where one point is asked for, or inside a list;
+where several could stand they are refused: write ``[0, 5, 9]`` for vertices, ``(0.0, 5.0, 9.0)``
+or ``Xyz`` for a place.
 """
 
 from __future__ import annotations
@@ -188,6 +193,55 @@ PointLike: TypeAlias = (
 PointsLike: TypeAlias = "PointLike | Sequence[PointLike] | NDArray[Any]"
 
 
+def _is_integer(value: object) -> bool:
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)
+
+
+def _is_number(value: object) -> bool:
+    return _is_integer(value) or isinstance(value, float | np.floating)
+
+
+def _are_numbers(value: object) -> bool:
+    return isinstance(value, tuple | list) and len(value) > 0 and all(_is_number(n) for n in value)
+
+
+def _as_array(value: object) -> NDArray[Any] | None:
+    """What is an array, or makes one, as a series of pandas does."""
+    if isinstance(value, np.ndarray):
+        return value
+    if hasattr(value, "__array__") and not isinstance(value, np.generic | Point):
+        return np.asarray(value)
+    return None
+
+
+def _wrong(value: object) -> TypeError:
+    """Why this is no point, and what would be."""
+    told = f"a {type(value).__name__}"
+    if _is_number(value):
+        why = f"{value!r} is no vertex, which is an integer: int({value!r}), if that is meant"
+        return TypeError(why)
+    if isinstance(value, bool | np.bool_):
+        why = "np.flatnonzero(mask) makes vertices of a mask"
+    elif isinstance(value, list | tuple | set | frozenset):
+        why = "here is one point only; a place is a tuple (x, y, z)"
+        told = repr(value) if len(value) < 9 else told
+    elif isinstance(value, np.ndarray):
+        told = f"an array of {value.dtype} with the shape {value.shape}"
+        if value.dtype == np.bool_:
+            why = "np.flatnonzero(mask) makes vertices of a mask"
+        elif value.shape == (3,) and np.issubdtype(value.dtype, np.integer):
+            why = "three vertices, where one point is asked for? A place has floats"
+        elif value.ndim == 1 and np.issubdtype(value.dtype, np.floating):
+            why = "vertices are integers: array.astype(int)"
+        else:
+            why = "vertices are integers with the shape (n,), places floats with the shape (n, 3)"
+    else:
+        why = (
+            "give a vertex as an integer, a place as a tuple (x, y, z), Vertex, OnFace, Xyz or Ray"
+        )
+    return TypeError(f"{told} is no point: {why}")
+
+
 def point_of(value: PointLike) -> Point:
     """One point.
 
@@ -199,23 +253,27 @@ def point_of(value: PointLike) -> Point:
         return _Text(value)
     if isinstance(value, Mapping):
         return _Json(value)
-    if isinstance(value, int | np.integer) and not isinstance(value, bool):
-        return Vertex(int(value))
-    if isinstance(value, tuple):
-        return Xyz(value)
-    if isinstance(value, np.ndarray):
-        if value.ndim == 0 and np.issubdtype(value.dtype, np.integer):
-            return Vertex(int(value))
-        if value.shape == (3,) and np.issubdtype(value.dtype, np.floating):
-            return Xyz(value)
-        raise TypeError(
-            f"one point is a float array of shape (3,), not {value.dtype} {value.shape}"
-        )
+    if _is_integer(value):
+        return Vertex(int(cast("int", value)))
+    if _are_numbers(value):
+        numbers = cast("Sequence[float]", value)
+        if len(numbers) != 3:
+            raise TypeError(f"{value!r} is no place: that has three numbers, (x, y, z)")
+        if isinstance(value, list) and all(_is_integer(n) for n in numbers):
+            raise TypeError(
+                f"{value!r} is three vertices, where one point is asked for; a place is the tuple "
+                f"{tuple(numbers)!r}"
+            )
+        return Xyz(numbers)
+    if (array := _as_array(value)) is not None:
+        if array.ndim == 0 and np.issubdtype(array.dtype, np.integer):
+            return Vertex(int(array))
+        if array.shape == (3,) and np.issubdtype(array.dtype, np.floating):
+            return Xyz(array)
+        raise _wrong(array)
     if isinstance(value, Point):
         return value
-    raise TypeError(
-        f"{value!r} is no point: give a vertex index, a tuple (x, y, z), Vertex, OnFace, Xyz or Ray"
-    )
+    raise _wrong(value)
 
 
 def points_of(value: PointsLike) -> list[Point]:
@@ -224,16 +282,29 @@ def points_of(value: PointsLike) -> list[Point]:
     Raises:
         TypeError, ValueError: as :func:`point_of`.
     """
-    if isinstance(value, np.ndarray):
-        if value.ndim == 1 and np.issubdtype(value.dtype, np.integer):
-            return [Vertex(int(index)) for index in value]
-        if value.ndim == 2 and value.shape[1] == 3:
-            return [Xyz(place) for place in value]
-        return [point_of(value)]
-    # A tuple of three numbers is a place; a tuple of points is several.
-    place = isinstance(value, tuple) and all(isinstance(n, int | float | np.number) for n in value)
-    if isinstance(value, Sequence) and not isinstance(value, str) and not place:
-        if any(isinstance(one, float | np.floating) for one in value):
-            raise TypeError("a list is several points; write a place in space as a tuple (x, y, z)")
+    if (array := _as_array(value)) is not None:
+        if array.ndim == 1 and np.issubdtype(array.dtype, np.integer):
+            return [Vertex(int(index)) for index in array]
+        if array.ndim == 2 and array.shape[1] == 3 and array.dtype != np.bool_:
+            return [Xyz(place) for place in array]
+        return [point_of(array)]
+    if _are_numbers(value):
+        numbers = cast("Sequence[float]", value)
+        vertices = all(_is_integer(n) for n in numbers)
+        if isinstance(value, tuple) and vertices:
+            if len(numbers) == 3:
+                raise TypeError(
+                    f"{value!r} could be a place or three vertices: write {list(numbers)!r} for "
+                    f"vertices, {tuple(float(n) for n in numbers)!r} or Xyz for a place"
+                )
+            raise TypeError(f"several vertices are a list: {list(numbers)!r}")
+        if not vertices:
+            if len(numbers) == 3:
+                return [Xyz(numbers)]
+            raise TypeError(
+                f"{value!r} has a number that is no vertex, which is an integer; a place has three "
+                "numbers, (x, y, z)"
+            )
+    if isinstance(value, Sequence) and not isinstance(value, str):
         return [point_of(cast("PointLike", one)) for one in value]
     return [point_of(cast("PointLike", value))]
