@@ -233,7 +233,8 @@ class Client:
         Args:
             mesh: a path to a .glb, .gltf, .drc, .obj, .ply or .stl file; the bytes of one; a
                 pair (vertices (n, 3), faces (m, 3)); or a mesh of trimesh, PyVista (PolyData)
-                or meshio.
+                or meshio. Of a .gltf file the path will do: files beside it that hold its buffers
+                are sent with it, images are not.
                 Positions of arrays arrive as they are, float64 too (a .ply file is sent; a .glb
                 file of float32). A .ply file is of some 50 bytes a vertex, so that the server's
                 limit on a body, 256 MiB unless set otherwise, is met at 5.4 million vertices.

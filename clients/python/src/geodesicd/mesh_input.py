@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from .arrays import distinct_rows, ply_bytes
 from .errors import PrecisionWarning
 from .glb import glb_bytes
+from .gltf_files import buffer_files, form
 
 _CHUNK = 1 << 18
 
@@ -27,11 +28,18 @@ class UploadBody:
         length: in bytes.
         digest: their SHA-256 in hexadecimal, a mesh's id.
         positions: (n, 3) what they were made of, if that was arrays.
+        form: the media type, if this is a form of several files: then ``digest`` is no mesh's id.
     """
 
-    def __init__(self, source: bytes | Path, positions: NDArray[Any] | None = None) -> None:
+    def __init__(
+        self,
+        *source: bytes | Path,
+        positions: NDArray[Any] | None = None,
+        form: str | None = None,
+    ) -> None:
         self._source = source
         self.positions = positions
+        self.form = form
         self.progress: Callable[[float], None] | None = None
         digest = hashlib.sha256()
         self.length = 0
@@ -41,13 +49,14 @@ class UploadBody:
         self.digest = digest.hexdigest()
 
     def _pieces(self) -> Iterator[bytes]:
-        if isinstance(self._source, Path):
-            with self._source.open("rb") as file:
-                while chunk := file.read(_CHUNK):
-                    yield chunk
-        else:
-            for start in range(0, len(self._source), _CHUNK):
-                yield self._source[start : start + _CHUNK]
+        for source in self._source:
+            if isinstance(source, Path):
+                with source.open("rb") as file:
+                    while chunk := file.read(_CHUNK):
+                        yield chunk
+            else:
+                for start in range(0, len(source), _CHUNK):
+                    yield source[start : start + _CHUNK]
 
     def chunks(self) -> Iterator[bytes]:
         """The bytes from the first on, telling ``progress`` which part has been taken."""
@@ -63,7 +72,8 @@ def body_of(mesh: Any) -> UploadBody:
     """The bytes to upload.
 
     Args:
-        mesh: a path to a .glb, .gltf, .drc, .obj, .ply or .stl file; the bytes of one; a pair
+        mesh: a path to a .glb, .gltf (whose buffers may be in files beside it), .drc, .obj, .ply or
+            .stl file; the bytes of one; a pair
             (vertices (n, 3), faces (m, 3)); or a mesh object of trimesh, PyVista or meshio.
 
     Raises:
@@ -71,7 +81,7 @@ def body_of(mesh: Any) -> UploadBody:
         OSError: the file cannot be read.
     """
     if isinstance(mesh, str | os.PathLike):
-        return UploadBody(Path(os.fspath(mesh)))
+        return _of_file(Path(os.fspath(mesh)))
     if isinstance(mesh, bytes | bytearray | memoryview):
         return UploadBody(bytes(mesh))
     if isinstance(mesh, tuple) and len(mesh) == 2:
@@ -94,7 +104,15 @@ def _of_arrays(vertices: Any, faces: Any) -> UploadBody:
     positions = np.asarray(vertices)
     narrow = positions.dtype in (np.float16, np.float32)
     made = (glb_bytes if narrow else ply_bytes)(positions, np.asarray(faces))
-    return UploadBody(made, positions)
+    return UploadBody(made, positions=positions)
+
+
+def _of_file(file: Path) -> UploadBody:
+    """A file, and with a .gltf file those that it has its buffers in."""
+    if file.suffix.lower() == ".gltf" and file.is_file() and (files := buffer_files(file)):
+        media_type, pieces = form(file, files)
+        return UploadBody(*pieces, form=media_type)
+    return UploadBody(file)
 
 
 def warn_of_rounding(

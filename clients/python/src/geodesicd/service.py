@@ -35,10 +35,11 @@ def upload(
     reading = reading or {}
     if unknown := reading.keys() - Reading.__annotations__.keys():
         raise TypeError(f"upload() got an unexpected keyword argument {min(unknown)!r}")
-    where = f"/v1/meshes/{body.digest}"
+    # A form's id is that of the one file that the server makes of it.
+    where = "/v1/meshes" if body.form else f"/v1/meshes/{body.digest}"
     if reading:
         where += "?" + urlencode(reading)
-    elif probe:
+    elif probe and not body.form:
         try:
             yield Send(Request("HEAD", where))
         except (NotFound, NotAllowed):
@@ -48,7 +49,8 @@ def upload(
             if progress is not None:
                 progress(1.0)
             return known
-    sending = Request("PUT", where, {"Content-Type": "application/octet-stream"}, body)
+    media_type = body.form or "application/octet-stream"
+    sending = Request("POST" if body.form else "PUT", where, {"Content-Type": media_type}, body)
     if progress is None:
         return (yield from ask(sending, _object))
     body.progress = lambda sent: progress(sent / 2)
