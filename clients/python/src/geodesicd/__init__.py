@@ -7,7 +7,9 @@
         field = mesh.distance(0)                   # (vertices,) float64, mesh units
         path = mesh.path(0, (0.1, 0.2, 0.3))       # path.points (n, 3), path.length
 
-:class:`AsyncClient` is the same with ``await``. :func:`serve` starts a server on this machine.
+    geodesicd.local(vertices, faces).distance(0)   # by a server of this process's own
+
+:class:`AsyncClient` is the same with ``await``. :func:`serve` starts a server for a block.
 """
 
 from .arrays import ply_bytes
@@ -25,7 +27,7 @@ from .errors import (
 )
 from .flows import Retries
 from .glb import glb_bytes
-from .local_server import LocalServer, serve
+from .local_server import LocalServer, connect, local, serve
 from .metadata import Finding, Metadata, Part
 from .points import OnFace, Point, PointLike, PointsLike, Ray, Vertex, Xyz
 from .progress import progress_bar
@@ -77,7 +79,9 @@ __all__ = [
     "Trace",
     "Vertex",
     "Xyz",
+    "connect",
     "glb_bytes",
+    "local",
     "ply_bytes",
     "progress_bar",
     "serve",

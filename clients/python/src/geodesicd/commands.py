@@ -114,7 +114,7 @@ def _parser() -> argparse.ArgumentParser:
 
     server = command("serve", _serve, "Run a server on this machine until Ctrl-C.")
     server.add_argument("file", nargs="*", type=Path, help="meshes to upload at the start")
-    server.add_argument("--server", metavar="FILE", help="its program; else $GEODESICD, or PATH")
+    server.add_argument("--server", metavar="FILE", help="its program; else $GEODESICD_BINARY")
     server.add_argument("--listen", default="127.0.0.1:8080", metavar="HOST:PORT")
     server.add_argument("--store", type=Path, help="keep meshes in this folder")
     return parser

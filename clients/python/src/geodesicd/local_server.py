@@ -1,7 +1,9 @@
-"""A server of one's own on this machine, for as long as a block runs.
+"""A server of one's own on this machine: for as long as a block runs, or until Python ends.
 
 with geodesicd.serve() as client:
     field = client.upload("bunny.glb").distance(0)
+
+field = geodesicd.local(vertices, faces).distance(0)
 """
 
 from __future__ import annotations
@@ -14,31 +16,44 @@ import shutil
 import signal
 import subprocess
 import tempfile
+import threading
 import time
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
+from typing import Any, Unpack
 
 from .async_client import AsyncClient
-from .client import Client
+from .client import Client, Mesh
+from .flows import Progress
+from .service import Reading
+
+_PACKED = Path(__file__).with_name("bin") / "geodesicd"  # in wheels that were built with it
 
 
 def find_server(binary: str | os.PathLike[str] | None = None) -> Path:
-    """The server's program: the argument, else $GEODESICD, else ``geodesicd`` on PATH.
+    """The server's program: the argument, else $GEODESICD_BINARY, else $GEODESICD, else
+    ``geodesicd`` on PATH, else the one that is packed with this client.
 
     Raises:
-        FileNotFoundError: there is none.
+        FileNotFoundError: there is none; the message says how to get one.
     """
-    named = binary or os.environ.get("GEODESICD")
-    if named:
+    for variable in ("", "GEODESICD_BINARY", "GEODESICD"):
+        named = os.environ.get(variable) if variable else binary
+        if not named:
+            continue
         found = shutil.which(os.fspath(named))
         if found is None:
-            raise FileNotFoundError(f"no program at {os.fspath(named)}")
+            where = f"${variable}" if variable else "the argument"
+            raise FileNotFoundError(f"{where} names no program: {os.fspath(named)}")
         return Path(found)
-    found = shutil.which("geodesicd")
+    found = shutil.which("geodesicd") or shutil.which(_PACKED)
     if found is None:
         raise FileNotFoundError(
-            "the server was not found: name it, set $GEODESICD or put geodesicd on PATH"
+            "there is no geodesicd to start here. Three ways to one: name the program as binary= "
+            "or in $GEODESICD_BINARY ('make build' in its repository makes build/release/geodesicd); "
+            "put it on PATH; or install a wheel of this client that has it packed. A server that "
+            "runs elsewhere needs none of them: geodesicd.Client(url)"
         )
     return Path(found)
 
@@ -64,6 +79,7 @@ class LocalServer:
         self._process: subprocess.Popen[bytes] | None = None
         self._client: Client | None = None
         self._async_client: AsyncClient | None = None
+        self._owner = os.getpid()
         self.url = ""
 
     def start(self) -> str:
@@ -105,6 +121,8 @@ class LocalServer:
         """Stops it (SIGTERM, which lets running requests finish) and removes its temporary
         files. It changes nothing to do so again."""
         atexit.unregister(self.stop)
+        if os.getpid() != self._owner:
+            return  # a fork of the process that it belongs to
         if self._process is not None:
             self._process.send_signal(signal.SIGTERM)
             with contextlib.suppress(subprocess.TimeoutExpired):
@@ -115,6 +133,11 @@ class LocalServer:
         if self._folder is not None:
             shutil.rmtree(self._folder, ignore_errors=True)
             self._folder = None
+
+    @property
+    def running(self) -> bool:
+        """Whether it has been started and has not ended."""
+        return self._process is not None and self._process.poll() is None
 
     def wait(self) -> int:
         """Waits until it ends of itself; its exit status."""
@@ -170,7 +193,8 @@ def serve(
     """A local server for a ``with`` block, which gives a client of it.
 
     Args:
-        binary: the server's program; without it $GEODESICD, else ``geodesicd`` on PATH.
+        binary: the server's program; without it $GEODESICD_BINARY or $GEODESICD, else
+            ``geodesicd`` on PATH, else the one packed with this client.
         store: the folder of its meshes; without it a temporary one, removed at the end.
         flags: more flags for it, such as ``["--compute-threads", "2"]``.
         listen: HOST:PORT; port 0 is any free one.
@@ -179,3 +203,61 @@ def serve(
         FileNotFoundError: there is no such program. RuntimeError: it did not start.
     """
     return LocalServer(binary, store=store, flags=flags, listen=listen)
+
+
+_shared: dict[tuple[object, ...], tuple[LocalServer, Client]] = {}
+_shared_lock = threading.Lock()
+
+
+def _shared_client(
+    binary: str | os.PathLike[str] | None = None, flags: Sequence[str] = ()
+) -> Client:
+    """A client of a server that all of this process share, and that ends with it."""
+    key = (os.getpid(), find_server(binary), *flags)
+    with _shared_lock:
+        known = _shared.get(key)
+        if known is not None and known[0].running:
+            return known[1]
+        server = LocalServer(binary, flags=flags)
+        client = Client(server.start())
+        _shared[key] = server, client
+        return client
+
+
+def local(
+    mesh: Any,
+    faces: Any = None,
+    *,
+    binary: str | os.PathLike[str] | None = None,
+    flags: Sequence[str] = (),
+    progress: Progress | None = None,
+    **reading: Unpack[Reading],
+) -> Mesh:
+    """A mesh on a server of this process's own, which is started when first needed and ends with
+    the process: ``geodesicd.local(vertices, faces).distance(0)``.
+
+    Args:
+        mesh: vertices (n, 3), with ``faces`` (m, 3); or alone anything that
+            :meth:`Client.upload` takes.
+        binary: the server's program, as of :func:`serve`.
+        flags: more flags for it; other flags are another server.
+        progress, reading: as of :meth:`Client.upload`.
+
+    Raises:
+        FileNotFoundError: there is no such program; the message says how to get one.
+        RuntimeError: it did not start. Others: as :meth:`Client.upload`.
+    """
+    found = mesh if faces is None else (mesh, faces)
+    return _shared_client(binary, flags).upload(found, progress=progress, **reading)
+
+
+def connect(url: str | None = None, **options: Any) -> Client:
+    """A client of the server at ``url``, else of that at $GEODESICD_URL, else of one of this
+    process's own: for scripts that are to run with a server and without.
+
+    Args:
+        options: those of :class:`Client`.
+    """
+    if not url and not os.environ.get("GEODESICD_URL"):
+        url = _shared_client().url
+    return Client(url, **options)

@@ -1,0 +1,20 @@
+"""A wheel with the server in it, src/geodesicd/bin/geodesicd, is for machines of one kind."""
+
+from __future__ import annotations
+
+import sysconfig
+from pathlib import Path
+from typing import Any
+
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+
+class ServersPlatform(BuildHookInterface[Any]):
+    """Names the machine in the wheel's tag."""
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Called by hatchling before it builds."""
+        if (Path(self.root) / "src" / "geodesicd" / "bin" / "geodesicd").exists():
+            platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+            build_data["pure_python"] = False
+            build_data["tag"] = f"py3-none-{platform}"

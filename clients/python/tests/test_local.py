@@ -1,0 +1,116 @@
+"""A server of one's own: two lines to a result, and where the server's program comes from."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import geodesicd
+from geodesicd import local_server
+from geodesicd.bench.mixes import hills
+from geodesicd.local_server import find_server
+
+HERE = Path(__file__).parents[1]
+
+
+def test_two_lines_to_a_result(tmp_path: Path) -> None:
+    code = (
+        "import geodesicd\n"
+        "mesh = geodesicd.local([[0, 0, 0], [3, 0, 0], [0, 4, 0]], [[0, 1, 2]])\n"
+        "print(mesh.distance(1).tolist(), mesh.client.url)\n"
+    )
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("GEODESICD")}
+    environment["GEODESICD_BINARY"] = os.environ["GEODESICD"]
+    run = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True, text=True, env=environment, check=False, timeout=60,
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr
+    field, _, url = run.stdout.rpartition(" ")
+    assert field == "[3.0, 0.0, 5.0]"
+    with (  # it has ended with the process
+        geodesicd.Client(url.strip(), retries=geodesicd.Retries(attempts=1)) as client,
+        pytest.raises(geodesicd.ConnectionFailed),
+    ):
+        client.status()
+
+
+def test_one_server_for_all_and_another_after_it_died(
+    samples: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first = geodesicd.local(*hills(10, 1))
+    second = geodesicd.local(samples / "plane.glb", scale=2)
+    assert first.client is second.client
+    assert second.bbox[1, 0] == 198
+    monkeypatch.delenv("GEODESICD_URL", raising=False)
+    with geodesicd.connect() as client:
+        assert client.url == first.client.url
+        monkeypatch.setenv("GEODESICD_URL", "127.0.0.1:9")
+        with geodesicd.connect() as other:
+            assert other.url == "http://127.0.0.1:9"
+    pid = os.fork()
+    if pid == 0:  # a fork leaves the server alone
+        for server, _ in local_server._shared.values():
+            server.stop()
+        os._exit(0)
+    assert os.waitpid(pid, 0)[1] == 0
+    assert first.refresh().vertices == 100
+    for server, client in local_server._shared.values():
+        client.close()
+        server.stop()
+    assert geodesicd.local(*hills(10, 1)).client is not first.client
+    for server, client in local_server._shared.values():
+        client.close()
+        server.stop()
+
+
+def test_where_the_program_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    programs = {}
+    for name in ("argument", "binary", "variable", "path", "packed"):
+        (tmp_path / name).mkdir()
+        programs[name] = tmp_path / name / "geodesicd"
+        programs[name].write_text("#!/bin/sh\n")
+        programs[name].chmod(0o755)
+    monkeypatch.setattr(local_server, "_PACKED", programs["packed"])
+    monkeypatch.setenv("GEODESICD_BINARY", str(programs["binary"]))
+    monkeypatch.setenv("GEODESICD", str(programs["variable"]))
+    monkeypatch.setenv("PATH", str(tmp_path / "path"))
+    assert find_server(programs["argument"]) == programs["argument"]
+    assert find_server() == programs["binary"]
+    monkeypatch.delenv("GEODESICD_BINARY")
+    assert find_server() == programs["variable"]
+    monkeypatch.delenv("GEODESICD")
+    assert find_server() == programs["path"]
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert find_server() == programs["packed"]
+    programs["packed"].unlink()
+    with pytest.raises(FileNotFoundError, match=r"GEODESICD_BINARY.*PATH.*wheel.*Client\(url\)"):
+        geodesicd.local(np.eye(3), [[0, 1, 2]])
+    monkeypatch.setenv("GEODESICD_BINARY", "/nowhere/geodesicd")
+    with pytest.raises(FileNotFoundError, match=r"\$GEODESICD_BINARY names no program: /nowhere"):
+        find_server()
+
+
+def test_a_wheel_with_the_server_in_it(tmp_path: Path) -> None:
+    source = tmp_path / "source"
+    ignored = shutil.ignore_patterns("__pycache__", "tests")
+    shutil.copytree(HERE, source, ignore=ignored)
+    packed = source / "src" / "geodesicd" / "bin" / "geodesicd"
+    packed.parent.mkdir(exist_ok=True)
+    packed.write_text("#!/bin/sh\n")
+    packed.chmod(0o755)
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "-q"]
+    alone = ["--no-deps", "--no-build-isolation"]
+    built = [*pip, "wheel", *alone, "-w", str(tmp_path), str(source)]
+    subprocess.run(built, check=True, timeout=120)
+    (wheel,) = tmp_path.glob("*.whl")
+    assert "none-any" not in wheel.name
+    installed = [*pip, "install", *alone, "--target", str(tmp_path / "site"), str(wheel)]
+    subprocess.run(installed, check=True, timeout=120)
+    assert os.access(tmp_path / "site" / "geodesicd" / "bin" / "geodesicd", os.X_OK)
