@@ -16,7 +16,6 @@ from types import TracebackType
 from typing import (
     Any,
     Concatenate,
-    Generic,
     Literal,
     ParamSpec,
     Self,
@@ -30,7 +29,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from . import batches, connection, queries, service, tables
-from .client import _single, bound_signature
+from .client import _single, method_signature
 from .errors import GeodesicError, error_of
 from .flows import Flow, Progress, Request, Retries, Send, Step, Watch, with_retries
 from .mesh_input import body_of, warn_of_rounding
@@ -43,31 +42,17 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
-class Query(Generic[P, T]):
+def _query(
+    flow: Callable[Concatenate[str, P], Flow[T]],
+) -> Callable[Concatenate[AsyncMesh, P], Coroutine[Any, Any, T]]:
     """A method of :class:`AsyncMesh` made of a query, as in the synchronous client."""
 
-    def __init__(self, flow: Callable[Concatenate[str, P], Flow[T]]) -> None:
-        self._flow = flow
-        self.__doc__ = flow.__doc__
+    @functools.wraps(flow)
+    async def call(mesh: AsyncMesh, /, *arguments: P.args, **named: P.kwargs) -> T:
+        return await mesh.client.run(flow(mesh.id, *arguments, **named))
 
-    @overload
-    def __get__(self, mesh: None, owner: type) -> Self: ...
-    @overload
-    def __get__(self, mesh: AsyncMesh, owner: type) -> Callable[P, Coroutine[Any, Any, T]]: ...
-    def __get__(
-        self, mesh: AsyncMesh | None, owner: type
-    ) -> Self | Callable[P, Coroutine[Any, Any, T]]:
-        """The method, bound to a mesh."""
-        if mesh is None:
-            return self
-        client, identity = mesh.client, mesh.id
-
-        @functools.wraps(self._flow)
-        async def call(*arguments: P.args, **named: P.kwargs) -> T:
-            return await client.run(self._flow(identity, *arguments, **named))
-
-        call.__signature__ = bound_signature(self._flow)  # type: ignore[attr-defined]
-        return call
+    call.__signature__ = method_signature(flow)  # type: ignore[attr-defined]
+    return call
 
 
 class AsyncMesh(Metadata):
@@ -77,22 +62,22 @@ class AsyncMesh(Metadata):
         super().__init__(metadata)
         self.client = client
 
-    regions = Query(queries.regions)
-    distance_at = Query(queries.distance_at)
-    path = Query(queries.path)
-    paths = Query(batches.paths)
-    table = Query(tables.table)
-    isolines = Query(queries.isolines)
-    samples = Query(queries.samples)
-    trace = Query(queries.trace)
-    nearest = Query(queries.nearest)
-    picture = Query(queries.picture)
-    batch = Query(batches.batch)
-    query = Query(queries.query)
-    geometry = Query(queries.geometry)
-    geometry_glb = Query(queries.geometry_glb)
-    source = Query(queries.source)
-    delete = Query(service.delete)
+    regions = _query(queries.regions)
+    distance_at = _query(queries.distance_at)
+    path = _query(queries.path)
+    paths = _query(batches.paths)
+    table = _query(tables.table)
+    isolines = _query(queries.isolines)
+    samples = _query(queries.samples)
+    trace = _query(queries.trace)
+    nearest = _query(queries.nearest)
+    picture = _query(queries.picture)
+    batch = _query(batches.batch)
+    query = _query(queries.query)
+    geometry = _query(queries.geometry)
+    geometry_glb = _query(queries.geometry_glb)
+    source = _query(queries.source)
+    delete = _query(service.delete)
 
     @overload
     async def distance(

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import re
 import ssl
 import time
 from collections.abc import Callable
@@ -18,7 +19,6 @@ from types import TracebackType
 from typing import (
     Any,
     Concatenate,
-    Generic,
     Literal,
     ParamSpec,
     Self,
@@ -44,38 +44,26 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
-def bound_signature(flow: Callable[..., Any]) -> inspect.Signature:
-    """A query's signature as a method has it: without the mesh's id, and with the result that
-    the flow returns."""
-    return inspect.signature(flow).replace(
-        parameters=list(inspect.signature(flow).parameters.values())[1:]
-    )
+def method_signature(flow: Callable[..., Any]) -> inspect.Signature:
+    """A query's signature as a method has it: with ``self`` for the mesh's id, and with the result
+    that the flow returns."""
+    signature = inspect.signature(flow)
+    _, *parameters = signature.parameters.values()
+    myself = inspect.Parameter("self", inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    result = re.sub(r"^Flow\[(.*)\]$", r"\1", str(signature.return_annotation))
+    return signature.replace(parameters=[myself, *parameters], return_annotation=result)
 
 
-class Query(Generic[P, T]):
+def _query(flow: Callable[Concatenate[str, P], Flow[T]]) -> Callable[Concatenate[Mesh, P], T]:
     """A method of :class:`Mesh` made of a query: ``mesh.path(0, 9)`` runs
     ``queries.path(mesh.id, 0, 9)``, with the same parameters and documentation."""
 
-    def __init__(self, flow: Callable[Concatenate[str, P], Flow[T]]) -> None:
-        self._flow = flow
-        self.__doc__ = flow.__doc__
+    @functools.wraps(flow)
+    def call(mesh: Mesh, /, *arguments: P.args, **named: P.kwargs) -> T:
+        return mesh.client.run(flow(mesh.id, *arguments, **named))
 
-    @overload
-    def __get__(self, mesh: None, owner: type) -> Self: ...
-    @overload
-    def __get__(self, mesh: Mesh, owner: type) -> Callable[P, T]: ...
-    def __get__(self, mesh: Mesh | None, owner: type) -> Self | Callable[P, T]:
-        """The method, bound to a mesh."""
-        if mesh is None:
-            return self
-        client, identity = mesh.client, mesh.id
-
-        @functools.wraps(self._flow)
-        def call(*arguments: P.args, **named: P.kwargs) -> T:
-            return client.run(self._flow(identity, *arguments, **named))
-
-        call.__signature__ = bound_signature(self._flow)  # type: ignore[attr-defined]
-        return call
+    call.__signature__ = method_signature(flow)  # type: ignore[attr-defined]
+    return call
 
 
 class Mesh(Metadata):
@@ -86,22 +74,22 @@ class Mesh(Metadata):
         super().__init__(metadata)
         self.client = client
 
-    regions = Query(queries.regions)
-    distance_at = Query(queries.distance_at)
-    path = Query(queries.path)
-    paths = Query(batches.paths)
-    table = Query(tables.table)
-    isolines = Query(queries.isolines)
-    samples = Query(queries.samples)
-    trace = Query(queries.trace)
-    nearest = Query(queries.nearest)
-    picture = Query(queries.picture)
-    batch = Query(batches.batch)
-    query = Query(queries.query)
-    geometry = Query(queries.geometry)
-    geometry_glb = Query(queries.geometry_glb)
-    source = Query(queries.source)
-    delete = Query(service.delete)
+    regions = _query(queries.regions)
+    distance_at = _query(queries.distance_at)
+    path = _query(queries.path)
+    paths = _query(batches.paths)
+    table = _query(tables.table)
+    isolines = _query(queries.isolines)
+    samples = _query(queries.samples)
+    trace = _query(queries.trace)
+    nearest = _query(queries.nearest)
+    picture = _query(queries.picture)
+    batch = _query(batches.batch)
+    query = _query(queries.query)
+    geometry = _query(queries.geometry)
+    geometry_glb = _query(queries.geometry_glb)
+    source = _query(queries.source)
+    delete = _query(service.delete)
 
     @overload
     def distance(
