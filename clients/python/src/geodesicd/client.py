@@ -31,7 +31,7 @@ import httpx
 import numpy as np
 from numpy.typing import DTypeLike
 
-from . import batches, connection, queries, service, tables
+from . import batches, connection, exports, queries, service, tables
 from .errors import GeodesicError, error_of
 from .flows import Flow, Progress, Request, Retries, Send, Step, Watch, with_retries
 from .mesh_input import body_of, warn_of_rounding
@@ -90,6 +90,9 @@ class Mesh(Metadata):
     geometry_glb = _query(queries.geometry_glb)
     source = _query(queries.source)
     delete = _query(service.delete)
+    to_trimesh = _query(exports.to_trimesh)
+    to_pyvista = _query(exports.to_pyvista)
+    draw = _query(exports.draw)
 
     @overload
     def distance(

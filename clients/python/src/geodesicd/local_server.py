@@ -51,9 +51,9 @@ def find_server(binary: str | os.PathLike[str] | None = None) -> Path:
     if found is None:
         raise FileNotFoundError(
             "there is no geodesicd to start here. Three ways to one: name the program as binary= "
-            "or in $GEODESICD_BINARY ('make build' in its repository makes build/release/geodesicd); "
-            "put it on PATH; or install a wheel of this client that has it packed. A server that "
-            "runs elsewhere needs none of them: geodesicd.Client(url)"
+            "or in $GEODESICD_BINARY ('make build' in its repository makes "
+            "build/release/geodesicd); put it on PATH; or install a wheel of this client that has "
+            "it packed. A server that runs elsewhere needs none of them: geodesicd.Client(url)"
         )
     return Path(found)
 

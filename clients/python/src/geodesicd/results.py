@@ -4,7 +4,7 @@ those of the uploaded file, and what cannot be reached is infinitely far away.""
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,8 +49,24 @@ class SurfacePoint:
         return {"face": self.face, "bary": self.bary.tolist()}
 
 
+class _Line:
+    """What all lines can become."""
+
+    def to_trimesh(self) -> Any:
+        """As a ``trimesh.path.Path3D``. ImportError: trimesh is not installed."""
+        from .exports import line_to_trimesh
+
+        return line_to_trimesh(cast("Path | Trace | Isoline", self))
+
+    def to_pyvista(self) -> Any:
+        """As a ``pyvista.PolyData`` of one polyline. ImportError: PyVista is not installed."""
+        from .exports import line_to_pyvista
+
+        return line_to_pyvista(cast("Path | Trace | Isoline", self))
+
+
 @dataclass(frozen=True, eq=False)
-class Path:
+class Path(_Line):
     """A geodesic polyline from ``source`` to ``target``.
 
     Attributes:
@@ -88,7 +104,7 @@ class Path:
 
 
 @dataclass(frozen=True, eq=False)
-class Trace:
+class Trace(_Line):
     """A straightest geodesic: points, faces and bary as of a :class:`Path`.
 
     Attributes:
@@ -107,7 +123,7 @@ class Trace:
 
 
 @dataclass(frozen=True, eq=False)
-class Isoline:
+class Isoline(_Line):
     """A line on which the distance is ``level``.
 
     Attributes:
