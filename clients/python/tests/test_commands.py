@@ -18,6 +18,7 @@ import pytest
 from matplotlib.image import imread
 
 import geodesicd
+from geodesicd.bench.mixes import hills
 from geodesicd.plot import plot
 from geodesicd.raster import Camera, render
 
@@ -54,6 +55,52 @@ def test_upload_in_millimetres(server: geodesicd.LocalServer, samples: Path) -> 
     assert "~" in mesh
     far = geodesic(server, "distance", mesh, "--from", "0", "--at", "99").stdout
     assert round(float(far), 9) == 0.099
+
+
+COMMANDS = ("upload", "list", "delete", "distance", "path", "table", "plot", "bench", "serve")
+
+
+@pytest.mark.parametrize("command", ["", *COMMANDS])
+def test_help_fits_a_screen(server: geodesicd.LocalServer, command: str) -> None:
+    told = geodesic(server, *command.split(), "--help").stdout.splitlines()
+    assert len(told) <= 24
+    assert max(map(len, told)) <= 80
+    assert told[0].startswith(f"usage: geodesic {command}".rstrip())
+    assert not [line for line in told if line.startswith(" " * 12)]  # none is folded
+    if not command:
+        assert all(any(line.split()[:1] == [name] for line in told) for name in COMMANDS)
+
+
+def test_delete(server: geodesicd.LocalServer, client: geodesicd.Client) -> None:
+    one, two = (client.upload(hills(5, seed)).id for seed in (101, 102))
+    told = geodesic(server, "delete", one[:16], two).stdout.split()
+    assert told == [one, two]
+    for gone in (one, one[:16]):
+        geodesic(server, "delete", gone, status=1)
+    assert not {one, two} & {mesh.id for mesh in client.meshes()}
+
+
+def test_path_and_distance_take_the_same_options(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
+) -> None:
+    points = (plane.id[:20], "--from", "0", "--method")
+    for command, more in (("distance", ("--at", "5050")), ("path", ("--to", "5050"))):
+        told = geodesic(
+            server, command, *points, "steiner", *more, "--points-per-edge", "5",
+            "--deadline", "60", "--tolerance", "1e-6", status=0 if command == "path" else 1,
+        )  # fmt: skip
+        if command == "path":
+            assert float(told.stdout) == pytest.approx(50 * 2**0.5, rel=1e-2)
+        upper = geodesic(server, command, *points, "auto", *more, "--bound", "upper")
+        assert float(upper.stdout) == pytest.approx(50 * 2**0.5, rel=1e-3)
+    within = geodesic(server, "distance", *points, "auto", "--at", "5050", "--tolerance", "1e-3")
+    assert float(within.stdout) == pytest.approx(50 * 2**0.5, rel=1e-3)
+    picture = tmp_path / "f.png"
+    geodesic(server, "plot", *points, "auto", "--tolerance", "0.01", "-o", picture)
+    table = geodesic(
+        server, "table", *points, "auto", "--tolerance", "0", "--max", "60", "--to", "9"
+    )
+    assert table.stdout.splitlines()[1] == "0,9"
 
 
 def test_distance(server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path) -> None:

@@ -52,92 +52,186 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="geodesic", description="Geodesic distances and shortest paths on triangle meshes."
-    )
-    parser.add_argument("--version", action="version", version=f"geodesic {__version__}")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+class _Layout(argparse.HelpFormatter):
+    """A line for each argument: so all fit into a screen of 24 lines of 80 letters."""
 
-    def command(name: str, run: Callable[[argparse.Namespace], int], help: str) -> Any:
-        made = commands.add_parser(name, help=help, description=help)
+    def __init__(self, prog: str) -> None:
+        super().__init__(prog, max_help_position=23, width=80)
+
+    def _format_action_invocation(self, action: argparse.Action) -> str:
+        if not action.option_strings or action.nargs == 0:
+            return super()._format_action_invocation(action)
+        name = action.metavar or action.dest.upper()
+        return f"{', '.join(action.option_strings)} {name}"
+
+
+class _Parser(argparse.ArgumentParser):
+    """One whose help has one list, of what has to be given first."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options, formatter_class=_Layout, add_help=False)
+        self.add_argument("-h", "--help", action="help", help=argparse.SUPPRESS)
+
+    def format_help(self) -> str:
+        layout = self._get_formatter()
+        layout.add_usage(self.usage, [], [])
+        layout.add_text(self.description)
+        layout.start_section(None)
+        for action in sorted(self._actions, key=lambda one: bool(one.option_strings)):
+            if isinstance(action, argparse._SubParsersAction):
+                layout.add_arguments(action._choices_actions)
+            else:
+                layout.add_argument(action)
+        layout.end_section()
+        return layout.format_help()
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="geodesic",
+        usage="geodesic COMMAND ...",
+        description="Geodesic distances and shortest paths on triangle meshes. "
+        "'geodesic COMMAND --help' tells a command's arguments.",
+    )
+    parser.add_argument(
+        "--version", action="version", version=f"geodesic {__version__}", help="print the version"
+    )
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
+
+    def command(name: str, usage: str, run: Callable[[argparse.Namespace], int], help: str) -> Any:
+        full = f"geodesic {name} [options] {usage}".rstrip()
+        made = commands.add_parser(name, help=help, description=help, usage=full)
         made.set_defaults(run=run)
         return made
 
-    upload = command("upload", _upload, "Upload mesh files and print their ids.")
-    _connection(upload)
+    upload = command("upload", "FILE...", _upload, "Upload mesh files and print their ids.")
     upload.add_argument(
-        "file", nargs="+", type=Path, help="a .glb, .gltf, .drc, .obj, .ply or .stl file"
+        "file", nargs="+", type=Path, metavar="FILE", help=".glb, .gltf, .drc, .obj, .ply or .stl"
     )
     upload.add_argument("--scene", help="of a glTF file: the scene to read, by index or name")
     upload.add_argument("--node", help="of a glTF file: the node to read, by index or name")
     upload.add_argument("--weld", metavar="DISTANCE", help='join vertices so near; "off": none')
-    upload.add_argument("--up", choices="xyz", help="the axis that points up in the file")
-    upload.add_argument("--scale", type=float, help="multiply all positions by this")
+    upload.add_argument("--up", choices="xyz", metavar="AXIS", help="in the file: x, y or z")
+    upload.add_argument("--scale", type=float, metavar="N", help="multiply all positions by this")
+    _connection(upload)
 
-    listing = command("list", _list, "List the server's meshes.")
-    _connection(listing)
+    listing = command("list", "", _list, "List the server's meshes.")
     listing.add_argument("--json", action="store_true", help="all metadata, as JSON")
+    _connection(listing)
 
-    distance = command("distance", _distance, "Save a distance field, or print distances.")
+    delete = command("delete", "MESH...", _delete, "Delete meshes from the server.")
+    delete.add_argument("mesh", nargs="+", metavar="MESH", help="an id, or how it begins")
+    _connection(delete)
+
+    distance = command(
+        "distance", "MESH --from POINT", _distance, "Save a distance field, or print distances."
+    )
     _query(distance)
     distance.add_argument("--at", action="append", default=[], metavar="POINT", help="only there")
-    distance.add_argument("--max", type=float, help="what is farther counts as unreached")
-    distance.add_argument("-o", "--output", type=Path, help="a .npy file, or .csv; else printed")
+    distance.add_argument("--max", type=float, metavar="N", help="farther is unreached")
+    distance.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="a .npy file, or .csv; else printed"
+    )
+    _exactness(distance)
+    _connection(distance)
 
-    path = command("path", _path, "Find the shortest path between two points.")
+    path = command(
+        "path", "MESH --from POINT --to POINT", _path, "Find the shortest path between two points."
+    )
     _query(path, several=False)
     path.add_argument("--to", required=True, metavar="POINT", help="where it ends")
     path.add_argument("--via", action="append", default=[], metavar="POINT", help="on the way")
-    path.add_argument("--refine", choices=["none", "shortest"], default="shortest")
     path.add_argument(
-        "-o", "--output", type=Path, help="a .csv, .npy, .json or .glb file; else the length only"
+        "--refine", choices=["none", "shortest"], default="shortest", metavar="HOW",
+        help="shortest, or none: as it was traced",
+    )  # fmt: skip
+    path.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help=".csv, .npy, .json or .glb",
     )
+    _exactness(path)
+    _connection(path)
 
-    table = command("table", _table, "Print all distances among points, as CSV.")
+    table = command("table", "MESH --from POINT", _table, "Print distances among points, as CSV.")
     _query(table)
     table.add_argument("--to", action="append", metavar="POINT", help="a column; else the rows")
+    table.add_argument("--max", type=float, metavar="N", help="farther is unreached")
+    _exactness(table)
+    _connection(table)
 
-    plot = command("plot", _plot, "Draw a field with isolines and a path.")
+    plot = command("plot", "MESH --from POINT", _plot, "Draw a field with isolines and a path.")
     _query(plot)
     plot.add_argument("--to", metavar="POINT", help="draw the path there from the first source")
     plot.add_argument("--via", action="append", default=[], metavar="POINT", help="on the way")
-    plot.add_argument("-o", "--output", type=Path, help="a .png, .svg or .pdf; else on screen")
+    plot.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="a .png, .svg or .pdf; else on screen"
+    )
     plot.add_argument("--isolines", type=int, default=12, metavar="N", help="0: none")
-    plot.add_argument("--view", help="front, back, left, right, top, bottom, corner or AZ,EL")
-    plot.add_argument("--up", choices=["y", "z"], default="y", help="which axis is up")
-    plot.add_argument("--colormap", default="viridis", help="one of matplotlib's")
+    plot.add_argument("--view", help="front, back, left, right, top, bottom, corner, AZ,EL")
+    plot.add_argument("--up", choices=["y", "z"], default="y", metavar="AXIS", help="y or z")
+    plot.add_argument("--colormap", default="viridis", metavar="NAME", help="one of matplotlib's")
+    _exactness(plot, points_per_edge=False)
+    _connection(plot)
 
     from .bench import command as bench
 
-    bench.arguments(command("bench", bench.run, "Load a server and measure it."))
+    bench.arguments(command("bench", "[URL]", bench.run, "Load a server and measure it."))
 
-    server = command("serve", _serve, "Run a server on this machine until Ctrl-C.")
-    server.add_argument("file", nargs="*", type=Path, help="meshes to upload at the start")
+    server = command("serve", "[FILE...]", _serve, "Run a server on this machine until Ctrl-C.")
+    server.add_argument(
+        "file", nargs="*", type=Path, metavar="FILE", help="meshes to upload at the start"
+    )
     server.add_argument("--server", metavar="FILE", help="its program; else $GEODESICD_BINARY")
-    server.add_argument("--listen", default="127.0.0.1:8080", metavar="HOST:PORT")
-    server.add_argument("--store", type=Path, help="keep meshes in this folder")
+    server.add_argument(
+        "--listen", default="127.0.0.1:8080", metavar="ADDRESS", help="HOST:PORT (%(default)s)"
+    )
+    server.add_argument("--store", type=Path, metavar="FOLDER", help="keep meshes there")
     return parser
 
 
 def _connection(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--url", help="the server; else $GEODESICD_URL, or http://127.0.0.1:8080")
+    parser.add_argument("--url", help="the server; else $GEODESICD_URL, or 127.0.0.1:8080")
     parser.add_argument("--token", help="else $GEODESICD_TOKEN")
 
 
 def _query(parser: argparse.ArgumentParser, several: bool = True) -> None:
-    _connection(parser)
-    parser.add_argument("mesh", help="a file, which is uploaded if need be, or a mesh's id")
+    parser.add_argument(
+        "mesh", metavar="MESH", help="a file, uploaded if need be, or an id or how it begins"
+    )
     parser.add_argument(
         "--from",
         dest="sources",
         action="append" if several else "store",
         required=True,
         metavar="POINT",
-        help="a vertex (12), v:12, f:FACE,W0,W1, p:X,Y,Z or ray:OX,OY,OZ,DX,DY,DZ"
-        + ("; repeat for several" if several else ""),
+        help="12, p:X,Y,Z, f:FACE,W0,W1 or ray:X,Y,Z,DX,DY,DZ" + (", …" if several else ""),
     )
-    parser.add_argument("--method", help="auto, exact, …; else the server's default")
+
+
+def _exactness(parser: argparse.ArgumentParser, points_per_edge: bool = True) -> None:
+    """How distances are computed: alike for all queries."""
+    parser.add_argument(
+        "--method", metavar="NAME", help="auto, exact, …; else the server's default"
+    )
+    parser.add_argument(
+        "--tolerance",
+        type=float,
+        metavar="T",
+        help="auto: largest relative error",
+    )
+    parser.add_argument("--bound", metavar="WHICH", help="auto: upper, never below the truth")
+    if points_per_edge:
+        parser.add_argument("--points-per-edge", type=int, metavar="N", help="of steiner")
+        parser.add_argument("--deadline", type=float, metavar="SECONDS", help="give up then")
+
+
+def _asked(options: argparse.Namespace) -> dict[str, Any]:
+    """What :func:`_exactness` added, as the queries take it."""
+    names = ("method", "tolerance", "bound", "points_per_edge", "deadline")
+    return {name: getattr(options, name) for name in names if hasattr(options, name)}
 
 
 def connect(options: argparse.Namespace) -> Client:
@@ -152,11 +246,26 @@ def bar(what: str) -> AbstractContextManager[Callable[[float], None]]:
 
 def _mesh(client: Client, name: str, **reading: Unpack[Reading]) -> Mesh:
     """A mesh by its id, or a file's."""
-    is_id = re.fullmatch(r"[0-9a-f]{64}(~([0-9a-f]{32}|[0-9a-f]{12}))?", name)
-    if is_id and not Path(name).exists():
-        return client.mesh(name)
+    if re.fullmatch(r"[0-9a-f]{8,64}(~[0-9a-f]{0,32})?", name) and not Path(name).exists():
+        return client.mesh(_whole_id(client, name))
     with bar(f"uploading {Path(name).name}") as progress:
         return client.upload(Path(name), progress=progress, **reading)
+
+
+def _whole_id(client: Client, name: str) -> str:
+    """The id that begins so.
+
+    Raises:
+        ValueError: none or several do.
+    """
+    if re.fullmatch(r"[0-9a-f]{64}(~([0-9a-f]{32}|[0-9a-f]{12}))?", name):
+        return name
+    found = [mesh.id for mesh in client.meshes() if mesh.id.startswith(name)]
+    if plain := [one for one in found if "~" not in one]:  # and the same file read in other ways
+        found = plain
+    if len(found) != 1:
+        raise ValueError(f"{len(found)} meshes have an id that begins with {name}; see 'list'")
+    return found[0]
 
 
 @contextmanager
@@ -212,9 +321,17 @@ def _list(options: argparse.Namespace) -> int:
     return 0
 
 
+def _delete(options: argparse.Namespace) -> int:
+    with connect(options) as client:
+        for whole in [_whole_id(client, name) for name in options.mesh]:
+            client.fetch("DELETE", f"/v1/meshes/{whole}")
+            results.print(whole)
+    return 0
+
+
 def _distance(options: argparse.Namespace) -> int:
     with mesh_of(options) as mesh, bar("distances") as progress:
-        asked: dict[str, Any] = {"max": options.max, "method": options.method, "progress": progress}
+        asked: dict[str, Any] = {"max": options.max, "progress": progress, **_asked(options)}
         sources = _points(options.sources)
         if options.at:
             field = mesh.distance_at(sources, _points(options.at), **asked)
@@ -255,23 +372,13 @@ def _path(options: argparse.Namespace) -> int:
     endings = (".csv", ".npy", ".json", ".glb")
     if options.output is not None:
         _require(options.output, endings)
-    asked = {
-        "from": point(options.sources),
-        "to": point(options.to),
-        "via": _points(options.via),
-        "method": options.method,
-        "refine": options.refine,
-    }
+    source, target, via = point(options.sources), point(options.to), _points(options.via)
+    asked: dict[str, Any] = {"refine": options.refine, **_asked(options)}
     with mesh_of(options) as mesh, bar("path") as progress:
-        path = mesh.path(
-            asked["from"],
-            asked["to"],
-            via=asked["via"],
-            method=options.method,
-            refine=options.refine,
-            progress=progress,
-        )
+        path = mesh.path(source, target, via=via, progress=progress, **asked)
         if options.output is not None and options.output.suffix == ".glb":
+            asked.pop("deadline")
+            asked |= {"from": source, "to": target, "via": via}
             options.output.write_bytes(mesh.query("path", asked, format="glb").data)
     if not path.reachable:
         people.print("geodesic: there is no path", style="red")
@@ -301,9 +408,8 @@ def _save_path(file: Path, path: Any) -> None:
 def _table(options: argparse.Namespace) -> int:
     with mesh_of(options) as mesh, bar("table") as progress:
         sources, targets = options.sources, options.to or options.sources
-        table = mesh.table(
-            _points(sources), _points(targets), method=options.method, progress=progress
-        )
+        asked: dict[str, Any] = {"max": options.max, "progress": progress, **_asked(options)}
+        table = mesh.table(_points(sources), _points(targets), **asked)
     quoted = [f'"{name}"' if "," in name else name for name in targets]
     print(",".join(["", *quoted]))
     for name, row in zip(sources, table, strict=True):
@@ -326,13 +432,13 @@ def _plot(options: argparse.Namespace) -> int:
             _points(options.sources),
             target=None if options.to is None else point(options.to),
             via=_points(options.via),
-            method=options.method,
             isolines=options.isolines,
             view=view,
             up=options.up,
             colormap=options.colormap,
             title=title,
             progress=progress,
+            **_asked(options),
         )
     if options.output is not None:
         figure.savefig(options.output)

@@ -30,25 +30,38 @@ people = Console(stderr=True)
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the command's arguments."""
-    parser.add_argument("url", nargs="?", help="the server; else $GEODESICD_URL")
+    parser.add_argument("url", nargs="?", metavar="URL", help="the server; else $GEODESICD_URL")
     parser.add_argument("--token", help="else $GEODESICD_TOKEN")
     parser.add_argument(
         "--mix",
         default="path=8,field=1,table=1",
-        help="shares of upload, field, path and table (%(default)s)",
+        metavar="SHARES",
+        help="also of upload (%(default)s)",
     )
     loop = parser.add_mutually_exclusive_group()
     loop.add_argument("--clients", type=int, metavar="N", help="closed loop (4, without --rate)")
     loop.add_argument("--rate", type=float, metavar="N", help="open loop: N requests a second")
-    parser.add_argument("--seconds", type=float, default=30, help="how long (%(default)s)")
+    parser.add_argument(
+        "--seconds", type=float, default=30, metavar="N", help="how long (%(default)s)"
+    )
     parser.add_argument("--ramp", type=float, default=0, metavar="SECONDS", help="grow that long")
-    parser.add_argument("--connections", type=int, default=64, help="open loop: at most")
+    parser.add_argument(
+        "--connections", type=int, default=64, metavar="N", help="open loop: at most (%(default)s)"
+    )
     parser.add_argument("--mesh", metavar="FILE|ID", help="asked about; else hills of --vertices")
-    parser.add_argument("--vertices", type=int, default=20000, help="of the hills (%(default)s)")
-    parser.add_argument("--sources", type=int, default=0, help="different sources; 0: any vertex")
-    parser.add_argument("--table-side", type=int, default=8, help="rows and columns (%(default)s)")
-    parser.add_argument("--method", help="auto, exact, …; else the server's default")
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument(
+        "--vertices", type=int, default=20000, metavar="N", help="of the hills (%(default)s)"
+    )
+    parser.add_argument(
+        "--sources", type=int, default=0, metavar="N", help="different sources; 0: any vertex"
+    )
+    parser.add_argument(
+        "--table-side", type=int, default=8, metavar="N", help="rows and columns (%(default)s)"
+    )
+    parser.add_argument(
+        "--method", metavar="NAME", help="auto, exact, …; else the server's default"
+    )
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of chance (%(default)s)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the report; -: print it")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="draw it (.png, .svg, .pdf)")
     parser.add_argument("--fail-p99", metavar="MS", help="a limit, or by kind: path=50,field=200")
