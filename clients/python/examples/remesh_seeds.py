@@ -31,7 +31,7 @@ def dual_triangles(
 def main(arguments: list[str]) -> None:
     """Prints how evenly the seeds lie and what their triangles make."""
     count = int(arguments[0]) if arguments else 80
-    with geodesicd.serve() as client:
+    with geodesicd.connect() as client:
         mesh = client.upload(arguments[1] if len(arguments) > 1 else sphere(5))
         seeds = mesh.samples(count)
         geometry = mesh.geometry()

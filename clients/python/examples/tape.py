@@ -22,7 +22,7 @@ def girth(mesh: geodesicd.Mesh, marks: list[tuple[float, float, float]]) -> geod
 
 def main(arguments: list[str]) -> None:
     """Measures, and says how much the tape differs from the straight chords between marks."""
-    with geodesicd.serve() as client:
+    with geodesicd.connect() as client:
         if arguments:
             mesh = client.upload(arguments[0])
             marks = []

@@ -18,7 +18,7 @@ def main(arguments: list[str]) -> None:
     """Prints the route's length and climb, beside those of the straight line on the map."""
     side, height = 121, 80.0
     start, goal = (5.0, 30.0, 0.0), (115.0, 30.0, 0.0)
-    with geodesicd.serve() as client:
+    with geodesicd.connect() as client:
         mesh = client.upload(hills(side, height))
         route = mesh.path(start, goal, refine="shortest")
         # Straight on the map is up and over: a walk through many places under that line.

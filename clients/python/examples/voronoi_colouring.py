@@ -17,7 +17,7 @@ from geodesicd.plot import draw
 def main(arguments: list[str]) -> None:
     """Draws the regions and prints how large they are."""
     sites = int(arguments[1]) if len(arguments) > 1 else 12
-    with geodesicd.serve() as client:
+    with geodesicd.connect() as client:
         mesh = client.upload(arguments[2] if len(arguments) > 2 else sphere(5))
         chosen = mesh.samples(sites)
         distances, labels = mesh.distance(chosen.vertices, labels=True)

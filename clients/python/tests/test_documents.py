@@ -19,7 +19,7 @@ import geodesicd
 HERE = Path(__file__).parents[1]
 
 
-def run_example(name: str, *arguments: str) -> dict[str, str]:
+def run_example(name: str, *arguments: str, **environment: str) -> dict[str, str]:
     """Runs an example; what it prints, by the first word of each line."""
     run = subprocess.run(
         [sys.executable, str(HERE / "examples" / f"{name}.py"), *arguments],
@@ -27,6 +27,7 @@ def run_example(name: str, *arguments: str) -> dict[str, str]:
         text=True,
         timeout=120,
         check=False,
+        env={**os.environ, **environment},
     )
     assert run.returncode == 0, run.stderr
     return dict(line.split(" ", 1) for line in run.stdout.splitlines())
@@ -56,13 +57,28 @@ def test_remesh_seeds() -> None:
     assert told["triangles"] == "156 Euler 2"  # a sphere again: 2 * 80 - 4 triangles
 
 
+@pytest.mark.parametrize("name", ["tape", "terrain_route", "remesh_seeds", "voronoi_colouring"])
+def test_an_example_asks_the_server_that_is_named(
+    server: geodesicd.LocalServer, tmp_path: Path, name: str
+) -> None:
+    arguments = [str(tmp_path / "out.png")] if name == "voronoi_colouring" else []
+    nowhere = {"GEODESICD": "/nowhere", "GEODESICD_BINARY": "/nowhere"}
+    assert run_example(name, *arguments, **nowhere, GEODESICD_URL=server.url)
+
+
 def test_voronoi_colouring(tmp_path: Path) -> None:
     told = run_example("voronoi_colouring", str(tmp_path / "regions.png"), "12")
     assert told["regions"].endswith("of 10242")
     assert (tmp_path / "regions.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_the_notebook_runs_and_has_no_outputs(tmp_path: Path) -> None:
+@pytest.mark.parametrize("named", [False, True])
+def test_the_notebook_runs_and_has_no_outputs(
+    server: geodesicd.LocalServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, named: bool
+) -> None:
+    if named:
+        monkeypatch.setenv("GEODESICD_URL", server.url)
+        monkeypatch.setenv("GEODESICD", "/nowhere")
     notebook = nbformat.read(HERE / "tour.ipynb", as_version=4)
     nbformat.validate(notebook)
     code = [cell for cell in notebook.cells if cell.cell_type == "code"]

@@ -252,12 +252,16 @@ def local(
 
 
 def connect(url: str | None = None, **options: Any) -> Client:
-    """A client of the server at ``url``, else of that at $GEODESICD_URL, else of one of this
-    process's own: for scripts that are to run with a server and without.
+    """A client of the server at ``url``, else of that at $GEODESICD_URL (with $GEODESICD_TOKEN, if
+    there is one), else of one of this process's own: for scripts that are to run with a server and
+    without.
 
     Args:
         options: those of :class:`Client`.
     """
-    if not url and not os.environ.get("GEODESICD_URL"):
+    if not url and os.environ.get("GEODESICD_URL"):
+        # Which is for that server, and for no other.
+        options.setdefault("token", os.environ.get("GEODESICD_TOKEN"))
+    elif not url:
         url = _shared_client().url
     return Client(url, **options)
