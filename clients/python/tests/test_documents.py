@@ -15,6 +15,7 @@ import pytest
 from nbclient import NotebookClient
 
 import geodesicd
+from geodesicd import local_server
 
 HERE = Path(__file__).parents[1]
 
@@ -120,7 +121,11 @@ def test_the_projects_readme(
     monkeypatch.chdir(tmp_path)
     text = (HERE.parents[1] / "README.md").read_text(encoding="utf-8")
     (code,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
-    assert run_python(code.replace("http://localhost:8080", server.url), {}) == 3
+    names: dict[str, object] = {}
+    assert run_python(code.replace("http://localhost:8080", server.url), names) == 3
+    asked = names["mesh"]
+    assert isinstance(asked, geodesicd.Mesh)
+    asked.client.close()
 
 
 def test_the_readmes_python(samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -141,8 +146,19 @@ def test_the_readmes_python(samples: Path, tmp_path: Path, monkeypatch: pytest.M
         connected = names.get("client")
         if isinstance(connected, geodesicd.Client):
             connected.close()
+        for own, client in local_server._shared.values():
+            client.close()
+            own.stop()
         server.stop()
-    assert checked >= 5
+    assert checked >= 12
+
+
+def test_an_analyst_works_within_ten_lines() -> None:
+    text = (HERE / "README.md").read_text(encoding="utf-8")
+    first = text[: text.index("```\n", text.index("```python"))]
+    (code,) = re.findall(r"```python\n(.*)", first, re.DOTALL)
+    assert len(code.splitlines()) <= 10
+    assert len(first.splitlines()) < 24
 
 
 def test_the_readmes_commands(server: geodesicd.LocalServer, samples: Path, tmp_path: Path) -> None:
