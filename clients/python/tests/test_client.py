@@ -189,6 +189,9 @@ def test_every_way_in_is_the_same_mesh(client: geodesicd.Client) -> None:
         geodesicd.ply_bytes(vertices, faces),
     ):
         assert client.upload(mesh).id == arrays.id
+    assert client.upload(vertices, faces).id == arrays.id
+    with pytest.raises(TypeError, match="vertices alone"):
+        client.upload(vertices)
     np.testing.assert_array_equal(arrays.geometry().triangles, faces)
     np.testing.assert_array_equal(arrays.geometry().positions, vertices)
     rounded = client.upload(geodesicd.glb_bytes(vertices, faces))

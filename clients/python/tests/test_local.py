@@ -48,6 +48,10 @@ def test_one_server_for_all_and_another_after_it_died(
     second = geodesicd.local(samples / "plane.glb", scale=2)
     assert first.client is second.client
     assert second.bbox[1, 0] == 198
+    vertices, faces = hills(10, 1)
+    with pytest.warns(geodesicd.PrecisionWarning) as caught:
+        geodesicd.local((vertices + 1e7 + 0.1).astype(np.float32), faces)
+    assert caught[0].filename == __file__
     monkeypatch.delenv("GEODESICD_URL", raising=False)
     with geodesicd.connect() as client:
         assert client.url == first.client.url

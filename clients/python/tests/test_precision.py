@@ -87,6 +87,10 @@ def test_a_survey_in_centimetres(client: geodesicd.Client) -> None:
     with pytest.warns(geodesicd.PrecisionWarning, match="make them float64") as caught:
         client.upload((vertices.astype(np.float32), faces))
     assert caught[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        coarse, faces = grid(20, 30, (500000, 5400000, 0))
+        client.upload(coarse.astype(np.float32), faces)  # whole metres: as they were
 
 
 def test_the_numbers_are_those_of_the_arrays(client: geodesicd.Client) -> None:

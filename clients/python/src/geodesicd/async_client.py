@@ -171,6 +171,7 @@ class AsyncClient:
     async def upload(
         self,
         mesh: Any,
+        faces: Any = None,
         *,
         progress: Progress | None = None,
         probe: bool = True,
@@ -178,7 +179,7 @@ class AsyncClient:
     ) -> AsyncMesh:
         """Uploads a mesh, as :meth:`geodesicd.Client.upload`."""
         # Reading and hashing a large file is not to hold up everything else.
-        body = await asyncio.to_thread(body_of, mesh)
+        body = await asyncio.to_thread(body_of, mesh, faces)
         found = await self.run(service.upload(body, progress, probe=probe, reading=reading))
         warn_of_rounding(body, found, reading, stacklevel=3)
         return AsyncMesh(self, found)

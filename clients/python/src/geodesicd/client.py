@@ -214,6 +214,7 @@ class Client:
     def upload(
         self,
         mesh: Any,
+        faces: Any = None,
         *,
         progress: Progress | None = None,
         probe: bool = True,
@@ -223,7 +224,8 @@ class Client:
 
         Args:
             mesh: a path to a .glb, .gltf, .drc, .obj, .ply or .stl file; the bytes of one; a
-                pair (vertices (n, 3), faces (m, 3)); or a mesh of trimesh, PyVista (PolyData)
+                pair (vertices (n, 3), faces (m, 3)), or the vertices alone, with faces behind
+                them; or a mesh of trimesh, PyVista (PolyData)
                 or meshio. Of a .gltf file the path will do: files beside it that hold its buffers
                 are sent with it, images are not.
                 Positions of arrays arrive as they are, float64 too (a .ply file is sent; a .glb
@@ -244,7 +246,7 @@ class Client:
             PrecisionWarning: positions of arrays are too coarse for their edges, or the server
                 has made one of several that differ.
         """
-        body = body_of(mesh)
+        body = body_of(mesh, faces)
         found = self.run(service.upload(body, progress, probe=probe, reading=reading))
         warn_of_rounding(body, found, reading, stacklevel=3)
         return Mesh(self, found)

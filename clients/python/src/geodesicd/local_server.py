@@ -23,9 +23,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Unpack
 
+from . import service
 from .async_client import AsyncClient
 from .client import Client, Mesh
 from .flows import Progress
+from .mesh_input import body_of, warn_of_rounding
 from .service import Reading
 
 _PACKED = Path(__file__).with_name("bin") / "geodesicd"  # in wheels that were built with it
@@ -247,8 +249,11 @@ def local(
         FileNotFoundError: there is no such program; the message says how to get one.
         RuntimeError: it did not start. Others: as :meth:`Client.upload`.
     """
-    found = mesh if faces is None else (mesh, faces)
-    return _shared_client(binary, flags).upload(found, progress=progress, **reading)
+    client = _shared_client(binary, flags)
+    body = body_of(mesh, faces)
+    found = client.run(service.upload(body, progress, reading=reading))
+    warn_of_rounding(body, found, reading, stacklevel=3)  # which names the caller's line
+    return Mesh(client, found)
 
 
 def connect(url: str | None = None, **options: Any) -> Client:

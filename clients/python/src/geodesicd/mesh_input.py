@@ -68,18 +68,21 @@ class UploadBody:
                 self.progress(sent / self.length)
 
 
-def body_of(mesh: Any) -> UploadBody:
+def body_of(mesh: Any, faces: Any = None) -> UploadBody:
     """The bytes to upload.
 
     Args:
         mesh: a path to a .glb, .gltf (whose buffers may be in files beside it), .drc, .obj, .ply or
             .stl file; the bytes of one; a pair
             (vertices (n, 3), faces (m, 3)); or a mesh object of trimesh, PyVista or meshio.
+        faces: (m, 3), if ``mesh`` is vertices (n, 3).
 
     Raises:
         TypeError: none of these. ValueError: no triangles, or numbers out of range.
         OSError: the file cannot be read.
     """
+    if faces is not None:
+        return _of_arrays(mesh, faces)
     if isinstance(mesh, str | os.PathLike):
         return _of_file(Path(os.fspath(mesh)))
     if isinstance(mesh, bytes | bytearray | memoryview):
@@ -93,6 +96,8 @@ def body_of(mesh: Any) -> UploadBody:
         return _of_arrays(*_of_pyvista(mesh))
     if "meshio" in library and hasattr(mesh, "cells"):
         return _of_arrays(*_of_meshio(mesh))
+    if isinstance(mesh, np.ndarray):
+        raise TypeError("cannot upload vertices alone: give (vertices, faces)")
     raise TypeError(
         f"cannot upload a {type(mesh).__module__}.{type(mesh).__qualname__}: give a path, bytes, "
         "(vertices, faces), or a mesh of trimesh, PyVista or meshio"
@@ -134,17 +139,23 @@ def warn_of_rounding(
                 PrecisionWarning,
                 stacklevel,
             )
-    if positions.dtype == np.float32:
-        far = np.abs(positions).max()
-        step = float(np.spacing(far)) * float(reading.get("scale", 1))
-        if step > 0.01 * metadata["mean_edge"]:
+    if positions.dtype != np.float32:
+        return
+    edge = metadata["mean_edge"]
+    for axis in positions.T:
+        far = np.abs(axis).max()
+        step = float(np.spacing(far))
+        # Whole metres of a survey lose nothing to float32.
+        whole = step < 1 and bool((axis == np.rint(axis)).all())
+        if step * float(reading.get("scale", 1)) > 0.01 * edge and not whole:
             warnings.warn(
                 f"the vertices are float32, which at {far:g} knows steps of {step:.2g}, and edges "
-                f"are {metadata['mean_edge']:.2g} long on average: make them float64 from the "
-                "first, or take the origin away before they become float32",
+                f"are {edge:.2g} long on average: make them float64 from the first, or take the "
+                "origin away before they become float32",
                 PrecisionWarning,
                 stacklevel,
             )
+            return
 
 
 def _of_pyvista(mesh: Any) -> tuple[Any, Any]:
