@@ -22,6 +22,7 @@ COPY . .
 RUN GEODESICD_NO_BROWSER=1 make build CMAKE_FLAGS="-DGEODESIC_TESTS=OFF -DGEODESIC_BENCH=OFF" \
  && mkdir /out \
  && scripts/build_viewer \
+ && scripts/build_docs \
  && strip -o /out/geodesicd build/release/geodesicd \
  && build/release/make_samples /out/samples \
  && scripts/runtime_packages build/release/geodesicd >/out/packages \
@@ -41,6 +42,7 @@ COPY --from=build /out/geodesicd /usr/local/bin/geodesicd
 COPY --from=build /out/licences /usr/local/share/doc/geodesicd
 COPY --from=build /out/samples /usr/local/share/geodesicd/samples
 COPY --from=build /src/clients/web/viewer/dist /usr/local/share/geodesicd/viewer
+COPY --from=build /src/build/docs /usr/local/share/geodesicd/docs
 
 # By number, so that an orchestrator can tell that this is not root.
 USER 10001
@@ -48,7 +50,8 @@ USER 10001
 ENV GEODESICD_LISTEN=0.0.0.0:8080 \
     GEODESICD_STORE=/var/lib/geodesicd \
     GEODESICD_SAMPLES=/usr/local/share/geodesicd/samples \
-    GEODESICD_VIEWER=/usr/local/share/geodesicd/viewer
+    GEODESICD_VIEWER=/usr/local/share/geodesicd/viewer \
+    GEODESICD_DOCS=/usr/local/share/geodesicd/docs
 EXPOSE 8080
 VOLUME /var/lib/geodesicd
 HEALTHCHECK --interval=10s --timeout=3s --start-period=10s \

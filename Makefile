@@ -7,7 +7,7 @@ JOBS ?= $(shell nproc)
 export PORT HOST JOBS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup configure build run test test-s3 test-crash bench paper load torture fuzz format lint clean
+.PHONY: help setup configure build run test test-s3 test-crash docs bench paper load torture fuzz format lint clean
 MAKEFLAGS += --no-print-directory
 
 help: ## list these targets
@@ -36,6 +36,10 @@ test-s3: build ## test the store in object storage, against OpenStack Swift
 
 test-crash: build ## kill the server 200 times while it writes
 	@tests/crash/crash_test.py build/release/geodesicd 200
+
+docs: ## build the documentation site, static files, in build/docs
+	@scripts/setup
+	@scripts/build_docs
 
 bench: build ## measure every method, and other people's, in build/bench (minutes)
 	@scripts/setup bench

@@ -84,9 +84,10 @@ def main():
                 failed += 1
                 print(f"FAILED: {page.relative_to(ROOT)}: `{quoted}` {wrong}. Write what it is "
                       "called now.")
-    drawn = subprocess.run([ROOT / "scripts" / "draw_rooms", "--check"], check=False).returncode
+    stale = [subprocess.run([ROOT / "scripts" / maker, "--check"], check=False).returncode
+             for maker in ("draw_rooms", "write_methods")]
     print(f"{checked} names on pages, {failed} of them gone")
-    return 1 if failed or drawn or checked < 100 else 0
+    return 1 if failed or any(stale) or checked < 100 else 0
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Uploads a mesh file (.glb, .gltf with embedded data, .drc) and prints the mesh's id.
+# Uploads a mesh file (.glb, .gltf with embedded data, .drc, .obj, .ply, .stl) and prints the mesh's id.
 # usage: upload.sh FILE [BASE_URL]
 set -euo pipefail
 if [ $# -lt 1 ] || [ $# -gt 2 ]; then

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -87,9 +88,10 @@ class BackTracedFront {
   BackTracedScratch& scratch_;
   std::span<double> distance_;
   Poll& poll_;
-  Triangulation surface_;            // what this wave goes over
-  std::vector<SurfacePoint> stops_;  // the source's places, by ascending faces
-  double least_gain_ = 0;            // that makes an accepted vertex wait again
+  Triangulation surface_;              // what this wave goes over
+  std::vector<SurfacePoint> stops_;    // the source's places, by ascending faces, on the mesh's own
+  std::optional<bool> is_of_slivers_;  // the mesh, once it was asked
+  double least_gain_ = 0;              // that makes an accepted vertex wait again
   int rounds_in_bucket_ = 0;
   Vectors vectors_ = best_vectors();
   // Traces that wait for company, and their places in the round.

@@ -78,6 +78,9 @@ inline constexpr double kHalfOfDigits = 1e-9;
 // Of the longest side, squared: from the squares of sides a shorter line within a face has fewer
 // than twelve digits.
 inline constexpr double kNearInFace2 = 1e-4;
+// Of the greater of these two products: below it, the length has lost more than three digits, and
+// where it is to be right to kWindows, it comes from the positions.
+inline constexpr double kFewDigits = 1e-3;
 // Of the longest side: what a length computed from two such products may be off.
 inline constexpr double kSide = 8 * std::numeric_limits<double>::epsilon();
 // Of the longest side, squared: beside a shorter side, rounding says where the other one is.

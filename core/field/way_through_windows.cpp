@@ -27,11 +27,12 @@ WayThroughWindow shortest_way_through_windows(const Adjacency& adjacency,
   for (std::uint32_t c = 0; c < 3; ++c) {
     const double above = place.bary[previous_corner(c)];
     const double length2 = face.length2(c);
-    if (above == 0 || (!(length2 > 0) && !face.loses_length(c))) continue;
+    const bool loses_digits = face.loses_digits_of_length(c);
+    if (above == 0 || (!(length2 > 0) && !loses_digits)) continue;
     double length = std::sqrt(length2);
     double x = place.bary[next_corner(c)] * length + above * (face.dot[c] / length);
     double y = above * (face.area2 / length);
-    if (face.loses_length(c)) {
+    if (loses_digits) {
       const FaceOverEdge over = face_over_edge(adjacency.mesh(), halfedge(place.face, c));
       length = over.length;
       x = place.bary[next_corner(c)] * length + above * over.apex_from_tail.x;

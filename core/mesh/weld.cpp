@@ -20,6 +20,7 @@ struct Cell {
   double x;
   double y;
   double z;
+  // NOLINTNEXTLINE(modernize-use-nullptr): it takes what compares the parts for 0
   friend auto operator<=>(const Cell&, const Cell&) = default;
 };
 

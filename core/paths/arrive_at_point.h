@@ -69,6 +69,9 @@ class PointArrivals {
   // The distance of any point: the least over the faces it lies in.
   [[nodiscard]] double distance_at(const SurfacePoint& point) const;
 
+  // Whether the poll has said to stop, so that the answer is of no use; asks nobody.
+  [[nodiscard]] bool was_stopped() const { return poll_ != nullptr && poll_->stopped(); }
+
  private:
   [[nodiscard]] int steps_to_go(const StepBack& step) const;
   [[nodiscard]] bool stopped() const { return poll_ != nullptr && poll_->cancelled(); }

@@ -62,7 +62,10 @@ class Tracer {
 
   Result<std::optional<Path>> trace(const SurfacePoint& target) {
     StepBack step = first_step(target);
-    same_way_ = tolerance::kSameWay * step.distance;
+    // Near the source, where hardly any of the distance is left, places on the mesh are rounded
+    // more coarsely than that.
+    const Box& box = adjacency_.mesh().box();
+    same_way_ = tolerance::kSameWay * step.distance + tolerance::kSide * norm(box.max - box.min);
     if (step.to == StepBack::To::nowhere && !target.at_vertex() && !poll_.stopped()) {
       return std::nullopt;
     }
@@ -309,7 +312,7 @@ class Tracer {
   bool enters_again_;
   std::unordered_map<std::uint32_t, std::uint32_t> times_entered_;  // … and how often which
   std::uint64_t most_steps_;
-  double same_way_ = 0;  // of the whole distance
+  double same_way_ = 0;  // in mesh units: what rounding may make of two ways as long as each other
   PointArrivals arrivals_;
   std::uint32_t target_ = kNone;  // when it is a vertex
   std::vector<Leg> legs_;

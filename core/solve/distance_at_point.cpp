@@ -1,15 +1,19 @@
 #include "core/solve/distance_at_point.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <utility>
 #include <vector>
 
+#include "core/base/tolerances.h"
 #include "core/paths/edge_path.h"
-#include "core/paths/trace_path.h"
 #include "core/straighten/refine_path.h"
 #include "core/straighten/shorten_path.h"
+#include "core/wavefront/virtual_source.h"
 #include "core/wavefront/wavefront.h"
 
 namespace geodesic {
@@ -20,6 +24,10 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 // A path's length, and what rounding may have taken off it: of a sum of n segments n epsilon;
 // of each end of a segment some epsilon of its coordinates.
 double not_below_length(const Path& path) {
+  // From a point to itself nothing is rounded.
+  const SurfacePoint& from = path.points.front().point;
+  const SurfacePoint& to = path.points.back().point;
+  if (path.length == 0 && from.face == to.face && from.bary == to.bary) return 0;
   constexpr double kOfPosition = 12 * kEpsilon;
   double farthest_out = 0;
   for (const PathPoint& point : path.points) {
@@ -43,10 +51,10 @@ bool is_hidden(const Adjacency& adjacency, const Field& field, std::uint32_t s) 
 // Where several sources meet, the distances of a face's corners do not lead to the nearest one of
 // a point between them. Ways to the sources themselves do: to those of the corners, and to those
 // that no vertex leads to. Each from the shortest along edges, so few are asked.
-class WaysToOtherSources {
+class WaysToSources {
  public:
-  WaysToOtherSources(const Adjacency& adjacency, const Field& field, const SurfacePoint& point,
-                     const Cancel& cancel)
+  WaysToSources(const Adjacency& adjacency, const Field& field, const SurfacePoint& point,
+                const Cancel& cancel)
       : adjacency_(adjacency), field_(field), point_(point), cancel_(cancel) {}
 
   // The shortest that is below `least`, or that; without the source that has been asked.
@@ -54,6 +62,7 @@ class WaysToOtherSources {
     Poll poll(cancel_);
     std::vector<std::uint32_t> others;
     const auto& corners = adjacency_.face(point_.face).vertex;
+    others.reserve(corners.size());
     for (const std::uint32_t v : corners) others.push_back(field_.nearest_source[v]);
     for (std::uint32_t s = 0; s < field_.sources.size() && others.size() < kMostAsked; ++s) {
       if (poll.cancelled()) return fail_stopped(poll);
@@ -63,11 +72,22 @@ class WaysToOtherSources {
     others.erase(std::unique(others.begin(), others.end()), others.end());
     for (const std::uint32_t s : others) {
       if (s == kNone || s == asked || !is_near(s, least)) continue;
-      const auto length = from(s);
+      auto length = from(s);
       if (!length) return length;
       least = std::min(least, *length);
     }
     return least;
+  }
+
+  // The length of one to that source.
+  Result<double> from(std::uint32_t s) {
+    const Source& source = field_.sources[s];
+    const auto along_edges = edge_path(adjacency_, source.point, point_, scratch_, cancel_);
+    if (!along_edges) return fail(along_edges.error());
+    if (!*along_edges) return kUnreached;
+    const auto path = shorten_path(adjacency_, **along_edges, cancel_);
+    if (!path) return fail(path.error());
+    return source.offset + not_below_length(*path);
   }
 
  private:
@@ -80,16 +100,6 @@ class WaysToOtherSources {
            least;
   }
 
-  Result<double> from(std::uint32_t s) {
-    const Source& source = field_.sources[s];
-    const auto along_edges = edge_path(adjacency_, source.point, point_, scratch_, cancel_);
-    if (!along_edges) return fail(along_edges.error());
-    if (!*along_edges) return kUnreached;
-    const auto path = shorten_path(adjacency_, **along_edges, cancel_);
-    if (!path) return fail(path.error());
-    return source.offset + not_below_length(*path);
-  }
-
   const Adjacency& adjacency_;
   const Field& field_;
   const SurfacePoint& point_;
@@ -97,9 +107,39 @@ class WaysToOtherSources {
   WavefrontScratch scratch_;
 };
 
-// The length of the shortest way to the point that is known.
+// Of a face's longest side, its height. In a lower one, circles round two corners meet anywhere.
+constexpr double kLow = 0.1;
+// Of a corner's distance, by how much it may differ from what circles round the other two say. Half
+// as much halves the errors that are left, and asks for paths on ordinary meshes too.
+constexpr double kDiffers = 0.02;
+
+// Whether the ways to a face's corners come from different sides, as far as its distances tell:
+// then circles round two of them meet in no source.
+bool ways_differ(const FaceRecord& face, const Field& field) {
+  std::array<double, 3> d{};
+  for (std::uint32_t c = 0; c < 3; ++c) d[c] = field.distance[face.vertex[c]];
+  if (!(*std::max_element(d.begin(), d.end()) < kUnreached)) return false;
+  const auto far = static_cast<std::uint32_t>(std::max_element(d.begin(), d.end()) - d.begin());
+  const std::uint32_t base = next_corner(far);
+  const std::uint32_t n = previous_corner(far);
+  const double said = arrive(d[base], d[n], face.apex_over(base)).distance;
+  return !(std::abs(said - d[far]) <= kDiffers * d[far]);
+}
+
+// Whether circles say little of points in the face.
+bool is_awkward(const Adjacency& adjacency, const Field& field, std::uint32_t f) {
+  const FaceRecord& face = adjacency.face(f);
+  return !(face.area2 > kLow * face.longest2()) || ways_differ(face, field);
+}
+
+// A path that is longer by this factor than the circles say has gone round the wrong side.
+constexpr double kAstray = 1.05;
+
+// The length of the shortest way to the point that is known: along that path, if there is one, or
+// straight from a corner. `about`: what the circles say.
 Result<double> length_of_way(const Adjacency& adjacency, const Field& field,
-                             const SurfacePoint& point, const Cancel& cancel) {
+                             const SurfacePoint& point, const std::optional<Path>& path,
+                             double about, const Cancel& cancel) {
   Poll poll(cancel);
   double least = kUnreached;
   for (const SurfacePoint& place : in_all_faces(adjacency, point)) {
@@ -110,14 +150,54 @@ Result<double> length_of_way(const Adjacency& adjacency, const Field& field,
     }
   }
   least *= 1 + 4 * kEpsilon;
-  const auto traced = trace_path(adjacency, field, point, cancel);
-  if (!traced) return fail(traced.error());
-  if (!*traced) return least;
-  const auto path = refine_path(adjacency, field, point, **traced, cancel);
-  if (!path) return fail(path.error());
+  if (!path) return least;
   least = std::min(least, field.sources[path->source].offset + not_below_length(*path));
+  WaysToSources ways(adjacency, field, point, cancel);
+  if (least > kAstray * about && is_awkward(adjacency, field, point.face)) {
+    auto along_edges = ways.from(path->source);
+    if (!along_edges) return along_edges;
+    least = std::min(least, *along_edges);
+  }
   if (field.nearest_source.empty()) return least;
-  return WaysToOtherSources(adjacency, field, point, cancel).below(least, path->source);
+  return ways.below(least, path->source);
+}
+
+// Whether the field says by itself how far the point is.
+bool is_told(const Adjacency& adjacency, const Field& field, const SurfacePoint& point) {
+  if (point.at_vertex() || field.windows) return true;
+  if (field.bound == Bound::upper) return false;
+  return field.method != Method::back_traced || !is_awkward(adjacency, field, point.face);
+}
+
+// With more sources nobody is asked for each how far it is straight.
+constexpr std::size_t kFewSources = 64;
+
+// Circles may say less than the straight line in space, by more than fields are rounded.
+double not_below_straight_line(const Adjacency& adjacency, const Field& field,
+                               const SurfacePoint& point, double told) {
+  if (point.at_vertex() || field.method != Method::back_traced || field.windows) return told;
+  if (field.sources.size() > kFewSources) return told;
+  const Mesh& mesh = adjacency.mesh();
+  double straight = kUnreached;
+  for (const Source& source : field.sources) {
+    const double line = distance(position_of(mesh, source.point), position_of(mesh, point));
+    straight = std::min(straight, source.offset + line);
+  }
+  return told < straight * (1 - tolerance::kSinglePrecision) ? straight : told;
+}
+
+Result<double> distance_in_face(const Adjacency& adjacency, const Field& field,
+                                const PointArrivals& arrivals, const SurfacePoint& point,
+                                const std::optional<Path>* refined, const Cancel& cancel) {
+  const double told = arrivals.distance_at(point);
+  if (arrivals.was_stopped()) return fail_stopped(cancel);
+  if (is_told(adjacency, field, point)) {
+    return not_below_straight_line(adjacency, field, point, told);
+  }
+  if (refined != nullptr) return length_of_way(adjacency, field, point, *refined, told, cancel);
+  const auto path = path_through(adjacency, field, point, PathWork::refined, cancel);
+  if (!path) return fail(path.error());
+  return length_of_way(adjacency, field, point, *path, told, cancel);
 }
 
 }  // namespace
@@ -125,9 +205,13 @@ Result<double> length_of_way(const Adjacency& adjacency, const Field& field,
 Result<double> distance_at_point(const Adjacency& adjacency, const Field& field,
                                  const PointArrivals& arrivals, const SurfacePoint& point,
                                  const Cancel& cancel) {
-  const bool is_told = field.bound == Bound::none || point.at_vertex() || field.windows;
-  if (is_told) return arrivals.distance_at(point);
-  return length_of_way(adjacency, field, point, cancel);
+  return distance_in_face(adjacency, field, arrivals, point, nullptr, cancel);
+}
+
+Result<double> distance_at_point(const Adjacency& adjacency, const Field& field,
+                                 const PointArrivals& arrivals, const SurfacePoint& point,
+                                 const std::optional<Path>& refined, const Cancel& cancel) {
+  return distance_in_face(adjacency, field, arrivals, point, &refined, cancel);
 }
 
 }  // namespace geodesic

@@ -6,10 +6,13 @@
 // of vertices are bounds, that of a point is the length of a path.
 #pragma once
 
+#include <optional>
+
 #include "core/base/cancel.h"
 #include "core/base/error.h"
 #include "core/field/field.h"
 #include "core/paths/arrive_at_point.h"
+#include "core/paths/path.h"
 #include "core/surface/adjacency.h"
 #include "core/surface/point.h"
 
@@ -24,5 +27,12 @@ namespace geodesic {
 [[nodiscard]] Result<double> distance_at_point(const Adjacency& adjacency, const Field& field,
                                                const PointArrivals& arrivals,
                                                const SurfacePoint& point, const Cancel& cancel);
+
+// The same for whoever has refine_path's path there, if there is one: what takes long is done.
+[[nodiscard]] Result<double> distance_at_point(const Adjacency& adjacency, const Field& field,
+                                               const PointArrivals& arrivals,
+                                               const SurfacePoint& point,
+                                               const std::optional<Path>& refined,
+                                               const Cancel& cancel);
 
 }  // namespace geodesic

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -100,28 +101,24 @@ class PairSearch {
         solve_field(method_, options_, adjacency, {&from, 1}, limits, scratch_, cancel_);
     if (!field) return fail(field.error());
     Pair pair;
+    if (with_path()) {
+      auto path = path_through(adjacency, *field, to,
+                               refines() ? PathWork::refined : PathWork::traced, cancel_);
+      if (!path) return fail(std::move(path.error()));
+      pair.path = std::move(*path);
+    }
     Poll poll(cancel_);
     const PointArrivals arrivals(adjacency, *field, &poll);
-    // With a path, which is the way that is asked for, it need not be as good.
     const Result<double> at_target =
-        with_path() ? arrivals.distance_at(to)
-                    : distance_at_point(adjacency, *field, arrivals, to, cancel_);
+        refines() ? distance_at_point(adjacency, *field, arrivals, to, pair.path, cancel_)
+                  : distance_at_point(adjacency, *field, arrivals, to, cancel_);
     if (!at_target) return fail(at_target.error());
-    pair.distance = *at_target;
     if (poll.stopped()) return fail_stopped(poll);
-    if (!with_path()) return pair;
-    auto traced = trace_path(adjacency, *field, to, cancel_);
-    if (!traced) return fail(std::move(traced.error()));
-    pair.path = std::move(*traced);
-    if (!pair.path || path_ != PairPath::refined || is_exact(method_)) return pair;
-    auto refined = refine_path(adjacency, *field, to, *pair.path, cancel_);
-    if (!refined) return fail(refined.error());
-    pair.path = std::move(*refined);
+    pair.distance = *at_target;
     return pair;
   }
 
-  // The pair with its path refined, if that is asked for: by an exact method the traced one
-  // is on the right side of everything.
+  // The pair with its path made shortest, if that is asked for.
   Result<Pair> straightened(const Adjacency& adjacency, Result<Pair> pair) {
     if (!pair || !pair->path || path_ != PairPath::refined) return pair;
     auto shorter = shorten_path(adjacency, *pair->path, cancel_);
@@ -172,6 +169,8 @@ class PairSearch {
 
  private:
   [[nodiscard]] bool with_path() const { return path_ != PairPath::none; }
+  // By an exact method the traced path is on the right side of everything.
+  [[nodiscard]] bool refines() const { return path_ == PairPath::refined && !is_exact(method_); }
 
   Method method_;
   const MethodOptions& options_;

@@ -21,7 +21,7 @@
 
 namespace geodesic {
 
-// What is asked for besides the distance: no path, trace_path's, or refine_path's.
+// What is asked for besides the distance: no path, or path_through's.
 enum class PairPath : std::uint8_t { none, traced, refined };
 
 struct Pair {
@@ -39,8 +39,9 @@ struct Pair {
 // the ellipsoid may have a say in one within: they get a margin, and where the result comes near
 // its edge a wider one, in the end the whole surface. So on scans the bits are those of the whole
 // field; on meshes stretched 8 times one pair in fifty differs, by up to 3e-7. For a method that
-// searches no pairs this is such a field; without a path, one that stops at the target, and
-// inside a face distance_at_point's distance. Errors: as solve_field.
+// searches no pairs this is such a field; without a path, one that stops at the target. Inside a
+// face the distance is distance_at_point's, with a path as without one: an upper bound is one.
+// Errors: as solve_field.
 [[nodiscard]] Result<Pair> pair_search(Method method, const MethodOptions& options,
                                        const Adjacency& adjacency, const Source& from,
                                        const SurfacePoint& to, PairPath path, SolveScratch& scratch,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -62,6 +63,18 @@ Result<Path> refine_path(const Adjacency& adjacency, const Field& field, const S
     }
   }
   return best;
+}
+
+Result<std::optional<Path>> path_through(const Adjacency& adjacency, const Field& field,
+                                         const SurfacePoint& target, PathWork work,
+                                         const Cancel& cancel) {
+  auto traced = trace_path(adjacency, field, target, cancel);
+  if (!traced || !*traced) return traced;
+  if (work == PathWork::traced && field.method != Method::back_traced) return traced;
+  auto path = work == PathWork::refined ? refine_path(adjacency, field, target, **traced, cancel)
+                                        : pull_straight(adjacency, **traced, cancel);
+  if (!path) return fail(std::move(path.error()));
+  return std::move(*path);
 }
 
 }  // namespace geodesic

@@ -7,6 +7,9 @@
 // errs. In that case the target's neighbours are asked for their ways, too.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+
 #include "core/base/cancel.h"
 #include "core/base/error.h"
 #include "core/field/field.h"
@@ -23,5 +26,17 @@ namespace geodesic {
 [[nodiscard]] Result<Path> refine_path(const Adjacency& adjacency, const Field& field,
                                        const SurfacePoint& target, const Path& traced,
                                        const Cancel& cancel);
+
+// How much is done to a path that was traced through a field.
+enum class PathWork : std::uint8_t { refined, traced };
+
+// The path from the field's nearest source to `target`, by `trace_path` and, where that is asked
+// for, `refine_path`; nothing where there is none. Distances by `back_traced` do not say where
+// between its vertices a way crosses an edge, so a path through them that is only traced is pulled
+// straight within its faces. Errors: cancelled.
+[[nodiscard]] Result<std::optional<Path>> path_through(const Adjacency& adjacency,
+                                                       const Field& field,
+                                                       const SurfacePoint& target, PathWork work,
+                                                       const Cancel& cancel);
 
 }  // namespace geodesic

@@ -23,16 +23,17 @@ class Shortener {
   Shortener(const Adjacency& adjacency, const Cancel& cancel)
       : adjacency_(adjacency), poll_(cancel), fans_(adjacency, poll_) {}
 
-  Result<Path> shorten(const Path& path) {
+  Result<Path> shorten(const Path& path, bool over_vertices) {
     auto chain = read_chain(adjacency_, path, poll_);
     if (!chain && !poll_.stopped()) return path;
     if (chain) pull_straight(*chain);
     // Each round takes some part off the length, or lets a vertex pass that it lets pass once;
     // and all of them together unfold no more than kMostFacesUnfolded.
-    while (chain && cross_all_vertices(*chain)) ++counts_.rounds;
+    while (chain && over_vertices && cross_all_vertices(*chain)) ++counts_.rounds;
     if (poll_.stopped()) return fail_stopped(poll_);
     Path result = write_path(adjacency_, *chain, path);
-    return result.length < path.length * (1 - tolerance::kLeastGain) ? std::move(result) : path;
+    if (result.length < path.length * (1 - tolerance::kLeastGain)) return result;
+    return path;
   }
 
   [[nodiscard]] ShortenCounts counts() const {
@@ -323,9 +324,13 @@ class Shortener {
 Result<Path> shorten_path(const Adjacency& adjacency, const Path& path, const Cancel& cancel,
                           ShortenCounts* counts) {
   Shortener shortener(adjacency, cancel);
-  auto result = shortener.shorten(path);
+  auto result = shortener.shorten(path, true);
   if (counts != nullptr) *counts = shortener.counts();
   return result;
+}
+
+Result<Path> pull_straight(const Adjacency& adjacency, const Path& path, const Cancel& cancel) {
+  return Shortener(adjacency, cancel).shorten(path, false);
 }
 
 }  // namespace geodesic

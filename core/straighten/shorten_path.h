@@ -46,4 +46,9 @@ struct ShortenCounts {
 [[nodiscard]] Result<Path> shorten_path(const Adjacency& adjacency, const Path& path,
                                         const Cancel& cancel, ShortenCounts* counts = nullptr);
 
+// The same without the second step: the path is pulled straight within the faces that it goes
+// through, and by the lesser side round the vertices that it goes through, once.
+[[nodiscard]] Result<Path> pull_straight(const Adjacency& adjacency, const Path& path,
+                                         const Cancel& cancel);
+
 }  // namespace geodesic

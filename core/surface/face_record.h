@@ -46,8 +46,11 @@ struct alignas(64) FaceRecord {
   // Whether length2 says little: of an edge far shorter than the others the two products are
   // nearly opposite, and their sum is what rounding leaves of them, if not zero.
   [[nodiscard]] bool loses_length(std::uint32_t c) const {
-    const double product = std::max(std::abs(dot[c]), std::abs(dot[next_corner(c)]));
-    return !(length2(c) > tolerance::kHalfOfDigits * product);
+    return is_length_below(c, tolerance::kHalfOfDigits);
+  }
+  // The same where it has to be right to almost all digits.
+  [[nodiscard]] bool loses_digits_of_length(std::uint32_t c) const {
+    return is_length_below(c, tolerance::kFewDigits);
   }
   // The corner that the longest edge begins at, so that the edge is c - next_corner(c).
   [[nodiscard]] std::uint32_t longest_side() const {
@@ -60,6 +63,12 @@ struct alignas(64) FaceRecord {
     const double q = dot[next_corner(c)];
     const double w = dot[previous_corner(c)];
     return {p, q, area2, p + w, q + w};
+  }
+
+ private:
+  [[nodiscard]] bool is_length_below(std::uint32_t c, double part) const {
+    const double product = std::max(std::abs(dot[c]), std::abs(dot[next_corner(c)]));
+    return !(length2(c) > part * product);
   }
 };
 

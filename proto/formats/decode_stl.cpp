@@ -57,7 +57,7 @@ Result<void> check_room(std::uint64_t facets, const DecodeLimits& limits) {
 
 Result<TriangleSoup> read_binary(std::span<const std::byte> bytes, const DecodeLimits& limits) {
   const std::uint64_t facets = facets_claimed(bytes);
-  if (const auto room = check_room(facets, limits); !room) return fail(room.error());
+  if (auto room = check_room(facets, limits); !room) return fail(room.error());
   TriangleSoup soup;
   soup.positions.resize(3 * facets);
   for (std::size_t i = 0; i < soup.positions.size(); ++i) {
@@ -103,7 +103,7 @@ class TextReader {
   }
 
   Result<void> facet() {
-    if (const auto room = check_room(soup_.positions.size() / 3 + 1, limits_); !room) return room;
+    if (auto room = check_room(soup_.positions.size() / 3 + 1, limits_); !room) return room;
     if (!next_are({"normal"})) return invalid("`normal` is wanted here.");
     // Some exporters write nan into it; nobody looks at it.
     for (int i = 0; i < 3; ++i) tokens_.word();

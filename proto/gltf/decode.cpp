@@ -95,13 +95,13 @@ class Assembly {
       const auto geometry = geometries_.find(instance.mesh, i, room_);
       if (!geometry) return fail(geometry.error());
       if (*geometry == nullptr) continue;
-      if (const auto within = room_.check((*geometry)->vertices, (*geometry)->faces); !within) {
+      if (auto within = room_.check((*geometry)->vertices, (*geometry)->faces); !within) {
         return within;
       }
       room_.vertices += (*geometry)->vertices;
       room_.faces += (*geometry)->faces;
       if (draws_triangles(mesh.primitives[i])) ++parts_;
-      if (const auto within = count_targets(node, mesh, instance.mesh, i, (*geometry)->vertices);
+      if (auto within = count_targets(node, mesh, instance.mesh, i, (*geometry)->vertices);
           !within) {
         return within;
       }

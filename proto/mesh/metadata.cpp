@@ -179,6 +179,29 @@ Result<std::string> without_parts(const std::string& description) {
   return shorter;
 }
 
+Result<std::string> with_name(const std::string& description, std::string_view name) {
+  auto object = ordered_json::parse(description, nullptr, /*allow_exceptions=*/false);
+  if (!object.is_object() || !object.contains("id")) return unreadable();
+  ordered_json named;
+  for (auto& [key, value] : object.items()) {
+    if (key == "name") continue;
+    named[key] = std::move(value);
+    if (key == "id" && !name.empty()) named["name"] = name;
+  }
+  return dumped(named);
+}
+
+std::optional<std::string> name_in(const std::string& description) {
+  const ordered_json::parser_callback_t is_name = [](int depth, ordered_json::parse_event_t event,
+                                                     ordered_json& value) {
+    return depth != 1 || event != ordered_json::parse_event_t::key || value == "name";
+  };
+  const auto object = ordered_json::parse(description, is_name, /*allow_exceptions=*/false);
+  const auto name = object.is_object() ? object.find("name") : object.end();
+  if (name == object.end() || !name->is_string()) return std::nullopt;
+  return name->get<std::string>();
+}
+
 Result<ImportOptions> import_options_of(const std::string& description) {
   // All of it is read, and no more than the options is kept.
   const ordered_json::parser_callback_t is_import = [](int depth, ordered_json::parse_event_t event,

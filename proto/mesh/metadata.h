@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -16,9 +17,9 @@ namespace geodesic::proto {
 // What a description takes at most, so that any number of them can be read, listed and sent.
 inline constexpr std::size_t kMostDescriptionBytes = std::size_t{2} << 20;
 
-// The part that never changes, as a JSON object of kMostDescriptionBytes at most: of very many
-// parts the first ones, and a finding that says how many are left out. Of `decoded` all but the
-// soup.
+// The part that changes by a `name` alone, as a JSON object of kMostDescriptionBytes at most: of
+// very many parts the first ones, and a finding that says how many are left out. Of `decoded` all
+// but the soup.
 [[nodiscard]] std::string describe_mesh(std::string_view id, std::uint64_t bytes,
                                         const ImportOptions& options, const DecodedMesh& decoded,
                                         const Adjacency& adjacency);
@@ -29,6 +30,13 @@ inline constexpr std::size_t kMostDescriptionBytes = std::size_t{2} << 20;
 // A description as an older version may have stored it, over kMostDescriptionBytes: without its
 // parts. Errors: store_corrupt.
 [[nodiscard]] Result<std::string> without_parts(const std::string& description);
+
+// That object with the mesh's `name`, in place of one that it has; an empty name takes that away.
+// Errors: store_corrupt.
+[[nodiscard]] Result<std::string> with_name(const std::string& description, std::string_view name);
+
+// The name that it has, if any.
+[[nodiscard]] std::optional<std::string> name_in(const std::string& description);
 
 // That object, whose options have been read, with `state` and `prepared` added. Takes no longer
 // than a copy. Errors: store_corrupt.

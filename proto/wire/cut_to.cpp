@@ -1,6 +1,8 @@
 #include "proto/wire/cut_to.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
 
 namespace geodesic::proto {
 
@@ -14,6 +16,12 @@ std::string cut_to(std::string_view text, std::size_t most) {
   const auto is_within = [&] { return (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80; };
   while (end > least && is_within()) --end;
   return std::string(text.substr(0, end)).append(kEllipsis);
+}
+
+bool is_utf8(std::string_view text) {
+  using nlohmann::json;
+  const std::string replaced = json(text).dump(-1, ' ', false, json::error_handler_t::replace);
+  return json::parse(replaced) == text;
 }
 
 }  // namespace geodesic::proto

@@ -10,4 +10,7 @@ namespace geodesic::proto {
 // A text within so many bytes of UTF-8, at least 3: of a longer one its beginning, and "…".
 [[nodiscard]] std::string cut_to(std::string_view text, std::size_t most);
 
+// Whether the bytes are well-formed UTF-8 (RFC 3629).
+[[nodiscard]] bool is_utf8(std::string_view text);
+
 }  // namespace geodesic::proto

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "proto/wire/cut_to.h"
 #include "proto/wire/input_codes.h"
 #include "proto/wire/number.h"
 
@@ -16,12 +17,6 @@ constexpr double kMostScale = 1e30;
 tl::unexpected<Error> wrong(const char* parameter, const char* detail,
                             ErrorCode code = InputCode::bad_syntax) {
   return fail(code, detail, parameter);
-}
-
-bool is_utf8(const std::string& text) {
-  using nlohmann::json;
-  const std::string replaced = json(text).dump(-1, ' ', false, json::error_handler_t::replace);
-  return json::parse(replaced) == text;
 }
 
 Result<std::optional<std::string>> index_or_name(Parameters& parameters, const char* name) {

@@ -68,8 +68,17 @@ std::vector<MethodParameter> back_traced_parameters() {
 
 std::span<const MethodInfo> all_methods() {
   static const std::vector<MethodInfo> methods{
+      {Method::back_traced, "auto",
+       "For nearly all: as quick as a front, 0.01 % off on scans on average. `bound` and "
+       "`tolerance` make it promises.",
+       "Tang et al. 2007 on the intrinsic Delaunay triangulation (Bobenko, Springborn 2007), each "
+       "vertex computed again by tracing its way back over a dozen faces. With a tolerance, that "
+       "of `exact`, with vertices as further sources",
+       false, "O(n log n)", back_traced_parameters()},
       {Method::wavefront,
        "wavefront",
+       "The front of the paper, as quick as a Dijkstra along edges. On scans 0.1 to 0.5 % off on "
+       "average.",
        "Jie Tang, Gang-Shan Wu, Fu-Yan Zhang, Ming-Min Zhang: Fast Approximate Geodesic Paths on "
        "Triangle Mesh. International Journal of Automation and Computing 4(1), 2007",
        false,
@@ -77,6 +86,7 @@ std::span<const MethodInfo> all_methods() {
        {}},
       {Method::novotni,
        "novotni",
+       "The rule that the paper improves on, for comparison. On scans 4 to 19 % off on average.",
        "Marcin Novotni, Reinhard Klein: Computing Geodesic Distances on Triangular Meshes. "
        "WSCG 2002",
        false,
@@ -84,6 +94,7 @@ std::span<const MethodInfo> all_methods() {
        {}},
       {Method::fast_marching,
        "fast_marching",
+       "The eikonal equation over triangles, for comparison. On scans 0.6 to 0.9 % off on average.",
        "Ron Kimmel, James A. Sethian: Computing Geodesic Paths on Manifolds. Proceedings of the "
        "National Academy of Sciences 95(15), 1998",
        false,
@@ -91,17 +102,22 @@ std::span<const MethodInfo> all_methods() {
        {}},
       {Method::dijkstra,
        "dijkstra",
+       "Ways along edges only, so never below the true distance. On scans 5 to 7 % off on average.",
        "Edsger W. Dijkstra: A Note on Two Problems in Connexion with Graphs. Numerische "
        "Mathematik 1, 1959. Along the edges only",
        false,
        "O(n log n)",
        {}},
       {Method::steiner, "steiner",
+       "Ways over points added on edges, never below the true distance. On scans 0.7 to 0.9 % off "
+       "on average.",
        "Takashi Kanai, Hiromasa Suzuki: Approximate Shortest Path on a Polyhedral Surface and Its "
        "Applications. Computer-Aided Design 33(11), 2001",
        false, "O(k n log(k n) + k^2 n) with k points on an edge", steiner_parameters()},
       {Method::exact,
        "exact",
+       "The true distance on the mesh as it is, 20 to 30 times as slow as the default on scans, "
+       "with much more memory.",
        "Joseph S. B. Mitchell, David M. Mount, Christos H. Papadimitriou: The Discrete Geodesic "
        "Problem. SIAM Journal on Computing 16(4), 1987. Vitaly Surazhsky, Tatiana Surazhsky, "
        "Danil Kirsanov, Steven J. Gortler, Hugues Hoppe: Fast Exact and Approximate Geodesics on "
@@ -111,6 +127,7 @@ std::span<const MethodInfo> all_methods() {
        {}},
       {Method::chen_han,
        "chen_han",
+       "The true distance by a second method, to check `exact` by. Some 5 times as slow as it.",
        "Jindong Chen, Yijie Han: Shortest Paths on a Polyhedron. International Journal of "
        "Computational Geometry and Applications 6(2), 1996. Shi-Qing Xin, Guo-Jin Wang: "
        "Improving Chen and Han's Algorithm on the Discrete Geodesic Problem. ACM Transactions on "
@@ -118,11 +135,6 @@ std::span<const MethodInfo> all_methods() {
        true,
        "O(n^2 log n) at worst",
        {}},
-      {Method::back_traced, "auto",
-       "Tang et al. 2007 on the intrinsic Delaunay triangulation (Bobenko, Springborn 2007), each "
-       "vertex computed again by tracing its way back over a dozen faces. With a tolerance, that "
-       "of `exact`, with vertices as further sources",
-       false, "O(n log n)", back_traced_parameters()},
   };
   return methods;
 }

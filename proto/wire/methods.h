@@ -44,18 +44,23 @@ struct MethodParameter {
 struct MethodInfo {
   Method method;
   std::string_view name;
+  std::string_view about;  // for whom it is, and how far off: a sentence or two
   std::string_view paper;
   bool exact;
   std::string_view cost;                    // how time grows with the vertices
   std::vector<MethodParameter> parameters;  // besides from, to and max
 };
 
+// What a query is answered by that names no method.
+inline constexpr Method kDefaultMethod = Method::back_traced;
+
 // A method and what it was told.
 struct MethodChoice {
-  Method which = Method::wavefront;
+  Method which = kDefaultMethod;
   MethodOptions options;
 };
 
+// The default first.
 [[nodiscard]] std::span<const MethodInfo> all_methods();
 [[nodiscard]] const MethodInfo& info_of(Method method);
 [[nodiscard]] inline std::string_view name_of(Method method) { return info_of(method).name; }

@@ -112,6 +112,17 @@ void append_labels(std::string& out, const std::vector<std::uint32_t>& labels, P
   out += ']';
 }
 
+// The sentences are ours, and need no escaping.
+void append_warnings(std::string& out, const Warnings& warnings) {
+  if (warnings.empty()) return;
+  out += ",\"warnings\":[";
+  for (std::size_t i = 0; i < warnings.size(); ++i) {
+    if (i > 0) out += ',';
+    out += '"' + warnings[i] + '"';
+  }
+  out += ']';
+}
+
 void append_method(std::string& out, Method method) {
   out += ",\"method\":\"";
   out += name_of(method);
@@ -143,6 +154,7 @@ std::string to_json(const DistanceReply& reply, int digits, Poll* poll) {
     out += ",\"labels\":";
     append_labels(out, *reply.labels, poll);
   }
+  append_warnings(out, reply.warnings);
   out += '}';
   return out;
 }
@@ -165,6 +177,7 @@ std::string to_json(const PathReply& reply, int digits, Poll* poll) {
                digits, reply.bound);
   out += ",\"points\":";
   append_path_points(out, reply.points, digits, poll);
+  append_warnings(out, reply.warnings);
   out += '}';
   return out;
 }
@@ -187,7 +200,9 @@ std::string to_json(const TableReply& reply, int digits, Poll* poll) {
     append_distances(out, all.subspan(row * reply.columns.size(), reply.columns.size()), digits,
                      reply.short_digits, reply.bound, poll);
   }
-  out += "]}";
+  out += ']';
+  append_warnings(out, reply.warnings);
+  out += '}';
   return out;
 }
 
@@ -217,7 +232,9 @@ std::string to_json(const IsolinesReply& reply, int digits, Poll* poll) {
     }
     out += "]}";
   }
-  out += "]}";
+  out += ']';
+  append_warnings(out, reply.warnings);
+  out += '}';
   return out;
 }
 
@@ -240,6 +257,7 @@ std::string to_json(const SamplesReply& reply, int digits, Poll* poll) {
   }
   out += "],\"covering_radius\":";
   append_bound(out, reply.covering_radius, digits, reply.bound);
+  append_warnings(out, reply.warnings);
   out += '}';
   return out;
 }
@@ -259,6 +277,7 @@ std::string to_json(const TraceReply& reply, int digits, Poll* poll) {
   append_xyz(out, reply.direction_at_end, digits);
   out += ",\"points\":";
   append_path_points(out, reply.points, digits, poll);
+  append_warnings(out, reply.warnings);
   out += '}';
   return out;
 }
@@ -303,6 +322,8 @@ std::string methods_json() {
                             {"meaning", parameter.meaning}});
     }
     methods.push_back({{"name", info.name},
+                       {"default", info.method == kDefaultMethod},
+                       {"about", info.about},
                        {"paper", info.paper},
                        {"exact", info.exact},
                        {"cost", info.cost},

@@ -27,6 +27,10 @@ struct ResolvedPoint {
   std::optional<double> ray_distance;  // of a ray's first hit: from its origin, mesh units
 };
 
+// What the asker may not have meant, a sentence of plain ASCII each; in JSON only where there is
+// any.
+using Warnings = std::vector<std::string>;
+
 struct DistanceReply {
   std::string mesh;
   Method method = Method::wavefront;
@@ -40,6 +44,7 @@ struct DistanceReply {
   Bound bound = Bound::none;              // upper: rounded up where digits are cut
   // Only if asked for: which of `from` each distance is from, kNone where infinite.
   std::optional<std::vector<std::uint32_t>> labels;
+  Warnings warnings;
 };
 
 struct PathReplyPoint {
@@ -59,6 +64,7 @@ struct PathReply {
   double length = 0;          // mesh units; meaningless when not reachable
   Bound bound = Bound::none;  // upper: the length is rounded up where digits are cut
   std::vector<PathReplyPoint> points;
+  Warnings warnings;
 };
 
 struct TableReply {
@@ -69,6 +75,7 @@ struct TableReply {
   std::vector<double> distances;  // row after row; infinite: unreached
   bool short_digits = false;      // see append_distance
   Bound bound = Bound::none;      // upper: rounded up where digits are cut
+  Warnings warnings;
 };
 
 struct IsolinesReply {
@@ -78,6 +85,7 @@ struct IsolinesReply {
   std::optional<double> max;   // the greatest distance within the one asked for
   std::vector<double> levels;  // ascending, whether or not they have a line
   std::vector<Isoline> isolines;
+  Warnings warnings;
 };
 
 struct SampleReply {
@@ -93,6 +101,7 @@ struct SamplesReply {
   std::vector<SampleReply> samples;
   double covering_radius = 0;
   Bound bound = Bound::none;  // upper: radii are rounded up where digits are cut
+  Warnings warnings;
 };
 
 struct TraceReply {
@@ -103,6 +112,7 @@ struct TraceReply {
   std::string_view end;   // why it ends there
   Vec3 direction_at_end;  // of length one
   std::vector<PathReplyPoint> points;
+  Warnings warnings;
 };
 
 struct NearestReply {

@@ -63,7 +63,7 @@ Result<void> check_parameters_of_others(const Parameters& parameters, Purpose pu
 Result<void> read_method(Parameters& parameters, Purpose purpose, MethodChoice& choice) {
   const auto name = parameters.text("method");
   if (!name) return fail(name.error());
-  const auto method = find_method(name->value_or("wavefront"));
+  const auto method = find_method(name->value_or(std::string(name_of(kDefaultMethod))));
   if (!method) return fail(method.error());
   choice.which = *method;
   for (const MethodParameter& parameter : info_of(*method).parameters) {
@@ -153,7 +153,7 @@ Result<void> read_max(Parameters& parameters, std::optional<double>& max) {
 Result<void> read_refine(Parameters& parameters, Refine& refine) {
   const auto name = parameters.text("refine");
   if (!name) return fail(name.error());
-  const std::string& which = name->value_or("none");
+  const std::string which = name->value_or("shortest");
   if (which != "none" && which != "shortest") {
     return fail(ErrorCode::value_out_of_range, "refine is none or shortest", "refine");
   }

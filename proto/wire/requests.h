@@ -38,7 +38,7 @@ struct PathRequest {
   std::vector<PointRequest> via;  // in this order
   PointRequest to;
   MethodChoice method;
-  Refine refine = Refine::none;
+  Refine refine = Refine::shortest;
 };
 
 struct TableRequest {

@@ -25,7 +25,7 @@ struct Caller {
   template <class Gone>
   requires(!std::same_as<std::remove_cvref_t<Gone>, Caller> &&
            std::is_invocable_r_v<bool, const std::remove_cvref_t<Gone>&>)
-      // NOLINTNEXTLINE(google-explicit-constructor): a lambda is a Caller
+      // NOLINTNEXTLINE(*-explicit-constructor, *-forwarding-reference-overload): a lambda is one
       Caller(Gone&& is_gone)
       : gone(std::forward<Gone>(is_gone)) {}
 

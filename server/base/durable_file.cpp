@@ -56,7 +56,7 @@ Result<void> make_directories(const fs::path& directory) {
     if (is_there && !S_ISDIR(status.st_mode)) {
       return disk_error("create a directory", path, ENOTDIR);
     }
-    const Result<void> made = is_there ? sync_directory(path.parent_path()) : make_directory(path);
+    Result<void> made = is_there ? sync_directory(path.parent_path()) : make_directory(path);
     // What others have made farther up is synced as far as their file systems allow it.
     if (!made && (!is_there || path == directory)) return made;
   }

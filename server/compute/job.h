@@ -25,7 +25,22 @@ struct Jobs::Job {
   std::uint64_t bytes = 0;  // charged
   bool is_kept = false;     // it has ended, and its bytes count among its client's
   std::atomic<bool> cancelled{false};
+  std::atomic<bool> is_unwatched{false};  // why it was cancelled
+  std::atomic<Clock::time_point> lease_ends{Clock::time_point::max()};
   std::atomic<double> progress{0};
+
+  void renew_lease() {
+    if (report.lease) lease_ends = Clock::now() + *report.lease;
+  }
+  // From when the lease is found to be over, nobody can renew it.
+  bool lease_is_over() {
+    if (Clock::now() < lease_ends.load()) return false;
+    is_unwatched = true;
+    cancelled = true;
+    return true;
+  }
+  // What its handler asks.
+  bool is_given_up() { return cancelled.load() || lease_is_over(); }
 
   void advance(double done) {
     double known = progress.load();

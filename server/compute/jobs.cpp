@@ -56,9 +56,12 @@ JobReport Jobs::report_of(const Job& job) {
 }
 
 auto Jobs::find_locked(const std::string& id) -> Handle {
+  cancel_unwatched();
   forget_old();
   const auto found = jobs_.find(id);
-  return found == jobs_.end() ? nullptr : found->second;
+  if (found == jobs_.end()) return nullptr;
+  found->second->renew_lease();
+  return found->second;
 }
 
 Result<void> Jobs::admit(const std::string& client, std::uint64_t bytes) {
@@ -91,12 +94,14 @@ Result<void> Jobs::admit(const std::string& client, std::uint64_t bytes) {
   return {};
 }
 
-Result<JobReport> Jobs::start(HttpRequest request) {
+Result<JobReport> Jobs::start(HttpRequest request, JobLease lease) {
   const auto job = std::make_shared<Job>();
   job->report.id = random_id();
   job->report.method = request.method;
   job->report.target = request.target;
   job->report.created = std::chrono::system_clock::now();
+  if (lease == JobLease::renewed && limits_.lease.count() > 0) job->report.lease = limits_.lease;
+  job->renew_lease();
   job->client = request.caller.client;
   const std::uint64_t bytes = request.body.size() + kBytesOfJob;
   // The job outlives the connection: nothing of its caller may stay but what it is called.
@@ -106,11 +111,12 @@ Result<JobReport> Jobs::start(HttpRequest request) {
   request.caller.client = job->client;
   request.caller.is_patient = true;
   // The request is a part of the job, so these may point to it.
-  request.caller.gone = [raw = job.get()] { return raw->cancelled.load(); };
+  request.caller.gone = [raw = job.get()] { return raw->is_given_up(); };
   request.caller.progress = [raw = job.get()](double done) { raw->advance(done); };
   job->request = std::move(request);
 
   const std::lock_guard lock(mutex_);
+  cancel_unwatched();
   forget_old();
   if (auto admitted = admit(job->client, bytes); !admitted) {
     ++counts_.refused;
@@ -137,6 +143,7 @@ Result<JobReport> Jobs::start(HttpRequest request) {
 
 // The next one to run; null if none may.
 auto Jobs::next_to_run() -> Handle {
+  cancel_unwatched();
   auto next = waiting_.end();
   const Share* best = nullptr;
   for (auto job = waiting_.begin(); job != waiting_.end(); ++job) {
@@ -183,6 +190,10 @@ void Jobs::run(Job& job, std::unique_lock<std::mutex>& lock) {
   job.request.body = {};
   lock.lock();
   if (has_ended(job.report.state)) return charge(job, 0);  // cancelled meanwhile
+  if (job.cancelled) {                                     // for want of a watcher
+    charge(job, kBytesOfJob);
+    return end(job, JobState::cancelled);
+  }
   job.report.status = reply.status;
   const std::uint64_t size = reply.body ? reply.body->size() : 0;
   job.reply = std::move(reply);
@@ -244,6 +255,7 @@ auto Jobs::hold(const std::string& id) -> Handle {
 
 JobReport Jobs::report(const Handle& job) {
   const std::lock_guard lock(mutex_);
+  job->renew_lease();
   return report_of(*job);
 }
 
@@ -253,6 +265,7 @@ JobReport Jobs::wait_for_news(const Handle& job, const JobReport& seen,
   const Clock::time_point end = begin + patience;
   std::unique_lock lock(mutex_);
   while (true) {
+    job->renew_lease();
     JobReport now = report_of(*job);
     const Clock::time_point time = Clock::now();
     const bool is_new = now.state != seen.state || (now != seen && time - begin >= kLookEvery);
@@ -270,7 +283,10 @@ Result<HttpResponse> Jobs::result(const std::string& id) {
     case JobState::running:
       return fail(ServiceCode::job_unfinished, "the job has not ended yet");
     case JobState::cancelled:
-      return fail(ServiceCode::job_cancelled, "the job was cancelled and has no result");
+      return fail(ServiceCode::job_cancelled,
+                  job->is_unwatched ? "the job was cancelled, because nobody asked about it; with "
+                                      "\"Prefer: respond-async, keep\" it would have gone on"
+                                    : "the job was cancelled and has no result");
     case JobState::done:
     case JobState::failed:
       break;
@@ -286,16 +302,32 @@ bool Jobs::remove(const std::string& id) {
     forget(job);
     return true;
   }
-  job->cancelled = true;
-  if (job->report.state == JobState::queued) {
-    waiting_.remove(job);
-    const auto share = shares_.find(job->client);
-    if (--share->second.waiting + share->second.running == 0) shares_.erase(share);
-    job->request.body = {};
-    charge(*job, kBytesOfJob);
-  }
-  end(*job, JobState::cancelled);
+  cancel(job);
   return true;
+}
+
+// A job that has not ended.
+void Jobs::cancel(const Handle& job) {
+  // `job` may be the list's own.
+  const Handle held = job;  // NOLINT(performance-unnecessary-copy-initialization)
+  held->cancelled = true;
+  if (held->report.state == JobState::queued) {
+    waiting_.remove(held);
+    const auto share = shares_.find(held->client);
+    if (--share->second.waiting + share->second.running == 0) shares_.erase(share);
+    held->request.body = {};
+    charge(*held, kBytesOfJob);
+  }
+  end(*held, JobState::cancelled);
+}
+
+// Those that wait. The handlers of those that run ask for themselves.
+void Jobs::cancel_unwatched() {
+  std::vector<Handle> unwatched;
+  for (const Handle& job : waiting_) {
+    if (job->lease_is_over()) unwatched.push_back(job);
+  }
+  for (const Handle& job : unwatched) cancel(job);
 }
 
 void Jobs::stop() {
@@ -319,6 +351,7 @@ void Jobs::stop() {
 
 Jobs::Stats Jobs::stats() {
   const std::lock_guard lock(mutex_);
+  cancel_unwatched();
   forget_old();
   Stats stats = counts_;
   stats.queued = waiting_.size();

@@ -6,6 +6,10 @@
 //   start()   queued -> running -> done (status below 400) or failed
 //   remove()  cancels what is queued or running; forgets what has ended
 //
+// A job has a lease, unless it is asked to go on without one: it is cancelled once nobody has
+// asked about it for so long. Whoever asks renews the lease, and a watcher asks all the time. So
+// what a closed page or a killed script has begun does not run on.
+//
 // Bounds, so that jobs cannot take what connections could not:
 //  - so many jobs may wait and run, and so many run at once; more are `overloaded`.
 //    No client has more than half of either (`too_many_requests`), and those who wait
@@ -42,6 +46,9 @@
 
 namespace geodesic::server {
 
+// Whether a job ends when nobody asks about it any more.
+enum class JobLease : std::uint8_t { renewed, none };
+
 enum class JobState : std::uint8_t { queued, running, done, failed, cancelled };
 
 [[nodiscard]] std::string_view name_of(JobState state);
@@ -59,7 +66,8 @@ struct JobReport {
   Time created;
   std::optional<Time> started;
   std::optional<Time> finished;
-  int status = 0;  // of the reply; 0: there is none
+  int status = 0;                                  // of the reply; 0: there is none
+  std::optional<std::chrono::milliseconds> lease;  // none: it goes on though nobody asks
 
   [[nodiscard]] bool operator==(const JobReport&) const = default;
 };
@@ -73,6 +81,7 @@ class Jobs {
     std::size_t running = 4;  // … at once: threads
     std::uint64_t bytes = std::uint64_t{256} << 20;
     std::chrono::milliseconds keep = std::chrono::minutes(10);  // after the end
+    std::chrono::milliseconds lease{0};                         // of a job; 0: none has one
   };
   struct Stats {
     std::uint64_t queued = 0;
@@ -93,9 +102,10 @@ class Jobs {
 
   // Takes a request. The handler gets it with another caller: of the same client, gone
   // once the job is cancelled. Errors: overloaded, too_many_requests, draining.
-  [[nodiscard]] Result<JobReport> start(HttpRequest request);
+  [[nodiscard]] Result<JobReport> start(HttpRequest request, JobLease lease = JobLease::renewed);
 
-  // Nothing if there is no such job (any more).
+  // Nothing if there is no such job (any more). This and all below that look at a job renew its
+  // lease.
   [[nodiscard]] std::optional<JobReport> find(const std::string& id);
 
   // A job that can be watched to its end, even if it is forgotten meanwhile; null if
@@ -132,6 +142,8 @@ class Jobs {
   [[nodiscard]] Result<void> admit(const std::string& client, std::uint64_t bytes);
   void work();
   [[nodiscard]] Handle next_to_run();
+  void cancel(const Handle& job);
+  void cancel_unwatched();
   void run(Job& job, std::unique_lock<std::mutex>& lock);
   [[nodiscard]] HttpResponse reply_to(Job& job);
   void end(Job& job, JobState state);

@@ -57,7 +57,8 @@ void Jobs::end(Job& job, JobState state) {
 }
 
 void Jobs::forget(const Handle& job) {
-  const Handle held = job;  // `job` may be the list's own
+  // `job` may be the list's own.
+  const Handle held = job;  // NOLINT(performance-unnecessary-copy-initialization)
   // What still runs, cancelled, keeps its charge until it has given its body back.
   if (!held->cancelled || !held->report.started) charge(*held, 0);
   jobs_.erase(held->report.id);

@@ -147,7 +147,7 @@ Result<void> ComputePool::run_erased(std::function<void(Worker&)> body, const Ca
 
 Result<void> ComputePool::wait_for(const std::shared_ptr<Job>& job, const Caller& caller,
                                    Lock& lock) {
-  constexpr std::chrono::milliseconds poll_interval{50};
+  constexpr std::chrono::milliseconds kPollInterval{50};
   const bool is_wait_bounded = bounds_wait_of(caller);
   const Clock::time_point latest =
       is_wait_bounded ? Clock::now() + limits_.wait : Clock::time_point::max();
@@ -158,7 +158,7 @@ Result<void> ComputePool::wait_for(const std::shared_ptr<Job>& job, const Caller
       continue;
     }
     auto wake = std::min(latest, caller.deadline.value_or(Clock::time_point::max()));
-    if (caller.gone) wake = std::min(wake, Clock::now() + poll_interval);
+    if (caller.gone) wake = std::min(wake, Clock::now() + kPollInterval);
     if (job->finished_signal.wait_until(lock, wake) != std::cv_status::timeout) continue;
 
     std::optional<Error> reason;

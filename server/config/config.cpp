@@ -92,6 +92,10 @@ struct TokenRequest {
 };
 
 Result<std::string> print_token(const TokenRequest& request) {
+  if (request.scopes.empty()) {
+    return bad(
+        "--make-token: --scopes says what it allows, such as --scopes read,upload, or admin");
+  }
   const auto scopes = parse_scopes(request.scopes);
   if (!scopes) return bad("--scopes: " + scopes.error().detail);
   std::optional<Moment> expires;

@@ -21,11 +21,13 @@ namespace geodesic::server {
 struct Config {
   Address listen{"127.0.0.1", 8080};
   Address admin_listen;                     // host empty: admin routes stay on the API's listener
+  std::string base_path;                    // such as /geo; empty: none
   std::string store = "./geodesicd-store";  // or s3://…
   std::uint64_t store_max_bytes = 0;        // 0: no limit
   std::string store_when_full = "refuse";   // or evict
   std::string samples;                      // empty: none
   std::string viewer;                       // empty: a plain page instead
+  std::string docs;                         // empty: the API's page alone
 
   std::string tls_cert;  // empty: plain HTTP
   std::string tls_key;
@@ -66,6 +68,7 @@ struct Config {
   std::uint64_t max_jobs = 64;
   std::uint64_t job_result_bytes = std::uint64_t{256} << 20;
   std::uint64_t job_seconds = 600;
+  std::uint64_t job_lease_seconds = 120;
 
   std::string log_level = "info";
 };

@@ -22,6 +22,24 @@ constexpr std::uint64_t kMaxQueue = 4096;         // each holds a thread
 constexpr std::uint64_t kMaxIndex = 0xffff'fffe;  // vertices and faces are 32-bit indices
 constexpr std::uint64_t kNoBound = std::numeric_limits<std::uint64_t>::max();
 
+// Empty, or segments of letters, digits and -._~ that each begin with a slash.
+bool is_base_path(std::string_view path) {
+  constexpr std::size_t kMostBytes = 200;
+  if (path.empty()) return true;
+  if (path.size() > kMostBytes || path.front() != '/') return false;
+  while (!path.empty()) {
+    path.remove_prefix(1);  // the slash
+    const std::string_view segment = path.substr(0, path.find('/'));
+    const auto is_plain = [](unsigned char c) {
+      return std::isalnum(c) != 0 || std::string_view("-._~").find(c) != std::string_view::npos;
+    };
+    if (segment.empty() || segment == "." || segment == "..") return false;
+    if (!std::all_of(segment.begin(), segment.end(), is_plain)) return false;
+    path.remove_prefix(segment.size());
+  }
+  return true;
+}
+
 }  // namespace
 
 std::span<const Option> options() {
@@ -30,6 +48,8 @@ std::span<const Option> options() {
              "Where the API listens; port 0 takes any free one, printed at the start"},
       Option{"admin-listen", Kind::address, &Config::admin_listen, "HOST:PORT",
              "Where probes and metrics listen; empty: on the API's listener"},
+      Option{"base-path", Kind::base_path, &Config::base_path, "PATH",
+             "Path that a proxy has for the server, such as /geo: links in replies begin with it"},
       Option{"tls-cert", Kind::text, &Config::tls_cert, "FILE",
              "PEM certificate (with its chain) of the API's listener; empty: plain HTTP"},
       Option{"tls-key", Kind::text, &Config::tls_key, "FILE", "PEM key of that certificate"},
@@ -50,6 +70,8 @@ std::span<const Option> options() {
              "Directory of mesh files uploaded at the start; empty: none"},
       Option{"viewer", Kind::text, &Config::viewer, "DIR",
              "Directory of the built viewer, served at /; empty: a plain page"},
+      Option{"docs", Kind::text, &Config::docs, "DIR",
+             "Directory of the built documentation, served at /docs/; empty: the API's page alone"},
       Option{"io-threads", Kind::whole_number, &Config::io_threads, "N",
              "Threads for requests, started at once; more come as requests wait", 1, kMaxThreads},
       Option{"max-connections", Kind::whole_number, &Config::max_connections, "N",
@@ -107,13 +129,18 @@ std::span<const Option> options() {
              "Time a connection may idle between requests", 1, kMaxSeconds, kFollows},
       Option{"drain-seconds", Kind::whole_number, &Config::drain_seconds, "SECONDS",
              "Time for running requests to finish after SIGTERM", 0, kMaxSeconds, kFollows},
-      Option{"max-jobs", Kind::whole_number, &Config::max_jobs, "N",
-             "Jobs (Prefer: respond-async) that may wait and run; more are answered 503", 0,
-             kMaxQueue},
+      Option{
+          "max-jobs", Kind::whole_number, &Config::max_jobs, "N",
+          "Jobs (Prefer: respond-async) that may wait and run, at most half of them one client's; "
+          "more are answered 503, and 429 to that client",
+          0, kMaxQueue},
       Option{"job-result-bytes", Kind::bytes, &Config::job_result_bytes, "BYTES",
              "Memory for the bodies of jobs' requests and replies"},
       Option{"job-seconds", Kind::whole_number, &Config::job_seconds, "SECONDS",
              "Time for which a job is kept after its end", 1, kMaxSeconds},
+      Option{"job-lease-seconds", Kind::whole_number, &Config::job_lease_seconds, "SECONDS",
+             "Time after which a job that nobody asks about is cancelled; 0: never", 0,
+             kMaxSeconds},
       Option{"log-level", Kind::level, &Config::log_level, "LEVEL",
              "trace, debug, info, warn, error, critical or off", 0, kNoBound, kFollows},
   };
@@ -150,6 +177,12 @@ Result<void> set_option(const Option& option, std::string_view text, std::string
     case Kind::when_full:
       if (text != "refuse" && text != "evict") {
         return refuse(fmt::format("'{}' is neither refuse nor evict", text));
+      }
+      config.*std::get<std::string Config::*>(option.member) = text;
+      return {};
+    case Kind::base_path:
+      if (!is_base_path(text)) {
+        return refuse(fmt::format("'{}' is no path such as /geo or /tools/geo", text));
       }
       config.*std::get<std::string Config::*>(option.member) = text;
       return {};

@@ -249,9 +249,12 @@ template <class Archive, class Mesh>
 requires std::is_same_v<std::remove_const_t<Mesh>, proto::DecodedMesh>
 void content_fields(Archive& archive, Mesh& mesh) { mesh_fields(archive, mesh); }
 
-template <class Archive, class Text>
-requires std::is_same_v<std::remove_const_t<Text>, std::string>
-void content_fields(Archive& archive, Text& text) { array(archive, text); }
+template <class Archive, class File>
+requires std::is_same_v<std::remove_const_t<File>, FormFile>
+void content_fields(Archive& archive, File& file) {
+  array(archive, file.name);
+  array(archive, file.bytes);
+}
 
 template <class Archive, class Content>
 void frame_fields(Archive& archive, const Result<Content>& answer) {
@@ -266,7 +269,7 @@ void frame_fields(Archive& archive, const Result<Content>& answer) {
 
 // A format without a name is a number that no decoder of ours writes.
 bool is_known(const proto::DecodedMesh& mesh) { return !proto::name_of(mesh.format).empty(); }
-bool is_known(const std::string& /*bytes*/) { return true; }
+bool is_known(const FormFile& /*file*/) { return true; }
 
 }  // namespace
 
@@ -319,10 +322,10 @@ std::optional<Result<Content>> read_frame(std::span<const std::byte> frame, cons
 }
 
 template std::size_t frame_size(const Decoded&);
-template std::size_t frame_size(const Result<std::string>&);
+template std::size_t frame_size(const Result<FormFile>&);
 template void write_frame(const Decoded&, std::span<std::byte>);
-template void write_frame(const Result<std::string>&, std::span<std::byte>);
+template void write_frame(const Result<FormFile>&, std::span<std::byte>);
 template std::optional<Decoded> read_frame(std::span<const std::byte>, const Cancel&);
-template std::optional<Result<std::string>> read_frame(std::span<const std::byte>, const Cancel&);
+template std::optional<Result<FormFile>> read_frame(std::span<const std::byte>, const Cancel&);
 
 }  // namespace geodesic::server

@@ -15,6 +15,7 @@
 #include "core/base/error.h"
 #include "proto/mesh/decoded_mesh.h"
 #include "proto/wire/import_options.h"
+#include "server/decoder/mesh_form.h"
 
 namespace geodesic::server {
 
@@ -32,7 +33,7 @@ struct DecodeOrder {
 
 using Decoded = Result<proto::DecodedMesh>;
 
-// `Content` is a proto::DecodedMesh, or the bytes of a file as a std::string.
+// `Content` is a proto::DecodedMesh or a FormFile.
 template <class Content>
 [[nodiscard]] std::size_t frame_size(const Result<Content>& answer);
 // `frame` has just that size.

@@ -4,12 +4,12 @@
 
 #include "proto/gltf_file/pack.h"
 #include "proto/wire/input_codes.h"
-#include "server/decoder/multipart.h"
+#include "server/http/multipart.h"
 
 namespace geodesic::server {
 
-Result<std::string> file_of_form(std::string_view body, std::string_view boundary,
-                                 const proto::DecodeLimits& limits) {
+Result<FormFile> file_of_form(std::string_view body, std::string_view boundary,
+                              const proto::DecodeLimits& limits) {
   const auto parts = read_multipart(body, boundary);
   if (!parts) return fail(parts.error());
   const Part* document = nullptr;
@@ -25,12 +25,16 @@ Result<std::string> file_of_form(std::string_view body, std::string_view boundar
       return fail(InputCode::bad_syntax, "two parts are files of the same name", "body");
     }
   }
-  if (document != nullptr) return proto::pack_gltf(document->bytes, files, limits);
+  if (document != nullptr) {
+    auto packed = proto::pack_gltf(document->bytes, files, limits);
+    if (!packed) return fail(std::move(packed.error()));
+    return FormFile{document->filename, std::move(*packed)};
+  }
   if (files.size() != 1) {
     return fail(InputCode::bad_syntax, "one part is to be a .gltf file, the others its buffers",
                 "body");
   }
-  return std::string(files.begin()->second);
+  return FormFile{files.begin()->first, std::string(files.begin()->second)};
 }
 
 }  // namespace geodesic::server

@@ -188,10 +188,10 @@ Decoded DecoderProcesses::decode(std::string_view bytes, const proto::DecodeLimi
   return answer<proto::DecodedMesh>({{}, limits, options}, bytes, caller);
 }
 
-Result<std::string> DecoderProcesses::file_of_form(std::string_view body, std::string_view boundary,
-                                                   const proto::DecodeLimits& limits,
-                                                   const Caller& caller) {
-  return answer<std::string>({std::string(boundary), limits, {}}, body, caller);
+Result<FormFile> DecoderProcesses::file_of_form(std::string_view body, std::string_view boundary,
+                                                const proto::DecodeLimits& limits,
+                                                const Caller& caller) {
+  return answer<FormFile>({std::string(boundary), limits, {}}, body, caller);
 }
 
 template <class Content>

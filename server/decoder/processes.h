@@ -59,9 +59,9 @@ class DecoderProcesses {
   [[nodiscard]] Decoded decode(std::string_view bytes, const proto::DecodeLimits& limits,
                                const proto::ImportOptions& options, const Caller& caller);
   // Does what server::file_of_form does, with the same further errors.
-  [[nodiscard]] Result<std::string> file_of_form(std::string_view body, std::string_view boundary,
-                                                 const proto::DecodeLimits& limits,
-                                                 const Caller& caller);
+  [[nodiscard]] Result<FormFile> file_of_form(std::string_view body, std::string_view boundary,
+                                              const proto::DecodeLimits& limits,
+                                              const Caller& caller);
 
   [[nodiscard]] Stats stats() const;
 

@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kHeadChunk = 16u << 10;
 constexpr std::size_t kBodyChunk = 64u << 10;
+constexpr std::size_t kLatePieces = 256;  // 16 MiB, more than a socket holds
 // After a last reply: for how long, and how many bytes at a time, what still comes
 // is taken. Closing with unread bytes would reset the connection and may destroy
 // the reply on its way.
@@ -90,9 +91,16 @@ auto HttpConversation::receive_head(bool overdue) -> MaybeNext {
       head_begun_ = true;
       deadline_ = Clock::now() + edge_.options.head_timeout;
     }
-    // Time counts even while bytes come: a trickle must not outlive the deadline.
+    // What has arrived is read before time is judged, for it may be the server that was late. Time
+    // counts even while bytes come: a trickle must not outlive the deadline.
+    Progress progress = Progress::done;
+    if (outcome == HttpConnection::Head::incomplete) {
+      progress = connection_.receive(kHeadChunk);
+      if (progress == Progress::done) continue;
+      if (progress == Progress::closed) return go(Phase::over);  // there is nobody to answer
+    }
     const bool late = overdue || Clock::now() > deadline_;
-    if (outcome != HttpConnection::Head::incomplete || (late && head_begun_)) {
+    if (progress == Progress::done || (late && head_begun_)) {
       exchange_.emplace(connection_);
       judge_head(edge_.options, outcome, connection_.arrived().substr(0, size), remote_,
                  *exchange_);
@@ -111,14 +119,10 @@ auto HttpConversation::receive_head(bool overdue) -> MaybeNext {
       return go(Phase::body);
     }
     if (late) return go(Phase::over);
-    const Progress progress = connection_.receive(kHeadChunk);
-    if (progress == Progress::closed) return go(Phase::over);  // there is nobody to answer
-    if (progress != Progress::done) {
-      Next next = wait_for(progress, deadline_);
-      next.idle = !head_begun_;
-      next.dispensable = true;
-      return next;
-    }
+    Next next = wait_for(progress, deadline_);
+    next.idle = !head_begun_;
+    next.dispensable = true;
+    return next;
   }
 }
 
@@ -150,6 +154,7 @@ auto HttpConversation::body_deadline() const -> Clock::time_point {
 }
 
 auto HttpConversation::receive_body(bool overdue) -> MaybeNext {
+  std::size_t late_pieces = 0;
   while (true) {
     std::string& bytes = exchange_->request.body;
     std::string_view arrived = connection_.arrived();
@@ -166,14 +171,20 @@ auto HttpConversation::receive_body(bool overdue) -> MaybeNext {
       refuse_body({ServiceCode::overloaded, "too many bodies are being received", {}, {}, {}});
     } else if (state == HttpBody::State::complete) {
       return go(Phase::reply);
-    } else if (overdue || Clock::now() > deadline) {
-      refuse_body({ServiceCode::request_timeout, "the body did not arrive in time", {}, {}, {}});
     } else {
+      // As for a head: what is there is read before time is judged. A socket holds no more than
+      // so many pieces: whoever brings more still sends.
+      const bool late = overdue || Clock::now() > deadline;
       const Progress progress = connection_.receive(kBodyChunk);
-      if (progress == Progress::done) continue;
-      if (progress != Progress::closed) return wait_for(progress, deadline);
-      refuse_body(
-          {ErrorCode::cancelled, "the client left before its body was complete", {}, {}, {}});
+      if (progress == Progress::done && (!late || ++late_pieces <= kLatePieces)) continue;
+      if (progress == Progress::closed) {
+        refuse_body(
+            {ErrorCode::cancelled, "the client left before its body was complete", {}, {}, {}});
+      } else if (late) {
+        refuse_body({ServiceCode::request_timeout, "the body did not arrive in time", {}, {}, {}});
+      } else {
+        return wait_for(progress, deadline);
+      }
     }
     return go(Phase::reply);
   }

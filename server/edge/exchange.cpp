@@ -69,6 +69,7 @@ void judge_head(const HttpOptions& options, HttpConnection::Head outcome, std::s
   request.method = head.method;
   request.target = head.target;
   request.path = std::move(head.path);
+  request.set_base_path(options.base_path);
   request.authority = std::move(head.authority);
   request.query = std::move(head.query);
   request.remote = remote;

@@ -41,6 +41,7 @@ struct HttpOptions {
   std::string host = "127.0.0.1";   // a name or an address (IPv6 without brackets)
   int port = 0;                     // 0: any free one
   std::shared_ptr<TlsContext> tls;  // null: plain HTTP
+  std::string base_path;            // of every request (HttpRequest::set_base_path)
 
   // A thread is held by a request that is handled, and by nothing else.
   std::size_t io_threads = 64;               // started at once …

@@ -154,16 +154,16 @@ class HttpServer::Impl final : public httplib::Server {
       finish_headers(*current_exchange, response);
     });
     // Out of memory while a reply is being put together; nothing else throws there.
-    set_exception_handler(
-        [](const httplib::Request&, httplib::Response& response, const std::exception_ptr&) {
-          response.headers.clear();
-          response.status = current_exchange->status = 500;
-          response.set_content(R"({"type":"/problems/internal","status":500,"code":"internal"})",
-                               std::string(kProblemMediaType));
-          current_exchange->reply_body.reset();
-          current_exchange->reply_file.reset();
-          current_exchange->close = true;
-        });
+    set_exception_handler([](const httplib::Request&, httplib::Response& response,
+                             const std::exception_ptr&) {
+      response.headers.clear();
+      response.status = current_exchange->status = 500;
+      response.set_content(R"({"type":"/docs/errors/#internal","status":500,"code":"internal"})",
+                           std::string(kProblemMediaType));
+      current_exchange->reply_body.reset();
+      current_exchange->reply_file.reset();
+      current_exchange->close = true;
+    });
   }
 
   Result<int> start() {

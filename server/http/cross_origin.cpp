@@ -12,12 +12,13 @@ namespace {
 
 // A fixed list: what the browser asks for is not echoed.
 constexpr const char* kRequestHeaders =
-    "Accept, Authorization, Content-Type, If-None-Match, Prefer, X-Request-Id, traceparent, "
-    "tracestate";
-constexpr std::array<std::string_view, 5> kMethods{"GET", "HEAD", "POST", "PUT", "DELETE"};
+    "Accept, Authorization, Content-Disposition, Content-Type, If-None-Match, Prefer, "
+    "X-Request-Id, traceparent, tracestate";
+constexpr std::array<std::string_view, 6> kMethods{"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE"};
 constexpr const char* kReplyHeaders =
     "Allow, Content-Encoding, ETag, Geo-Cache, Geo-Dtype, Geo-Length, Geo-Max, Geo-Shape, "
-    "Location, Preference-Applied, Retry-After, Server-Timing, WWW-Authenticate, X-Request-Id, "
+    "Geo-Warnings, Location, Preference-Applied, Retry-After, Server-Timing, WWW-Authenticate, "
+    "X-Request-Id, "
     "traceparent";
 
 // An authority without the port that a scheme has anyway.

@@ -306,6 +306,18 @@ std::optional<HeadError> parse_head(std::string_view bytes, const HeadLimits& li
   return parse_wishes(head);
 }
 
+std::string_view take_until(char separator, std::string_view& text) {
+  bool quoted = false;
+  std::size_t end = 0;
+  for (; end < text.size() && (quoted || text[end] != separator); ++end) {
+    if (text[end] == '"') quoted = !quoted;
+    if (text[end] == '\\' && quoted) ++end;
+  }
+  const std::string_view taken = text.substr(0, end);
+  text = end < text.size() ? text.substr(end + 1) : std::string_view();
+  return taken;
+}
+
 Result<std::string> percent_decode(std::string_view text, bool plus_is_space) {
   std::string out;
   out.reserve(text.size());

@@ -72,6 +72,9 @@ struct HeadError {
 // Of ASCII letters.
 [[nodiscard]] bool equals_ignoring_case(std::string_view a, std::string_view b);
 
+// Takes off what comes before the first `separator` that is in no quoted string, and that with it.
+[[nodiscard]] std::string_view take_until(char separator, std::string_view& text);
+
 // Without the spaces and tabs at either end.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 

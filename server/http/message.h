@@ -22,6 +22,7 @@ struct HttpRequest {
   std::string method;              // as sent, such as "GET"; may be one that nobody knows
   std::string path;                // percent-decoded, without the query; starts with '/', or is "*"
   std::string target;              // raw, as sent
+  std::string base_path;           // what links in a reply begin with; empty, or such as "/geo"
   std::string authority;           // the host, perhaps with a port, that it is for; "": not said
   std::vector<NameValue> query;    // percent-decoded ('+' is a space), in order
   std::vector<NameValue> headers;  // raw values, names as sent, in order
@@ -33,6 +34,10 @@ struct HttpRequest {
   // thread, also after the reply (then it answers true once the connection is closed). The edge
   // sets no deadline; whoever reads one in the request may.
   Caller caller;
+
+  // Links to this server begin with it from now on, and it is no part of `path` where that begins
+  // with it: a proxy may take it off or leave it on.
+  void set_base_path(std::string base);
 
   // The first header of that name, whatever its case; null if there is none.
   [[nodiscard]] const std::string* header(std::string_view name) const;

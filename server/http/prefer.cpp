@@ -5,19 +5,6 @@
 namespace geodesic::server {
 namespace {
 
-// Takes off what comes before the first `separator` that is in no quoted string.
-std::string_view take_until(char separator, std::string_view& text) {
-  bool quoted = false;
-  std::size_t end = 0;
-  for (; end < text.size() && (quoted || text[end] != separator); ++end) {
-    if (text[end] == '"') quoted = !quoted;
-    if (text[end] == '\\' && quoted) ++end;
-  }
-  const std::string_view taken = text.substr(0, end);
-  text = end < text.size() ? text.substr(end + 1) : std::string_view();
-  return taken;
-}
-
 // A list of `name[=value][;parameters]`.
 bool has_preference(std::string_view list, std::string_view name) {
   while (!list.empty()) {

@@ -85,22 +85,22 @@ std::string_view problem_title(ErrorCode code) { return row_of(code).title; }
 
 int retry_after_seconds(ErrorCode code) { return row_of(code).retry_after; }
 
-std::string to_problem_json(const Error& error, std::string_view instance,
-                            std::string_view request_id, int status) {
+std::string to_problem_json(const Error& error, const HttpRequest& request, int status,
+                            std::string_view instance) {
   // Ordered: people read these.
   nlohmann::ordered_json problem;
-  problem["type"] = "/problems/" + std::string(error.code.name());
+  problem["type"] = request.base_path + "/docs/errors/#" + std::string(error.code.name());
   problem["title"] = problem_title(error.code);
   problem["status"] = status != 0 ? status : http_status(error.code);
   // Both may have words of the request or of a file in them.
   problem["detail"] = proto::cut_to(error.detail, kMostDetailBytes);
-  problem["instance"] = instance;
+  problem["instance"] = instance.empty() ? std::string_view(request.target) : instance;
   problem["code"] = error.code.name();
   if (!error.parameter.empty())
     problem["parameter"] = proto::cut_to(error.parameter, kMostParameterBytes);
   if (error.limit) problem["limit"] = *error.limit;
   if (error.actual) problem["actual"] = *error.actual;
-  problem["request_id"] = request_id;
+  problem["request_id"] = request.id;
   return problem.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "server/http/message.h"
 
 namespace geodesic::server {
 
@@ -24,11 +25,12 @@ inline constexpr std::string_view kProblemMediaType = "application/problem+json"
 // Seconds after which a client should try again; 0: no `Retry-After`.
 [[nodiscard]] int retry_after_seconds(ErrorCode code);
 
-// {"type":"/problems/mesh_unknown","title","status","detail","instance","code",
+// {"type":"/docs/errors/#mesh_unknown","title","status","detail","instance","code",
 // "request_id"} and, where the error has them, "parameter", "limit", "actual".
-// `instance` is the raw request target. Bytes that are not UTF-8 are replaced.
-// `status` overrides the code's own where one code serves several (431).
-[[nodiscard]] std::string to_problem_json(const Error& error, std::string_view instance,
-                                          std::string_view request_id, int status = 0);
+// The type begins with the request's base path. `instance` is the raw request target, unless it is
+// given. Bytes that are not UTF-8 are replaced. `status` overrides the code's own where one code
+// serves several (431).
+[[nodiscard]] std::string to_problem_json(const Error& error, const HttpRequest& request,
+                                          int status = 0, std::string_view instance = {});
 
 }  // namespace geodesic::server

@@ -5,7 +5,7 @@
 
 #include "server/config/tokens.h"
 #include "server/edge/tls.h"
-#include "server/routes/viewer_files.h"
+#include "server/routes/static_files.h"
 #include "server/store/s3_location.h"
 
 namespace geodesic::server {
@@ -22,11 +22,14 @@ std::vector<std::string> problems_of(const Config& config, const Environment& en
       problems.push_back("tls-cert, tls-key: " + pair.error().detail);
     }
   }
-  if (!config.viewer.empty()) {
-    if (const auto viewer = ViewerFiles::load(config.viewer); !viewer) {
-      problems.push_back(viewer.error().detail);
+  const auto check_files = [&](const std::string& folder, const StaticFiles::Place& place) {
+    if (folder.empty()) return;
+    if (const auto files = StaticFiles::load(folder, place); !files) {
+      problems.push_back(files.error().detail);
     }
-  }
+  };
+  check_files(config.viewer, StaticFiles::kViewer);
+  check_files(config.docs, StaticFiles::kDocs);
   if (config.store.empty()) {
     problems.emplace_back("store: a place is required");
   } else if (is_s3_url(config.store)) {

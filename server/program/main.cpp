@@ -20,6 +20,8 @@
 #include <utility>
 #include <vector>
 
+#include "proto/wire/mesh_name.h"
+#include "server/base/memory_trimmer.h"
 #include "server/compute/pool.h"
 #include "server/config/config.h"
 #include "server/config/tokens.h"
@@ -34,7 +36,7 @@
 #include "server/query/mesh_catalog.h"
 #include "server/query/metrics.h"
 #include "server/routes/routes.h"
-#include "server/routes/viewer_files.h"
+#include "server/routes/static_files.h"
 #include "server/store/mesh_store.h"
 #include "server/store/monitor.h"
 #include "server/store/open_store.h"
@@ -67,6 +69,7 @@ HttpOptions http_options(const Config& config, const Address& address, const Rou
   HttpOptions options;
   options.host = address.host;
   options.port = address.port;
+  options.base_path = config.base_path;
   options.io_threads = config.io_threads;
   // Each computation that runs or waits holds a thread: there must be others, which
   // tell the next client that the queue is full.
@@ -100,7 +103,9 @@ void add_samples(const std::string& folder, MeshCatalog& catalog) {
   for (const auto& file : files) {
     std::ifstream in(file, std::ios::binary);
     std::string bytes((std::istreambuf_iterator<char>(in)), {});
-    const auto upload = catalog.add(std::move(bytes), {}, {});
+    const std::string name = file.filename().string();
+    const auto upload =
+        catalog.add(std::move(bytes), {}, {}, proto::is_mesh_name(name) ? name : std::string());
     if (upload) {
       spdlog::info("sample {}: {}", file.filename().string(), upload->id);
     } else {
@@ -117,6 +122,18 @@ int wait_for_signal(const sigset_t& signals) {
   return signal;
 }
 
+// The files of a folder; none if no folder is named. Nothing, and a line of the log, where that
+// fails.
+std::optional<StaticFiles> files_of(const std::string& folder, const StaticFiles::Place& place) {
+  if (folder.empty()) return StaticFiles();
+  auto loaded = StaticFiles::load(folder, place);
+  if (!loaded) {
+    spdlog::critical("{}", loaded.error().detail);
+    return std::nullopt;
+  }
+  return std::move(*loaded);
+}
+
 // `read` reads the configuration anew.
 int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_signals) {
   StoreBudget budget;
@@ -127,6 +144,7 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
     spdlog::critical("{}", store.error().detail);
     return 1;
   }
+  const MemoryTrimmer trimmer(std::chrono::seconds(10));
   const StoreMonitor monitor(**store, std::chrono::seconds(5));
   std::shared_ptr<TlsContext> tls;
   if (!config.tls_cert.empty()) {
@@ -147,15 +165,9 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
     for (const std::string& warning : loaded->warnings()) spdlog::warn("tokens: {}", warning);
     tokens = std::move(*loaded);
   }
-  ViewerFiles viewer;
-  if (!config.viewer.empty()) {
-    auto loaded = ViewerFiles::load(config.viewer);
-    if (!loaded) {
-      spdlog::critical("{}", loaded.error().detail);
-      return 1;
-    }
-    viewer = std::move(*loaded);
-  }
+  auto viewer = files_of(config.viewer, StaticFiles::kViewer);
+  auto docs = files_of(config.docs, StaticFiles::kDocs);
+  if (!viewer || !docs) return 1;
   std::unique_ptr<DecoderProcesses> decoders;
   if (config.decoder == "process") {
     auto started = DecoderProcesses::start("/proc/self/exe", catalog_limits(config).decoder);
@@ -173,7 +185,8 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
   FieldQueries queries(catalog, pool, config.field_cache_bytes, metrics);
   Routes routes(config, catalog, queries, pool, metrics);
   routes.access().set_tokens(std::move(tokens));
-  routes.set_viewer(std::move(viewer));
+  routes.set_viewer(std::move(*viewer));
+  routes.set_docs(std::move(*docs));
   if (!config.samples.empty()) add_samples(config.samples, catalog);
 
   const std::uint64_t connections = allow_connections(config.max_connections);

@@ -97,7 +97,7 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const std::string& m
   reply.method = request.method.which;
   reply.short_digits = has_short_digits(request.method);
   reply.bound = proto::bound_of(request.method);
-  auto sources = place->sources(request.from, reply.from);
+  auto sources = place->sources(request.from, reply.from, reply.warnings);
   if (!sources) return fail(std::move(sources.error()));
   const FieldQuestion question{mesh, place->adjacency(), request.method, std::move(*sources),
                                limit_of(request.method, request.max)};
@@ -113,7 +113,7 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const std::string& m
       summarise(whole);
     };
   } else {
-    const auto at = place->points(request.at, reply.at.emplace());
+    const auto at = place->points(request.at, reply.at.emplace(), reply.warnings);
     if (!at) return fail(at.error());
     auto found = fields_.at_points(question, *at, request.labels, caller);
     if (!found) return fail(std::move(found.error()));
@@ -137,9 +137,10 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const std::string& mesh
   reply.method = request.method.which;
   reply.short_digits = has_short_digits(request.method);
   reply.bound = proto::bound_of(request.method);
-  const auto rows = place->points(request.from, reply.rows);
+  const auto rows = place->points(request.from, reply.rows, reply.warnings);
   if (!rows) return fail(rows.error());
-  const auto columns = request.to.empty() ? rows : place->points(request.to, reply.columns);
+  const auto columns =
+      request.to.empty() ? rows : place->points(request.to, reply.columns, reply.warnings);
   if (!columns) return fail(columns.error());
   if (request.to.empty()) reply.columns = reply.rows;
 

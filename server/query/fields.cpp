@@ -107,7 +107,7 @@ Fields::Fields(ComputePool& pool, std::uint64_t cache_bytes, Metrics& metrics)
       metrics_(metrics),
       cache_(cache_bytes, [](const Field& field) { return field.bytes(); }),
       scratch_(pool.slots()) {
-  pool_.observe_want_of_room([this](Worker& worker) { scratch_[worker.slot] = SolveScratch(); });
+  pool_.observe_want_of_room([this](Worker& worker) { scratch_[worker.slot] = KeptScratch(); });
 }
 
 Fields::~Fields() { pool_.observe_want_of_room({}); }

@@ -152,7 +152,7 @@ class Fields {
   ComputePool& pool_;
   Metrics& metrics_;
   LruCache<Field> cache_;
-  std::vector<SolveScratch> scratch_;  // one a compute slot
+  std::vector<KeptScratch> scratch_;  // one a compute slot
   AskedSources asked_{kSourcesRemembered};
 };
 

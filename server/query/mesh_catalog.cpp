@@ -72,7 +72,7 @@ void MeshCatalog::set_limits(const CatalogLimits& limits) {
 }
 
 Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const proto::ImportOptions& options,
-                                             const Caller& caller) {
+                                             const Caller& caller, const std::string& name) {
   const auto digest = sha256_hex(bytes, std::cref(caller));
   if (!digest) return fail(caller.why_stopped());
   const std::string id = mesh_id(*digest, proto::canonical_text(options));
@@ -81,6 +81,10 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const proto::Imp
   if (*stored) {
     auto description = metadata(id, caller);
     Result<void> sure = description ? make_sure(id, bytes) : fail(description.error());
+    if (sure && !name.empty() && !proto::name_in(*description)) {
+      description = rename(id, name, caller);
+      sure = description ? Result<void>() : fail(description.error());
+    }
     if (sure) return Upload{id, std::move(*description), false};
     // Removed since, or found damaged: then this upload puts it back.
     const ErrorCode code = sure.error().code;
@@ -95,6 +99,11 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const proto::Imp
         auto described =
             pool_.run([&](Worker&) { return describe(id, bytes, options, caller); }, caller);
         if (!described) return fail(std::move(described.error()));
+        if (!name.empty()) {
+          auto named = proto::with_name(described->description, name);
+          if (!named) return fail(std::move(named.error()));
+          described->description = std::move(*named);
+        }
         auto complete = proto::with_state(described->description, true, true);
         if (!complete) return fail(std::move(complete.error()));
         if (caller()) return fail(caller.why_stopped());  // from here on it is stored whole
@@ -150,8 +159,8 @@ Result<MeshCatalog::Built> MeshCatalog::build(const std::string& bytes,
   return Built{std::move(*decoded), std::make_shared<const Mesh>(std::move(*mesh))};
 }
 
-Result<std::string> MeshCatalog::file_of_form(std::string_view body, std::string_view boundary,
-                                              const Caller& caller) {
+Result<FormFile> MeshCatalog::file_of_form(std::string_view body, std::string_view boundary,
+                                           const Caller& caller) {
   return pool_.run(
       [&](Worker&) {
         const auto limits = decode_limits_.get();
@@ -188,6 +197,19 @@ Result<std::string> MeshCatalog::metadata(const std::string& id, const Caller& c
     *stored = std::move(*description);
   }
   return proto::with_state(**stored, meshes_.peek(id), prepared_.peek(adjacency_key(id)));
+}
+
+Result<std::string> MeshCatalog::rename(const std::string& id, const std::string& name,
+                                        const Caller& caller) {
+  // An upload that was cut off has no description yet.
+  if (const auto described = metadata(id, caller); !described) return fail(described.error());
+  const auto description = description_of(id);
+  if (!description) return fail(description.error());
+  if (!*description) return unknown_mesh();
+  const auto named = proto::with_name(**description, name);
+  if (!named) return fail(named.error());
+  if (auto put = store_.put_metadata(id, *named); !put) return fail(std::move(put.error()));
+  return metadata(id, caller);
 }
 
 Result<std::optional<std::string>> MeshCatalog::description_of(const std::string& id) {

@@ -59,13 +59,18 @@ class MeshCatalog {
   // For meshes to come; what is over a cache's new budget goes at once.
   void set_limits(const CatalogLimits& limits);
 
-  // Decodes, checks and stores a file. On any error nothing of it remains.
+  // Decodes, checks and stores a file. On any error nothing of it remains. `name`: what the mesh
+  // is called (proto/wire/mesh_name.h), if it has no name yet.
   [[nodiscard]] Result<Upload> add(std::string bytes, const proto::ImportOptions& options,
-                                   const Caller& caller);
+                                   const Caller& caller, const std::string& name = {});
+  // Gives a mesh another name, or none; returns its metadata. Errors: mesh_unknown and the
+  // store's.
+  [[nodiscard]] Result<std::string> rename(const std::string& id, const std::string& name,
+                                           const Caller& caller);
   // The mesh file in a form, to be added (mesh_form.h). In a compute slot, where files
   // are decoded. Errors besides: those of decoding; overloaded, draining, cancelled.
-  [[nodiscard]] Result<std::string> file_of_form(std::string_view body, std::string_view boundary,
-                                                 const Caller& caller);
+  [[nodiscard]] Result<FormFile> file_of_form(std::string_view body, std::string_view boundary,
+                                              const Caller& caller);
   // The metadata as JSON, with its present state. Errors: mesh_unknown.
   [[nodiscard]] Result<std::string> metadata(const std::string& id, const Caller& caller);
   // The uploaded bytes. Errors: mesh_unknown and the store's.

@@ -12,7 +12,8 @@ namespace geodesic::server {
 namespace {
 
 std::string_view known_method(std::string_view method) {
-  for (const std::string_view known : {"GET", "HEAD", "POST", "PUT", "DELETE", "OPTIONS"}) {
+  for (const std::string_view known :
+       {"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"}) {
     if (method == known) return method;
   }
   return "other";

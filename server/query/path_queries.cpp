@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/paths/join_paths.h"
-#include "core/paths/trace_path.h"
 #include "core/solve/scratch_parts.h"
 #include "core/steiner/path.h"
 #include "core/straighten/refine_path.h"
@@ -69,12 +68,8 @@ class LegFinder {
     return fields_.compute(
         [&](SolveScratch&, const Cancel& cancel) -> Result<MaybePath> {
           const Timed tracing(caller_, Stage::trace);
-          auto path = trace_path(*question.adjacency, *field->value, to, cancel);
-          if (!path) return fail(std::move(path.error()));
-          if (!*path || !is_refined()) return path;
-          auto refined = refine_path(*question.adjacency, *field->value, to, **path, cancel);
-          if (!refined) return fail(std::move(refined.error()));
-          return MaybePath(std::move(*refined));
+          return path_through(*question.adjacency, *field->value, to,
+                              is_refined() ? PathWork::refined : PathWork::traced, cancel);
         },
         field->hit ? tracer : tracer.finishing());
   }
@@ -141,7 +136,7 @@ Result<Answered<proto::PathReply>> FieldQueries::answer(const std::string& mesh,
   std::vector<proto::PointRequest> asked{request.from};
   asked.insert(asked.end(), request.via.begin(), request.via.end());
   asked.push_back(request.to);
-  const auto points = place->points(asked, reply.via);
+  const auto points = place->points(asked, reply.via, reply.warnings);
   if (!points) return fail(points.error());
   reply.from = std::move(reply.via.front());
   reply.to = std::move(reply.via.back());
@@ -174,7 +169,7 @@ Result<Answered<proto::TraceReply>> FieldQueries::answer(const std::string& mesh
   answer.adjacency = place->adjacency();
   proto::TraceReply& reply = answer.reply;
   reply.mesh = mesh;
-  const auto from = place->point(request.from, reply.from);
+  const auto from = place->point(request.from, reply.from, reply.warnings);
   if (!from) return fail(from.error());
   const auto found = fields_.compute(
       [&](SolveScratch&, const Cancel& cancel) {

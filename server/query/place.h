@@ -12,6 +12,7 @@
 #include "core/surface/point.h"
 #include "proto/wire/point_request.h"
 #include "proto/wire/replies.h"
+#include "server/query/far_points.h"
 #include "server/query/field_queries.h"
 
 namespace geodesic::server {
@@ -31,11 +32,19 @@ class FieldQueries::Place {
   [[nodiscard]] Result<std::vector<SurfacePoint>> points(
       const std::vector<proto::PointRequest>& requests,
       std::vector<proto::ResolvedPoint>& echo) const;
+  // The same, with a warning of those that are far from the surface.
+  [[nodiscard]] Result<std::vector<SurfacePoint>> points(
+      const std::vector<proto::PointRequest>& requests, std::vector<proto::ResolvedPoint>& echo,
+      std::vector<std::string>& warnings) const {
+    auto found = points(requests, echo);
+    if (found) warn_of_far_points(mesh(), requests, echo, warnings);
+    return found;
+  }
   // The points with their offsets.
   [[nodiscard]] Result<std::vector<Source>> sources(
-      const std::vector<proto::PointRequest>& requests,
-      std::vector<proto::ResolvedPoint>& echo) const {
-    const auto found = points(requests, echo);
+      const std::vector<proto::PointRequest>& requests, std::vector<proto::ResolvedPoint>& echo,
+      std::vector<std::string>& warnings) const {
+    const auto found = points(requests, echo, warnings);
     if (!found) return fail(found.error());
     std::vector<Source> sources;
     sources.reserve(found->size());
@@ -47,9 +56,10 @@ class FieldQueries::Place {
 
   // One place.
   [[nodiscard]] Result<SurfacePoint> point(const proto::PointRequest& request,
-                                           proto::ResolvedPoint& echo) const {
+                                           proto::ResolvedPoint& echo,
+                                           std::vector<std::string>& warnings) const {
     std::vector<proto::ResolvedPoint> echoes;
-    const auto found = points({request}, echoes);
+    const auto found = points({request}, echoes, warnings);
     if (!found) return fail(found.error());
     echo = std::move(echoes.front());
     return found->front();

@@ -9,34 +9,43 @@
 
 namespace geodesic::server {
 
+// The scratch memory of a slot.
+struct KeptScratch {
+  SolveScratch memory;
+  unsigned uses = 0;  // since it was empty
+};
+
 class ScratchUse {
  public:
   // `most_kept`: the most bytes that may lie idle; 0: any. Both others must outlive this.
-  ScratchUse(SolveScratch& scratch, JobMemory& memory, std::uint64_t most_kept)
+  ScratchUse(KeptScratch& scratch, JobMemory& memory, std::uint64_t most_kept)
       : scratch_(scratch), memory_(memory), most_kept_(most_kept) {}
   ScratchUse(const ScratchUse&) = delete;
   ScratchUse& operator=(const ScratchUse&) = delete;
   ~ScratchUse() {
     if (is_kept_) return;
     memory_.lift_limits();
-    scratch_ = SolveScratch();
+    scratch_ = KeptScratch();
     memory_.keep(0);
   }
 
-  [[nodiscard]] SolveScratch& get() { return scratch_; }
+  [[nodiscard]] SolveScratch& get() { return scratch_.memory; }
 
   // The job has ended, and hands `handed_on` bytes on. All else that it holds is taken for
-  // scratch memory. If some of it is not, the count is too high, until it exceeds `most_kept`: then
-  // the scratch memory is freed and the count is right again.
+  // scratch memory. If some of it is not, such as what the job left in a cache, the count is too
+  // high. So after some uses the scratch memory is freed, and the count is right again.
   void done(std::uint64_t handed_on) {
     const std::uint64_t held = memory_.held();
     const std::uint64_t left = held > handed_on ? held - handed_on : 0;
-    is_kept_ = !memory_.refusal() && (most_kept_ == 0 || left <= most_kept_);
+    is_kept_ =
+        !memory_.refusal() && ++scratch_.uses < kUses && (most_kept_ == 0 || left <= most_kept_);
     if (is_kept_) memory_.keep(left);
   }
 
  private:
-  SolveScratch& scratch_;
+  static constexpr unsigned kUses = 64;  // the first of so many allocates what all others use
+
+  KeptScratch& scratch_;
   JobMemory& memory_;
   const std::uint64_t most_kept_;
   bool is_kept_ = false;

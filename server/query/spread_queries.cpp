@@ -58,7 +58,7 @@ Result<Answered<proto::IsolinesReply>> FieldQueries::answer(const std::string& m
   proto::IsolinesReply& reply = answer.reply;
   reply.mesh = mesh;
   reply.method = request.method.which;
-  auto sources = place->sources(request.from, reply.from);
+  auto sources = place->sources(request.from, reply.from, reply.warnings);
   if (!sources) return fail(std::move(sources.error()));
   FieldQuestion question{mesh, place->adjacency(), request.method, std::move(*sources)};
   // A line at `max` needs the vertices just beyond it.
@@ -101,7 +101,7 @@ Result<Answered<proto::SamplesReply>> FieldQueries::answer(const std::string& me
   reply.mesh = mesh;
   reply.method = request.method.which;
   reply.bound = proto::bound_of(request.method);
-  const auto sources = place->sources(request.from, reply.from);
+  const auto sources = place->sources(request.from, reply.from, reply.warnings);
   if (!sources) return fail(sources.error());
   const auto found = fields_.compute(
       [&](SolveScratch& scratch, const Cancel& cancel) {

@@ -48,15 +48,15 @@ Scopes needed_scopes(std::string_view method, std::string_view path) {
   const bool gets = method == "GET" || method == "HEAD";
   constexpr std::array<std::string_view, 6> kOpen{"/",      "/openapi.json", "/openapi.yaml",
                                                   "/livez", "/readyz",       "/v1/methods"};
-  if (gets &&
-      (std::find(kOpen.begin(), kOpen.end(), path) != kOpen.end() || is_below(path, "/docs") ||
-       is_below(path, "/assets") || is_below(path, "/problems"))) {
+  if (gets && (std::find(kOpen.begin(), kOpen.end(), path) != kOpen.end() ||
+               is_below(path, "/docs") || is_below(path, "/assets"))) {
     return {};
   }
   if (is_below(path, "/metrics") || is_below(path, "/debug")) return Scope::admin;
   if (is_below(path, "/v1/jobs")) return Scope::read | Scope::upload;
   if (method == "DELETE") return Scope::admin;
-  if (method == "PUT" || (method == "POST" && path == "/v1/meshes")) return Scope::upload;
+  if (method == "PUT" || method == "PATCH" || (method == "POST" && path == "/v1/meshes"))
+    return Scope::upload;
   return Scope::read;
 }
 

@@ -1,7 +1,7 @@
 // Who may do what: finds the token of a request and compares its scopes with what
 // the request needs.
 //
-//   nothing          /, /docs, the API's description, /livez, /readyz, GET /v1/methods,
+//   nothing          /, /docs/…, the API's description, /livez, /readyz, GET /v1/methods,
 //                    OPTIONS
 //   read             any other GET or HEAD, and queries by POST
 //   upload           POST /v1/meshes, PUT

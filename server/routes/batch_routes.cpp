@@ -60,8 +60,7 @@ std::string reply_line(const std::optional<std::string>& id, int status, const c
 std::string problem_line(const std::optional<std::string>& id, const Error& error,
                          const HttpRequest& request) {
   const int status = http_status(error.code);
-  return reply_line(id, status, "problem",
-                    to_problem_json(error, request.target, request.id, status));
+  return reply_line(id, status, "problem", to_problem_json(error, request, status));
 }
 
 // Those that will be answered.

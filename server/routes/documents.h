@@ -3,13 +3,13 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
 
 #include "server/http/message.h"
 
 namespace geodesic::server {
 
-// The reply to GET for a path; nothing where there is no document.
-[[nodiscard]] std::optional<HttpResponse> find_document(std::string_view path);
+// The reply to the GET of a path; nothing where there is no document. Browsers, which name
+// text/html among what they accept, get the YAML as plain text: they would save it otherwise.
+[[nodiscard]] std::optional<HttpResponse> find_document(const HttpRequest& request);
 
 }  // namespace geodesic::server

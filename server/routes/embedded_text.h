@@ -12,8 +12,11 @@ namespace geodesic::server {
 [[nodiscard]] std::string_view docs_page();
 [[nodiscard]] std::string_view docs_style();
 [[nodiscard]] std::string_view docs_page_script();
+[[nodiscard]] std::string_view docs_examples_script();
+[[nodiscard]] std::string_view docs_place_script();
 [[nodiscard]] std::string_view docs_request_script();
 [[nodiscard]] std::string_view docs_schema_script();
+[[nodiscard]] std::string_view docs_tabs_script();
 [[nodiscard]] std::string_view docs_text_script();
 
 [[nodiscard]] std::string_view start_page();  // clients/web/index.html

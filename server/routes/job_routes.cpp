@@ -51,11 +51,15 @@ std::string as_text(JobReport::Time time) {
                      floor<milliseconds>(time).time_since_epoch().count() % 1000);
 }
 
-std::string job_json(const JobReport& job) {
+ordered_json seconds_of(std::chrono::milliseconds time) {
+  return std::chrono::duration_cast<std::chrono::seconds>(time).count();
+}
+
+std::string job_json(const JobReport& job, const std::string& base_path) {
   const auto moment = [](const std::optional<JobReport::Time>& time) {
     return time ? ordered_json(as_text(*time)) : ordered_json();
   };
-  const std::string self = "/v1/jobs/" + job.id;
+  const std::string self = base_path + "/v1/jobs/" + job.id;
   const bool has_result = job.state == JobState::done || job.state == JobState::failed;
   const ordered_json json{{"id", job.id},
                           {"state", name_of(job.state)},
@@ -66,29 +70,30 @@ std::string job_json(const JobReport& job) {
                           {"started", moment(job.started)},
                           {"finished", moment(job.finished)},
                           {"status", has_result ? ordered_json(job.status) : ordered_json()},
+                          {"lease_seconds", job.lease ? seconds_of(*job.lease) : ordered_json()},
                           {"result", has_result ? ordered_json(self + "/result") : ordered_json()},
                           {"events", self + "/events"}};
   return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
-HttpResponse job_reply(const JobReport& job, int status = 200) {
-  HttpResponse response = json_reply(job_json(job), status);
+HttpResponse job_reply(const JobReport& job, const HttpRequest& request, int status = 200) {
+  HttpResponse response = json_reply(job_json(job, request.base_path), status);
   response.set_header("Cache-Control", "no-store");
   return response;
 }
 
 // One event of a stream; the last one is named after the job's end.
-std::string event_of(const JobReport& job) {
+std::string event_of(const JobReport& job, const std::string& base_path) {
   const bool last = has_ended(job.state);
   return fmt::format("event: {}\n{}data: {}\n\n", last ? name_of(job.state) : "progress",
-                     last ? fmt::format("id: {}\n", kLastEvent) : "", job_json(job));
+                     last ? fmt::format("id: {}\n", kLastEvent) : "", job_json(job, base_path));
 }
 
 // A stream of events under way.
 class JobEvents {
  public:
-  JobEvents(Jobs& jobs, Jobs::Handle job, Caller caller)
-      : jobs_(jobs), job_(std::move(job)), caller_(std::move(caller)) {}
+  JobEvents(Jobs& jobs, Jobs::Handle job, const HttpRequest& request)
+      : jobs_(jobs), job_(std::move(job)), caller_(request.caller), base_path_(request.base_path) {}
 
   // The next event, or a sign of life; false at the end.
   bool next(std::string& chunk) {
@@ -97,7 +102,7 @@ class JobEvents {
       JobReport report = told_ ? jobs_.wait_for_news(job_, *told_, kAskEvery) : jobs_.report(job_);
       if (caller_()) return false;
       if (told_ && report == *told_) continue;
-      chunk = event_of(report);
+      chunk = event_of(report, base_path_);
       told_ = std::move(report);
       return true;
     }
@@ -109,6 +114,7 @@ class JobEvents {
   Jobs& jobs_;
   const Jobs::Handle job_;
   const Caller caller_;
+  const std::string base_path_;
   std::optional<JobReport> told_;
 };
 
@@ -139,11 +145,12 @@ HttpResponse Routes::begin_job(Call& call) {
            equals_ignoring_case(header.first, "If-None-Match") ||
            equals_ignoring_case(header.first, "Accept-Encoding");
   });
-  const auto job = jobs_.start(std::move(later));
+  const bool goes_on = prefers(call.request, "keep");
+  const auto job = jobs_.start(std::move(later), goes_on ? JobLease::none : JobLease::renewed);
   if (!job) return call.problem(job.error());
-  HttpResponse response = job_reply(*job, 202);
-  response.set_header("Location", "/v1/jobs/" + job->id);
-  response.set_header("Preference-Applied", "respond-async");
+  HttpResponse response = job_reply(*job, call.request, 202);
+  response.set_header("Location", call.request.base_path + "/v1/jobs/" + job->id);
+  response.set_header("Preference-Applied", goes_on ? "respond-async, keep" : "respond-async");
   return response;
 }
 
@@ -187,7 +194,7 @@ HttpResponse Routes::one_job(Call& call) {
   if (!call.is("GET")) return call.not_allowed("GET, HEAD, DELETE");
   const auto job = jobs_.find(id);
   if (!job) return call.problem(ServiceCode::job_unknown, "no job of this id is kept");
-  return job_reply(*job);
+  return job_reply(*job, call.request);
 }
 
 HttpResponse Routes::job_result(Call& call, const std::string& id) {
@@ -223,7 +230,7 @@ HttpResponse Routes::job_events(Call& call, const std::string& id) {
   }
   response.content_type = "text/event-stream";
   response.set_header("X-Accel-Buffering", "no");  // a proxy that gathers replies must not
-  auto events = std::make_shared<JobEvents>(jobs_, std::move(job), call.request.caller);
+  auto events = std::make_shared<JobEvents>(jobs_, std::move(job), call.request);
   response.stream = [events](std::string& chunk) { return events->next(chunk); };
   return response;
 }

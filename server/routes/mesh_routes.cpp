@@ -8,11 +8,13 @@
 
 #include "proto/wire/import_options.h"
 #include "proto/wire/input_codes.h"
+#include "proto/wire/mesh_name.h"
 #include "proto/wire/parameters.h"
 #include "server/base/service_codes.h"
 #include "server/base/sha256.h"
-#include "server/decoder/multipart.h"
+#include "server/http/content_disposition.h"
 #include "server/http/entity_tag.h"
+#include "server/http/multipart.h"
 #include "server/http/problem.h"
 #include "server/reply/encode_reply.h"
 #include "server/routes/call.h"
@@ -40,10 +42,20 @@ bool is_of_the_store(ErrorCode code) {
   return code == ServiceCode::store_failed || code == ServiceCode::store_unavailable;
 }
 
+// What the file is called that is uploaded: by the header, else by the form that it came in. Empty
+// where neither says so, or where that is no name.
+std::string name_of_file(const HttpRequest& request, const std::string& in_form) {
+  const std::string* disposition = request.header("Content-Disposition");
+  const auto in_header =
+      disposition != nullptr ? file_name_in_disposition(*disposition) : std::nullopt;
+  std::string name = in_header ? *in_header : without_folders(in_form);
+  return proto::is_mesh_name(name) ? name : std::string();
+}
+
 // What a list says of a mesh that cannot be described, and why not: the others still can.
 std::string undescribed(const std::string& id, const Error& error, const HttpRequest& request) {
   return R"({"id":")" + id + R"(","problem":)" +
-         to_problem_json(error, "/v1/meshes/" + id, request.id) + "}";
+         to_problem_json(error, request, 0, request.base_path + "/v1/meshes/" + id) + "}";
 }
 
 }  // namespace
@@ -59,8 +71,9 @@ HttpResponse Routes::one_mesh(Call& call) {
   if (call.segments.size() == 3) {
     if (call.is("GET")) return plain(&Routes::mesh_metadata);
     if (call.is("PUT")) return add_mesh(call);
+    if (call.is("PATCH")) return plain(&Routes::rename_mesh);
     if (call.is("DELETE")) return plain(&Routes::delete_mesh);
-    return call.not_allowed("GET, HEAD, PUT, DELETE");
+    return call.not_allowed("GET, HEAD, PUT, PATCH, DELETE");
   }
   constexpr std::array<std::string_view, 4> kOthers{"source", "geometry", "prepare", "batch"};
   if (!is_query(action) && std::find(kOthers.begin(), kOthers.end(), action) == kOthers.end()) {
@@ -83,29 +96,35 @@ HttpResponse Routes::add_mesh(Call& call) {
   auto parameters = proto::Parameters::from_query(call.request.query);
   const auto options = proto::read_import_options(parameters);
   if (!options) return call.problem(options.error());
+  const auto name = proto::read_mesh_name(parameters);
+  if (!name) return call.problem(name.error());
   if (auto known = parameters.check_all_known(); !known) return call.problem(known.error());
-  if (const auto joined = join_parts(call); !joined) return call.problem(joined.error());
+  const auto in_form = join_parts(call);
+  if (!in_form) return call.problem(in_form.error());
   if (call.is("PUT")) {
     if (const auto own = check_own_digest(call, *options); !own) return call.problem(own.error());
   }
-  const auto upload = catalog_.add(std::move(call.request.body), *options, call.request.caller);
+  const auto upload = catalog_.add(std::move(call.request.body), *options, call.request.caller,
+                                   name->value_or(name_of_file(call.request, *in_form)));
   if (!upload) return call.problem(upload.error());
   HttpResponse response = described(call, upload->metadata, upload->created ? 201 : 200);
-  if (response.status < 300) response.set_header("Location", "/v1/meshes/" + upload->id);
+  if (response.status < 300)
+    response.set_header("Location", call.request.base_path + "/v1/meshes/" + upload->id);
   return response;
 }
 
-Result<void> Routes::join_parts(Call& call) {
+// Returns what the form calls its file; empty where there is no form.
+Result<std::string> Routes::join_parts(Call& call) {
   const std::string* type = call.request.header("Content-Type");
-  if (type == nullptr || !is_multipart(*type)) return {};
+  if (type == nullptr || !is_multipart(*type)) return std::string();
   const auto boundary = multipart_boundary(*type);
   if (!boundary) {
     return fail(InputCode::bad_syntax, "the content type has no boundary", "Content-Type");
   }
   auto file = catalog_.file_of_form(call.request.body, *boundary, call.request.caller);
   if (!file) return fail(std::move(file.error()));
-  call.request.body = std::move(*file);
-  return {};
+  call.request.body = std::move(file->bytes);
+  return std::move(file->name);
 }
 
 // A mesh is put under the digest of its bytes, or under the whole id that the options
@@ -233,6 +252,20 @@ HttpResponse Routes::prepare_mesh(Call& call) {
   const auto adjacency = catalog_.adjacency(call.id, call.request.caller);
   if (!adjacency) return call.problem(adjacency.error());
   return mesh_metadata(call);
+}
+
+HttpResponse Routes::rename_mesh(Call& call) {
+  auto parameters = proto::Parameters::from_json(call.request.body);
+  if (!parameters) return call.problem(parameters.error());
+  const auto name = proto::read_mesh_name(*parameters);
+  if (!name) return call.problem(name.error());
+  if (auto known = parameters->check_all_known(); !known) return call.problem(known.error());
+  if (!*name) {
+    return call.problem(Error{
+        InputCode::bad_syntax, "a name is wanted; an empty one takes it away", "name", {}, {}});
+  }
+  auto metadata = catalog_.rename(call.id, **name, call.request.caller);
+  return metadata ? described(call, std::move(*metadata)) : call.problem(metadata.error());
 }
 
 HttpResponse Routes::delete_mesh(Call& call) {

@@ -79,6 +79,19 @@ Result<HttpResponse> make_reply(Answered<Reply> answer, const proto::ReplyFormat
   return encode(std::move(answer), format, cancel);
 }
 
+// In every format, for those that are no JSON too.
+template <class Reply>
+std::string warnings_header(const Reply& reply) {
+  std::string joined;
+  if constexpr (requires { reply.warnings; }) {
+    for (const std::string& warning : reply.warnings) {
+      if (!joined.empty()) joined += "; ";
+      joined += warning;
+    }
+  }
+  return joined;
+}
+
 // Distances at points and paths may be read off a field that is kept, searched for, or taken from
 // a field that ends at the points: the last digits depend on that, and so on what was asked
 // before. All other answers follow from the question and the build alone.
@@ -130,8 +143,10 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
       share = std::move(*reserved);
     }
     if (answer->complete) answer->complete(answer->reply);
+    const std::string warnings = warnings_header(answer->reply);
     auto made = make_reply(std::move(*answer), *format, cancel);
     if (!made) return made;
+    if (!warnings.empty()) made->set_header("Geo-Warnings", warnings);
     if (!identity.empty()) {
       made->set_header("ETag", tag);
       add_to_list(*made, "Vary", "Accept");

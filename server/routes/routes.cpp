@@ -49,6 +49,7 @@ Jobs::Limits job_limits(const Config& config, std::size_t slots) {
   limits.running = 2 * slots;
   limits.bytes = config.job_result_bytes;
   limits.keep = std::chrono::seconds(config.job_seconds);
+  limits.lease = std::chrono::seconds(config.job_lease_seconds);
   return limits;
 }
 
@@ -140,22 +141,31 @@ HttpResponse Routes::answer_admin(HttpRequest& request) {
   return response;
 }
 
+std::optional<HttpResponse> Routes::page(const HttpRequest& request) const {
+  // Below it links are relative, so it ends with a slash.
+  if (!request.base_path.empty() && request.path == request.base_path) {
+    return redirect(308, request.base_path + "/");
+  }
+  if (auto file = viewer_.find(request)) return file;
+  if (request.path == "/") return text_reply(start_page(), "text/html; charset=utf-8");
+  if (auto document = find_document(request)) return document;
+  if (auto file = docs_.find(request)) return file;
+  // There may be a site tomorrow.
+  if (request.path == "/docs/") return redirect(307, "api/");
+  if (request.path == "/docs/errors/") return redirect(307, "../api/");
+  return std::nullopt;
+}
+
 HttpResponse Routes::dispatch(Call& call) {
   const auto& s = call.segments;
   const auto reads = [&](const char* route, auto reply) {
     call.route = route;
     return call.is("GET") ? reply() : call.not_allowed("GET, HEAD");
   };
-  if (auto file = viewer_.find(call.request)) {
-    call.route = call.request.path;
+  if (auto file = page(call.request)) {
+    // One name in metrics for the many files of the documentation.
+    call.route = call.request.path.starts_with("/docs/") ? "/docs/{page}" : call.request.path;
     return call.is("GET") ? std::move(*file) : call.not_allowed("GET, HEAD");
-  }
-  if (call.request.path == "/") {
-    return reads("/", [] { return text_reply(start_page(), "text/html; charset=utf-8"); });
-  }
-  if (auto document = find_document(call.request.path)) {
-    call.route = call.request.path;
-    return call.is("GET") ? std::move(*document) : call.not_allowed("GET, HEAD");
   }
   const auto plain = [&](auto reply) {
     return [&call, reply] {
@@ -179,7 +189,7 @@ HttpResponse Routes::dispatch(Call& call) {
   }
   if (s.size() >= 2 && s[0] == "v1" && s[1] == "jobs") return one_job(call);
   if (call.request.path == "*" && call.is("OPTIONS")) {
-    return call.not_allowed("GET, HEAD, POST, PUT, DELETE");
+    return call.not_allowed("GET, HEAD, POST, PUT, PATCH, DELETE");
   }
   if (config_->admin_listen.host.empty()) return operate(call);
   return call.problem(ServiceCode::route_unknown, "there is nothing here");
@@ -275,6 +285,7 @@ HttpResponse Routes::status() {
         {"max_jobs", config->max_jobs},
         {"job_result_bytes", config->job_result_bytes},
         {"job_seconds", config->job_seconds},
+        {"job_lease_seconds", config->job_lease_seconds},
         {"body_timeout_seconds", config->body_timeout_seconds},
         {"queue", config->queue},
         {"query_memory_bytes", memory.limits.query},

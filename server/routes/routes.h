@@ -26,7 +26,7 @@
 #include "server/query/metrics.h"
 #include "server/reply/bodies_in_use.h"
 #include "server/routes/access.h"
-#include "server/routes/viewer_files.h"
+#include "server/routes/static_files.h"
 
 namespace geodesic::server {
 
@@ -54,7 +54,9 @@ class Routes {
   [[nodiscard]] const Access& access() const { return access_; }
 
   // What is served at `/` instead of the plain page. To be called before any request.
-  void set_viewer(ViewerFiles viewer) { viewer_ = std::move(viewer); }
+  void set_viewer(StaticFiles viewer) { viewer_ = std::move(viewer); }
+  // What is served below `/docs/`; without it, these paths lead to the API's page. Likewise.
+  void set_docs(StaticFiles docs) { docs_ = std::move(docs); }
 
   // How the API's listener fares, for metrics and readiness. To be called before any request.
   struct Listener {
@@ -90,6 +92,8 @@ class Routes {
   struct Call;  // a request with its path taken apart
 
   [[nodiscard]] HttpResponse route(HttpRequest& request);
+  // What stands at a path for browsers; nothing: none of that.
+  [[nodiscard]] std::optional<HttpResponse> page(const HttpRequest& request) const;
   // What the request is answered, before what all replies have in common.
   [[nodiscard]] HttpResponse dispatched(HttpRequest& request);
   [[nodiscard]] HttpResponse dispatch(Call& call);
@@ -101,7 +105,7 @@ class Routes {
   [[nodiscard]] static Result<void> check_own_digest(const Call& call,
                                                      const proto::ImportOptions& options);
   // A body of several parts becomes the one file that they are.
-  [[nodiscard]] Result<void> join_parts(Call& call);
+  [[nodiscard]] Result<std::string> join_parts(Call& call);
   [[nodiscard]] HttpResponse list_meshes(Call& call);
   [[nodiscard]] HttpResponse mesh_metadata(Call& call);
   [[nodiscard]] HttpResponse described(const Call& call, std::string json, int status = 200);
@@ -111,6 +115,7 @@ class Routes {
   [[nodiscard]] Result<HttpResponse> geometry_reply(const Call& call, proto::Format format,
                                                     const std::string& tag);
   [[nodiscard]] HttpResponse prepare_mesh(Call& call);
+  [[nodiscard]] HttpResponse rename_mesh(Call& call);
   [[nodiscard]] HttpResponse delete_mesh(Call& call);
   [[nodiscard]] HttpResponse query(Call& call, std::string_view action);
   // Any query: parameters to a Request, its answer to the format asked for.
@@ -142,7 +147,8 @@ class Routes {
 
   Current<Config> config_;
   Access access_;
-  ViewerFiles viewer_;
+  StaticFiles viewer_;
+  StaticFiles docs_;
   const CrossOrigin cross_origin_;
   LruCache<HttpResponse> replies_;  // to GET, by mesh and question
   ReplyBudget reply_budget_;

@@ -54,6 +54,7 @@ fatal() {
 }
 
 "$make_samples" "$folder/samples" >/dev/null || fatal "make_samples"
+: >"$folder/server.out"  # it is read below, maybe before the shell made it for the server
 "$geodesicd" --listen 127.0.0.1:0 --store "$folder/store" \
   >"$folder/server.out" 2>"$folder/server.err" &
 server=$!

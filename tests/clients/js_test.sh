@@ -25,6 +25,7 @@ export NO_PROXY='*' no_proxy='*' NPM_CONFIG_UPDATE_NOTIFIER=false
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 mkdir -p "$folder/clients/js" "$folder/proto" "$folder/tests/clients"
+cp "$root/README.md" "$folder/"
 cp "$root/proto/openapi.yaml" "$folder/proto/"
 cp "$root/tests/clients/contract_cases.json" "$folder/tests/clients/"
 tar -C "$root/clients/js" --exclude=./node_modules --exclude=./dist --exclude=./out \

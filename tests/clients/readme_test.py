@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """readme_test.py BUILD: the README's commands against a server with the sample meshes. Those
-of the tour with curl and of the section on tokens are run as they stand there, and have to
-print what stands there; a token is another each time."""
+of the first lines, of the tour with curl and of the section on tokens are run as they stand there,
+and have to print what stands there; a token is another each time."""
 
 import os
 import pathlib
@@ -71,11 +71,11 @@ def failures(steps, printed):
 
 def tour(build, folder):
     """The tour with curl: whether all of it went as written."""
-    steps = steps_in(section("A minute with curl"))
+    steps = steps_in(section("At work in ten lines")) + steps_in(section("A minute with curl"))
     with Server(build, "--samples", folder / "build" / "samples") as server:
         printed, complaints = run([command for command, _ in steps], folder, server)
     failed = failures(steps, printed)
-    made = {name: (folder / name).stat().st_size for name in ("field.png", "path.glb")}
+    made = {name: (folder / "build" / name).stat().st_size for name in ("field.png", "path.glb")}
     print(f"{len(steps)} commands of the README's tour, {failed} failed; made {made}")
     if complaints:
         print(f"on stderr: {complaints[-1000:]}")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""page_test.py BUILD: /docs in a browser. Every operation, parameter, schema and error
+"""page_test.py BUILD: /docs/api/ in a browser. Every operation, parameter, schema and error
 code of the contract has to be in the page that its script draws, and nothing may be
 loaded from elsewhere or kept back by the page's own policy."""
 
@@ -40,12 +40,12 @@ def main():
     """Draws the page and looks for what has to be there."""
     program = browser()
     if program is None:
-        print("skipped: there is no Chromium to draw /docs with")
+        print("skipped: there is no Chromium to draw /docs/api/ with")
         sys.exit(77)
     build = pathlib.Path(sys.argv[1])
     with Server(build) as server:
         contract = json.loads(server.ask("GET", "/openapi.json").body)
-        page, log = drawn(program, f"http://127.0.0.1:{server.port}/docs")
+        page, log = drawn(program, f"http://127.0.0.1:{server.port}/docs/api/")
     problems = []
     there = set(map(html.unescape, re.findall(r'data-operation="([^"]*)"', page)))
     operations = {

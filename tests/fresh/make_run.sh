@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Does in a fresh root what a newcomer does: `make run`, paste the printed curl line,
-# press Ctrl-C. Fails unless the line answers with a path and the server is gone
-# afterwards. Run in the repository's folder, with PORT set to a free port.
+# Does in a fresh root what a newcomer does: `make run`, paste the printed curl line, do as the
+# README says to three readers (readers.py), press Ctrl-C. Fails unless all of that works and the
+# server is gone afterwards. Run in the repository's folder, with PORT set to a free port.
 set -euo pipefail
 # Job control: `make run` gets a process group of its own, as in a terminal, and
 # Ctrl-C's signal is not ignored.
@@ -28,6 +28,9 @@ reply=$(eval "$line --silent --show-error --fail-with-body") || status=1
 echo "${reply:0:300}"
 jq --exit-status '.reachable and .length > 0 and (.points | length) >= 2' <<<"$reply" >/dev/null ||
   status=1
+
+# The README's first pages, from a fresh clone.
+python3 tests/fresh/readers.py "$PORT" || status=1
 
 kill -INT -- "-$run"
 wait "$run" 2>/dev/null || true

@@ -6,7 +6,8 @@
 #     setup   `make setup` works, and a second one finds nothing to do in under 1 s of processor time
 #     test    `make test` passes
 #     build   `make build` compiles everything for release (only if asked for: `test` does too)
-#     run     `make run` starts, answers the curl line it prints, and stops on Ctrl-C
+#     run     `make run` starts, answers the curl line it prints and the first pages of the README's
+#             three readers, and stops on Ctrl-C
 #     image   buildah builds the Dockerfile on the same bare root, and the container
 #             answers with a path
 #

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "proto/wire/input_codes.h"
-#include "server/decoder/multipart.h"
 #include "server/edge/body.h"
 #include "server/http/head.h"
+#include "server/http/multipart.h"
 #include "tests/fuzz/targets.h"
 
 namespace geodesic::fuzz {

@@ -192,15 +192,16 @@ std::vector<std::string> point_seeds() {
 
 std::vector<std::string> frame_seeds() {
   std::vector<std::string> seeds;
-  const auto add = [&](const server::Decoded& decoded) {
-    Bytes frame(server::frame_size(decoded));
-    server::write_frame(decoded, frame);
+  const auto add = [&](const auto& answer) {
+    Bytes frame(server::frame_size(answer));
+    server::write_frame(answer, frame);
     seeds.push_back(text_of(frame));
   };
   for (const std::string& file : gltf_seeds()) {
     add(proto::decode_mesh(proto::bytes_of(file), {}));
   }
-  add(fail_limit(ErrorCode::too_large, "too large", 5, 6, "from"));
+  add(server::Decoded(fail_limit(ErrorCode::too_large, "too large", 5, 6, "from")));
+  add(Result<server::FormFile>(server::FormFile{"a.glb", "bytes"}));
   seeds.push_back(server::write_order({}));
   return seeds;
 }

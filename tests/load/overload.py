@@ -5,8 +5,8 @@
 
 Measures one query at a time (unloaded), then the capacity, then sends X times the
 capacity, evenly paced whatever comes back, and says how long the accepted and the
-refused took, whether fields were computed for nobody, whether probes were answered throughout, and how soon a query takes
-as long as before once the load has ended. The queries differ, so that no cache
+refused took, whether fields were computed for nobody, whether probes were answered throughout, and
+how soon a query takes as long as before once the load has ended. The queries differ, so that no cache
 answers them. OPTIONs go to the server. Exit status 1 if a bound is missed by more
 than the slack.
 """

@@ -174,6 +174,9 @@ def look_after(torture, clients, back_mb):
         time.sleep(0.2)
     if any(busy.values()):
         torture.fault(f"nobody asks, and yet: {status['compute']} {status['jobs']}")
+    counted = status["compute"]["memory_bytes"] / 1e6
+    if counted > back_mb:
+        torture.fault(f"nobody computes, and {counted:.0f} MB are counted of {back_mb} MB")
     if connection.ask("GET", "/readyz").status != 200:
         torture.fault("not ready in the end")
     kept = torture.meshes + [mesh for client in clients for mesh in client.own if not mesh.may_be_gone]
@@ -217,7 +220,7 @@ def main():
     parser.add_argument("--clients", type=int, default=16)
     parser.add_argument("--seed", type=int, default=os.environ.get("GEODESICD_SEED"))
     parser.add_argument("--most-mb", type=float, default=1200)
-    parser.add_argument("--back-mb", type=float, default=500)
+    parser.add_argument("--back-mb", type=float, default=250)
     parser.add_argument("--swift", action="store_true")
     arguments, options = parser.parse_known_args()
     # Ended from outside, it ends its servers.

@@ -18,6 +18,7 @@ CODES = {
     400: {"bad_syntax", "unknown_parameter"},
     404: {"mesh_unknown", "job_unknown"},
     406: {"not_acceptable"},
+    408: {"request_timeout"},
     409: {"job_unfinished", "job_cancelled"},
     413: {"too_large"},
     422: {"index_out_of_range", "value_out_of_range", "snap_too_far", "no_hit", "unsupported",
@@ -29,6 +30,7 @@ CODES = {
 }
 PATIENCE = 60  # seconds in which any answer must come
 LATE = 10      # seconds by which an answer may pass its own deadline
+RECEIVE_GRACE = 5  # seconds that a body may take: longer only where the whole machine stood still
 
 MOST_KEPT = 100_000  # bytes of an answer that is kept to compare with again
 
@@ -170,6 +172,8 @@ class Client(threading.Thread):
             self.fault("an error is no problem:", self.now, reply)
         if problem.get("status") != reply.status or code not in CODES.get(reply.status, ()):
             self.fault("an error does not fit:", self.now, reply.status, reply.body)
+        if reply.status == 408 and time.monotonic() - self.now[0] < RECEIVE_GRACE:
+            self.fault("the body was there in time:", self.now, reply)
         if reply.status in (429, 503) and "retry-after" not in reply.headers:
             self.fault("no Retry-After:", self.now, reply)
 

@@ -19,7 +19,7 @@ WEAK = 2e-6
 
 # Errors that depend on what else goes on; any other must be the quiet server's answer too.
 OF_THE_MOMENT = {"mesh_unknown", "job_unknown", "job_unfinished", "job_cancelled", "cancelled",
-                 "too_many_requests", "overloaded", "store_unavailable", "deadline",
+                 "request_timeout", "too_many_requests", "overloaded", "store_unavailable", "deadline",
                  "too_much_memory"}
 
 def point_of(chance, mesh):

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/solve/pair_search.h"
+#include "core/straighten/refine_path.h"
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/surface.h"
 #include "tests/paper/real_meshes.h"
@@ -59,10 +60,12 @@ TEST_CASE("PairsOnScansAreAsFromWholeFields") {
           const SurfacePoint to = surface.at(any_source_vertex());
           const Pair pair = searched(surface, method, from, to);
           CHECK(pair.distance == whole.distance[to.vertex]);
-          const auto path = surface.path(whole, to);
+          const auto path =
+              path_through(surface.adjacency(), whole, to, PathWork::traced, Cancel());
           REQUIRE(path);
+          REQUIRE(*path);
           // The shortest ways along edges may be several.
-          if (method != Method::dijkstra) CHECK(pair.path->length == path->length);
+          if (method != Method::dijkstra) CHECK(pair.path->length == (*path)->length);
           fixtures::check_is_a_path(surface.adjacency(), *pair.path, size);
         }
       }

@@ -9,7 +9,7 @@ import { setField } from 'geodesicd-client/three';
 
 const asked = new URLSearchParams(location.search);
 const client = new GeodesicClient(asked.get('server') ?? location.origin);
-const mesh = asked.get('mesh') ? await client.mesh(asked.get('mesh')) : (await client.meshes().next()).value;
+const mesh = await client.mesh(asked.get('mesh') ?? (await client.list())[0].id);
 const { positions, triangles } = await client.geometry(mesh.id);
 
 const geometry = new THREE.BufferGeometry();
@@ -30,7 +30,7 @@ material.onBeforeCompile = (shader) => {
   shader.fragmentShader = shader.fragmentShader
     .replace('void main() {', 'uniform float brush; varying float vPaint, vReach; void main() {')
     .replace('#include <color_fragment>', `diffuseColor.rgb = mix(diffuseColor.rgb, vec3(0.8, 0.1, 0.2), smoothstep(0.0, 0.5, vPaint));
-      float rim = abs(vReach - brush) / fwidth(vReach); // the tip's outline, two pixels wide
+      float rim = abs(vReach - brush) / max(fwidth(vReach), 1e-6); // the tip's outline, two pixels wide
       diffuseColor.rgb = mix(vec3(0.0), diffuseColor.rgb, clamp(rim - 1.0, 0.0, 1.0));`);
 };
 const scene = new THREE.Scene().add(new THREE.Mesh(geometry, material), new THREE.HemisphereLight(0xffffff, 0x606060, 3));
@@ -49,8 +49,9 @@ renderer.domElement.addEventListener('pointermove', async ({ clientX, clientY, b
   ray.origin.copy(camera.position);
   ray.direction.set((2 * clientX) / innerWidth - 1, 1 - (2 * clientY) / innerHeight, 0.5).unproject(camera).sub(ray.origin).normalize();
   const from = { ray: { origin: ray.origin.toArray(), direction: ray.direction.toArray() } };
-  const field = await client.distance(mesh.id, { from, max: brush.value + 2 * mesh.mean_edge }).catch(() => null); // no hit
-  if (field) setField(geometry, field.values.map((d) => Math.min(d, 1e9)), 'reach');
+  const max = brush.value + 2 * mesh.mean_edge; // what is farther is as far, so that no second outline is drawn
+  const field = await client.distance(mesh.id, { from, max }).catch(() => null); // no hit
+  if (field) setField(geometry, field.values.map((d) => Math.min(d, max)), 'reach');
   if (field && buttons) paint.array.forEach((p, v) => (paint.array[v] = Math.max(p, 1 - field.values[v] / brush.value)));
   paint.needsUpdate = true;
   busy = false;

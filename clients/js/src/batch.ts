@@ -5,6 +5,7 @@ import { linesOf } from './lines.js';
 import { meshPath, parametersInJson } from './plans.js';
 import type * as queries from './queries.js';
 import type { CallOptions } from './queries.js';
+import { warningsIn } from './replies.js';
 import { reading, type Call, type Transport } from './transport.js';
 
 interface Taken {
@@ -34,7 +35,7 @@ export type BatchQuery<Name extends QueryName = QueryName> = {
 
 /** One answer: the query's reply, or the error that it would have thrown on its own. */
 export type BatchAnswer<Name extends QueryName = QueryName> =
-  | { id: string | number | undefined; status: number; ok: true; reply: Given[Name] }
+  | { id: string | number | undefined; status: number; ok: true; reply: Given[Name] & Pick<queries.Told, 'warnings'> }
   | { id: string | number | undefined; status: number; ok: false; error: GeodesicError };
 
 /** Answers in the queries' order. Whoever stops early ends the request. */
@@ -71,5 +72,5 @@ function answerOf<Name extends QueryName>(line: string): BatchAnswer<Name> {
   const { id, status, reply, problem } = JSON.parse(line) as Schemas['BatchReply'];
   return problem
     ? { id, status, ok: false, error: new GeodesicError(status, problem as Problem) }
-    : { id, status, ok: true, reply: reply as unknown as Given[Name] };
+    : { id, status, ok: true, reply: { ...(reply as unknown as Given[Name]), warnings: warningsIn(reply) } };
 }

@@ -1,4 +1,5 @@
 /** The client: a method for each operation of the API. */
+import { exchangeGeometry, type ArrivingGeometry } from './arriving.js';
 import { batch, type BatchAnswer, type BatchQuery } from './batch.js';
 import type { MeshMetadata, MethodInfo, QueryName, Schemas, Status } from './contract.js';
 import { exchangeAsJob, type JobOptions } from './jobs.js';
@@ -39,13 +40,17 @@ export class GeodesicClient {
     });
   }
 
-  /** Uploads a mesh, unless the server has it: its SHA-256 is asked for first. */
-  upload(data: uploads.MeshData, options: uploads.UploadOptions = {}): Promise<MeshMetadata> {
+  /**
+   * Uploads a mesh, unless the server has it: its SHA-256 is asked for first. A file's bytes,
+   * `[{name, data}]` for a `.gltf` with its buffers, `{positions, index}`, or a three.js
+   * `BufferGeometry`; the last two go as a binary PLY. A `File` brings its name along.
+   */
+  upload(data: uploads.Uploadable, options: uploads.UploadOptions = {}): Promise<MeshMetadata> {
     return uploads.upload(this.#transport, data, options);
   }
 
   /** The same, with the progress of the server's part too: decoding and checking, as a job. */
-  uploadJob(data: uploads.MeshData, options: uploads.UploadJobOptions = {}): Promise<MeshMetadata> {
+  uploadJob(data: uploads.Uploadable, options: uploads.UploadJobOptions = {}): Promise<MeshMetadata> {
     return uploads.uploadAsJob(this.#transport, data, options);
   }
 
@@ -63,11 +68,27 @@ export class GeodesicClient {
     } while (cursor !== null);
   }
 
+  /** The first `limit` meshes (1 to 1000; 100 without it) as a plain array. */
+  async list(options: CallOptions & { limit?: number } = {}): Promise<MeshMetadata[]> {
+    const { limit = 100 } = options;
+    const path = `/v1/meshes?limit=${limit}`;
+    return (await this.#json<Schemas['MeshPage']>({ method: 'GET', path, ...signalOf(options) })).meshes;
+  }
+
   /** What is known of a mesh. */
   mesh(id: string, options: CallOptions = {}): Promise<MeshMetadata> {
     return this.#json({ method: 'GET', path: meshPath(id), ...signalOf(options) });
   }
 
+  /**
+   * Gives a mesh a name, in place of one that it has: up to 200 bytes of UTF-8 without control
+   * characters. An empty name takes it away. Resolves to the metadata with the new name.
+   */
+  renameMesh(id: string, name: string, options: CallOptions = {}): Promise<MeshMetadata> {
+    return uploads.rename(this.#transport, id, name, options.signal);
+  }
+
+  /** The server forgets the mesh and its file. */
   async deleteMesh(id: string, options: CallOptions = {}): Promise<void> {
     await this.#transport.exchange({ method: 'DELETE', path: meshPath(id), ...signalOf(options) });
   }
@@ -80,14 +101,21 @@ export class GeodesicClient {
     );
   }
 
-  /** What the server computes on; `values: 'f64'` for positions as they are there. */
+  /**
+   * What the server computes on; `values: 'f64'` for positions as they are there. `onArrival`
+   * sees a large mesh before it is there whole: it is called with all positions and the
+   * triangles so far, again and again as more come.
+   */
   async geometry<P extends Precision = 'f32'>(
     id: string,
-    options: CallOptions & { values?: P } = {},
+    options: CallOptions & { values?: P; onArrival?: (part: ArrivingGeometry) => void } = {},
   ): Promise<queries.Geometry<P>> {
     const call = queryCall(id, 'geometry', { format: 'frame' }, signalOf(options));
     const precision = (options.values ?? 'f32') as P;
-    return replies.geometryOf(await this.#transport.exchange(call), precision);
+    const reply = options.onArrival
+      ? await exchangeGeometry(this.#transport, call, options.onArrival)
+      : await this.#transport.exchange(call);
+    return replies.geometryOf(reply, precision);
   }
 
   /** Builds what queries need, so that the first of them is quick. */

@@ -49,8 +49,18 @@ export class NetworkError extends Error {
   override readonly name = 'NetworkError';
 
   constructor(url: string, cause: unknown) {
-    super(`no reply from ${url}: ${reasonOf(cause)}`, { cause });
+    super(`no reply from ${url}: ${reasonOf(cause)}${hintOf(url)}`, { cause });
   }
+}
+
+/** A browser does not tell its page that CORS was the reason: the flags are named on suspicion. */
+function hintOf(url: string): string {
+  const own = globalThis.location?.origin;
+  if (own === undefined || url === '' || new URL(url, own).origin === own) return '';
+  return (
+    `. Does it run, and is --cors-origins set for this origin, ${own}? ` +
+    'To upload and delete, --cors-write-origins has to name it too'
+  );
 }
 
 /** The error that a reply of status 400 or above stands for. */

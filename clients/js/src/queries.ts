@@ -17,7 +17,7 @@ export interface QueryOptions extends CallOptions {
 }
 
 interface ByMethod {
-  /** How distances are computed; the server's default is `wavefront`. */
+  /** How distances are computed; the server's default is `auto`. */
   method?: Method;
   /** Only with the method `steiner`. */
   points_per_edge?: Schemas['PointsPerEdge'];
@@ -137,6 +137,8 @@ export interface Told {
   timing: Timing;
   /** Whether the distance field was there already; null where none is kept. */
   cache: 'hit' | 'miss' | null;
+  /** What the server thinks odd about the question, a sentence each: a point far from the surface. */
+  warnings: string[];
 }
 
 export type Precision = 'f32' | 'f64';

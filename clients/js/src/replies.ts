@@ -28,11 +28,20 @@ export function parseTiming(header: string | null): Timing {
   return timing;
 }
 
-export function told(reply: Reply): Told {
+/** The sentences of `warnings` in a reply's JSON, or of a `Geo-Warnings` header where it has none. */
+export function warningsIn(json: unknown, header: string | null = null): string[] {
+  const listed = (json as { warnings?: unknown } | null)?.warnings;
+  if (Array.isArray(listed)) return listed.map(String);
+  return header?.split('; ').filter(Boolean) ?? [];
+}
+
+/** What a reply's headers say; its warnings better out of its `json`, where it has some. */
+export function told(reply: Reply, json?: unknown): Told {
   const cache = reply.headers.get('Geo-Cache');
   return {
     timing: parseTiming(reply.headers.get('Server-Timing')),
     cache: cache === 'hit' || cache === 'miss' ? cache : null,
+    warnings: warningsIn(json, reply.headers.get('Geo-Warnings')),
   };
 }
 
@@ -41,7 +50,8 @@ export function jsonOf<T>(reply: Reply): T {
 }
 
 export function jsonAnswer<T>(reply: Reply): T & Told {
-  return { ...jsonOf<T>(reply), ...told(reply) };
+  const json = jsonOf<T>(reply);
+  return { ...json, ...told(reply, json) };
 }
 
 /** Numbers in the precision asked for; float64 comes without a copy. */
@@ -59,7 +69,7 @@ export function fieldOf<P extends Precision>(reply: Reply, precision: P): Field<
     reached: header['reached'] as number,
     max: header['max'] as number | null,
     farthest: header['farthest'] as number | null,
-    ...told(reply),
+    ...told(reply, header),
   };
   if (arrays['labels']) field.labels = arrays['labels'] as Uint32Array;
   return field;
@@ -73,7 +83,7 @@ export function tableOf(reply: Reply): Table {
     rows: header['rows'] as ResolvedPoint[],
     columns: header['columns'] as ResolvedPoint[],
     distances: arrays['distances'] as Float64Array,
-    ...told(reply),
+    ...told(reply, header),
   };
 }
 
@@ -86,7 +96,8 @@ export function geometryOf<P extends Precision>(reply: Reply, precision: P): Geo
 }
 
 export function frameOf(reply: Reply): ToldFrame {
-  return { ...decodeFrame(reply.body), ...told(reply) };
+  const frame = decodeFrame(reply.body);
+  return { ...frame, ...told(reply, frame.header) };
 }
 
 export function arrayOf(reply: Reply): BareArray {

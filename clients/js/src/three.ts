@@ -5,11 +5,14 @@
 import {
   BufferAttribute,
   BufferGeometry,
+  Color,
   Line,
   LineBasicMaterial,
   LineSegments,
+  SRGBColorSpace,
   type Material,
 } from 'three';
+import { colourAt, type ColourMap } from './colour_maps.js';
 import type { Isoline, MeshPart, Xyz } from './contract.js';
 
 type Values = Float32Array | Float64Array | Uint32Array | Uint16Array;
@@ -48,6 +51,47 @@ export function setField(geometry: BufferGeometry, values: Values, name = 'field
   }
   const attribute = new BufferAttribute(wanted, 1);
   geometry.setAttribute(name, attribute);
+  return attribute;
+}
+
+/** How numbers become colours: `max` is the map's upper end, else the greatest finite number. */
+export interface Colouring {
+  map?: ColourMap;
+  max?: number;
+  /** Of what is unreached. */
+  unreached?: number | string;
+}
+
+/**
+ * Colours a geometry by one number a vertex, as the attribute `color` of any material with
+ * `vertexColors: true`. Numbers are distances: the map begins at 0. Throws RangeError if the
+ * geometry has another number of vertices.
+ */
+export function setColours(geometry: BufferGeometry, values: Values, how: Colouring = {}): BufferAttribute {
+  const count = geometry.getAttribute('position')?.count;
+  if (count !== values.length) {
+    throw new RangeError(`${values.length} values for a geometry of ${count ?? 0} vertices`);
+  }
+  let { max } = how;
+  if (max === undefined) {
+    max = 0;
+    for (const value of values) if (value < Infinity && value > max) max = value;
+  }
+  // three.js computes in linear light: each of 256 steps is turned into it once.
+  const steps = Array.from({ length: 256 }, (_, step) => {
+    const [r, g, b] = colourAt(how.map ?? 'viridis', step / 255);
+    return new Color().setRGB(r / 255, g / 255, b / 255, SRGBColorSpace);
+  });
+  const nowhere = new Color(how.unreached ?? 0x9a9a9a);
+  const before = geometry.getAttribute('color');
+  const again = before instanceof BufferAttribute && before.array instanceof Float32Array && before.itemSize === 3;
+  const attribute = again && before.count === count ? before : new BufferAttribute(new Float32Array(3 * count), 3);
+  values.forEach((value: number, vertex: number) => {
+    const step = max > 0 ? Math.round((255 * Math.min(value, max)) / max) : 0;
+    (value < Infinity ? steps[step]! : nowhere).toArray(attribute.array, 3 * vertex);
+  });
+  attribute.needsUpdate = true;
+  geometry.setAttribute('color', attribute);
   return attribute;
 }
 

@@ -13,6 +13,8 @@ export interface Call {
   idempotent?: boolean;
   /** Whether 429 and 503 are tried again too; true without it. */
   retry?: boolean;
+  /** Whether a browser is to send it although its page goes away. */
+  keepalive?: boolean;
   signal?: AbortSignal | undefined;
 }
 
@@ -59,7 +61,7 @@ export class Transport {
   /** Sends a call; the reply's body is yet to be read. Throws as `exchange` does. */
   async open(call: Call): Promise<Response> {
     return this.#retried(call, async () => {
-      const response = await this.#fetch(this.url(call.path), call, this.#headers(call));
+      const response = await this.send(this.url(call.path), call, this.#headers(call));
       if (response.status < 400) return response;
       const body = await reading(call, this.url(call.path), () => response.arrayBuffer());
       throw errorOf(response.status, response.headers, body);
@@ -79,17 +81,19 @@ export class Transport {
   }
 
   readonly #fetchWhole: Sender = async (url, call, headers) => {
-    const response = await this.#fetch(url, call, headers);
+    const response = await this.send(url, call, headers);
     const body = await reading(call, url, () => response.arrayBuffer());
     return { status: response.status, headers: response.headers, body };
   };
 
-  #fetch(url: string, call: Call, headers: Record<string, string>): Promise<Response> {
+  /** One try by `fetch`. Rejects with NetworkError or the abort's reason. */
+  send(url: string, call: Call, headers: Record<string, string>): Promise<Response> {
     // Looked up at each call, so that a page may replace it (a service worker, a test).
     const send = this.#options.fetch ?? globalThis.fetch;
     const init: RequestInit = { method: call.method, headers };
     if (call.body !== undefined) init.body = call.body as BodyInit;
     if (call.signal) init.signal = call.signal;
+    if (call.keepalive) init.keepalive = true;
     return reading(call, url, () => send(url, init));
   }
 }

@@ -30,3 +30,8 @@ test('the example is short', () => {
   const text = readFileSync(new URL('../examples/brush.js', import.meta.url), 'utf8');
   assert.ok(text.trimEnd().split('\n').length < 60);
 });
+
+test('where the field is flat its outline divides by no zero', () => {
+  const text = readFileSync(new URL('../examples/brush.js', import.meta.url), 'utf8');
+  assert.match(text, /\/ max\(fwidth\(vReach\), 1e-6\)/);
+});

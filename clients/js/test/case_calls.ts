@@ -52,8 +52,8 @@ export async function carryOut(
   if (call === 'request') return request(client, id, given);
   if (call === 'upload') {
     const send = job ? client.uploadJob.bind(client) : client.upload.bind(client);
-    const { digest, ...reading } = parameters;
-    return { json: await send(data as Uint8Array, { digest, reading }) };
+    const { digest, name, ...reading } = parameters;
+    return { json: await send(data as Uint8Array, { digest, name, reading }) };
   }
   if (call === 'list') {
     const meshes = [];

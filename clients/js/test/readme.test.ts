@@ -13,13 +13,34 @@ const { server, client, plane } = await fixture();
 await client.deleteMesh(plane); // the first snippet uploads it
 
 const readme = readFileSync(new URL('../README.md', import.meta.url), 'utf8');
-const snippets = [...readme.matchAll(/```js\n(.*?)```/gs)].map(([, text]) => text!);
+const blocks = [...readme.matchAll(/```js\n(.*?)```/gs)].map(([, text]) => text!);
+// What draws is run by a test in a browser.
+const [drawing, ...snippets] = [...blocks].sort((a, b) => Number(b.includes('document.')) - Number(a.includes('document.')));
 
 // Below this package, so that its own name leads to it.
 const folder = fileURLToPath(new URL('readme_snippets', import.meta.url));
 mkdirSync(folder, { recursive: true });
 writeFileSync(join(folder, 'mesh.glb'), sample('plane.glb'));
+writeFileSync(join(folder, 'several.glb'), twice(sample('plane.glb')));
 after(() => rmSync(folder, { recursive: true }));
+
+/** The GLB with a second node for its mesh, so that it has two parts. */
+function twice(glb: Uint8Array): Uint8Array {
+  const end = 20 + new DataView(glb.buffer).getUint32(12, true);
+  const document = JSON.parse(new TextDecoder().decode(glb.subarray(20, end)));
+  document.nodes.push({ ...document.nodes[0], name: 'again', translation: [0, 0, 5] });
+  document.scenes[0].nodes.push(document.nodes.length - 1);
+  const text = JSON.stringify(document);
+  const json = new TextEncoder().encode(text.padEnd(Math.ceil(text.length / 4) * 4));
+  const made = new Uint8Array(20 + json.length + glb.length - end);
+  made.set(glb.subarray(0, 20));
+  made.set(json, 20);
+  made.set(glb.subarray(end), 20 + json.length);
+  const head = new DataView(made.buffer);
+  head.setUint32(8, made.length, true);
+  head.setUint32(12, json.length, true);
+  return made;
+}
 
 /** What each prints in the end, in their order. */
 const LAST = [
@@ -28,10 +49,24 @@ const LAST = [
   /^3 50$/,
   /^123456 index_out_of_range$/,
   /^2 10000$/,
+  /^true 0\.14142135\d*$/,
+  /^2 0,10000$/,
 ];
 
 test('the README has a snippet for each expectation', () => {
   assert.equal(snippets.length, LAST.length);
+});
+
+test('the finished example is the file', () => {
+  const file = readFileSync(new URL('../examples/field.js', import.meta.url), 'utf8');
+  assert.equal(drawing, file);
+  assert.ok(file.split('\n').length < 36, 'and it is short');
+});
+
+test('the tarball of the steps is the one that npm makes', () => {
+  const { version } = JSON.parse(readFileSync(new URL('../package.json', import.meta.url), 'utf8')) as { version: string };
+  assert.ok(readme.includes(`geodesicd-client-${version}.tgz`));
+  assert.doesNotMatch(readme, /npm install geodesicd-client\b(?!-)/, 'it is in no registry');
 });
 
 snippets.forEach((snippet, index) => {

@@ -50,9 +50,9 @@ class Call:
     @property
     def subject(self) -> geodesicd.Mesh:
         """The mesh without asking whether it is there: a token may not allow to."""
-        known = dict.fromkeys(geodesicd.Metadata.__annotations__, 0)
+        known: dict[str, Any] = dict.fromkeys(geodesicd.Metadata.__annotations__, 0)
         lists: dict[str, Any] = {"parts": [], "warnings": [], "report": []}
-        empty = {**known, **lists, "id": self.identity, "import": {}}
+        empty = {**known, **lists, "id": self.identity, "name": None, "import": {}}
         return geodesicd.Mesh(self.client, {**empty, "bbox": {"min": [0] * 3, "max": [0] * 3}})
 
     def upload(self, digest: bool = True, **reading: Any) -> Outcome:
@@ -196,6 +196,8 @@ def agrees(value: Any, answer: geodesicd.Answer, name: str) -> None:
 def as_json(mesh: geodesicd.Mesh) -> dict[str, Any]:
     """A mesh's attributes as the contract's JSON has them."""
     document = {name: getattr(mesh, name) for name in geodesicd.Metadata.__annotations__}
+    if mesh.name is None:
+        del document["name"]
     document["bbox"] = {"min": mesh.bbox[0].tolist(), "max": mesh.bbox[1].tolist()}
     document["parts"] = [vars(part) for part in mesh.parts]
     document["warnings"] = list(mesh.warnings)

@@ -273,3 +273,17 @@ def test_both_clients_have_the_same_methods() -> None:
     ):
         assert {n for n in vars(one) if n[0] != "_"} == {n for n in vars(other) if n[0] != "_"}
         assert all(getattr(one, name).__doc__ for name in vars(one) if name[0] != "_")
+
+
+def test_what_comes_back_says_what_it_is(plane: geodesicd.Mesh, client: geodesicd.Client) -> None:
+    path = plane.path(0, 9999)
+    assert repr(path) == f"<Path 140.007 long, {len(path)} points, auto>"
+    (line,) = plane.isolines(0, levels=[50])
+    assert repr(line) == f"<Isoline at 50, open, {line.length:g} long, {len(line.points)} points>"
+    assert repr(plane.samples(3)).startswith("<Samples 3 vertices, covering radius ")
+    trace = plane.trace(0, direction=(0.6, 0.8, 0), length=10)
+    assert (
+        repr(trace)
+        == f"<Trace {trace.length:g} long, {len(trace.points)} points, ends by {trace.end}>"
+    )
+    assert repr(client) == f"<Client of {client.url}>"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import os
 import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -18,6 +19,7 @@ import geodesicd
 from geodesicd import local_server
 
 HERE = Path(__file__).parents[1]
+ROOT = HERE.parents[1]
 
 
 def run_example(name: str, *arguments: str, **environment: str) -> dict[str, str]:
@@ -161,6 +163,32 @@ def test_an_analyst_works_within_ten_lines() -> None:
     assert len(first.splitlines()) < 24
 
 
+def ended(command: str, url: str) -> str:
+    """A command of the README's as one that ends, and changes nothing that is installed."""
+    if command.startswith("pip install "):
+        alone = "--dry-run --quiet --no-deps --no-build-isolation --disable-pip-version-check"
+        return f"{command.partition('#')[0]} {alone}"
+    if command.startswith("locust "):
+        return f"{command.replace('http://localhost:8080', url)} --headless --run-time 2s"
+    return command
+
+
+def serves(command: str, folder: Path, environment: dict[str, str]) -> None:
+    """A command that runs until it is stopped."""
+    with subprocess.Popen(
+        command, shell=True, cwd=folder, env=environment, stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE, text=True,
+    ) as process:  # fmt: skip
+        assert process.stdout is not None
+        listening = re.fullmatch(r"listening on (\S+)\n", process.stdout.readline())
+        assert listening
+        with geodesicd.Client(listening[1]) as client:
+            assert [mesh.name for mesh in client.meshes()] == ["plane_three_holes.glb"]
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+    assert process.returncode == 130
+
+
 def test_the_readmes_commands(server: geodesicd.LocalServer, samples: Path, tmp_path: Path) -> None:
     (tmp_path / "plane_three_holes.glb").write_bytes(
         (samples / "plane_three_holes.glb").read_bytes()
@@ -168,15 +196,19 @@ def test_the_readmes_commands(server: geodesicd.LocalServer, samples: Path, tmp_
     binaries = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     environment = {**os.environ, "GEODESICD_URL": server.url, "PATH": binaries}
     checked = 0
+    kinds: set[str] = set()
     for kind, code in snippets():
         if kind != "sh":
             continue
         for command, told in re.findall(r"^\$ (.+)\n((?:(?!\$ ).*\n)*)", code, re.MULTILINE):
-            if command.startswith(("pip ", "locust ", "geodesic serve")):
-                continue  # installing is tests/clients/python_test.sh's; the others do not end
+            if command.startswith("geodesic serve"):
+                serves(f"exec {command} --listen 127.0.0.1:0", tmp_path, environment)
+                checked += 1
+                continue
+            at_root = command.startswith(("pip ", "locust "))
             run = subprocess.run(
-                command, shell=True, cwd=tmp_path, env=environment, capture_output=True,
-                text=True, timeout=120, check=False,
+                ended(command, server.url), shell=True, cwd=ROOT if at_root else tmp_path,
+                env=environment, capture_output=True, text=True, timeout=120, check=False,
             )  # fmt: skip
             assert run.returncode == 0, run.stderr
             if told:
@@ -185,4 +217,6 @@ def test_the_readmes_commands(server: geodesicd.LocalServer, samples: Path, tmp_
                 printed = [float(word) for word in run.stdout.split()]
                 assert printed == pytest.approx(numbers, rel=1e-12), command
                 checked += 1
-    assert checked >= 2
+            kinds.add(command.split()[0])
+    assert checked >= 4
+    assert kinds == {"pip", "geodesic", "locust"}

@@ -6,6 +6,7 @@ import asyncio
 import builtins
 import inspect
 import pydoc
+import re
 from typing import Any
 
 import numpy as np
@@ -95,7 +96,7 @@ def test_the_libraries_are_not_required(
         pair.to_trimesh(field)
     with pytest.raises(ImportError, match="pip install pyvista"):
         pair.to_pyvista(field)
-    with pytest.raises(ImportError, match="geodesicd\\[plot\\]"):
+    with pytest.raises(ImportError, match="pip install matplotlib"):
         pair.draw(field)
 
 
@@ -108,5 +109,6 @@ def test_help_shows_the_real_signature(kind: type) -> None:
     assert "sources: 'PointsLike'" in told
     assert "tolerance: 'float | None' = None" in told
     assert "infinite where unreached" in told
-    assert "table(self, sources" in told
-    assert "path(self" in pydoc.plain(pydoc.render_doc(kind))
+    # Python 3.13 puts each parameter of a long signature on a line of its own.
+    assert re.search(r"table\(\s*self,\s*sources", told)
+    assert re.search(r"path\(\W*self", pydoc.plain(pydoc.render_doc(kind)))

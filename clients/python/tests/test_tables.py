@@ -1,4 +1,4 @@
-"""Tables of any size are those that one request would give, and errors in them are named."""
+"""Tables and lists of any size are those that one request would give; errors in them are named."""
 
 from __future__ import annotations
 
@@ -11,9 +11,12 @@ import numpy as np
 import pytest
 
 import geodesicd
-from geodesicd import tables
+from geodesicd import pieces
 from geodesicd.bench.mixes import hills
 from geodesicd.flows import Flow
+
+# Points of chance are far from the surface, too.
+pytestmark = pytest.mark.filterwarnings("ignore::geodesicd.GeodesicWarning")
 
 
 @pytest.fixture(scope="module")
@@ -82,8 +85,8 @@ def test_blocks_are_one_table(rough: geodesicd.Mesh, monkeypatch: pytest.MonkeyP
             return limits
 
         with monkeypatch.context() as patch, asked(rough) as sent:
-            patch.setattr(tables, "_LIMITS", limits)
-            patch.setattr(tables, "_told_limits", told)
+            patch.setattr(pieces, "LIMITS", limits)
+            patch.setattr(pieces, "told_limits", told)
             np.testing.assert_allclose(
                 rough.table(rows, columns, method="exact"), whole, rtol=1e-9, atol=1e-9
             )
@@ -98,3 +101,25 @@ def test_an_error_in_a_block_is_named_as_in_the_whole(rough: geodesicd.Mesh) -> 
     assert caught.value.parameter == "from[1500]"
     with pytest.raises(geodesicd.DeadlineExceeded):
         rough.table(rows, list(range(1600)), method="exact", deadline=0.05)
+
+
+def test_more_points_than_the_server_takes_at_once(rough: geodesicd.Mesh) -> None:
+    places = np.tile(rough.geometry().positions, (63, 1))
+    places += (0, 0, 1e-7)
+    assert len(places) > 100_000
+    told: list[float] = []
+    with asked(rough) as sent:
+        far = rough.distance_at(0, places, method="fast_marching", progress=told.append)
+    assert sent.count("distance") > 1
+    assert far.shape == (len(places),)
+    np.testing.assert_allclose(far[:1600], rough.distance(0, method="fast_marching"), atol=1e-4)
+    np.testing.assert_allclose(far[1600:], far[:-1600], atol=1e-4)
+    assert told == sorted(told)
+    indices = [*range(1600)] * 63
+    with asked(rough) as sent:
+        found = rough.nearest(indices)
+    assert sent.count("nearest") > 1
+    assert [point.vertex for point in found] == indices
+    with pytest.raises(geodesicd.GeodesicError) as caught:
+        rough.nearest([*indices, 99999])
+    assert caught.value.parameter == f"point[{len(indices)}]"

@@ -2,6 +2,7 @@
 // schemas, with a list of contents that follows and can be searched.
 import {code, coloured, inline, make, markdown} from './text.js';
 import {details, exampleOf, members, resolve, use} from './schema.js';
+import {contract} from './place.js';
 import {offerMeshes, tryIt} from './request.js';
 
 const kMethods = ['get', 'head', 'post', 'put', 'patch', 'delete'];
@@ -91,7 +92,7 @@ function errors(openapi, operations) {
     make('.scroll', {}, make('table.members', {}, make('tbody', {}, codes.map((code) => {
       const {statuses, operations: by} = found.get(code);
       const ids = [...by].map((operation) => make('a', {href: `#${operation.id}`}, operation.id));
-      return make('tr', {}, make('td', {}, make('code.name', {}, code)),
+      return make('tr', {id: code}, make('td', {}, make('code.name', {}, code)),
         make('td', {}, [...statuses].map((status) => make(`span.code-${status[0]}`, {}, status))),
         make('td.ids', {}, ids.length > 6
           ? make('details', {}, make('summary', {}, `${ids.length} operations`), ids.flatMap((id) => [id, ' ']))
@@ -184,11 +185,11 @@ function draw(openapi) {
 }
 
 try {
-  const reply = await fetch('/openapi.json');
+  const reply = await fetch(contract);
   if (!reply.ok) throw new Error(`the server answers ${reply.status}`);
   draw(await reply.json());
   document.getElementById('token').addEventListener('change', offerMeshes);
   await offerMeshes();
 } catch (error) {
-  document.getElementById('main').replaceChildren(make('p', {}, `/openapi.json cannot be shown: ${error.message}`));
+  document.getElementById('main').replaceChildren(make('p', {}, `${contract} cannot be shown: ${error.message}`));
 }

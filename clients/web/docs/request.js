@@ -1,21 +1,22 @@
-// Trying an operation: a form of its parameters, the curl line that says the same,
-// and what the server answers.
+// Trying an operation: a form of its parameters, tabs that say the same by curl, Python and
+// JavaScript, and what the server answers.
 import {code, coloured, make, pretty} from './text.js';
 import {exampleOf, resolve} from './schema.js';
+import {server} from './place.js';
+import {tabs} from './tabs.js';
 
 const kMostShown = 20000;  // characters of a reply
 
 const readable = (text) => encodeURIComponent(text).replace(/%3A/g, ':').replace(/%2C/g, ',');
-const quoted = (text) => `'${String(text).replace(/'/g, `'\\''`)}'`;
 const token = () => document.getElementById('token').value.trim();
 
-// One parameter's field. Optional ones begin empty: what is empty is not sent.
-function field(parameter, changed) {
+// One parameter's field. Those that `begins` is false for begin empty: what is empty is not sent.
+function field(parameter, begins, changed) {
   const schema = resolve(parameter.schema);
   const example = exampleOf(parameter);
   const many = schema.type === 'array';
   const shown = example === undefined ? '' : many ? [example].flat().join('\n') : String(example);
-  const start = parameter.required ? shown : '';
+  const start = begins ? shown : '';
   let input;
   if (schema.enum) {
     input = make('select', {}, make('option', {value: ''}, ''),
@@ -50,8 +51,7 @@ function bodyField(body, changed) {
     label: make('label.wide', {}, make('span', {}, 'Body ', make('span.muted', {}, json ?? 'a file')), input),
     type: json,
     content: () => (json ? input.value : input.files[0]),
-    line: () => (json ? `-d ${quoted(input.value.replace(/\s*\n\s*/g, ' '))}`
-      : `--data-binary @${input.files[0] ? quoted(input.files[0].name) : 'mesh.glb'}`),
+    said: () => (json ? {json: input.value} : {file: input.files[0]?.name ?? 'mesh.glb'}),
   };
 }
 
@@ -89,13 +89,23 @@ async function show(reply, place, started) {
   place.replaceChildren(...parts);
 }
 
-// The form and the curl line of an operation. The line follows the form.
-export function tryIt({method, path, parameters, body, authorised}) {
-  const line = code('', 'curl');
-  const shown = line.querySelector('pre');
+// The media type that a good reply has unless another is asked for; nothing where it has no body.
+function returnedType(responses) {
+  const good = Object.entries(responses).find(([status]) => status.startsWith('2'))?.[1];
+  return Object.keys(resolve(good)?.content ?? {})[0];
+}
+
+// The form and the tabs of an operation. The tabs follow the form.
+export function tryIt({id, method, path, parameters, body, authorised, responses, 'x-one-of': choices = []}) {
+  const shown = tabs(id);
   const answer = make('.answer', {'aria-live': 'polite'});
-  const update = () => { shown.textContent = curl(); };
-  const fields = parameters.map((parameter) => field(parameter, update));
+  const update = () => shown.say({
+    method, target: target(), headers: headers(), body: content?.said(), returns: returnedType(responses),
+    needsToken: authorised && token() !== '',
+  });
+  // Of parameters that exclude each other, the first stands for all.
+  const begins = (parameter) => parameter.required || parameter.name === choices[0];
+  const fields = parameters.map((parameter) => field(parameter, begins(parameter), update));
   const content = bodyField(body, update);
 
   const target = () => {
@@ -116,16 +126,6 @@ export function tryIt({method, path, parameters, body, authorised}) {
     if (content?.type) list['Content-Type'] = content.type;
     return list;
   };
-  const curl = () => {
-    const parts = ['curl -s'];
-    if (method === 'HEAD') parts.push('-I');
-    else if (method !== 'GET' && !(method === 'POST' && content)) parts.push(`-X ${method}`);
-    if (authorised && token()) parts.push('-H "Authorization: Bearer $TOKEN"');
-    for (const [name, value] of Object.entries(headers())) parts.push(`-H ${quoted(`${name}: ${value}`)}`);
-    if (content) parts.push(content.line());
-    parts.push(quoted(location.origin + target()));
-    return parts.join(' ');
-  };
   const send = async (event) => {
     event.preventDefault();
     const list = headers();
@@ -133,16 +133,16 @@ export function tryIt({method, path, parameters, body, authorised}) {
     answer.replaceChildren(make('p.muted', {}, 'asking…'));
     const started = performance.now();
     try {
-      const reply = await fetch(target(), {method, headers: list, body: content?.content(), cache: 'no-store'});
+      const reply = await fetch(server + target(), {method, headers: list, body: content?.content(), cache: 'no-store'});
       await show(reply, answer, started);
     } catch (error) {
       answer.replaceChildren(make('p.status.bad', {}, `No reply: ${error.message}`));
     }
   };
-  const optional = fields.filter(({parameter}) => !parameter.required);
+  const optional = fields.filter(({parameter}) => !begins(parameter));
   const form = make('details.try', {}, make('summary', {}, 'Try it'),
     make('form', {onsubmit: send},
-      make('.fields', {}, fields.filter(({parameter}) => parameter.required).map(({label}) => label)),
+      make('.fields', {}, fields.filter(({parameter}) => begins(parameter)).map(({label}) => label)),
       optional.length ? make('details', {}, make('summary', {}, `${optional.length} optional`),
         make('.fields', {}, optional.map(({label}) => label))) : null,
       content?.label, make('button.send', {type: 'submit'}, `Send ${method}`)),
@@ -150,7 +150,7 @@ export function tryIt({method, path, parameters, body, authorised}) {
   document.getElementById('token').addEventListener('input', update);
   form.addEventListener('ids', update);
   update();
-  return [line, form];
+  return [shown.element, form];
 }
 
 // Offers the ids of the meshes that the server has, and takes the first of them; but
@@ -158,7 +158,7 @@ export function tryIt({method, path, parameters, body, authorised}) {
 export async function offerMeshes() {
   try {
     const headers = token() ? {Authorization: `Bearer ${token()}`} : {};
-    const reply = await fetch('/v1/meshes?limit=100', {headers});
+    const reply = await fetch(`${server}/v1/meshes?limit=100`, {headers});
     if (!reply.ok) return;
     const {meshes} = await reply.json();
     const list = document.getElementById('mesh-ids') ?? make('datalist', {id: 'mesh-ids'});

@@ -1,6 +1,8 @@
 // Text to elements: a way to write elements, the part of Markdown that the document
 // uses, and JSON in colours. Nothing is ever parsed as HTML.
 
+import {server} from './place.js';
+
 // make('a.muted', {href: '#x'}, 'text', element, [more])
 export function make(kind, attributes, ...children) {
   const [tag, ...classes] = kind.split('.');
@@ -25,7 +27,7 @@ export function inline(text) {
     end = match.index + match[0].length;
     if (match[1] !== undefined) parts.push(make('code', {}, match[1]));
     else if (match[2] !== undefined) parts.push(make('strong', {}, ...inline(match[2])));
-    else parts.push(make('a', {href: match[4]}, match[3]));
+    else parts.push(make('a', {href: match[4].startsWith('/') ? server + match[4] : match[4]}, match[3]));
   }
   parts.push(text.slice(end));
   return parts.filter((part) => part !== '');

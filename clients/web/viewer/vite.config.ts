@@ -15,6 +15,8 @@ const server = {
 };
 
 export default defineConfig({
+  // A proxy may have the page under a path of its own: everything is asked for from there.
+  base: './',
   resolve: {
     alias: [
       { find: /^geodesicd-client$/, replacement: here('../../js/src/index.ts') },

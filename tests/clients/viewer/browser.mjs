@@ -9,7 +9,7 @@ const require = createRequire(join(VIEWER_SOURCES, 'package.json'));
 const { chromium } = require('playwright-core');
 export const axe = require.resolve('axe-core/axe.min.js');
 
-export const PATIENCE = 120_000; // milliseconds; machines are loaded
+export const PATIENCE = Number(process.env.VIEWER_PATIENCE ?? 120_000); // milliseconds; machines are loaded
 export const WIDE = { width: 1200, height: 760 };
 
 export async function launch() {
@@ -166,4 +166,20 @@ export function shareOf(browser, png, colour) {
     return near / (width * height);
   }`;
   return onPixels(browser, [png], source);
+}
+
+/** Drops files on the page, as a file manager does: name, bytes, name, bytes, … */
+export async function drop(page, ...named) {
+  const files = [];
+  for (let i = 0; i < named.length; i += 2) files.push([Buffer.from(named[i + 1]).toString('base64'), named[i]]);
+  const held = await page.evaluateHandle((all) => {
+    const data = new DataTransfer();
+    for (const [text, called] of all) {
+      data.items.add(new File([Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0))], called));
+    }
+    return data;
+  }, files);
+  await page.dispatchEvent('body', 'dragover', { dataTransfer: held });
+  if (!(await page.locator('.drop-zone').isVisible())) throw new Error('the page does not say that it may be dropped');
+  await page.dispatchEvent('body', 'drop', { dataTransfer: held });
 }

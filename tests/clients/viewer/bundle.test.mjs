@@ -28,10 +28,14 @@ test('the page has nothing inline and names no host', async () => {
   const page = await readFile(join(dist, 'index.html'), 'utf8');
   assert.doesNotMatch(page, /<style|\sstyle=|\son[a-z]+=|javascript:/i);
   for (const [, attributes, content] of page.matchAll(/<script([^>]*)>([^]*?)<\/script>/g)) {
-    assert.match(attributes, /\ssrc="\/assets\//);
+    assert.match(attributes, /\ssrc="\.\/assets\//);
     assert.equal(content.trim(), '');
   }
-  assert.doesNotMatch(page, /(src|href)="(https?:)?\/\//);
+  // Nor the root of one: the page works under any path.
+  assert.doesNotMatch(page, /(src|href)="(https?:|\/)/);
+  for (const file of await files(dist)) {
+    if (file.endsWith('.css')) assert.doesNotMatch(await readFile(file, 'utf8'), /url\(['"]?(https?:|\/)/, file);
+  }
   const names = (await files(dist)).map((file) => file.slice(dist.length + 1));
   for (const name of names) assert.match(name, /^(index\.html|assets\/[\w.-]+-[\w-]{8}\.\w+)$/);
 });

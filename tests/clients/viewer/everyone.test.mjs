@@ -2,20 +2,12 @@
 // readers who want no motion.
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
-import { after, before, test } from 'node:test';
-import { axe, difference, launch, openMesh, pathLength, picture, ready, statistics, until } from './browser.mjs';
-import { Service } from './service.mjs';
+import { test } from 'node:test';
+import { axe, difference, openMesh, pathLength, picture, ready, statistics, until } from './browser.mjs';
+import { served } from './served.mjs';
 
-let browser, service, plane;
-before(async () => {
-  service = await new Service().start();
-  browser = await launch();
-  plane = await service.sample('plane');
-});
-after(async () => {
-  await browser.close();
-  await service.end();
-});
+const { browser, service } = await served();
+const plane = await service.sample('plane');
 
 const FULL =
   '&from=9700,0.3,0.3&from=300,0.2,0.2&via=4000,0.2,0.5&to=19000,0.25,0.25&arrow=8000,0.3,0.3;1,0.4,0;40' +
@@ -39,7 +31,10 @@ for (const colorScheme of ['light', 'dark']) {
     await page.context().close();
     const full = await openMesh(browser, service, plane, FULL, { colorScheme });
     await pathLength(full);
-    await full.getByText('Export', { exact: true }).click();
+    for (const part of ['Export', 'Profile']) await full.getByText(part, { exact: true }).click();
+    await full.getByText('Import options').click();
+    await full.getByRole('button', { name: 'Compare all' }).click();
+    await until(async () => (await full.locator('.compared tbody tr').count()) > 7, 'the table');
     await picture(full, `40-everything-${colorScheme}`);
     assert.deepEqual(await faultsFound(full), [], 'with everything');
     await full.keyboard.press('?');
@@ -86,6 +81,15 @@ test('on a phone: a sheet below, fingers place and drag', async () => {
   await touch('touchEnd');
   assert.ok((await difference(browser, before, await picture(page, '47-phone-zoomed', ON_PHONE))) > 0.02);
   assert.equal(await page.locator('.point').count(), 2, 'two fingers place nothing');
+  // Everything open, as far as a finger can scroll.
+  for (const part of ['Profile', 'Export']) await page.getByText(part, { exact: true }).tap();
+  await page.getByText('Import options').tap();
+  await picture(page, '50-phone-all-open', ON_PHONE);
+  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), true, 'nothing hangs over');
+  for (const [name, part] of [['51-phone-import', '.place-part'], ['52-phone-profile', '#along'], ['53-phone-methods', '.methods']]) {
+    await page.locator(part).scrollIntoViewIfNeeded();
+    await picture(page, name, ON_PHONE);
+  }
   // Folded, the sheet leaves its head.
   const height = () => page.locator('.panel').evaluate((panel) => panel.getBoundingClientRect().height);
   const unfolded = await height();

@@ -2,42 +2,19 @@
 import assert from 'node:assert/strict';
 import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { after, before, test } from 'node:test';
-import { difference, launch, newPage, openMesh, pathLength, picture, ready, statistics, until } from './browser.mjs';
-import { Service } from './service.mjs';
-import { wavyMesh } from './wavy_mesh.mjs';
+import { test } from 'node:test';
+import { difference, drop, newPage, openMesh, pathLength, picture, ready, statistics, until } from './browser.mjs';
+import { served } from './served.mjs';
+import { wavyMesh, wavyObj } from './wavy_mesh.mjs';
 
-let browser, service, plane;
-before(async () => {
-  service = await new Service().start();
-  browser = await launch();
-  plane = await service.sample('plane');
-});
-after(async () => {
-  await browser.close();
-  await service.end();
-});
-
-/** Drops a file on the page, as a file manager does. */
-async function drop(page, name, bytes) {
-  const held = await page.evaluateHandle(
-    ([text, called]) => {
-      const data = new DataTransfer();
-      data.items.add(new File([Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0))], called));
-      return data;
-    },
-    [bytes.toString('base64'), name],
-  );
-  await page.dispatchEvent('body', 'dragover', { dataTransfer: held });
-  assert.ok(await page.locator('.drop-zone').isVisible(), 'the page says that it may be dropped');
-  await page.dispatchEvent('body', 'drop', { dataTransfer: held });
-}
+const { browser, service } = await served();
+const plane = await service.sample('plane');
 
 test('a dropped file is uploaded and shown', async () => {
   const page = await openMesh(browser, service, plane);
   const was = await picture(page, '20-before-drop');
   await drop(page, 'waves.glb', wavyMesh(60));
-  await until(async () => (await page.locator('#mesh option:checked').textContent()) === 'waves', 'the mesh in the list');
+  await until(async () => (await page.locator('#mesh option:checked').textContent()) === 'waves.glb', 'the file in the list');
   await ready(page);
   const now = await picture(page, '21-dropped');
   assert.ok((await difference(browser, was, now)) > 0.02);
@@ -47,9 +24,54 @@ test('a dropped file is uploaded and shown', async () => {
   await page.selectOption('#mesh', plane);
   await ready(page);
   await drop(page, 'again.glb', wavyMesh(60));
-  await until(async () => (await page.locator('#mesh option:checked').textContent()) === 'waves', 'the mesh again');
+  await until(async () => (await page.locator('#mesh option:checked').textContent()) === 'waves.glb', 'the mesh by the name that it has');
   await ready(page);
   assert.ok(page.asked.slice(asked).every((url) => !url.endsWith('/v1/meshes')), 'no second upload');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+/** A glTF of one triangle whose buffer is a file beside it. */
+const GLTF = JSON.stringify({
+  asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0, name: 'inside' }],
+  meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }],
+  buffers: [{ byteLength: 36, uri: 'scene.bin' }], bufferViews: [{ buffer: 0, byteLength: 36 }],
+  accessors: [{ bufferView: 0, componentType: 5126, count: 3, type: 'VEC3', min: [0, 0, 0], max: [3, 4, 0] }],
+});
+
+test('several files: a glTF takes its buffers along, others come one by one', async () => {
+  const page = await openMesh(browser, service, plane);
+  const chosen = () => page.locator('#mesh option:checked').textContent();
+  const buffer = Buffer.from(new Float32Array([0, 0, 0, 3, 0, 0, 0, 4, 0]).buffer);
+  await drop(page, 'scene.bin', buffer, 'scene.gltf', GLTF, 'wood.png', 'no image');
+  await until(async () => (await chosen()) === 'scene.gltf', 'the glTF');
+  await ready(page);
+  assert.match(await page.textContent('.mesh-part .facts'), /3 vertices · 1 face ·/);
+  await drop(page, 'one.obj', wavyObj(12), 'two.obj', wavyObj(13), 'readme.md', 'words');
+  await until(async () => (await chosen()) === 'one.obj', 'the first of them');
+  await until(async () => (await page.locator('#mesh option').allTextContents()).includes('two.obj'), 'and the other in the list');
+  assert.equal(await page.locator('.trouble').count(), 0);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test('a mesh is read again in another way, and what is opened then, too', async () => {
+  const page = await openMesh(browser, service, plane);
+  const chosen = () => page.locator('#mesh option:checked').textContent();
+  await drop(page, 'parts.obj', wavyObj(21));
+  await until(async () => (await chosen()) === 'parts.obj', 'the mesh');
+  await ready(page);
+  await page.getByText('Import options').click();
+  await page.getByLabel('Scale').fill('0.001');
+  await page.getByLabel('Axis up in the file').selectOption('z');
+  await picture(page, '29-import');
+  await page.getByRole('button', { name: 'Read this mesh again' }).click();
+  await until(async () => /^parts\.obj · (up z, scale 0\.001|scale 0\.001, up z)$/.test(await chosen()), 'the mesh in metres');
+  await ready(page);
+  assert.match(await page.textContent('.mesh-part .facts'), /0\.02000 × .* units · scaled by 0\.001 · z was up/);
+  assert.ok(await page.getByLabel('Y up').isChecked(), 'it was turned');
+  await drop(page, 'more.obj', wavyObj(22));
+  await until(async () => (await chosen()).startsWith('more.obj · '), 'another one like this');
   assert.deepEqual(page.faults, []);
   await page.context().close();
 });
@@ -162,11 +184,15 @@ test('everything can be taken along, in the formats that others read', async () 
   assert.equal(glb.subarray(0, 4).toString(), 'glTF');
   const document = JSON.parse(glb.subarray(20, 20 + glb.readUInt32LE(12)));
   assert.equal(document.accessors[document.meshes[0].primitives[0].attributes.POSITION].count, path.points.length);
+  const colours = await saved('Colours · GLB');
+  assert.equal(colours.name, 'plane.field.glb');
+  const coloured = JSON.parse(colours.bytes.subarray(20, 20 + colours.bytes.readUInt32LE(12)));
+  assert.ok('COLOR_0' in coloured.meshes[0].primitives[0].attributes, 'the field is on it');
   const npy = (await saved('Field · NPY')).bytes;
   assert.equal(npy.subarray(1, 6).toString(), 'NUMPY');
   assert.match(npy.subarray(10, 10 + npy.readUInt16LE(8)).toString(), /'<f8'.*\(10000,\)/);
   const measures = (await saved('Save as CSV')).bytes.toString().trim().split('\n');
-  assert.deepEqual(measures[1].split(',').slice(2), ['wavefront', 'none', '1']);
+  assert.deepEqual(measures[1].split(',').slice(2), ['auto', 'shortest', '1']);
   const png = await saved('View · PNG');
   const seen = await statistics(browser, png.bytes);
   assert.deepEqual([seen.width, seen.height], [1200, 760]);

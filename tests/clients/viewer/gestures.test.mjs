@@ -1,23 +1,15 @@
 // What a reader does with the mouse and the keys, in the order in which one does it: a
 // first picture, a source, a target that is dragged, methods, regions, an arrow, measures.
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
+import { test } from 'node:test';
 import {
-  difference, launch, MESH, newPage, openMesh, pathLength, picture, ready, settled, shareOf, statistics, textAt, until,
+  difference, MESH, newPage, openMesh, pathLength, picture, ready, settled, shareOf, statistics, textAt, until,
 } from './browser.mjs';
-import { Service } from './service.mjs';
+import { served } from './served.mjs';
 
-let browser, service, knot, plane;
-before(async () => {
-  service = await new Service().start();
-  browser = await launch();
-  knot = await service.sample('torus_knot');
-  plane = await service.sample('plane');
-});
-after(async () => {
-  await browser.close();
-  await service.end();
-});
+const { browser, service } = await served();
+const knot = await service.sample('torus_knot');
+const plane = await service.sample('plane');
 
 // Seen straight on, the plane fills the middle of the view.
 const LEFT = [250, 330];
@@ -61,7 +53,7 @@ test('a click floods the surface with the field, and the legend says what the se
   assert.ok(seen.colours > 25, `${seen.colours} colours`);
   assert.ok((await difference(browser, clay, field)) > 0.1);
   const [, from] = await until(async () => /from=([\d.,]+)/.exec(page.url()), 'the source in the link');
-  const values = await service.field(knot, `from=f:${from}`);
+  const values = await service.field(knot, `from=f:${from}&method=auto`);
   const most = Math.max(...values.filter(Number.isFinite));
   assert.equal(Number(await page.textContent('.legend .last')), Number(most.toPrecision(4)));
   // More isolines, other colours: another picture of the same field.
@@ -124,17 +116,36 @@ test('a dragged target takes the path along, and the field is not asked for agai
   await page.context().close();
 });
 
+test('the method is auto and paths are pulled straight, unless one chooses otherwise', async () => {
+  const page = await openMesh(browser, service, plane);
+  assert.equal(await page.locator('.method').first().textContent().then((text) => text.startsWith('Auto')), true, 'first in the list');
+  assert.ok(await page.getByLabel('Auto').isChecked());
+  assert.ok(await page.getByLabel('Pull the path straight').isChecked());
+  for (const about of await page.locator('.method p').allTextContents()) assert.match(about, /\.$/, 'a sentence for each');
+  await page.mouse.click(...LEFT);
+  await page.mouse.click(...RIGHT);
+  await pathLength(page);
+  const asked = page.asked.find((url) => url.includes('/path?'));
+  assert.match(asked, /method=auto/);
+  assert.match(asked, /refine=shortest/);
+  assert.doesNotMatch(page.url(), /method=|refine=/, 'what is usual is not in the link');
+  await page.keyboard.press('r');
+  await until(async () => page.url().includes('refine=none'), 'the choice in the link');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
 test('another method: its time, its error as the server has it, and the overlay', async () => {
   const page = await openMesh(browser, service, knot);
   await page.mouse.click(...KNOT);
   await page.waitForSelector('.legend:not([hidden])');
-  const wavefront = await picture(page, '08-wavefront');
+  const automatic = await picture(page, '08-auto');
   await page.getByLabel('Dijkstra').check();
   await until(async () => page.url().includes('method=dijkstra'), 'the method in the link');
-  const row = page.locator('.methods label', { hasText: 'Dijkstra' });
-  await until(async () => / (ms|s)$/.test(await row.locator('.time').textContent()), 'the time');
+  const row = page.locator('.compared tr', { hasText: 'Dijkstra' });
+  await until(async () => /\d/.test(await row.locator('.time').textContent()), 'the time');
   const dijkstra = await picture(page, '09-dijkstra');
-  const apart = await difference(browser, wavefront, dijkstra);
+  const apart = await difference(browser, automatic, dijkstra);
   assert.ok(apart > 0.005, `Dijkstra's field is another: ${apart}`);
   await page.getByLabel('Error').check();
   await textAt(page, '.legend h2', (text) => text === 'Error against exact');
@@ -155,12 +166,17 @@ test('another method: its time, its error as the server has it, and the overlay'
   const expected = `Mean ${Number(((100 * sum) / count).toPrecision(2))} %`;
   assert.equal(mean, expected);
   await page.getByRole('button', { name: 'Compare all' }).click();
-  await until(async () => (await page.locator('.methods .error').allTextContents()).every((text) => text.endsWith('%')), 'all errors');
-  const errors = await page.locator('.methods label').allTextContents();
-  assert.equal(errors.filter((text) => text.includes('exact')).length, 2);
-  for (const text of errors.filter((each) => each.includes('exact'))) {
-    assert.match(text, /(< 0\.0001|0|0\.000\d+) %/, 'exact methods agree');
+  await until(async () => {
+    const told = await page.locator('.compared .error').allTextContents();
+    return told.length === (await page.locator('.method').count()) && told.every((text) => /\d/.test(text));
+  }, 'all errors');
+  const heads = await page.locator('.compared thead th').allTextContents();
+  assert.deepEqual(heads, ['Method', 'Timems', 'Mean error%', 'Largest%'], 'with units');
+  for (const name of ['Exact', 'Chen–Han']) {
+    const error = await page.locator('.compared tbody tr', { hasText: name }).locator('.error').textContent();
+    assert.match(error, /^(< 0\.0001|0|0\.000\d+)$/, 'exact methods agree');
   }
+  assert.match(await page.locator('.compared tbody tr').first().textContent(), /^Auto/);
   await picture(page, '11-compared');
   assert.deepEqual(page.faults, []);
   await page.context().close();
@@ -189,7 +205,7 @@ test('several sources divide the surface, and the path begins at the nearest', a
   const from = new URLSearchParams(new URL(await until(async () => page.url().includes('to=') && page.url(), 'target')).hash.slice(1));
   const to = from.get('to');
   const lengths = await Promise.all(
-    from.getAll('from').map(async (source) => (await service.json(`/v1/meshes/${plane}/path?from=f:${source}&to=f:${to}`)).length),
+    from.getAll('from').map(async (source) => (await service.json(`/v1/meshes/${plane}/path?from=f:${source}&to=f:${to}&method=auto&refine=shortest`)).length),
   );
   assert.equal(Number(near), Number(Math.min(...lengths).toPrecision(4)));
   // A source that is taken away leaves two.

@@ -33,8 +33,49 @@ test('long work shows its progress, can be cancelled, and the field before stays
   await until(async () => (await work.count()) === 0, 'the work is gone from the page');
   await until(async () => (await service.json('/v1/status')).jobs.running === 0, 'and from the server');
   assert.ok((await difference(browser, was, await picture(page, '32-cancelled'))) < 0.001, 'the field stays');
-  assert.ok(await page.getByLabel('Wavefront').isChecked(), 'and the method is again that of the field');
+  assert.ok(await page.getByLabel('Auto').isChecked(), 'and the method is again that of the field');
   assert.deepEqual(page.faults, []);
+  await page.context().close();
+  await service.end();
+});
+
+for (const [how, leave] of [
+  ['closes the tab', (page) => page.close()],
+  ['goes to another page', (page) => page.goto('about:blank')],
+]) {
+  test(`whoever ${how} leaves no work to the server`, async () => {
+    const service = await new Service().start();
+    const uploaded = await fetch(`${service.url}v1/meshes`, { method: 'POST', body: wavyMesh(420) });
+    const { id } = await uploaded.json();
+    const page = await openMesh(browser, service, id, '&from=90000,0.3,0.3&method=chen_han');
+    await until(async () => (await service.json('/v1/status')).jobs.running === 1, 'the job runs');
+    await leave(page);
+    const left = Date.now();
+    await until(async () => (await service.json('/v1/status')).jobs.running === 0, 'the job has ended');
+    const { jobs, compute } = await service.json('/v1/status');
+    assert.equal(jobs.running + jobs.queued + compute.running, 0);
+    assert.ok(Date.now() - left < 5000, 'because it was cancelled');
+    await page.context().close();
+    await service.end();
+  });
+}
+
+test('a lost network cancels what was asked for, and it is asked for again', async () => {
+  const service = await new Service().start();
+  const uploaded = await fetch(`${service.url}v1/meshes`, { method: 'POST', body: wavyMesh(420) });
+  const { id } = await uploaded.json();
+  const page = await openMesh(browser, service, id, '&from=90000,0.3,0.3&method=chen_han');
+  const running = async () => (await service.json('/v1/status')).jobs.running;
+  await until(async () => (await running()) === 1, 'the job runs');
+  await page.context().setOffline(true);
+  await until(async () => await page.locator('.banner').isVisible(), 'the banner');
+  await until(async () => (await page.locator('.work').count()) === 0, 'nothing seems to go on');
+  await page.context().setOffline(false);
+  await until(async () => !(await page.locator('.banner').isVisible()), 'the server is back');
+  await page.locator('.work').waitFor();
+  await until(async () => (await running()) === 1, 'one job, not two');
+  await page.getByRole('button', { name: 'Cancel' }).click();
+  await until(async () => (await running()) === 0, 'and it can be cancelled');
   await page.context().close();
   await service.end();
 });

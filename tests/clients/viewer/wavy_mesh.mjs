@@ -52,3 +52,18 @@ function glbOf(positions, triangles, most) {
   chunk.write('BIN\0', 4);
   return Buffer.concat([head, json, chunk, Buffer.from(positions.buffer), Buffer.from(triangles.buffer)]);
 }
+
+/** The same shape as an OBJ, which does not say what is up. */
+export function wavyObj(side) {
+  const lines = [];
+  for (let y = 0; y < side; y++) {
+    for (let x = 0; x < side; x++) lines.push(`v ${x} ${y} ${6 * Math.sin(x / 9) * Math.cos(y / 11)}`);
+  }
+  for (let y = 0; y + 1 < side; y++) {
+    for (let x = 1; x < side; x++) {
+      const a = y * side + x;
+      lines.push(`f ${a} ${a + 1} ${a + side}`, `f ${a + 1} ${a + side + 1} ${a + side}`);
+    }
+  }
+  return lines.join('\n');
+}

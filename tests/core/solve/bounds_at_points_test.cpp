@@ -10,6 +10,7 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/exact/propagation.h"
@@ -24,6 +25,7 @@
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
+#include "tests/fixtures/tube.h"
 
 using namespace geodesic;
 using fixtures::fraction;
@@ -112,13 +114,12 @@ double by_field(const Surface& surface, Method method, const MethodOptions& opti
   return read(surface, surface.field_by(method, from, limits, options), to);
 }
 
-double by_search(const Surface& surface, Method method, const MethodOptions& options,
-                 const Source& from, const SurfacePoint& to) {
+Pair by_search(const Surface& surface, Method method, const MethodOptions& options,
+               const Source& from, const SurfacePoint& to, PairPath path) {
   SolveScratch scratch;
-  const auto pair = pair_search(method, options, surface.adjacency(), from, to, PairPath::none,
-                                scratch, Cancel());
+  auto pair = pair_search(method, options, surface.adjacency(), from, to, path, scratch, Cancel());
   REQUIRE(pair);
-  return pair->distance;
+  return std::move(*pair);
 }
 
 // A true distance. On one mesh in a hundred, of those stretched by 1,000 with holes and fins,
@@ -156,8 +157,17 @@ void check_promises(const Surface& surface, const std::vector<Source>& from, con
     check_answer(by_field(surface, method, promise.options, from, to), truth, promise.above,
                  of_upper);
     if (from.size() == 1) {
-      check_answer(by_search(surface, method, promise.options, from[0], to), truth, promise.above,
-                   of_upper);
+      check_answer(
+          by_search(surface, method, promise.options, from[0], to, PairPath::none).distance, truth,
+          promise.above, of_upper);
+      // A path takes the windows of a tolerance away, which leaves an upper bound.
+      for (const PairPath path : {PairPath::traced, PairPath::refined}) {
+        const Pair pair = by_search(surface, method, promise.options, from[0], to, path);
+        check_answer(pair.distance, truth, kUnreached, nullptr);
+        if (pair.path) {
+          check_answer(from[0].offset + pair.path->length, truth, kUnreached, nullptr);
+        }
+      }
     }
     if (!is_upper) continue;
     const Field whole = surface.field_by(method, from, {}, promise.options);
@@ -184,23 +194,6 @@ class TrueFields {
   const Surface& surface_;
   std::vector<Field> fields_;
 };
-
-// An open tube of n sides and two triangles a side.
-TriangleSoup tube(std::uint32_t n, double height) {
-  TriangleSoup soup;
-  for (const double z : {0.0, height}) {
-    for (std::uint32_t j = 0; j < n; ++j) {
-      const double angle = 2 * std::numbers::pi * j / n;
-      soup.positions.push_back({std::cos(angle), std::sin(angle), z});
-    }
-  }
-  for (std::uint32_t a = 0; a < n; ++a) {
-    const std::uint32_t b = (a + 1) % n;
-    soup.faces.push_back({a, b, b + n});
-    soup.faces.push_back({a, b + n, a + n});
-  }
-  return soup;
-}
 
 struct OnTube {
   double round;  // along the sides from vertex 0
@@ -246,7 +239,7 @@ TriangleSoup any_surface(std::mt19937& random, int round) {
     case 1:
       return box(0.2 + fraction(random), 0.2 + fraction(random), 0.2 + fraction(random));
     case 2:
-      return tube(3 + random() % 9, 0.1 + 3 * fraction(random));
+      return fixtures::tube(3 + random() % 9, 0.1 + 3 * fraction(random));
     default:
       return RandomMesh(random()).soup();
   }
@@ -267,7 +260,7 @@ TEST_CASE("BoundsAtPointsOfTubesHoldTheClosedForm") {
     CAPTURE(round);
     const std::uint32_t n = 3 + random() % 30;
     const double height = 0.05 + 2 * fraction(random);
-    const TriangleSoup soup = tube(n, height);
+    const TriangleSoup soup = fixtures::tube(n, height);
     const Surface surface(soup);
     for (int i = 0; i < 12; ++i) {
       const Source from{random_point(surface, random), 0};

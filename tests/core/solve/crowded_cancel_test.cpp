@@ -139,9 +139,12 @@ void add_others(const Surface& surface, const SurfacePoint& from, const SurfaceP
                    }
                    return without_value((*index)->first_hit({0.3, 0.3, 9}, {0, 0, -1}, cancel));
                  }});
-  all.push_back({"a part of the surface", [&surface, from, to](const Cancel& cancel) {
+  // No path is shorter than the straight line.
+  const double longest =
+      1.2 * distance(position_of(surface.mesh(), from), position_of(surface.mesh(), to));
+  all.push_back({"a part of the surface", [&surface, from, to, longest](const Cancel& cancel) {
                    return without_value(
-                       SurfacePatch::cut(surface.adjacency(), from, to, 1.2, cancel));
+                       SurfacePatch::cut(surface.adjacency(), from, to, longest, cancel));
                  }});
   all.push_back({"steiner, a path of its own", [&surface, from, to](const Cancel& cancel) {
                    WavefrontScratch scratch;

@@ -52,7 +52,7 @@ TEST_CASE("CrowdsAreSolvedInStepsAndMemoryAsOtherSurfaces") {
                                        scratch, Cancel([&] { return ++asked > 2000; }));
         // 4096 steps each: some four hundred for each face.
         REQUIRE(field.has_value());
-        CHECK(scratch.parts().back_traced.cones.size() <= 3 * 2000);
+        CHECK(scratch.parts().back_traced.cones.size() <= 3 * 10'000);
         CHECK(scratch.parts().back_traced.corners.size() <= 64 * kFaces);
       }
     }

@@ -12,7 +12,9 @@
 #include "core/mesh/shapes.h"
 #include "core/paths/arrive_at_point.h"
 #include "core/paths/edge_path.h"
+#include "core/solve/distance_at_point.h"
 #include "core/solve/surface_patch.h"
+#include "core/straighten/refine_path.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/random_meshes.h"
@@ -84,14 +86,15 @@ void check_as_whole_field(const Surface& surface, const PairMethod& by, const So
     CAPTURE(point.vertex);
     CAPTURE(point.face);
     const Pair pair = pair_of(surface, by, from, point);
-    const double expected = arrivals.distance_at(point);
+    const double expected =
+        distance_at_point(surface.adjacency(), whole, arrivals, point, Cancel()).value();
     REQUIRE((pair.distance == kUnreached) == (expected == kUnreached));
     if (expected == kUnreached) {
       CHECK_FALSE(pair.path);
       continue;
     }
     CHECK(std::abs(pair.distance - expected) <= by.off * expected);
-    const auto path = surface.path(whole, point);
+    const auto path = *path_through(surface.adjacency(), whole, point, PathWork::traced, Cancel());
     REQUIRE(path.has_value() == pair.path.has_value());
     if (!path) continue;
     fixtures::check_is_a_path(surface.adjacency(), *pair.path, size_of_mesh(surface));

@@ -11,6 +11,7 @@
 #include "core/solve/pair_search.h"
 #include "core/straighten/shorten_path.h"
 #include "tests/fixtures/surface.h"
+#include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;
 using fixtures::Surface;
@@ -89,5 +90,41 @@ TEST_CASE("ASearchRefinesItsPathAsOneDoesThroughTheField") {
       REQUIRE(pair->path);
       CHECK(std::abs(pair->path->length - expected->length) <= 1e-9 * expected->length);
     }
+  }
+}
+
+// Through distances by `auto`, a trace alone meanders by a thousandth.
+TEST_CASE("PathsByAutoThatAreOnlyTracedAreStraightWithinTheirFaces") {
+  std::mt19937 random(fixtures::test_seed());
+  for (const TriangleSoup& soup :
+       {shapes::icosphere(4), shapes::terrain(60, 4, 2), shapes::torus_knot(120, 10, 0.3)}) {
+    const Surface surface(soup);
+    const auto any = [&] {
+      return surface.at(static_cast<std::uint32_t>(random() % surface.mesh().vertex_count()));
+    };
+    double excess = 0;
+    double before = 0;
+    int paths = 0;
+    for (int s = 0; s < 4; ++s) {
+      const Source from{any(), 0};
+      const Field field = surface.field_by(Method::back_traced, {from});
+      const Field truth = surface.field_by(Method::exact, {from});
+      for (int i = 0; i < 200; ++i, ++paths) {
+        const SurfacePoint to = any();
+        if (to.vertex == from.point.vertex) continue;
+        const auto traced = *trace_path(surface.adjacency(), field, to, Cancel());
+        REQUIRE(traced);
+        const auto path = *path_through(surface.adjacency(), field, to, PathWork::traced, Cancel());
+        REQUIRE(path);
+        CHECK(path->length <= traced->length);
+        CHECK(path->points.front().position == traced->points.front().position);
+        CHECK(path->points.back().position == traced->points.back().position);
+        excess += path->length / truth.distance[to.vertex] - 1;
+        before += traced->length / truth.distance[to.vertex] - 1;
+      }
+    }
+    MESSAGE("mean excess " << excess / paths << ", only traced " << before / paths);
+    CHECK(excess / paths < 1e-3);
+    CHECK(2 * excess < before);
   }
 }

@@ -66,14 +66,14 @@ struct JobsFixture {
   explicit JobsFixture(Jobs::Limits limits = {}) : jobs(limits, std::ref(gate)) {}
 
   Result<JobReport> try_start(const std::string& path, const std::string& client = "",
-                              std::string body = "") {
+                              std::string body = "", JobLease lease = JobLease::renewed) {
     HttpRequest request;
     request.method = "POST";
     request.path = request.target = path;
     request.id = "test";
     request.caller.client = client;
     request.body = std::move(body);
-    return jobs.start(std::move(request));
+    return jobs.start(std::move(request), lease);
   }
   std::string start(const std::string& path, const std::string& client = "",
                     std::string body = "") {

@@ -157,6 +157,7 @@ TEST_CASE("help, version and the table list what there is") {
                            "store",
                            "samples",
                            "viewer",
+                           "docs",
                            "io-threads",
                            "compute-threads",
                            "queue",
@@ -246,7 +247,7 @@ TEST_CASE("--check-config tries each place that is to be read") {
   };
   CHECK(said("--samples", folder).empty());
   CHECK(said("--samples", "").empty());
-  for (const std::string option : {"--samples", "--viewer"}) {
+  for (const std::string option : {"--samples", "--viewer", "--docs"}) {
     CAPTURE(option);
     for (const std::string& place : {none, file.path}) {
       CHECK_FALSE(said(option, place).empty());
@@ -272,7 +273,7 @@ TEST_CASE("--make-token prints a token and the line that lets it in") {
   CHECK(made({"--make-token=x", "--scopes=admin", "--expires=2030-01-31"})
             .ends_with(" expires=2030-01-31T00:00:00Z\n"));
 
-  CHECK(mentions(error_of({"--make-token", "ann"}), "--scopes: "));
+  CHECK(mentions(error_of({"--make-token", "ann"}), "--scopes read,upload"));
   CHECK(mentions(error_of({"--make-token", "ann", "--scopes", "all"}), "--scopes: "));
   CHECK(mentions(error_of({"--make-token", "", "--scopes", "read"}), "--make-token: "));
   CHECK(mentions(error_of({"--make-token", "a b", "--scopes", "read"}), "--make-token: "));

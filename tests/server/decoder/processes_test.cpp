@@ -296,13 +296,13 @@ TEST_CASE("FramesSurviveTheWay") {
   CHECK_FALSE(failed->error().actual);
 
   // A file found in a form is no mesh, and a mesh is none.
-  const Result<std::string> file = std::string("bytes");
+  const Result<FormFile> file = FormFile{"a name", "bytes"};
   std::vector<std::byte> framed(frame_size(file));
   write_frame(file, framed);
-  CHECK(read_frame<std::string>(framed).value() == "bytes");
+  CHECK(read_frame<FormFile>(framed).value() == FormFile{"a name", "bytes"});
   CHECK_FALSE(read_frame(framed));
-  CHECK_FALSE(read_frame<std::string>(frame));
-  CHECK_FALSE(read_frame<std::string>({framed.data(), framed.size() - 1}));
+  CHECK_FALSE(read_frame<FormFile>(frame));
+  CHECK_FALSE(read_frame<FormFile>({framed.data(), framed.size() - 1}));
 }
 
 TEST_CASE("ALargeFrameIsReadNoFurtherThanItIsWanted") {
@@ -340,7 +340,7 @@ TEST_CASE("AFileIsFoundInItsFormAsItIsHere") {
       CHECK(there.error().parameter == here.error().parameter);
     }
   }
-  CHECK(processes->file_of_form(alone, "b", {}, {}) == knot_file());
+  CHECK(processes->file_of_form(alone, "b", {}, {}) == FormFile{"k.glb", knot_file()});
   CHECK(processes->file_of_form(good, "b", {}, [] { return true; }).error().code ==
         ErrorCode::cancelled);
 }

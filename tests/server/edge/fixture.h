@@ -152,7 +152,7 @@ inline json check_refused(const Edge& edge, const std::string& bytes, int status
   REQUIRE(problem.is_object());
   CHECK(problem.value("status", 0) == status);
   CHECK(problem.value("code", "") == code);
-  CHECK(problem.value("type", "") == "/problems/" + code);
+  CHECK(problem.value("type", "") == "/docs/errors/#" + code);
   CHECK(problem.value("request_id", "") == reply.headers.at("x-request-id"));
   CHECK(!problem.value("title", "").empty());
   CHECK(!problem.value("detail", "").empty());

@@ -311,6 +311,28 @@ TEST_CASE("a status line says what its status means, and no other") {
   CHECK(client.receive_all().starts_with("HTTP/1.1 499 Client Closed Request\r\n"));
 }
 
+TEST_CASE("a base path is taken off and refusals name it") {
+  HttpOptions options = Edge::patient();
+  options.base_path = "/geo";
+  Edge edge(std::move(options));
+  RawClient client(edge.port);
+  client.send(get("/geo/a?b=c"));
+  const json below = seen(client.receive());
+  CHECK(below["path"] == "/a");
+  CHECK(below["target"] == "/geo/a?b=c");
+  client.send(get("/a"));
+  CHECK(seen(client.receive())["path"] == "/a");
+  client.send(get("/geology"));
+  CHECK(seen(client.receive())["path"] == "/geology");
+  // The bound on a body is that of the path without it.
+  client.send(post("/geo/echo", with_length(std::string(5000, 'x')), std::string(5000, 'x')));
+  CHECK(client.receive().status == 200);
+  RawClient refused(edge.port);
+  refused.send("GET /geo/a HTTP/1.1\r\n\r\n");  // without a host
+  CHECK(refused.receive_all().find("\"type\":\"/geo/docs/errors/#bad_syntax\"") !=
+        std::string::npos);
+}
+
 TEST_CASE("every error code has a status, a title and a problem that parses") {
   for (const ErrorCode code : all_error_codes()) {
     CAPTURE(code.name());
@@ -318,9 +340,12 @@ TEST_CASE("every error code has a status, a title and a problem that parses") {
     CHECK(http_status(code) < 600);
     const bool later = http_status(code) == 503 || http_status(code) == 429;
     CHECK(later == (retry_after_seconds(code) > 0));
-    const json problem =
-        json::parse(to_problem_json(Error{code, "\xff", "from[2]", 5, 6}, "/x\xff", "id"));
-    CHECK(problem["type"] == "/problems/" + std::string(code.name()));
+    HttpRequest request;
+    request.target = "/x\xff";
+    request.id = "id";
+    const Error error{code, "\xff", "from[2]", 5, 6};
+    const json problem = json::parse(to_problem_json(error, request));
+    CHECK(problem["type"] == "/docs/errors/#" + std::string(code.name()));
     CHECK(problem["title"] == problem_title(code));
     CHECK(problem["status"] == http_status(code));
     CHECK(problem["parameter"] == "from[2]");

@@ -64,6 +64,23 @@ TEST_CASE("a body that trickles is given up at the deadline, however steadily it
   CHECK(json::parse(reply.body)["code"] == "request_timeout");
 }
 
+TEST_CASE("a body that never pauses is given up at the deadline, too") {
+  HttpOptions options = Edge::patient();
+  options.body_timeout = 200ms;
+  Edge edge(std::move(options));
+  RawClient client(edge.port);
+  client.send(post("/echo", "Transfer-Encoding: chunked\r\n", ""));
+  std::string chunks;  // of one byte each, with much around it
+  for (int i = 0; i < 100; ++i) chunks += "1;a=" + std::string(200, 'x') + "\r\nz\r\n";
+  std::thread flood([&] {
+    while (client.send(chunks)) {
+    }
+  });
+  const RawReply reply = client.receive();
+  flood.join();
+  CHECK(reply.status == 408);
+}
+
 TEST_CASE("a head that trickles is given up at the deadline") {
   HttpOptions options = Edge::patient();
   options.head_timeout = 500ms;
@@ -78,6 +95,25 @@ TEST_CASE("a head that trickles is given up at the deadline") {
   stop = true;
   trickle.join();
   CHECK(reply.status == 408);
+}
+
+TEST_CASE("what came in time is read, however late the server is") {
+  HttpOptions options = Edge::patient();
+  options.io_threads = options.max_io_threads = 1;
+  options.head_timeout = options.body_timeout = 1s;
+  Edge edge(std::move(options));
+  RawClient body(edge.port);
+  body.send(post("/echo", "Content-Length: 3\r\n", "a"));
+  while (edge.server.stats().body_bytes == 0) std::this_thread::sleep_for(1ms);
+  RawClient busy(edge.port);
+  for (int i = 0; i < 5; ++i) busy.send(get("/sleep"));  // the only thread, for 1.5 s
+  while (edge.server.stats().running == 0) std::this_thread::sleep_for(1ms);
+  body.send("bc");
+  RawClient head(edge.port);
+  head.send(get("/x"));
+  for (int i = 0; i < 5; ++i) CHECK(busy.receive().status == 200);
+  CHECK(body.receive().body == "abc");
+  CHECK(head.receive().status == 200);
 }
 
 TEST_CASE("an idle connection is closed without a word") {

@@ -45,8 +45,8 @@ TEST_CASE("what is new and forgotten is closed") {
   const Scopes open;
   const Scopes read = Scope::read;
   const Scopes admin = Scope::admin;
-  for (const char* path : {"/", "/docs", "/docs/app.js", "/openapi.json", "/openapi.yaml", "/livez",
-                           "/readyz", "/v1/methods", "/problems/internal"}) {
+  for (const char* path : {"/", "/docs", "/docs/api/app.js", "/openapi.json", "/openapi.yaml",
+                           "/livez", "/readyz", "/v1/methods", "/docs/errors/"}) {
     CAPTURE(path);
     CHECK(needed_scopes("GET", path) == open);
     CHECK(needed_scopes("HEAD", path) == open);
@@ -58,7 +58,8 @@ TEST_CASE("what is new and forgotten is closed") {
                            "/v2/anything", "/openapi.yml", "/livez/", "/metricsx", "/debugger"}) {
     CAPTURE(path);
     CHECK(needed_scopes("GET", path) == read);
-    CHECK(needed_scopes("PATCH", path) == read);
+    CHECK(needed_scopes("SEARCH", path) == read);
+    CHECK(needed_scopes("PATCH", path) == Scopes(Scope::upload));
     CHECK(needed_scopes("DELETE", path) == admin);
     CHECK(needed_scopes("PUT", path) == Scopes(Scope::upload));
   }

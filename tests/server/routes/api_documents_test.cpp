@@ -1,5 +1,7 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <regex>
 #include <string>
 #include <vector>
@@ -17,6 +19,13 @@ TEST_CASE("TheContractIsServedAsYamlAndAsJson") {
   const HttpResponse yaml = service.get("/openapi.yaml");
   CHECK(yaml.content_type == "application/yaml");
   CHECK(yaml.body->starts_with("openapi: 3.1"));
+  // What browsers say they accept; they would save application/yaml and not show it.
+  const HttpResponse shown =
+      service.ask("GET", "/openapi.yaml", {},
+                  {{"Accept", "text/html,application/xhtml+xml,application/xml;q=0.9,*/*;q=0.8"}});
+  CHECK(shown.content_type == "text/plain; charset=utf-8");
+  CHECK(*shown.body == *yaml.body);
+  CHECK(header_of(shown, "Vary").find("Accept,") != std::string::npos);
   const HttpResponse reply = service.get("/openapi.json");
   CHECK(reply.content_type == "application/json");
   const json contract = body_of(reply);
@@ -39,7 +48,7 @@ TEST_CASE("EveryErrorCodeIsInTheContractWithItsStatus") {
 TEST_CASE("ThePageOfTheContractNeedsNothingFromElsewhere") {
   const TemporaryFolder folder;
   Service service(folder.path());
-  const HttpResponse page = service.get("/docs");
+  const HttpResponse page = service.get("/docs/api/");
   CHECK(page.status == 200);
   CHECK(page.content_type == "text/html; charset=utf-8");
   const std::string policy = header_of(page, "Content-Security-Policy");
@@ -53,16 +62,19 @@ TEST_CASE("ThePageOfTheContractNeedsNothingFromElsewhere") {
   CHECK_FALSE(std::regex_search(*page.body, inner_script));
 
   // Whatever it loads is here.
-  const std::regex reference("(?:src|href)=\"([^\"]+)\"|from '([^']+)'");
+  const std::regex reference("(?:src|href)=\"([^\"]+)\"|from '(\\./[^']+)'");
   std::vector<std::string> files;
   const auto gather = [&](const std::string& text, const std::string& place) {
     for (std::sregex_iterator at(text.begin(), text.end(), reference), end; at != end; ++at) {
       std::string file = (*at)[1].matched ? (*at)[1].str() : (*at)[2].str();
-      if (file.starts_with("./")) file = place + file.substr(2);
-      if (file != "data:," && !file.starts_with("#")) files.push_back(file);
+      if (file == "data:," || file.starts_with("#")) continue;
+      CHECK_FALSE(file.starts_with("/"));  // it would not hold below a prefix
+      std::string path = std::filesystem::path(place + file).lexically_normal().generic_string();
+      // Those two are the viewer's page and the guide's.
+      if (path != "/" && path != "/docs/") files.push_back(std::move(path));
     }
   };
-  gather(*page.body, "/docs/");
+  gather(*page.body, "/docs/api/");
   for (std::size_t i = 0; i < files.size() && i < 50; ++i) {
     CAPTURE(files[i]);
     REQUIRE(files[i].starts_with("/"));
@@ -71,11 +83,11 @@ TEST_CASE("ThePageOfTheContractNeedsNothingFromElsewhere") {
     CHECK(header_of(file, "X-Content-Type-Options") == "nosniff");
     if (files[i].ends_with(".js")) {
       CHECK(file.content_type == "text/javascript; charset=utf-8");
-      gather(*file.body, "/docs/");
+      gather(*file.body, "/docs/api/");
     }
     if (files[i].ends_with(".css")) CHECK(file.content_type == "text/css; charset=utf-8");
   }
-  CHECK(std::count(files.begin(), files.end(), "/docs/text.js") > 0);
-  CHECK(service.get("/docs/none.js").status == 404);
-  CHECK(service.ask("POST", "/docs").status == 405);
+  CHECK(std::count(files.begin(), files.end(), "/docs/api/text.js") > 0);
+  CHECK(service.get("/docs/api/none.js").status == 404);
+  CHECK(service.ask("POST", "/docs/api/").status == 405);
 }

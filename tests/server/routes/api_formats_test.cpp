@@ -75,8 +75,9 @@ TriangleSoup two_planes() {
 TEST_CASE("QuantisedFieldsKeepTheGreatestAndTheUnreached") {
   PlaneService plane;
   const std::string base = plane.add(two_planes());
-  const json reply = body_of(plane.service.get(base + "/distance?from=v:0"));
-  const HttpResponse u16 = plane.service.get(base + "/distance?from=v:0&format=u16");
+  const json reply = body_of(plane.service.get(base + "/distance?from=v:0&method=wavefront"));
+  const HttpResponse u16 =
+      plane.service.get(base + "/distance?from=v:0&method=wavefront&format=u16");
   CHECK(header_of(u16, "Geo-Dtype") == "<u2");
   CHECK(header_of(u16, "Geo-Shape") == "21");
   const double max = std::stod(header_of(u16, "Geo-Max"));
@@ -111,7 +112,7 @@ TEST_CASE("NumPyFilesHaveTheirHeaderAndThenTheArray") {
 
 TEST_CASE("FramesHoldTheArraysAndAllTheRest") {
   PlaneService plane;
-  const std::string query = "/distance?from=v:0&from=v:119&labels=1";
+  const std::string query = "/distance?from=v:0&from=v:119&labels=1&method=wavefront";
   Frame field(plane.service.get(plane.base + query + "&format=frame"));
   json reply = plane.ask(query);
   CHECK(field.array<double>("distances", "<f8", {120}) ==

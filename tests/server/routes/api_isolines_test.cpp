@@ -20,7 +20,7 @@ TEST_CASE("IsolinesFromACornerAreQuarterCircles") {
   PlaneService plane;
   const json reply = plane.ask("/isolines?from=v:0&levels=6&levels=3&levels=4.5");
   CHECK(reply["mesh"] == plane.id);
-  CHECK(reply["method"] == "wavefront");
+  CHECK(reply["method"] == "auto");
   CHECK(reply["from"][0]["vertex"] == 0);
   CHECK(reply["max"] == doctest::Approx(std::hypot(11, 9)));
   CHECK(reply["levels"] == json::parse("[3,4.5,6]"));

@@ -224,6 +224,26 @@ TEST_CASE("PreferIsReadAsRfc7240Says") {
   CHECK(jobs.service.ask("GET", target, {}, twice).status == 202);
 }
 
+TEST_CASE("AJobHasALeaseUnlessItIsToBeKept") {
+  Config config;
+  config.job_lease_seconds = 7;
+  JobService jobs(config);
+  const std::string target = jobs.base + "/distance?from=v:0";
+  const auto begin = [&](const std::string& prefer) {
+    HttpResponse begun = jobs.service.ask("GET", target, {}, {{"Prefer", prefer}});
+    REQUIRE(begun.status == 202);
+    return begun;
+  };
+  const HttpResponse leased = begin("respond-async");
+  CHECK(body_of(leased)["lease_seconds"] == 7);
+  CHECK(header_of(leased, "Preference-Applied") == "respond-async");
+  const HttpResponse kept = begin("keep, respond-async");
+  CHECK(body_of(kept)["lease_seconds"] == nullptr);
+  CHECK(header_of(kept, "Preference-Applied") == "respond-async, keep");
+  CHECK(jobs.service.ask("GET", target, {}, {{"Prefer", "keep"}}).status == 200);
+  CHECK(body_of(jobs.service.get("/v1/status"))["limits"]["job_lease_seconds"] == 7);
+}
+
 TEST_CASE("WhatCannotTakeLongIsNeverAJob") {
   JobService jobs;
   for (const std::string& target :

@@ -153,7 +153,12 @@ TEST_CASE("ProbesStatusAndMethods") {
   Service service(folder.path());
   CHECK(service.get("/livez").status == 200);
   CHECK(service.get("/readyz").status == 200);
-  CHECK(body_of(service.get("/v1/methods"))["methods"][0]["name"] == "wavefront");
+  const json methods = body_of(service.get("/v1/methods"))["methods"];
+  CHECK(methods[0]["name"] == "auto");
+  for (const json& method : methods) {
+    CHECK(method["default"] == (method["name"] == "auto"));
+    CHECK_FALSE(method["about"].get<std::string>().empty());
+  }
   const json status = body_of(service.get("/v1/status"));
   CHECK(status["limits"]["max_vertices"] == 20'000'000);
   CHECK(status["caches"]["adjacency"]["entries"] == 0);

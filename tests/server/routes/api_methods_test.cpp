@@ -111,7 +111,8 @@ TEST_CASE("RefusedMethodParametersNameTheWayOut") {
   const auto detail = [&](const std::string& query) -> std::string {
     return body_of(plane.service.get(plane.base + "/distance?from=v:0&" + query))["detail"];
   };
-  CHECK(detail("bound=upper") == "method=wavefront does not take this, method=auto does");
+  CHECK(detail("method=wavefront&bound=upper") ==
+        "method=wavefront does not take this, method=auto does");
   CHECK(detail("method=exact&points_per_edge=3") ==
         "method=exact does not take this, method=steiner does");
   CHECK(detail("method=auto&tolerance=0.6") == "this method takes from 0 to 0.5");

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/decoder/multipart.h"
+#include "server/http/multipart.h"
 #include "tests/server/routes/service_fixture.h"
 
 using namespace geodesic;
@@ -41,6 +41,20 @@ std::string positions() {
 }
 
 }  // namespace
+
+TEST_CASE("AFormsFileNamesItsMesh") {
+  const TemporaryFolder folder;
+  Service service(folder.path());
+  const Files parts{{"scenes/my mesh.gltf", kDocument}, {"my mesh.bin", positions()}};
+  CHECK(body_of(send(service, form_of(parts)))["name"] == "my mesh.gltf");
+  CHECK(body_of(send(service, form_of({{"a/b.glb", glb_of(shapes::plane(4, 4))}})))["name"] ==
+        "b.glb");
+  // What can be no name is none, and no error.
+  const json unnamed =
+      body_of(send(service, form_of({{std::string(300, 'a'), glb_of(shapes::plane(5, 4))}})));
+  CHECK(unnamed["vertices"] == 20);
+  CHECK_FALSE(unnamed.contains("name"));
+}
 
 TEST_CASE("AGltfAndItsBuffersAreOneMesh") {
   const TemporaryFolder folder;
@@ -116,6 +130,15 @@ TEST_CASE("PartsAreReadAsTheyWereWritten") {
   CHECK(parts->at(0).bytes == "1\r\n--c\r\n");
   CHECK(parts->at(1).filename.empty());
   CHECK(parts->at(1).bytes.empty());
+  // Quotes as curl escapes them, a path as old browsers sent it, and quotes that do not close.
+  const std::pair<std::string, std::string> file_names[] = {
+      {R"("a\"b.obj")", "a\"b.obj"}, {R"("C:\x\y.obj")", "C:\\x\\y.obj"}, {R"("a)", ""}};
+  for (const auto& [written, meant] : file_names) {
+    const auto part = read_multipart(
+        "--b\r\nContent-Disposition: form-data; filename=" + written + "\r\n\r\n1\r\n--b--", "b");
+    REQUIRE(part);
+    CHECK(part->at(0).filename == meant);
+  }
   for (std::size_t size = 0; size < body.size(); ++size) {
     CHECK_FALSE(read_multipart(std::string_view(body).substr(0, size), "b"));
   }

@@ -14,7 +14,7 @@ TEST_CASE("DistanceFieldInSourceVertexOrder") {
   CHECK(response.status == 200);
   CHECK(header_of(response, "Geo-Cache") == "miss");
   const json reply = body_of(response);
-  CHECK(reply["method"] == "wavefront");
+  CHECK(reply["method"] == "auto");
   CHECK(reply["count"] == 120);
   CHECK(reply["reached"] == 120);
   CHECK(reply["max"] == doctest::Approx(std::hypot(11, 9)));
@@ -28,15 +28,17 @@ TEST_CASE("DistanceFieldInSourceVertexOrder") {
 
 TEST_CASE("BinaryFieldsAreTheBareArray") {
   PlaneService plane;
-  const json reply = body_of(plane.service.get(plane.base + "/distance?from=v:5"));
-  const HttpResponse f64 = plane.service.get(plane.base + "/distance?from=v:5&format=f64");
+  const json reply = body_of(plane.service.get(plane.base + "/distance?from=v:5&method=wavefront"));
+  const HttpResponse f64 =
+      plane.service.get(plane.base + "/distance?from=v:5&method=wavefront&format=f64");
   CHECK(f64.content_type == "application/octet-stream");
   CHECK(header_of(f64, "Geo-Dtype") == "<f8");
   CHECK(header_of(f64, "Geo-Shape") == "120");
   CHECK(reply["distances"].get<std::vector<double>>() == numbers_of<double>(f64));
   CHECK(std::stod(header_of(f64, "Geo-Max")) == reply["max"].get<double>());
-  const HttpResponse f32 = plane.service.ask("GET", plane.base + "/distance?from=v:5", {},
-                                             {{"Accept", "application/octet-stream"}});
+  const HttpResponse f32 =
+      plane.service.ask("GET", plane.base + "/distance?from=v:5&method=wavefront", {},
+                        {{"Accept", "application/octet-stream"}});
   CHECK(header_of(f32, "Geo-Dtype") == "<f4");
   const auto narrow = numbers_of<float>(f32);
   REQUIRE(narrow.size() == 120);
@@ -58,7 +60,7 @@ TEST_CASE("PathIsAPolylineOfItsLength") {
   PlaneService plane;
   const json reply = body_of(plane.service.get(plane.base + "/path?from=v:0&to=p:7.25,5.5,4"));
   CHECK(reply["reachable"] == true);
-  CHECK(reply["refine"] == "none");
+  CHECK(reply["refine"] == "shortest");
   CHECK(reply["length"] == doctest::Approx(std::hypot(7.25, 5.5)));
   CHECK(reply["to"]["snap_distance"] == 4);
   const json& points = reply["points"];

@@ -223,10 +223,10 @@ TEST_CASE("OptionsTellsTheMethodsOfAPath") {
     CHECK(reply.status == 204);
     return header_of(reply, "Allow");
   };
-  CHECK(allow(plane.base) == "GET, HEAD, PUT, DELETE, OPTIONS");
+  CHECK(allow(plane.base) == "GET, HEAD, PUT, PATCH, DELETE, OPTIONS");
   CHECK(allow(plane.base + "/path") == "GET, HEAD, POST, OPTIONS");
   CHECK(allow(plane.base + "/prepare") == "POST, OPTIONS");
-  CHECK(allow("*") == "GET, HEAD, POST, PUT, DELETE, OPTIONS");
+  CHECK(allow("*") == "GET, HEAD, POST, PUT, PATCH, DELETE, OPTIONS");
   CHECK(plane.service.ask("OPTIONS", "/v1/nothing").status == 404);
 }
 

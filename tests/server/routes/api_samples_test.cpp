@@ -15,7 +15,7 @@ TEST_CASE("SamplesOfAPlaneAreWherePythagorasPutsThem") {
   PlaneService plane;
   const json reply = plane.ask("/samples?count=4");
   CHECK(reply["mesh"] == plane.id);
-  CHECK(reply["method"] == "wavefront");
+  CHECK(reply["method"] == "auto");
   CHECK(reply["from"].empty());
   REQUIRE(reply["samples"].size() == 4);
   // (10, 0) is as far from (11, 9) as it can be and not nearer to (0, 0); likewise (1, 9).

@@ -16,7 +16,7 @@ TEST_CASE("TableOfAPlaneIsPythagoras") {
   const json reply =
       plane.ask("/table?from=v:0&from=v:11&from=p:3.25,4.5,1&to=v:119&to=v:0&to=p:8.5,1.25,0");
   CHECK(reply["mesh"] == plane.id);
-  CHECK(reply["method"] == "wavefront");
+  CHECK(reply["method"] == "auto");
   REQUIRE(reply["rows"].size() == 3);
   REQUIRE(reply["columns"].size() == 3);
   CHECK(reply["rows"][1]["vertex"] == 11);
@@ -79,7 +79,7 @@ TEST_CASE("TableDistanceAndPathAgreeByEveryMethod") {
 
 TEST_CASE("TableAsABareArray") {
   PlaneService plane;
-  const std::string query = "/table?from=v:0&from=v:50&to=v:1&to=v:2&to=v:119";
+  const std::string query = "/table?from=v:0&from=v:50&to=v:1&to=v:2&to=v:119&method=wavefront";
   const json reply = plane.ask(query);
   const HttpResponse f64 = plane.service.get(plane.base + query + "&format=f64");
   CHECK(f64.content_type == "application/octet-stream");

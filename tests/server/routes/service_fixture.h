@@ -91,6 +91,7 @@ class Service {
       REQUIRE(query);
       request.query = *query;
     }
+    request.set_base_path(base_path);
     request.headers = std::move(headers);
     if (const std::string* host = request.header("Host")) request.authority = *host;
     request.body = std::move(body);
@@ -112,6 +113,7 @@ class Service {
     return json::parse(*response.body)["id"];
   }
 
+  std::string base_path;  // of every request
   std::unique_ptr<MeshStore> store;
   Metrics metrics{"test"};
   ComputePool pool;

@@ -28,7 +28,7 @@ import httpx
 import numpy as np
 from numpy.typing import DTypeLike
 
-from . import batches, connection, exports, queries, service, tables
+from . import batches, connection, exports, lookup, queries, service, tables
 from .client import _single, method_signature
 from .errors import GeodesicError, error_of
 from .flows import Flow, Progress, Request, Retries, Send, Step, Watch, with_retries
@@ -125,8 +125,21 @@ class AsyncMesh(Metadata):
         self._read(await self.client.run(service.prepare(self.id, progress)))
         return self
 
+    async def rename(self, name: str) -> Self:
+        """Gives the mesh a name on the server, in place of one that it has; an empty one takes
+        that away.
+
+        Args:
+            name: at most 200 bytes of UTF-8, without control characters.
+
+        Raises:
+            GeodesicError: the server refuses it, or cannot be reached.
+        """
+        self._read(await self.client.run(service.rename(self.id, name)))
+        return self
+
     async def refresh(self) -> Self:
-        """Reads the metadata anew: ``state`` and ``prepared`` change."""
+        """Reads the metadata anew: ``name``, ``state`` and ``prepared`` change."""
         self._read(await self.client.run(service.metadata(self.id)))
         return self
 
@@ -147,6 +160,9 @@ class AsyncClient:
         options = connection.options(url, token, timeout, verify, connections)
         self._http = httpx.AsyncClient(**options)
         self._retries = retries or Retries()
+
+    def __repr__(self) -> str:
+        return f"<AsyncClient of {self.url}>"
 
     @property
     def url(self) -> str:
@@ -173,6 +189,7 @@ class AsyncClient:
         mesh: Any,
         faces: Any = None,
         *,
+        name: str | None = None,
         progress: Progress | None = None,
         probe: bool = True,
         **reading: Unpack[service.Reading],
@@ -180,17 +197,21 @@ class AsyncClient:
         """Uploads a mesh, as :meth:`geodesicd.Client.upload`."""
         # Reading and hashing a large file is not to hold up everything else.
         body = await asyncio.to_thread(body_of, mesh, faces)
-        found = await self.run(service.upload(body, progress, probe=probe, reading=reading))
+        asked = service.upload(body, progress, probe=probe, reading=reading, name=name)
+        found = await self.run(asked)
         warn_of_rounding(body, found, reading, stacklevel=3)
         return AsyncMesh(self, found)
 
     async def mesh(self, id: str) -> AsyncMesh:
         """A mesh that the server has.
 
+        Args:
+            id: its id; else its name or how the id begins, if no other mesh is called so.
+
         Raises:
-            NotFound: it has not.
+            NotFound: it has not. ValueError: it has several; the message lists them.
         """
-        return AsyncMesh(self, await self.run(service.metadata(id)))
+        return AsyncMesh(self, await self.run(lookup.metadata(id)))
 
     async def meshes(self, *, page_size: int = 1000) -> list[AsyncMesh]:
         """All meshes that the server has, in the order of their ids."""
@@ -261,7 +282,7 @@ class AsyncClient:
                     body.feed(chunk)
             finally:
                 await response.aclose()
-        except httpx.TransportError as error:
+        except httpx.RequestError as error:
             raise connection.failure(error, request, self.url) from None
         return Reply(response.status_code, response.headers, body.finish())
 
@@ -275,5 +296,5 @@ class AsyncClient:
                     step.on_line(line)
             finally:
                 await response.aclose()
-        except httpx.TransportError as error:
+        except httpx.RequestError as error:
             raise connection.failure(error, step.request, self.url) from None

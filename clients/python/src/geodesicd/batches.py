@@ -13,6 +13,7 @@ from .errors import error_of_problem, refusal
 from .flows import Flow, Progress, Request, ask, part_of
 from .points import PointLike
 from .queries import Refine
+from .remarks import remark
 from .results import BatchReply, Path
 from .wire import Reply
 
@@ -34,6 +35,14 @@ def batch(
         One reply a query, in their order: the query's JSON or its error. One that fails
         harms no other.
     """
+    replies = yield from _replies(mesh, queries, progress)
+    remark(_remarks(replies, "queries"))
+    return replies
+
+
+def _replies(
+    mesh: str, queries: Iterable[Mapping[str, Any]], progress: Progress | None
+) -> Flow[list[BatchReply]]:
     lines = [
         json.dumps(_line(query), allow_nan=False, separators=(",", ":")).encode() + b"\n"
         for query in queries
@@ -71,13 +80,22 @@ def paths(
         {"query": "path", "from": source, "to": target, "refine": refine, "method": method}
         for source, target in pairs
     ]
+    answers = yield from _replies(mesh, queries, progress)
+    remark(_remarks(answers, "pairs"))
     found = []
-    for number, answer in enumerate((yield from batch(mesh, queries, progress=progress))):
+    for number, answer in enumerate(answers):
         if answer.reply is None:
             error = answer.error or error_of_problem({"status": answer.status})
             raise refusal(error, f"pairs[{number}]")
         found.append(wire.path_of_json(answer.reply))
     return found
+
+
+def _remarks(replies: Iterable[BatchReply], name: str) -> Iterator[str]:
+    """What the server remarks on the lines, each with its line: ``pairs[3]: …``."""
+    for number, answer in enumerate(replies):
+        for sentence in (answer.reply or {}).get("warnings") or ():
+            yield f"{name}[{number}]: {sentence}"
 
 
 def _line(query: Mapping[str, Any]) -> dict[str, Any]:

@@ -31,7 +31,7 @@ import httpx
 import numpy as np
 from numpy.typing import DTypeLike
 
-from . import batches, connection, exports, queries, service, tables
+from . import batches, connection, exports, lookup, queries, service, tables
 from .errors import GeodesicError, error_of
 from .flows import Flow, Progress, Request, Retries, Send, Step, Watch, with_retries
 from .mesh_input import body_of, warn_of_rounding
@@ -159,8 +159,21 @@ class Mesh(Metadata):
         self._read(self.client.run(service.prepare(self.id, progress)))
         return self
 
+    def rename(self, name: str) -> Self:
+        """Gives the mesh a name on the server, in place of one that it has; an empty one takes
+        that away.
+
+        Args:
+            name: at most 200 bytes of UTF-8, without control characters.
+
+        Raises:
+            GeodesicError: the server refuses it, or cannot be reached.
+        """
+        self._read(self.client.run(service.rename(self.id, name)))
+        return self
+
     def refresh(self) -> Self:
-        """Reads the metadata anew: ``state`` and ``prepared`` change."""
+        """Reads the metadata anew: ``name``, ``state`` and ``prepared`` change."""
         self._read(self.client.run(service.metadata(self.id)))
         return self
 
@@ -191,6 +204,9 @@ class Client:
         self._http = httpx.Client(**options)
         self._retries = retries or Retries()
 
+    def __repr__(self) -> str:
+        return f"<Client of {self.url}>"
+
     @property
     def url(self) -> str:
         """Where the server is."""
@@ -216,6 +232,7 @@ class Client:
         mesh: Any,
         faces: Any = None,
         *,
+        name: str | None = None,
         progress: Progress | None = None,
         probe: bool = True,
         **reading: Unpack[service.Reading],
@@ -231,6 +248,9 @@ class Client:
                 Positions of arrays arrive as they are, float64 too (a .ply file is sent; a .glb
                 file of float32). A .ply file is of some 50 bytes a vertex, so that the server's
                 limit on a body, 256 MiB unless set otherwise, is met at 5.4 million vertices.
+            name: what to call the mesh, if it has no name yet; without it, the name of the file.
+                Arrays and bytes have none. A mesh that has a name keeps it: see
+                :meth:`Mesh.rename`.
             progress: called with the part that is done, from 0 to 1: the first half is sending,
                 the second the server's work.
             probe: ask first, by its digest, whether the server has it.
@@ -247,17 +267,21 @@ class Client:
                 has made one of several that differ.
         """
         body = body_of(mesh, faces)
-        found = self.run(service.upload(body, progress, probe=probe, reading=reading))
+        asked = service.upload(body, progress, probe=probe, reading=reading, name=name)
+        found = self.run(asked)
         warn_of_rounding(body, found, reading, stacklevel=3)
         return Mesh(self, found)
 
     def mesh(self, id: str) -> Mesh:
         """A mesh that the server has.
 
+        Args:
+            id: its id; else its name or how the id begins, if no other mesh is called so.
+
         Raises:
-            NotFound: it has not.
+            NotFound: it has not. ValueError: it has several; the message lists them.
         """
-        return Mesh(self, self.run(service.metadata(id)))
+        return Mesh(self, self.run(lookup.metadata(id)))
 
     def meshes(self, *, page_size: int = 1000) -> list[Mesh]:
         """All meshes that the server has, in the order of their ids."""
@@ -332,7 +356,7 @@ class Client:
                     body.feed(chunk)
             finally:
                 response.close()
-        except httpx.TransportError as error:
+        except httpx.RequestError as error:
             raise connection.failure(error, request, self.url) from None
         return Reply(response.status_code, response.headers, body.finish())
 
@@ -346,7 +370,7 @@ class Client:
                     step.on_line(line)
             finally:
                 response.close()
-        except httpx.TransportError as error:
+        except httpx.RequestError as error:
             raise connection.failure(error, step.request, self.url) from None
 
 

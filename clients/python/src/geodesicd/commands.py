@@ -7,10 +7,10 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import re
 import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any, Unpack, cast
@@ -18,13 +18,15 @@ from typing import Any, Unpack, cast
 import numpy as np
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from . import __version__
 from .client import Client, Mesh
-from .errors import GeodesicError
+from .digits import number, numbers, short
+from .errors import GeodesicError, GeodesicWarning, NotFound, printable
 from .local_server import serve
+from .lookup import mesh_id, reading_text, short_ids
 from .progress import progress_bar
-from .results import Float64
 from .service import Reading
 
 # Results go to standard output, for pipes; everything else is for people.
@@ -38,7 +40,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     run: Callable[[argparse.Namespace], int] = options.run
     try:
-        return run(options)
+        with _warnings_for_people():
+            return run(options)
     except KeyboardInterrupt:
         people.print("interrupted")
         return 130
@@ -50,6 +53,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
             f"geodesic: {error}", style="red", markup=False, highlight=False, soft_wrap=True
         )
         return 1
+
+
+_ON_SERVER = "a mesh's name, its id, or how that begins"
+
+
+@contextmanager
+def _warnings_for_people() -> Iterator[None]:
+    """The server's remarks on answers as sentences on standard error, each once."""
+    told: set[str] = set()
+
+    def show(message: Warning | str, *where: Any, **more: Any) -> None:
+        text = f"geodesic: warning: {message}"
+        if text not in told:
+            told.add(text)
+            people.print(text, style="yellow", markup=False, highlight=False, soft_wrap=True)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", GeodesicWarning)
+        warnings.showwarning = show
+        yield
 
 
 class _Layout(argparse.HelpFormatter):
@@ -108,6 +131,7 @@ def _parser() -> argparse.ArgumentParser:
     upload.add_argument(
         "file", nargs="+", type=Path, metavar="FILE", help=".glb, .gltf, .drc, .obj, .ply or .stl"
     )
+    upload.add_argument("--name", help="what to call the mesh; else as the file")
     upload.add_argument("--scene", help="of a glTF file: the scene to read, by index or name")
     upload.add_argument("--node", help="of a glTF file: the node to read, by index or name")
     upload.add_argument("--weld", metavar="DISTANCE", help='join vertices so near; "off": none')
@@ -119,8 +143,13 @@ def _parser() -> argparse.ArgumentParser:
     listing.add_argument("--json", action="store_true", help="all metadata, as JSON")
     _connection(listing)
 
+    rename = command("rename", "MESH NAME", _rename, "Give a mesh another name.")
+    rename.add_argument("mesh", metavar="MESH", help=_ON_SERVER)
+    rename.add_argument("name", metavar="NAME", help='at most 200 bytes; "" takes the name away')
+    _connection(rename)
+
     delete = command("delete", "MESH...", _delete, "Delete meshes from the server.")
-    delete.add_argument("mesh", nargs="+", metavar="MESH", help="an id, or how it begins")
+    delete.add_argument("mesh", nargs="+", metavar="MESH", help=_ON_SERVER)
     _connection(delete)
 
     distance = command(
@@ -142,7 +171,7 @@ def _parser() -> argparse.ArgumentParser:
     path.add_argument("--to", required=True, metavar="POINT", help="where it ends")
     path.add_argument("--via", action="append", default=[], metavar="POINT", help="on the way")
     path.add_argument(
-        "--refine", choices=["none", "shortest"], default="shortest", metavar="HOW",
+        "--refine", choices=["none", "shortest"], metavar="HOW",
         help="shortest, or none: as it was traced",
     )  # fmt: skip
     path.add_argument(
@@ -198,9 +227,7 @@ def _connection(parser: argparse.ArgumentParser) -> None:
 
 
 def _query(parser: argparse.ArgumentParser, several: bool = True) -> None:
-    parser.add_argument(
-        "mesh", metavar="MESH", help="a file, uploaded if need be, or an id or how it begins"
-    )
+    parser.add_argument("mesh", metavar="MESH", help=f"a file, or {_ON_SERVER}")
     parser.add_argument(
         "--from",
         dest="sources",
@@ -244,28 +271,26 @@ def bar(what: str) -> AbstractContextManager[Callable[[float], None]]:
     return progress_bar(what, people)
 
 
-def _mesh(client: Client, name: str, **reading: Unpack[Reading]) -> Mesh:
-    """A mesh by its id, or a file's."""
-    if re.fullmatch(r"[0-9a-f]{8,64}(~[0-9a-f]{0,32})?", name) and not Path(name).exists():
-        return client.mesh(_whole_id(client, name))
-    with bar(f"uploading {Path(name).name}") as progress:
-        return client.upload(Path(name), progress=progress, **reading)
+def _sent(client: Client, file: Path, name: str | None = None, **reading: Unpack[Reading]) -> Mesh:
+    """A file's mesh."""
+    with bar(f"uploading {printable(file.name)}") as progress:
+        return client.upload(file, name=name, progress=progress, **reading)
 
 
-def _whole_id(client: Client, name: str) -> str:
-    """The id that begins so.
+def _mesh(client: Client, text: str) -> Mesh:
+    """The mesh of a file, or one on the server by what it is called there.
 
     Raises:
-        ValueError: none or several do.
+        ValueError: neither is there, or several meshes are called so.
     """
-    if re.fullmatch(r"[0-9a-f]{64}(~([0-9a-f]{32}|[0-9a-f]{12}))?", name):
-        return name
-    found = [mesh.id for mesh in client.meshes() if mesh.id.startswith(name)]
-    if plain := [one for one in found if "~" not in one]:  # and the same file read in other ways
-        found = plain
-    if len(found) != 1:
-        raise ValueError(f"{len(found)} meshes have an id that begins with {name}; see 'list'")
-    return found[0]
+    if Path(text).exists():
+        return _sent(client, Path(text))
+    try:
+        return client.mesh(text)
+    except NotFound as error:
+        raise ValueError(
+            f"there is no file {text}, and {error.detail}. 'geodesic list' tells what is there"
+        ) from None
 
 
 @contextmanager
@@ -287,11 +312,18 @@ def _points(texts: Sequence[str]) -> list[Any]:
 def _upload(options: argparse.Namespace) -> int:
     asked = {name: getattr(options, name) for name in Reading.__annotations__}
     reading = cast(Reading, {name: value for name, value in asked.items() if value is not None})
+    if options.name is not None and len(options.file) > 1:
+        raise ValueError("--name is for one file")
     with connect(options) as client:
         for file in options.file:
-            mesh = _mesh(client, str(file), **reading)
+            mesh = _sent(client, file, options.name, **reading)
             for warning in mesh.warnings:
-                people.print(f"{file}: {warning}", style="yellow", markup=False)
+                people.print(printable(f"{file}: {warning}"), style="yellow", markup=False)
+            if options.name and mesh.name != options.name:
+                people.print(
+                    f"{file}: the server has it already, with the name {mesh.name!r}: "
+                    "'geodesic rename' gives it another", style="yellow", markup=False,
+                )  # fmt: skip
             results.print(mesh.id)
     return 0
 
@@ -303,27 +335,51 @@ def _list(options: argparse.Namespace) -> int:
             found = [client.fetch("GET", f"/v1/meshes/{mesh.id}").json() for mesh in meshes]
             print(json.dumps(found, indent=2))
             return 0
-    table = Table(box=None, pad_edge=False)
-    for column in ("id", "name", "vertices", "faces", "format", "bytes"):
-        numbers = column in ("vertices", "faces", "bytes")
-        table.add_column(column, justify="right" if numbers else "left", no_wrap=True)
-    for mesh in meshes:
-        name = next((part.name for part in mesh.parts if part.name), "")
-        row = (mesh.id, name, mesh.vertices, mesh.faces, mesh.format, mesh.bytes)
-        if results.is_terminal:
-            table.add_row(
-                mesh.id[:16], name, *(f"{v:,}" if isinstance(v, int) else v for v in row[2:])
-            )
-        else:
-            print(*row, sep="\t")
     if results.is_terminal:
-        results.print(table)
+        results.print(_shown(meshes))
+        return 0
+    for mesh in meshes:
+        sizes = (mesh.vertices, mesh.faces, mesh.format, mesh.bytes)
+        print(mesh.id, mesh.name or "", *sizes, reading_text(mesh.reading), sep="\t")
+    return 0
+
+
+def _shown(meshes: Sequence[Mesh]) -> Table:
+    """The list for a terminal. Ids are as short as tells them apart, and as other commands take
+    them."""
+    short = short_ids(mesh.id for mesh in meshes)
+    table = Table(box=None, pad_edge=False)
+    columns = ["id", "name", "vertices", "faces", "format", "bytes"]
+    if any(mesh.reading for mesh in meshes):  # two readings of one file have one name
+        columns.append("read with")
+    for column in columns:
+        wide = column in ("name", "read with")
+        numbers = column in ("vertices", "faces", "bytes")
+        table.add_column(
+            column,
+            justify="right" if numbers else "left",
+            no_wrap=not wide,
+            overflow="fold",
+            min_width=None if wide else len(column),
+        )
+    for mesh in meshes:
+        sizes = (f"{mesh.vertices:,}", f"{mesh.faces:,}", mesh.format, f"{mesh.bytes:,}")
+        read = (reading_text(mesh.reading),) if len(columns) == 7 else ()
+        cells = (short[mesh.id], printable(mesh.name or ""), *sizes, *read)
+        table.add_row(*(Text(cell) for cell in cells))
+    return table
+
+
+def _rename(options: argparse.Namespace) -> int:
+    with connect(options) as client:
+        mesh = client.mesh(options.mesh).rename(options.name)
+    results.print(mesh.id)
     return 0
 
 
 def _delete(options: argparse.Namespace) -> int:
     with connect(options) as client:
-        for whole in [_whole_id(client, name) for name in options.mesh]:
+        for whole in [client.run(mesh_id(name)) for name in options.mesh]:
             client.fetch("DELETE", f"/v1/meshes/{whole}")
             results.print(whole)
     return 0
@@ -338,13 +394,10 @@ def _distance(options: argparse.Namespace) -> int:
         else:
             field = mesh.distance(sources, **asked)
     if options.output is None:
-        print("\n".join(_number(value) for value in field))
+        print("\n".join(numbers(field)))
         return 0
     if options.output.suffix == ".csv":
-        numbered = np.column_stack([np.arange(len(field)), field])
-        np.savetxt(
-            options.output, numbered, ["%d", "%.17g"], ",", header="index,distance", comments=""
-        )
+        _save_csv(options.output, "index,distance", map(str, range(len(field))), numbers(field))
     else:
         _require(options.output, (".npy",))
         np.save(options.output, field)
@@ -354,13 +407,9 @@ def _distance(options: argparse.Namespace) -> int:
     return 0
 
 
-def _number(value: float) -> str:
-    """As few digits as read back to the same number."""
-    return np.format_float_positional(value, trim="-")
-
-
-def _save_csv(file: Path, rows: Float64, header: str, kinds: list[str]) -> None:
-    np.savetxt(file, rows, kinds, ",", header=header, comments="")
+def _save_csv(file: Path, header: str, *columns: Iterable[str]) -> None:
+    lines = (",".join(row) for row in zip(*columns, strict=True))
+    file.write_text("\n".join([header, *lines]) + "\n", encoding="utf-8")
 
 
 def _require(file: Path, endings: tuple[str, ...]) -> None:
@@ -383,7 +432,7 @@ def _path(options: argparse.Namespace) -> int:
     if not path.reachable:
         people.print("geodesic: there is no path", style="red")
         return 1
-    print(_number(path.length))
+    print(number(path.length))
     if options.output is not None:
         _save_path(options.output, path)
     return 0
@@ -391,16 +440,17 @@ def _path(options: argparse.Namespace) -> int:
 
 def _save_path(file: Path, path: Any) -> None:
     if file.suffix == ".csv":
-        rows = np.column_stack([path.points, path.faces, path.along])
-        _save_csv(file, rows, "x,y,z,face,along", ["%.17g"] * 3 + ["%d", "%.17g"])
+        columns = [numbers(axis) for axis in path.points.T]
+        faces = map(str, path.faces.tolist())
+        _save_csv(file, "x,y,z,face,along", *columns, faces, numbers(path.along))
     elif file.suffix == ".npy":
         np.save(file, path.points)
     elif file.suffix == ".json":
         document = {
-            "length": path.length,
-            "points": path.points.tolist(),
+            "length": float(number(path.length)),
+            "points": short(path.points).tolist(),
             "faces": path.faces.tolist(),
-            "bary": [None if np.isnan(b).any() else b.tolist() for b in path.bary],
+            "bary": [None if np.isnan(b).any() else b.tolist() for b in short(path.bary)],
         }
         file.write_text(json.dumps(document) + "\n", encoding="utf-8")
 
@@ -414,7 +464,7 @@ def _table(options: argparse.Namespace) -> int:
     print(",".join(["", *quoted]))
     for name, row in zip(sources, table, strict=True):
         first = f'"{name}"' if "," in name else name
-        print(",".join([first, *(_number(value) for value in row)]))
+        print(",".join([first, *numbers(row)]))
     return 0
 
 
@@ -426,7 +476,7 @@ def _plot(options: argparse.Namespace) -> int:
         azimuth, _, elevation = view.partition(",")
         view = (float(azimuth), float(elevation))
     with mesh_of(options) as mesh, bar("distances") as progress:
-        title = None if re.fullmatch("[0-9a-f]{64}", options.mesh) else Path(options.mesh).name
+        title = Path(options.mesh).name if Path(options.mesh).exists() else None
         figure = plot(
             mesh,
             _points(options.sources),
@@ -463,8 +513,7 @@ def _serve(options: argparse.Namespace) -> int:
         url = server.start()
         with Client(url) as client:
             for file in options.file:
-                mesh = _mesh(client, str(file))
-                print(f"{mesh.id}  {file}", file=sys.stderr)
+                print(f"{_sent(client, file).id}  {file}", file=sys.stderr)
         print(f"listening on {url}", flush=True)
         return server.wait()
     finally:

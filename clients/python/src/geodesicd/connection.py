@@ -10,6 +10,7 @@ from typing import Any
 
 import httpx
 
+from . import hints
 from .errors import ConnectionFailed
 from .flows import Request
 from .mesh_input import UploadBody
@@ -83,27 +84,15 @@ async def _async_chunks(body: UploadBody) -> AsyncIterator[bytes]:
         yield chunk
 
 
-def failure(error: httpx.TransportError, request: Request, url: str) -> ConnectionFailed:
+def failure(error: httpx.RequestError, request: Request, url: str) -> ConnectionFailed:
     """httpx's failure as ours, which says where, and what to do."""
     not_sent = isinstance(error, httpx.ConnectError | httpx.ConnectTimeout | httpx.PoolTimeout)
-    silent = isinstance(error, httpx.ReadTimeout)
     detail = str(error) or type(error).__name__
-    if silent:
-        hint = (
-            "It may still be computing: give Client a longer timeout=, or the query a progress=, "
-            "which makes it a job"
-        )
-    elif not_sent:
-        hint = (
-            "Is a server running there? Start one with 'geodesic serve', or name another: "
-            "Client(url), --url or $GEODESICD_URL"
-        )
-    else:
-        hint = "The connection broke: ask again, and look into the server's log if it breaks again"
     return ConnectionFailed(
         f"{address(url)} gave no reply to {request.method} {request.target.partition('?')[0]}: "
         f"{detail}",
         sent=not not_sent,
-        timeout=silent,
-        hint=hint,
+        timeout=isinstance(error, httpx.ReadTimeout),
+        lasting=hints.is_lasting(error),
+        hint=hints.of_failure(error),
     )

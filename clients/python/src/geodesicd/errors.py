@@ -7,25 +7,12 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-# What to do about a code, where the server's own sentence does not say it.
-_HINTS = {
-    "mesh_unknown": "Upload it, again if it was deleted; client.meshes() lists what is there",
-    "unauthorized": "Give a token: Client(token=), --token or $GEODESICD_TOKEN",
-    "forbidden": "Give a token with that scope: Client(token=), --token or $GEODESICD_TOKEN",
-    "method_unknown": "client.methods() lists them",
-    "too_large": "Asking again will not help: ask for less at once, or start the server with more",
-    "too_many_vertices": "Simplify the mesh, or start the server with a larger --max-vertices",
-    "too_many_faces": "Simplify the mesh, or start the server with a larger --max-faces",
-    "too_much_memory": "Asking again will not help: give method='auto', a tolerance or a nearer "
-    "max, or start the server with a larger --query-memory-bytes",
-    "external_uri": "Upload the .gltf file by its path: the files that it names are sent with it",
-    "store_full": "Asking again will not help: delete meshes, or start the server with a larger "
-    "--store-max-bytes",
-    "deadline": "Give a longer deadline=, or a method that is faster",
-    "overloaded": "Ask later, or give Client more patience: retries=Retries(attempts=)",
-    "too_many_requests": "Ask for less at a time, or later: retries=Retries(attempts=)",
-    "draining": "The server is about to stop: ask again once it has been started",
-}
+from . import hints
+
+
+def printable(text: str) -> str:
+    """A text from outside without what would steer a terminal."""
+    return "".join(letter if letter.isprintable() else "?" for letter in text)
 
 
 class GeodesicError(Exception):
@@ -70,15 +57,13 @@ class GeodesicError(Exception):
     @property
     def hint(self) -> str | None:
         """What to do next."""
-        if self.code.startswith("http_"):
-            return "This is no reply of geodesicd's own: is that address one, and what is between?"
-        return _HINTS.get(self.code)
+        return hints.of_error(self.status, self.code, self.detail, self.limit)
 
     def __str__(self) -> str:
         return self._sentence()
 
     def _sentence(self) -> str:
-        text = f"{self.code}: {self.detail}"
+        text = f"{self.code}: {self.detail}".rstrip(".")
         notes = []
         if self.parameter is not None:
             notes.append(f"parameter {self.parameter}")
@@ -88,11 +73,13 @@ class GeodesicError(Exception):
             notes.append(f"actual {self.actual}")
         if self.request_id is not None:
             notes.append(f"request {self.request_id}")
-            if self.server is not None:
-                notes.append(f"server {self.server}")
+        if self.server is not None and self.server not in self.detail:
+            notes.append(f"server {self.server}")
         if notes:
             text += f" ({', '.join(notes)})"
-        return text if self.hint is None else f"{text}. {self.hint}."
+        if self.hint is not None:
+            text += f". {self.hint}{'' if self.hint.endswith('?') else '.'}"
+        return printable(text)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Exceptions cross process pools by pickle, which would call __init__ with the sentence.
@@ -106,7 +93,11 @@ class GeodesicError(Exception):
         return error
 
 
-class PrecisionWarning(UserWarning):
+class GeodesicWarning(UserWarning):
+    """An answer that may not be what was meant, such as of a point far from the surface."""
+
+
+class PrecisionWarning(GeodesicWarning):
     """The positions of an upload are too coarse for its edges, so distances are wrong."""
 
 
@@ -133,14 +124,22 @@ class JobCancelled(GeodesicError):
 class ConnectionFailed(GeodesicError):
     """No reply: the server is not there, hung up, or was silent for too long.
 
-    ``sent`` tells whether the request may have reached it.
+    ``sent`` tells whether the request may have reached it, ``timeout`` whether it was silent for
+    too long, and ``lasting`` whether it would fail alike if it were asked again.
     """
 
     def __init__(
-        self, detail: str, *, sent: bool, timeout: bool = False, hint: str | None = None
+        self,
+        detail: str,
+        *,
+        sent: bool,
+        timeout: bool = False,
+        lasting: bool = False,
+        hint: str | None = None,
     ) -> None:
         self.sent = sent
         self.timeout = timeout
+        self.lasting = lasting
         self._hint = hint
         super().__init__(0, "connection_failed", detail)
 
@@ -164,11 +163,12 @@ def error_of(status: int, headers: Mapping[str, str], body: bytes | bytearray) -
     return error_of_problem(
         {"status": status, "request_id": headers.get("x-request-id"), **problem},
         retry_after=seconds_of(headers.get("retry-after")),
+        location=headers.get("location"),
     )
 
 
 def error_of_problem(
-    problem: Mapping[str, Any], *, retry_after: float | None = None
+    problem: Mapping[str, Any], *, retry_after: float | None = None, location: str | None = None
 ) -> GeodesicError:
     """The exception for a problem document, such as a batch has for a line."""
     status = int(problem.get("status", 0))
@@ -187,13 +187,25 @@ def error_of_problem(
     return kind(
         status,
         code,
-        str(problem.get("detail") or problem.get("title") or f"the reply has status {status}"),
+        str(problem.get("detail") or problem.get("title") or _bare(status, location)),
         parameter=problem.get("parameter"),
         limit=problem.get("limit"),
         actual=problem.get("actual"),
         request_id=problem.get("request_id"),
         retry_after=retry_after,
     )
+
+
+def _bare(status: int, location: str | None) -> str:
+    """What can be told of a reply without a problem document."""
+    where = f" and sends to {location}" if location and 300 <= status < 400 else ""
+    return f"the reply has status {status}{where}"
+
+
+def not_understood(status: int, error: Exception) -> GeodesicError:
+    """The exception for a reply that should be an answer, and is none."""
+    detail = f"the reply is not what was asked for ({type(error).__name__}: {error})"
+    return GeodesicError(status, f"http_{status}", detail)
 
 
 def refusal(error: GeodesicError, where: str) -> GeodesicError:

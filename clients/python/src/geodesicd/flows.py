@@ -8,12 +8,21 @@ from __future__ import annotations
 import contextlib
 import json
 import random
+import struct
 from collections.abc import Callable, Generator
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias, TypeVar
 
-from .errors import ConnectionFailed, JobCancelled, NotFound, Overloaded, error_of
+from .errors import (
+    ConnectionFailed,
+    JobCancelled,
+    NotFound,
+    Overloaded,
+    error_of,
+    not_understood,
+)
 from .mesh_input import UploadBody
+from .remarks import remark, remarks_in
 from .wire import Reply
 
 T = TypeVar("T")
@@ -96,12 +105,13 @@ def _sent(request: Request, retries: Retries) -> Flow[Reply]:
             reply: Reply = yield Send(request)
         except ConnectionFailed as failure:
             # A silence was an answer that took too long: asking again would only double it.
-            again = not failure.timeout and (request.idempotent or not failure.sent)
+            vain = failure.timeout or failure.lasting
+            again = not vain and (request.idempotent or not failure.sent)
             pause = retries.pause(attempt, None) if again else None
             if pause is None:
                 raise
         else:
-            if reply.status < 400:
+            if reply.status < 300 or reply.status == 304:
                 return reply
             error = error_of(reply.status, reply.headers, reply.body)
             again = isinstance(error, Overloaded)
@@ -137,12 +147,17 @@ def with_retries(flow: Flow[T], retries: Retries) -> Flow[T]:
 def ask(
     request: Request, decode: Callable[[Reply], T], progress: Progress | None = None
 ) -> Flow[T]:
-    """Sends a request and decodes its reply. With ``progress``, the server makes it a job."""
+    """Sends a request and decodes its reply, warning of what the server remarks on it. With
+    ``progress``, the server makes it a job."""
     if progress is None:
         reply = yield Send(request)
     else:
         reply = yield from _as_job(request, progress)
-    return decode(reply)
+    remark(remarks_in(reply.headers))
+    try:
+        return decode(reply)
+    except (ValueError, LookupError, TypeError, struct.error) as error:
+        raise not_understood(reply.status, error) from None
 
 
 def part_of(progress: Progress | None, base: float, part: float) -> Progress | None:

@@ -232,6 +232,7 @@ def local(
     *,
     binary: str | os.PathLike[str] | None = None,
     flags: Sequence[str] = (),
+    name: str | None = None,
     progress: Progress | None = None,
     **reading: Unpack[Reading],
 ) -> Mesh:
@@ -243,7 +244,7 @@ def local(
             :meth:`Client.upload` takes.
         binary: the server's program, as of :func:`serve`.
         flags: more flags for it; other flags are another server.
-        progress, reading: as of :meth:`Client.upload`.
+        name, progress, reading: as of :meth:`Client.upload`.
 
     Raises:
         FileNotFoundError: there is no such program; the message says how to get one.
@@ -251,7 +252,7 @@ def local(
     """
     client = _shared_client(binary, flags)
     body = body_of(mesh, faces)
-    found = client.run(service.upload(body, progress, reading=reading))
+    found = client.run(service.upload(body, progress, reading=reading, name=name))
     warn_of_rounding(body, found, reading, stacklevel=3)  # which names the caller's line
     return Mesh(client, found)
 

@@ -19,6 +19,7 @@ from .glb import glb_bytes
 from .gltf_files import buffer_files, form
 
 _CHUNK = 1 << 18
+_LONGEST_NAME = 200  # bytes
 
 
 class UploadBody:
@@ -29,6 +30,7 @@ class UploadBody:
         digest: their SHA-256 in hexadecimal, a mesh's id.
         positions: (n, 3) what they were made of, if that was arrays.
         form: the media type, if this is a form of several files: then ``digest`` is no mesh's id.
+        name: what to call the mesh, if that is known: the file's name.
     """
 
     def __init__(
@@ -36,10 +38,12 @@ class UploadBody:
         *source: bytes | Path,
         positions: NDArray[Any] | None = None,
         form: str | None = None,
+        name: str | None = None,
     ) -> None:
         self._source = source
         self.positions = positions
         self.form = form
+        self.name = name
         self.progress: Callable[[float], None] | None = None
         digest = hashlib.sha256()
         self.length = 0
@@ -116,8 +120,19 @@ def _of_file(file: Path) -> UploadBody:
     """A file, and with a .gltf file those that it has its buffers in."""
     if file.suffix.lower() == ".gltf" and file.is_file() and (files := buffer_files(file)):
         media_type, pieces = form(file, files)
-        return UploadBody(*pieces, form=media_type)
-    return UploadBody(file)
+        return UploadBody(*pieces, form=media_type, name=_name_of(file))
+    return UploadBody(file, name=_name_of(file))
+
+
+def _name_of(file: Path) -> str | None:
+    """What a mesh is called by its file: the file's name, unless the contract forbids that."""
+    name = file.name
+    try:
+        size = len(name.encode())
+    except UnicodeEncodeError:  # no UTF-8, and so no text
+        return None
+    controls = any(ord(letter) < 32 or ord(letter) == 127 for letter in name)
+    return None if size > _LONGEST_NAME or controls else name
 
 
 def warn_of_rounding(

@@ -49,8 +49,10 @@ class Metadata:
     """A mesh's metadata as attributes.
 
     Attributes:
-        id: the SHA-256 of the file, 64 hexadecimal digits; ``~`` and 12 more behind it where it
+        id: the SHA-256 of the file, 64 hexadecimal digits; ``~`` and 32 more behind it where it
             was read in a way of its own.
+        name: what the mesh is called, or None. It is no part of the id, and two meshes may have
+            the same.
         bytes: the file's size.
         format: ``"glb"``, ``"gltf"``, ``"drc"``, ``"obj"``, ``"ply"`` or ``"stl"``.
         vertices, faces: how many source vertices and faces there are.
@@ -69,6 +71,7 @@ class Metadata:
     """
 
     id: str
+    name: str | None
     bytes: int
     format: str
     vertices: int
@@ -93,7 +96,9 @@ class Metadata:
 
     def _read(self, reply: Mapping[str, Any]) -> None:
         for name in Metadata.__annotations__:
-            setattr(self, name, reply[_IN_REPLY.get(name, name)])
+            if name != "name":
+                setattr(self, name, reply[_IN_REPLY.get(name, name)])
+        self.name = reply.get("name")
         box = reply["bbox"]
         self.bbox = np.array([box["min"], box["max"]], dtype=np.float64)
         self.parts = tuple(
@@ -106,4 +111,6 @@ class Metadata:
         )
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} {self.id[:12]} {self.vertices} vertices {self.faces} faces>"
+        called = "" if self.name is None else f" {self.name!r}"
+        sizes = f"{self.vertices} vertices {self.faces} faces"
+        return f"<{type(self).__name__}{called} {self.id[:12]} {sizes}>"

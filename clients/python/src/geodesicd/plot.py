@@ -1,5 +1,5 @@
 """A picture of a distance field with isolines and a path, by matplotlib (install
-``geodesicd[plot]``): shaded, what is behind hidden, with a colour bar in mesh units.
+the extra ``plot``): shaded, what is behind hidden, with a colour bar in mesh units.
 
     from geodesicd.plot import plot
     plot(mesh, 0, target=9999).savefig("field.png")
@@ -46,7 +46,7 @@ def plot(
     method: str | None = None,
     bound: str | None = None,
     tolerance: float | None = None,
-    refine: Refine = "shortest",
+    refine: Refine | None = None,
     isolines: int = 12,
     view: str | View | None = None,
     up: Literal["y", "z"] = "y",
@@ -107,7 +107,8 @@ def plot(
 
 
 def _title(mesh: Mesh, name: str | None, method: str, path: Path | None) -> str:
-    name = name or next((part.name for part in mesh.parts if part.name), mesh.id[:12])
+    named = (mesh.name, *(part.name for part in mesh.parts), mesh.id[:12])
+    name = name or next(one for one in named if one)
     title = f"{name} · {mesh.vertices:,} vertices · {method}"
     if path is not None:
         title += f" · path {path.length:.5g}" if path.reachable else " · target out of reach"
@@ -141,7 +142,7 @@ def draw(
         from matplotlib.colors import Normalize
         from matplotlib.figure import Figure
     except ImportError as error:
-        raise ImportError("pictures need matplotlib: pip install 'geodesicd[plot]'") from error
+        raise ImportError("pictures need matplotlib: pip install matplotlib") from error
 
     figure = Figure(figsize=size, dpi=dpi, facecolor="white", layout="constrained")
     axes = figure.add_subplot()

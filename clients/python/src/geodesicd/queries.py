@@ -21,6 +21,7 @@ from numpy.typing import DTypeLike
 from . import wire
 from .encoding import as_bound, as_points, encode, format_of, milliseconds
 from .flows import Flow, Progress, Request, ask
+from .pieces import in_pieces
 from .points import Point, PointLike, PointsLike, Triple, point_of, points_of, triple
 from .results import (
     Answer,
@@ -131,16 +132,20 @@ def distance_at(
         raise ValueError("distance_at needs at least one point")
     parameters = {
         "from": points_of(sources),
-        "at": asked,
         "max": as_bound(max),
         "method": method,
         "points_per_edge": points_per_edge,
         "bound": bound,
         "tolerance": tolerance,
-        "deadline_ms": milliseconds(deadline),
         "format": "f64",
     }
-    return ask(encode(mesh, "distance", parameters), wire.array, progress)
+
+    def some(at: list[Point], seconds: float | None, part: Progress | None) -> Flow[FloatArray]:
+        more = {"at": at, "deadline_ms": milliseconds(seconds)}
+        return ask(encode(mesh, "distance", {**parameters, **more}), wire.array, part)
+
+    found = yield from in_pieces(asked, "at", some, deadline, progress)
+    return found[0] if len(found) == 1 else np.concatenate(found)
 
 
 def path(
@@ -277,8 +282,15 @@ def nearest(
 ) -> Flow[list[SurfacePoint]]:
     """Where on the surface points are: the closest points of places in space, the first hits
     of rays."""
-    parameters = {"point": points_of(points), "deadline_ms": milliseconds(deadline)}
-    return ask(encode(mesh, "nearest", parameters), wire.nearest_of_json, progress)
+
+    def some(
+        asked: list[Point], seconds: float | None, part: Progress | None
+    ) -> Flow[list[SurfacePoint]]:
+        parameters = {"point": asked, "deadline_ms": milliseconds(seconds)}
+        return ask(encode(mesh, "nearest", parameters), wire.nearest_of_json, part)
+
+    found = yield from in_pieces(points_of(points), "point", some, deadline, progress)
+    return [point for piece in found for point in piece]
 
 
 def picture(

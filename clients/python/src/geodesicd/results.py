@@ -94,6 +94,10 @@ class Path(_Line):
     def __len__(self) -> int:
         return len(self.points)
 
+    def __repr__(self) -> str:
+        what = f"{self.length:g} long, {len(self)} points" if self.reachable else "there is none"
+        return f"<Path {what}, {self.method}>"
+
     @property
     def along(self) -> Float64:
         """(n,) the length of the path up to each point, mesh units."""
@@ -121,6 +125,9 @@ class Trace(_Line):
     source: SurfacePoint
     target: SurfacePoint
 
+    def __repr__(self) -> str:
+        return f"<Trace {self.length:g} long, {len(self.points)} points, ends by {self.end}>"
+
 
 @dataclass(frozen=True, eq=False)
 class Isoline(_Line):
@@ -137,6 +144,12 @@ class Isoline(_Line):
     closed: bool
     length: float
     points: Float64
+
+    def __repr__(self) -> str:
+        kind = "closed" if self.closed else "open"
+        return (
+            f"<Isoline at {self.level:g}, {kind}, {self.length:g} long, {len(self.points)} points>"
+        )
 
     @property
     def polyline(self) -> Float64:
@@ -165,6 +178,9 @@ class Samples:
 
     def __len__(self) -> int:
         return len(self.vertices)
+
+    def __repr__(self) -> str:
+        return f"<Samples {len(self)} vertices, covering radius {self.covering_radius:g}>"
 
 
 class Geometry(NamedTuple):

@@ -1,8 +1,9 @@
-"""The calls that are no queries: uploading, listing and deleting meshes, and what the server
-says of itself."""
+"""The calls that are no queries: uploading, listing, renaming and deleting meshes, and what the
+server says of itself."""
 
 from __future__ import annotations
 
+import json
 from typing import Any, Literal, TypedDict
 from urllib.parse import urlencode
 
@@ -28,33 +29,46 @@ def upload(
     *,
     probe: bool = True,
     reading: Reading | None = None,
+    name: str | None = None,
 ) -> Flow[dict[str, Any]]:
     """Sends a mesh; its metadata. ``probe`` asks first, by the digest, whether the server has it
-    already, unless it is to be read in a way of its own. ``progress``: the first half is sending,
-    the second the server's work on it."""
+    already, unless it is to be read in a way of its own. ``name`` is what to call the mesh, if it
+    has no name yet; without it, the body's. ``progress``: the first half is sending, the second
+    the server's work on it."""
     reading = reading or {}
+    called = body.name if name is None else name
     if unknown := reading.keys() - Reading.__annotations__.keys():
         raise TypeError(f"upload() got an unexpected keyword argument {min(unknown)!r}")
     # A form's id is that of the one file that the server makes of it.
     where = "/v1/meshes" if body.form else f"/v1/meshes/{body.digest}"
-    if reading:
-        where += "?" + urlencode(reading)
-    elif probe and not body.form:
+    parameters: dict[str, Any] = {**reading, **({"name": called} if called else {})}
+    target = f"{where}?{urlencode(parameters)}" if parameters else where
+    if probe and not reading and not body.form:
         try:
             yield Send(Request("HEAD", where))
         except (NotFound, NotAllowed):
             pass  # a token may allow to upload and not to ask
         else:
             known = yield from metadata(body.digest)
+            if called and not known.get("name"):
+                known = yield from _named(known, called)
             if progress is not None:
                 progress(1.0)
             return known
     media_type = body.form or "application/octet-stream"
-    sending = Request("POST" if body.form else "PUT", where, {"Content-Type": media_type}, body)
+    sending = Request("POST" if body.form else "PUT", target, {"Content-Type": media_type}, body)
     if progress is None:
         return (yield from ask(sending, _object))
     body.progress = lambda sent: progress(sent / 2)
     return (yield from ask(sending, _object, lambda done: progress(0.5 + done / 2)))
+
+
+def _named(known: dict[str, Any], name: str) -> Flow[dict[str, Any]]:
+    """A mesh that has no name gets one, as sending its file again would give it."""
+    try:
+        return (yield from rename(known["id"], name))
+    except NotAllowed:  # a token may allow to ask and not to change
+        return known
 
 
 def _object(reply: Reply) -> dict[str, Any]:
@@ -83,6 +97,14 @@ def meshes(page_size: int = 1000) -> Flow[list[dict[str, Any]]]:
 def prepare(mesh: str, progress: Progress | None = None) -> Flow[dict[str, Any]]:
     """Builds now what queries need, so that the first is quick; the mesh's metadata then."""
     return ask(Request("POST", f"/v1/meshes/{mesh}/prepare"), _object, progress)
+
+
+def rename(mesh: str, name: str) -> Flow[dict[str, Any]]:
+    """Gives a mesh a name, in place of one that it has; an empty one takes that away. Its metadata
+    then."""
+    body = json.dumps({"name": name}).encode()
+    headers = {"Content-Type": "application/json"}
+    return ask(Request("PATCH", f"/v1/meshes/{mesh}", headers, body), _object)
 
 
 def delete(mesh: str) -> Flow[None]:

@@ -3,7 +3,7 @@
  * once, kept for as long as the tab lives, sent in its header and nowhere else.
  */
 import { GeodesicClient, GeodesicError } from 'geodesicd-client';
-import { element } from './element.ts';
+import { ask } from './dialog.ts';
 
 const KEPT = 'geodesicd-token';
 
@@ -20,7 +20,8 @@ export class Access {
 
   #make(retries: number): GeodesicClient {
     const token = sessionStorage.getItem(KEPT);
-    return new GeodesicClient(undefined, { retries, maxRetryWait: 5000, ...(token ? { token } : {}) });
+    // Beside the page, which need not be at the root of its host.
+    return new GeodesicClient(new URL('.', location.href).href, { retries, maxRetryWait: 5000, ...(token ? { token } : {}) });
   }
 
   /** What can be done about an error by a token; undefined where nothing. */
@@ -30,28 +31,16 @@ export class Access {
   }
 
   #ask(): void {
-    const input = element('input', { type: 'password', autocomplete: 'off', required: true, name: 'token' });
-    const dialog = element(
-      'dialog',
-      { className: 'dialog', aria: { label: 'Token' } },
-      element(
-        'form',
-        {
-          method: 'dialog',
-          onsubmit: () => {
-            sessionStorage.setItem(KEPT, input.value.trim());
-            this.client = this.#make(2);
-            this.probe = this.#make(0);
-            this.#changed();
-          },
-        },
-        element('h2', null, 'Token'),
-        element('label', { className: 'stacked' }, 'As whoever runs the server gave it to you', input),
-        element('div', { className: 'row' }, element('button', { type: 'submit', className: 'primary' }, 'Use it')),
-      ),
-    );
-    dialog.onclose = () => dialog.remove();
-    document.body.append(dialog);
-    dialog.showModal();
+    ask({
+      title: 'Token',
+      input: { label: 'As whoever runs the server gave it to you', properties: { type: 'password', required: true, name: 'token' } },
+      yes: 'Use it',
+      run: (token) => {
+        sessionStorage.setItem(KEPT, token);
+        this.client = this.#make(2);
+        this.probe = this.#make(0);
+        this.#changed();
+      },
+    });
   }
 }

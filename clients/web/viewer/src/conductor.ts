@@ -9,10 +9,14 @@ import { troubleOf } from './messages.ts';
 import { Newest } from './newest.ts';
 import type { Notices } from './notices.ts';
 import {
-  computing, fieldKey, fieldQuestion, Questions, type FieldQuestion, type PathQuestion,
+  computing, fieldKey, fieldQuestion, pathKey, Questions, type FieldQuestion, type PathQuestion,
 } from './questions.ts';
+import { lookOf, type RegionLook } from './regions.ts';
 import { errorAgainst, type KnownField, type Results } from './results.ts';
-import type { Arrow, Measure, Spot, State, Store } from './state.ts';
+import { REGIONS, type Arrow, type Measure, type Spot, type State, type Store } from './state.ts';
+
+/** Milliseconds without a movement after which the path of a held point is at full strength again. */
+const AT_REST = 300;
 
 export class Conductor {
   readonly #questions: Questions;
@@ -23,6 +27,11 @@ export class Conductor {
   readonly #trace = new Newest<{ mesh: string; arrow: Arrow }>((asked, signal) => this.#askTrace(asked, signal));
   readonly #measures = new Newest<readonly Measure[]>((asked, signal) => this.#askMeasures(asked, signal));
   readonly #trials = new Newest<State>((asked, signal) => this.#askTrials(asked, signal));
+  /** Of which state the path is that is shown. */
+  #pathKey = '';
+  #held = false;
+  #moved = 0;
+  #strengthening = 0;
   readonly #paths = new Map<Measure, Path>();
 
   constructor(
@@ -39,7 +48,10 @@ export class Conductor {
       if (now.field !== before.field) this.#wantPath(this.state.value, false);
       if (now.surface !== before.surface && now.surface) this.askAgain();
     });
-    connection.onBack(() => this.askAgain());
+    connection.onBack(() => {
+      this.#questions.abandon(); // what the network took with it
+      this.askAgain();
+    });
   }
 
   /** Asks for whatever the state wants and the results lack. */
@@ -67,9 +79,21 @@ export class Conductor {
     if (field && field.method !== this.state.value.method) this.state.set({ method: field.method });
   }
 
+  /** Whoever asked is gone, or cannot hear: the server need not go on. */
+  abandon(): void {
+    this.#questions.abandon();
+    this.cancel();
+  }
+
   /** Without a change of the state. */
   cancel(): void {
     for (const running of [this.#field, this.#exact, this.#apart, this.#path, this.#trace, this.#measures, this.#trials]) running.cancel();
+  }
+
+  /** Whether a point is being dragged. */
+  hold(held: boolean): void {
+    this.#held = held;
+    this.#judge();
   }
 
   /** Tries every method on the present sources, for the list of methods. */
@@ -81,7 +105,7 @@ export class Conductor {
     if (now.mesh !== before.mesh) {
       this.cancel();
       this.#paths.clear();
-      this.results.set({ field: null, error: null, apart: null, trials: {}, path: null, pathMs: null, trace: null, measured: [] });
+      this.results.set({ field: null, error: null, apart: null, regions: null, trials: {}, path: null, stale: false, pathMs: null, trace: null, measured: [] });
       return; // whoever loads the mesh sets the surface, and then all is asked
     }
     const byOther = now.method !== before.method || now.pointsPerEdge !== before.pointsPerEdge;
@@ -104,7 +128,7 @@ export class Conductor {
     if (!question || !this.results.value.surface) {
       this.#field.cancel();
       this.#exact.cancel();
-      return this.results.set({ field: null, error: null });
+      return this.results.set({ field: null, error: null, regions: null });
     }
     if (this.results.value.field?.key !== fieldKey(question)) {
       const kept = this.#questions.kept(question);
@@ -113,12 +137,20 @@ export class Conductor {
         this.#show(kept);
       } else this.#field.ask(question, interrupt);
     }
-    const divided = now.show === 'regions' && now.sources.length > 1 && !this.#questions.isLong(now.method);
+    const divided = now.show === 'regions' && now.sources.length > 1 && now.sources.length <= REGIONS && !this.#questions.isLong(now.method);
     if (divided) this.#apart.ask(question);
     else this.#apart.cancel();
+    const { field, regions } = this.results.value;
+    if (field && !regions) this.results.set({ regions: this.#looks(field) });
     const exact = this.#exactOf(question);
     if (now.show !== 'error') this.#exact.cancel();
     else if (exact) this.#exact.ask(exact, interrupt);
+  }
+
+  /** Only where they are shown: it takes a look at every face. */
+  #looks({ labels, sources }: KnownField): RegionLook | null {
+    const { surface } = this.results.value;
+    return labels && surface && this.state.value.show === 'regions' ? lookOf(labels, surface.triangles, sources) : null;
   }
 
   /** The same question for the exact method. */
@@ -139,7 +171,7 @@ export class Conductor {
 
   #show(field: KnownField): void {
     const same = field.key === this.results.value.field?.key;
-    this.results.set({ field, error: null, ...(same ? {} : { apart: null }) });
+    this.results.set({ field, error: null, regions: this.#looks(field), ...(same ? {} : { apart: null }) });
     this.#note(field);
     this.#noteError(field);
   }
@@ -215,12 +247,14 @@ export class Conductor {
     if (!methods.length) return;
     if (!mesh || !target || !sources.length || !surface) {
       this.#path.cancel();
-      return this.results.set({ path: null, pathMs: null });
+      return this.results.set({ path: null, stale: false, along: null, pathMs: null });
     }
     const present = field?.key === fieldKey(fieldQuestion(now)!);
+    this.#moved = performance.now();
+    this.#judge();
     if (!present && (sources.length > 1 || this.#questions.isLong(method))) return; // asked once it has come
     const starts = this.#nearest(now, via[0] ?? target);
-    this.#path.ask({ mesh, from: starts[0]!, starts, via, to: target, method, pointsPerEdge, refine }, interrupt);
+    this.#path.ask({ mesh, from: starts[0]!, starts, via, to: target, method, pointsPerEdge, refine, key: pathKey(now) }, interrupt);
   }
 
   /** The sources of which one is nearest to a spot: one, or those that meet in its face. */
@@ -236,8 +270,26 @@ export class Conductor {
     await this.#attempt(signal, async () => {
       const path = await this.#questions.path(asked, signal, () => this.#path.cancel());
       if (!this.state.value.target) return;
-      this.results.set({ path, pathMs: computing(path.timing) });
+      this.#pathKey = asked.key;
+      const stale = this.results.value.stale || asked.key !== pathKey(this.state.value);
+      this.results.set({ path, stale, along: null, pathMs: computing(path.timing) });
+      this.#judge();
     });
+  }
+
+  /**
+   * A path of other points than the present ones is faded at once and for as long as it is
+   * shown, be it that none comes. What is dragged stays faded until it rests: it would flicker.
+   */
+  #judge(): void {
+    clearTimeout(this.#strengthening);
+    const { path, stale } = this.results.value;
+    if (!path) return;
+    if (this.#pathKey !== pathKey(this.state.value)) return this.results.set({ stale: true });
+    if (!stale) return;
+    const rest = this.#held ? this.#moved + AT_REST - performance.now() : 0;
+    if (rest <= 0) this.results.set({ stale: false });
+    else this.#strengthening = window.setTimeout(() => this.#judge(), rest);
   }
 
   #wantTrace({ mesh, arrow }: State): void {
@@ -274,7 +326,7 @@ export class Conductor {
     await this.#attempt(signal, async () => {
       for (const measure of asked) {
         if (this.#paths.has(measure)) continue;
-        const question = { ...measure, mesh, starts: [measure.from], pointsPerEdge };
+        const question = { ...measure, mesh, starts: [measure.from], pointsPerEdge, key: '' };
         this.#paths.set(measure, await this.#questions.path(question, signal, () => this.#measures.cancel()));
         const { measures } = this.state.value;
         this.results.set({ measured: measures.map((each) => this.#paths.get(each) ?? null) });

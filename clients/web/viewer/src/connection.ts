@@ -19,6 +19,7 @@ export class Connection {
     private readonly notices: Notices,
   ) {
     addEventListener('online', () => this.#lost && this.#ask());
+    addEventListener('offline', () => this.explains(new NetworkError('', 'offline')));
   }
 
   get lost(): boolean {

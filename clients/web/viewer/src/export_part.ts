@@ -6,6 +6,7 @@ import type { Results } from './results.ts';
 
 const KINDS: readonly { kind: ExportKind; label: string; title: string; has: (of: Results) => boolean }[] = [
   { kind: 'png', label: 'View · PNG', title: 'What you see, with its legend', has: ({ surface }) => surface !== null },
+  { kind: 'field.glb', label: 'Colours · GLB', title: 'The mesh, coloured by distance', has: ({ field }) => field !== null },
   { kind: 'path.glb', label: 'Path · GLB', title: 'A line strip for any 3D program', has: hasPath },
   { kind: 'path.json', label: 'Path · JSON', title: 'Points with their faces, as the server answered', has: hasPath },
   { kind: 'path.csv', label: 'Path · CSV', title: 'Points with the distance walked', has: hasPath },
@@ -21,7 +22,7 @@ export function exportPart({ results, actions }: Parts): HTMLElement {
     has,
     button: element('button', { type: 'button', title, onclick: () => actions.exported(kind) }, label),
   }));
-  const link = element('button', { type: 'button', title: 'It reproduces the mesh, the points and the view', onclick: actions.copyLink }, 'Copy link');
+  const link = element('button', { type: 'button', title: 'It reproduces the mesh, the points and the view', onclick: actions.copyLink }, 'Share link');
   const root = part('Export', false, element('div', { className: 'grid' }, ...buttons.map(({ button }) => button), link));
   const follow = () => {
     for (const { has, button } of buttons) button.disabled = !has(results.value);

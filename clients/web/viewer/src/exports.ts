@@ -6,13 +6,13 @@ import type { Path } from 'geodesicd-client';
 import type { Access } from './access.ts';
 import { colourAt } from './colour_maps.ts';
 import { legendOf } from './legend.ts';
+import { meshName } from './mesh_names.ts';
 import { letterOf, type Overlay } from './overlay.ts';
 import type { ExportKind } from './parts.ts';
 import { methodOf } from './questions.ts';
 import type { Results } from './results.ts';
 import type { Stage } from './stage.ts';
 import type { Spot, State } from './state.ts';
-import { Surface } from './surface.ts';
 
 export interface Exporting {
   readonly access: Access;
@@ -26,7 +26,7 @@ export interface Exporting {
 export async function exported(kind: ExportKind, from: Exporting): Promise<void> {
   const { results } = from;
   if (!results.surface) return;
-  const name = Surface.nameOf(results.surface.about).replaceAll(' ', '_');
+  const name = meshName(results.surface.about).replace(/\.(glb|gltf|drc|obj|ply|stl)$/i, '').replace(/[\s/\\:*?"<>|]/g, '_');
   const file = await MAKERS[kind](from);
   if (file) save(file, kind === 'png' ? `${name}.png` : `${name}.${kind}`);
 }
@@ -39,9 +39,13 @@ const MAKERS: Record<ExportKind, (from: Exporting) => Promise<Blob | null>> = {
     const query = { from: spotIn(from), via: via.map(spotIn), to: spotIn(to), refine, ...methodOf(state) };
     return new Blob([await access.client.glb(state.mesh, { of: 'path', ...query })], { type: 'model/gltf-binary' });
   },
+  'field.glb': async ({ access, state }) => {
+    const query = { from: state.sources, colormap: state.colours, ...methodOf(state) };
+    return new Blob([await access.client.glb(state.mesh!, { of: 'distance', ...query })], { type: 'model/gltf-binary' });
+  },
   'path.json': async ({ results: { path } }) => {
     if (!path) return null;
-    const { timing: _timing, cache: _cache, ...answered } = path;
+    const { timing: _timing, cache: _cache, warnings: _warnings, ...answered } = path;
     return text(JSON.stringify(answered, null, 1), 'application/json');
   },
   'path.csv': async ({ results: { path } }) => (path ? text(pathCsv(path), 'text/csv') : null),

@@ -6,17 +6,24 @@
  *
  * Attributes: `field` and `shade`, a number a vertex (mesh units; +Infinity where
  * unreached): isolines are those of `field`, colours those of `shade`. `regions0` and
- * `regions1`: a number for each of eight regions, of which the least wins.
+ * `regions1`: a number for each of eight regions, of which the least wins. Of more regions,
+ * `region`: which, and its slot; regions that touch are in different slots.
  */
-import { Color, DoubleSide, GLSL3, ShaderMaterial, Vector3 } from 'three';
+import { Color, DataTexture, DoubleSide, GLSL3, ShaderMaterial, Vector3 } from 'three';
 import { COLOUR_MAPS_GLSL, REGION_COLOURS, type ColourMap } from './colour_maps.ts';
 
 const VERTEX = /* glsl */ `
   in float field;
   in float shade;
   #ifdef REGIONS
-    in vec4 regions0;
-    in vec4 regions1;
+    #ifdef MANY
+      in vec2 region;
+      out vec4 vLabels0;
+      out vec4 vLabels1;
+    #else
+      in vec4 regions0;
+      in vec4 regions1;
+    #endif
     out vec4 vRegions0;
     out vec4 vRegions1;
   #endif
@@ -31,7 +38,15 @@ const VERTEX = /* glsl */ `
     // Infinity would make its neighbours NaN: far below 0 it is unreached all the same.
     vField = field < 1e30 ? field : -1e30;
     vShade = shade < 1e30 ? shade : 0.0;
-    #ifdef REGIONS
+    #ifdef MANY
+      // Within a face the share of a slot, and of its region's number the same share.
+      vec4 in0 = 1.0 - min(abs(vec4(0.0, 1.0, 2.0, 3.0) - region.y), 1.0);
+      vec4 in1 = 1.0 - min(abs(vec4(4.0, 5.0, 6.0, 7.0) - region.y), 1.0);
+      vRegions0 = 1.0 - in0;
+      vRegions1 = 1.0 - in1;
+      vLabels0 = in0 * region.x;
+      vLabels1 = in1 * region.x;
+    #elif defined(REGIONS)
       vRegions0 = regions0;
       vRegions1 = regions1;
     #endif
@@ -46,7 +61,11 @@ const FRAGMENT = /* glsl */ `
   #ifdef REGIONS
     in vec4 vRegions0;
     in vec4 vRegions1;
-    uniform vec3 regionColours[8];
+    uniform highp sampler2D regionColours;
+  #endif
+  #ifdef MANY
+    in vec4 vLabels0;
+    in vec4 vLabels1;
   #endif
   uniform vec3 clay;
   uniform float reveal;
@@ -95,15 +114,22 @@ const FRAGMENT = /* glsl */ `
       vec4 x0 = dFdx(vRegions0), y0 = dFdy(vRegions0), x1 = dFdx(vRegions1), y1 = dFdy(vRegions1);
       float best = vRegions0.x, second = 1e30;
       vec2 slope = vec2(x0.x, y0.x), slopeOfSecond = vec2(0.0);
-      vec3 hue = regionColours[0];
+      int won = 0;
       for (int i = 1; i < 8; i++) {
         float here = i < 4 ? vRegions0[i] : vRegions1[i - 4];
         vec2 slopeHere = i < 4 ? vec2(x0[i], y0[i]) : vec2(x1[i - 4], y1[i - 4]);
         if (here < best) {
           second = best; slopeOfSecond = slope;
-          best = here; slope = slopeHere; hue = regionColours[i];
+          best = here; slope = slopeHere; won = i;
         } else if (here < second) { second = here; slopeOfSecond = slopeHere; }
       }
+      #ifdef MANY
+        float number = (won < 4 ? vLabels0[won] : vLabels1[won - 4]) / max(1.0 - best, 1e-6);
+        int region = int(number + 0.5);
+      #else
+        int region = won;
+      #endif
+      vec3 hue = texelFetch(regionColours, ivec2(clamp(region, 0, textureSize(regionColours, 0).x - 1), 0), 0).rgb;
       float gap = second - best;
       float border = 1.0 - smoothstep(0.6, 1.6, gap / max(length(slopeOfSecond - slope), 1e-9));
       hue *= 0.78 + 0.22 * (1.0 - clamp(vField / most, 0.0, 1.0));
@@ -126,10 +152,13 @@ const FRAGMENT = /* glsl */ `
     colour = vec4(base, 1.0);
   }`;
 
-export type Painting = ColourMap | 'regions';
+/** `regions` by the distance from each of eight sources; `many` by the number of the nearest. */
+export type Painting = ColourMap | 'regions' | 'many';
 
 /** Clay by itself; `paint` says what a field is painted with. */
 export class FieldMaterial extends ShaderMaterial {
+  #colours: readonly string[] = REGION_COLOURS;
+
   constructor() {
     super({
       glslVersion: GLSL3,
@@ -143,7 +172,7 @@ export class FieldMaterial extends ShaderMaterial {
         most: { value: 1 },
         lineStep: { value: 0 },
         edgeWidth: { value: 1 },
-        regionColours: { value: REGION_COLOURS.map((text) => rgbOf(text)) },
+        regionColours: { value: coloursOf(REGION_COLOURS) },
       },
       // Lines and markers lie on the surface: it makes room for half their width.
       polygonOffset: true,
@@ -159,15 +188,24 @@ export class FieldMaterial extends ShaderMaterial {
 
   /** `most`: the value of the map's upper end; `lineStep`: between isolines, 0 for none. Mesh units. */
   paint(painting: Painting, most: number, lineStep: number): void {
-    const before = `${this.defines['MAP']}${'REGIONS' in this.defines}`;
-    if (painting === 'regions') this.defines['REGIONS'] = '';
-    else {
-      delete this.defines['REGIONS'];
-      this.defines['MAP'] = painting;
-    }
-    if (before !== `${this.defines['MAP']}${'REGIONS' in this.defines}`) this.needsUpdate = true;
+    const before = JSON.stringify(this.defines);
+    const byRegion = painting === 'regions' || painting === 'many';
+    this.defines = {
+      MAP: byRegion ? this.defines['MAP'] : painting,
+      ...(byRegion && { REGIONS: '' }),
+      ...(painting === 'many' && { MANY: '' }),
+    };
+    if (before !== JSON.stringify(this.defines)) this.needsUpdate = true;
     this.uniforms['most']!.value = Math.max(most, 1e-30);
     this.uniforms['lineStep']!.value = lineStep;
+  }
+
+  /** A colour for each region, such as `#e8835a`. */
+  setRegions(colours: readonly string[]): void {
+    if (colours === this.#colours) return;
+    this.#colours = colours;
+    this.uniforms['regionColours']!.value.dispose();
+    this.uniforms['regionColours']!.value = coloursOf(colours);
   }
 
   /** Up to which distance the field is shown; Infinity for all, -1 for clay only. */
@@ -175,6 +213,14 @@ export class FieldMaterial extends ShaderMaterial {
     this.uniforms['reveal']!.value = Math.min(distance, 1e30);
     this.uniforms['edgeWidth']!.value = edgeWidth;
   }
+}
+
+/** Colours side by side as texels; lighting is done in them as they are. */
+function coloursOf(texts: readonly string[]): DataTexture {
+  const bytes = texts.flatMap((text) => [...[1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16)), 255]);
+  const texture = new DataTexture(new Uint8Array(bytes), texts.length, 1);
+  texture.needsUpdate = true;
+  return texture;
 }
 
 function rgbOf(text: string): Vector3 {

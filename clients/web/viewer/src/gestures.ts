@@ -22,6 +22,8 @@ export interface GestureOptions {
   /** Told when a drag begins and ends. */
   readonly dragging: (handle: Handle | null) => void;
   readonly full: () => void;
+  /** Told where a mouse without buttons is, but for handles. */
+  readonly hovering: (at: { x: number; y: number } | null) => void;
 }
 
 export class Gestures {
@@ -71,11 +73,12 @@ export class Gestures {
 
   #move(event: PointerEvent): void {
     if (!this.#options) return;
-    const { stage, overlay } = this.#ready;
+    const { stage, overlay, hovering } = this.#ready;
     if (this.#held && event.pointerId === this.#pressed?.id) return this.#drag(this.#held, event);
     if (event.pointerType === 'mouse' && event.buttons === 0) {
       const over = overlay.handleAt(event.clientX, event.clientY, false);
       stage.canvas.classList.toggle('over-handle', over !== null);
+      hovering(over ? null : { x: event.clientX, y: event.clientY });
     }
   }
 
@@ -89,7 +92,7 @@ export class Gestures {
     const { picking, stage, state } = this.#ready;
     const hit = picking.at(event.clientX, event.clientY, stage.camera);
     const tool = pressed.shift && state.value.tool === 'source' ? 'add' : state.value.tool;
-    if (hit) this.#place(tool, hit.spot);
+    if (hit) this.place(tool, hit.spot);
   }
 
   #drop(): void {
@@ -101,7 +104,8 @@ export class Gestures {
     this.#options.dragging(null);
   }
 
-  #place(tool: Tool, spot: Spot): void {
+  /** Does with a place what the tool says. */
+  place(tool: Tool, spot: Spot): void {
     const { state, surface, full } = this.#ready;
     const { sources, via, target, arrow } = state.value;
     switch (tool) {
@@ -174,7 +178,7 @@ export class Gestures {
       Enter: () => {
         const { x, y } = this.middle;
         const hit = picking.at(x, y, stage.camera);
-        if (hit) this.#place(state.value.tool, hit.spot);
+        if (hit) this.place(state.value.tool, hit.spot);
       },
     };
     const move = moves[event.key];

@@ -1,5 +1,5 @@
 /** The legend: which colour is which distance, with round numbers, or which source. */
-import { colourAt, REGION_COLOURS, type ColourMap } from './colour_maps.ts';
+import { colourAt, REGION_COLOURS, regionColour, type ColourMap } from './colour_maps.ts';
 import { element } from './element.ts';
 import { lengthText, roundStep, shareText, tickText } from './numbers.ts';
 import type { Results } from './results.ts';
@@ -17,12 +17,14 @@ export interface LegendText {
   readonly note: string;
 }
 
-export function legendOf(state: State, { field, error }: Results): LegendText | null {
+export function legendOf(state: State, { field, error, regions }: Results): LegendText | null {
   if (!field || !(field.max > 0)) return null;
   const step = lineStepOf(field.max, state.lines);
   const note = step > 0 ? `Lines every ${tickText(step)}` : '';
   if (state.show === 'regions' && field.labels) {
-    const ticks = state.sources.map((_, index) => ({ at: 0, text: `${index + 1}`, colour: REGION_COLOURS[index]! }));
+    const shown = state.sources.slice(0, REGION_COLOURS.length);
+    const ticks = shown.map((_, index) => ({ at: 0, text: `${index + 1}`, colour: regions?.colours[index] ?? regionColour(index) }));
+    if (state.sources.length > shown.length) return { title: `Nearest of ${state.sources.length}`, map: null, ticks: ticks.map((tick) => ({ ...tick, text: '' })), note };
     return { title: 'Nearest source', map: null, ticks, note };
   }
   if (state.show === 'error') {

@@ -72,11 +72,12 @@ export function linkOf(state: State): string {
   for (const measure of state.measures) all.append('kept', measureText(measure));
   if (state.method !== START.method) all.set('method', state.method);
   if (state.pointsPerEdge !== null) all.set('points_per_edge', `${state.pointsPerEdge}`);
-  if (state.refine) all.set('refine', 'shortest');
+  if (!state.refine) all.set('refine', 'none');
   if (state.show !== START.show) all.set('show', state.show);
   if (state.colours !== START.colours) all.set('colours', state.colours);
   if (state.lines !== START.lines) all.set('lines', `${state.lines}`);
   if (!state.ticks) all.set('ticks', '0');
+  if (state.edges) all.set('edges', '1');
   if (state.up) all.set('up', state.up);
   if (state.camera) all.set('camera', state.camera.map((part) => Number(part.toFixed(4))).join(','));
   // Commas and semicolons may stand in a fragment; a link is for people's eyes, too.
@@ -100,11 +101,12 @@ export function stateIn(fragment: string): State {
     measures: all.getAll('kept').map(measureIn).filter((measure) => measure !== null),
     method: all.get('method') ?? START.method,
     pointsPerEdge: numberIn(all.get('points_per_edge'), 1, 64),
-    refine: all.get('refine') === 'shortest',
+    refine: all.get('refine') !== 'none',
     show: show === 'regions' || show === 'error' ? show : START.show,
     colours: all.get('colours') === 'turbo' ? 'turbo' : START.colours,
     lines: Math.round(numberIn(all.get('lines'), 0, 100) ?? START.lines),
     ticks: all.get('ticks') !== '0',
+    edges: all.get('edges') === '1',
     up: up === 'x' || up === 'y' || up === 'z' ? up : null,
     camera: numbersIn(all.get('camera'), 6),
   };

@@ -4,8 +4,9 @@ import { tickText } from './numbers.ts';
 import { choice, part } from './panel.ts';
 import type { Parts } from './parts.ts';
 import { lineStepOf } from './surface_view.ts';
+import { upOf } from './upright.ts';
 
-export function lookPart({ state, results }: Parts): HTMLElement {
+export function lookPart({ state, results, actions }: Parts): HTMLElement {
   const show = choice(
     'What colours show',
     [
@@ -28,6 +29,16 @@ export function lookPart({ state, results }: Parts): HTMLElement {
   const apart = element('output', null);
   const ticks = element('input', { type: 'checkbox', id: 'ticks' });
   ticks.onchange = () => state.set({ ticks: ticks.checked });
+  const edges = element('input', { type: 'checkbox', id: 'edges' });
+  edges.onchange = () => state.set({ edges: edges.checked });
+  const up = choice(
+    'Axis that is up',
+    [
+      { value: 'y', label: 'Y up', title: 'As in glTF (U)' },
+      { value: 'z', label: 'Z up', title: 'As in maps and most CAD programs (U)' },
+    ] as const,
+    actions.turn,
+  );
   const root = part(
     'Surface',
     true,
@@ -36,6 +47,8 @@ export function lookPart({ state, results }: Parts): HTMLElement {
     element('div', { className: 'labelled' }, element('label', { htmlFor: 'lines' }, 'Isolines'), apart),
     lines,
     element('label', { className: 'check', htmlFor: 'ticks' }, ticks, 'Distances along the path'),
+    element('label', { className: 'check', htmlFor: 'edges' }, edges, 'Edges of the mesh'),
+    element('div', { className: 'row view-row' }, up.root, element('button', { type: 'button', onclick: actions.fit, title: 'All of the mesh, as at first (F)' }, 'Reset view')),
   );
   const follow = () => {
     const now = state.value;
@@ -46,6 +59,9 @@ export function lookPart({ state, results }: Parts): HTMLElement {
     colours.set(now.colours);
     lines.value = `${now.lines}`;
     ticks.checked = now.ticks;
+    edges.checked = now.edges;
+    const { surface } = results.value;
+    if (surface) up.set((now.up ?? upOf(surface.about)) as 'y' | 'z');
     const step = lineStepOf(field?.max ?? 0, now.lines);
     apart.textContent = now.lines === 0 ? 'none' : step > 0 ? `every ${tickText(step)}` : '';
   };
@@ -54,7 +70,7 @@ export function lookPart({ state, results }: Parts): HTMLElement {
     if (now.show === 'regions' && now.sources.length < 2 && before.sources.length > 1) state.set({ show: 'distance' });
     else follow();
   });
-  results.listen((now, before) => now.field !== before.field && follow());
+  results.listen((now, before) => (now.field !== before.field || now.surface !== before.surface) && follow());
   follow();
   return root;
 }

@@ -2,12 +2,14 @@
  * Brings meshes onto the page: the server's list, one of them by its id, or a file that
  * is dropped or picked, with the progress of its way up.
  */
-import { digestOf, GeodesicError, type MeshMetadata } from 'geodesicd-client';
+import { digestOf, GeodesicError, type ArrivingGeometry, type MeshMetadata, type Reading } from 'geodesicd-client';
 import type { Access } from './access.ts';
 import type { Connection } from './connection.ts';
+import type { Dropped } from './entrance.ts';
+import { meshLabels, meshName } from './mesh_names.ts';
 import { troubleOf } from './messages.ts';
 import type { Notices } from './notices.ts';
-import { bytesText, countText } from './numbers.ts';
+import { bytesText } from './numbers.ts';
 import type { Results } from './results.ts';
 import type { Store } from './state.ts';
 import { Surface } from './surface.ts';
@@ -19,6 +21,7 @@ const MODEST = 200_000;
 
 export class Meshes {
   #loading: AbortController | null = null;
+  #uploading: AbortController | null = null;
 
   constructor(
     private readonly access: Access,
@@ -49,25 +52,42 @@ export class Meshes {
 
   /**
    * Puts a mesh into the results; whatever goes wrong is told. Answers whether it is there.
-   * `before` sees it first: with it in the results, questions about it are asked.
+   * `before` sees it first: with it in the results, questions about it are asked. `arriving`
+   * sees what has come of it meanwhile.
    */
-  async load(id: string, before: (surface: Surface) => void): Promise<boolean> {
+  async load(
+    id: string,
+    before: (surface: Surface) => void,
+    arriving: (about: MeshMetadata, part: ArrivingGeometry) => void,
+  ): Promise<boolean> {
     this.#loading?.abort();
     const loading = (this.#loading = new AbortController());
     const { signal } = loading;
     const progress = this.notices.begin('Fetching the mesh', () => loading.abort());
     try {
       const listed = this.results.value.meshes.find((mesh) => mesh.id === id);
+      // The one or the other may come first.
+      let known = listed;
+      let part: ArrivingGeometry | null = null;
+      const tell = () => { if (known && part) arriving(known, part); };
       const [about, { positions, triangles }] = await Promise.all([
-        listed ?? this.access.client.mesh(id, { signal }),
-        this.access.client.geometry(id, { values: 'f64', signal }),
+        listed ?? this.access.client.mesh(id, { signal }).then((mesh) => { known = mesh; tell(); return mesh; }),
+        this.access.client.geometry(id, {
+          values: 'f64',
+          signal,
+          onArrival: (more) => {
+            part = more;
+            progress.say('Fetching the mesh', more.faces / (more.triangles.length / 3));
+            tell();
+          },
+        }),
       ]);
       if (signal.aborted) return false;
       const surface = new Surface(about, positions, triangles);
       before(surface);
       this.results.value.surface?.dispose();
       this.results.set({ surface });
-      this.#add(about);
+      this.#put(about);
       return true;
     } catch (error) {
       if (!signal.aborted && !this.connection.explains(error)) {
@@ -79,26 +99,37 @@ export class Meshes {
     }
   }
 
-  /** Sends a file up unless it is there; its id, or null where that failed, which is told. */
-  async upload(file: File): Promise<string | null> {
-    const uploading = new AbortController();
+  /**
+   * Sends a file up unless it is there, or a glTF with the files of its buffers; its id, or
+   * null where that failed, which is told. Without `name` it is called as the file.
+   */
+  async upload({ file, others }: Dropped, reading: Reading = {}, name?: string): Promise<string | null> {
+    const uploading = (this.#uploading = new AbortController());
     const { signal } = uploading;
     const what = `Uploading ${file.name}`;
     const progress = this.notices.begin(what, () => uploading.abort());
     try {
       progress.say(`Reading ${file.name}`);
+      const asIs = !others.length && Object.values(reading).every((value) => value === undefined);
       // The list knows most: no question that the server would answer by an error.
-      const id = await digestOf(file);
+      const id = asIs ? await digestOf(file) : undefined;
       signal.throwIfAborted();
       const known = this.results.value.meshes.find((mesh) => mesh.id === id);
-      if (known) return known.id;
-      const about = await this.access.client.uploadJob(file, {
+      if (known?.name) return known.id;
+      if (known) {
+        this.#put(await this.access.client.upload(file, { signal })); // it is called by the file's name now
+        return known.id;
+      }
+      const named = [{ name: file.name, data: file }, ...others];
+      const about = await this.access.client.uploadJob(others.length ? named : file, {
         digest: false,
+        name,
+        reading,
         signal,
         onSent: (sent, total) => progress.say(`${what} · ${bytesText(sent)} of ${bytesText(total)}`, sent / total),
         onProgress: (job) => progress.say(`Checking ${file.name}`, job.progress),
       });
-      this.#add(about);
+      this.#put(about);
       return about.id;
     } catch (error) {
       if (signal.aborted || this.connection.explains(error)) return null;
@@ -111,41 +142,64 @@ export class Meshes {
     }
   }
 
-  #add(about: MeshMetadata): void {
+  /** Ends what is under way. */
+  abandon(): void {
+    this.#loading?.abort();
+    this.#uploading?.abort();
+  }
+
+  /** The mesh's own file, read in another way. Its id, or null where that failed, which is told. */
+  async readAgain(id: string, reading: Reading): Promise<string | null> {
+    try {
+      const about = this.results.value.surface?.about;
+      const source = await this.access.client.source(id);
+      const called = about ? meshName(about) : id;
+      // A mesh without a name stays without one.
+      return await this.upload({ file: new File([source], called), others: [] }, reading, about?.name ?? '');
+    } catch (error) {
+      if (!this.connection.explains(error)) this.notices.trouble(troubleOf(error), this.access.remedy(error));
+      return null;
+    }
+  }
+
+  /** Gives a mesh another name, or none; what goes wrong is told. */
+  async rename(id: string, name: string): Promise<void> {
+    await this.#attempt(async () => {
+      const about = await this.access.client.renameMesh(id, name);
+      const { surface } = this.results.value;
+      if (surface?.id === id) surface.about = about;
+      this.#put(about);
+    });
+  }
+
+  /** Deletes a mesh on the server; whether it is gone. What goes wrong is told. */
+  async delete(id: string): Promise<boolean> {
+    return this.#attempt(async () => {
+      await this.access.client.deleteMesh(id);
+      this.results.set({ meshes: this.results.value.meshes.filter((mesh) => mesh.id !== id) });
+    });
+  }
+
+  async #attempt(act: () => Promise<void>): Promise<boolean> {
+    try {
+      await act();
+      return true;
+    } catch (error) {
+      if (!this.connection.explains(error)) this.notices.trouble(troubleOf(error), this.access.remedy(error));
+      return false;
+    }
+  }
+
+  /** Into the list, in place of what was known of the same mesh. */
+  #put(about: MeshMetadata): void {
     const { meshes } = this.results.value;
-    if (!meshes.some(({ id }) => id === about.id)) this.#setList([...meshes, about]);
+    if (!meshes.includes(about)) this.#setList([...meshes.filter(({ id }) => id !== about.id), about]);
   }
 
   #setList(meshes: readonly MeshMetadata[]): void {
-    const order = (mesh: MeshMetadata) => `${Surface.nameOf(mesh)} ${countText(mesh.vertices)} ${mesh.id}`;
-    this.results.set({ meshes: [...meshes].sort((a, b) => order(a).localeCompare(order(b))) });
+    const labels = meshLabels(meshes);
+    const order = meshes.map((mesh, index) => ({ mesh, label: labels[index]! }));
+    order.sort((a, b) => a.label.localeCompare(b.label) || a.mesh.id.localeCompare(b.mesh.id));
+    this.results.set({ meshes: order.map(({ mesh }) => mesh) });
   }
-}
-
-/** Lets files be dropped anywhere on the page, and picked by `open`. */
-export function fileEntrance(take: (file: File) => void): { open(): void } {
-  const input = document.createElement('input');
-  Object.assign(input, { type: 'file', accept: '.glb,.gltf,.drc,.obj,.ply,.stl,model/gltf-binary,model/gltf+json', hidden: true, tabIndex: -1 });
-  input.setAttribute('aria-label', 'Mesh file');
-  input.onchange = () => {
-    const [file] = input.files ?? [];
-    input.value = ''; // the same file can be picked again
-    if (file) take(file);
-  };
-  document.body.append(input);
-
-  const over = (on: boolean) => document.body.classList.toggle('dropping', on);
-  addEventListener('dragover', (event) => {
-    if (!event.dataTransfer?.types.includes('Files')) return;
-    event.preventDefault();
-    over(true);
-  });
-  addEventListener('dragleave', (event) => { if (!event.relatedTarget) over(false); });
-  addEventListener('drop', (event) => {
-    event.preventDefault();
-    over(false);
-    const [file] = event.dataTransfer?.files ?? [];
-    if (file) take(file);
-  });
-  return { open: () => input.click() };
 }

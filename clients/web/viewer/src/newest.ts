@@ -16,6 +16,11 @@ export class Newest<Question> {
     return this.#running !== null;
   }
 
+  /** Whether a newer question waits for the one that runs. */
+  get waiting(): boolean {
+    return this.#next !== null;
+  }
+
   /** `interrupt`: what runs is not wanted any more, and is aborted. */
   ask(question: Question, interrupt = false): void {
     this.#next = { question };

@@ -30,14 +30,23 @@ export class Notices {
   }
 
   /** Shows an error until it is closed; the same error is shown once. `action` is a button more. */
-  trouble({ title, advice, detail }: Trouble, action?: { label: string; run(): void }): void {
+  trouble(trouble: Trouble, action?: { label: string; run(): void }): void {
+    this.#show(trouble, 'trouble', action);
+  }
+
+  /** Shows in the same place what is no error, but may not be what was meant. */
+  remark(remark: Trouble): void {
+    this.#show(remark, 'trouble remark');
+  }
+
+  #show({ title, advice, detail }: Trouble, className: string, action?: { label: string; run(): void }): void {
     for (const shown of this.#troubles.children) {
       if (shown.querySelector('strong')?.textContent === title) shown.remove();
     }
     const close = () => card.remove();
     const card = element(
       'div',
-      { className: 'trouble' },
+      { className },
       element('div', null, element('strong', null, title), element('p', null, advice), detail ? element('small', null, detail) : null),
       action && element('button', { type: 'button', onclick: () => { close(); action.run(); } }, action.label),
       element('button', { type: 'button', className: 'round', onclick: close, aria: { label: 'Close this message' } }, icon(CROSS)),

@@ -10,6 +10,13 @@ export function lengthText(value: number): string {
   return value.toLocaleString('en-GB', { minimumFractionDigits: digits, maximumFractionDigits: digits });
 }
 
+/** A coordinate on something of this size: as many digits as tell its places apart. */
+export function coordinateText(value: number, size: number): string {
+  const digits = Math.min(12, Math.max(0, 4 - Math.floor(Math.log10(size || 1))));
+  const text = value.toLocaleString('en-GB', { maximumFractionDigits: digits, useGrouping: false });
+  return text === '-0' ? '0' : text;
+}
+
 /** The same without zeros at the end: for ticks, which are round already. */
 export function tickText(value: number): string {
   const size = Math.abs(value);

@@ -4,7 +4,7 @@
  */
 import { Vector3 } from 'three';
 import type { Path } from 'geodesicd-client';
-import { REGION_COLOURS } from './colour_maps.ts';
+import { regionColour } from './colour_maps.ts';
 import { element } from './element.ts';
 import { Marker, REACH, type MarkerKind } from './marker.ts';
 import { lengthText, roundStep, tickText } from './numbers.ts';
@@ -27,6 +27,8 @@ interface Label {
   readonly text: string;
   readonly place: Vector3;
   readonly strong: boolean;
+  /** Whether it stands on a path of the list, which is never out of date. */
+  readonly kept?: boolean;
 }
 
 /** Drawn units from an arrow's start to its handle, in parts of the distance to the eye. */
@@ -42,6 +44,8 @@ export class Overlay {
   readonly #trace = new ThickLine({ core: '#c77dff', casing: '#2b0a4d', width: 3.2, order: 16 });
   readonly #shaft = new ThickLine({ core: '#b455ff', casing: '#ffffff', width: 4, order: 24 });
   readonly #kept: ThickLine[] = [];
+  readonly #walker = new Marker('end', '#1f2a37');
+  #line: Float32Array = new Float32Array();
   readonly #layer = element('div', { className: 'labels', aria: { hidden: 'true' } });
   #markers: { handle: Handle | null; marker: Marker }[] = [];
   #labels: { label: Label; tag: HTMLElement }[] = [];
@@ -64,15 +68,53 @@ export class Overlay {
     const other = results.surface !== resultsBefore?.surface;
     const moved =
       other || state.sources !== before?.sources || state.via !== before.via || state.target !== before.target ||
-      state.arrow !== before.arrow || state.show !== before.show || results.trace !== resultsBefore?.trace;
+      state.arrow !== before.arrow || state.show !== before.show || results.trace !== resultsBefore?.trace ||
+      results.regions !== resultsBefore?.regions;
     if (moved) this.#placeMarkers(state, results);
     const relabel = state.ticks !== before?.ticks || results.measured !== resultsBefore?.measured;
     const surface = results.surface;
     if (other || results.path !== resultsBefore?.path) this.#path.setPoints(pointsOf(surface, results.path));
+    if (results.stale !== resultsBefore?.stale) {
+      this.#path.faded = results.stale;
+      this.#layer.classList.toggle('stale', results.stale);
+    }
+    if (other || results.path !== resultsBefore?.path || results.along !== resultsBefore?.along) this.#walk(results);
     if (other || results.trace !== resultsBefore?.trace) this.#trace.setPoints(pointsOf(surface, results.trace));
     if (other || results.measured !== resultsBefore?.measured) this.#placeMeasures(results);
     if (other || relabel || results.path !== resultsBefore?.path) this.#label(state, results);
     this.stage.wake();
+  }
+
+  /** How far along the path a place on the page is, in mesh units; null where it is not near. */
+  alongAt(x: number, y: number): number | null {
+    let nearest: number | null = null;
+    let least = 14; // CSS pixels
+    let walked = 0;
+    for (let i = 0; i < this.#line.length; i += 3) {
+      const place = new Vector3().fromArray(this.#line, i);
+      if (i) walked += place.distanceTo(new Vector3().fromArray(this.#line, i - 3));
+      const at = this.stage.onPage(place);
+      const before = i ? this.stage.onPage(new Vector3().fromArray(this.#line, i - 3)) : null;
+      if (!at || !before) continue;
+      const [dx, dy] = [at.x - before.x, at.y - before.y];
+      const part = Math.min(1, Math.max(0, ((x - before.x) * dx + (y - before.y) * dy) / (dx * dx + dy * dy || 1)));
+      const away = Math.hypot(before.x + part * dx - x, before.y + part * dy - y);
+      if (away >= least) continue;
+      least = away;
+      const length = place.distanceTo(new Vector3().fromArray(this.#line, i - 3));
+      nearest = (walked - (1 - part) * length) * (this.#surface?.radius ?? 1);
+    }
+    return nearest;
+  }
+
+  /** The dot where somebody points at the path's profile. */
+  #walk({ surface, path, along }: Results): void {
+    this.#line = pointsOf(surface, path);
+    const [place] = surface && path?.reachable && along !== null ? placesAlong(surface, path, [along]) : [];
+    if (!place) return this.stage.remove(this.#walker);
+    this.#walker.position.copy(place);
+    this.#walker.fit(this.stage.size.width, this.stage.size.height);
+    this.stage.add(this.#walker);
   }
 
   /** The handle under a pointer at a place on the page, the nearest first. */
@@ -110,7 +152,7 @@ export class Overlay {
     });
   }
 
-  #placeMarkers(state: State, { surface, trace }: Results): void {
+  #placeMarkers(state: State, { surface, trace, regions }: Results): void {
     // Markers stay while their points move: to make one is to make its shaders.
     const spare = this.#markers;
     this.#markers = [];
@@ -128,19 +170,19 @@ export class Overlay {
       marker.fit(this.stage.size.width, this.stage.size.height);
       this.stage.add(marker);
     };
-    if (surface) this.#placeAll(state, surface, trace, add);
+    if (surface) this.#placeAll(state, surface, { trace, regions }, add);
     for (const { marker } of spare) {
       this.stage.remove(marker);
       marker.dispose();
     }
   }
 
-  #placeAll(state: State, surface: Surface, trace: Results['trace'], add: AddMarker): void {
+  #placeAll(state: State, surface: Surface, { trace, regions }: Pick<Results, 'trace' | 'regions'>, add: AddMarker): void {
     const at = (kind: 'source' | 'target' | 'via' | 'arrow', spot: Spot, index: number, colour?: string) => {
       if (surface.has(spot)) add(kind, surface.placeOf(spot), { kind, index }, colour);
     };
-    const regions = state.show === 'regions' && state.sources.length > 1;
-    state.sources.forEach((spot, index) => at('source', spot, index, regions ? REGION_COLOURS[index] : undefined));
+    const shown = state.show === 'regions' && state.sources.length > 1;
+    state.sources.forEach((spot, index) => at('source', spot, index, shown ? (regions?.colours[index] ?? regionColour(index)) : undefined));
     state.via.forEach((spot, index) => at('via', spot, index));
     if (state.target) at('target', state.target, 0);
     if (state.arrow) {
@@ -169,7 +211,7 @@ export class Overlay {
     measured.forEach((kept, index) => {
       if (!surface || !kept?.reachable) return;
       const [place] = placesAlong(surface, kept, [kept.length! / 2]);
-      if (place) labels.push({ text: `${letterOf(index)} ${lengthText(kept.length!)}`, place, strong: true });
+      if (place) labels.push({ text: `${letterOf(index)} ${lengthText(kept.length!)}`, place, strong: true, kept: true });
     });
     // Tags are used again: the path changes with every movement of a pointer.
     while (this.#labels.length > labels.length) this.#labels.pop()!.tag.remove();
@@ -177,6 +219,7 @@ export class Overlay {
       const tag = this.#labels[index]?.tag ?? this.#layer.appendChild(element('span'));
       if (tag.textContent !== label.text) tag.textContent = label.text;
       tag.classList.toggle('strong', label.strong);
+      tag.classList.toggle('kept', label.kept ?? false);
       return { label, tag };
     });
   }

@@ -11,6 +11,8 @@ export interface PanelButton {
   readonly label: string;
   readonly icon: string;
   run(): void;
+  /** To be told whether it can be pressed. */
+  follow?(enable: (on: boolean) => void): void;
 }
 
 export class Panel {
@@ -31,9 +33,11 @@ export class Panel {
       'header',
       { className: 'head' },
       element('h1', null, 'geodesic', element('b', null, 'd')),
-      ...buttons.map(({ label, icon: drawing, run }) =>
-        element('button', { type: 'button', className: 'round', title: label, onclick: run, aria: { label } }, icon(drawing)),
-      ),
+      ...buttons.map(({ label, icon: drawing, run, follow }) => {
+        const button = element('button', { type: 'button', className: 'round', title: label, onclick: run, aria: { label } }, icon(drawing));
+        follow?.((on) => { button.disabled = !on; });
+        return button;
+      }),
       this.#fold,
     );
     const body = element('div', { className: 'body', tabIndex: 0, role: 'region', aria: { label: 'Settings' } }, ...parts);
@@ -91,6 +95,7 @@ export function choice<Value extends string>(
     set: (value) => {
       const input = inputs.get(value);
       if (input) input.checked = true;
+      else for (const each of inputs.values()) each.checked = false;
     },
     enable: (value, on) => {
       const input = inputs.get(value);

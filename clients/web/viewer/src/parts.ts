@@ -1,18 +1,33 @@
 /** What every part of the panel is given: the two stores, and what the page can do. */
+import type { Reading } from 'geodesicd-client';
 import type { Results } from './results.ts';
-import type { State, Store } from './state.ts';
+import type { Axis, State, Store } from './state.ts';
 
 export interface Actions {
   open(): void;
   chooseMesh(id: string): void;
+  /** Reads the file of the present mesh in another way. */
+  readAgain(reading: Reading): void;
+  /** Asks for another name of the present mesh. */
+  renameMesh(): void;
+  /** Asks whether the present mesh is to be deleted on the server. */
+  deleteMesh(): void;
+  /** Looks at all of the mesh again. */
+  fit(): void;
+  /** Puts this axis up. */
+  turn(axis: Axis): void;
   compare(): void;
+  /** Places vertices by their numbers, or points as p:x,y,z, as the tool says; whether it could. */
+  placeTyped(points: string): Promise<boolean>;
+  /** Sources out of a text file: a vertex number or x y z a line. */
+  sourcesFrom(file: File): void;
   keep(): void;
   clear(): void;
   copyLink(): void;
   exported(kind: ExportKind): void;
 }
 
-export type ExportKind = 'png' | 'path.glb' | 'path.json' | 'path.csv' | 'field.npy' | 'measures.csv';
+export type ExportKind = 'png' | 'field.glb' | 'path.glb' | 'path.json' | 'path.csv' | 'field.npy' | 'measures.csv';
 
 export interface Parts {
   readonly state: Store<State>;

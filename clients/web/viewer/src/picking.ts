@@ -24,9 +24,8 @@ export class Picking {
 
   /** Takes another mesh; resolves when it can be picked. */
   take(surface: Surface): Promise<void> {
-    this.#worker?.terminate();
+    this.drop();
     this.#surface = surface;
-    this.#bvh = null;
     const worker = new Worker(new URL('./bvh_worker.ts', import.meta.url), { type: 'module' });
     this.#worker = worker;
     return new Promise((resolve, reject) => {
@@ -41,6 +40,12 @@ export class Picking {
       const order: BvhOrder = { positions, triangles };
       worker.postMessage(order, [positions.buffer, triangles.buffer]);
     });
+  }
+
+  /** Nothing can be picked until another mesh is taken. */
+  drop(): void {
+    this.#worker?.terminate();
+    this.#surface = this.#bvh = null;
   }
 
   /** The first hit under a place on the page (CSS pixels). */

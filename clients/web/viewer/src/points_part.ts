@@ -1,12 +1,15 @@
 /** The panel's part for points: what the next click places, and what stands where. */
-import { REGION_COLOURS } from './colour_maps.ts';
+import { regionColour } from './colour_maps.ts';
 import { element, icon } from './element.ts';
 import { lengthText } from './numbers.ts';
 import { choice } from './panel.ts';
 import type { Parts } from './parts.ts';
+import type { Results } from './results.ts';
 import { MOST_SOURCES, type Spot, type State, type Tool } from './state.ts';
 
 const CROSS = 'M6 6l8 8M14 6l-8 8';
+/** Rows of sources in the panel. */
+const LISTED = 6;
 
 export const TOOLS: readonly { value: Tool; label: string; icon: string; title: string }[] = [
   { value: 'source', label: 'Source', icon: 'M10 10m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0M10 3v2M10 15v2M3 10h2M15 10h2', title: 'Where distances begin (1)' },
@@ -28,7 +31,7 @@ export function hintOf({ tool, sources, target, arrow, mesh }: State): string | 
   return null;
 }
 
-export function pointsPart({ state, actions }: Parts): HTMLElement {
+export function pointsPart({ state, results, actions }: Parts): HTMLElement {
   const tools = choice('What a click places', TOOLS, (tool) => state.set({ tool }));
   const list = element('ul', { className: 'points' });
   const clear = element('button', { type: 'button', className: 'quiet', onclick: actions.clear }, 'Clear points');
@@ -51,14 +54,15 @@ export function pointsPart({ state, actions }: Parts): HTMLElement {
     tools.enable('add', now.sources.length > 0 && now.sources.length < MOST_SOURCES);
     const several = now.sources.length > 1;
     const rows = [
-      ...now.sources.map((_, index) =>
+      ...now.sources.slice(0, LISTED).map((_, index) =>
         row(
           'source',
           several ? `Source ${index + 1}` : 'Source',
           () => state.set({ sources: without(state.value.sources, index) }),
-          several && now.show === 'regions' ? REGION_COLOURS[index] : undefined,
+          several && now.show === 'regions' ? (results.value.regions?.colours[index] ?? regionColour(index)) : undefined,
         ),
       ),
+      ...(now.sources.length > LISTED ? [element('li', { className: 'more' }, `and ${now.sources.length - LISTED} sources more`)] : []),
       ...now.via.map((_, index) =>
         row('via', now.via.length > 1 ? `Via ${index + 1}` : 'Via', () => state.set({ via: without(state.value.via, index) })),
       ),
@@ -72,6 +76,10 @@ export function pointsPart({ state, actions }: Parts): HTMLElement {
     // Only numbers count: while a point is dragged, its row stays, and the focus in it.
     const counts = (of: State) => [of.tool, of.show, of.sources.length, of.via.length, !!of.target, !!of.arrow].join();
     if (counts(now) !== counts(before)) show(now);
+  });
+  const hues = ({ regions }: Results) => regions?.colours.slice(0, LISTED).join();
+  results.listen((now, before) => {
+    if (hues(now) !== hues(before)) show(state.value);
   });
   show(state.value);
   return root;

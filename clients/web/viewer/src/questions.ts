@@ -3,7 +3,7 @@
  * binary and kept here for going back and forth, exact methods as jobs with progress, and
  * paths from whichever source is nearest.
  */
-import { type GeodesicClient, type Method, type Path, type Timing } from 'geodesicd-client';
+import { GeodesicError, type GeodesicClient, type Method, type Path, type Timing } from 'geodesicd-client';
 import { spotText } from './link.ts';
 import type { Notices } from './notices.ts';
 import type { KnownField, Results } from './results.ts';
@@ -21,6 +21,8 @@ export interface PathQuestion extends Measure {
   /** Where it may begin; the shortest path counts. */
   readonly starts: readonly Spot[];
   readonly pointsPerEdge: number | null;
+  /** Of the state that asks, as `pathKey` gives it. */
+  readonly key: string;
 }
 
 /** Meshes above this many vertices take long by any method. */
@@ -32,6 +34,12 @@ export function fieldKey({ mesh, sources, method, pointsPerEdge }: FieldQuestion
   return [mesh, method, method === 'steiner' ? pointsPerEdge : '', ...sources.map(spotText)].join('|');
 }
 
+/** What a path depends on: two states of one key have the same path. */
+export function pathKey({ mesh, sources, via, target, method, pointsPerEdge, refine }: State): string {
+  const spots = [sources, via, target ? [target] : []].map((some) => some.map(spotText).join(';'));
+  return [mesh, method, method === 'steiner' ? pointsPerEdge : '', refine, ...spots].join('|');
+}
+
 /** The state's own field. */
 export function fieldQuestion(state: State): FieldQuestion | null {
   const { mesh, sources, method, pointsPerEdge } = state;
@@ -39,6 +47,8 @@ export function fieldQuestion(state: State): FieldQuestion | null {
 }
 
 export class Questions {
+  /** Jobs that the server has for this page, until they have ended or are known to be cancelled. */
+  readonly #jobs = new Set<string>();
   readonly #kept = new Map<string, KnownField>();
 
   constructor(
@@ -77,6 +87,7 @@ export class Questions {
     const made: KnownField = {
       values: field.values,
       labels: field.labels ?? null,
+      sources: sources.length,
       max: field.max ?? 0,
       ms: computing(field.timing),
       method,
@@ -108,16 +119,31 @@ export class Questions {
   async #asJob<T>(
     what: string,
     stop: () => void,
-    run: (onProgress: (job: { state: string; progress: number }) => void) => Promise<T>,
+    run: (onProgress: (job: { id: string; state: string; progress: number }) => void) => Promise<T>,
   ): Promise<T> {
     const progress = this.notices.begin(what, stop);
     try {
       return await run((job) => {
+        if (['queued', 'running'].includes(job.state)) this.#jobs.add(job.id);
+        else this.#jobs.delete(job.id);
         if (job.state === 'queued') progress.say(`${what}: waiting for its turn`);
         else progress.say(what, job.progress);
       });
     } finally {
       progress.end();
+    }
+  }
+
+  /**
+   * Cancels all jobs, be it the last that the page does: the requests go out although it is
+   * closed. What could not be sent is sent with the next call.
+   */
+  abandon(): void {
+    for (const id of this.#jobs) {
+      const forgotten = () => this.#jobs.delete(id);
+      this.client()
+        .request({ method: 'DELETE', path: `/v1/jobs/${id}`, keepalive: true, retry: false })
+        .then(forgotten, (error: unknown) => { if (error instanceof GeodesicError) forgotten(); });
     }
   }
 

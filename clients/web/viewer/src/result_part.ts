@@ -3,6 +3,7 @@ import { element } from './element.ts';
 import { lengthText, timeText } from './numbers.ts';
 import type { Parts } from './parts.ts';
 import { nameOf } from './questions.ts';
+import { unitOf } from './units.ts';
 
 export function resultPart({ state, results, actions }: Parts): HTMLElement {
   const big = element('output', { className: 'big', id: 'length' });
@@ -36,7 +37,8 @@ export function resultPart({ state, results, actions }: Parts): HTMLElement {
       sub.textContent = 'The target lies on another component: no path leads there.';
     } else {
       big.textContent = lengthText(path.length!);
-      unit.textContent = 'units';
+      const about = results.value.surface?.about;
+      unit.textContent = about ? unitOf(about) : '';
       const said = [nameOf(path.method)];
       if (path.refine === 'shortest') said.push('pulled straight');
       if (path.via.length) said.push(path.via.length === 1 ? 'via 1 point' : `via ${path.via.length} points`);
@@ -45,7 +47,10 @@ export function resultPart({ state, results, actions }: Parts): HTMLElement {
     }
   };
   state.listen((now, before) => (now.target !== before.target || now.sources !== before.sources) && show());
-  results.listen((now, before) => now.path !== before.path && show());
+  results.listen((now, before) => {
+    if (now.path !== before.path) show();
+    root.classList.toggle('stale', now.stale);
+  });
   show();
   return root;
 }

@@ -3,6 +3,7 @@
  * link; always to be had again from it.
  */
 import type { MeshMetadata, MethodInfo, Path, Trace } from 'geodesicd-client';
+import type { RegionLook } from './regions.ts';
 import type { Surface } from './surface.ts';
 
 /** A distance a source vertex (mesh units, +Infinity where unreached), as it was answered. */
@@ -10,6 +11,8 @@ export interface KnownField {
   readonly values: Float32Array;
   /** The place among the sources of each vertex's nearest; only with several sources. */
   readonly labels: Uint32Array | null;
+  /** How many sources it has. */
+  readonly sources: number;
   readonly max: number;
   /** Of the server's computing, in milliseconds; null where it had the field already. */
   readonly ms: number | null;
@@ -40,10 +43,18 @@ export interface Results {
   readonly error: FieldError | null;
   /** Of several sources, each one's own field, for crisp borders between regions. */
   readonly apart: readonly KnownField[] | null;
+  /** How regions of several sources look; null where they are not shown. */
+  readonly regions: RegionLook | null;
   readonly trials: Readonly<Record<string, Trial>>;
   readonly path: Path | null;
+  /** Whether the path is, or was until a moment ago, of other points than the present ones. */
+  readonly stale: boolean;
   /** Of the last path: the server's computing, in milliseconds. */
   readonly pathMs: number | null;
+  /** How far along the path somebody points, in mesh units. */
+  readonly along: number | null;
+  /** Whether the path's profile is open: then the path can be pointed at. */
+  readonly profiled: boolean;
   readonly trace: Trace | null;
   /** The paths of the list's measures, in their order; null while one is awaited. */
   readonly measured: readonly (Path | null)[];
@@ -56,9 +67,13 @@ export const NOTHING: Results = {
   field: null,
   error: null,
   apart: null,
+  regions: null,
   trials: {},
   path: null,
+  stale: false,
   pathMs: null,
+  along: null,
+  profiled: false,
   trace: null,
   measured: [],
 };

@@ -161,16 +161,15 @@ export class Stage {
   }
 
   /**
-   * Looks at a mesh of radius 1 about the origin, whose box has these sides: straight at a
-   * flat one, else from a corner. What is much lower in z than wide is a terrain, with z up.
+   * Looks at a mesh of radius 1 about the origin, whose box has these sides: from a corner,
+   * or straight at a flat one unless `fromCorner`.
    */
-  fit(sides: Vector3, up: Axis | null): void {
+  fit(sides: Vector3, axis: Axis, fromCorner: boolean): void {
     const most = Math.max(sides.x, sides.y, sides.z);
-    const flat = (['x', 'y', 'z'] as const).find((axis) => sides[axis] < 0.02 * most);
+    const flat = (['x', 'y', 'z'] as const).find((side) => sides[side] < 0.02 * most);
     const low = sides.z < 0.75 * Math.min(sides.x, sides.y);
-    const axis = up ?? (low && flat !== 'z' ? 'z' : 'y');
     this.setUp(axis);
-    const from = up === null && flat ? STRAIGHT[flat].clone() : new Vector3(0.6, 0.52, 1);
+    const from = flat && !fromCorner ? STRAIGHT[flat].clone() : new Vector3(0.6, 0.52, 1);
     // The corner is seen from above, whatever is up.
     if (from.x === 0.6 && axis === 'z') from.set(0.45, -1, low ? 0.95 : 0.5);
     if (from.x === 0.6 && axis === 'x') from.set(0.52, 0.6, 1);

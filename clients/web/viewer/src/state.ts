@@ -48,6 +48,8 @@ export interface State {
   readonly lines: number;
   /** Whether distances stand along the path. */
   readonly ticks: boolean;
+  /** Whether the mesh's edges are drawn. */
+  readonly edges: boolean;
   readonly tool: Tool;
   /** Which of the mesh's axes is up; null for the page's guess. */
   readonly up: Axis | null;
@@ -55,8 +57,10 @@ export interface State {
   readonly camera: readonly number[] | null;
 }
 
-/** The shader has a colour for so many regions. */
-export const MOST_SOURCES = 8;
+/** The server takes no more. */
+export const MOST_SOURCES = 1000;
+/** So many regions have each their own field, for crisp borders; and so many slots has the shader. */
+export const REGIONS = 8;
 
 export const START: State = {
   mesh: null,
@@ -65,13 +69,14 @@ export const START: State = {
   target: null,
   arrow: null,
   measures: [],
-  method: 'wavefront',
+  method: 'auto',
   pointsPerEdge: null,
-  refine: false,
+  refine: true,
   show: 'distance',
   colours: 'viridis',
   lines: 24,
   ticks: true,
+  edges: false,
   tool: 'source',
   up: null,
   camera: null,

@@ -15,18 +15,15 @@ export class Surface {
   readonly triangles: Uint32Array;
 
   constructor(
-    readonly about: MeshMetadata,
+    /** As the server said it last: a mesh can get another name. */
+    public about: MeshMetadata,
     positions: Float64Array,
     triangles: Uint32Array,
   ) {
-    const { min, max } = about.bbox;
-    this.middle = [0, 1, 2].map((axis) => (min[axis]! + max[axis]!) / 2) as unknown as Xyz;
-    this.radius = radiusOf(positions, this.middle) || 1;
+    const { middle, radius, drawn } = placementOf(about, positions);
+    this.middle = middle;
+    this.radius = radius;
     this.triangles = triangles;
-    const drawn = new Float32Array(positions.length);
-    for (let i = 0; i < positions.length; i++) {
-      drawn[i] = (positions[i]! - this.middle[i % 3]!) / this.radius;
-    }
     this.geometry.setAttribute('position', new BufferAttribute(drawn, 3));
     this.geometry.setIndex(new BufferAttribute(triangles, 1));
     this.geometry.computeVertexNormals();
@@ -35,12 +32,6 @@ export class Surface {
 
   get id(): string {
     return this.about.id;
-  }
-
-  /** A name for people: the file's own, else its kind. */
-  static nameOf(about: MeshMetadata): string {
-    const named = about.parts.find((part) => part.name)?.name;
-    return named ? named.replaceAll('_', ' ') : `unnamed ${about.id.slice(0, 6)}`;
   }
 
   /** Whether the face exists; a link may speak of another mesh. */
@@ -65,6 +56,37 @@ export class Surface {
     return place;
   }
 
+  /** Where a spot is, in mesh units. */
+  xyzOf(spot: Spot): Xyz {
+    const { x, y, z } = this.placeOf(spot);
+    return [x, y, z].map((part, axis) => part * this.radius + this.middle[axis]!) as unknown as Xyz;
+  }
+
+  /** The nearest corner of a spot's face, and whether the spot is on it. */
+  vertexNear(spot: Spot): { number: number; on: boolean } {
+    const place = this.placeOf(spot);
+    const position = this.geometry.getAttribute('position');
+    const corners = this.cornersOf(spot.face);
+    const away = corners.map((vertex) => new Vector3().fromBufferAttribute(position, vertex).distanceTo(place));
+    const nearest = away.indexOf(Math.min(...away));
+    return { number: corners[nearest]!, on: spot.bary[nearest]! >= 1 - 1e-6 };
+  }
+
+  /** A vertex of the file as a place on a face of its; null where it has none. */
+  spotAt(vertex: number): Spot | null {
+    if (!Number.isInteger(vertex) || vertex < 0 || vertex >= this.about.vertices) return null;
+    let corner = this.triangles.indexOf(vertex);
+    if (corner < 0) {
+      // Of vertices in one place the faces name the first.
+      const drawn = this.geometry.getAttribute('position').array;
+      const [x, y, z] = [drawn[3 * vertex], drawn[3 * vertex + 1], drawn[3 * vertex + 2]];
+      corner = this.triangles.findIndex((other) => drawn[3 * other] === x && drawn[3 * other + 1] === y && drawn[3 * other + 2] === z);
+    }
+    if (corner < 0) return null;
+    const bary = [0, 0, 0].map((_, index) => Number(index === corner % 3)) as [number, number, number];
+    return { face: Math.floor(corner / 3), bary };
+  }
+
   /** The face's normal by its winding, of length 1. */
   normalOf(face: number, normal = new Vector3()): Vector3 {
     const position = this.geometry.getAttribute('position');
@@ -86,6 +108,15 @@ export class Surface {
   dispose(): void {
     this.geometry.dispose();
   }
+}
+
+/** Where a mesh is drawn: its positions about their middle, in parts of its radius (mesh units). */
+export function placementOf({ bbox: { min, max } }: MeshMetadata, positions: Float64Array): { middle: Xyz; radius: number; drawn: Float32Array } {
+  const middle = [0, 1, 2].map((axis) => (min[axis]! + max[axis]!) / 2) as unknown as Xyz;
+  const radius = radiusOf(positions, middle) || 1;
+  const drawn = new Float32Array(positions.length);
+  for (let i = 0; i < positions.length; i++) drawn[i] = (positions[i]! - middle[i % 3]!) / radius;
+  return { middle, radius, drawn };
 }
 
 /** The distance from the middle to the farthest vertex. */

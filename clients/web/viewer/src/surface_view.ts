@@ -2,12 +2,14 @@
  * The mesh on the stage, painted with what the results say: distances, regions of the
  * nearest source, or the error against the exact method. A new field floods the surface.
  */
-import { BufferAttribute, Mesh, type BufferGeometry } from 'three';
+import { BufferAttribute, Mesh, MeshBasicMaterial, type BufferGeometry } from 'three';
+import { UNREACHED } from 'geodesicd-client';
 import { setField } from 'geodesicd-client/three';
 import { FieldMaterial } from './field_material.ts';
 import { roundStep } from './numbers.ts';
 import type { KnownField, Results } from './results.ts';
 import { wantsMotion, type Stage } from './stage.ts';
+import type { RegionLook } from './regions.ts';
 import type { State } from './state.ts';
 
 const FLOOD = 650; // milliseconds from the source to the farthest vertex
@@ -20,6 +22,11 @@ export function lineStepOf(max: number, lines: number): number {
 export class SurfaceView {
   readonly #material = new FieldMaterial();
   readonly #mesh = new Mesh<BufferGeometry, FieldMaterial>(undefined, this.#material);
+  /** The same triangles as lines, drawn over the surface. */
+  readonly #edges = new Mesh<BufferGeometry, MeshBasicMaterial>(
+    undefined,
+    new MeshBasicMaterial({ wireframe: true, color: '#10131a', transparent: true, opacity: 0.34, depthWrite: false }),
+  );
   #shown: KnownField | null = null;
   #floodFrom: number | null = null;
   /** Set while a source is dragged: the field then just is there. */
@@ -36,18 +43,24 @@ export class SurfaceView {
   }
 
   follow(state: State, before: State | null, results: Results, resultsBefore: Results | null): void {
-    const { surface, field, error, apart } = results;
+    const { surface, field, error, apart, regions } = results;
     if (surface && surface !== resultsBefore?.surface) {
       this.stage.remove(this.#mesh);
       this.#mesh.geometry = surface.geometry;
       this.stage.add(this.#mesh);
       this.#shown = null;
     }
-    if (!surface) return void this.stage.remove(this.#mesh);
+    if (!surface) return void this.stage.remove(this.#mesh, this.#edges);
+    if (surface !== resultsBefore?.surface || state.edges !== before?.edges) {
+      this.stage.remove(this.#edges);
+      this.#edges.geometry = surface.geometry;
+      if (state.edges) this.stage.add(this.#edges);
+    }
     const repaint =
       field !== this.#shown ||
       error !== resultsBefore?.error ||
       apart !== resultsBefore?.apart ||
+      regions !== resultsBefore?.regions ||
       state.show !== before?.show ||
       state.colours !== before.colours ||
       state.lines !== before.lines;
@@ -64,15 +77,19 @@ export class SurfaceView {
     }
     this.#shown = field;
     const step = lineStepOf(field.max, state.lines);
-    const byRegion = state.show === 'regions' && field.labels;
+    const byRegion = state.show === 'regions' && field.labels && regions;
     const byError = state.show === 'error' && error;
-    if (byRegion) putRegions(geometry, field.labels!, apart);
+    if (byRegion && apart) putDistances(geometry, apart);
+    else if (byRegion) putLabels(geometry, field.labels!, regions);
     // One buffer for both where they are the same; never the field's for the error.
     if (byError) {
       if (geometry.getAttribute('shade') === geometry.getAttribute('field')) geometry.deleteAttribute('shade');
       setField(geometry, error.values, 'shade');
     } else geometry.setAttribute('shade', geometry.getAttribute('field'));
-    if (byRegion) this.#material.paint('regions', field.max, step);
+    if (byRegion) {
+      this.#material.paint(apart ? 'regions' : 'many', field.max, step);
+      this.#material.setRegions(regions.colours);
+    }
     else if (byError) this.#material.paint('magma', Math.max(error.most, 1e-12), step);
     else this.#material.paint(state.colours, field.max, step);
     this.stage.wake();
@@ -102,19 +119,24 @@ export class SurfaceView {
 
 /**
  * Eight numbers a vertex, of which the least says the region: the distances from each of
- * the sources, or without them 0 for the label's and 1 for the others. The shader finds
- * the border inside faces.
+ * the sources. The shader finds the border inside faces.
  */
-function putRegions(geometry: BufferGeometry, labels: Uint32Array, apart: readonly KnownField[] | null): void {
+function putDistances(geometry: BufferGeometry, apart: readonly KnownField[]): void {
   for (const half of [0, 1]) {
-    const weights = new Float32Array(4 * labels.length).fill(apart ? 1e30 : 1);
-    for (let k = 4 * half; k < 4 * half + 4; k++) {
-      const values = apart?.[k]?.values;
-      for (let v = 0; v < labels.length; v++) {
-        if (values) weights[4 * v + k - 4 * half] = Math.min(values[v]!, 1e30);
-        else if (!apart && labels[v] === k) weights[4 * v + k - 4 * half] = 0;
-      }
-    }
+    const weights = new Float32Array(4 * apart[0]!.values.length).fill(1e30);
+    apart.slice(4 * half, 4 * half + 4).forEach(({ values }, k) => {
+      values.forEach((value, vertex) => { weights[4 * vertex + k] = Math.min(value, 1e30); });
+    });
     geometry.setAttribute(`regions${half}`, new BufferAttribute(weights, 4));
   }
+}
+
+/** A region and its slot a vertex; -1 for the slot where no source reaches. */
+function putLabels(geometry: BufferGeometry, labels: Uint32Array, { slots }: RegionLook): void {
+  const pairs = new Float32Array(2 * labels.length);
+  labels.forEach((label, vertex) => {
+    pairs[2 * vertex] = label === UNREACHED ? 0 : label;
+    pairs[2 * vertex + 1] = slots[label] ?? -1;
+  });
+  geometry.setAttribute('region', new BufferAttribute(pairs, 2));
 }

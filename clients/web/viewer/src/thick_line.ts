@@ -59,12 +59,14 @@ function material(colour: string, width: number, hidden: boolean): LineMaterial 
 
 export class ThickLine extends Group {
   #geometry = new LineSegmentsGeometry();
+  readonly #core: string;
   #room = 0;
   #buffer: InstancedInterleavedBuffer | null = null;
   readonly #passes: LineSegments2[];
 
   constructor({ core, casing, width, order }: LineLook) {
     super();
+    this.#core = core;
     const pass = (made: LineMaterial, after: number) => {
       const line = new LineSegments2(this.#geometry, made);
       line.frustumCulled = false;
@@ -78,6 +80,12 @@ export class ThickLine extends Group {
       pass(material(core, width, true), 0.2),
     ];
     this.visible = false;
+  }
+
+  /** What is not the answer any more is grey and has no casing. */
+  set faded(faded: boolean) {
+    this.#passes[0]!.visible = !faded;
+    for (const pass of this.#passes.slice(1)) pass.material.color.set(faded ? '#a7aebb' : this.#core);
   }
 
   /** Points x, y, z after x, y, z, where they are drawn; fewer than two show nothing. */

@@ -7,7 +7,6 @@ import asyncio
 import contextlib
 import json
 import os
-import re
 import signal
 import sys
 from pathlib import Path
@@ -48,7 +47,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--connections", type=int, default=64, metavar="N", help="open loop: at most (%(default)s)"
     )
-    parser.add_argument("--mesh", metavar="FILE|ID", help="asked about; else hills of --vertices")
+    parser.add_argument(
+        "--mesh", metavar="MESH", help="a file, a name or an id; else hills of --vertices"
+    )
     parser.add_argument(
         "--vertices", type=int, default=20000, metavar="N", help="of the hills (%(default)s)"
     )
@@ -159,6 +160,6 @@ async def _mesh(client: AsyncClient, options: argparse.Namespace) -> AsyncMesh:
     if options.mesh is None:
         side = max(2, round(float(options.vertices) ** 0.5))
         return await client.upload(hills(side, 0))
-    if re.fullmatch(r"[0-9a-f]{64}", options.mesh):
-        return await client.mesh(options.mesh)
-    return await client.upload(Path(options.mesh))
+    if Path(options.mesh).exists():
+        return await client.upload(Path(options.mesh))
+    return await client.mesh(options.mesh)

@@ -1,4 +1,4 @@
-#include "server/routes/viewer_files.h"
+#include "server/routes/static_files.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -27,14 +27,17 @@ struct Kind {
   bool packs;
 };
 
-constexpr std::array<Kind, 10> kKinds{{{".html", "text/html; charset=utf-8", true},
+constexpr std::array<Kind, 13> kKinds{{{".html", "text/html; charset=utf-8", true},
                                        {".js", "text/javascript; charset=utf-8", true},
                                        {".css", "text/css; charset=utf-8", true},
                                        {".svg", "image/svg+xml", true},
                                        {".json", "application/json", true},
                                        {".webmanifest", "application/manifest+json", true},
                                        {".txt", "text/plain; charset=utf-8", true},
+                                       {".csv", "text/csv; charset=utf-8", true},
+                                       {".sh", "text/plain; charset=utf-8", true},
                                        {".png", "image/png", false},
+                                       {".webp", "image/webp", false},
                                        {".ico", "image/x-icon", false},
                                        {".woff2", "font/woff2", false}}};
 
@@ -45,6 +48,8 @@ const Kind* kind_of(const fs::path& file) {
   return nullptr;
 }
 
+constexpr std::string_view kIndex = "index.html";
+
 // Everything is a file of this server; pictures are replies that the page shows.
 constexpr const char* kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
@@ -53,10 +58,14 @@ constexpr const char* kPolicy =
 
 }  // namespace
 
-Result<ViewerFiles> ViewerFiles::load(const std::string& folder) {
-  ViewerFiles viewer;
+const StaticFiles::Place StaticFiles::kViewer{"viewer", "", "/assets/"};
+const StaticFiles::Place StaticFiles::kDocs{"docs", "/docs", ""};
+
+Result<StaticFiles> StaticFiles::load(const std::string& folder, const Place& place) {
+  StaticFiles site;
+  site.lasting_ = place.lasting;
   const auto unreadable = [&](const std::string& why) {
-    return fail(ErrorCode::internal, fmt::format("viewer: {}: {}", folder, why));
+    return fail(ErrorCode::internal, fmt::format("{}: {}: {}", place.name, folder, why));
   };
   std::uintmax_t bytes = 0;
   std::error_code error;
@@ -67,7 +76,7 @@ Result<ViewerFiles> ViewerFiles::load(const std::string& folder) {
     std::error_code ignored;
     if (kind == nullptr || !fs::is_regular_file(it->symlink_status(ignored))) continue;
     bytes += it->file_size(ignored);
-    if (bytes > kMostBytes) return unreadable("more than 64 MiB cannot be a viewer");
+    if (bytes > kMostBytes) return unreadable("more than 64 MiB cannot be served");
     std::ifstream stream(path, std::ios::binary);
     std::string content((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
     if (!stream) return unreadable(path.filename().string() + " cannot be read");
@@ -80,17 +89,22 @@ Result<ViewerFiles> ViewerFiles::load(const std::string& folder) {
       }
     }
     file.bytes = std::make_shared<const std::string>(std::move(content));
-    const std::string name = path.lexically_relative(folder).generic_string();
-    viewer.files_.emplace(name == "index.html" ? "/" : "/" + name, std::move(file));
+    const fs::path name = path.lexically_relative(folder);
+    std::string at = place.prefix + "/" + name.generic_string();
+    if (name.filename() == "index.html") at.resize(at.size() - kIndex.size());
+    site.files_.emplace(std::move(at), std::move(file));
   }
   if (error) return unreadable(error.message());
-  if (!viewer.files_.contains("/")) return unreadable("there is no index.html");
-  return viewer;
+  if (!site.files_.contains(place.prefix + "/")) return unreadable("there is no index.html");
+  return site;
 }
 
-std::optional<HttpResponse> ViewerFiles::find(const HttpRequest& request) const {
+std::optional<HttpResponse> StaticFiles::find(const HttpRequest& request) const {
   const auto found = files_.find(request.path);
-  if (found == files_.end()) return std::nullopt;
+  if (found == files_.end()) {
+    if (request.path.ends_with('/') || !files_.contains(request.path + "/")) return std::nullopt;
+    return redirect(308, request.path.substr(request.path.rfind('/') + 1) + "/");
+  }
   const File& file = found->second;
   HttpResponse response;
   if (has_already(request, file.tag)) {
@@ -106,13 +120,20 @@ std::optional<HttpResponse> ViewerFiles::find(const HttpRequest& request) const 
     }
   }
   if (file.packed) response.set_header("Vary", "Accept-Encoding");
-  response.set_header("Cache-Control", request.path.starts_with("/assets/")
-                                           ? "public, max-age=31536000, immutable"
-                                           : "no-cache");
+  const bool is_lasting = !lasting_.empty() && request.path.starts_with(lasting_);
+  response.set_header("Cache-Control",
+                      is_lasting ? "public, max-age=31536000, immutable" : "no-cache");
   if (file.type.starts_with("text/html")) {
     response.set_header("Content-Security-Policy", kPolicy);
     response.set_header("Referrer-Policy", "no-referrer");
   }
+  return response;
+}
+
+HttpResponse redirect(int status, std::string to) {
+  HttpResponse response;
+  response.status = status;
+  response.set_header("Location", std::move(to));
   return response;
 }
 

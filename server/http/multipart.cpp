@@ -1,10 +1,11 @@
-#include "server/decoder/multipart.h"
+#include "server/http/multipart.h"
 
 #include <algorithm>
-#include <cctype>
 #include <utility>
 
 #include "proto/wire/input_codes.h"
+#include "server/http/content_disposition.h"
+#include "server/http/head.h"
 
 namespace geodesic::server {
 namespace {
@@ -17,57 +18,25 @@ tl::unexpected<Error> no_form(const char* detail) {
   return fail(InputCode::bad_syntax, detail, "body");
 }
 
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower;
-}
-
-std::string_view without_blanks(std::string_view text) {
-  const auto begin = text.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
-}
-
-// `; name=value` or `; name="value"`, whatever the name's case. Browsers write a quote
-// within a name as %22.
-std::optional<std::string> parameter_of(std::string_view header, std::string_view name) {
-  while (!header.empty()) {
-    // To the next semicolon outside of quotes.
-    std::size_t end = 0;
-    bool quoted = false;
-    for (; end < header.size() && (quoted || header[end] != ';'); ++end) {
-      if (header[end] == '"') quoted = !quoted;
-    }
-    const std::string_view item = without_blanks(header.substr(0, end));
-    header.remove_prefix(std::min(end + 1, header.size()));
-    const std::size_t equals = item.find('=');
-    if (equals == std::string_view::npos || lower_case(item.substr(0, equals)) != name) continue;
-    std::string_view value = item.substr(equals + 1);
-    if (value.size() >= 2 && value.front() == '"' && value.back() == '"') {
-      value = value.substr(1, value.size() - 2);
-    }
-    std::string text(value);
-    for (auto at = text.find("%22"); at != std::string::npos; at = text.find("%22", at + 1)) {
-      text.replace(at, 3, "\"");
-    }
-    return text;
+// A name as forms write it: browsers send a quote within as %22.
+std::string in_form(std::string_view disposition, std::string_view parameter) {
+  std::string text = header_parameter(disposition, parameter).value_or("");
+  for (auto at = text.find("%22"); at != std::string::npos; at = text.find("%22", at + 1)) {
+    text.replace(at, 3, "\"");
   }
-  return std::nullopt;
+  return text;
 }
 
 // Reads the names out of the head of one part, which is its lines up to the empty one.
 Result<Part> part_of(std::string_view head) {
-  constexpr std::string_view kDisposition = "content-disposition:";
   while (!head.empty()) {
     const std::size_t end = std::min(head.find("\r\n"), head.size());
-    const std::string_view line = head.substr(0, end);
+    std::string_view line = head.substr(0, end);
     head.remove_prefix(std::min(end + 2, head.size()));
-    if (lower_case(line.substr(0, kDisposition.size())) != kDisposition) continue;
+    if (!equals_ignoring_case(take_until(':', line), "content-disposition")) continue;
     Part part;
-    part.name = parameter_of(line.substr(kDisposition.size()), "name").value_or("");
-    part.filename = parameter_of(line.substr(kDisposition.size()), "filename").value_or("");
+    part.name = in_form(line, "name");
+    part.filename = in_form(line, "filename");
     return part;
   }
   return no_form("a part has no Content-Disposition");
@@ -76,13 +45,12 @@ Result<Part> part_of(std::string_view head) {
 }  // namespace
 
 bool is_multipart(std::string_view content_type) {
-  return lower_case(without_blanks(content_type.substr(0, content_type.find(';')))) ==
-         "multipart/form-data";
+  return equals_ignoring_case(trimmed(take_until(';', content_type)), "multipart/form-data");
 }
 
 std::optional<std::string> multipart_boundary(std::string_view content_type) {
   if (!is_multipart(content_type)) return std::nullopt;
-  auto boundary = parameter_of(content_type, "boundary");
+  auto boundary = header_parameter(content_type, "boundary");
   if (!boundary || boundary->empty() || boundary->size() > kMostBoundaryBytes) return std::nullopt;
   return boundary;
 }
@@ -101,7 +69,7 @@ Result<std::vector<Part>> read_multipart(std::string_view body, std::string_view
   while (!body.starts_with("--")) {
     if (parts.size() == kMostParts) return no_form("the body has too many parts");
     const std::size_t line = body.find("\r\n");
-    if (line == std::string_view::npos || !without_blanks(body.substr(0, line)).empty()) {
+    if (line == std::string_view::npos || !trimmed(body.substr(0, line)).empty()) {
       return no_form("the boundary is not followed by a line break");
     }
     const std::size_t blank = body.substr(0, line + kMostHeaderBytes).find("\r\n\r\n", line);

@@ -1,6 +1,6 @@
-// The viewer's files: served whole at their paths and nothing else, with a policy, and
-// kept by browsers for as long as they hold.
-#include "server/routes/viewer_files.h"
+// The viewer's files and the documentation's: served whole at their paths and nothing else, with a
+// policy, and kept by browsers for as long as they hold.
+#include "server/routes/static_files.h"
 
 #include <doctest/doctest.h>
 
@@ -34,7 +34,7 @@ struct Viewed {
     write(folder.path() / "dist/assets/page-1a2b.js.unknown", "no kind that is served");
     write(folder.path() / "secret.txt", "not the viewer's");
     std::filesystem::create_symlink("../secret.txt", folder.path() / "dist/link.txt");
-    auto viewer = ViewerFiles::load((folder.path() / "dist").string());
+    auto viewer = StaticFiles::load((folder.path() / "dist").string(), StaticFiles::kViewer);
     REQUIRE(viewer);
     service.routes.set_viewer(std::move(*viewer));
   }
@@ -91,7 +91,7 @@ TEST_CASE("NothingBesideTheViewersFilesIsServed") {
   }
   // The API is still where it was.
   CHECK(viewed.service.get("/v1/methods").status == 200);
-  CHECK(viewed.service.get("/docs").status == 200);
+  CHECK(viewed.service.get("/docs/api/").status == 200);
 }
 
 TEST_CASE("TheViewerNeedsNoToken") {
@@ -102,12 +102,61 @@ TEST_CASE("TheViewerNeedsNoToken") {
 
 TEST_CASE("AFolderThatIsNoViewerIsRefused") {
   const TemporaryFolder folder;
-  const auto empty = ViewerFiles::load(folder.path().string());
+  const auto empty = StaticFiles::load(folder.path().string(), StaticFiles::kViewer);
   REQUIRE_FALSE(empty);
   CHECK(empty.error().detail.find("index.html") != std::string::npos);
-  CHECK_FALSE(ViewerFiles::load((folder.path() / "none").string()));
+  CHECK_FALSE(StaticFiles::load((folder.path() / "none").string(), StaticFiles::kDocs));
   // Without one, a plain page.
   const TemporaryFolder store;
   Service service(store.path());
   CHECK(service.get("/").body->find("<title>geodesicd</title>") != std::string::npos);
+}
+
+TEST_CASE("TheDocumentationIsServedBelowDocs") {
+  const TemporaryFolder folder;
+  const TemporaryFolder store;
+  write(folder.path() / "index.html", kPage);
+  write(folder.path() / "errors/index.html", kPage + "errors");
+  write(folder.path() / "api/index.html", kPage + "a page for readers without a server");
+  write(folder.path() / "assets/bundle.js", kScript);
+  auto docs = StaticFiles::load(folder.path().string(), StaticFiles::kDocs);
+  REQUIRE(docs);
+  Service service(store.path());
+  service.routes.set_docs(std::move(*docs));
+
+  CHECK(*service.get("/docs/").body == kPage);
+  CHECK(*service.get("/docs/errors/").body == kPage + "errors");
+  // Its files have no digest in their names.
+  CHECK(header_of(service.get("/docs/assets/bundle.js"), "Cache-Control") == "no-cache");
+  CHECK(header_of(service.get("/docs/"), "Content-Security-Policy").find("unsafe") ==
+        std::string::npos);
+  // The server's own page of the API goes before the site's.
+  CHECK(service.get("/docs/api/").body->find("readers without") == std::string::npos);
+  CHECK(service.get("/docs/api/").status == 200);
+  // A folder without its slash leads to the one with it, by a way that holds behind any prefix.
+  for (const auto& [path, to] : {std::pair{"/docs", "docs/"}, std::pair{"/docs/errors", "errors/"},
+                                 std::pair{"/docs/api", "api/"}}) {
+    CAPTURE(path);
+    CHECK(service.get(path).status == 308);
+    CHECK(header_of(service.get(path), "Location") == to);
+  }
+  for (const char* path : {"/docs/index.html", "/docs/assets", "/docs/assets/", "/docs/none/",
+                           "/docs//", "/docs/../docs/", "/errors/", "/docserrors/"}) {
+    CAPTURE(path);
+    CHECK(service.get(path).status == 404);
+  }
+  CHECK(service.ask("POST", "/docs/errors/").status == 405);
+}
+
+TEST_CASE("WithoutDocumentationItsPathsLeadToThePageOfTheApi") {
+  const TemporaryFolder store;
+  Service service(store.path());
+  for (const auto& [path, to] :
+       {std::pair{"/docs/", "api/"}, std::pair{"/docs/errors/", "../api/"}}) {
+    CAPTURE(path);
+    const HttpResponse reply = service.get(path);
+    CHECK(reply.status == 307);
+    CHECK(header_of(reply, "Location") == to);
+  }
+  CHECK(service.get("/docs/start/").status == 404);
 }

@@ -1,0 +1,126 @@
+"""What to do next about an error, where the server's own sentence does not say it."""
+
+from __future__ import annotations
+
+import socket
+import ssl
+
+import httpx
+
+_NO_USE = "Asking again will not help: "
+_TOKEN = "Client(token=), --token or $GEODESICD_TOKEN"
+_OF_CODE = {
+    "mesh_unknown": "Upload it, again if it was deleted. client.meshes() and 'geodesic list' tell "
+    "what is there",
+    "unauthorized": f"Give a token: {_TOKEN}",
+    "forbidden": f"Give a token with that scope: {_TOKEN}",
+    "method_unknown": "client.methods() lists them",
+    "too_many_vertices": "Simplify the mesh, or start the server with a larger --max-vertices",
+    "too_many_faces": "Simplify the mesh, or start the server with a larger --max-faces",
+    "external_uri": "Upload the .gltf file by its path: the files that it names are sent with it",
+    "format_unknown": "Of other formats trimesh and meshio make meshes, which upload takes",
+    "snap_too_far": "Are units and axes those of the mesh? If so, give a larger max_snap",
+    "no_hit": "mesh.bbox says where the mesh is",
+    "store_full": f"{_NO_USE}delete meshes, or give the server a larger --store-max-bytes or disk",
+    "deadline": "Give a longer deadline=, or a method that is faster",
+    "request_timeout": "The request came too slowly: ask again, or over a faster network",
+    "overloaded": "Ask later, or give Client more patience: retries=Retries(attempts=)",
+    "too_many_requests": "Ask for less at a time, or later: retries=Retries(attempts=)",
+    "draining": "The server is about to stop: ask again once it has been started",
+    "store_unavailable": "Ask later: the server cannot reach where it keeps its meshes",
+    "internal": "This is a fault of the server's: its log says more, under the request's name",
+}
+_BETWEEN = "This is no reply of geodesicd's own"
+_OF_STATUS = {
+    401: f"{_BETWEEN}: what is before the server wants to know who asks. Give a token: {_TOKEN}",
+    403: f"{_BETWEEN}: what is before the server does not let this through",
+    413: f"{_NO_USE}what is before the server takes no body so large, such as nginx's "
+    "client_max_body_size",
+    429: f"{_BETWEEN}: what is before the server wants fewer requests. Ask later",
+    502: f"{_BETWEEN}: what is before the server does not reach it. Is it running?",
+    503: f"{_BETWEEN}: what is before the server does not reach it. Ask later",
+    504: f"{_BETWEEN}: what is before the server waited too long. Give the query a progress=, "
+    "which makes it a job",
+    507: f"{_NO_USE}what is before the server has no room",
+}
+
+
+def of_error(status: int, code: str, detail: str, limit: int | None) -> str | None:
+    """What to do about a reply that is an error, whose code is ``http_…`` if it is no problem
+    document."""
+    if code.startswith("http_3"):
+        return "Give Client(url) or $GEODESICD_URL the address that it sends to"
+    if code.startswith("http_"):
+        return _OF_STATUS.get(status, f"{_BETWEEN}: is that address one, and what is between?")
+    if code == "too_large":
+        return _NO_USE + _smaller(detail)
+    if code == "too_much_memory":
+        return _NO_USE + _cheaper(detail)
+    if code == "index_out_of_range" and limit is not None:
+        return f"Vertices and faces are counted from 0; the last is {limit}"
+    return _OF_CODE.get(code)
+
+
+def _smaller(detail: str) -> str:
+    if "kept" in detail:  # a job's reply
+        return "ask without progress=, or start the server with a larger --job-result-bytes"
+    if "body" in detail:
+        return (
+            "send less at once, or start the server with a larger --max-body-bytes (for queries "
+            "--max-json-bytes)"
+        )
+    return "ask for less at once: client.status()['limits'] says how much is taken"
+
+
+def _cheaper(detail: str) -> str:
+    if "reply" in detail:
+        return (
+            "ask for less (max=, dtype=numpy.float32, quantised=True), or start the server with a "
+            "larger --reply-memory-bytes"
+        )
+    return (
+        "give method='auto', a tolerance or a nearer max, or start the server with a larger "
+        "--query-memory-bytes"
+    )
+
+
+def of_failure(error: httpx.RequestError) -> str:
+    """What to do where no reply came."""
+    if isinstance(error, httpx.ReadTimeout):
+        return (
+            "It may still be computing: give Client a longer timeout=, or the query a progress=, "
+            "which makes it a job"
+        )
+    if _caused(error, ssl.SSLCertVerificationError):
+        return (
+            "This machine does not trust that certificate: name the file of its authority in "
+            "$SSL_CERT_FILE, or give Client(verify=ssl.create_default_context(cafile=))"
+        )
+    if _caused(error, ssl.SSLError):
+        return "Does the server speak TLS? Without it, its address begins with http://"
+    if _caused(error, socket.gaierror):
+        return "Is the name of the server right: Client(url), --url or $GEODESICD_URL?"
+    if isinstance(error, httpx.ConnectError | httpx.ConnectTimeout | httpx.PoolTimeout):
+        return (
+            "Is a server running there? Start one with 'geodesic serve', or name another: "
+            "Client(url), --url or $GEODESICD_URL"
+        )
+    return (
+        "The connection broke: ask again. If it breaks again, the server's log may say why; one "
+        "that speaks TLS has an address that begins with https://"
+    )
+
+
+def is_lasting(error: httpx.RequestError) -> bool:
+    """Whether asking again would fail alike: certificates and what is no TLS do not change."""
+    return _caused(error, ssl.SSLError)
+
+
+def _caused(error: BaseException, kind: type[BaseException]) -> bool:
+    """Whether an error is of that kind, or comes from one."""
+    seen: BaseException | None = error
+    while seen is not None:
+        if isinstance(seen, kind):
+            return True
+        seen = seen.__cause__ or seen.__context__
+    return False

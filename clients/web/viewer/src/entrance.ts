@@ -1,0 +1,85 @@
+/**
+ * Where files come in: dropped anywhere on the page, alone, several or as a folder, or picked.
+ * A .gltf takes the files beside it along, for its buffers; other meshes come one by one.
+ */
+
+/** A mesh file, and what may belong to it, by its path from there. */
+export interface Dropped {
+  readonly file: File;
+  readonly others: readonly { readonly name: string; readonly data: File }[];
+}
+
+interface Found {
+  readonly path: string;
+  readonly file: File;
+}
+
+const MESH = /\.(glb|gltf|drc|obj|ply|stl)$/i;
+const GLTF = /\.gltf$/i;
+/** The server ignores images, and they are large. */
+const IMAGE = /\.(png|jpe?g|webp|ktx2?|basis|tga|gif)$/i;
+
+/** What is to be uploaded of all that came. */
+export function meshesAmong(found: readonly Found[]): Dropped[] {
+  const meshes = found.filter(({ path }) => MESH.test(path));
+  // One file that is no mesh by its name may be one all the same: the server looks inside.
+  if (!meshes.length) return found.slice(0, 1).map(({ file }) => ({ file, others: [] }));
+  const beside = found.filter(({ path }) => !MESH.test(path) && !IMAGE.test(path));
+  return meshes.map(({ path, file }) => {
+    const folder = path.slice(0, path.lastIndexOf('/') + 1);
+    const own = GLTF.test(path) ? beside.filter((each) => each.path.startsWith(folder)) : [];
+    return { file, others: own.map((each) => ({ name: each.path.slice(folder.length), data: each.file })) };
+  });
+}
+
+async function filesIn(entry: FileSystemEntry, folder = ''): Promise<Found[]> {
+  const path = folder + entry.name;
+  if (entry.isFile) {
+    const file = await new Promise<File>((resolve, reject) => (entry as FileSystemFileEntry).file(resolve, reject));
+    return [{ path, file }];
+  }
+  const reader = (entry as FileSystemDirectoryEntry).createReader();
+  const all: Found[] = [];
+  for (;;) {
+    // A reader gives a hundred at a time, and none at the end.
+    const some = await new Promise<FileSystemEntry[]>((resolve, reject) => reader.readEntries(resolve, reject));
+    if (!some.length) return all;
+    for (const each of some) all.push(...(await filesIn(each, `${path}/`)));
+  }
+}
+
+async function filesOf(data: DataTransfer): Promise<Found[]> {
+  // Entries must be asked for before anything is awaited.
+  const entries = [...data.items].map((item) => item.webkitGetAsEntry?.() ?? null);
+  const files = [...data.files].map((file) => ({ path: file.name, file }));
+  if (!entries.some((entry) => entry?.isDirectory)) return files;
+  return (await Promise.all(entries.filter((entry) => entry !== null).map((entry) => filesIn(entry)))).flat();
+}
+
+/** `take` is given what is to be uploaded; `open` lets files be picked. */
+export function fileEntrance(take: (dropped: Dropped[]) => void): { open(): void } {
+  const input = document.createElement('input');
+  Object.assign(input, { type: 'file', multiple: true, accept: '.glb,.gltf,.drc,.obj,.ply,.stl,.bin,model/gltf-binary,model/gltf+json', hidden: true, tabIndex: -1 });
+  input.setAttribute('aria-label', 'Mesh file');
+  input.onchange = () => {
+    const files = [...(input.files ?? [])].map((file) => ({ path: file.name, file }));
+    input.value = ''; // the same file can be picked again
+    if (files.length) take(meshesAmong(files));
+  };
+  document.body.append(input);
+
+  const over = (on: boolean) => document.body.classList.toggle('dropping', on);
+  addEventListener('dragover', (event) => {
+    if (!event.dataTransfer?.types.includes('Files')) return;
+    event.preventDefault();
+    over(true);
+  });
+  addEventListener('dragleave', (event) => { if (!event.relatedTarget) over(false); });
+  addEventListener('drop', (event) => {
+    event.preventDefault();
+    over(false);
+    if (!event.dataTransfer) return;
+    void filesOf(event.dataTransfer).then((files) => { if (files.length) take(meshesAmong(files)); });
+  });
+  return { open: () => input.click() };
+}

@@ -1,0 +1,87 @@
+/** Undo and redo of what a reader does to points, measures and the method; a drag is one step. */
+import type { State, Store } from './state.ts';
+
+/** A change of these is a step; the tool and the colours follow along. */
+const STEPS = ['sources', 'via', 'target', 'arrow', 'measures', 'method', 'pointsPerEdge', 'refine'] as const;
+const KEPT = [...STEPS, 'tool', 'show'] as const;
+const MOST = 200;
+/** Milliseconds in which changes of the arrow are one: its slider is pulled. */
+const TOGETHER = 600;
+
+type Step = Pick<State, (typeof KEPT)[number]>;
+
+export class History {
+  #past: Step[] = [];
+  #future: Step[] = [];
+  #going = false;
+  #held = false;
+  #last = { at: 0, what: '' };
+  readonly #listeners: (() => void)[] = [];
+
+  constructor(private readonly state: Store<State>) {
+    state.listen((now, before) => this.#note(now, before));
+  }
+
+  get canUndo(): boolean {
+    return this.#past.length > 0;
+  }
+
+  get canRedo(): boolean {
+    return this.#future.length > 0;
+  }
+
+  listen(listener: () => void): void {
+    this.#listeners.push(listener);
+  }
+
+  /** While a point is held all that happens is one step. */
+  hold(held: boolean): void {
+    this.#held = held;
+    this.#last.what = '';
+  }
+
+  undo(): void {
+    this.#go(this.#past, this.#future);
+  }
+
+  redo(): void {
+    this.#go(this.#future, this.#past);
+  }
+
+  #note(now: State, before: State): void {
+    if (this.#going) return;
+    if (now.mesh !== before.mesh) {
+      this.#past = [];
+      this.#future = [];
+      return this.#tell();
+    }
+    const what = STEPS.filter((name) => now[name] !== before[name]).join();
+    if (!what) return;
+    const at = performance.now();
+    const same = what === this.#last.what && (this.#held || (what === 'arrow' && at - this.#last.at < TOGETHER));
+    this.#last = { at, what };
+    if (same) return;
+    this.#past.push(stepOf(before));
+    if (this.#past.length > MOST) this.#past.shift();
+    this.#future = [];
+    this.#tell();
+  }
+
+  #go(from: Step[], to: Step[]): void {
+    const step = from.pop();
+    if (!step) return;
+    to.push(stepOf(this.state.value));
+    this.#going = true;
+    this.state.set(step);
+    this.#going = false;
+    this.#tell();
+  }
+
+  #tell(): void {
+    for (const listener of this.#listeners) listener();
+  }
+}
+
+function stepOf(state: State): Step {
+  return Object.fromEntries(KEPT.map((name) => [name, state[name]])) as unknown as Step;
+}

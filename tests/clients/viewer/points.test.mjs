@@ -1,0 +1,136 @@
+// Points beyond clicks: undone and redone, by the number of a vertex, out of a text file, and
+// what the page says of each.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { openMesh, pathLength, picture, textAt, until } from './browser.mjs';
+import { served } from './served.mjs';
+
+const { browser, service } = await served();
+const plane = await service.sample('plane');
+
+test('what was done is undone and done again, a drag in one step', async () => {
+  const page = await openMesh(browser, service, plane);
+  const undo = page.getByRole('button', { name: 'Undo' });
+  const redo = page.getByRole('button', { name: 'Redo' });
+  assert.ok((await undo.isDisabled()) && (await redo.isDisabled()), 'nothing was done yet');
+  await page.mouse.click(250, 330);
+  await page.mouse.click(620, 430);
+  const first = await pathLength(page);
+  await page.mouse.move(620, 430);
+  await page.mouse.down();
+  await page.mouse.move(420, 180, { steps: 12 });
+  await page.mouse.up();
+  const second = await pathLength(page, first);
+  await undo.click();
+  await textAt(page, '#length', (text) => text === first);
+  await page.keyboard.press('Control+z');
+  await until(async () => (await page.locator('.point').count()) === 1, 'the target is gone');
+  await page.keyboard.press('Control+Shift+z');
+  await textAt(page, '#length', (text) => text === first);
+  await redo.click();
+  await until(async () => await redo.isDisabled(), 'all is done again');
+  await until(async () => (await page.textContent('#length')) !== first, 'the second path');
+  assert.notEqual(second, first);
+  await page.keyboard.press('x');
+  await undo.click();
+  assert.equal(await page.locator('.point').count(), 2, 'cleared points come back');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test('a point tells its vertex, face and place, and a vertex is placed by its number', async () => {
+  const page = await openMesh(browser, service, plane);
+  await page.mouse.click(250, 330);
+  const told = await textAt(page, '#place', (text) => text.startsWith('Source'));
+  assert.match(told, /^Source: near vertex [\d,]+, face [\d,]+, at \([\d.]+, [\d.]+, 0\)$/);
+  const [, face, x, y] = /face ([\d,]+), at \(([\d.]+), ([\d.]+)/.exec(told);
+  await until(async () => page.url().includes('from='), 'the link');
+  const from = /from=([\d.,]+)/.exec(page.url())[1];
+  assert.equal(from.split(',')[0], face.replaceAll(',', ''));
+  const { points } = await service.json(`/v1/meshes/${plane}/nearest?point=f:${from}`);
+  assert.ok(Math.hypot(points[0].xyz[0] - x, points[0].xyz[1] - y) < 0.01);
+  // The tool is the target's now.
+  const input = page.getByLabel('Vertex number or p:x,y,z');
+  await input.fill('9999');
+  await page.getByRole('button', { name: 'Place as target' }).click();
+  assert.equal(await textAt(page, '#place', (text) => text.startsWith('Target')), 'Target: vertex 9,999, face 19,600, at (99, 99, 0)');
+  await pathLength(page);
+  await picture(page, '65-vertex');
+  await input.fill('10000');
+  await input.press('Enter');
+  assert.match(await page.locator('.trouble').textContent(), /No such vertex.*0 to 9,999/);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test('many sources come out of a text file, and divide the surface', async () => {
+  const page = await openMesh(browser, service, plane);
+  const lines = ['# sources', ...Array.from({ length: 14 }, (_, n) => `${700 * n + 55}`), '50.5 2.25 0.1', ''];
+  const give = (name, text) =>
+    page.locator('input[aria-label="File of sources"]').setInputFiles({ name, mimeType: 'text/plain', buffer: Buffer.from(text) });
+  await give('sources.txt', lines.join('\n'));
+  await until(async () => (await page.locator('.points').textContent()).includes('and 9 sources more'), 'fifteen sources');
+  await page.waitForSelector('.legend:not([hidden])');
+  await until(async () => new URLSearchParams(new URL(page.url()).hash.slice(1)).getAll('from').length === 15, 'the link has them');
+  await page.getByLabel('Regions').check();
+  await textAt(page, '.legend h2', (text) => text === 'Nearest of 15');
+  await picture(page, '66-fifteen-sources');
+  await give('poem.txt', 'no numbers\n');
+  assert.match(await page.locator('.trouble').textContent(), /No sources in this file.*poem\.txt/s);
+  assert.equal(await page.getByRole('button', { name: 'Undo' }).isDisabled(), false);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test('places are typed as p:x,y,z, among vertex numbers too', async () => {
+  const page = await openMesh(browser, service, plane);
+  const input = page.getByLabel('Vertex number or p:x,y,z');
+  const place = async (text) => {
+    await input.fill(text);
+    await input.press('Enter');
+  };
+  await place('p:50.25,2.5,0');
+  assert.match(await textAt(page, '#place', (text) => text.startsWith('Source')), /at \(50\.25, 2\.5, 0\)$/);
+  assert.equal(await input.inputValue(), '');
+  await page.getByLabel('Add').check();
+  await place('7, 9999;p:1,2,0  p:3e1,4,0.5');
+  await until(async () => (await page.locator('.point').count()) === 5, 'four more');
+  for (const wrong of ['p:1,2', 'p:1,2,3,4', 'p:a,b,c', 'north', 'p:,,', '1e999']) {
+    await place(wrong);
+    await until(async () => /no point.*p:x,y,z/s.test(await page.locator('.trouble').textContent()), wrong);
+    assert.equal(await input.inputValue(), wrong, 'what was typed stays, to be mended');
+    await page.getByRole('button', { name: 'Close this message' }).click();
+  }
+  assert.equal(await page.locator('.point').count(), 5);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+for (const [how, count] of [['a typed line', 1], ['a file', 2], ['a long file', 40]]) {
+  test(`points of ${how} that are far from the surface are remarked on, and placed`, async () => {
+    const page = await openMesh(browser, service, plane);
+    const remark = page.locator('.remark');
+    const give = async (z) => {
+      if (how === 'a typed line') {
+        await page.getByLabel('Vertex number or p:x,y,z').fill(`p:5,5,${z}`);
+        return page.getByRole('button', { name: 'Place as' }).click();
+      }
+      const text = Array.from({ length: count }, (_, n) => `${n} 5 ${z}`).join('\n');
+      return page.locator('input[aria-label="File of sources"]').setInputFiles({ name: 'far.xyz', mimeType: 'text/plain', buffer: Buffer.from(text) });
+    };
+    await give(500);
+    await remark.waitFor();
+    const told = await remark.textContent();
+    assert.match(told, /Far from the surface.*unit/s);
+    assert.match(told, count === 1 ? /500.0 away/ : new RegExp(`${count} of ${count} points, up to 500.0 away`));
+    await page.waitForSelector('.legend:not([hidden])');
+    await picture(page, `67-far-${count}`);
+    await page.getByRole('button', { name: 'Close this message' }).click();
+    await page.keyboard.press('x');
+    await give(0);
+    await page.locator('.point').first().waitFor();
+    assert.equal(await remark.count(), 0, 'near points are taken without a word');
+    assert.deepEqual(page.faults, []);
+    await page.context().close();
+  });
+}

@@ -1,0 +1,91 @@
+// How the mesh stands and is looked at: which axis is up, the whole of it again, its edges.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { difference, drop, openMesh, picture, ready, settled, until } from './browser.mjs';
+import { served } from './served.mjs';
+import { wavyMesh, wavyObj } from './wavy_mesh.mjs';
+
+const { browser, service } = await served();
+const plane = await service.sample('plane');
+
+/** Drops a file and waits until it is shown. */
+async function show(page, name, bytes) {
+  const was = await page.locator('#mesh').inputValue();
+  await drop(page, name, bytes);
+  await until(async () => ![was, ''].includes(await page.locator('#mesh').inputValue()), `${name} chosen`);
+  await ready(page);
+}
+
+test('glTF is believed that y is up; other formats have a switch, which is remembered', async () => {
+  const page = await openMesh(browser, service, plane);
+  await show(page, 'waves.glb', wavyMesh(60));
+  assert.ok(await page.getByLabel('Y up').isChecked(), 'glTF says so');
+  const wall = await picture(page, '60-gltf-y-up');
+  await page.getByLabel('Z up').check();
+  await until(async () => page.url().includes('up=z'), 'the choice in the link');
+  assert.ok((await difference(browser, wall, await picture(page, '61-gltf-z-up'))) > 0.05);
+  await show(page, 'hills.obj', wavyObj(50));
+  assert.ok(await page.getByLabel('Z up').isChecked(), 'a guess by the shape: it is low in z');
+  await page.getByLabel('Y up').check();
+  await show(page, 'hills_too.obj', wavyObj(51));
+  assert.ok(await page.getByLabel('Y up').isChecked(), 'as it was chosen last');
+  await page.getByLabel('Z up').check();
+  await show(page, 'waves_too.glb', wavyMesh(61));
+  assert.ok(await page.getByLabel('Y up').isChecked(), 'and glTF is believed again');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test('whoever has lost the mesh from sight has it back', async () => {
+  const page = await openMesh(browser, service, plane);
+  const first = await settled(page);
+  await page.mouse.move(60, 60);
+  await page.mouse.down();
+  await page.mouse.move(300, 200, { steps: 6 });
+  await page.mouse.up();
+  assert.ok((await difference(browser, first, await settled(page))) > 0.02);
+  await page.getByRole('button', { name: 'Reset view' }).click();
+  assert.ok((await difference(browser, first, await settled(page))) < 0.001);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test('edges, units and a scale', async () => {
+  const page = await openMesh(browser, service, plane);
+  const smooth = await settled(page);
+  await page.getByLabel('Edges of the mesh').check();
+  const seen = await picture(page, '62-edges');
+  assert.ok((await difference(browser, smooth, seen)) > 0.1, 'edges are seen');
+  await page.keyboard.press('e');
+  assert.ok((await difference(browser, smooth, await settled(page))) < 0.001);
+  assert.match(await page.textContent('.mesh-part .facts'), /99\.00 × 99\.00 × 0 m$/, 'glTF is in metres');
+  assert.equal(await page.textContent('.scale'), '20 m');
+  // As long as it says: the plane is 99 wide, and fills so many pixels.
+  const width = await page.locator('.scale i').evaluate((bar) => bar.getBoundingClientRect().width);
+  assert.ok(Math.abs(width / 20 - 487 / 99) < 0.1, `${width} pixels`);
+  await show(page, 'hills.obj', wavyObj(50));
+  assert.match(await page.textContent('.mesh-part .facts'), /units$/, 'OBJ does not say');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test('a path that is not the answer any more is faded until the next has come', async () => {
+  const page = await openMesh(browser, service, plane);
+  await page.mouse.click(250, 330);
+  await page.mouse.click(620, 430);
+  await until(async () => /\d/.test(await page.textContent('#length')), 'a path');
+  let go;
+  const held = new Promise((resolve) => { go = resolve; });
+  await page.route('**/path?**', async (route) => {
+    await held;
+    await route.continue();
+  });
+  await page.mouse.click(420, 250);
+  await page.waitForSelector('.result.stale');
+  await picture(page, '63-faded');
+  go();
+  await page.waitForSelector('.result:not(.stale)');
+  await picture(page, '64-not-faded');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});

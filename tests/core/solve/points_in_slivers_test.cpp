@@ -1,0 +1,116 @@
+// Distances by `auto` at points inside faces that are long and low, or between ways from different
+// sides: there circles round a face's corners meet anywhere.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "core/mesh/shapes.h"
+#include "core/paths/arrive_at_point.h"
+#include "core/solve/distance_at_point.h"
+#include "tests/fixtures/surface.h"
+#include "tests/fixtures/test_seed.h"
+#include "tests/fixtures/tube.h"
+
+using namespace geodesic;
+using fixtures::Surface;
+
+namespace {
+
+double part(std::mt19937& random) { return std::uniform_real_distribution<>(0.02, 1)(random); }
+
+TriangleSoup stretched(TriangleSoup soup, double by) {
+  for (Vec3& p : soup.positions) p.x *= by;
+  return soup;
+}
+
+struct Sample {
+  std::string name;
+  TriangleSoup soup;
+};
+
+std::vector<Sample> samples(std::mt19937& random) {
+  const auto times = [&](double most) { return std::pow(most, part(random)); };
+  const auto sides = static_cast<std::uint32_t>(4 + random() % 40);
+  return {{"tube", fixtures::tube(sides, times(100))},
+          {"stretched terrain", stretched(shapes::terrain(16, 4, 2), times(100))},
+          {"stretched sphere", stretched(shapes::icosphere(3), times(30))},
+          {"sphere", shapes::icosphere(2)}};
+}
+
+SurfacePoint inside_a_face(const Surface& surface, std::mt19937& random) {
+  const auto face = static_cast<std::uint32_t>(random() % surface.mesh().face_count());
+  return point_on_face(surface.adjacency(), face, {part(random), part(random), part(random)});
+}
+
+double read(const Surface& surface, const Field& field, const SurfacePoint& point) {
+  const PointArrivals arrivals(surface.adjacency(), field);
+  const auto found = distance_at_point(surface.adjacency(), field, arrivals, point, Cancel());
+  REQUIRE(found);
+  return *found;
+}
+
+}  // namespace
+
+TEST_CASE("DistancesInsideSliversAreNearTheTruth") {
+  std::mt19937 random(fixtures::test_seed());
+  for (int round = 0; round < 10; ++round) {
+    for (const Sample& sample : samples(random)) {
+      CAPTURE(sample.name);
+      const Surface surface(sample.soup);
+      double low = 0;
+      double high = 0;
+      double circles_low = 0;
+      double sum = 0;
+      int count = 0;
+      for (int s = 0; s < 4; ++s) {
+        const SurfacePoint source =
+            s % 2 == 0
+                ? surface.at(static_cast<std::uint32_t>(random() % sample.soup.positions.size()))
+                : inside_a_face(surface, random);
+        const Field field = surface.field_by(Method::back_traced, {{source, 0}});
+        FieldLimits details;
+        details.keep_details = true;
+        const Field truth = surface.field_by(Method::exact, {{source, 0}}, details);
+        const PointArrivals circles(surface.adjacency(), field);
+        for (int i = 0; i < 50; ++i, ++count) {
+          const SurfacePoint to = inside_a_face(surface, random);
+          const double exact = read(surface, truth, to);
+          const double error = read(surface, field, to) / exact - 1;
+          low = std::min(low, error);
+          high = std::max(high, error);
+          sum += std::abs(error);
+          circles_low = std::min(circles_low, circles.distance_at(to) / exact - 1);
+        }
+      }
+      MESSAGE(sample.name << ": mean " << sum / count << ", low " << low << ", high " << high
+                          << "; by circles " << circles_low);
+      // Of 480 meshes the worst had a mean of 0.25 % and single errors of 4 % below, 8 % above.
+      CHECK(sum / count < 0.005);
+      CHECK(low > -0.1);
+      CHECK(high < 0.2);
+    }
+  }
+}
+
+TEST_CASE("FromAPointInsideAFaceToItselfItIsNoWay") {
+  std::mt19937 random(fixtures::test_seed());
+  for (const Sample& sample : samples(random)) {
+    CAPTURE(sample.name);
+    const Surface surface(sample.soup);
+    for (const Bound bound : {Bound::none, Bound::upper}) {
+      MethodOptions options;
+      options.bound = bound;
+      for (int i = 0; i < 20; ++i) {
+        const SurfacePoint point = inside_a_face(surface, random);
+        const Field field = surface.field_by(Method::back_traced, {{point, 0.5}}, {}, options);
+        CHECK(read(surface, field, point) == 0.5);
+      }
+    }
+  }
+}

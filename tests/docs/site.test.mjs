@@ -1,0 +1,145 @@
+// The site in a browser, behind a proxy that takes a prefix off: every page in light, in dark and on a
+// phone is whole, light in bytes, fit for everyone, and asks no other host for anything.
+import assert from 'node:assert/strict';
+import { readdir, readFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { after, test } from 'node:test';
+import { axe, launch, newPage } from '../clients/viewer/browser.mjs';
+import { Service } from '../clients/viewer/service.mjs';
+import { proxied } from './prefix_proxy.mjs';
+
+const { DOCS_SITE, DOCS_PICTURES } = process.env;
+const MOST_BYTES = 300_000;
+const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
+
+const service = await new Service('--docs', DOCS_SITE).start();
+const proxy = await proxied(service);
+const browser = await launch();
+after(async () => {
+  await browser.close();
+  proxy.stop();
+  await service.end();
+});
+
+const files = await readdir(DOCS_SITE, { recursive: true });
+const pages = files.filter((name) => name.endsWith('index.html')).map((name) => name.slice(0, -'index.html'.length)).sort();
+
+/** A tab that counts the bytes that come, none out of a cache. */
+async function counting(options) {
+  const page = await newPage(browser, options);
+  const session = await page.context().newCDPSession(page);
+  await session.send('Network.enable');
+  await session.send('Network.setCacheDisabled', { cacheDisabled: true });
+  page.bytes = 0;
+  session.on('Network.loadingFinished', ({ encodedDataLength }) => (page.bytes += encodedDataLength));
+  return page;
+}
+
+/** Opens a page of the site, and waits for all of it. */
+async function open(page, path) {
+  page.bytes = page.faults.length = page.asked.length = 0;
+  await page.goto(`${proxy.url}docs/${path}`, { waitUntil: 'load' });
+  // Pictures further down come as they are scrolled to.
+  for (const image of await page.locator('main img').all()) await image.scrollIntoViewIfNeeded();
+  await page.waitForLoadState('networkidle');
+  await page.evaluate(() => scrollTo(0, 0));
+}
+
+/** What is wrong with a page as it stands. */
+async function problemsOf(page, path, withAxe = true) {
+  const found = [...page.faults];
+  for (const url of page.asked) {
+    if (!url.startsWith(proxy.url) && !/^(data|blob):/.test(url)) found.push(`asks for ${url}`);
+  }
+  const broken = await page.evaluate(() =>
+    [...document.images].filter((image) => !image.complete || image.naturalWidth === 0).map((image) => image.src));
+  found.push(...broken.map((source) => `no picture ${source}`));
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  if (wide > 0) found.push(`${wide} pixels too wide`);
+  if (withAxe) {
+    await page.evaluate(await readFile(axe, 'utf8'));
+    const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ['violations'] }));
+    for (const { id, impact, nodes } of violations) {
+      if (impact !== 'serious' && impact !== 'critical') continue;
+      found.push(`${id}: ${nodes.slice(0, 2).map(({ target, failureSummary }) => `${target} ${failureSummary}`).join('; ')}`);
+    }
+  }
+  return found.map((problem) => `${path || 'home'}: ${problem}`);
+}
+
+async function picture(page, path, name) {
+  if (!DOCS_PICTURES) return;
+  const called = path.replaceAll('/', '-').replace(/-$/, '') || 'home';
+  await page.screenshot({ path: join(DOCS_PICTURES, `${called}-${name}.png`) });
+}
+
+for (const [name, options] of [['light', {}], ['dark', { colorScheme: 'dark' }], ['phone', PHONE]]) {
+  test(`all pages, ${name}`, { timeout: 1_200_000 }, async () => {
+    assert.ok(pages.length >= 20, `${pages.length} pages`);
+    const [weights, problems] = [[], []];
+    const page = await counting(options);
+    for (const path of pages) {
+      await open(page, path);
+      await picture(page, path, name);
+      weights.push([path || 'home', page.bytes]);
+      if (page.bytes > MOST_BYTES) problems.push(`${path} has ${page.bytes} bytes`);
+      problems.push(...(await problemsOf(page, path, name !== 'phone')));
+    }
+    await page.context().close();
+    weights.sort((one, other) => other[1] - one[1]);
+    console.log(`${name}: ${weights.map(([path, bytes]) => `${path} ${Math.round(bytes / 1000)} kB`).join(', ')}`);
+    assert.ok(weights.at(-1)[1] > 10_000, 'bytes are counted');
+    assert.deepEqual(problems, []);
+  });
+}
+
+test('the search finds words of pages, without another host', async () => {
+  const page = await counting();
+  await open(page, '');
+  await page.locator('input[name=query]').click();
+  await page.locator('input[name=query]').pressSequentially('digest_mismatch');
+  await page.locator('.md-search-result__link[href*="errors/"]').first().waitFor();
+  assert.deepEqual(await problemsOf(page, 'search'), []);
+  await page.context().close();
+});
+
+test('a session is copied without prompts and output', async () => {
+  const page = await newPage(browser, { permissions: ['clipboard-read', 'clipboard-write'] });
+  await page.goto(`${proxy.url}docs/tutorials/tape_measure/`);
+  await page.locator('[data-clipboard-target]').first().click();
+  await page.getByText('Copied to clipboard').waitFor();
+  const lines = (await page.evaluate(() => navigator.clipboard.readText())).trim().split('\n');
+  assert.match(lines[0], /^HEAD=\$\(sha256sum /);
+  assert.deepEqual(lines.map((line) => line.split(/[ =]/)[0]), ['HEAD', 'MARKS', 'curl']);
+  await page.context().close();
+});
+
+test('an error leads to its heading: behind a prefix, and without a site to the page of the API', async () => {
+  const page = await counting();
+  await open(page, 'errors#mesh_unknown');
+  assert.equal(page.url(), `${proxy.url}docs/errors/#mesh_unknown`);
+  assert.equal(await page.locator('h3#mesh_unknown').count(), 1);
+  await page.context().close();
+
+  const bare = await new Service().start();
+  try {
+    const { type, code } = await bare.json('/v1/meshes/none');
+    assert.equal(type, `/docs/errors/#${code}`);
+    const other = await newPage(browser);
+    await other.goto(new URL(type, bare.url).href);
+    await other.locator(`tr#${code}`).waitFor();
+    assert.equal(new URL(other.url()).pathname, '/docs/api/');
+    await other.goto(new URL('/docs', bare.url).href);
+    assert.equal(new URL(other.url()).pathname, '/docs/api/');
+    await other.context().close();
+  } finally {
+    await bare.end();
+  }
+});
+
+test('a browser shows the contract as text', async () => {
+  const page = await newPage(browser);
+  await page.goto(`${proxy.url}openapi.yaml`);
+  assert.match(await page.locator('body').innerText(), /^openapi: 3\.1/);
+  await page.context().close();
+});

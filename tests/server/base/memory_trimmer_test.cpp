@@ -1,0 +1,56 @@
+#include "server/base/memory_trimmer.h"
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "server/base/process_usage.h"
+
+using namespace geodesic::server;
+using namespace std::chrono_literals;
+
+// The sanitizers' allocators return what is freed by rules of their own.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST_CASE("WhatIsFreedAtTheEndOfAThreadsHeapGoesBackAtOnce") {
+  const MemoryTrimmer trimmer(1h);
+  // Large blocks that come and go must not raise the bound on what is kept.
+  for (int i = 0; i < 4; ++i) std::make_unique<char[]>(30 << 20);
+  const double before = process_usage().resident_bytes;
+  std::thread([&] {
+    std::vector<std::unique_ptr<char[]>> blocks(5'000);
+    for (auto& block : blocks) block = std::make_unique<char[]>(8 << 10);  // 40 MB
+    CHECK(process_usage().resident_bytes > before + 30e6);
+  }).join();
+  CHECK(process_usage().resident_bytes < before + 15e6);
+}
+
+TEST_CASE("MemoryThatIsFreedBetweenWhatIsInUseGoesBackToTheSystem") {
+  constexpr std::size_t kBlock = 8 << 10;
+  constexpr std::size_t kBlocks = 20'000;  // 160 MB
+  const double before = process_usage().resident_bytes;
+  const MemoryTrimmer trimmer(20ms);
+  std::vector<std::unique_ptr<char[]>> blocks(kBlocks);
+  std::thread([&] {  // in an arena of its own
+    for (auto& block : blocks) {
+      block = std::make_unique<char[]>(kBlock);
+    }
+  })
+      .join();
+  const double full = process_usage().resident_bytes;
+  CHECK(full > before + 100e6);
+  for (std::size_t i = 0; i < kBlocks; ++i) {
+    if (i % 100 != 0) blocks[i].reset();
+  }
+  const auto end = std::chrono::steady_clock::now() + 20s;
+  while (process_usage().resident_bytes > before + 50e6 && std::chrono::steady_clock::now() < end) {
+    // Work, so that the next look finds a trim worth its time.
+    const auto busy = std::chrono::steady_clock::now() + 50ms;
+    while (std::chrono::steady_clock::now() < busy) {
+    }
+  }
+  CHECK(process_usage().resident_bytes < before + 50e6);
+}
+#endif

@@ -1,0 +1,114 @@
+// Jobs that nobody asks about any more.
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <string>
+#include <thread>
+
+#include "server/base/service_codes.h"
+#include "tests/server/compute/jobs_fixture.h"
+
+using namespace geodesic;
+using namespace geodesic::server;
+using namespace geodesic::server::test;
+
+namespace {
+
+Jobs::Limits lease_of(std::chrono::milliseconds lease) {
+  Jobs::Limits limits = limits_of(8, 2);
+  limits.lease = lease;
+  return limits;
+}
+
+// Without a look at any one job.
+void wait_until_cancelled(Jobs& jobs, std::uint64_t count) {
+  const auto end = std::chrono::steady_clock::now() + kJobPatience;
+  while (jobs.stats().cancelled < count) {
+    REQUIRE(std::chrono::steady_clock::now() < end);
+    std::this_thread::sleep_for(1ms);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("AJobThatNobodyAsksAboutIsCancelledWhetherItRunsOrWaits") {
+  JobsFixture fixture(lease_of(50ms));
+  // Of one client one runs, and the other waits for as long as that one runs.
+  const auto kept = fixture.try_start("/hold/kept", "ann", "", JobLease::none);
+  REQUIRE(kept);
+  fixture.gate.begun(1);
+  const std::string waiting = fixture.start("/hold/waiting", "ann", std::string(50'000, 'x'));
+  const std::string running = fixture.start("/hold/running", "bob");
+  wait_until_cancelled(fixture.jobs, 2);
+  for (const std::string& id : {running, waiting}) {
+    const auto job = fixture.jobs.find(id);
+    REQUIRE(job);
+    CHECK(job->state == JobState::cancelled);
+    CHECK(job->lease == 50ms);
+    const auto result = fixture.jobs.result(id);
+    REQUIRE_FALSE(result);
+    CHECK(result.error().code == ServiceCode::job_cancelled);
+    CHECK(result.error().detail.find("nobody asked") != std::string::npos);
+  }
+  for (const std::string& path : fixture.gate.begun(1)) CHECK(path != "/hold/waiting");
+  CHECK(fixture.jobs.stats().queued == 0);
+  CHECK(fixture.jobs.stats().bytes < 20'000);  // its body is gone
+  // The threads and the places are free again.
+  const auto next = fixture.try_start("/x", "bob", "", JobLease::none);
+  REQUIRE(next);
+  fixture.wait_for(next->id, JobState::done);
+  fixture.gate.let_go("/hold/kept");
+  fixture.wait_for(kept->id, JobState::done);
+}
+
+TEST_CASE("WhoAsksOrWatchesRenewsTheLease") {
+  constexpr auto kLease = 1500ms;
+  bool stood_still = true;  // a machine that stood still tells nothing about the lease
+  for (int attempt = 0; stood_still && attempt < 10; ++attempt) {
+    JobsFixture fixture(lease_of(kLease));
+    const std::string asked = fixture.start("/hold1", "ann");
+    const std::string watched = fixture.start("/hold2", "bob");
+    const auto handle = fixture.jobs.hold(watched);
+    REQUIRE(handle);
+    JobReport seen = fixture.jobs.report(handle);
+    auto last = std::chrono::steady_clock::now();
+    const auto end = last + 4s;
+    stood_still = false;
+    while (last < end) {
+      const auto now = std::chrono::steady_clock::now();
+      stood_still = stood_still || now - last > kLease / 2;
+      last = now;
+      (void)fixture.jobs.find(asked);
+      seen = fixture.jobs.wait_for_news(handle, seen, 20ms);
+    }
+    if (stood_still) continue;
+    CHECK(fixture.jobs.stats().cancelled == 0);
+    fixture.gate.let_go("/hold1");
+    fixture.gate.let_go("/hold2");
+    fixture.wait_for(asked, JobState::done);
+    fixture.wait_for(watched, JobState::done);
+  }
+  CHECK_FALSE(stood_still);
+}
+
+TEST_CASE("AJobWithoutALeaseGoesOnAndWhatHasEndedIsKept") {
+  JobsFixture fixture(lease_of(20ms));
+  const auto kept = fixture.try_start("/hold", "ann", "", JobLease::none);
+  REQUIRE(kept);
+  CHECK_FALSE(kept->lease);
+  const std::string ended = fixture.start("/x", "bob");
+  const auto patience = std::chrono::steady_clock::now() + kJobPatience;
+  while (fixture.jobs.stats().running + fixture.jobs.stats().queued > 1) {
+    REQUIRE(std::chrono::steady_clock::now() < patience);
+    std::this_thread::sleep_for(1ms);
+  }
+  std::this_thread::sleep_for(200ms);
+  CHECK(fixture.jobs.stats().running == 1);
+  fixture.gate.let_go("/hold");
+  CHECK(fixture.wait_for(kept->id, JobState::done).status == 200);
+  // It may have been done in time or not; if it was, its result outlives the lease.
+  const auto other = fixture.jobs.find(ended);
+  REQUIRE(other);
+  CHECK(has_ended(other->state));
+  if (other->state == JobState::done) CHECK(fixture.jobs.result(ended));
+}
