@@ -24,8 +24,9 @@ struct Jobs::Job {
   Clock::time_point forgotten_at;
   std::uint64_t bytes = 0;  // charged
   bool is_kept = false;     // it has ended, and its bytes count among its client's
+  bool is_running = false;  // its handler is, perhaps after the job was cancelled
   std::atomic<bool> cancelled{false};
-  std::atomic<bool> is_unwatched{false};  // why it was cancelled
+  std::atomic<bool> is_unwatched{false};  // it was cancelled because nobody asked about it
   std::atomic<Clock::time_point> lease_ends{Clock::time_point::max()};
   std::atomic<double> progress{0};
 

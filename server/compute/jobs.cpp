@@ -183,14 +183,16 @@ void Jobs::work() {
 // Runs it without the lock.
 void Jobs::run(Job& job, std::unique_lock<std::mutex>& lock) {
   job.report.state = JobState::running;
+  job.is_running = true;
   job.report.started = std::chrono::system_clock::now();
   changed_.notify_all();
   lock.unlock();
   HttpResponse reply = reply_to(job);
   job.request.body = {};
   lock.lock();
+  job.is_running = false;
   if (has_ended(job.report.state)) return charge(job, 0);  // cancelled meanwhile
-  if (job.cancelled) {                                     // for want of a watcher
+  if (job.cancelled) {                                     // its lease is over
     charge(job, kBytesOfJob);
     return end(job, JobState::cancelled);
   }

@@ -60,7 +60,7 @@ void Jobs::forget(const Handle& job) {
   // `job` may be the list's own.
   const Handle held = job;  // NOLINT(performance-unnecessary-copy-initialization)
   // What still runs, cancelled, keeps its charge until it has given its body back.
-  if (!held->cancelled || !held->report.started) charge(*held, 0);
+  if (!held->is_running) charge(*held, 0);
   jobs_.erase(held->report.id);
   ended_.remove(held);
   if (held->is_kept) {
