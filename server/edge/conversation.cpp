@@ -15,7 +15,10 @@ namespace {
 
 constexpr std::size_t kHeadChunk = 16u << 10;
 constexpr std::size_t kBodyChunk = 64u << 10;
-constexpr std::size_t kLatePieces = 256;  // 16 MiB, more than a socket holds
+// What is read of a body after its time, which is more than a socket holds. A piece counts as
+// so much at least: a TLS record may have a single byte.
+constexpr std::size_t kLateBytes = 16u << 20;
+constexpr std::size_t kLeastPiece = 1u << 10;
 // After a last reply: for how long, and how many bytes at a time, what still comes
 // is taken. Closing with unread bytes would reset the connection and may destroy
 // the reply on its way.
@@ -83,6 +86,9 @@ auto HttpConversation::shake_hands(bool overdue) -> MaybeNext {
 }
 
 auto HttpConversation::receive_head(bool overdue) -> MaybeNext {
+  // Empty lines before a head are no part of it, so the bound on its size does not end them.
+  const std::size_t most_bytes = 2 * edge_.options.max_head_bytes + kHeadChunk;
+  std::size_t bytes = 0;
   while (true) {
     std::size_t size = 0;
     const auto outcome =
@@ -95,8 +101,11 @@ auto HttpConversation::receive_head(bool overdue) -> MaybeNext {
     // counts even while bytes come: a trickle must not outlive the deadline.
     Progress progress = Progress::done;
     if (outcome == HttpConnection::Head::incomplete) {
+      const std::size_t had = connection_.arrived().size();
       progress = connection_.receive(kHeadChunk);
-      if (progress == Progress::done) continue;
+      bytes += connection_.arrived().size() - had;
+      if (progress == Progress::done && bytes <= most_bytes) continue;
+      if (progress == Progress::done) return go(Phase::over);
       if (progress == Progress::closed) return go(Phase::over);  // there is nobody to answer
     }
     const bool late = overdue || Clock::now() > deadline_;
@@ -154,7 +163,7 @@ auto HttpConversation::body_deadline() const -> Clock::time_point {
 }
 
 auto HttpConversation::receive_body(bool overdue) -> MaybeNext {
-  std::size_t late_pieces = 0;
+  std::size_t late_bytes = 0;
   while (true) {
     std::string& bytes = exchange_->request.body;
     std::string_view arrived = connection_.arrived();
@@ -172,11 +181,13 @@ auto HttpConversation::receive_body(bool overdue) -> MaybeNext {
     } else if (state == HttpBody::State::complete) {
       return go(Phase::reply);
     } else {
-      // As for a head: what is there is read before time is judged. A socket holds no more than
-      // so many pieces: whoever brings more still sends.
+      // As for a head: what is there is read before time is judged. Whoever brings more than a
+      // socket holds still sends.
       const bool late = overdue || Clock::now() > deadline;
+      const std::size_t left = connection_.arrived().size();
       const Progress progress = connection_.receive(kBodyChunk);
-      if (progress == Progress::done && (!late || ++late_pieces <= kLatePieces)) continue;
+      if (late) late_bytes += std::max(connection_.arrived().size() - left, kLeastPiece);
+      if (progress == Progress::done && late_bytes <= kLateBytes) continue;
       if (progress == Progress::closed) {
         refuse_body(
             {ErrorCode::cancelled, "the client left before its body was complete", {}, {}, {}});

@@ -275,3 +275,34 @@ TEST_CASE("files that are no certificate and key are errors that name them") {
   make_certificate(other, "other");
   CHECK_FALSE(TlsContext::load(certificate, other.file("key.pem")));
 }
+
+TEST_CASE("a body in many small records is read whole, however late the server is") {
+  constexpr auto kTimeout = 4s;  // no machine stands still for so long before the thread is taken
+  const Folder folder;
+  make_certificate(folder, "edge");
+  HttpOptions options = with_tls(folder);
+  options.io_threads = options.max_io_threads = 1;
+  options.body_timeout = kTimeout;
+  Edge edge(std::move(options));
+  const auto wait_until = [](auto is_so) {
+    const auto end = std::chrono::steady_clock::now() + 60s;
+    while (!is_so()) {
+      REQUIRE(std::chrono::steady_clock::now() < end);
+      std::this_thread::sleep_for(1ms);
+    }
+  };
+  const std::string body(1000, 'x');
+  TlsClient client(edge.port);
+  REQUIRE(client.connected());
+  client.send(post("/echo", with_length(body), body.substr(0, 1)));
+  wait_until([&] { return edge.server.stats().body_bytes > 0; });
+  {
+    TlsClient busy(edge.port);
+    REQUIRE(busy.connected());
+    busy.send(get("/gone"));  // has the only thread until it leaves
+    wait_until([&] { return edge.server.stats().running > 0; });
+    for (std::size_t i = 1; i < body.size(); ++i) client.send(body.substr(i, 1));
+    std::this_thread::sleep_for(kTimeout + 200ms);
+  }
+  CHECK(client.receive() == body);
+}
