@@ -7,9 +7,12 @@
 namespace geodesic::server {
 namespace {
 
-constexpr double kWork = 0.1;  // seconds of a processor, which may have freed much
-// Bytes: of blocks that have pages of their own, which go back at once, and at a heap's end. To get
-// pages anew costs less than what is usually done with so large a block.
+// Seconds of a processor. So much work may have freed much; so little is as good as none.
+constexpr double kWork = 0.1;
+constexpr double kIdle = 0.01;
+// Bytes. A block of this size has pages of its own, which go back to the system when it is freed;
+// to get them anew costs less than what is usually done with so large a block. A heap whose end is
+// free for as much is cut off there.
 constexpr int kLarge = 4 << 20;
 
 }  // namespace
@@ -34,9 +37,13 @@ MemoryTrimmer::~MemoryTrimmer() {
 
 void MemoryTrimmer::trim_if_worked() {
   const double now = process_usage().cpu_seconds;
-  if (now - cpu_seconds_ < kWork) return;
+  const bool rests = now - looked_ < kIdle;
+  looked_ = now;
+  const double worked = now - trimmed_;
+  // What little was done after the last trim may have freed a mesh: it is seen to at rest.
+  if (worked < kWork && !(rests && worked >= kIdle)) return;
   ::malloc_trim(0);
-  cpu_seconds_ = process_usage().cpu_seconds;  // the trim is no work
+  looked_ = trimmed_ = process_usage().cpu_seconds;  // the trim is no work
 }
 
 }  // namespace geodesic::server
