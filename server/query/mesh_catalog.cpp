@@ -82,8 +82,11 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const proto::Imp
     auto description = metadata(id, caller);
     Result<void> sure = description ? make_sure(id, bytes) : fail(description.error());
     if (sure && !name.empty() && !proto::name_in(*description)) {
-      description = rename(id, name, caller);
-      sure = description ? Result<void>() : fail(description.error());
+      if (auto named = set_name(id, name, true, caller)) {
+        description = std::move(named);
+      } else if (named.error().code == ServiceCode::mesh_unknown) {
+        sure = fail(std::move(named.error()));
+      }
     }
     if (sure) return Upload{id, std::move(*description), false};
     // Removed since, or found damaged: then this upload puts it back.
@@ -123,12 +126,18 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const proto::Imp
       },
       caller);
   if (!upload) return fail(upload.error());
-  return *upload->value;
+  Upload added = *upload->value;
+  // It may be another's upload of the same bytes, which had no name.
+  if (!name.empty() && !proto::name_in(added.metadata)) {
+    if (auto named = set_name(id, name, true, caller)) added.metadata = std::move(*named);
+  }
+  return added;
 }
 
 Result<void> MeshCatalog::make_sure(const std::string& id, std::string_view bytes) {
   if (store_.is_surely_whole(id)) return {};
-  const auto description = description_of(id);
+  const std::lock_guard lock(descriptions_mutex_);
+  const auto description = description_of(id, /*afresh=*/true);
   if (!description) return fail(description.error());
   if (!*description) return unknown_mesh();
   return store_.put(id, bytes, **description);
@@ -201,19 +210,29 @@ Result<std::string> MeshCatalog::metadata(const std::string& id, const Caller& c
 
 Result<std::string> MeshCatalog::rename(const std::string& id, const std::string& name,
                                         const Caller& caller) {
+  return set_name(id, name, false, caller);
+}
+
+Result<std::string> MeshCatalog::set_name(const std::string& id, const std::string& name,
+                                          bool only_first, const Caller& caller) {
   // An upload that was cut off has no description yet.
   if (const auto described = metadata(id, caller); !described) return fail(described.error());
-  const auto description = description_of(id);
-  if (!description) return fail(description.error());
-  if (!*description) return unknown_mesh();
-  const auto named = proto::with_name(**description, name);
-  if (!named) return fail(named.error());
-  if (auto put = store_.put_metadata(id, *named); !put) return fail(std::move(put.error()));
+  {
+    const std::lock_guard lock(descriptions_mutex_);
+    const auto description = description_of(id, /*afresh=*/true);
+    if (!description) return fail(description.error());
+    if (!*description) return unknown_mesh();
+    if (!only_first || !proto::name_in(**description)) {
+      const auto named = proto::with_name(**description, name);
+      if (!named) return fail(named.error());
+      if (auto put = store_.put_metadata(id, *named); !put) return fail(std::move(put.error()));
+    }
+  }
   return metadata(id, caller);
 }
 
-Result<std::optional<std::string>> MeshCatalog::description_of(const std::string& id) {
-  auto stored = store_.get_metadata(id);
+Result<std::optional<std::string>> MeshCatalog::description_of(const std::string& id, bool afresh) {
+  auto stored = afresh ? store_.get_metadata_afresh(id) : store_.get_metadata(id);
   if (!stored || !*stored) return stored;
   if ((*stored)->size() > proto::kMostDescriptionBytes) {  // by an older version
     if (!has_options(id)) return std::nullopt;             // to be described anew

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -60,7 +61,8 @@ class MeshCatalog {
   void set_limits(const CatalogLimits& limits);
 
   // Decodes, checks and stores a file. On any error nothing of it remains. `name`: what the mesh
-  // is called (proto/wire/mesh_name.h), if it has no name yet.
+  // is called (proto/wire/mesh_name.h), if it has no name yet. A mesh that is stored already keeps
+  // having none where the name cannot be written.
   [[nodiscard]] Result<Upload> add(std::string bytes, const proto::ImportOptions& options,
                                    const Caller& caller, const std::string& name = {});
   // Gives a mesh another name, or none; returns its metadata. Errors: mesh_unknown and the
@@ -135,9 +137,15 @@ class MeshCatalog {
   [[nodiscard]] Result<Described> describe(const std::string& id, const std::string& bytes,
                                            const proto::ImportOptions& options,
                                            const Caller& caller);
+  // Gives a mesh another name, and returns its metadata; with `only_first`, only if it has none
+  // yet. Errors: mesh_unknown and the store's.
+  [[nodiscard]] Result<std::string> set_name(const std::string& id, const std::string& name,
+                                             bool only_first, const Caller& caller);
   // What is kept about a stored mesh, or nothing if that is not there, cannot be read, or
-  // tells of other options than those in the mesh's id.
-  [[nodiscard]] Result<std::optional<std::string>> description_of(const std::string& id);
+  // tells of other options than those in the mesh's id. `afresh`: where other servers use the
+  // store, as it is there now.
+  [[nodiscard]] Result<std::optional<std::string>> description_of(const std::string& id,
+                                                                  bool afresh = false);
   // How a stored mesh is to be read. Errors: mesh_unknown and the store's.
   [[nodiscard]] Result<proto::ImportOptions> options_of(const std::string& id);
   // Does one step in making a mesh usable, and notes how long it took.
@@ -160,6 +168,8 @@ class MeshCatalog {
   LruCache<Mesh> meshes_;
   LruCache<Prepared> prepared_;
   LruCache<Upload> uploads_;  // keeps nothing: one upload at a time of the same bytes
+  // Held from reading a description to writing it with another name, or again.
+  std::mutex descriptions_mutex_;
 };
 
 }  // namespace geodesic::server

@@ -215,6 +215,11 @@ Result<std::optional<std::string>> MeshStore::get_metadata(std::string_view id) 
   return fail(metadata.error());
 }
 
+Result<std::optional<std::string>> MeshStore::get_metadata_afresh(std::string_view id) {
+  if (storage_->is_shared()) metadata_.erase(std::string(id));
+  return get_metadata(id);
+}
+
 bool MeshStore::contains(std::string_view id) const { return index_.contains(id); }
 
 Result<bool> MeshStore::use(std::string_view id) {

@@ -88,6 +88,10 @@ class MeshStore {
   // limited amount of it.
   [[nodiscard]] Result<std::optional<std::string>> get_metadata(std::string_view id);
 
+  // The same, but where other processes use the storage it is always read: they may have written
+  // another one.
+  [[nodiscard]] Result<std::optional<std::string>> get_metadata_afresh(std::string_view id);
+
   // Whether the mesh is known; from memory.
   [[nodiscard]] bool contains(std::string_view id) const;
 

@@ -323,3 +323,46 @@ TEST_CASE("a mesh that this server knows to be whole is not written again") {
   REQUIRE(three->is_stored(id) == true);
   CHECK(three->is_surely_whole(id));
 }
+
+TEST_CASE("a name that one server gave is not written over by what another remembers") {
+  FakeS3 s3;
+  ComputePool pool(1, 64);
+  Metrics metrics("test");
+  const auto one = s3.open();
+  const auto two = s3.open();
+  MeshCatalog first(*one, pool, {}, metrics);
+  MeshCatalog second(*two, pool, {}, metrics);
+  const std::string bytes = glb_of(shapes::plane(4, 4));
+  const auto upload = first.add(bytes, {}, {});
+  REQUIRE(upload);
+  REQUIRE(second.metadata(upload->id, {}));  // without a name, and remembered so
+  REQUIRE(first.rename(upload->id, "ann's", {}));
+  const auto again = second.add(bytes, {}, {}, "bob's");
+  REQUIRE(again);
+  CHECK(json::parse(again->metadata)["name"] == "ann's");
+  CHECK(json::parse(*second.metadata(upload->id, {}))["name"] == "ann's");
+  REQUIRE(second.rename(upload->id, "bob's", {}));
+  REQUIRE(first.add(bytes, {}, {}));
+  CHECK(json::parse(*s3.object("meta/" + upload->id + ".json"))["name"] == "bob's");
+}
+
+TEST_CASE("a stored mesh is there whether its name can be written or not") {
+  FakeS3 s3;
+  ComputePool pool(1, 64);
+  Metrics metrics("test");
+  const auto store = s3.open();
+  MeshCatalog catalog(*store, pool, {}, metrics);
+  const std::string bytes = glb_of(shapes::plane(4, 4));
+  const auto upload = catalog.add(bytes, {}, {});
+  REQUIRE(upload);
+  FakeS3::Script script;
+  script.before = [](const FakeS3::Call& call) {
+    return call.method == "PUT" ? FakeS3::Act::refuse : FakeS3::Act::serve;
+  };
+  s3.follow(std::move(script));
+  const auto again = catalog.add(bytes, {}, {}, "a name");
+  REQUIRE(again);
+  CHECK_FALSE(again->created);
+  CHECK_FALSE(json::parse(again->metadata).contains("name"));
+  CHECK_FALSE(catalog.rename(upload->id, "a name", {}));  // who asks for nothing else is told
+}
