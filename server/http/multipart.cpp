@@ -34,9 +34,15 @@ Result<Part> part_of(std::string_view head) {
     std::string_view line = head.substr(0, end);
     head.remove_prefix(std::min(end + 2, head.size()));
     if (!equals_ignoring_case(take_until(':', line), "content-disposition")) continue;
+    std::string disposition(line);
+    // Browsers escape no backslash: one before the last quote is the name's end, unless that is
+    // escaped itself.
+    if (disposition.ends_with("\\\"") && !disposition.ends_with("\\\\\"")) {
+      disposition.insert(disposition.size() - 2, 1, '\\');
+    }
     Part part;
-    part.name = in_form(line, "name");
-    part.filename = in_form(line, "filename");
+    part.name = in_form(disposition, "name");
+    part.filename = in_form(disposition, "filename");
     return part;
   }
   return no_form("a part has no Content-Disposition");
