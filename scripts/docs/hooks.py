@@ -140,6 +140,7 @@ def on_post_build(config):
     text = text.replace('<a class="home" href="../../">', '<a class="home" href="../">')
     page.write_text(text, encoding="utf-8")
     contract = (ROOT / "proto/openapi.yaml").read_text(encoding="utf-8")
+    contract = contract.replace("\n  - url: /\n", "\n  - url: http://localhost:8080\n", 1)
     (site / "api" / "openapi.yaml").write_text(contract, encoding="utf-8")
     with open(site / "api" / "openapi.json", "w", encoding="utf-8") as file:
         json.dump(yaml.safe_load(contract), file, default=str)

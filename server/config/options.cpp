@@ -22,11 +22,17 @@ constexpr std::uint64_t kMaxQueue = 4096;         // each holds a thread
 constexpr std::uint64_t kMaxIndex = 0xffff'fffe;  // vertices and faces are 32-bit indices
 constexpr std::uint64_t kNoBound = std::numeric_limits<std::uint64_t>::max();
 
-// Empty, or segments of letters, digits and -._~ that each begin with a slash.
+// Empty, or segments of letters, digits and -._~ that each begin with a slash. The first is none of
+// the server's own: behind a proxy that takes the path off, nobody could tell the two apart.
 bool is_base_path(std::string_view path) {
   constexpr std::size_t kMostBytes = 200;
   if (path.empty()) return true;
   if (path.size() > kMostBytes || path.front() != '/') return false;
+  constexpr std::array<std::string_view, 9> kOwn{
+      "v1",     "docs",    "assets", "openapi.json", "openapi.yaml",
+      "livez", "readyz", "metrics", "debug"};
+  const std::string_view first = path.substr(1, path.substr(1).find('/'));
+  if (std::find(kOwn.begin(), kOwn.end(), first) != kOwn.end()) return false;
   while (!path.empty()) {
     path.remove_prefix(1);  // the slash
     const std::string_view segment = path.substr(0, path.find('/'));
@@ -182,7 +188,9 @@ Result<void> set_option(const Option& option, std::string_view text, std::string
       return {};
     case Kind::base_path:
       if (!is_base_path(text)) {
-        return refuse(fmt::format("'{}' is no path such as /geo or /tools/geo", text));
+        return refuse(fmt::format("'{}' is no path such as /geo or /tools/geo, or begins as the "
+                                  "server's own do (/v1, /docs)",
+                                  text));
       }
       config.*std::get<std::string Config::*>(option.member) = text;
       return {};

@@ -64,7 +64,9 @@ auto Access::judge(const HttpRequest& request) const -> Verdict {
   const auto tokens = tokens_.get();
   Verdict verdict;
   if (!*tokens) return verdict;
-  verdict.needed = needed_scopes(request.method, request.path);
+  // The base path by itself leads to the start page.
+  const bool is_base = !request.base_path.empty() && request.path == request.base_path;
+  verdict.needed = needed_scopes(request.method, is_base ? "/" : request.path);
   if (verdict.needed.empty()) return verdict;
   const auto sent = bearer_token(request);
   if (!sent) {

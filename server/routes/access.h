@@ -4,7 +4,7 @@
 //   nothing          /, /docs/…, the API's description, /livez, /readyz, GET /v1/methods,
 //                    OPTIONS
 //   read             any other GET or HEAD, and queries by POST
-//   upload           POST /v1/meshes, PUT
+//   upload           POST /v1/meshes, PUT, PATCH
 //   read or upload   /v1/jobs/…: of either
 //   admin            DELETE of anything else, /metrics, /debug/…
 //

@@ -21,4 +21,7 @@ namespace geodesic::server {
 
 [[nodiscard]] std::string_view start_page();  // clients/web/index.html
 
+// clients/web/missing.html, where {docs} stands for the way from the address asked for to /docs/.
+[[nodiscard]] std::string_view missing_page();
+
 }  // namespace geodesic::server

@@ -153,7 +153,7 @@ std::optional<HttpResponse> Routes::page(const HttpRequest& request) const {
   // There may be a site tomorrow.
   if (request.path == "/docs/") return redirect(307, "api/");
   if (request.path == "/docs/errors/") return redirect(307, "../api/");
-  return std::nullopt;
+  return missing_document(request);
 }
 
 HttpResponse Routes::dispatch(Call& call) {

@@ -137,6 +137,21 @@ test('an error leads to its heading: behind a prefix, and without a site to the 
   }
 });
 
+test('a wrong address is answered by a page that leads back to the guide', async () => {
+  const page = await counting();
+  const reply = await page.goto(`${proxy.url}docs/start/none/there`);
+  assert.equal(reply.status(), 404);
+  // The browser itself reports the 404, for which it was asked.
+  const faults = page.faults.filter((fault) => !/404/.test(fault));
+  page.faults.length = 0;
+  assert.deepEqual([...faults, ...(await problemsOf(page, 'a wrong address'))], []);
+  await picture(page, 'missing', 'light');
+  assert.ok(await page.evaluate(() => document.styleSheets[0].cssRules.length > 10), 'it has its style');
+  await page.getByRole('link', { name: 'The guide' }).click();
+  await page.waitForURL(`${proxy.url}docs/`);
+  await page.context().close();
+});
+
 test('a browser shows the contract as text', async () => {
   const page = await newPage(browser);
   await page.goto(`${proxy.url}openapi.yaml`);

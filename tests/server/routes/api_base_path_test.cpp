@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "server/config/options.h"
 #include "tests/server/routes/plane_service.h"
@@ -46,10 +47,26 @@ TEST_CASE("LinksBeginWithTheBasePathAndRequestsMay") {
     CHECK(page.status == 308);
     CHECK(header_of(page, "Location") == base + "/");
     CHECK(service.get(base + "/").status == 200);
+    CHECK(body_of(service.get("/openapi.json"))["servers"][0]["url"] == base);
+    CHECK(service.get("/openapi.yaml").body->find("\nservers:\n  - url: " + base + "\n") !=
+          std::string::npos);
     // Another path is another one.
     CHECK(service.get(base + "x/v1/meshes").status == 404);
     CHECK(service.get(base + base + "/v1/meshes").status == 404);
   }
+}
+
+TEST_CASE("TheBasePathByItselfNeedsNoToken") {
+  const TemporaryFolder folder;
+  Service service(folder.path());
+  service.base_path = "/geo";
+  auto tokens = Tokens::parse("ann read " + sha256_hex("a token") + "\n", "tokens");
+  REQUIRE(tokens);
+  service.routes.access().set_tokens(std::move(*tokens));
+  CHECK(service.get("/geo").status == 308);
+  CHECK(service.get("/geo/").status == 200);
+  CHECK(service.get("/geo/v1/meshes").status == 401);
+  CHECK(service.get("/geox").status == 401);
 }
 
 TEST_CASE("ABasePathIsSegmentsThatNeedNoEscape") {
@@ -58,13 +75,13 @@ TEST_CASE("ABasePathIsSegmentsThatNeedNoEscape") {
                                    [](const Option& one) { return one.name == "base-path"; });
   REQUIRE(option != all.end());
   Config config;
-  for (const std::string good : {"", "/geo", "/a/b", "/~me/geo_1.2-x"}) {
+  for (const std::string good : {"", "/geo", "/a/b", "/v1x", "/geo/v1", "/~me/geo_1.2-x"}) {
     CAPTURE(good);
     CHECK(set_option(*option, good, "--base-path", config));
     CHECK(config.base_path == good);
   }
   for (const std::string bad : {"/", "geo", "/geo/", "//geo", "/a//b", "/a/../b", "/.", "/a b",
-                                "/a%20b", "/a?b", "/a#b", "/\xc3\xa4", "/a\r\nb", "http://h/geo"}) {
+                                "/a%20b", "/a?b", "/a#b", "/v1", "/docs", "/v1/x", "/metrics/geo", "/\xc3\xa4", "/a\r\nb", "http://h/geo"}) {
     CAPTURE(bad);
     CHECK_FALSE(set_option(*option, bad, "--base-path", config));
   }

@@ -31,6 +31,7 @@ TEST_CASE("TheContractIsServedAsYamlAndAsJson") {
   const json contract = body_of(reply);
   CHECK(contract["openapi"] == "3.1.0");
   CHECK(contract["info"]["title"] == "geodesicd");
+  CHECK(contract["servers"][0]["url"] == "/");
   CHECK(contract["paths"].contains("/v1/meshes/{id}/distance"));
   CHECK(contract["paths"]["/v1/meshes"]["get"]["parameters"][0]["schema"]["maximum"] == 1000);
 }
@@ -90,4 +91,42 @@ TEST_CASE("ThePageOfTheContractNeedsNothingFromElsewhere") {
   CHECK(std::count(files.begin(), files.end(), "/docs/api/text.js") > 0);
   CHECK(service.get("/docs/api/none.js").status == 404);
   CHECK(service.ask("POST", "/docs/api/").status == 405);
+}
+
+TEST_CASE("AWrongAddressBelowTheGuideIsAPageForBrowsersAndAProblemForOthers") {
+  const TemporaryFolder folder;
+  Service service(folder.path());
+  const std::vector<NameValue> browser{{"Accept", "text/html,application/xhtml+xml,*/*;q=0.8"}};
+  for (const std::string way : {"", "start/", "start/x/", "a//b/"}) {
+    const std::string path = "/docs/" + way + "none";
+    CAPTURE(path);
+    const HttpResponse page = service.ask("GET", path, {}, browser);
+    CHECK(page.status == 404);
+    CHECK(page.content_type == "text/html; charset=utf-8");
+    CHECK(page.route == "/docs/{page}");
+    CHECK(header_of(page, "Content-Security-Policy").starts_with("default-src 'none'"));
+    CHECK(header_of(page, "Vary").find("Accept") != std::string::npos);
+    // Relative, so that they hold below a prefix; each leads to what is there.
+    const std::regex reference("href=\"([^\"]+)\"");
+    std::size_t links = 0;
+    for (std::sregex_iterator at(page.body->begin(), page.body->end(), reference), end; at != end;
+         ++at) {
+      const std::string to = (*at)[1].str();
+      CAPTURE(to);
+      if (to == "data:,") continue;
+      REQUIRE(to.starts_with("."));
+      // A browser counts an empty segment as one.
+      std::string from = "/docs/" + way;
+      if (const std::size_t empty = from.find("//"); empty != std::string::npos) {
+        from.insert(empty + 1, "x");
+      }
+      const std::string found = std::filesystem::path(from + to).lexically_normal().generic_string();
+      CHECK(service.ask("GET", found, {}, browser).status < 400);
+      ++links;
+    }
+    CHECK(links == 5);
+    CHECK(service.get(path).content_type == "application/problem+json");
+    CHECK(service.ask("POST", path, {}, browser).status == 404);
+  }
+  CHECK(service.ask("GET", "/none", {}, browser).content_type == "application/problem+json");
 }
