@@ -49,27 +49,27 @@ async function received(
   const more: Uint8Array<ArrayBuffer>[] = []; // what somebody on the way has packed has another length
   let count = 0;
   let part: ArrivingGeometry | null | undefined; // null: it cannot be told
-  for (;;) {
-    const { done, value } = await guarded(() => reader.read());
-    if (done) break;
-    const fits = value.subarray(0, whole - count);
-    bytes.set(fits, count);
-    if (fits.length < value.length) more.push(value.slice(fits.length));
-    count += fits.length;
-    if (part === undefined) {
-      const arrays = arraysIn(body, count);
-      if (arrays) part = partOf(body, arrays);
-    }
-    if (!part) continue;
-    const faces = Math.min(part.triangles.length / 3, Math.floor((count - part.triangles.byteOffset) / 12));
-    if (faces <= part.faces) continue;
-    part.faces = faces;
-    try {
+  try {
+    for (;;) {
+      const { done, value } = await guarded(() => reader.read());
+      if (done) break;
+      const fits = value.subarray(0, whole - count);
+      bytes.set(fits, count);
+      if (fits.length < value.length) more.push(value.slice(fits.length));
+      count += fits.length;
+      if (part === undefined) {
+        const arrays = arraysIn(body, count);
+        if (arrays) part = partOf(body, arrays);
+      }
+      if (!part) continue;
+      const faces = Math.min(part.triangles.length / 3, Math.floor((count - part.triangles.byteOffset) / 12));
+      if (faces <= part.faces) continue;
+      part.faces = faces;
       arrived(part);
-    } catch (error) {
-      void reader.cancel().catch(() => {}); // the rest need not come
-      throw error;
     }
+  } catch (error) {
+    void reader.cancel().catch(() => {}); // the rest need not come
+    throw error;
   }
   if (more.length) return new Blob([body, ...more]).arrayBuffer();
   return count === whole ? body : body.slice(0, count);

@@ -46,7 +46,8 @@ export interface UploadOptions {
   /**
    * What to call the mesh: up to 200 bytes of UTF-8 without control characters. Without it a
    * `File` is called by its own name, and a `.gltf` with its buffers by that of the `.gltf`.
-   * A mesh that has a name keeps it; `renameMesh` gives it another.
+   * A mesh that has a name keeps it; `renameMesh` gives it another. An upload fails for a name only
+   * where it is this one.
    */
   name?: string | undefined;
   /** Told of the bytes that have left; once with all where the server had the mesh. */
@@ -122,7 +123,10 @@ async function uploadBy(
   return jsonOf<MeshMetadata>(await send(call, onProgress && senderWithProgress(onProgress)));
 }
 
-/** A mesh that the server has without a name gets the file's, if whoever asks may give it one. */
+/**
+ * A mesh that the server has without a name gets one. The mesh is there without it, so that only a
+ * name that was asked for is worth an error; and an abort is one.
+ */
 async function named(
   transport: Transport,
   known: MeshMetadata,
@@ -132,9 +136,8 @@ async function named(
   try {
     return await rename(transport, known.id, name, options.signal);
   } catch (error) {
-    const asked = options.name !== undefined;
-    if (asked || !(error instanceof GeodesicError) || error.status >= 500) throw error;
-    return known; // it was not asked for
+    if (options.name !== undefined || options.signal?.aborted) throw error;
+    return known;
   }
 }
 
@@ -166,11 +169,19 @@ function isForm(mesh: Uploadable): mesh is readonly NamedFile[] {
   return Array.isArray(mesh);
 }
 
+/**
+ * In quotes, some read a backslash as itself and others as an escape of the next character. They
+ * differ where that is the closing quote or another backslash.
+ */
+const AMBIGUOUS = /\\+$|\\{2,}/g;
+
 /** By hand, since forms of browsers keep no folders in names, and Node 18 has none with them. */
 function formOf(files: readonly NamedFile[]): { body: Blob; type: string } {
   const boundary = `geodesicd${Array.from({ length: 3 }, () => Math.random().toString(36).slice(2)).join('')}`;
+  const quoted = (name: string) =>
+    name.replace(AMBIGUOUS, (run) => '/'.repeat(run.length)).replace(/["\r\n]/g, encodeURIComponent);
   const parts = files.flatMap(({ name, data }) => [
-    `--${boundary}\r\nContent-Disposition: form-data; name="files"; filename="${name.replace(/["\r\n]/g, encodeURIComponent)}"\r\n\r\n`,
+    `--${boundary}\r\nContent-Disposition: form-data; name="files"; filename="${quoted(name)}"\r\n\r\n`,
     data as BlobPart,
     '\r\n',
   ]);

@@ -52,6 +52,7 @@ export interface Case extends Partial<Omit<Step, 'save'>> {
 export interface CaseTable {
   servers: Record<string, { flags: string[]; tokens?: Record<string, [token: string, scopes: string]> }>;
   not_here: Record<string, string>;
+  file_names: { refused: string; taken: string; rows: [file: string, name: string | null][] };
   meshes: Record<string, { text: string }>;
   cases: Case[];
 }

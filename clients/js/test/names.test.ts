@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 import { GeodesicClient } from 'geodesicd-client';
+import { readCases } from './case_table.js';
 import { fixture, watchedFetch } from './fixture.js';
 import { sample } from './server.js';
 
@@ -46,18 +47,41 @@ test('an empty name in the option leaves a file without one', { skip }, async ()
   assert.equal((await client.upload(file('a.glb'), { name: '' })).name, undefined);
 });
 
-for (const [what, name, kept] of [
-  ['a folder', 'scans/2024\\ball.glb', 'ball.glb'],
-  ['control characters', 'ba\u0007l\nl\u0085.glb', 'ball.glb'],
-  ['spaces around it', '  ball.glb ', 'ball.glb'],
-  ['201 bytes', `x${'a'.repeat(196)}.glb`, `${'a'.repeat(196)}.glb`],
-  ['200 bytes and more in characters of 4', `${'😀'.repeat(60)}.glb`, `${'😀'.repeat(49)}.glb`],
-  ['nothing but a folder', 'scans/', undefined],
-] as const) {
-  test(`a file's name with ${what} is cut to what the server takes`, { skip }, async () => {
-    assert.equal((await client.upload(file(name))).name, kept);
-  });
+const { refused, taken, rows } = readCases().file_names;
+const cleaned: [name: string, kept: string | null][] = [
+  ...rows,
+  [`a${refused}b.glb`, 'ab.glb'],
+  [`a${taken}.glb`, `a${taken}.glb`],
+  ['scans/2024\\ball.glb', 'ball.glb'],
+  ['scans/', null],
+];
+for (const [name, kept] of cleaned) {
+  for (const digest of [true, false]) {
+    const what = `${JSON.stringify(name).slice(0, 40)}, ${digest ? 'digest' : 'bytes'} first`;
+    test(`no upload fails for a file's name: ${what}`, { skip }, async () => {
+      assert.equal((await client.upload(file(name), { digest })).name ?? null, kept);
+    });
+  }
 }
+
+test('a mesh that is there gets what is left of a file’s name', { skip: skip || !globalThis.crypto }, async () => {
+  const { id } = await client.upload(sphere);
+  for (const [name, kept] of cleaned) {
+    await client.renameMesh(id, '');
+    assert.equal((await client.upload(file(name))).name ?? null, kept);
+    if (kept !== null) assert.equal((await client.mesh(id)).name, kept);
+  }
+});
+
+test('the server refuses what the table of names says, and takes the rest', async () => {
+  const { id } = await client.upload(sphere);
+  for (const character of refused) {
+    await assert.rejects(client.renameMesh(id, `a${character}b`), { status: 400, parameter: 'name' }, JSON.stringify(character));
+  }
+  for (const character of taken) {
+    assert.equal((await client.renameMesh(id, `a${character}b`)).name, `a${character}b`);
+  }
+});
 
 test('a name that is said and not allowed is refused', async () => {
   for (const name of ['a\nb', 'x'.repeat(201)]) {
@@ -77,15 +101,41 @@ test('a mesh that is there keeps its name; one without gets the file’s', { ski
   await assert.rejects(refused, { status: 400 });
 });
 
-test('who may not name a mesh still gets it, unless the name was asked for', { skip: skip || !globalThis.crypto }, async () => {
-  const { id } = await client.upload(sphere);
-  const refusing: typeof fetch = (input, init) =>
-    init?.method === 'PATCH'
-      ? Promise.resolve(new Response('{"code": "forbidden", "status": 403, "title": "no"}', { status: 403 }))
-      : fetch(input, init);
-  const reader = new GeodesicClient(server.url, { fetch: refusing });
-  assert.equal((await reader.upload(file('first.glb'))).id, id);
-  await assert.rejects(reader.upload(sphere, { name: 'first' }), { status: 403 });
+const NO_NAMING: Record<string, () => Promise<Response>> = {
+  'is forbidden': async () => new Response('{"code": "forbidden", "status": 403, "title": "no"}', { status: 403 }),
+  'is refused': async () => new Response('', { status: 400 }),
+  'comes too late': async () => new Response('', { status: 404 }),
+  'fails in the server': async () => new Response('', { status: 500 }),
+  'cannot be stored': async () => new Response('', { status: 507 }),
+  'is too much now': async () => new Response('', { status: 503 }),
+  'is answered by what is between': async () => new Response('<html>'),
+  'loses the connection': async () => Promise.reject(new TypeError('fetch failed')),
+};
+for (const [what, answer] of Object.entries(NO_NAMING)) {
+  test(`an upload whose naming ${what} fails only where the name was asked for`, { skip: skip || !globalThis.crypto }, async () => {
+    const { id } = await client.upload(sphere);
+    const unnamed = new GeodesicClient(server.url, {
+      retries: 0,
+      fetch: (input, init) => (init?.method === 'PATCH' ? answer() : fetch(input, init)),
+    });
+    const mesh = await unnamed.upload(file('first.glb'));
+    assert.deepEqual([mesh.id, mesh.name], [id, undefined]);
+    assert.equal((await unnamed.uploadJob(file('first.glb'))).id, id);
+    await assert.rejects(unnamed.upload(sphere, { name: 'first' }));
+    await assert.rejects(unnamed.upload(file('first.glb'), { name: 'first' }));
+  });
+}
+
+test('an abort ends an upload that is about to name its mesh', { skip: skip || !globalThis.crypto }, async () => {
+  await client.upload(sphere);
+  const ended = new AbortController();
+  const aborting = new GeodesicClient(server.url, {
+    fetch: (input, init) => {
+      if (init?.method === 'PATCH') ended.abort();
+      return fetch(input, init);
+    },
+  });
+  await assert.rejects(aborting.upload(file('first.glb'), { signal: ended.signal }), { name: 'AbortError' });
 });
 
 test('a mesh is renamed, and its name is taken away', async () => {

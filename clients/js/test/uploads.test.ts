@@ -177,3 +177,44 @@ test('an upload as a job tells of both its parts', async () => {
   const refused = client.uploadJob(new TextEncoder().encode('no mesh'));
   await assert.rejects(refused, { status: 415, code: 'format_unknown' });
 });
+
+/** The file names of a form, with a backslash as itself (browsers) or as an escape (RFC 2183). */
+function namesIn(form: string, escapes: boolean): string[] {
+  const lines = form.split('\r\n').filter((line) => line.startsWith('Content-Disposition: '));
+  return lines.map((line) => {
+    const quoted = escapes ? /; filename="((?:[^"\\]|\\.)*)"$/.exec(line) : /; filename="([^"]*)"$/.exec(line);
+    assert.ok(quoted, line);
+    const name = escapes ? quoted[1]!.replace(/\\(["\\])/g, '$1') : quoted[1]!;
+    return name.replace(/%22/g, '"');
+  });
+}
+
+test('a file has one name in a form, however its reader takes backslashes', async () => {
+  const names = ['a\\', '\\', 'a\\\\', 'a\\\\b', 'a"b\\', '\\"', 'a\\"\\', 'a\\b.bin', 'größe 100 %.bin'];
+  let form = '';
+  const kept = new GeodesicClient(server.url, {
+    fetch: async (_, init) => {
+      form = await (init!.body as Blob).text();
+      return new Response('{}', { status: 201 });
+    },
+  });
+  await kept.upload(names.map((name) => ({ name, data: new Uint8Array(3) })));
+  const told = namesIn(form, true);
+  assert.deepEqual(told, namesIn(form, false));
+  assert.deepEqual(told, ['a/', '/', 'a//', 'a//b', 'a"b/', '\\"', 'a\\"/', 'a\\b.bin', 'größe 100 %.bin']);
+});
+
+test('files whose names end in a backslash take nothing from those beside them', async () => {
+  const corners = new Uint8Array(new Float32Array([0, 0, 0, 3, 0, 0, 0, 4, 0]).buffer);
+  const gltf = JSON.stringify({
+    asset: { version: '2.0' }, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }],
+    buffers: [{ byteLength: 36, uri: 'data/corners.bin' }], bufferViews: [{ buffer: 0, byteLength: 36 }],
+    accessors: [{ bufferView: 0, componentType: 5126, count: 3, type: 'VEC3', min: [0, 0, 0], max: [3, 4, 0] }],
+  });
+  const scene = { name: 'scene.gltf', data: new TextEncoder().encode(gltf) };
+  for (const beside of ['notes\\', '\\', 'a"b\\']) {
+    const files = [{ name: beside, data: new Uint8Array(5) }, { name: 'data/corners.bin', data: corners }, scene];
+    assert.equal((await client.upload(files)).vertices, 3);
+  }
+});

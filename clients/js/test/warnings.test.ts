@@ -52,6 +52,22 @@ for (const [what, ask] of Object.entries(WAYS)) {
   });
 }
 
+test('the server warns of a point far from the surface, unless that was meant', async () => {
+  const far = [50, 50, 40] as [number, number, number];
+  const ask: ((from: { xyz: typeof far; max_snap?: number }) => Promise<{ warnings: string[] }>)[] = [
+    (from) => client.distance(plane, { from }),
+    (from) => client.array(plane, { of: 'distance', from, format: 'f32' }),
+    (from) => client.path(plane, { from, to: 9 }),
+    (from) => client.job(plane, { query: 'path', from, to: 9 }),
+  ];
+  for (const way of ask) {
+    const { warnings } = await way({ xyz: far });
+    assert.equal(warnings.length, 1);
+    assert.match(warnings[0]!, /^The point of from is 40 away from the surface, more than .*max_snap/);
+    assert.deepEqual((await way({ xyz: far, max_snap: 50 })).warnings, []);
+  }
+});
+
 test('a sentence of a body stays whole, whatever it has inside', async () => {
   const path = await warning(['far; very far'], true).path(plane, { from: 0, to: 9 });
   assert.deepEqual(path.warnings, ['far; very far']);

@@ -148,11 +148,30 @@ def test_a_server_that_is_gone_fails(capfd: pytest.CaptureFixture[str]) -> None:
     assert "connection_failed" in capfd.readouterr().err
 
 
+def stopping_locust(folder: Path, *kinds: str) -> Path:
+    """A file for Locust beside another, which ends a run once there are replies of these kinds, or
+    of any: so a test waits for no time, which a slow machine may need more of."""
+    file = folder / "stopping_locust.py"
+    file.write_text(
+        "from locust import events\n"
+        f"wanted = set({kinds!r})\n"
+        "@events.init.add_listener\n"
+        "def begin(environment, **_):\n"
+        "    @events.request.add_listener\n"
+        "    def count(name, **_):\n"
+        "        wanted.discard(name)\n"
+        "        if not wanted:\n"
+        "            environment.runner.quit()\n"
+    )
+    return file
+
+
 def test_locust(server: geodesicd.LocalServer, tmp_path: Path) -> None:
     environment = {**os.environ, "GEODESIC_MIX": "path=3,upload=1,field=1,table=1"}
+    files = f"{LOCUSTFILE},{stopping_locust(tmp_path, 'path', 'field')}"
     run = subprocess.run(
-        [sys.executable, "-m", "locust", "-f", str(LOCUSTFILE), "--host", server.url,
-         "--headless", "--users", "2", "--spawn-rate", "2", "--run-time", "4s",
+        [sys.executable, "-m", "locust", "-f", files, "--host", server.url,
+         "--headless", "--users", "2", "--spawn-rate", "2", "--stop-timeout", "60",
          "--only-summary", "--json"],
         capture_output=True, text=True, timeout=120, env=environment, cwd=tmp_path, check=False,
     )  # fmt: skip

@@ -14,6 +14,7 @@ import nbformat
 import numpy as np
 import pytest
 from nbclient import NotebookClient
+from test_bench import stopping_locust
 
 import geodesicd
 from geodesicd import local_server
@@ -163,13 +164,14 @@ def test_an_analyst_works_within_ten_lines() -> None:
     assert len(first.splitlines()) < 24
 
 
-def ended(command: str, url: str) -> str:
+def ended(command: str, url: str, folder: Path) -> str:
     """A command of the README's as one that ends, and changes nothing that is installed."""
     if command.startswith("pip install "):
         alone = "--dry-run --quiet --no-deps --no-build-isolation --disable-pip-version-check"
         return f"{command.partition('#')[0]} {alone}"
     if command.startswith("locust "):
-        return f"{command.replace('http://localhost:8080', url)} --headless --run-time 2s"
+        here = command.replace("http://localhost:8080", url)
+        return f"{here.replace('.py', f'.py,{stopping_locust(folder)}')} --headless"
     return command
 
 
@@ -207,7 +209,7 @@ def test_the_readmes_commands(server: geodesicd.LocalServer, samples: Path, tmp_
                 continue
             at_root = command.startswith(("pip ", "locust "))
             run = subprocess.run(
-                ended(command, server.url), shell=True, cwd=ROOT if at_root else tmp_path,
+                ended(command, server.url, tmp_path), shell=True, cwd=ROOT if at_root else tmp_path,
                 env=environment, capture_output=True, text=True, timeout=120, check=False,
             )  # fmt: skip
             assert run.returncode == 0, run.stderr

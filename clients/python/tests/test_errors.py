@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import http.server
 import pickle
 import socket
@@ -11,6 +12,7 @@ import subprocess
 import threading
 import traceback
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -85,8 +87,8 @@ def stub() -> Iterator[int]:
 
 
 @pytest.fixture(scope="module")
-def secure(tmp_path_factory: pytest.TempPathFactory) -> Iterator[int]:
-    """The port of the same with TLS, whose certificate nobody trusts."""
+def certified(tmp_path_factory: pytest.TempPathFactory) -> ssl.SSLContext:
+    """What a server needs to speak TLS, with a certificate that nobody trusts."""
     folder = tmp_path_factory.mktemp("tls")
     key, certificate = folder / "key.pem", folder / "certificate.pem"
     subprocess.run(
@@ -95,8 +97,14 @@ def secure(tmp_path_factory: pytest.TempPathFactory) -> Iterator[int]:
     )  # fmt: skip
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.load_cert_chain(certificate, key)
+    return context
+
+
+@pytest.fixture(scope="module")
+def secure(certified: ssl.SSLContext) -> Iterator[int]:
+    """The port of the same with that."""
     server = StubServer()
-    server.socket = context.wrap_socket(server.socket, server_side=True)
+    server.socket = certified.wrap_socket(server.socket, server_side=True)
     yield from running(server)
 
 
@@ -198,7 +206,12 @@ def test_no_server_there() -> None:
             assert "geodesic serve" in str(error)
 
 
-def test_no_such_name() -> None:
+def test_no_such_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    def unknown(*_: Any, **__: Any) -> None:
+        raise socket.gaierror(socket.EAI_NONAME, "Name or service not known")
+
+    # As a resolver that answers at once; the machine may have none, or a slow one.
+    monkeypatch.setattr(socket, "getaddrinfo", unknown)
     for error in of_both("http://no-such-host.invalid:8080", "/v1/status"):
         assert isinstance(error, geodesicd.ConnectionFailed)
         assert "no-such-host.invalid:8080" in str(error)
@@ -223,6 +236,83 @@ def test_with_tls_where_there_is_none_and_without_where_there_is(stub: int, secu
         assert "begins with http://" in str(error)
     for error in of_both(f"http://127.0.0.1:{secure}", "/x/200"):
         assert "begins with https://" in str(error)
+
+
+@contextmanager
+def greeting(
+    greetings: list[bytes | None], certified: ssl.SSLContext
+) -> Iterator[tuple[int, list[str]]]:
+    """A server that reads TLS's greeting and replies so, one connection after the other, before it
+    hangs up; None: it speaks TLS and answers. Gives its port and what it did."""
+    done: list[str] = []
+    listener = socket.create_server(("127.0.0.1", 0))
+
+    def serve() -> None:
+        for reply in greetings:
+            try:
+                peer, _ = listener.accept()
+            except OSError:  # no more are wanted
+                return
+            with peer, contextlib.suppress(OSError):
+                peer.settimeout(60)
+                if reply is None:
+                    with certified.wrap_socket(peer, server_side=True) as secured:
+                        secured.recv(65536)
+                        done.append("answered")
+                        secured.sendall(b"HTTP/1.1 200 OK\r\nContent-Length: 0\r\n\r\n")
+                else:
+                    peer.recv(65536)
+                    done.append("hung up")
+                    peer.sendall(reply)
+
+    thread = threading.Thread(target=serve)
+    thread.start()
+    try:
+        yield listener.getsockname()[1], done
+    finally:
+        listener.shutdown(socket.SHUT_RDWR)
+        thread.join()
+        listener.close()
+
+
+ALERT = bytes([21, 3, 3, 0, 2, 2])  # fatal; the code follows
+
+
+@pytest.mark.parametrize("asynchronous", [False, True])
+@pytest.mark.parametrize(
+    ("greeted", "lasting"),
+    [(b"", False), (ALERT[:3], False), (ALERT + b"\x50", False), (ALERT + b"\x28", False),
+     (b"HTTP/1.1 400 Bad Request\r\n\r\n", True), (b"<html>", True)],
+    ids=["end", "half an alert", "internal error", "no handshake", "HTTP", "HTML"],
+)  # fmt: skip
+def test_tls_that_breaks_is_tried_again_and_what_is_none_is_not(
+    certified: ssl.SSLContext, greeted: bytes, lasting: bool, asynchronous: bool
+) -> None:
+    retries = geodesicd.Retries(attempts=3, first_pause=0.01)
+
+    async def ask(url: str) -> int:
+        async with geodesicd.AsyncClient(url, retries=retries, verify=False) as client:
+            return (await client.fetch("GET", "/")).status
+
+    def asked(url: str) -> int:
+        if asynchronous:
+            return asyncio.run(ask(url))
+        with geodesicd.Client(url, retries=retries, verify=False) as client:
+            return client.fetch("GET", "/").status
+
+    with greeting([greeted, greeted, None], certified) as (port, done):
+        url = f"https://127.0.0.1:{port}"
+        if lasting:
+            assert "begins with http://" in str(caught(lambda: asked(url)))
+            assert done == ["hung up"]
+        else:
+            assert asked(url) == 200
+            assert done == ["hung up", "hung up", "answered"]
+    with greeting([greeted] * 3, certified) as (port, done):
+        error = caught(lambda: asked(f"https://127.0.0.1:{port}"))
+        assert isinstance(error, geodesicd.ConnectionFailed)
+        assert (error.lasting, len(done)) == (lasting, 1 if lasting else 3)
+        assert ("geodesic serve" in str(error)) == (len(greeted) < len(ALERT))
 
 
 def test_the_servers_own_refusals_say_the_limit_and_the_way_out(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import re
 import struct
 import subprocess
 import sys
@@ -16,6 +17,7 @@ import pytest
 from test_precision import grid
 
 import geodesicd
+from geodesicd.gltf_files import form
 
 
 def write_scene(folder: Path, names: tuple[str, str], **more: Any) -> Path:
@@ -68,6 +70,24 @@ def test_by_its_path_alone(
         reply = subprocess.run(curl, capture_output=True, check=True, timeout=60).stdout
         assert json.loads(reply)["id"] == mesh.id
     np.testing.assert_array_equal(mesh.distance(0, method="exact")[:5], range(5))
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [("a\\", "a/"), ("\\", "/"), ("a\\\\", "a//"), ("a\\\\b", "a//b"), ('a"b\\', 'a"b/'),
+     ('\\"', '\\"'), ("a\\b.bin", "a\\b.bin"), ("größe 100 %.bin", "größe 100 %.bin")],
+)  # fmt: skip
+def test_a_file_has_one_name_in_a_form_however_backslashes_are_read(
+    tmp_path: Path, name: str, told: str
+) -> None:
+    (tmp_path / name).write_bytes(b"123")
+    _, pieces = form({name: tmp_path / name})
+    text = b"".join(piece for piece in pieces if isinstance(piece, bytes)).decode()
+    # As itself (browsers), and as an escape (RFC 2183).
+    (plain,) = re.findall(r'; filename="([^"]*)"\r\n', text)
+    (escaped,) = re.findall(r'; filename="((?:[^"\\]|\\.)*)"\r\n', text)
+    escaped = re.sub(r'\\(["\\])', r"\1", escaped)
+    assert {plain.replace("%22", '"'), escaped.replace("%22", '"')} == {told}
 
 
 def test_it_is_read_as_it_is_told(client: geodesicd.Client, tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+import json
 import os
 import pty
 import re
@@ -16,10 +17,25 @@ from pathlib import Path
 
 import pytest
 from test_commands import geodesic
+from test_contract_cases import TABLE
+from test_gltf_files import write_scene
 
 import geodesicd
 from geodesicd.bench.mixes import hills
+from geodesicd.flows import Request
 from geodesicd.lookup import mesh_id, reading_text, short_ids
+from geodesicd.mesh_input import name_of
+from geodesicd.wire import Reply
+
+FILE_NAMES = TABLE["file_names"]
+# What a file is called, and what its mesh is called then.
+CLEANED: list[tuple[str, str | None]] = [
+    *map(tuple, FILE_NAMES["rows"]),
+    (f"a{FILE_NAMES['refused']}b.glb", "ab.glb"),
+    (f"a{FILE_NAMES['taken']}.glb", f"a{FILE_NAMES['taken']}.glb"),
+    ("gr\udcf6\udcdfe.glb", "gre.glb"),  # a file system's bytes that are no UTF-8
+    ("\udcff", None),
+]
 
 
 @pytest.fixture(scope="module")
@@ -80,16 +96,79 @@ def test_arrays_and_bytes_have_no_name_unless_given(named: geodesicd.Client) -> 
     assert named.upload(hills(4, 3), name="mine").name == "mine"
 
 
-@pytest.mark.parametrize(
-    ("name", "kept"),
-    [("tab\there.glb", None), ("x" * 201, None), ("x" * 200, "x" * 200), ("ä" * 100, "ä" * 100),
-     ("a?b#c&d=%25+e .glb", "a?b#c&d=%25+e .glb"), ("\udcff.glb", None), ("\x7f.glb", None)],
-)  # fmt: skip
-def test_a_file_whose_name_cannot_be_one_has_none(
+@pytest.mark.parametrize(("name", "kept"), CLEANED)
+def test_no_upload_fails_for_a_files_name(
     named: geodesicd.Client, samples: Path, tmp_path: Path, name: str, kept: str | None
 ) -> None:
-    shutil.copy(samples / "sphere.glb", tmp_path / name)
-    assert named.upload(tmp_path / name).name == kept
+    assert name_of(Path(name)) == kept
+    file = tmp_path / name.replace("\0", "")  # no file system has that
+    shutil.copy(samples / "sphere.glb", file)
+    assert named.upload(file).name == kept
+    mesh = named.upload(file, probe=False).rename("")
+    assert named.upload(file).name == kept  # of a mesh that is there
+    assert mesh.refresh().name == kept
+
+
+@pytest.mark.parametrize(
+    "name", ["a\nb.gltf", "\u2028\x85.gltf", "\udcff.gltf", f"{'x' * 201}.gltf"]
+)
+def test_no_form_fails_for_a_files_name(named: geodesicd.Client, tmp_path: Path, name: str) -> None:
+    scene = write_scene(tmp_path, ("a.bin", "b.bin")).rename(tmp_path / name)
+    mesh = named.upload(scene)
+    assert (mesh.vertices, mesh.name) == (25, name_of(scene))
+
+
+def test_the_server_refuses_what_the_table_says_and_takes_the_rest(
+    named: geodesicd.Client, samples: Path
+) -> None:
+    mesh = named.upload(samples / "sphere.glb")
+    for letter in FILE_NAMES["refused"]:
+        with pytest.raises(geodesicd.GeodesicError) as caught:
+            mesh.rename(f"a{letter}b")
+        assert (caught.value.status, caught.value.parameter) == (400, "name"), repr(letter)
+    for letter in FILE_NAMES["taken"]:
+        assert mesh.rename(f"a{letter}b").name == f"a{letter}b"
+
+
+def problem(status: int, code: str) -> Reply:
+    body = bytearray(f'{{"status": {status}, "code": "{code}", "detail": "no"}}'.encode())
+    return Reply(status, {"content-type": "application/problem+json"}, body)
+
+
+NO_NAMING: dict[str, Reply | Exception] = {
+    "forbidden": problem(403, "forbidden"),
+    "refused": problem(400, "bad_syntax"),
+    "gone": problem(404, "mesh_unknown"),
+    "failing": problem(500, "store_failed"),
+    "full": problem(507, "store_full"),
+    "too much": problem(503, "overloaded"),
+    "between": Reply(200, {}, bytearray(b"<html>")),
+    "lost": geodesicd.ConnectionFailed("lost", sent=True),
+}
+
+
+@pytest.mark.parametrize("why", NO_NAMING)
+def test_an_upload_fails_for_its_naming_only_where_the_name_was_asked_for(
+    named: geodesicd.Client, samples: Path, why: str
+) -> None:
+    class Unnaming(geodesicd.Client):
+        def _send(self, request: Request) -> Reply:
+            if request.method != "PATCH":
+                return super()._send(request)
+            outcome = NO_NAMING[why]
+            if isinstance(outcome, Exception):
+                raise outcome
+            return outcome
+
+    file = samples / "sphere.glb"
+    there = named.upload(file.read_bytes())
+    with Unnaming(named.url, retries=geodesicd.Retries(attempts=1)) as client:
+        mesh = client.upload(file)
+        assert (mesh.id, mesh.name) == (there.id, None)
+        for asked in (file, file.read_bytes()):
+            with pytest.raises(geodesicd.GeodesicError):
+                client.upload(asked, name="ball")
+    assert there.refresh().name is None
 
 
 def test_renaming(named: geodesicd.Client, samples: Path) -> None:
@@ -136,6 +215,8 @@ def test_a_token_that_may_only_read_uploads_what_is_known(samples: Path, tmp_pat
         with geodesicd.Client(url, token="reader") as reader:
             mesh = reader.upload(samples / "sphere.glb")
             assert (mesh.id, mesh.name) == (unnamed.id, None)
+            with pytest.raises(geodesicd.NotAllowed):
+                reader.upload(samples / "sphere.glb", name="ball")
     finally:
         server.stop()
 
@@ -170,7 +251,10 @@ def test_the_command_takes_names(
     assert named.mesh(small).name is None
     picture = samples / "named.png"
     geodesic(own, "plot", "plane.glb", "--from", "0", "--isolines", "0", "-o", picture)
-    geodesic(own, "bench", "--seconds", "1", "--mesh", "plane.glb", "--mix", "path")
+    # So many requests are due however slow the machine is.
+    load = ("--seconds", "1", "--rate", "3", "--mix", "path", "--json", "-")
+    outcome = json.loads(geodesic(own, "bench", "--mesh", "plane.glb", *load).stdout)
+    assert (outcome["latency_by_kind"]["path"]["count"], outcome["errors"]["count"]) == (3, 0)
     assert geodesic(own, "delete", "plane.glb").stdout.strip() == plane
     assert [mesh.id for mesh in named.meshes()] == [small]
     for unknown in ("plane.glb", "abcd", "f" * 64, "the plane"):
@@ -196,6 +280,69 @@ def test_a_beginning_that_fits_two_files_is_refused(
     shorts = short_ids(one.id for one in named.meshes())
     for whole, short in shorts.items():
         assert named.run(mesh_id(short)) == whole
+
+
+@pytest.mark.parametrize("length", [4, 8, 9, 63])
+def test_a_name_does_not_go_before_the_beginning_of_another_meshs_id(
+    own: geodesicd.LocalServer, named: geodesicd.Client, length: int
+) -> None:
+    victim, other = named.upload(hills(4, 11)), named.upload(hills(4, 12))
+    begun = victim.id[:length]
+    other.rename(begun)
+    with pytest.raises(ValueError, match="any of 2 meshes"):
+        named.mesh(begun)
+    for command in (("delete", begun), ("rename", begun, "x"),
+                    ("distance", begun, "--from", "0", "--at", "1")):  # fmt: skip
+        refused = geodesic(own, *command, status=1).stderr
+        assert "any of 2 meshes" in refused
+        # Each of them can be told by what is told of it.
+        told = [line.split()[0] for line in refused.splitlines()[1:]]
+        assert {named.mesh(id).id for id in told} == {victim.id, other.id}
+    assert {mesh.id for mesh in named.meshes()} == {victim.id, other.id}
+    assert other.refresh().name == begun
+    # A whole id is an id, or nothing could be said by it.
+    other.rename(victim.id)
+    assert named.mesh(victim.id).id == victim.id
+    # A mesh may be called as its own id begins.
+    other.rename("")
+    victim.rename(begun)
+    assert named.mesh(begun).id == victim.id
+
+
+def test_a_beginning_with_readings_is_hidden_by_no_name(named: geodesicd.Client) -> None:
+    data = geodesicd.glb_bytes(*hills(4, 13))
+    plain, scaled = named.upload(data), named.upload(data, scale=2.0)
+    other = named.upload(hills(4, 14), name=scaled.id[:70])
+    with pytest.raises(ValueError, match="any of 2 meshes"):
+        named.mesh(scaled.id[:70])
+    other.rename(plain.id[:6])
+    with pytest.raises(ValueError, match="any of 2 meshes") as caught:
+        named.mesh(plain.id[:6])
+    assert other.id[:8] in str(caught.value)
+    # Of the readings of the same file the plain one is meant, as without a name.
+    assert scaled.id[:70] not in str(caught.value)
+    other.delete()
+    scaled.rename(plain.id[:6])
+    with pytest.raises(ValueError, match="any of 2 meshes"):
+        named.mesh(plain.id[:6])
+
+
+def test_a_folder_is_no_mesh_of_that_name(
+    own: geodesicd.LocalServer,
+    named: geodesicd.Client,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("ball", "nothing"):
+        Path(name).mkdir()
+    named.upload(hills(4, 15), name="ball")
+    assert geodesic(own, "distance", "ball", "--from", "0", "--at", "0").stdout.strip() == "0"
+    load = ("--seconds", "1", "--rate", "1", "--mix", "path")
+    geodesic(own, "bench", "--mesh", "ball", *load)
+    geodesic(own, "plot", "ball", "--from", "0", "-o", "ball.png")
+    refused = geodesic(own, "path", "nothing", "--from", "0", "--to", "1", status=1).stderr
+    assert "no file nothing" in refused
 
 
 def test_a_terminal_shows_names_as_they_are_and_obeys_none(

@@ -11,8 +11,9 @@ import threading
 import time
 import traceback
 import tracemalloc
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import httpx
@@ -20,9 +21,11 @@ import numpy as np
 import pytest
 
 import geodesicd
+from geodesicd import queries, tables
 from geodesicd.bench.mixes import hills
 from geodesicd.errors import seconds_of
-from geodesicd.flows import EventReader
+from geodesicd.flows import EventReader, Request, Watch
+from geodesicd.wire import Reply
 
 
 @contextmanager
@@ -229,6 +232,11 @@ def jobs(client: geodesicd.Client) -> int:
     return int(counts["queued"] + counts["running"] + counts["ended"])
 
 
+def jobs_under_way(client: geodesicd.Client) -> int:
+    counts = client.status()["jobs"]
+    return int(counts["queued"] + counts["running"])
+
+
 def test_an_interrupt_cancels_the_job(terrain: geodesicd.Mesh) -> None:
     during: list[int] = []
 
@@ -271,6 +279,74 @@ def test_cancelling_a_task_cancels_the_job(terrain: geodesicd.Mesh) -> None:
             raise AssertionError("the job goes on")
 
     asyncio.run(ask())
+
+
+class Hearing(geodesicd.Client):
+    """One that knows the job it has begun, and can be made deaf to its events."""
+
+    job = ""
+    deaf_until: Callable[[], bool] | None = None
+
+    def _send(self, request: Request) -> Reply:
+        reply = super()._send(request)
+        if reply.status == 202:
+            self.job = reply.json()["id"]
+        return reply
+
+    def _watch(self, step: Watch) -> None:
+        if self.deaf_until is None:
+            super()._watch(step)
+            return
+        end = time.monotonic() + 60
+        while not self.deaf_until():
+            assert time.monotonic() < end
+            time.sleep(0.05)
+        raise geodesicd.ConnectionFailed("asleep", sent=True)
+
+
+def slow_job(client: geodesicd.Client, mesh: str, progress: Callable[[float], None]) -> Any:
+    return client.run(tables.table(mesh, list(range(200)), method="chen_han", progress=progress))
+
+
+def test_a_job_that_somebody_cancels_says_so_in_the_servers_words(terrain: geodesicd.Mesh) -> None:
+    with Hearing(terrain.client.url) as client:
+        told: list[float] = []
+
+        def cancel(part: float) -> None:
+            if not told:  # a second time would make the server forget it
+                terrain.client.fetch("DELETE", f"/v1/jobs/{client.job}")
+            told.append(part)
+
+        with pytest.raises(geodesicd.JobCancelled) as caught:
+            slow_job(client, terrain.id, cancel)
+    assert caught.value.detail == "the job was cancelled and has no result"
+
+
+def test_a_job_that_nobody_asked_about_says_why_it_was_cancelled(samples: Path) -> None:
+    with geodesicd.serve(flags=["--job-lease-seconds", "1"]) as other:
+        mesh = other.upload(samples / "terrain.glb")
+        with Hearing(other.url) as client:
+            client.deaf_until = lambda: jobs_under_way(other) == 0
+            with pytest.raises(geodesicd.JobCancelled, match="nobody asked about it") as caught:
+                slow_job(client, mesh.id, lambda part: None)
+        assert (caught.value.status, caught.value.code) == (409, "job_cancelled")
+        assert jobs(other) == 0  # it is forgotten all the same
+
+
+def test_a_job_that_is_forgotten_is_not_taken_for_a_missing_mesh(terrain: geodesicd.Mesh) -> None:
+    class Forgetting(Hearing):
+        def _send(self, request: Request) -> Reply:
+            if request.target.endswith("/result"):
+                terrain.client.fetch("DELETE", request.target.removesuffix("/result"))
+            return super()._send(request)
+
+    with (
+        Forgetting(terrain.client.url) as client,
+        pytest.raises(geodesicd.JobCancelled, match="not there any more"),
+    ):
+        client.run(queries.path(terrain.id, 0, 9, progress=lambda part: None))
+    with pytest.raises(geodesicd.NotFound, match="mesh_unknown"):
+        terrain.client.run(queries.path("0" * 64, 0, 9, progress=lambda part: None))
 
 
 def test_a_job_that_fails_raises_its_error(plane: geodesicd.Mesh) -> None:

@@ -283,7 +283,7 @@ def _mesh(client: Client, text: str) -> Mesh:
     Raises:
         ValueError: neither is there, or several meshes are called so.
     """
-    if Path(text).exists():
+    if Path(text).is_file():
         return _sent(client, Path(text))
     try:
         return client.mesh(text)
@@ -476,7 +476,7 @@ def _plot(options: argparse.Namespace) -> int:
         azimuth, _, elevation = view.partition(",")
         view = (float(azimuth), float(elevation))
     with mesh_of(options) as mesh, bar("distances") as progress:
-        title = Path(options.mesh).name if Path(options.mesh).exists() else None
+        title = Path(options.mesh).name if Path(options.mesh).is_file() else None
         figure = plot(
             mesh,
             _points(options.sources),

@@ -175,13 +175,16 @@ def _as_job(request: Request, progress: Progress) -> Flow[Reply]:
     if accepted.status != 202:  # a server that has the answer already need not make it a job
         progress(1.0)
         return accepted
-    where = accepted.headers["location"]
+    # Not by its Location: with --base-path that begins with what the client's URL may end with.
+    try:
+        where = f"/v1/jobs/{accepted.json()['id']}"
+    except (ValueError, LookupError, TypeError) as error:
+        raise not_understood(accepted.status, error) from None
     try:
         progress(0.0)
-        job = yield from _watched(where, progress)
-        if job["state"] == "cancelled":
-            raise JobCancelled(409, "job_cancelled", "the job was cancelled")
-        result: Reply = yield Send(Request("GET", f"{where}/result"))
+        yield from _watched(where, progress)
+        # Of a job that was cancelled this raises JobCancelled, with the server's reason.
+        result = yield from _result(where)
     except BaseException:
         # Also a job that is done is forgotten, so that it takes no room; and what ends this
         # is not to be hidden by a server that is gone.
@@ -194,8 +197,23 @@ def _as_job(request: Request, progress: Progress) -> Flow[Reply]:
     return result
 
 
-def _watched(where: str, progress: Progress) -> Flow[dict[str, Any]]:
-    """Follows a job's events to its end; the job at its end."""
+def _result(where: str) -> Flow[Reply]:
+    """The reply that a job has come to."""
+    try:
+        reply: Reply = yield Send(Request("GET", f"{where}/result"))
+    except NotFound as error:
+        if error.code != "job_unknown":  # the query's own answer
+            raise
+        raise _forgotten() from None
+    return reply
+
+
+def _forgotten() -> JobCancelled:
+    return JobCancelled(404, "job_unknown", "the job is not there any more")
+
+
+def _watched(where: str, progress: Progress) -> Flow[None]:
+    """Follows a job's events to its end."""
     while True:
         events = EventReader()
         job: dict[str, Any] = {}
@@ -208,15 +226,15 @@ def _watched(where: str, progress: Progress) -> Flow[dict[str, Any]]:
         with contextlib.suppress(ConnectionFailed, Overloaded):
             yield Watch(Request("GET", f"{where}/events"), on_line)
         if job.get("state") in ("done", "failed", "cancelled"):
-            return job
+            return
         # The stream was cut, by a proxy perhaps. Asking says whether the job is still there.
         try:
             reply: Reply = yield Send(Request("GET", where))
         except NotFound:
-            raise JobCancelled(404, "job_unknown", "the job is not there any more") from None
+            raise _forgotten() from None
         now: dict[str, Any] = reply.json()
         if now["state"] in ("done", "failed", "cancelled"):
-            return now
+            return
         yield Sleep(0.5)
 
 

@@ -4,10 +4,15 @@ which the server packs into one GLB. Images are left where they are: they change
 from __future__ import annotations
 
 import json
+import re
 import secrets
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
+
+# In quotes, some read a backslash as itself and others as an escape of the next character. They
+# differ where that is the closing quote or another backslash.
+_AMBIGUOUS = re.compile(r"\\+$|\\{2,}")
 
 
 def buffer_files(document: Path) -> dict[str, Path]:
@@ -46,12 +51,12 @@ def buffer_files(document: Path) -> dict[str, Path]:
     return found
 
 
-def form(document: Path, files: dict[str, Path]) -> tuple[str, list[bytes | Path]]:
-    """The form of a .gltf file and its buffers: its media type, and its pieces."""
+def form(files: dict[str, Path]) -> tuple[str, list[bytes | Path]]:
+    """The form of files by their names in it: its media type, and its pieces."""
     boundary = secrets.token_hex(24)
     pieces: list[bytes | Path] = []
-    for name, file in {document.name: document, **files}.items():
-        quoted = name.replace('"', "%22")
+    for name, file in files.items():
+        quoted = _AMBIGUOUS.sub(lambda found: "/" * len(found[0]), name).replace('"', "%22")
         head = f'Content-Disposition: form-data; name="files"; filename="{quoted}"'
         pieces += [f"--{boundary}\r\n{head}\r\n\r\n".encode(), file, b"\r\n"]
     return f"multipart/form-data; boundary={boundary}", [*pieces, f"--{boundary}--\r\n".encode()]

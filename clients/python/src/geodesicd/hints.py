@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import socket
 import ssl
+from collections.abc import Iterator
 
 import httpx
 
@@ -30,6 +31,8 @@ _OF_CODE = {
     "store_unavailable": "Ask later: the server cannot reach where it keeps its meshes",
     "internal": "This is a fault of the server's: its log says more, under the request's name",
 }
+# What OpenSSL calls plain HTTP in reply to TLS.
+_NO_TLS = {"WRONG_VERSION_NUMBER", "HTTP_REQUEST"}
 _BETWEEN = "This is no reply of geodesicd's own"
 _OF_STATUS = {
     401: f"{_BETWEEN}: what is before the server wants to know who asks. Give a token: {_TOKEN}",
@@ -96,7 +99,8 @@ def of_failure(error: httpx.RequestError) -> str:
             "This machine does not trust that certificate: name the file of its authority in "
             "$SSL_CERT_FILE, or give Client(verify=ssl.create_default_context(cafile=))"
         )
-    if _caused(error, ssl.SSLError):
+    hung_up = _caused(error, ssl.SSLEOFError, ssl.SSLZeroReturnError)
+    if _caused(error, ssl.SSLError) and not hung_up:
         return "Does the server speak TLS? Without it, its address begins with http://"
     if _caused(error, socket.gaierror):
         return "Is the name of the server right: Client(url), --url or $GEODESICD_URL?"
@@ -112,15 +116,23 @@ def of_failure(error: httpx.RequestError) -> str:
 
 
 def is_lasting(error: httpx.RequestError) -> bool:
-    """Whether asking again would fail alike: certificates and what is no TLS do not change."""
-    return _caused(error, ssl.SSLError)
+    """Whether asking again would fail alike: certificates and what is no TLS do not change. Other
+    failures of TLS may pass, such as the end of a connection to a server that starts again."""
+    return any(
+        isinstance(one, ssl.SSLCertVerificationError)
+        or (isinstance(one, ssl.SSLError) and getattr(one, "reason", None) in _NO_TLS)
+        for one in _causes(error)
+    )
 
 
-def _caused(error: BaseException, kind: type[BaseException]) -> bool:
-    """Whether an error is of that kind, or comes from one."""
+def _caused(error: BaseException, *kinds: type[BaseException]) -> bool:
+    """Whether an error is of one of these kinds, or comes from one."""
+    return any(isinstance(one, kinds) for one in _causes(error))
+
+
+def _causes(error: BaseException) -> Iterator[BaseException]:
+    """An error and what it comes from."""
     seen: BaseException | None = error
     while seen is not None:
-        if isinstance(seen, kind):
-            return True
+        yield seen
         seen = seen.__cause__ or seen.__context__
-    return False

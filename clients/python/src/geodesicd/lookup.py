@@ -19,7 +19,9 @@ _MOST_LISTED = 10
 def mesh_id(text: str) -> Flow[str]:
     """The id of the one mesh that has this id or name, or else whose id begins so: with 4 digits
     at least, and behind a ``~`` with the beginning of what follows there. A beginning that fits a
-    file read as it is, and else only that file read in other ways, means the first.
+    file read as it is, and else only that file read in other ways, means the first. A name does
+    not go before the beginning of another mesh's id: what anybody may name is not to change what
+    ``delete`` deletes.
 
     Raises:
         NotFound: none. ValueError: several; the message lists them.
@@ -28,18 +30,19 @@ def mesh_id(text: str) -> Flow[str]:
         return text
     known = yield from service.meshes()
     found = [one for one in known if one.get("name") == text]
-    if not found and _BEGINNING.fullmatch(text):
-        found = [one for one in known if _begins(one["id"], text)]
-        plain = [one for one in found if "~" not in one["id"]]
-        if len({_file(one["id"]) for one in found}) == 1 and plain:
-            found = plain
+    if _BEGINNING.fullmatch(text):
+        begun = [one for one in known if _begins(one["id"], text)]
+        plain = [one for one in begun if "~" not in one["id"]]
+        if len({_file(one["id"]) for one in begun}) == 1 and plain:
+            begun = plain
+        found += [one for one in begun if one not in found]
     if not found:
         detail = f"no mesh on the server has the name {text!r} or an id that begins so"
         raise NotFound(404, "mesh_unknown", detail)
     if len(found) > 1:
         raise ValueError(
             f"{text!r} may be any of {len(found)} meshes. Say which by its id:\n"
-            + "\n".join(_candidates(found, short_ids(one["id"] for one in known)))
+            + "\n".join(_candidates(found, _unmistaken_ids(known)))
         )
     return str(found[0]["id"])
 
@@ -71,6 +74,13 @@ def short_ids(meshes: Iterable[str]) -> dict[str, str]:
     while len({(file, rest[:more]) for file, _, rest in parts.values()}) < len(parts):
         more += 1
     return {mesh: file[:length] + mark + rest[:more] for mesh, (file, mark, rest) in parts.items()}
+
+
+def _unmistaken_ids(meshes: list[dict[str, Any]]) -> dict[str, str]:
+    """Ids as :func:`short_ids` has them, but whole where a mesh has the short one as its name."""
+    names = {one.get("name") for one in meshes}
+    short = short_ids(one["id"] for one in meshes)
+    return {mesh: mesh if begun in names else begun for mesh, begun in short.items()}
 
 
 def _candidates(found: list[dict[str, Any]], short: Mapping[str, str]) -> list[str]:

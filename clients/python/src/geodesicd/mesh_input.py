@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -20,6 +21,9 @@ from .gltf_files import buffer_files, form
 
 _CHUNK = 1 << 18
 _LONGEST_NAME = 200  # bytes
+# What the server takes in no name (proto/wire/mesh_name.cpp): control characters, what breaks lines
+# or turns the direction of what follows, and what is no text, such as half a surrogate pair.
+_IN_NO_NAME = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 
 
 class UploadBody:
@@ -119,20 +123,18 @@ def _of_arrays(vertices: Any, faces: Any) -> UploadBody:
 def _of_file(file: Path) -> UploadBody:
     """A file, and with a .gltf file those that it has its buffers in."""
     if file.suffix.lower() == ".gltf" and file.is_file() and (files := buffer_files(file)):
-        media_type, pieces = form(file, files)
-        return UploadBody(*pieces, form=media_type, name=_name_of(file))
-    return UploadBody(file, name=_name_of(file))
+        name = name_of(file)
+        media_type, pieces = form({name or file.name: file, **files})
+        return UploadBody(*pieces, form=media_type, name=name)
+    return UploadBody(file, name=name_of(file))
 
 
-def _name_of(file: Path) -> str | None:
-    """What a mesh is called by its file: the file's name, unless the contract forbids that."""
-    name = file.name
-    try:
-        size = len(name.encode())
-    except UnicodeEncodeError:  # no UTF-8, and so no text
-        return None
-    controls = any(ord(letter) < 32 or ord(letter) == 127 for letter in name)
-    return None if size > _LONGEST_NAME or controls else name
+def name_of(file: Path) -> str | None:
+    """What a mesh is called by its file: the file's name, without what the server takes in no name,
+    and at most 200 bytes of it; None where nothing is left. Nobody has asked for this name, so no
+    upload is to fail for it. The end stays, since it says the format."""
+    name = _IN_NO_NAME.sub("", file.name).encode()
+    return name[-_LONGEST_NAME:].decode(errors="ignore").strip() or None
 
 
 def warn_of_rounding(

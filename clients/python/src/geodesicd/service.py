@@ -7,7 +7,7 @@ import json
 from typing import Any, Literal, TypedDict
 from urllib.parse import urlencode
 
-from .errors import NotAllowed, NotFound
+from .errors import GeodesicError, NotAllowed, NotFound
 from .flows import Flow, Progress, Request, Send, ask
 from .mesh_input import UploadBody
 from .wire import Reply
@@ -33,7 +33,8 @@ def upload(
 ) -> Flow[dict[str, Any]]:
     """Sends a mesh; its metadata. ``probe`` asks first, by the digest, whether the server has it
     already, unless it is to be read in a way of its own. ``name`` is what to call the mesh, if it
-    has no name yet; without it, the body's. ``progress``: the first half is sending, the second
+    has no name yet, and is refused where that may not be; without it, the body's, if that may be.
+    ``progress``: the first half is sending, the second
     the server's work on it."""
     reading = reading or {}
     called = body.name if name is None else name
@@ -51,7 +52,7 @@ def upload(
         else:
             known = yield from metadata(body.digest)
             if called and not known.get("name"):
-                known = yield from _named(known, called)
+                known = yield from _named(known, called, asked=name is not None)
             if progress is not None:
                 progress(1.0)
             return known
@@ -63,11 +64,14 @@ def upload(
     return (yield from ask(sending, _object, lambda done: progress(0.5 + done / 2)))
 
 
-def _named(known: dict[str, Any], name: str) -> Flow[dict[str, Any]]:
-    """A mesh that has no name gets one, as sending its file again would give it."""
+def _named(known: dict[str, Any], name: str, asked: bool) -> Flow[dict[str, Any]]:
+    """A mesh that has no name gets one, as sending its file again would give it. The mesh is there
+    without it, so that only a name that was asked for is worth an error."""
     try:
         return (yield from rename(known["id"], name))
-    except NotAllowed:  # a token may allow to ask and not to change
+    except GeodesicError:  # a token may allow to ask and not to change
+        if asked:
+            raise
         return known
 
 

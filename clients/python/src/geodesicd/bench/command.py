@@ -160,6 +160,6 @@ async def _mesh(client: AsyncClient, options: argparse.Namespace) -> AsyncMesh:
     if options.mesh is None:
         side = max(2, round(float(options.vertices) ** 0.5))
         return await client.upload(hills(side, 0))
-    if Path(options.mesh).exists():
+    if Path(options.mesh).is_file():
         return await client.upload(Path(options.mesh))
     return await client.mesh(options.mesh)
