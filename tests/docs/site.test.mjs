@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { after, test } from 'node:test';
 import { axe, launch, newPage } from '../clients/viewer/browser.mjs';
 import { Service } from '../clients/viewer/service.mjs';
-import { proxied } from './prefix_proxy.mjs';
+import { proxied } from '../clients/viewer/proxy.mjs';
 
 const { DOCS_SITE, DOCS_PICTURES } = process.env;
 const MOST_BYTES = 300_000;
@@ -17,7 +17,6 @@ const proxy = await proxied(service);
 const browser = await launch();
 after(async () => {
   await browser.close();
-  proxy.stop();
   await service.end();
 });
 

@@ -73,7 +73,7 @@ export async function openMesh(browser, service, mesh, more = '', options = {}) 
 /** Waits until the mesh's picture has come to rest. */
 export async function settled(page) {
   let before = null;
-  for (let tries = 0; tries < 60; tries++) {
+  for (const end = Date.now() + PATIENCE; Date.now() < end; ) {
     const now = await page.screenshot({ clip: MESH });
     if (before?.equals(now)) return now;
     before = now;

@@ -52,6 +52,12 @@ export class Service {
     return (await fetch(new URL(path, this.url), options)).json();
   }
 
+  /** How many jobs have ended so: done, failed, cancelled, refused. */
+  async endedJobs(outcome) {
+    const metrics = await (await fetch(new URL('/metrics', this.url))).text();
+    return Number(new RegExp(`^geodesicd_jobs_total\\{outcome="${outcome}"\\} (\\d+)$`, 'm').exec(metrics)[1]);
+  }
+
   /** The id of the sample GLB whose first part has this name. */
   async sample(name) {
     const { meshes } = await this.json('/v1/meshes');

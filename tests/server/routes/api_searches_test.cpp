@@ -48,27 +48,38 @@ TEST_CASE("ASearchForPointsEndsAtItsDeadline") {
   check_problem(plane.service.ask("POST", base + "/nearest", points_body("p:0,0,0", 20'000)), 504,
                 "deadline");
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
-  CHECK(taken.count() < 5);
+  CHECK(taken.count() < 20);
 }
 
-// Points at any distance, drawn anew in each run: in the time that near ones are given.
-TEST_CASE("ManyFarPointsAreFoundWithinAShortDeadline") {
+// Points at any distance, drawn anew in each run, searched as quickly as near ones: a search
+// that looks at each of the 80,000 faces takes some thousand times as long.
+TEST_CASE("FarPointsAreFoundInAHundredTimesTheTimeOfNearOnes") {
   PlaneService plane;
   const std::string base = plane.add(shapes::icosphere(6));
   REQUIRE(plane.service.get(base + "/nearest?point=p:2,0,0").status == 200);
   std::mt19937 random(fixtures::test_seed());
   std::uniform_real_distribution<double> exponent(-30, 59);
   std::normal_distribution<double> normal;
+  json near = json::array();
   json points = json::array();
   for (int i = 0; i < 2000; ++i) {
     const double away = 4 + std::pow(10, exponent(random));
     json xyz = json::array();
+    json direction = json::array();
     for (int axis = 0; axis < 3; ++axis) {
+      direction.push_back(normal(random));
       xyz.push_back(std::clamp(away * normal(random), -9e59, 9e59));
     }
+    near.push_back({{"xyz", direction}});
     points.push_back({{"xyz", xyz}});
   }
-  const json body{{"point", points}, {"deadline_ms", 5000}};
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  const json near_body{{"point", near}};
+  REQUIRE(plane.service.ask("POST", base + "/nearest", near_body.dump()).status == 200);
+  const std::chrono::duration<double, std::milli> taken = Clock::now() - begin;
+  const int patience_ms = 1000 + static_cast<int>(100 * taken.count());
+  const json body{{"point", points}, {"deadline_ms", std::min(patience_ms, 600'000)}};
   const HttpResponse reply = plane.service.ask("POST", base + "/nearest", body.dump());
   REQUIRE(reply.status == 200);
   const json answer = body_of(reply);
