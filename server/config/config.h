@@ -22,6 +22,7 @@ struct Config {
   Address listen{"127.0.0.1", 8080};
   Address admin_listen;                     // host empty: admin routes stay on the API's listener
   std::string base_path;                    // such as /geo; empty: none
+  std::string trusted_proxies;              // addresses and ranges; empty: none
   std::string store = "./geodesicd-store";  // or s3://…
   std::uint64_t store_max_bytes = 0;        // 0: no limit
   std::string store_when_full = "refuse";   // or evict
@@ -63,6 +64,7 @@ struct Config {
   std::uint64_t body_timeout_seconds = 300;
   std::uint64_t min_upload_rate = std::uint64_t{1} << 10;  // bytes a second; 0: any
   std::uint64_t keep_alive_seconds = 75;
+  std::uint64_t drain_delay_seconds = 0;
   std::uint64_t drain_seconds = 20;
 
   std::uint64_t max_jobs = 64;

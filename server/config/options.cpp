@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "proto/wire/input_codes.h"
+#include "server/base/address_ranges.h"
 
 namespace geodesic::server {
 namespace {
@@ -28,9 +29,9 @@ bool is_base_path(std::string_view path) {
   constexpr std::size_t kMostBytes = 200;
   if (path.empty()) return true;
   if (path.size() > kMostBytes || path.front() != '/') return false;
-  constexpr std::array<std::string_view, 9> kOwn{
-      "v1",     "docs",    "assets", "openapi.json", "openapi.yaml",
-      "livez", "readyz", "metrics", "debug"};
+  constexpr std::array<std::string_view, 9> kOwn{"v1",           "docs",         "assets",
+                                                 "openapi.json", "openapi.yaml", "livez",
+                                                 "readyz",       "metrics",      "debug"};
   const std::string_view first = path.substr(1, path.substr(1).find('/'));
   if (std::find(kOwn.begin(), kOwn.end(), first) != kOwn.end()) return false;
   while (!path.empty()) {
@@ -56,6 +57,10 @@ std::span<const Option> options() {
              "Where probes and metrics listen; empty: on the API's listener"},
       Option{"base-path", Kind::base_path, &Config::base_path, "PATH",
              "Path that a proxy has for the server, such as /geo: links in replies begin with it"},
+      Option{
+          "trusted-proxies", Kind::addresses, &Config::trusted_proxies, "ADDRESSES",
+          "Addresses and ranges of proxies, with commas between them, whose X-Forwarded-For says "
+          "who the client is"},
       Option{"tls-cert", Kind::text, &Config::tls_cert, "FILE",
              "PEM certificate (with its chain) of the API's listener; empty: plain HTTP"},
       Option{"tls-key", Kind::text, &Config::tls_key, "FILE", "PEM key of that certificate"},
@@ -133,8 +138,13 @@ std::span<const Option> options() {
              kNoBound, kFollows},
       Option{"keep-alive-seconds", Kind::whole_number, &Config::keep_alive_seconds, "SECONDS",
              "Time a connection may idle between requests", 1, kMaxSeconds, kFollows},
+      Option{
+          "drain-delay-seconds", Kind::whole_number, &Config::drain_delay_seconds, "SECONDS",
+          "Time after SIGTERM in which /readyz is 503 and all else goes on, for balancers to see",
+          0, kMaxSeconds, kFollows},
       Option{"drain-seconds", Kind::whole_number, &Config::drain_seconds, "SECONDS",
-             "Time for running requests to finish after SIGTERM", 0, kMaxSeconds, kFollows},
+             "Time for running requests to finish after SIGTERM and that delay", 0, kMaxSeconds,
+             kFollows},
       Option{
           "max-jobs", Kind::whole_number, &Config::max_jobs, "N",
           "Jobs (Prefer: respond-async) that may wait and run, at most half of them one client's; "
@@ -188,9 +198,19 @@ Result<void> set_option(const Option& option, std::string_view text, std::string
       return {};
     case Kind::base_path:
       if (!is_base_path(text)) {
-        return refuse(fmt::format("'{}' is no path such as /geo or /tools/geo, or begins as the "
-                                  "server's own do (/v1, /docs)",
-                                  text));
+        return refuse(
+            fmt::format("'{}' is no path such as /geo or /tools/geo, or begins as the "
+                        "server's own do (/v1, /docs)",
+                        text));
+      }
+      config.*std::get<std::string Config::*>(option.member) = text;
+      return {};
+    case Kind::addresses:
+      if (!AddressRanges::parse(text)) {
+        return refuse(
+            fmt::format("'{}' is no list of addresses and ranges such as "
+                        "127.0.0.1,10.0.0.0/8,fd00::/8 (no bits after the prefix)",
+                        text));
       }
       config.*std::get<std::string Config::*>(option.member) = text;
       return {};

@@ -15,7 +15,17 @@
 namespace geodesic::server {
 
 struct Option {
-  enum class Kind { text, whole_number, bytes, address, level, when_full, decoder, base_path };
+  enum class Kind {
+    text,
+    whole_number,
+    bytes,
+    address,
+    level,
+    when_full,
+    decoder,
+    base_path,
+    addresses
+  };
   using Member = std::variant<std::string Config::*, std::uint64_t Config::*, Address Config::*>;
 
   std::string_view name;  // of the flag, without dashes; file keys are the same

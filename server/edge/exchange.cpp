@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "server/base/service_codes.h"
+#include "server/edge/forwarded.h"
 #include "server/http/request_log.h"
 
 namespace geodesic::server {
@@ -33,7 +34,7 @@ void judge_body(const HttpOptions& options, Exchange& exchange) {
 }  // namespace
 
 void judge_head(const HttpOptions& options, HttpConnection::Head outcome, std::string_view bytes,
-                const std::string& remote, Exchange& exchange) {
+                const std::string& peer, Exchange& exchange) {
   exchange.begin = HttpConnection::Clock::now();
   const HeadLimits limits{options.max_target_bytes, options.max_header_count};
   exchange.refused = parse_head(bytes, limits, exchange.head);
@@ -72,8 +73,8 @@ void judge_head(const HttpOptions& options, HttpConnection::Head outcome, std::s
   request.set_base_path(options.base_path);
   request.authority = std::move(head.authority);
   request.query = std::move(head.query);
-  request.remote = remote;
-  request.caller.client = client_of(remote);
+  request.remote = forwarded_for(options.trusted_proxies, head, peer);
+  request.caller.client = client_of(request.remote);
   request.caller.asked = std::make_shared<const Caller::Asked>(
       Caller::Asked{request.id, request.method, request.target});
   request.caller.gone = [watch = exchange.connection.watch()] { return watch->gone(); };

@@ -43,9 +43,9 @@ struct Exchange {
 };
 
 // Judges a head, or what came instead of one; `refused` says what is wrong.
-// `remote` is the peer's address.
+// `peer` is the address that the connection comes from.
 void judge_head(const HttpOptions& options, HttpConnection::Head outcome, std::string_view bytes,
-                const std::string& remote, Exchange& exchange);
+                const std::string& peer, Exchange& exchange);
 
 // What stands for the peer of that address in queues: itself, or its network in
 // IPv6, where one subscriber has 2^64 addresses (a /64).

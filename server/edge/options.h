@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "server/base/address_ranges.h"
 #include "server/edge/tls.h"
 #include "server/http/message.h"
 
@@ -42,6 +43,7 @@ struct HttpOptions {
   int port = 0;                     // 0: any free one
   std::shared_ptr<TlsContext> tls;  // null: plain HTTP
   std::string base_path;            // of every request (HttpRequest::set_base_path)
+  AddressRanges trusted_proxies;    // whose word on their clients is believed (edge/forwarded.h)
 
   // A thread is held by a request that is handled, and by nothing else.
   std::size_t io_threads = 64;               // started at once …

@@ -27,8 +27,8 @@ struct HttpRequest {
   std::vector<NameValue> query;    // percent-decoded ('+' is a space), in order
   std::vector<NameValue> headers;  // raw values, names as sent, in order
   std::string body;                // raw
-  std::string remote;              // the peer's address, without the port
-  std::string id;  // X-Request-Id if it was sane ([A-Za-z0-9._-]{1,64}), else one of ours
+  std::string remote;  // the client's address, maybe as a trusted proxy says it; no port
+  std::string id;      // X-Request-Id if it was sane ([A-Za-z0-9._-]{1,64}), else one of ours
   // Whose turn in queues it is, and whether the peer has hung up or closed its sending half (or
   // the server stops without further grace): a system call that never blocks, may be asked by any
   // thread, also after the reply (then it answers true once the connection is closed). The edge

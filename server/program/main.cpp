@@ -9,6 +9,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -70,6 +71,8 @@ HttpOptions http_options(const Config& config, const Address& address, const Rou
   options.host = address.host;
   options.port = address.port;
   options.base_path = config.base_path;
+  // What the configuration holds was read as such.
+  options.trusted_proxies = AddressRanges::parse(config.trusted_proxies).value_or(AddressRanges());
   options.io_threads = config.io_threads;
   // Each computation that runs or waits holds a thread: there must be others, which
   // tell the next client that the queue is full.
@@ -120,6 +123,13 @@ int wait_for_signal(const sigset_t& signals) {
   int signal = 0;
   sigwait(&signals, &signal);
   return signal;
+}
+
+// The same, but gives up after `patience`.
+void wait_for_signal(const sigset_t& signals, std::chrono::seconds patience) {
+  timespec timeout{};
+  timeout.tv_sec = static_cast<std::time_t>(patience.count());
+  sigtimedwait(&signals, nullptr, &timeout);
 }
 
 // The files of a folder; none if no folder is named. Nothing, and a line of the log, where that
@@ -243,6 +253,12 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
     spdlog::info("signal {}: draining", signal);
   }
   routes.start_draining();
+  // Whoever sends a second signal does not want to wait.
+  const std::chrono::seconds delay(reload.config()->drain_delay_seconds);
+  if (!has_failed && delay.count() > 0) {
+    spdlog::info("for {} s only /readyz says so", delay.count());
+    wait_for_signal(stop_signals, delay);
+  }
   const bool complete = api.stop(std::chrono::seconds(reload.config()->drain_seconds));
   admin.stop(std::chrono::seconds(1));
   spdlog::info("{}", complete ? "stopped" : "stopped; some requests were cut off");

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -53,6 +54,13 @@ Jobs::Limits job_limits(const Config& config, std::size_t slots) {
   return limits;
 }
 
+// Up to twice as long, so that those who are refused together do not come back together.
+std::chrono::seconds spread(std::chrono::seconds wait) {
+  thread_local std::minstd_rand random(std::random_device{}());
+  return wait +
+         std::chrono::seconds(std::uniform_int_distribution<std::int64_t>(0, wait.count())(random));
+}
+
 HttpResponse text_reply(std::string_view text, std::string type) {
   HttpResponse response;
   response.set_body(std::string(text), std::move(type));
@@ -100,7 +108,7 @@ HttpResponse Routes::answer(HttpRequest& request) {
   const bool is_refused = response.status == 429 || response.status == 503;
   for (auto& [name, value] : response.headers) {
     if (!is_refused || draining_ || name != "Retry-After" || value != "1") continue;
-    value = std::to_string(pool_.retry_after(request.caller.client).count());
+    value = std::to_string(spread(pool_.retry_after(request.caller.client)).count());
   }
   finish_reply(request, response);
   add_timing(*request.caller.times, response);
@@ -214,7 +222,13 @@ HttpResponse Routes::operate(Call& call) {
       if (!listener_().is_accepting) {
         return call.problem(ServiceCode::overloaded, "connections wait that cannot be accepted");
       }
-      if (const auto store = catalog_.store_health(); !store) return call.problem(store.error());
+      const std::string* const excluded = call.request.parameter("exclude");
+      if (excluded != nullptr && *excluded != "store") {
+        return call.problem(
+            Error{InputCode::bad_syntax, "only the store can be left out", "exclude", {}, {}});
+      }
+      const auto store = catalog_.store_health();
+      if (!store && excluded == nullptr) return call.problem(store.error());
     }
     response = json_reply(R"({"status":"ok"})");
   }

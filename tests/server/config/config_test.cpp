@@ -113,6 +113,15 @@ TEST_CASE("a bad value names its source") {
   CHECK(mentions(error_of({"--config", negative.path}), "queue: must be a string or a whole"));
 }
 
+TEST_CASE("trusted proxies are addresses and ranges") {
+  const auto line = read_config({"--trusted-proxies", "127.0.0.1, fd00::/8"}, in({}));
+  REQUIRE(line);
+  CHECK(line->config.trusted_proxies == "127.0.0.1, fd00::/8");
+  const Error error = error_of({}, {{"GEODESICD_TRUSTED_PROXIES", "10.0.0.1/8"}});
+  CHECK(error.code == InputCode::bad_syntax);
+  CHECK(mentions(error, "GEODESICD_TRUSTED_PROXIES: '10.0.0.1/8' is no list of addresses"));
+}
+
 TEST_CASE("unknown options and unreadable files are refused") {
   CHECK(error_of({"--quue=1"}).code == InputCode::unknown_parameter);
   CHECK(mentions(error_of({"--quue=1"}), "--quue"));

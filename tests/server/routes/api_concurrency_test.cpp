@@ -5,6 +5,7 @@
 #include <barrier>
 #include <chrono>
 #include <future>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -190,13 +191,20 @@ TEST_CASE("WhoIsRefusedHearsHowLongTheQueueIs") {
   };
   service.pool.set_limits({0, 0, std::chrono::milliseconds(0)});
   CHECK(waits(ask(1)) >= 3);
-  CHECK(waits(ask(1)) <= 60);
+  std::set<int> spread;
+  for (int i = 0; i < 100; ++i) spread.insert(waits(ask(1)));
+  CHECK(*spread.rbegin() <= 2 * 60);
+  CHECK(spread.size() >= 3);  // not all come back at once
   service.pool.set_limits({256, 0, std::chrono::milliseconds(1000)});
   const HttpResponse late = ask(1);
-  const std::string wait = std::to_string(waits(late));
   const std::string detail = body_of(late)["detail"];
   CAPTURE(detail);
-  CHECK(detail.find("about " + wait + " s to wait") != std::string::npos);
+  const std::size_t about = detail.find("about ");
+  REQUIRE(about != std::string::npos);
+  const std::string wait = detail.substr(about + 6);
+  CHECK(wait.find(" s to wait") != std::string::npos);
+  CHECK(waits(late) >= std::stoi(wait));
+  CHECK(waits(late) <= 2 * std::stoi(wait));
   CHECK(detail.find("1 s (--queue-seconds)") != std::string::npos);
   gate.set_value();
   for (auto& one : line) CHECK(one.get());

@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "tests/server/routes/service_fixture.h"
 
@@ -148,6 +149,19 @@ TEST_CASE("WarningsSayWhatAMeshMeansForDistances") {
   CHECK(warnings.find("1 vertex is in no face") != std::string::npos);
 }
 
+TEST_CASE("ReadinessFollowsTheStoreUnlessThatIsLeftOut") {
+  const TemporaryFolder folder;
+  Service service(folder.path());
+  const std::string id = service.upload(glb_of(shapes::plane(3, 3)));
+  std::filesystem::remove_all(folder.path());
+  CHECK_FALSE(service.store->check());
+  check_problem(service.get("/readyz"), 503, "store_unavailable");
+  CHECK(service.get("/readyz?exclude=store").status == 200);
+  CHECK(service.get("/v1/meshes/" + id + "/distance?from=v:0").status == 200);
+  check_problem(service.get("/readyz?exclude=listener"), 400, "bad_syntax", "exclude");
+  CHECK(service.get("/readyz?now=1").status == 503);
+}
+
 TEST_CASE("ProbesStatusAndMethods") {
   const TemporaryFolder folder;
   Service service(folder.path());
@@ -166,6 +180,7 @@ TEST_CASE("ProbesStatusAndMethods") {
   CHECK(status["compute"]["unanswered"] == 0);
   service.routes.start_draining();
   CHECK(service.get("/readyz").status == 503);
+  CHECK(service.get("/readyz?exclude=store").status == 503);
   CHECK(service.get("/livez").status == 200);
   CHECK(service.get("/openapi.yaml").body->starts_with("openapi: 3.1"));
 }
