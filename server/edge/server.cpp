@@ -154,18 +154,17 @@ class HttpServer::Impl final : public httplib::Server {
       finish_headers(*current_exchange, response);
     });
     // Out of memory while a reply is being put together; nothing else throws there.
-    set_exception_handler([this](const httplib::Request&, httplib::Response& response,
-                                 const std::exception_ptr&) {
-      response.headers.clear();
-      response.status = current_exchange->status = 500;
-      response.set_content(
-          R"({"type":")" + edge_.options.base_path +
-              R"(/docs/errors/#internal","status":500,"code":"internal"})",
-          std::string(kProblemMediaType));
-      current_exchange->reply_body.reset();
-      current_exchange->reply_file.reset();
-      current_exchange->close = true;
-    });
+    set_exception_handler(
+        [this](const httplib::Request&, httplib::Response& response, const std::exception_ptr&) {
+          response.headers.clear();
+          response.status = current_exchange->status = 500;
+          response.set_content(R"({"type":")" + edge_.options.base_path +
+                                   R"(/docs/errors/#internal","status":500,"code":"internal"})",
+                               std::string(kProblemMediaType));
+          current_exchange->reply_body.reset();
+          current_exchange->reply_file.reset();
+          current_exchange->close = true;
+        });
   }
 
   Result<int> start() {

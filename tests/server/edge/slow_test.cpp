@@ -138,7 +138,8 @@ TEST_CASE("empty lines without end before a head hold no thread") {
     while (lines.size() < (std::size_t{1} << 16)) lines += "\r\n";
     std::thread flood([&] {
       bool odd = false;
-      while (client.send(std::string_view(lines).substr(odd ? 1 : 0, size))) odd = size % 2 != 0 && !odd;
+      while (client.send(std::string_view(lines).substr(odd ? 1 : 0, size)))
+        odd = size % 2 != 0 && !odd;
     });
     flood.join();  // it was cut off
     RawClient other(edge.port);

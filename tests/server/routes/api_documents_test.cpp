@@ -120,7 +120,8 @@ TEST_CASE("AWrongAddressBelowTheGuideIsAPageForBrowsersAndAProblemForOthers") {
       if (const std::size_t empty = from.find("//"); empty != std::string::npos) {
         from.insert(empty + 1, "x");
       }
-      const std::string found = std::filesystem::path(from + to).lexically_normal().generic_string();
+      const std::string found =
+          std::filesystem::path(from + to).lexically_normal().generic_string();
       CHECK(service.ask("GET", found, {}, browser).status < 400);
       ++links;
     }

@@ -132,9 +132,14 @@ TEST_CASE("PartsAreReadAsTheyWereWritten") {
   CHECK(parts->at(1).bytes.empty());
   // Quotes as curl escapes them, a path as old browsers sent it, and quotes that do not close.
   const std::pair<std::string, std::string> file_names[] = {
-      {R"("a\"b.obj")", "a\"b.obj"}, {R"("C:\x\y.obj")", "C:\\x\\y.obj"}, {R"("a)", ""},
+      {R"("a\"b.obj")", "a\"b.obj"},
+      {R"("C:\x\y.obj")", "C:\\x\\y.obj"},
+      {R"("a)", ""},
       // Browsers escape no backslash, others do.
-      {R"("a\")", "a\\"}, {R"("a\\")", "a\\"}, {R"("a\"")", "a\""}, {R"("\")", "\\"}};
+      {R"("a\")", "a\\"},
+      {R"("a\\")", "a\\"},
+      {R"("a\"")", "a\""},
+      {R"("\")", "\\"}};
   for (const auto& [written, meant] : file_names) {
     const auto part = read_multipart(
         "--b\r\nContent-Disposition: form-data; filename=" + written + "\r\n\r\n1\r\n--b--", "b");
