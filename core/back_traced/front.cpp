@@ -184,16 +184,7 @@ void BackTracedFront::trace(std::uint32_t place, const TraceStart& start, double
 
 void BackTracedFront::flush_traces() {
   if (traces_.count == 0) return;
-  if (stops_.empty()) {
-    trace_lanes(surface_, distance_, candidates_, vectors_, traces_, &scratch_.crowds);
-  } else {
-    const BackTrace one(surface_, distance_, stops_, candidates_, &scratch_.crowds);
-    for (std::size_t i = 0; i < traces_.count; ++i) {
-      double& best = traces_.best[i];
-      best = traces_.begins_elsewhere(i) ? one.least(traces_.start[i], best)
-                                         : one.over(traces_.base[i], traces_.crossing[i], best);
-    }
-  }
+  trace_lanes(surface_, distance_, candidates_, vectors_, traces_, &scratch_.crowds);
   for (std::size_t i = 0; i < traces_.count; ++i) {
     double& best = scratch_.best[traced_[i]];
     best = std::min(best, traces_.best[i]);
@@ -340,7 +331,6 @@ void BackTracedFront::end() {
   for (const std::uint32_t v : left) {
     if (!scratch_.vertices[v].is_accepted()) forget(v);
   }
-  stops_.clear();
   rounds_in_bucket_ = 0;
 }
 

@@ -9,7 +9,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -59,7 +58,7 @@ class BackTracedFront {
   [[nodiscard]] double distance(std::uint32_t vertex) const { return distance_[vertex]; }
   // The vertex is as if the wave had not come there.
   void forget(std::uint32_t vertex);
-  // The same for all that were not accepted, and for the source's place.
+  // The same for all that were not accepted.
   void end();
 
  private:
@@ -88,10 +87,8 @@ class BackTracedFront {
   BackTracedScratch& scratch_;
   std::span<double> distance_;
   Poll& poll_;
-  Triangulation surface_;              // what this wave goes over
-  std::vector<SurfacePoint> stops_;    // the source's places, by ascending faces, on the mesh's own
-  std::optional<bool> is_of_slivers_;  // the mesh, once it was asked
-  double least_gain_ = 0;              // that makes an accepted vertex wait again
+  Triangulation surface_;  // what this wave goes over
+  double least_gain_ = 0;  // that makes an accepted vertex wait again
   int rounds_in_bucket_ = 0;
   Vectors vectors_ = best_vectors();
   // Traces that wait for company, and their places in the round.

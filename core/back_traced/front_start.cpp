@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/back_traced/front.h"
-#include "core/back_traced/slivers.h"
 #include "core/back_traced/visibility_cones.h"
 #include "core/base/tolerances.h"
 #include "core/surface/side_not_below.h"
@@ -13,12 +12,13 @@
 namespace geodesic {
 namespace {
 
-// Faces that the look around from a source crosses; beyond some hundred vertices the
+// Faces that the look around from a source at a vertex crosses; beyond some hundred vertices the
 // front does as well.
 constexpr std::size_t kVisibleFaces = 2000;
-// Over slivers, from a point inside a face, it crosses more: with 2,000 some distances on stretched
-// spheres are 20 % too long, with 10,000 8 %.
-constexpr std::size_t kVisibleSlivers = 10'000;
+// From a point inside a face it goes over the mesh's own faces, of which there may be many to one
+// of the Delaunay triangulation: with 2,000, distances near the poles of a sphere are up to 4 % too
+// long, and 20 % where that is stretched; with 10,000 0.2 % and 8 %.
+constexpr std::size_t kVisibleFacesFromInside = 10'000;
 
 // A bucket's width, of the mean of the faces' shortest sides. Errors are the same with
 // half of it; with the double, means grow by a twentieth.
@@ -44,15 +44,11 @@ double bucket_width(std::span<const FaceRecord> faces) {
 
 void BackTracedFront::start(const SurfacePoint& source) {
   const auto places = in_all_faces(adjacency_, source);
-  // Only the mesh's own faces say where a point inside one is. Over slivers a front goes many times
-  // too far round, and so it starts from what the source sees over them.
-  const Triangulation mesh = adjacency_.triangulation();
-  if (!source.at_vertex() && !is_of_slivers_) is_of_slivers_ = is_of_slivers(mesh);
-  const bool starts_on_slivers = !source.at_vertex() && *is_of_slivers_;
-  const bool on_delaunay = source.at_vertex() || starts_on_slivers;
-  surface_ = on_delaunay ? adjacency_.delaunay() : mesh;
+  // Only the mesh's own faces say where a point inside one is, and what it sees over them. The
+  // front goes on from there over the Delaunay triangulation, as from a vertex.
+  surface_ = adjacency_.delaunay();
   scratch_.crowds.reset(surface_, poll_);
-  const std::size_t most_faces = starts_on_slivers ? kVisibleSlivers : kVisibleFaces;
+  const std::size_t most_faces = source.at_vertex() ? kVisibleFaces : kVisibleFacesFromInside;
   const double width = bucket_width(surface_.faces);
   scratch_.waiting.reset(width);
   least_gain_ = kLeastGain * width;
@@ -81,7 +77,6 @@ void BackTracedFront::start(const SurfacePoint& source) {
     if (poll_.cancelled()) return;
     const FaceRecord& face = adjacency_.face(place.face);
     if (!source.at_vertex()) {
-      if (!on_delaunay) stops_.push_back(place);
       for (std::uint32_t c = 0; c < 3; ++c) {
         // The triangle of the source and this side: where its ends are, with the source
         // at the origin and the side's direction as the x axis.
@@ -101,9 +96,7 @@ void BackTracedFront::start(const SurfacePoint& source) {
       see(face.vertex[c], distance_to_corner(adjacency_.mesh(), place, c));
     }
   }
-  std::sort(stops_.begin(), stops_.end(),
-            [](const SurfacePoint& a, const SurfacePoint& b) { return a.face < b.face; });
-  look_around(source.at_vertex() ? surface_ : mesh, cones, most_faces,
+  look_around(source.at_vertex() ? surface_ : adjacency_.triangulation(), cones, most_faces,
               [this](std::uint32_t v, double straight) { see(v, straight); });
 }
 

@@ -31,7 +31,6 @@
 #include "core/base/vec2.h"
 #include "core/field/field.h"
 #include "core/surface/face_record.h"
-#include "core/surface/point.h"
 #include "core/surface/side_not_below.h"
 #include "core/surface/triangulation.h"
 #include "core/surface/unfold_rounding.h"
@@ -83,17 +82,11 @@ class BackTrace {
   // A virtual source nearer than this part of the best path would be of two sources.
   static constexpr double kLeastOfBest = 0.9;
 
-  // `distance` has an entry per vertex, kUnreached where there is none yet; `stops` are the
-  // source's places in the faces that have it in them, by ascending faces. All must outlive
+  // `distance` has an entry per vertex, kUnreached where there is none yet. Both must outlive
   // this object, as must what it knows of crowded edges.
-  BackTrace(const Triangulation& surface, std::span<const double> distance,
-            std::span<const SurfacePoint> stops, Candidates candidates,
+  BackTrace(const Triangulation& surface, std::span<const double> distance, Candidates candidates,
             const CrowdedEdges* crowds = nullptr)
-      : surface_(surface),
-        distance_(distance),
-        stops_(stops),
-        candidates_(candidates),
-        crowds_(crowds) {}
+      : surface_(surface), distance_(distance), candidates_(candidates), crowds_(crowds) {}
 
   // The least of `best`, of the ways along both sides of the face of `base` to the vertex
   // opposite it, and of what the trace from there finds, over the base at `crossing`: 0 at
@@ -162,7 +155,7 @@ class BackTrace {
 
  private:
   // What stopped a trace before it had gone over as many faces as it may.
-  enum class Ends : std::uint8_t { nowhere, at_border, at_source, where_distances_grow, lost };
+  enum class Ends : std::uint8_t { nowhere, at_border, where_distances_grow, lost };
 
   struct Trace {
     Vec2 right, left;
@@ -214,7 +207,6 @@ class BackTrace {
         return std::min(best, along_edge(t, spread));
       }
       if (surface_.ring(t.across) != t.edge) t.across = nearest_beyond(t.edge);
-      const SurfacePoint* const stop = stop_in(face_of(t.across));
       const FaceRecord& face = surface_.faces[face_of(t.across)];
       if (surface_.has_lines && is_seen_along_line(face, t.right, t.left)) [[unlikely]] {
         t.ends = Ends::lost;
@@ -227,7 +219,7 @@ class BackTrace {
       // Past the source, and where waves meet, distances grow; but over one thin face they
       // may as well.
       const bool may_be_farther = t.faces == 0 && at_apex < kUnreached;
-      if (stop == nullptr && !(at_apex < std::max(t.at_right, t.at_left)) && !may_be_farther) {
+      if (!(at_apex < std::max(t.at_right, t.at_left)) && !may_be_farther) {
         t.ends = Ends::where_distances_grow;
         return best;
       }
@@ -245,18 +237,6 @@ class BackTrace {
       double rounding = 0;
       if constexpr (kCareful) {
         rounding = UnfoldRounding::of_corner(face, std::sqrt(spread.farthest2));
-      }
-      if (stop != nullptr) {
-        t.ends = Ends::at_source;
-        const double at_right = stop->bary[forward ? c : n];
-        const double at_left = stop->bary[forward ? n : c];
-        const Vec2 to_source = at_right * t.right + at_left * t.left + stop->bary[apex] * to_apex;
-        const bool is_visible =
-            cross(to_source, t.left_bound) >= 0 && cross(t.right_bound, to_source) >= 0;
-        const double straight = norm(to_source);
-        return is_visible
-                   ? std::min(best, straight + may_lack<kCareful>(t, rounding, straight, spread))
-                   : best;
       }
       const bool within_left = cross(to_apex, t.left_bound) >= 0;
       const bool within_right = cross(t.right_bound, to_apex) >= 0;
@@ -281,14 +261,6 @@ class BackTrace {
       if constexpr (kCareful) take_account(t, rounding);
     }
     return best;
-  }
-
-  // The place of the source in that face, if it is there.
-  [[nodiscard]] const SurfacePoint* stop_in(std::uint32_t face) const {
-    const auto at =
-        std::lower_bound(stops_.begin(), stops_.end(), face,
-                         [](const SurfacePoint& s, std::uint32_t f) { return s.face < f; });
-    return at != stops_.end() && at->face == face ? &*at : nullptr;
   }
 
   // What is unfolded beyond the edge is as if turned about one of its ends.
@@ -365,7 +337,6 @@ class BackTrace {
 
   Triangulation surface_;
   std::span<const double> distance_;
-  std::span<const SurfacePoint> stops_;
   Candidates candidates_;
   const CrowdedEdges* crowds_;
 };

@@ -337,7 +337,7 @@ void trace_lanes(const Triangulation& surface, std::span<const double> distance,
 #endif
   if (wide == 0) [[likely]]
     return;
-  const BackTrace one(surface, distance, {}, candidates, crowds);
+  const BackTrace one(surface, distance, candidates, crowds);
   for (std::size_t i = 0; i < traces.count; ++i) {
     if (((wide >> i) & 1U) == 0) continue;
     double& best = traces.best[i];

@@ -109,7 +109,7 @@ void check_lanes(const Surface& surface, RandomMesh& random, std::uint32_t sourc
     counts.compared += check_arrivals(faces, field.distance.doubles(), starts);
     for (const auto candidates :
          {BackTrace::Candidates::paths, BackTrace::Candidates::virtual_sources}) {
-      const BackTrace one(faces, field.distance.doubles(), {}, candidates);
+      const BackTrace one(faces, field.distance.doubles(), candidates);
       for (std::size_t first = 0; first < starts.size();) {
         const std::size_t count =
             std::min<std::size_t>(1 + random.below(TraceLanes::kLanes), starts.size() - first);
