@@ -7,6 +7,7 @@ import { fieldPlan, meshPath, planOf, queryCall, type Plan } from './plans.js';
 import type * as queries from './queries.js';
 import type { CallOptions, Precision, QueryOptions } from './queries.js';
 import * as replies from './replies.js';
+import { table } from './tables.js';
 import { Transport, type Call, type Reply } from './transport.js';
 import * as uploads from './upload.js';
 
@@ -158,9 +159,12 @@ export class GeodesicClient {
     return this.#run(planOf(id, { query: 'path', ...query }, options));
   }
 
-  /** Distances from each of several points to each of several others. */
+  /**
+   * Distances from each of several points to each of several others. A table that is over the
+   * server's limits is several requests, one after the other, and `deadlineMs` is for the whole.
+   */
   table(id: string, query: queries.TableQuery, options: QueryOptions = {}): Promise<queries.Table> {
-    return this.#run(planOf(id, { query: 'table', ...query }, options));
+    return table(this.#transport, id, query, options);
   }
 
   /** Lines of equal distance. */

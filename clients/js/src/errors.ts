@@ -42,6 +42,12 @@ export class GeodesicError extends Error {
     this.requestId = problem.request_id ?? headers?.get('X-Request-Id') ?? undefined;
     this.retryAfter = headers ? secondsToWait(headers) : undefined;
   }
+
+  /** The same error under another parameter's name, for questions that are asked in pieces. */
+  of(parameter: string): GeodesicError {
+    const problem = { ...this, request_id: this.requestId, parameter } as Partial<Problem>;
+    return Object.assign(new GeodesicError(this.status, problem), { retryAfter: this.retryAfter });
+  }
 }
 
 /** No reply: no connection, or one that was lost. `cause` is what the platform said. */

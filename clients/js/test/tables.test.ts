@@ -1,0 +1,106 @@
+/** Tables of any size are those that one request would give; errors in them are named. */
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { GeodesicClient, GeodesicError, type Point, type TableQuery } from 'geodesicd-client';
+import { fixture, watchedFetch } from './fixture.js';
+
+const { server, client, plane } = await fixture();
+const seen: string[] = [];
+const watched = new GeodesicClient(server.url, { fetch: watchedFetch(seen) });
+
+/** What was asked for since last time: the last part of each path. */
+function asked(): string[] {
+  return seen.splice(0).map((line) => /([^/? ]*)(\?.*)?$/.exec(line)![1]!);
+}
+
+const upTo = (count: number, first = 0) => Array.from({ length: count }, (_, index) => first + index);
+
+/** A server that says that it takes less; what is over the limits is refused as it would be. */
+function limited(limits: Partial<Record<string, number>>): GeodesicClient {
+  const watching = watchedFetch(seen);
+  return new GeodesicClient(server.url, {
+    fetch: async (input, init) => {
+      const reply = await watching(input, init);
+      if (!String(input).endsWith('/v1/status')) return reply;
+      const status = (await reply.json()) as { limits: object };
+      return Response.json({ ...status, limits: { ...status.limits, ...limits } });
+    },
+  });
+}
+
+test('more than the server takes at once is asked for in blocks', async () => {
+  const from = upTo(1200);
+  const to = upTo(1000, 400);
+  const whole = await watched.table(plane, { from, to, method: 'dijkstra' });
+  assert.deepEqual(asked(), ['status', 'table', 'table']);
+  assert.equal(whole.distances.length, 1_200_000);
+  assert.deepEqual(whole.rows.map(({ vertex }) => vertex), from);
+  assert.deepEqual(whole.columns.map(({ vertex }) => vertex), to);
+  assert.equal(whole.method, 'dijkstra');
+  const few = await watched.table(plane, { from: from.slice(995, 1005), to, method: 'dijkstra' });
+  assert.deepEqual(asked(), ['table']);
+  assert.deepEqual(whole.distances.slice(995_000, 1_005_000), few.distances);
+});
+
+test('blocks of any size are one table', async () => {
+  const points = upTo(30, 17).map((vertex): Point =>
+    vertex % 3 ? vertex : { xyz: [vertex % 7, vertex % 11, 40] },
+  );
+  const ask: TableQuery = { from: points.slice(0, 20), to: points, method: 'fast_marching' };
+  const one = await client.table(plane, ask);
+  // Over what every server is taken to have, so that its limits are asked for.
+  const many = { ...ask, from: upTo(50).flatMap(() => ask.from as Point[]).concat(7) };
+  for (const limits of [
+    { max_sources: 7, max_points: 11 },
+    { max_table_entries: 20 },
+    { max_json_bytes: 800 },
+  ]) {
+    const whole = await limited({ max_sources: 300, ...limits }).table(plane, many);
+    assert.ok(asked().length > 30);
+    assert.deepEqual(whole.columns, one.columns);
+    assert.equal(whole.rows.length, 1001);
+    assert.deepEqual(whole.rows.slice(40, 60), one.rows);
+    assert.deepEqual(whole.distances.slice(40 * 30, 60 * 30), one.distances);
+    assert.ok(whole.timing.encode !== undefined || whole.timing.load !== undefined);
+    assert.ok(whole.warnings.length > 0);
+    assert.equal(new Set(whole.warnings).size, whole.warnings.length);
+  }
+});
+
+test('without columns they are the rows again', async () => {
+  const rows = upTo(1001);
+  const whole = await watched.table(plane, { from: rows, method: 'dijkstra' });
+  assert.deepEqual(asked(), ['status', 'table', 'table']);
+  assert.deepEqual(whole.columns, whole.rows);
+  assert.equal(whole.distances[1000], whole.distances[1000 * 1001]);
+});
+
+test('an error in a block is named as in the whole', async () => {
+  const from = [...upTo(1500), 77777];
+  await assert.rejects(client.table(plane, { from, to: [0, 1], method: 'dijkstra' }), (error) => {
+    assert.ok(error instanceof GeodesicError);
+    assert.equal(error.code, 'index_out_of_range');
+    assert.equal(error.parameter, 'from[1500]');
+    assert.equal(error.limit, 9999);
+    assert.match(error.message, /from\[1500\]/);
+    assert.ok(error.requestId);
+    return true;
+  });
+});
+
+test('a deadline is for the whole', async () => {
+  const query: TableQuery = { from: upTo(1500), to: upTo(1500), method: 'chen_han' };
+  const late = client.table(plane, query, { deadlineMs: 50 });
+  await assert.rejects(late, { status: 504, code: 'deadline' });
+});
+
+test('where the limits may not be asked for, they are those of every server', async () => {
+  const fetching = watchedFetch(seen);
+  const refused = new GeodesicClient(server.url, {
+    fetch: async (input, init) =>
+      String(input).endsWith('/status') ? new Response('', { status: 403 }) : fetching(input, init),
+  });
+  const whole = await refused.table(plane, { from: upTo(1001), to: [0], method: 'dijkstra' });
+  assert.deepEqual(asked(), ['table', 'table']);
+  assert.equal(whole.distances.length, 1001);
+});
