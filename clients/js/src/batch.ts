@@ -57,20 +57,21 @@ export async function* batch<Name extends QueryName>(
   const response = await transport.open(call);
   if (!response.body) return;
   const answers = linesOf(response.body);
+  const url = transport.url(call.path);
   try {
     for (;;) {
-      const next = await reading(call, transport.url(call.path), () => answers.next());
+      const next = await reading(call, url, () => answers.next());
       if (next.done) return;
-      if (next.value !== '') yield answerOf<Name>(next.value);
+      if (next.value !== '') yield answerOf<Name>(next.value, url);
     }
   } finally {
     await answers.return(undefined);
   }
 }
 
-function answerOf<Name extends QueryName>(line: string): BatchAnswer<Name> {
+function answerOf<Name extends QueryName>(line: string, url: string): BatchAnswer<Name> {
   const { id, status, reply, problem } = JSON.parse(line) as Schemas['BatchReply'];
   return problem
-    ? { id, status, ok: false, error: new GeodesicError(status, problem as Problem) }
+    ? { id, status, ok: false, error: new GeodesicError(status, problem as Problem, undefined, url) }
     : { id, status, ok: true, reply: { ...(reply as unknown as Given[Name]), warnings: warningsIn(reply) } };
 }

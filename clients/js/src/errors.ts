@@ -3,6 +3,7 @@
  * reached. An abort is neither; its reason is passed on as it is.
  */
 import type { ErrorCode, Problem } from './contract.js';
+import { hintOfError } from './hints.js';
 
 /**
  * A reply of status 400 or above. `code` is from the contract's closed set, or
@@ -26,12 +27,15 @@ export class GeodesicError extends Error {
   readonly requestId: string | undefined;
   /** Seconds after which to try again, where the server says so. */
   readonly retryAfter: number | undefined;
+  /** Host and port of who was asked. */
+  readonly server: string | undefined;
+  /** What to do next, where the server's own sentence does not say it. */
+  readonly hint: string | undefined;
 
-  constructor(status: number, problem: Partial<Problem>, headers?: Headers) {
+  constructor(status: number, problem: Partial<Problem>, headers?: Headers, url?: string) {
+    super();
     const code = problem.code ?? 'unrecognised';
     const detail = problem.detail ?? `the reply of status ${status} is no problem document`;
-    const of = problem.parameter === undefined ? '' : ` (${problem.parameter})`;
-    super(`${code}${of}: ${detail}`);
     this.status = status;
     this.code = code;
     this.title = problem.title ?? `Status ${status}`;
@@ -41,12 +45,32 @@ export class GeodesicError extends Error {
     this.actual = problem.actual;
     this.requestId = problem.request_id ?? headers?.get('X-Request-Id') ?? undefined;
     this.retryAfter = headers ? secondsToWait(headers) : undefined;
+    this.server = url === undefined ? undefined : hostIn(url);
+    this.hint = hintOfError(status, code, detail, problem.limit);
+    this.message = this.#sentence();
+  }
+
+  /** For people: everything that helps to find out what was wrong, and where. */
+  #sentence(): string {
+    const notes = [
+      ['parameter', this.parameter],
+      ['limit', this.limit],
+      ['actual', this.actual],
+      ['request', this.requestId],
+      ['server', this.server],
+    ].flatMap(([name, value]) => (value === undefined ? [] : [`${name} ${value}`]));
+    const told = `${this.code}: ${this.detail}`.replace(/\.+$/, '');
+    const where = notes.length ? ` (${notes.join(', ')})` : '';
+    const next = this.hint === undefined ? '' : `. ${this.hint}${this.hint.endsWith('?') ? '' : '.'}`;
+    return told + where + next;
   }
 
   /** The same error under another parameter's name, for questions that are asked in pieces. */
   of(parameter: string): GeodesicError {
     const problem = { ...this, request_id: this.requestId, parameter } as Partial<Problem>;
-    return Object.assign(new GeodesicError(this.status, problem), { retryAfter: this.retryAfter });
+    const { retryAfter } = this;
+    const url = this.server && `http://${this.server}`;
+    return Object.assign(new GeodesicError(this.status, problem, undefined, url), { retryAfter });
   }
 }
 
@@ -69,9 +93,22 @@ function hintOf(url: string): string {
   );
 }
 
-/** The error that a reply of status 400 or above stands for. */
-export function errorOf(status: number, headers: Headers, body: ArrayBuffer): GeodesicError {
-  return new GeodesicError(status, problemIn(headers, body), headers);
+/** The error that a reply of status 400 or above stands for; `url` is what was asked. */
+export function errorOf(
+  status: number,
+  headers: Headers,
+  body: ArrayBuffer,
+  url: string,
+): GeodesicError {
+  return new GeodesicError(status, problemIn(headers, body), headers, url);
+}
+
+function hostIn(url: string): string | undefined {
+  try {
+    return new URL(url).host;
+  } catch {
+    return undefined; // one that an error was made with by hand
+  }
 }
 
 function problemIn(headers: Headers, body: ArrayBuffer): Partial<Problem> {

@@ -52,8 +52,9 @@ export class Transport {
   /** Sends a call and reads the whole reply. Throws GeodesicError for status 400 and above. */
   async exchange(call: Call, sender: Sender = this.#fetchWhole): Promise<Reply> {
     return this.#retried(call, async () => {
-      const reply = await sender(this.url(call.path), call, this.#headers(call));
-      if (reply.status >= 400) throw errorOf(reply.status, reply.headers, reply.body);
+      const url = this.url(call.path);
+      const reply = await sender(url, call, this.#headers(call));
+      if (reply.status >= 400) throw errorOf(reply.status, reply.headers, reply.body, url);
       return reply;
     });
   }
@@ -61,10 +62,11 @@ export class Transport {
   /** Sends a call; the reply's body is yet to be read. Throws as `exchange` does. */
   async open(call: Call): Promise<Response> {
     return this.#retried(call, async () => {
-      const response = await this.send(this.url(call.path), call, this.#headers(call));
+      const url = this.url(call.path);
+      const response = await this.send(url, call, this.#headers(call));
       if (response.status < 400) return response;
-      const body = await reading(call, this.url(call.path), () => response.arrayBuffer());
-      throw errorOf(response.status, response.headers, body);
+      const body = await reading(call, url, () => response.arrayBuffer());
+      throw errorOf(response.status, response.headers, body, url);
     });
   }
 

@@ -139,7 +139,7 @@ test('an error has all that the problem document has', async () => {
   const call = client.path(plane, { from: 0, to: 10000 });
   await assert.rejects(call, (error: GeodesicError) => {
     assert.ok(error instanceof GeodesicError && error instanceof Error);
-    assert.match(error.message, /^index_out_of_range \(to\): /);
+    assert.match(error.message, /^index_out_of_range: .*\(parameter to, /);
     const { status, code, title, detail, parameter, limit, actual, requestId, retryAfter } = error;
     assert.deepEqual(
       { status, code, parameter, limit, actual, retryAfter },
