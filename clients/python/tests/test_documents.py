@@ -221,4 +221,4 @@ def test_the_readmes_commands(server: geodesicd.LocalServer, samples: Path, tmp_
                 checked += 1
             kinds.add(command.split()[0])
     assert checked >= 4
-    assert kinds == {"pip", "geodesic", "locust"}
+    assert kinds == {"python3", "pip", "geodesic", "locust"}
