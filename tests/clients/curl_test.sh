@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The curl scripts against a server of their own: a plane's distance field and
-# diagonal, known in closed form, an error, and an orderly end.
+# diagonal, known in closed form, an error, an orderly end, and what they can ask of the
+# contract's table of cases.
 # usage: curl_test.sh GEODESICD MAKE_SAMPLES
 set -euo pipefail
 if [ $# -ne 2 ]; then
@@ -10,7 +11,7 @@ fi
 geodesicd=$1
 make_samples=$2
 scripts=$(cd "$(dirname "$0")/../../clients/curl" && pwd)
-for tool in curl jq; do
+for tool in curl jq python3; do
   command -v "$tool" >/dev/null || { echo "skipped: needs $tool"; exit 77; }
 done
 # The scripts talk to this test's server only, and no proxy comes between.
@@ -127,6 +128,9 @@ status=0
 wait "$server" || status=$?
 server=""
 check "the server ends with 0 after SIGTERM ($status)" test "$status" -eq 0
+
+check "the contract's cases and the names of files" \
+  python3 "$(dirname "$0")/curl_cases.py" "$geodesicd" "$folder/samples"
 
 if [ "$failures" -gt 0 ]; then
   echo "$failures failed"
