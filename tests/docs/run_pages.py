@@ -3,7 +3,8 @@
 
 Against a server with the sample meshes, page by page: commands in blocks of `sh` that begin with `$`
 have to print what stands there. Blocks of `python` run with PYTHON, which has the client, and each
-line that ends with `# = VALUE` has to have that value. In other blocks of `sh`, bash has to find the
+line that ends with `# = VALUE` has to have that value; a warning, such as of a point far from the
+surface, is a failure there. In other blocks of `sh`, bash has to find the
 words in order, and geodesicd has to take its flags. Each picture of a tutorial is made by a command
 of its page; --pictures puts those into docs/ anew.
 """
@@ -71,7 +72,7 @@ def python_problems(text, python, server, folder):
         return None, 0
     (folder / "page.py").write_text(code.replace("localhost:8080", f"127.0.0.1:{server.port}"), encoding="utf-8")
     (folder / "runner.py").write_text(RUNNER, encoding="utf-8")
-    ran = subprocess.run([python, "runner.py", "page.py"], cwd=folder, text=True, capture_output=True,
+    ran = subprocess.run([python, "-W", "error::UserWarning", "runner.py", "page.py"], cwd=folder, text=True, capture_output=True,
                          timeout=300, check=False)
     return (ran.stderr[-1500:] if ran.returncode else None), int(ran.stdout or 0)
 
