@@ -1,7 +1,8 @@
-"""The load test's mixes for Locust (install ``geodesicd[load]``), which spreads over machines
-and has a page to watch:
+"""The load test's mixes for Locust, which spreads over machines and has a page to watch. In a
+clone of geodesicd, whose package is in no registry:
 
-    locust -f locustfile.py --host http://localhost:8080
+    pip install './clients/python[load]'
+    locust -f clients/python/locustfile.py --host http://localhost:8080
 
 $GEODESIC_MIX says the mix (``path=8,field=1,table=1`` without it), $GEODESIC_MESH the id of the
 mesh that is asked about; without it, hills of 20,000 vertices are uploaded. Locust's users are a
