@@ -61,10 +61,13 @@ def test_a_file_gives_its_name(named: geodesicd.Client, samples: Path, ending: s
     file = samples / f"plane.{ending}"
     mesh = named.upload(file)
     assert mesh.name == f"plane.{ending}"
-    assert repr(mesh) == f"<Mesh 'plane.{ending}' {mesh.id[:12]} 10000 vertices 19602 faces>"
+    assert repr(mesh) == f"<Mesh 'plane.{ending}' {mesh.id[:8]} 10000 vertices 19602 faces>"
     assert named.mesh(mesh.id).name == mesh.name
     read = named.upload(str(file), scale=2.0, name="twice")
     assert (read.name, read.id.partition("~")[0]) == ("twice", mesh.id)
+    # Two readings of one file are told apart.
+    short = f"{mesh.id[:8]}~{read.id.partition('~')[2][:4]}"
+    assert repr(read) == f"<Mesh 'twice' {short} scale=2 10000 vertices 19602 faces>"
     # A mesh that has a name keeps it, sent again or not.
     for probe in (True, False):
         assert named.upload(file, name="another", probe=probe).name == f"plane.{ending}"
@@ -88,7 +91,7 @@ def test_a_gltf_file_with_others_beside_it_has_its_name(
 def test_arrays_and_bytes_have_no_name_unless_given(named: geodesicd.Client) -> None:
     mesh = named.upload(hills(4, 1))
     assert mesh.name is None
-    assert repr(mesh) == f"<Mesh {mesh.id[:12]} 16 vertices 18 faces>"
+    assert repr(mesh) == f"<Mesh {mesh.id[:8]} 16 vertices 18 faces>"
     data = geodesicd.glb_bytes(*hills(4, 2))
     assert named.upload(data).name is None
     # One that is there already and has no name gets one, also where it need not be sent again.

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from .lookup import reading_text, short_ids
 from .results import Float64
 
 _IN_REPLY = {"reading": "import"}  # which is a keyword of Python
@@ -111,6 +112,9 @@ class Metadata:
         )
 
     def __repr__(self) -> str:
-        called = "" if self.name is None else f" {self.name!r}"
+        called = [] if self.name is None else [repr(self.name)]
+        read = [reading_text(self.reading)] if self.reading else []
         sizes = f"{self.vertices} vertices {self.faces} faces"
-        return f"<{type(self).__name__}{called} {self.id[:12]} {sizes}>"
+        # As `geodesic list` shows them: two readings of one file differ behind the ~ of their ids.
+        words = [type(self).__name__, *called, short_ids([self.id])[self.id], *read, sizes]
+        return f"<{' '.join(words)}>"
