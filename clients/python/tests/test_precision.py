@@ -128,7 +128,17 @@ def test_vertices_that_the_server_joins_are_told(client: geodesicd.Client) -> No
         client.upload((vertices, faces))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        client.upload((vertices, faces), weld=1e-6)  # who asks for it gets it
+        asked = client.upload((vertices, faces), weld=1e-6)  # who asks for it gets it
+    assert {finding.code: finding.count for finding in asked.report}["vertices_welded"] == 1
+    with pytest.warns(geodesicd.PrecisionWarning, match="joined 1 of 16 vertices"):
+        client.upload((vertices, faces), weld=0)
+    vertices[1] = vertices[0] + [0, 1e-4, 0]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        moved = client.upload((vertices, faces), weld=0.01)
+    assert "1 vertices were moved onto others within the tolerance." in moved.warnings
+
+    vertices[1] = vertices[0] + [0, 1e-300, 0]
 
     async def asynchronously() -> None:
         async with geodesicd.AsyncClient(client.url) as other:

@@ -257,6 +257,9 @@ class Client:
             reading: how the file is to be read, where it does not say it itself: ``scale=0.001``,
                 ``up="z"``, ``weld=1e-6`` (or ``"off"``), and of a glTF file ``scene=`` and
                 ``node=``, by index or name. The same file read in two ways is two meshes.
+                ``weld=`` moves vertices at most so far apart onto the first of them. That was
+                asked for, so there is no warning of it: ``mesh.warnings`` and ``mesh.report``
+                tell how many were moved.
 
         Raises:
             TypeError, ValueError, OSError: it is no mesh, or cannot be read.
@@ -264,7 +267,7 @@ class Client:
 
         Warns:
             PrecisionWarning: positions of arrays are too coarse for their edges, or the server
-                has made one of several that differ.
+                has made one of several that differ although no ``weld=`` above 0 asked for it.
         """
         body = body_of(mesh, faces)
         asked = service.upload(body, progress, probe=probe, reading=reading, name=name)

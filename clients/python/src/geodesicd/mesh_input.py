@@ -146,7 +146,7 @@ def warn_of_rounding(
     if positions is None:
         return
     welded = metadata["vertices"] - metadata["welded_vertices"]
-    if welded and "weld" not in reading:
+    if welded and not reading.get("weld"):  # a distance above 0 asks for it
         joined = welded - (len(positions) - distinct_rows(positions))
         if joined > 0:
             warnings.warn(
