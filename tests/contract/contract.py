@@ -10,6 +10,19 @@ from jsonschema import Draft202012Validator, FormatChecker
 
 METHODS = ("get", "head", "post", "put", "patch", "delete")
 
+# What a schema of the document may say; every other key is a slip of the pen, such as
+# the end of a description that has a comma and no quotes.
+SCHEMA_OF_NAMES = ("properties",)
+SCHEMAS_IN_LISTS = ("allOf", "anyOf", "oneOf", "prefixItems")
+SCHEMA_IN = ("items", "additionalProperties", "not")
+SCHEMA_VALUES = (
+    *("$ref", "type", "format", "enum", "const", "default", "pattern", "description", "title"),
+    *("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum", "multipleOf", "required"),
+    *("minLength", "maxLength", "minItems", "maxItems", "minProperties", "maxProperties"),
+    *("uniqueItems", "contentMediaType", "contentEncoding", "example", "examples", "deprecated"),
+    *("discriminator", "contentSchema", "readOnly", "writeOnly"),
+)
+
 
 class Operation:
     """One method of one path."""
@@ -76,6 +89,42 @@ class Contract:
             for method in METHODS
             if method in item
         ]
+
+    def unknown_keys(self):
+        """Where a schema has a key that no schema has, or anything a key that says nothing."""
+
+        def of_schema(node, path):
+            if not isinstance(node, dict):
+                return
+            for key, value in node.items():
+                if key in SCHEMA_OF_NAMES:
+                    for name, one in value.items():
+                        yield from of_schema(one, f"{path}.{key}.{name}")
+                elif key in SCHEMAS_IN_LISTS:
+                    for index, one in enumerate(value):
+                        yield from of_schema(one, f"{path}.{key}[{index}]")
+                elif key in SCHEMA_IN:
+                    yield from of_schema(value, f"{path}.{key}")
+                elif key not in SCHEMA_VALUES:
+                    yield f"{path}.{key}"
+
+        def of_any(node, path):
+            if isinstance(node, list):
+                for index, one in enumerate(node):
+                    yield from of_any(one, f"{path}[{index}]")
+            if not isinstance(node, dict):
+                return
+            for key, value in node.items():
+                if key == "schema":
+                    yield from of_schema(value, f"{path}.{key}")
+                elif value is None:
+                    yield f"{path}.{key}"
+                elif key not in ("example", "examples", "schemas"):
+                    yield from of_any(value, f"{path}.{key}")
+
+        yield from of_any(self.document, "")
+        for name, schema in self.document["components"]["schemas"].items():
+            yield from of_schema(schema, f".components.schemas.{name}")
 
     def resolve(self, node):
         """The node that a reference means; what stands beside one counts first."""

@@ -317,6 +317,8 @@ def main():
         contract = Contract(json.loads(server.ask("GET", "/openapi.json").body))
         walk = Walk(contract)
         check_examples(contract, walk)
+        for place in contract.unknown_keys():
+            walk.fail(f"{place[1:]} is no key of OpenAPI's: are quotes missing round a comma?")
         # By a reader of YAML 1.2 that the build does not use.
         document = YAML(typ="safe", pure=True).load(server.ask("GET", "/openapi.yaml").body)
         if document != contract.document:
