@@ -3,7 +3,9 @@
 
 In docs/*.md, CONTRIBUTING.md and the pages of the rooms, each path in backticks is a file or folder,
 each name that looks like a type or a function occurs in the sources, each flag is one of the
-server's, and each test that docs/http_edge.md quotes is one. docs/rooms.svg is what scripts/draw_rooms draws.
+server's, and each test that docs/http_edge.md quotes is one. The defaults in docs/methods.md are the contract's,
+docs/errors.md names all flags of a limit or none, and README.md, the server and the engine trace
+back over as many faces. docs/rooms.svg is what scripts/draw_rooms draws.
 """
 
 import pathlib
@@ -47,6 +49,41 @@ def looks_like_code(name):
     return "::" in name or re.match(r"[A-Z][a-z]+[A-Z]\w*$", name) or re.match(r"[a-z]+_\w+$", name)
 
 
+def wrong_defaults():
+    """The defaults that docs/methods.md tells otherwise than the contract does."""
+    contract = (ROOT / "proto/openapi.yaml").read_text(encoding="utf-8")
+    schemas = contract[contract.index("\n  schemas:\n"):]
+    page = (ROOT / "docs/methods.md").read_text(encoding="utf-8")
+    for setting, schema in (("method", "Method"), ("bound", "Bound"), ("refine", "Refine"),
+                            ("points_per_edge", "PointsPerEdge"), ("labels", "Flag")):
+        default = re.search(rf"\n    {schema}:.*?default: (\w+)", schemas, re.S)[1]
+        if not re.search(rf"^\| `{setting}` \| `?{default}`? \|", page, re.M):
+            yield f"docs/methods.md has no row that says that `{setting}` is {default} by default."
+
+
+def missing_flags():
+    """The flags of limits that are missing among others of the same error in docs/errors.md."""
+    pages = [(ROOT / f"docs/{name}.md").read_text(encoding="utf-8")
+             for name in ("limits", "errors")]
+    sections = dict(re.findall(r"^### `(\w+)`\n(.*?)(?=^##|\Z)", pages[1], re.S | re.M))
+    for row in re.findall(r"^\|.*\|$", pages[0], re.M):
+        flags = re.findall(r"`(--[a-z-]+)`", row)[:1]
+        for code in re.findall(r"errors\.md#(\w+)", row):
+            text = sections[code]
+            if "`--" in text and "(limits.md)" not in text and flags and flags[0] not in text:
+                yield f"docs/errors.md: `{code}` does not name {flags[0]}, as docs/limits.md does."
+
+
+def traced_faces():
+    """Where `auto` is said to trace back over another number of faces than elsewhere."""
+    said = {}
+    for file in ("README.md", "proto/wire/methods.cpp", "core/back_traced/wavefront.h"):
+        text = re.sub(r"[\s/\"]+", " ", (ROOT / file).read_text(encoding="utf-8"))
+        said[file] = re.search(r"way (?:back )?over (\w+(?: \w+)?) faces", text)[1]
+    if len(set(said.values())) > 1:
+        yield f"over how many faces `auto` traces back: {said}"
+
+
 def main():
     """Prints what is not there."""
     words = words_of_sources()
@@ -84,6 +121,9 @@ def main():
                 failed += 1
                 print(f"FAILED: {page.relative_to(ROOT)}: `{quoted}` {wrong}. Write what it is "
                       "called now.")
+    for problem in (*wrong_defaults(), *missing_flags(), *traced_faces()):
+        failed += 1
+        print(f"FAILED: {problem}")
     stale = [subprocess.run([ROOT / "scripts" / maker, "--check"], check=False).returncode
              for maker in ("draw_rooms", "write_methods")]
     print(f"{checked} names on pages, {failed} of them gone")

@@ -72,7 +72,7 @@ std::span<const MethodInfo> all_methods() {
        "For nearly all: as quick as a front, 0.01 % off on scans on average. `bound` and "
        "`tolerance` make it promises.",
        "Tang et al. 2007 on the intrinsic Delaunay triangulation (Bobenko, Springborn 2007), each "
-       "vertex computed again by tracing its way back over a dozen faces. With a tolerance, that "
+       "vertex computed again by tracing its way back over ten faces. With a tolerance, that "
        "of `exact`, with vertices as further sources",
        false, "O(n log n)", back_traced_parameters()},
       {Method::wavefront,
