@@ -1,17 +1,19 @@
-// Tables that are wider than the page scroll by themselves; by keys too, once they can be reached.
-function reachWideTables() {
-  for (const wrap of document.querySelectorAll('.md-typeset__scrollwrap')) {
-    if (wrap.scrollWidth > wrap.clientWidth) {
-      wrap.tabIndex = 0;
-      wrap.setAttribute('role', 'region');
-      wrap.setAttribute('aria-label', 'A wide table');
-    } else {
-      for (const name of ['tabindex', 'role', 'aria-label']) wrap.removeAttribute(name);
+// What is wider than the page scrolls by itself; by keys too, once it can be reached.
+function reachWide(selector, attributes) {
+  for (const box of document.querySelectorAll(selector)) {
+    const wide = box.scrollWidth > box.clientWidth;
+    for (const [name, value] of Object.entries(attributes)) {
+      if (wide) box.setAttribute(name, value);
+      else box.removeAttribute(name);
     }
   }
 }
-addEventListener('load', reachWideTables);
-addEventListener('resize', reachWideTables);
+function reachAllWide() {
+  reachWide('.md-typeset__scrollwrap', {tabindex: '0', role: 'region', 'aria-label': 'A wide table'});
+  reachWide('.md-typeset pre > code', {tabindex: '0'});
+}
+addEventListener('load', reachAllWide);
+addEventListener('resize', reachAllWide);
 
 // A session is copied without its prompts and without what the commands print.
 document.addEventListener('click', (event) => {

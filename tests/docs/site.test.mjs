@@ -39,13 +39,16 @@ async function open(page, path) {
   page.bytes = page.faults.length = page.asked.length = 0;
   await page.goto(`${proxy.url}docs/${path}`, { waitUntil: 'load' });
   // Pictures further down come as they are scrolled to.
-  for (const image of await page.locator('main img').all()) await image.scrollIntoViewIfNeeded();
+  for (const image of await page.locator('main img').all()) {
+    await image.scrollIntoViewIfNeeded();
+    await image.evaluate((one) => one.decode().catch(() => {})); // one that never comes is told below
+  }
   await page.waitForLoadState('networkidle');
   await page.evaluate(() => scrollTo(0, 0));
 }
 
 /** What is wrong with a page as it stands. */
-async function problemsOf(page, path, withAxe = true) {
+async function problemsOf(page, path) {
   const found = [...page.faults];
   for (const url of page.asked) {
     if (!url.startsWith(proxy.url) && !/^(data|blob):/.test(url)) found.push(`asks for ${url}`);
@@ -55,13 +58,11 @@ async function problemsOf(page, path, withAxe = true) {
   found.push(...broken.map((source) => `no picture ${source}`));
   const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
   if (wide > 0) found.push(`${wide} pixels too wide`);
-  if (withAxe) {
-    await page.evaluate(await readFile(axe, 'utf8'));
-    const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ['violations'] }));
-    for (const { id, impact, nodes } of violations) {
-      if (impact !== 'serious' && impact !== 'critical') continue;
-      found.push(`${id}: ${nodes.slice(0, 2).map(({ target, failureSummary }) => `${target} ${failureSummary}`).join('; ')}`);
-    }
+  await page.evaluate(await readFile(axe, 'utf8'));
+  const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ['violations'] }));
+  for (const { id, impact, nodes } of violations) {
+    if (impact !== 'serious' && impact !== 'critical') continue;
+    found.push(`${id}: ${nodes.slice(0, 2).map(({ target, failureSummary }) => `${target} ${failureSummary}`).join('; ')}`);
   }
   return found.map((problem) => `${path || 'home'}: ${problem}`);
 }
@@ -82,7 +83,7 @@ for (const [name, options] of [['light', {}], ['dark', { colorScheme: 'dark' }],
       await picture(page, path, name);
       weights.push([path || 'home', page.bytes]);
       if (page.bytes > MOST_BYTES) problems.push(`${path} has ${page.bytes} bytes`);
-      problems.push(...(await problemsOf(page, path, name !== 'phone')));
+      problems.push(...(await problemsOf(page, path)));
     }
     await page.context().close();
     weights.sort((one, other) => other[1] - one[1]);

@@ -1,6 +1,6 @@
 // The page: every operation of /openapi.json in its group, then the errors and the
 // schemas, with a list of contents that follows and can be searched.
-import {code, coloured, inline, make, markdown} from './text.js';
+import {code, coloured, inline, make, markdown, scroll} from './text.js';
 import {details, exampleOf, members, resolve, use} from './schema.js';
 import {contract} from './place.js';
 import {offerMeshes, tryIt} from './request.js';
@@ -89,7 +89,7 @@ function errors(openapi, operations) {
   return make('section.plain', {id: 'errors'}, make('h2', {}, 'Errors'),
     make('p', {}, 'Every error is ', make('code', {}, 'application/problem+json'), ', a ',
       make('a', {href: '#schema-Problem'}, 'Problem'), '. The codes, and the operations that name them:'),
-    make('.scroll', {}, make('table.members', {}, make('tbody', {}, codes.map((code) => {
+    scroll(make('table.members', {}, make('tbody', {}, codes.map((code) => {
       const {statuses, operations: by} = found.get(code);
       const ids = [...by].map((operation) => make('a', {href: `#${operation.id}`}, operation.id));
       return make('tr', {id: code}, make('td', {}, make('code.name', {}, code)),

@@ -1,6 +1,6 @@
 // Schemas of the document as elements: what a value is, in a line, and the members
 // that an object has, in a table.
-import {inline, make} from './text.js';
+import {inline, make, scroll} from './text.js';
 
 let document_ = {};
 export function use(openapi) { document_ = openapi; }
@@ -57,7 +57,7 @@ export function defaultOf(schema) {
 
 // A table of members or parameters: {name, required, schema, description}.
 export function members(rows) {
-  return make('.scroll', {}, make('table.members', {}, make('tbody', {}, rows.map((row) => make('tr', {},
+  return scroll(make('table.members', {}, make('tbody', {}, rows.map((row) => make('tr', {},
     make('td', {}, make('code.name', {}, row.name),
       row.required ? make('span.required', {title: 'required'}, 'required') : null),
     make('td', {}, make('.kind', {}, kindOf(row.schema), defaultOf(row.schema)),

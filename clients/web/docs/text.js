@@ -41,9 +41,25 @@ function cells(line) {
 
 function table(lines) {
   const [head, , ...rows] = lines.map(cells);
-  return make('.scroll', {}, make('table', {},
+  return scroll(make('table', {},
     make('thead', {}, make('tr', {}, head.map((cell) => make('th', {}, inline(cell))))),
     make('tbody', {}, rows.map((row) => make('tr', {}, row.map((cell) => make('td', {}, inline(cell))))))));
+}
+
+// A table that scrolls by itself where it is wider than the page; by keys too, once it can be reached.
+const reach = new ResizeObserver((entries) => {
+  for (const box of new Set(entries.map(({target}) => target.closest('.scroll')))) {
+    const wide = box.scrollWidth > box.clientWidth;
+    for (const [name, value] of [['tabindex', '0'], ['role', 'region'], ['aria-label', 'A wide table']]) {
+      if (wide) box.setAttribute(name, value);
+      else box.removeAttribute(name);
+    }
+  }
+});
+export function scroll(content) {
+  const box = make('.scroll', {}, content);
+  for (const one of [box, content]) reach.observe(one);
+  return box;
 }
 
 // Paragraphs, lists and tables, divided by empty lines.
