@@ -63,6 +63,25 @@ test('a point tells its vertex, face and place, and a vertex is placed by its nu
   await page.context().close();
 });
 
+test('after a reload a click places a target, as before it, and no source is lost', async () => {
+  const page = await openMesh(browser, service, plane, '&from=9700,0.3,0.3&from=400,0.3,0.3&from=15000,0.2,0.2');
+  assert.ok(await page.getByLabel('Target', { exact: true }).isChecked());
+  await page.mouse.click(300, 380);
+  await pathLength(page);
+  assert.equal(await page.locator('.point.source').count(), 3);
+  await until(async () => page.url().includes('to='), 'the target in the link');
+  await page.reload();
+  await pathLength(page);
+  assert.ok(await page.getByLabel('Target', { exact: true }).isChecked());
+  assert.equal(await page.locator('.point').count(), 4);
+  // Where no source is left of a link, a source comes first.
+  const other = await openMesh(browser, service, plane, '&from=999999,0.3,0.3');
+  assert.ok(await other.getByLabel('Source', { exact: true }).isChecked());
+  assert.deepEqual([...page.faults, ...other.faults], []);
+  await page.context().close();
+  await other.context().close();
+});
+
 test('many sources come out of a text file, and divide the surface', async () => {
   const page = await openMesh(browser, service, plane);
   const lines = ['# sources', ...Array.from({ length: 14 }, (_, n) => `${700 * n + 55}`), '50.5 2.25 0.1', ''];

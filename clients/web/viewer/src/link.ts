@@ -91,10 +91,13 @@ export function stateIn(fragment: string): State {
   const mesh = all.get('mesh');
   const show = all.get('show');
   const up = all.get('up');
+  const sources = spots('from').slice(0, MOST_SOURCES);
   return {
     ...START,
+    // As right after it was placed: a click must not take the sources away.
+    tool: sources.length ? 'target' : START.tool,
     mesh: mesh && /^[0-9a-f]{64}(~[0-9a-z]+)?$/.test(mesh) ? mesh : null,
-    sources: spots('from').slice(0, MOST_SOURCES),
+    sources,
     via: spots('via'),
     target: spotIn(all.get('to')),
     arrow: arrowIn(all.get('arrow')),

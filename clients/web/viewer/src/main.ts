@@ -485,8 +485,10 @@ function start(): void {
     const { sources, via, target, arrow, measures } = state.value;
     const all = [...sources, ...via, target, arrow?.from].filter((spot) => spot != null);
     if (all.every((spot) => surface.has(spot))) return;
+    const left = sources.filter((spot) => surface.has(spot));
     state.set({
-      sources: sources.filter((spot) => surface.has(spot)),
+      sources: left,
+      tool: left.length ? state.value.tool : START.tool,
       via: via.filter((spot) => surface.has(spot)),
       target: target && surface.has(target) ? target : null,
       arrow: arrow && surface.has(arrow.from) ? arrow : null,
