@@ -7,6 +7,7 @@ import { served } from './served.mjs';
 
 const { browser, service } = await served();
 const plane = await service.sample('plane');
+const BOX = 'Points: 12, x y z or f:FACE,b1,b2';
 
 test('what was done is undone and done again, a drag in one step', async () => {
   const page = await openMesh(browser, service, plane);
@@ -50,7 +51,7 @@ test('a point tells its vertex, face and place, and a vertex is placed by its nu
   const { points } = await service.json(`/v1/meshes/${plane}/nearest?point=f:${from}`);
   assert.ok(Math.hypot(points[0].xyz[0] - x, points[0].xyz[1] - y) < 0.01);
   // The tool is the target's now.
-  const input = page.getByLabel('Vertex number or p:x,y,z');
+  const input = page.getByLabel(BOX);
   await input.fill('9999');
   await page.getByRole('button', { name: 'Place as target' }).click();
   assert.equal(await textAt(page, '#place', (text) => text.startsWith('Target')), 'Target: vertex 9,999, face 19,600, at (99, 99, 0)');
@@ -82,6 +83,85 @@ test('after a reload a click places a target, as before it, and no source is los
   await other.context().close();
 });
 
+test('one grammar in the box: vertices, faces and places, and what is wrong is said', async () => {
+  const page = await openMesh(browser, service, plane);
+  const input = page.getByLabel(BOX);
+  const place = async (text) => {
+    await input.fill(text);
+    await input.press('Enter');
+  };
+  const told = (text) => textAt(page, '#place', (now) => now.includes(text));
+  await page.getByLabel('Target', { exact: true }).check();
+  await place('v:12');
+  await told('Target: vertex 12,');
+  await place('13');
+  await told('Target: vertex 13,');
+  await place('f:40,0.2,0.3');
+  await told('face 40,');
+  await place('0.5 1 0');
+  await told('at (0.5, 1, 0)');
+  await place('3, 4.5, 0');
+  await told('at (3, 4.5, 0)');
+  for (const [wrong, why] of [
+    ['v:99999999', /No such vertex.*10,000 vertices, numbered from 0 to 9,999/s],
+    ['f:19602,0.1,0.1', /No such face.*19,602 faces/s],
+    ['f:3,0.9,0.9', /no barycentric coordinates.*at most 1/s],
+    ['f:0.5,0.1,0.1', /face has a whole number/],
+    ['0.5', /vertex has a whole number/],
+    ['-1', /whole number/],
+    ['12 13', /These are 2 numbers.*separated by ;/s],
+    ['1; 2', /one target.*These are 2/s],
+    ['1; north', /no point.*north/s],
+  ]) {
+    await place(wrong);
+    await until(async () => why.test(await page.locator('.trouble').last().textContent()), `${wrong}: ${why}`);
+    assert.equal(await input.inputValue(), wrong);
+  }
+  await told('at (3, 4.5, 0)');
+  await page.getByLabel('Source', { exact: true }).check();
+  // Lines that are pasted are several points.
+  await input.fill('');
+  await input.evaluate((box) => {
+    const clipboardData = new DataTransfer();
+    clipboardData.setData('text', '12\n40 50 0\r\nf:7,0.1,0.1\n');
+    box.dispatchEvent(new ClipboardEvent('paste', { clipboardData, bubbles: true, cancelable: true }));
+  });
+  assert.equal(await input.inputValue(), '12; 40 50 0; f:7,0.1,0.1');
+  await input.press('Enter');
+  await until(async () => (await page.locator('.point.source').count()) === 3, 'three sources');
+  await page.getByLabel('Via', { exact: true }).check();
+  await place('v:500 v:600');
+  await until(async () => (await page.locator('.point.via').count()) === 2, 'two via points');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test('a file of sources: what cannot be read is told by its line, and too many are counted', async () => {
+  const page = await openMesh(browser, service, plane);
+  const give = (text) =>
+    page.locator('input[aria-label="File of sources"]').setInputFiles({ name: 'some.txt', mimeType: 'text/plain', buffer: Buffer.from(text) });
+  await give('vertex\n# all kinds\n12\nv:13 # one more\np:1,2,0\n4 5 0\n6,7,0\nf:3,0.2,0.3\n');
+  await until(async () => (await page.locator('.points').textContent()).includes('Source 6'), 'six sources');
+  assert.equal(await page.locator('.trouble').count(), 0);
+  await give('12\n13\nnorth\n14 15\n\nv:10000\n16\nf:1,2,3\n');
+  const trouble = page.locator('.trouble');
+  await trouble.waitFor();
+  const told = await trouble.textContent();
+  assert.match(told, /4 of 7 points were left out.*some\.txt · line 3: north · line 4: 14 15 · line 6: v:10000 · and 1 more/s);
+  await until(async () => (await page.locator('.point.source').count()) === 3, 'those that can be read');
+  await page.getByRole('button', { name: 'Close this message' }).click();
+  await give('10 11\nv:10000\n');
+  assert.match(await trouble.textContent(), /No sources in this file.*line 1: 10 11 · line 2: v:10000/s);
+  assert.equal(await page.locator('.point.source').count(), 3, 'what was there stays');
+  await page.getByRole('button', { name: 'Close this message' }).click();
+  await give(Array.from({ length: 2345 }, (_, n) => `${n}`).join('\n'));
+  await page.locator('.remark').waitFor();
+  assert.match(await page.locator('.remark').textContent(), /No more sources.*first of 2,345 were taken/s);
+  assert.equal(await page.locator('.trouble:not(.remark)').count(), 0, 'that is no error');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
 test('many sources come out of a text file, and divide the surface', async () => {
   const page = await openMesh(browser, service, plane);
   const lines = ['# sources', ...Array.from({ length: 14 }, (_, n) => `${700 * n + 55}`), '50.5 2.25 0.1', ''];
@@ -103,7 +183,7 @@ test('many sources come out of a text file, and divide the surface', async () =>
 
 test('places are typed as p:x,y,z, among vertex numbers too', async () => {
   const page = await openMesh(browser, service, plane);
-  const input = page.getByLabel('Vertex number or p:x,y,z');
+  const input = page.getByLabel(BOX);
   const place = async (text) => {
     await input.fill(text);
     await input.press('Enter');
@@ -112,7 +192,7 @@ test('places are typed as p:x,y,z, among vertex numbers too', async () => {
   assert.match(await textAt(page, '#place', (text) => text.startsWith('Source')), /at \(50\.25, 2\.5, 0\)$/);
   assert.equal(await input.inputValue(), '');
   await page.getByLabel('Add').check();
-  await place('7, 9999;p:1,2,0  p:3e1,4,0.5');
+  await place('7; 9999;p:1,2,0  p:3e1,4,0.5');
   await until(async () => (await page.locator('.point').count()) === 5, 'four more');
   for (const wrong of ['p:1,2', 'p:1,2,3,4', 'p:a,b,c', 'north', 'p:,,', '1e999']) {
     await place(wrong);
@@ -131,7 +211,7 @@ for (const [how, count] of [['a typed line', 1], ['a file', 2], ['a long file', 
     const remark = page.locator('.remark');
     const give = async (z) => {
       if (how === 'a typed line') {
-        await page.getByLabel('Vertex number or p:x,y,z').fill(`p:5,5,${z}`);
+        await page.getByLabel(BOX).fill(`p:5,5,${z}`);
         return page.getByRole('button', { name: 'Place as' }).click();
       }
       const text = Array.from({ length: count }, (_, n) => `${n} 5 ${z}`).join('\n');

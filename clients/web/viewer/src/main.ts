@@ -26,7 +26,6 @@ import { meshPart } from './mesh_part.ts';
 import { troubleOf } from './messages.ts';
 import { methodPart } from './method_part.ts';
 import { Notices } from './notices.ts';
-import { countText, lengthText } from './numbers.ts';
 import { Overlay } from './overlay.ts';
 import { Panel } from './panel.ts';
 import type { Actions } from './parts.ts';
@@ -39,12 +38,12 @@ import { resultPart } from './result_part.ts';
 import { NOTHING, type Results } from './results.ts';
 import { shortcuts } from './shortcuts.ts';
 import { Stage } from './stage.ts';
-import { MOST_SOURCES, START, Store, WITHOUT_POINTS, type Axis, type Spot, type State } from './state.ts';
+import { START, Store, WITHOUT_POINTS, type Axis, type State } from './state.ts';
 import { ScaleBar } from './scale_bar.ts';
 import type { Surface } from './surface.ts';
 import { SurfaceView } from './surface_view.ts';
 import { ThemeSwitch } from './theme.ts';
-import { pointsInFile, pointsInLine, pointText, spotsOf, type Typed } from './typed_points.ts';
+import { fullText, TypedPoints } from './typed_points.ts';
 import { rememberUp, saysUp, upOf } from './upright.ts';
 
 const state = new Store<State>(stateIn(location.hash));
@@ -82,6 +81,7 @@ function start(): void {
   const conductor = new Conductor(access, state, results, notices, connection);
   const meshes = new Meshes(access, results, notices, connection);
   const entrance = fileEntrance((dropped) => void take(dropped));
+  const typed = new TypedPoints({ state, results, notices, access, connection, place: (tool, spot) => gestures.place(tool, spot) });
   const theme = new ThemeSwitch((clay) => view.setClay(clay));
 
   const actions: Actions = {
@@ -94,8 +94,8 @@ function start(): void {
     turn,
     compare: () => conductor.compare(),
     clear: () => state.set({ sources: [], via: [], target: null, arrow: null, tool: 'source', show: 'distance' }),
-    placeTyped,
-    sourcesFrom: (file) => void sourcesFrom(file),
+    placeTyped: (text) => typed.place(text),
+    sourcesFrom: (file) => void typed.fromFile(file),
     keep: () => {
       const { path } = results.value;
       const { sources, via, target, method, refine, measures } = state.value;
@@ -208,7 +208,7 @@ function start(): void {
     hovering: (at) => {
       if (results.value.profiled && results.value.path) results.set({ along: at && overlay.alongAt(at.x, at.y) });
     },
-    full: () => notices.trouble({ title: 'No more sources', advice: 'The server takes a thousand.', detail: '' }),
+    full: () => notices.remark(fullText()),
   });
   ready = true;
   gestures.centre();
@@ -309,68 +309,6 @@ function start(): void {
     if (!id || (id === state.value.mesh && results.value.surface?.id === id)) return;
     state.set({ ...WITHOUT_POINTS, mesh: id, up: null, camera: null });
     await show();
-  }
-
-  /** Places what was typed as the tool says; whether it could. */
-  async function placeTyped(text: string): Promise<boolean> {
-    const { surface } = results.value;
-    const points = pointsInLine(text);
-    if (!surface || !points) {
-      if (surface && text.trim()) {
-        notices.trouble({ title: 'This is no point', advice: 'Type the number of a vertex, or a place as p:x,y,z.', detail: text.slice(0, 200) });
-      }
-      return false;
-    }
-    const spots = await locate(points, surface);
-    if (!spots) return false;
-    const wrong = spots.indexOf(null);
-    if (wrong >= 0) {
-      notices.trouble({ title: 'No such vertex', advice: `Vertices of this mesh are numbered from 0 to ${countText(surface.about.vertices - 1)}.`, detail: pointText(points[wrong]!) });
-      return false;
-    }
-    const { tool } = state.value;
-    const [first, ...rest] = spots as Spot[];
-    if (!rest.length || !['source', 'add'].includes(tool)) gestures.place(tool, first!);
-    else addSources(tool === 'add' ? [...state.value.sources, first!, ...rest] : [first!, ...rest]);
-    return true;
-  }
-
-  /** Where points are on the surface, and a notice where they are far from it; null where it could not be asked. */
-  async function locate(points: readonly Typed[], surface: Surface): Promise<(Spot | null)[] | null> {
-    try {
-      const { spots, far } = await spotsOf(points, surface, access.client);
-      if (results.value.surface !== surface) return null; // another mesh was chosen meanwhile
-      if (far) {
-        notices.remark({
-          title: 'Far from the surface',
-          advice: 'Points were moved to the nearest place on the mesh. Check their unit and their axes.',
-          detail: `${far.of > 1 ? `${countText(far.count)} of ${countText(far.of)} points, up to ` : ''}${lengthText(far.farthest)} away`,
-        });
-      }
-      return spots;
-    } catch (error) {
-      if (!connection.explains(error)) notices.trouble(troubleOf(error), access.remedy(error));
-      return null;
-    }
-  }
-
-  function addSources(sources: readonly Spot[]): void {
-    if (sources.length > MOST_SOURCES) notices.trouble({ title: 'No more sources', advice: `The server takes a thousand; the first of ${countText(sources.length)} were taken.`, detail: '' });
-    state.set({ sources: sources.slice(0, MOST_SOURCES), tool: state.value.target ? state.value.tool : 'target' });
-  }
-
-  async function sourcesFrom(file: File): Promise<void> {
-    const { surface } = results.value;
-    if (!surface) return;
-    const { points, strange } = pointsInFile(await file.text(), MOST_SOURCES + 1);
-    const told = (detail: string) =>
-      notices.trouble({ title: 'No sources in this file', advice: 'It should have a vertex number, or x y z, on each line.', detail: `${file.name}${detail}` });
-    if (!points.length || strange !== null) return told(strange === null ? '' : `: ${strange}`);
-    const spots = await locate(points, surface);
-    if (!spots) return;
-    const missing = spots.indexOf(null);
-    if (missing >= 0) return told(`: there is no ${pointText(points[missing]!)}`);
-    addSources(spots as Spot[]);
   }
 
   /** All that was dropped goes up; the first of it is shown. */

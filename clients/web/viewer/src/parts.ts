@@ -17,9 +17,9 @@ export interface Actions {
   /** Puts this axis up. */
   turn(axis: Axis): void;
   compare(): void;
-  /** Places vertices by their numbers, or points as p:x,y,z, as the tool says; whether it could. */
+  /** Places points that were typed as the tool says; whether it could. */
   placeTyped(points: string): Promise<boolean>;
-  /** Sources out of a text file: a vertex number or x y z a line. */
+  /** Sources out of a text file: a point a line. */
   sourcesFrom(file: File): void;
   keep(): void;
   clear(): void;

@@ -9,6 +9,9 @@ import type { Spot, State } from './state.ts';
 
 const NAMES = { source: 'source', add: 'source', target: 'target', via: 'via point', arrow: 'arrow' } as const;
 
+/** What may be typed. */
+const HOW = '12 or v:12: a vertex\nx y z or p:x,y,z: a place\nf:FACE,b1,b2: a point in a face\nSeveral: with ; between them';
+
 /** The point that changed last, by its name. */
 function changed(now: State, before: State): { name: string; spot: Spot } | null {
   const moved = now.sources.findIndex((spot, index) => spot !== before.sources[index]);
@@ -24,7 +27,14 @@ function changed(now: State, before: State): { name: string; spot: Spot } | null
 
 export function placePart({ state, results, actions }: Parts): HTMLElement {
   const told = element('p', { className: 'facts', id: 'place', hidden: true });
-  const input = element('input', { type: 'text', id: 'vertex', autocomplete: 'off', placeholder: '12 or p:x,y,z' });
+  const input = element('input', { type: 'text', id: 'vertex', autocomplete: 'off', placeholder: '12 or x y z', title: HOW });
+  // Line ends would be taken away, and two numbers become one.
+  input.onpaste = (event) => {
+    const pasted = event.clipboardData?.getData('text').trim() ?? '';
+    if (!/[\r\n]/.test(pasted)) return;
+    event.preventDefault();
+    input.setRangeText(pasted.replace(/\s*[\r\n]+\s*/g, '; '), input.selectionStart ?? 0, input.selectionEnd ?? 0, 'end');
+  };
   const place = element('button', { type: 'submit' }, 'Place');
   const file = element('input', { type: 'file', accept: '.txt,.csv,text/plain,text/csv', hidden: true, tabIndex: -1, aria: { label: 'File of sources' } });
   file.onchange = () => {
@@ -42,10 +52,10 @@ export function placePart({ state, results, actions }: Parts): HTMLElement {
         void actions.placeTyped(typed).then((placed) => { if (placed && input.value === typed) input.value = ''; });
       },
     },
-    element('label', { className: 'out-of-sight', htmlFor: 'vertex' }, 'Vertex number or p:x,y,z'),
+    element('label', { className: 'out-of-sight', htmlFor: 'vertex' }, 'Points: 12, x y z or f:FACE,b1,b2'),
     input,
     place,
-    element('button', { type: 'button', title: 'A text file: a vertex number or x y z a line', onclick: () => file.click() }, 'File'),
+    element('button', { type: 'button', title: 'A text file of sources: on each line a point, as here; after # a remark', onclick: () => file.click() }, 'File'),
     file,
   );
   const root = element('section', { className: 'place-part' }, told, form);

@@ -1,68 +1,43 @@
 /**
- * Points as text: vertex numbers and places in space, typed in a line or in a file, and
- * where on the surface they are. Only the server knows that of a place.
+ * Points that are typed or come out of a file: where on the surface they are, which only the
+ * server knows of places in space, and what they become. Nothing is left out without a word.
  */
 import type { GeodesicClient } from 'geodesicd-client';
+import type { Access } from './access.ts';
+import type { Connection } from './connection.ts';
 import { spotOf } from './link.ts';
-import type { Spot, Xyz } from './state.ts';
+import { troubleOf, type Trouble } from './messages.ts';
+import type { Notices } from './notices.ts';
+import { countText, lengthText } from './numbers.ts';
+import { checked, entriesIn, entriesInFile, type Entry, type Typed } from './point_text.ts';
+import type { Results } from './results.ts';
+import { MOST_SOURCES, type Spot, type State, type Store, type Tool, type Xyz } from './state.ts';
 import type { Surface } from './surface.ts';
-
-/** A vertex by its number, or a place in mesh units. */
-export type Typed = number | Xyz;
-
-/** A typed line: `12`, `12, 40 7`, `p:1.5,2,3`, or several of these. Null where it is neither. */
-export function pointsInLine(line: string): Typed[] | null {
-  const points: Typed[] = [];
-  for (const word of line.trim().split(/[\s;]+/).filter(Boolean)) {
-    const place = word.startsWith('p:');
-    const numbers = (place ? word.slice(2) : word).split(',').filter(Boolean).map(Number);
-    if (!numbers.length || !numbers.every(Number.isFinite) || (place && numbers.length !== 3)) return null;
-    if (place) points.push(numbers as unknown as Xyz);
-    else points.push(...numbers);
-  }
-  return points.length ? points : null;
-}
-
-/**
- * The lines of a file, `most` of them: a vertex number or x y z each; what follows # or ; is
- * a remark, and lines of words are headings. `strange` is the first that has other counts.
- */
-export function pointsInFile(text: string, most: number): { points: Typed[]; strange: string | null } {
-  const lines = text.split('\n').map((line) => line.replace(/[#;].*/, '').split(/[\s,]+/).filter(Boolean).map(Number));
-  const rows = lines.filter((row) => row.length && row.every(Number.isFinite)).slice(0, most);
-  const strange = rows.find((row) => row.length !== 1 && row.length !== 3);
-  return { points: rows.map((row) => (row.length === 1 ? row[0]! : (row as unknown as Xyz))), strange: strange?.join(' ') ?? null };
-}
-
-/** A point as one types it. */
-export function pointText(point: Typed): string {
-  return typeof point === 'number' ? String(point) : point.join(' ');
-}
 
 /** Points that are farther from the surface than this part of the mesh's size are remarked on. */
 const FAR = 0.05;
+/** So many lines of a file are told; of the others their number. */
+const TOLD = 3;
 
 /** Places in space that are far from the surface: how many, of how many, and how far the farthest is (mesh units). */
-export interface FarPlaces {
+interface FarPlaces {
   readonly count: number;
   readonly of: number;
   readonly farthest: number;
 }
 
-/**
- * Where the points are on the surface, null for a vertex that it does not have, and which
- * places are far from it. Rejects as the client does.
- */
-export async function spotsOf(
+/** Where the points are on the surface, null where they are nowhere, and which places are far from it. Rejects as the client does. */
+async function spotsOf(
   points: readonly Typed[],
   surface: Surface,
   client: GeodesicClient,
 ): Promise<{ spots: (Spot | null)[]; far: FarPlaces | null }> {
-  const places = points.filter((point) => typeof point !== 'number');
+  const places = points.filter((point): point is Xyz => Array.isArray(point));
   const found = places.length ? (await client.nearest(surface.id, { point: places.map((xyz) => ({ xyz })) })).points : [];
   let next = 0;
   const spots = points.map((point) => {
     if (typeof point === 'number') return surface.spotAt(point);
+    if ('face' in point) return point;
     const { face, bary } = found[next++]!;
     return face == null || !bary ? null : spotOf(face, bary[0]!, bary[1]!);
   });
@@ -70,4 +45,115 @@ export async function spotsOf(
   const limit = FAR * Math.hypot(...max.map((upper, axis) => upper - min[axis]!));
   const away = found.map(({ snap_distance }) => snap_distance).filter((distance) => distance > limit);
   return { spots, far: away.length ? { count: away.length, of: places.length, farthest: Math.max(...away) } : null };
+}
+
+function farText({ count, of, farthest }: FarPlaces): Trouble {
+  return {
+    title: 'Far from the surface',
+    advice: 'Points were moved to the nearest place on the mesh. Check their unit and their axes.',
+    detail: `${of > 1 ? `${countText(count)} of ${countText(of)} points, up to ` : ''}${lengthText(farthest)} away`,
+  };
+}
+
+export interface TypedOptions {
+  readonly state: Store<State>;
+  readonly results: Store<Results>;
+  readonly notices: Notices;
+  readonly access: Access;
+  readonly connection: Connection;
+  /** Does with one place what the tool says. */
+  readonly place: (tool: Tool, spot: Spot) => void;
+}
+
+export class TypedPoints {
+  constructor(private readonly options: TypedOptions) {}
+
+  /** Places what was typed as the tool says, all or nothing; whether it could. */
+  async place(text: string): Promise<boolean> {
+    const { state, results, notices, place } = this.options;
+    const { surface } = results.value;
+    if (!surface) return false;
+    const entries = checked(entriesIn(text), surface);
+    const wrong = entries.find(({ fault }) => fault);
+    if (wrong) notices.trouble({ ...wrong.fault!, detail: wrong.text.slice(0, 200) });
+    if (wrong || !entries.length) return false;
+    const { tool, sources, via } = state.value;
+    if (entries.length > 1 && (tool === 'target' || tool === 'arrow')) {
+      notices.trouble({
+        title: tool === 'target' ? 'A path has one target' : 'An arrow has one start',
+        advice: 'Type one point, or choose the tool Source, Add or Via for several.',
+        detail: `These are ${countText(entries.length)}: ${text.slice(0, 200)}`,
+      });
+      return false;
+    }
+    const found = await this.#locate(entries, surface);
+    if (!found) return false;
+    const lost = found.spots.indexOf(null);
+    if (lost >= 0) {
+      notices.trouble({ title: 'No face has this vertex', advice: 'Points are placed on faces: choose another vertex.', detail: entries[lost]!.text });
+      return false;
+    }
+    const spots = found.spots as Spot[];
+    if (tool === 'source' && spots.length > 1) this.#sources(spots, spots.length);
+    else if (tool === 'add') this.#sources([...sources, ...spots], sources.length + spots.length);
+    else if (tool === 'via') state.set({ via: [...via, ...spots] });
+    else place(tool, spots[0]!);
+    if (found.far) notices.remark(farText(found.far));
+    return true;
+  }
+
+  /** The points of a text file as sources. Lines that cannot be read are told, the others taken. */
+  async fromFile(file: File): Promise<void> {
+    const { results, notices } = this.options;
+    const { surface } = results.value;
+    if (!surface) return;
+    const entries = checked(entriesInFile(await file.text()), surface);
+    const right = entries.filter(({ fault }) => !fault);
+    const asked = right.slice(0, MOST_SOURCES);
+    const found = await this.#locate(asked, surface);
+    if (!found) return;
+    const lost: Entry[] = asked.filter((_, index) => !found.spots[index])
+      .map((entry) => ({ ...entry, fault: { title: 'No face has this vertex', advice: 'Points are placed on faces.' } }));
+    const spots = found.spots.filter((spot) => spot !== null);
+    if (spots.length) this.#sources(spots, right.length - lost.length);
+    if (found.far) notices.remark(farText(found.far));
+    const wrong = [...entries.filter(({ fault }) => fault), ...lost].sort((a, b) => a.line - b.line);
+    if (!spots.length || wrong.length) notices.trouble(fileTrouble(file.name, wrong, spots.length));
+  }
+
+  /** Where points are on the surface; null where it could not be asked, or there is another mesh. */
+  async #locate(entries: readonly Entry[], surface: Surface): Promise<Awaited<ReturnType<typeof spotsOf>> | null> {
+    const { results, notices, access, connection } = this.options;
+    try {
+      const found = await spotsOf(entries.map(({ point }) => point!), surface, access.client);
+      return results.value.surface === surface ? found : null;
+    } catch (error) {
+      if (!connection.explains(error)) notices.trouble(troubleOf(error), access.remedy(error));
+      return null;
+    }
+  }
+
+  /** `count` is how many there were. */
+  #sources(sources: readonly Spot[], count: number): void {
+    const { state, notices } = this.options;
+    state.set({ sources: sources.slice(0, MOST_SOURCES), tool: state.value.target ? state.value.tool : 'target' });
+    if (count > MOST_SOURCES) notices.remark(fullText(count));
+  }
+}
+
+/** That there are as many sources as the server takes; `count` were wanted at once. */
+export function fullText(count?: number): Trouble {
+  const taken = count === undefined ? '.' : `; the first of ${countText(count)} were taken.`;
+  return { title: 'No more sources', advice: `The server takes a thousand${taken}`, detail: '' };
+}
+
+function fileTrouble(name: string, wrong: readonly Entry[], taken: number): Trouble {
+  const lines = wrong.slice(0, TOLD).map(({ line, text }) => `line ${countText(line)}: ${text.slice(0, 80)}`);
+  const more = wrong.length > TOLD ? [`and ${countText(wrong.length - TOLD)} more`] : [];
+  const [first] = wrong;
+  return {
+    title: taken ? `${countText(wrong.length)} of ${countText(wrong.length + taken)} points were left out` : 'No sources in this file',
+    advice: first ? `${first.fault!.title}. ${first.fault!.advice}` : 'It should have a point on each line: a vertex number, or x y z.',
+    detail: [name, ...lines, ...more].join(' · '),
+  };
 }
