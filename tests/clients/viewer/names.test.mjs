@@ -67,6 +67,34 @@ test('readings of one file and equal names are told apart in the list', async ()
   await page.context().close();
 });
 
+test('a link may name its mesh; a name that none has, or several, is told', async () => {
+  const id = await upload(wavyObj(24), '?name=named.obj');
+  await upload(wavyObj(25), '?name=pair.obj');
+  await upload(wavyObj(26), '?name=pair.obj');
+  const page = await newPage(browser);
+  await page.goto(`${service.url}#mesh=named.obj&from=v:7`);
+  await ready(page);
+  assert.equal(await chosen(page), 'named.obj');
+  await until(async () => page.url().includes(id), 'its id in the link');
+  assert.equal(await page.locator('.point').count(), 1);
+  for (const [name, told] of [['nobody.glb', /No mesh has this name.*nobody\.glb/s], ['pair.obj', /2 meshes have this name.*pair\.obj/s]]) {
+    await page.evaluate((hash) => { location.hash = hash; }, `#mesh=${name}`);
+    await until(async () => told.test(await page.locator('.troubles').textContent()), name);
+    await until(async () => page.url().includes(id), 'what is shown stays in the address');
+    assert.equal(await chosen(page), 'named.obj');
+    const other = await newPage(browser);
+    await other.goto(`${service.url}#mesh=${name}`);
+    await ready(other, 'failed');
+    assert.match(await other.locator('.trouble').textContent(), told);
+    await other.selectOption('#mesh', id);
+    await ready(other);
+    assert.deepEqual(other.faults, []);
+    await other.context().close();
+  }
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
 test('a mesh is renamed, and loses its name again', async () => {
   const id = await upload(wavyObj(18), '?name=first.obj');
   const page = await openMesh(browser, service, id);

@@ -136,6 +136,29 @@ test('one grammar in the box: vertices, faces and places, and what is wrong is s
   await page.context().close();
 });
 
+test('links take points as the API has them, and tell what they cannot read', async () => {
+  const page = await openMesh(browser, service, plane, '&from=v:12&from=f:40,0.2,0.3&to=v:9999&via=v:5000');
+  await pathLength(page);
+  assert.equal(await page.locator('.point').count(), 4);
+  assert.equal(await page.locator('.trouble').count(), 0);
+  assert.ok(await page.getByRole('button', { name: 'Undo' }).isDisabled(), 'nothing was done by the reader');
+  await until(async () => /from=\d+,[\d.,]+&from=40,0\.2,0\.3&via=\d+,.*to=\d+,/.test(page.url()), 'the link as the page writes it');
+  // Another link on the same page, with faults.
+  await page.evaluate((hash) => { location.hash = hash; }, `#mesh=${plane}&from=v:13&from=v:99999999&from=north&to=p:1,2,3`);
+  const trouble = page.locator('.trouble');
+  await trouble.waitFor();
+  assert.match(await trouble.textContent(), /link were left out.*not on the mesh.*from=north · to=p:1,2,3 · from=v:99999999/s);
+  await until(async () => !/north|v:|p:/.test(new URL(page.url()).hash), 'the address says what is shown');
+  assert.equal(await page.locator('.point').count(), 1);
+  await page.locator('.trouble button[aria-label="Close this message"]').click();
+  const other = await openMesh(browser, service, plane, '&from=v:abc');
+  assert.match(await other.locator('.trouble').textContent(), /from=v:abc/);
+  await until(async () => !other.url().includes('abc'), 'the address without it');
+  assert.deepEqual([...page.faults, ...other.faults], []);
+  await page.context().close();
+  await other.context().close();
+});
+
 test('a file of sources: what cannot be read is told by its line, and too many are counted', async () => {
   const page = await openMesh(browser, service, plane);
   const give = (text) =>

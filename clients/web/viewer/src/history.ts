@@ -40,6 +40,13 @@ export class History {
     this.#last.what = '';
   }
 
+  /** What changes meanwhile is no step of the reader's. */
+  quietly(change: () => void): void {
+    this.#going = true;
+    change();
+    this.#going = false;
+  }
+
   undo(): void {
     this.#go(this.#past, this.#future);
   }
@@ -71,9 +78,7 @@ export class History {
     const step = from.pop();
     if (!step) return;
     to.push(stepOf(this.state.value));
-    this.#going = true;
-    this.state.set(step);
-    this.#going = false;
+    this.quietly(() => this.state.set(step));
     this.#tell();
   }
 

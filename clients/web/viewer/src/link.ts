@@ -1,6 +1,7 @@
 /**
  * The state as the URL's fragment and back: short names, points as FACE,W0,W1, nothing
- * that has its usual value. What a link says wrongly is left out, never an error.
+ * that has its usual value. By hand points may be written as the API has them, f:FACE,W0,W1
+ * and v:VERTEX. What a link says wrongly is left out, and told where it is a point.
  */
 import { MOST_SOURCES, START, type Arrow, type Measure, type Spot, type State } from './state.ts';
 
@@ -11,12 +12,14 @@ export function spotOf(face: number, first: number, second: number): Spot {
   return { face, bary: [a / 1e6, b / 1e6, (1e6 - a - b) / 1e6] };
 }
 
-export function spotText({ face, bary }: Spot): string {
-  return `${face},${bary[0]},${bary[1]}`;
+export function spotText({ face, bary, vertex }: Spot): string {
+  return vertex === undefined ? `${face},${bary[0]},${bary[1]}` : `v:${vertex}`;
 }
 
 function spotIn(text: string | null | undefined): Spot | null {
-  const parts = numbersIn(text, 3);
+  const vertex = /^v:(\d+)$/.exec(text ?? '')?.[1];
+  if (vertex !== undefined) return { face: -1, bary: [1, 0, 0], vertex: Number(vertex) };
+  const parts = numbersIn(text?.replace(/^f:/, ''), 3);
   if (!parts || !Number.isInteger(parts[0]) || parts[0]! < 0) return null;
   const [face, first, second] = parts as [number, number, number];
   if (first < 0 || second < 0 || first + second > 1 + 1e-9) return null;
@@ -84,9 +87,29 @@ export function linkOf(state: State): string {
   return all.toString().replaceAll('%2C', ',').replaceAll('%3B', ';');
 }
 
+const MESH_ID = /^[0-9a-f]{64}(~[0-9a-z]+)?$/;
+
+function partsOf(fragment: string): URLSearchParams {
+  return new URLSearchParams(fragment.replace(/^#/, ''));
+}
+
+/** Points of a fragment that cannot be read, as they stand there. */
+export function strangeIn(fragment: string): string[] {
+  const all = partsOf(fragment);
+  const strange = ['from', 'via', 'to'].flatMap((name) => all.getAll(name).filter((text) => !spotIn(text)).map((text) => `${name}=${text}`));
+  const more = all.getAll('from').length - MOST_SOURCES;
+  return more > 0 ? [...strange, `${more} more sources than the server takes`] : strange;
+}
+
+/** What a fragment has in place of a mesh's id: its name, most likely. */
+export function meshNameIn(fragment: string): string | null {
+  const mesh = partsOf(fragment).get('mesh');
+  return mesh && !MESH_ID.test(mesh) ? mesh : null;
+}
+
 /** The state that a fragment says, with or without its `#`. */
 export function stateIn(fragment: string): State {
-  const all = new URLSearchParams(fragment.replace(/^#/, ''));
+  const all = partsOf(fragment);
   const spots = (name: string) => all.getAll(name).map(spotIn).filter((spot) => spot !== null);
   const mesh = all.get('mesh');
   const show = all.get('show');
@@ -96,7 +119,7 @@ export function stateIn(fragment: string): State {
     ...START,
     // As right after it was placed: a click must not take the sources away.
     tool: sources.length ? 'target' : START.tool,
-    mesh: mesh && /^[0-9a-f]{64}(~[0-9a-z]+)?$/.test(mesh) ? mesh : null,
+    mesh: mesh && MESH_ID.test(mesh) ? mesh : null,
     sources,
     via: spots('via'),
     target: spotIn(all.get('to')),

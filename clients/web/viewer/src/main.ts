@@ -16,7 +16,8 @@ import { exportPart } from './export_part.ts';
 import { Gestures } from './gestures.ts';
 import { History } from './history.ts';
 import { Legend } from './legend.ts';
-import { linkOf, stateIn } from './link.ts';
+import { linkOf, meshNameIn, stateIn, strangeIn } from './link.ts';
+import { pointsOn } from './link_points.ts';
 import { lookPart } from './look_part.ts';
 import { measureList } from './measure_list.ts';
 import { importPart } from './import_part.ts';
@@ -237,7 +238,7 @@ function start(): void {
   addEventListener('pageshow', ({ persisted }) => { if (persisted) void begin(); });
   addEventListener('offline', () => conductor.abandon());
   stage.onTurned(() => state.set({ camera: stage.view }));
-  addEventListener('hashchange', () => void followLink(stateIn(location.hash)));
+  addEventListener('hashchange', () => void followLink(location.hash));
 
   /** Writes the link now and then: browsers allow a hundred times in half a minute. */
   let writing = 0;
@@ -367,16 +368,28 @@ function start(): void {
     document.body.dataset['state'] = 'empty';
   }
 
+  /** Points of the link that cannot be read, until they are told. */
+  let strange = strangeIn(location.hash);
+
   /** A whole state, from a link. */
-  async function followLink(wanted: State): Promise<void> {
-    if (linkOf(wanted) === linkOf(state.value)) return;
+  async function followLink(fragment: string): Promise<void> {
+    const name = meshNameIn(fragment);
+    const mesh = name === null ? stateIn(fragment).mesh : meshes.called(name);
+    if (name !== null && !mesh) return writeLink(); // all stays as it is
+    let wanted = { ...stateIn(fragment), mesh };
+    strange = strangeIn(fragment);
+    const present = results.value.surface;
+    const { points, lost } = present && present.id === mesh ? pointsOn(present, wanted) : { points: {}, lost: [] };
+    wanted = { ...wanted, ...points };
     const other = wanted.mesh !== state.value.mesh;
-    state.set(wanted);
-    if (other) await show();
-    else {
-      turned = wanted.up !== null;
-      look(wanted.camera);
-    }
+    const same = linkOf(wanted) === linkOf(state.value);
+    if (same) writeLink();
+    else state.set(wanted);
+    if (other) return show();
+    tellLost(lost);
+    if (same) return;
+    turned = wanted.up !== null;
+    look(wanted.camera);
   }
 
   /** Loads the state's mesh and looks at it as the state says. */
@@ -385,8 +398,13 @@ function start(): void {
     if (!mesh) return;
     document.body.dataset['state'] = 'loading';
     const present = results.value.surface;
-    if (present?.id === mesh) dropForeignPoints(present);
-    else if (!(await meshes.load(mesh, dropForeignPoints, (about, part) => preview.show(about, part)))) {
+    const settle = (surface: Surface) => {
+      const { points, lost } = pointsOn(surface, state.value);
+      steps.quietly(() => state.set(points));
+      tellLost(lost);
+    };
+    if (present?.id === mesh) settle(present);
+    else if (!(await meshes.load(mesh, settle, (about, part) => preview.show(about, part)))) {
       if (state.value.mesh !== mesh) return; // another one is on its way
       preview.end();
       document.body.dataset['state'] = 'failed';
@@ -418,24 +436,16 @@ function start(): void {
     document.title = surface ? `${meshName(surface.about)} · geodesicd` : 'geodesicd';
   }
 
-  /** A link may have been mended by hand: points that the mesh does not have are told and left out. */
-  function dropForeignPoints(surface: Surface): void {
-    const { sources, via, target, arrow, measures } = state.value;
-    const all = [...sources, ...via, target, arrow?.from].filter((spot) => spot != null);
-    if (all.every((spot) => surface.has(spot))) return;
-    const left = sources.filter((spot) => surface.has(spot));
-    state.set({
-      sources: left,
-      tool: left.length ? state.value.tool : START.tool,
-      via: via.filter((spot) => surface.has(spot)),
-      target: target && surface.has(target) ? target : null,
-      arrow: arrow && surface.has(arrow.from) ? arrow : null,
-      measures: measures.filter(({ from, to }) => surface.has(from) && surface.has(to)),
-    });
+  /** A link may have been written by hand: what cannot be read of its points, or is not on the mesh, is told. */
+  function tellLost(lost: readonly string[]): void {
+    const left = [...strange, ...lost];
+    strange = [];
+    if (!left.length) return;
+    writeLink();
     notices.trouble({
-      title: 'Some points of this link are not on the mesh',
-      advice: 'They were left out. The link may belong to another mesh.',
-      detail: '',
+      title: 'Some points of this link were left out',
+      advice: 'They are not on the mesh, or no points. The link may belong to another mesh.',
+      detail: left.join(' · ').slice(0, 200),
     });
   }
 
@@ -452,6 +462,13 @@ function start(): void {
       if (!connection.explains(error)) notices.trouble(troubleOf(error), access.remedy(error));
     }
     await asked;
+    const name = state.value.mesh ? null : meshNameIn(location.hash);
+    if (name !== null && results.value.meshes.length) {
+      const mesh = meshes.called(name);
+      if (!mesh) return void (document.body.dataset['state'] = 'failed');
+      state.set({ mesh });
+      await show();
+    }
     const { first } = meshes;
     if (!state.value.mesh && first) {
       state.set({ mesh: first });

@@ -9,7 +9,7 @@ import type { Dropped } from './entrance.ts';
 import { meshLabels, meshName } from './mesh_names.ts';
 import { troubleOf } from './messages.ts';
 import type { Notices } from './notices.ts';
-import { bytesText } from './numbers.ts';
+import { bytesText, countText } from './numbers.ts';
 import type { Results } from './results.ts';
 import type { Store } from './state.ts';
 import { Surface } from './surface.ts';
@@ -48,6 +48,20 @@ export class Meshes {
     const modest = this.results.value.meshes.filter(({ faces, format }) => faces <= MODEST && format !== 'drc');
     const rich = modest.sort((a, b) => a.boundary_loops - b.boundary_loops || b.faces - a.faces);
     return rich[0]?.id ?? this.results.value.meshes[0]?.id ?? null;
+  }
+
+  /** The id of the mesh of this name; null where there is none, or several, which is told. */
+  called(name: string): string | null {
+    const { meshes } = this.results.value;
+    const labels = meshLabels(meshes);
+    const found = meshes.filter((mesh, index) => meshName(mesh) === name || labels[index] === name);
+    if (found.length === 1) return found[0]!.id;
+    this.notices.trouble({
+      title: found.length ? `${countText(found.length)} meshes have this name` : 'No mesh has this name',
+      advice: 'Choose one from the list, or open a file.',
+      detail: name.slice(0, 200),
+    });
+    return null;
   }
 
   /**

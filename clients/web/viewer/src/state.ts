@@ -8,6 +8,8 @@
 export interface Spot {
   readonly face: number;
   readonly bary: readonly [number, number, number];
+  /** Only in a link whose mesh is not here yet: the vertex that is meant; the face is -1. */
+  readonly vertex?: number;
 }
 
 export type Xyz = readonly [number, number, number];

@@ -36,7 +36,7 @@ export class Surface {
 
   /** Whether the face exists; a link may speak of another mesh. */
   has(spot: Spot): boolean {
-    return spot.face < this.about.faces;
+    return spot.face >= 0 && spot.face < this.about.faces;
   }
 
   cornersOf(face: number): [number, number, number] {
