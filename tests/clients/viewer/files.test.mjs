@@ -55,6 +55,21 @@ test('several files: a glTF takes its buffers along, others come one by one', as
   await page.context().close();
 });
 
+test('a glTF without its buffers says which files it needs, and that they may come along', async () => {
+  const page = await openMesh(browser, service, plane);
+  const two = JSON.parse(GLTF);
+  two.buffers.push({ byteLength: 4, uri: 'more%20data.bin' });
+  two.bufferViews.push({ buffer: 1, byteLength: 4 });
+  await drop(page, 'alone.gltf', JSON.stringify(two));
+  const trouble = page.locator('.trouble');
+  await trouble.waitFor();
+  const told = await trouble.textContent();
+  assert.match(told, /needs other files.*drop the \.gltf together with its files, or their folder/s);
+  assert.match(told, /alone\.gltf: needs scene\.bin, more data\.bin/);
+  assert.deepEqual(page.faults.filter((text) => !/Failed to load resource.*422/.test(text)), []);
+  await page.context().close();
+});
+
 test('a mesh is read again in another way, and what is opened then, too', async () => {
   const page = await openMesh(browser, service, plane);
   const chosen = () => page.locator('#mesh option:checked').textContent();

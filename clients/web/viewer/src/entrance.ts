@@ -32,6 +32,17 @@ export function meshesAmong(found: readonly Found[]): Dropped[] {
   });
 }
 
+/** The files that a glTF needs for its buffers and that did not come with it; none where it cannot be read. */
+export async function missingOf({ file, others }: Dropped): Promise<string[]> {
+  try {
+    const { buffers } = JSON.parse(await file.text()) as { buffers: readonly { uri?: string }[] };
+    const names = buffers.map(({ uri }) => uri).filter((uri) => uri && !uri.startsWith('data:')).map((uri) => decodeURIComponent(uri!));
+    return [...new Set(names)].filter((name) => !others.some((other) => other.name === name));
+  } catch {
+    return []; // the server says one of them
+  }
+}
+
 async function filesIn(entry: FileSystemEntry, folder = ''): Promise<Found[]> {
   const path = folder + entry.name;
   if (entry.isFile) {

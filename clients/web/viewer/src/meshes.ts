@@ -5,7 +5,7 @@
 import { digestOf, GeodesicError, type ArrivingGeometry, type MeshMetadata, type Reading } from 'geodesicd-client';
 import type { Access } from './access.ts';
 import type { Connection } from './connection.ts';
-import type { Dropped } from './entrance.ts';
+import { missingOf, type Dropped } from './entrance.ts';
 import { meshLabels, meshName } from './mesh_names.ts';
 import { troubleOf } from './messages.ts';
 import type { Notices } from './notices.ts';
@@ -148,7 +148,9 @@ export class Meshes {
     } catch (error) {
       if (signal.aborted || this.connection.explains(error)) return null;
       const trouble = troubleOf(error);
-      const named = error instanceof GeodesicError ? { ...trouble, detail: `${file.name}: ${trouble.detail}` } : trouble;
+      const missing = error instanceof GeodesicError && error.code === 'external_uri' ? await missingOf({ file, others }) : [];
+      const detail = missing.length ? `needs ${missing.slice(0, 5).join(', ')}${missing.length > 5 ? `, and ${missing.length - 5} more` : ''}` : trouble.detail;
+      const named = error instanceof GeodesicError ? { ...trouble, detail: `${file.name}: ${detail}` } : trouble;
       this.notices.trouble(named, this.access.remedy(error));
       return null;
     } finally {
