@@ -91,6 +91,47 @@ test('a mesh is read again in another way, and what is opened then, too', async 
   await page.context().close();
 });
 
+test('an import option that is none is marked, and nothing is read; a mesh shows how it was read', async () => {
+  const page = await openMesh(browser, service, plane);
+  await drop(page, 'options.obj', wavyObj(27));
+  await until(async () => (await page.locator('#mesh option:checked').textContent()) === 'options.obj', 'the mesh');
+  await ready(page);
+  await page.getByText('Import options').click();
+  const again = page.getByRole('button', { name: 'Read this mesh again' });
+  const [scale, weld] = [page.getByLabel('Scale'), page.getByLabel('Join vertices within')];
+  for (const [field, wrong, allowed] of [
+    ...['abc', '0', '-1', '1e400'].map((text) => [scale, text, /Scale: a number above 0/]),
+    ...['-5', 'on'].map((text) => [weld, text, /Join vertices within: a distance from 0 on, or off/]),
+  ]) {
+    await field.fill(wrong);
+    assert.match(await page.textContent('#import-said'), allowed);
+    assert.equal(await field.getAttribute('aria-invalid'), 'true', wrong);
+    assert.ok(await again.isDisabled());
+    await field.fill('');
+    assert.equal(await field.getAttribute('aria-invalid'), 'false');
+  }
+  await weld.fill('on');
+  await drop(page, 'never.obj', wavyObj(28));
+  await page.locator('.trouble').waitFor();
+  assert.match(await page.textContent('.trouble'), /import option cannot be read/);
+  assert.equal(await page.locator('#mesh option:checked').textContent(), 'options.obj');
+  await weld.fill('off');
+  await scale.fill('0,5');
+  await again.click();
+  await until(async () => /scale 0\.5/.test(await page.locator('#mesh option:checked').textContent()), 'half as large');
+  await ready(page);
+  await until(async () => decodeURIComponent(page.url()).includes('~'), 'the reading in the link');
+  await page.reload();
+  await ready(page);
+  assert.deepEqual([await scale.inputValue(), await weld.inputValue()], ['0.5', 'off']);
+  assert.ok(await scale.isVisible(), 'where it is not as usual, it is seen');
+  await page.selectOption('#mesh', plane);
+  await ready(page);
+  await until(async () => (await scale.inputValue()) === '' && (await weld.inputValue()) === '', 'the usual');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
 test('a broken file is explained, and what was there stays', async () => {
   const page = await openMesh(browser, service, plane);
   const was = await picture(page, '22-before-broken');

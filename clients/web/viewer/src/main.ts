@@ -316,6 +316,10 @@ function start(): void {
   async function take(dropped: readonly Dropped[]): Promise<void> {
     notices.clearTroubles();
     const reading = importing.reading();
+    if (!reading) {
+      notices.trouble({ title: 'An import option cannot be read', advice: 'Mend or empty the marked field, then open the file again.', detail: '' });
+      return;
+    }
     let shown = false;
     for (const each of dropped) {
       const id = await meshes.upload(each, reading);
