@@ -121,7 +121,9 @@ test('the method is auto and paths are pulled straight, unless one chooses other
   assert.equal(await page.locator('.method').first().textContent().then((text) => text.startsWith('Auto')), true, 'first in the list');
   assert.ok(await page.getByLabel('Auto').isChecked());
   assert.ok(await page.getByLabel('Pull the path straight').isChecked());
-  for (const about of await page.locator('.method p').allTextContents()) assert.match(about, /\.$/, 'a sentence for each');
+  const { methods } = await service.json('/v1/methods');
+  const said = await page.locator('.method').evaluateAll((all) => all.map((each) => [each.querySelector('input').value, each.querySelector('p').textContent]));
+  assert.deepEqual(Object.fromEntries(said), Object.fromEntries(methods.map(({ name, about }) => [name, about])), 'in the words of the server');
   await page.mouse.click(...LEFT);
   await page.mouse.click(...RIGHT);
   await pathLength(page);

@@ -49,6 +49,15 @@ test('a link from under /geo/ leads back there', async () => {
   await other.context().close();
 });
 
+test('the guide is linked under the path: of the methods beside their list, all of it in the help', async () => {
+  const page = await openMesh(browser, proxy, plane);
+  const methods = page.getByRole('link', { name: 'All methods compared' });
+  assert.equal(await methods.evaluate((link) => link.href), `${proxy.url}docs/methods/`);
+  await page.keyboard.press('?');
+  assert.equal(await page.getByRole('link', { name: 'The guide' }).evaluate((link) => link.href), `${proxy.url}docs/`);
+  await page.context().close();
+});
+
 test('without scripts the page says where the API is described, under its path', async () => {
   const html = await (await fetch(proxy.url)).text();
   const [, href] = /<noscript>.*?href="([^"]+)"/s.exec(html);

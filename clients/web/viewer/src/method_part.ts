@@ -1,23 +1,11 @@
 /**
- * The panel's part for methods: which one computes, with a sentence for each, and a table of
- * what each took for the present sources, with its error where the exact distances are known.
+ * The panel's part for methods: which one computes, with the server's own words for each, and a
+ * table of what each took for the present sources, with its error where the exact distances are known.
  */
 import { element } from './element.ts';
 import { part } from './panel.ts';
 import type { Parts } from './parts.ts';
 import { nameOf } from './questions.ts';
-
-/** What a reader should know before choosing; errors are means over the meshes of docs/paper. */
-const ABOUT: Readonly<Record<string, string>> = {
-  auto: 'The best for most: as fast as the wavefront, about 0.01 % off.',
-  wavefront: 'The fastest, as its paper has it, about 0.1 % off.',
-  novotni: 'The wavefront’s forerunner, a few per cent off.',
-  fast_marching: 'Smooth fields, about 0.8 % off.',
-  dijkstra: 'Along edges only, 5 to 20 % too long.',
-  steiner: 'Along edges and points on them, about 0.8 % off.',
-  exact: 'No error. Much slower on large meshes.',
-  chen_han: 'No error. Slower than Exact, to check it.',
-};
 
 export function methodPart({ state, results, actions }: Parts): HTMLElement {
   const list = element('div', { className: 'methods', role: 'radiogroup', aria: { label: 'Method' } });
@@ -44,6 +32,7 @@ export function methodPart({ state, results, actions }: Parts): HTMLElement {
     'Method',
     true,
     list,
+    element('p', { className: 'facts' }, element('a', { href: 'docs/methods/' }, 'All methods compared')),
     extra,
     element('label', { className: 'check', htmlFor: 'refine' }, refine, 'Pull the path straight'),
     compare,
@@ -55,8 +44,7 @@ export function methodPart({ state, results, actions }: Parts): HTMLElement {
   const fill = () => {
     inputs.clear();
     list.replaceChildren(
-      ...results.value.methods.map(({ name, paper, exact }) => {
-        const about = ABOUT[name] ?? (exact ? 'No error.' : '');
+      ...results.value.methods.map(({ name, about, paper, exact }) => {
         const input = element('input', {
           type: 'radio', name: 'method', value: name, onchange: () => state.set({ method: name }),
           aria: { describedby: `about-${name}` },

@@ -43,6 +43,8 @@ export function shortcuts(groups: readonly { title: string; keys: readonly Short
         ),
       ),
     ),
+    // Relative: the page may stand under a path.
+    element('p', null, element('a', { href: 'docs/' }, 'The guide'), ' says more of the page and of the API.'),
   );
   document.body.append(sheet);
   // A click beside it closes it.
