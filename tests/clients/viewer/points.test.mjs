@@ -136,6 +136,31 @@ test('one grammar in the box: vertices, faces and places, and what is wrong is s
   await page.context().close();
 });
 
+test('an old message goes with the next success, or by Escape', async () => {
+  const page = await openMesh(browser, service, plane);
+  const input = page.getByLabel(BOX);
+  const troubles = page.locator('.trouble');
+  const wrong = async () => {
+    await input.fill('north');
+    await input.press('Enter');
+    await troubles.waitFor();
+  };
+  await wrong();
+  await input.fill('12');
+  await input.press('Enter');
+  await until(async () => (await troubles.count()) === 0, 'a typed point takes it away');
+  await wrong();
+  await page.mouse.click(300, 380);
+  await until(async () => (await troubles.count()) === 0, 'a click, too');
+  await pathLength(page);
+  await wrong();
+  // In the box and out of it; while something is under way it is stopped first.
+  await until(async () => { await page.keyboard.press('Escape'); return (await troubles.count()) === 0; }, 'Escape closes it');
+  assert.equal(await page.locator('.point').count(), 2);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
 test('links take points as the API has them, and tell what they cannot read', async () => {
   const page = await openMesh(browser, service, plane, '&from=v:12&from=f:40,0.2,0.3&to=v:9999&via=v:5000');
   await pathLength(page);

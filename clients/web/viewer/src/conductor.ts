@@ -160,7 +160,7 @@ export class Conductor {
   }
 
   async #askField(asked: FieldQuestion, signal: AbortSignal): Promise<void> {
-    await this.#attempt(signal, async () => {
+    await this.#attempt(signal, 'field', async () => {
       const stop = () => {
         this.#field.cancel();
         this.#backToShown();
@@ -178,7 +178,7 @@ export class Conductor {
 
   /** Each source's field by itself; until they are here, regions have the labels' coarser borders. */
   async #askApart(asked: FieldQuestion, signal: AbortSignal): Promise<void> {
-    await this.#attempt(signal, async () => {
+    await this.#attempt(signal, 'apart', async () => {
       const apart: KnownField[] = [];
       for (const source of asked.sources) {
         const own = { ...asked, sources: [source] };
@@ -190,7 +190,7 @@ export class Conductor {
   }
 
   async #askExact(asked: FieldQuestion, signal: AbortSignal): Promise<void> {
-    await this.#attempt(signal, async () => {
+    await this.#attempt(signal, 'exact', async () => {
       const exact = await this.#questions.field(asked, signal, () => {
         this.#exact.cancel();
         this.state.set({ show: 'distance' });
@@ -230,7 +230,7 @@ export class Conductor {
     const { methods } = this.results.value;
     const stop = () => this.#trials.cancel();
     const progress = this.notices.begin('Comparing all methods', stop);
-    await this.#attempt(signal, async () => {
+    await this.#attempt(signal, 'trials', async () => {
       const exact = await this.#questions.field(exactly, signal, stop);
       for (const [index, { name }] of methods.entries()) {
         progress.say('Comparing all methods', index / methods.length);
@@ -267,7 +267,7 @@ export class Conductor {
   }
 
   async #askPath(asked: PathQuestion, signal: AbortSignal): Promise<void> {
-    await this.#attempt(signal, async () => {
+    await this.#attempt(signal, 'path', async () => {
       const path = await this.#questions.path(asked, signal, () => this.#path.cancel());
       if (!this.state.value.target) return;
       this.#pathKey = asked.key;
@@ -301,7 +301,7 @@ export class Conductor {
   }
 
   async #askTrace({ mesh, arrow }: { mesh: string; arrow: Arrow }, signal: AbortSignal): Promise<void> {
-    await this.#attempt(signal, async () => {
+    await this.#attempt(signal, 'trace', async () => {
       const { from, direction, length } = arrow;
       const trace = await this.access.client.trace(mesh, { from, direction, length }, { signal });
       if (this.state.value.arrow) this.results.set({ trace });
@@ -323,7 +323,7 @@ export class Conductor {
   async #askMeasures(asked: readonly Measure[], signal: AbortSignal): Promise<void> {
     const { mesh, pointsPerEdge } = this.state.value;
     if (!mesh) return;
-    await this.#attempt(signal, async () => {
+    await this.#attempt(signal, 'measures', async () => {
       for (const measure of asked) {
         if (this.#paths.has(measure)) continue;
         const question = { ...measure, mesh, starts: [measure.from], pointsPerEdge, key: '' };
@@ -334,13 +334,14 @@ export class Conductor {
     });
   }
 
-  /** Errors are told; an abort is somebody's wish; a lost server is the connection's matter. */
-  async #attempt(signal: AbortSignal, run: () => Promise<void>): Promise<void> {
+  /** Errors are told, until the same goes well; an abort is somebody's wish; a lost server is the connection's matter. */
+  async #attempt(signal: AbortSignal, about: string, run: () => Promise<void>): Promise<void> {
     try {
       await run();
+      this.notices.settle(about);
     } catch (error) {
       if (signal.aborted || this.connection.explains(error)) return;
-      this.notices.trouble(troubleOf(error), this.access.remedy(error));
+      this.notices.trouble({ ...troubleOf(error), about }, this.access.remedy(error));
     }
   }
 }

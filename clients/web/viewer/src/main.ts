@@ -155,7 +155,7 @@ function start(): void {
         { keys: 'R', does: 'Pull the path straight', run: () => state.set({ refine: !state.value.refine }) },
         { keys: 'M', does: 'Next method', run: nextMethod },
         { keys: 'O', does: 'Open a file', run: entrance.open },
-        { keys: 'Escape', does: 'Stop what is under way', run: () => conductor.stop() },
+        { keys: 'Escape', does: 'Take a drag back; stop what is under way, else close messages', run: escape },
         { keys: '?', does: 'This sheet', run: () => showKeys() },
       ],
     },
@@ -215,6 +215,7 @@ function start(): void {
   gestures.centre();
 
   state.listen((now, before) => {
+    if ((['sources', 'via', 'target', 'arrow'] as const).some((name) => now[name] !== before[name])) notices.settle('points');
     view.follow(now, before, results.value, results.value);
     overlay.follow(now, before, results.value, results.value);
     legend.follow(now, results.value);
@@ -261,6 +262,11 @@ function start(): void {
       notices.hint('The link is in the address bar'); // clipboards need https or localhost
     }
     setTimeout(() => notices.hint(hintOf(state.value)), 2500);
+  }
+
+  function escape(): void {
+    if (conductor.busy || notices.working) conductor.stop();
+    else notices.clearTroubles();
   }
 
   /** Whether the axis that is up was chosen for this mesh. */
@@ -450,6 +456,7 @@ function start(): void {
       title: 'Some points of this link were left out',
       advice: 'They are not on the mesh, or no points. The link may belong to another mesh.',
       detail: left.join(' · ').slice(0, 200),
+      about: 'points',
     });
   }
 

@@ -65,6 +65,8 @@ const UNRECOGNISED: Message = {
 /** An error as its reader should see it: title, advice, and what the server said in detail. */
 export interface Trouble extends Message {
   readonly detail: string;
+  /** What it is about: the next success in it takes the message away. */
+  readonly about?: string;
 }
 
 export function troubleOf(error: unknown): Trouble {

@@ -21,6 +21,7 @@ export class Notices {
   readonly #banner = element('div', { className: 'banner', role: 'status', hidden: true });
   readonly #works = element('div', { className: 'works' });
   readonly #hint = element('p', { className: 'hint', role: 'status', hidden: true });
+  #under = 0;
 
   constructor() {
     document.body.append(
@@ -39,7 +40,7 @@ export class Notices {
     this.#show(remark, 'trouble remark');
   }
 
-  #show({ title, advice, detail }: Trouble, className: string, action?: { label: string; run(): void }): void {
+  #show({ title, advice, detail, about }: Trouble, className: string, action?: { label: string; run(): void }): void {
     for (const shown of this.#troubles.children) {
       if (shown.querySelector('strong')?.textContent === title) shown.remove();
     }
@@ -51,12 +52,23 @@ export class Notices {
       action && element('button', { type: 'button', onclick: () => { close(); action.run(); } }, action.label),
       element('button', { type: 'button', className: 'round', onclick: close, aria: { label: 'Close this message' } }, icon(CROSS)),
     );
+    if (about) card.dataset['about'] = about;
     this.#troubles.append(card);
     while (this.#troubles.children.length > 3) this.#troubles.firstElementChild!.remove();
   }
 
   clearTroubles(): void {
     this.#troubles.replaceChildren();
+  }
+
+  /** What was wrong about this has gone well now: its messages are out of date. */
+  settle(about: string): void {
+    for (const shown of [...this.#troubles.children] as HTMLElement[]) if (shown.dataset['about'] === about) shown.remove();
+  }
+
+  /** Whether there is work that the reader sees or soon will. */
+  get working(): boolean {
+    return this.#under > 0;
   }
 
   /** The line over everything, for as long as it holds; null takes it away. */
@@ -87,6 +99,8 @@ export class Notices {
       cancel && element('button', { type: 'button', className: 'cancel', onclick: cancel }, 'Cancel'),
     );
     const timer = setTimeout(() => this.#works.append(card), PATIENCE);
+    this.#under++;
+    let ended = false;
     return {
       say: (now, done) => {
         name.textContent = now;
@@ -95,6 +109,8 @@ export class Notices {
         else bar.value = done;
       },
       end: () => {
+        if (!ended) this.#under--;
+        ended = true;
         clearTimeout(timer);
         card.remove();
       },

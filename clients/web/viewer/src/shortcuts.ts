@@ -51,7 +51,8 @@ export function shortcuts(groups: readonly { title: string; keys: readonly Short
   sheet.addEventListener('click', (event) => { if (event.target === sheet) sheet.close(); });
 
   addEventListener('keydown', (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || typing(event.target)) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || event.isComposing) return;
+    if (typing(event.target) && event.key !== 'Escape') return;
     if (document.querySelector('dialog[open]')) return;
     const run = runs.get(event.key.toLowerCase());
     if (!run) return;

@@ -52,6 +52,7 @@ function farText({ count, of, farthest }: FarPlaces): Trouble {
     title: 'Far from the surface',
     advice: 'Points were moved to the nearest place on the mesh. Check their unit and their axes.',
     detail: `${of > 1 ? `${countText(count)} of ${countText(of)} points, up to ` : ''}${lengthText(farthest)} away`,
+    about: 'points',
   };
 }
 
@@ -75,7 +76,7 @@ export class TypedPoints {
     if (!surface) return false;
     const entries = checked(entriesIn(text), surface);
     const wrong = entries.find(({ fault }) => fault);
-    if (wrong) notices.trouble({ ...wrong.fault!, detail: wrong.text.slice(0, 200) });
+    if (wrong) notices.trouble({ ...wrong.fault!, detail: wrong.text.slice(0, 200), about: 'points' });
     if (wrong || !entries.length) return false;
     const { tool, sources, via } = state.value;
     if (entries.length > 1 && (tool === 'target' || tool === 'arrow')) {
@@ -83,6 +84,7 @@ export class TypedPoints {
         title: tool === 'target' ? 'A path has one target' : 'An arrow has one start',
         advice: 'Type one point, or choose the tool Source, Add or Via for several.',
         detail: `These are ${countText(entries.length)}: ${text.slice(0, 200)}`,
+        about: 'points',
       });
       return false;
     }
@@ -90,7 +92,7 @@ export class TypedPoints {
     if (!found) return false;
     const lost = found.spots.indexOf(null);
     if (lost >= 0) {
-      notices.trouble({ title: 'No face has this vertex', advice: 'Points are placed on faces: choose another vertex.', detail: entries[lost]!.text });
+      notices.trouble({ title: 'No face has this vertex', advice: 'Points are placed on faces: choose another vertex.', detail: entries[lost]!.text, about: 'points' });
       return false;
     }
     const spots = found.spots as Spot[];
@@ -128,7 +130,7 @@ export class TypedPoints {
       const found = await spotsOf(entries.map(({ point }) => point!), surface, access.client);
       return results.value.surface === surface ? found : null;
     } catch (error) {
-      if (!connection.explains(error)) notices.trouble(troubleOf(error), access.remedy(error));
+      if (!connection.explains(error)) notices.trouble({ ...troubleOf(error), about: 'points' }, access.remedy(error));
       return null;
     }
   }
@@ -144,7 +146,7 @@ export class TypedPoints {
 /** That there are as many sources as the server takes; `count` were wanted at once. */
 export function fullText(count?: number): Trouble {
   const taken = count === undefined ? '.' : `; the first of ${countText(count)} were taken.`;
-  return { title: 'No more sources', advice: `The server takes a thousand${taken}`, detail: '' };
+  return { title: 'No more sources', advice: `The server takes a thousand${taken}`, detail: '', about: 'points' };
 }
 
 function fileTrouble(name: string, wrong: readonly Entry[], taken: number): Trouble {
@@ -155,5 +157,6 @@ function fileTrouble(name: string, wrong: readonly Entry[], taken: number): Trou
     title: taken ? `${countText(wrong.length)} of ${countText(wrong.length + taken)} points were left out` : 'No sources in this file',
     advice: first ? `${first.fault!.title}. ${first.fault!.advice}` : 'It should have a point on each line: a vertex number, or x y z.',
     detail: [name, ...lines, ...more].join(' · '),
+    about: 'points',
   };
 }
