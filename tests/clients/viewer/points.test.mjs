@@ -136,6 +136,27 @@ test('one grammar in the box: vertices, faces and places, and what is wrong is s
   await page.context().close();
 });
 
+test('Escape takes a drag back, and there is nothing to undo of it', async () => {
+  const page = await openMesh(browser, service, plane, '&from=9700,0.3,0.3');
+  await page.mouse.click(620, 430);
+  const length = await pathLength(page);
+  const place = await page.textContent('#place');
+  await page.mouse.move(620, 430);
+  await page.mouse.down();
+  await page.mouse.move(420, 180, { steps: 12 });
+  await until(async () => (await page.textContent('#place')) !== place, 'the target moves');
+  await page.keyboard.press('Escape');
+  await until(async () => (await page.textContent('#place')) === place, 'it is back');
+  await page.mouse.move(300, 200, { steps: 3 });
+  await page.mouse.up();
+  await textAt(page, '#length', (text) => text === length);
+  assert.equal(await page.textContent('#place'), place, 'what the pointer does after it is no drag');
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await until(async () => (await page.locator('.point').count()) === 1, 'what is undone is the click before the drag');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
 test('an old message goes with the next success, or by Escape', async () => {
   const page = await openMesh(browser, service, plane);
   const input = page.getByLabel(BOX);

@@ -29,6 +29,8 @@ export interface GestureOptions {
 export class Gestures {
   #options: GestureOptions | null = null;
   #held: Handle | null = null;
+  /** The points when the drag began. */
+  #before: Pick<State, 'sources' | 'via' | 'target' | 'arrow'> | null = null;
   #pressed: { id: number; x: number; y: number; shift: boolean } | null = null;
   readonly #cross = element('div', { className: 'cross', hidden: true, aria: { hidden: 'true' } });
 
@@ -42,6 +44,8 @@ export class Gestures {
     canvas.addEventListener('pointerup', (event) => this.#up(event));
     canvas.addEventListener('pointercancel', () => this.#drop());
     canvas.addEventListener('keydown', (event) => this.#key(event));
+    // Before other listeners: while a point is held, Escape means the drag.
+    addEventListener('keydown', (event) => { if (event.key === 'Escape') this.#takeBack(event); }, { capture: true });
     canvas.addEventListener('focus', () => { this.#cross.hidden = !canvas.matches(':focus-visible'); });
     canvas.addEventListener('blur', () => { this.#cross.hidden = true; });
     document.body.append(this.#cross);
@@ -66,6 +70,8 @@ export class Gestures {
     this.#held = overlay.handleAt(event.clientX, event.clientY, event.pointerType === 'touch');
     stage.controls.enabled = !this.#held;
     if (!this.#held) return;
+    const { sources, via, target, arrow } = this.#ready.state.value;
+    this.#before = { sources, via, target, arrow };
     stage.canvas.setPointerCapture(event.pointerId);
     overlay.hold(this.#held);
     dragging(this.#held);
@@ -93,6 +99,14 @@ export class Gestures {
     const hit = picking.at(event.clientX, event.clientY, stage.camera);
     const tool = pressed.shift && state.value.tool === 'source' ? 'add' : state.value.tool;
     if (hit) this.place(tool, hit.spot);
+  }
+
+  /** Points stand where they stood before the drag. */
+  #takeBack(event: KeyboardEvent): void {
+    if (!this.#held || !this.#options || !this.#before) return;
+    event.preventDefault();
+    this.#options.state.set(this.#before);
+    this.#drop();
   }
 
   #drop(): void {

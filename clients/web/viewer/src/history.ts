@@ -67,6 +67,13 @@ export class History {
     const at = performance.now();
     const same = what === this.#last.what && (this.#held || (what === 'arrow' && at - this.#last.at < TOGETHER));
     this.#last = { at, what };
+    const last = this.#past.at(-1);
+    if (same && this.#held && last && STEPS.every((name) => last[name] === now[name])) {
+      // The drag was taken back: there was none.
+      this.#past.pop();
+      this.#last.what = '';
+      return this.#tell();
+    }
     if (same) return;
     this.#past.push(stepOf(before));
     if (this.#past.length > MOST) this.#past.shift();
