@@ -240,7 +240,7 @@ test('everything can be taken along, in the formats that others read', async () 
   assert.equal(glb.subarray(0, 4).toString(), 'glTF');
   const document = JSON.parse(glb.subarray(20, 20 + glb.readUInt32LE(12)));
   assert.equal(document.accessors[document.meshes[0].primitives[0].attributes.POSITION].count, path.points.length);
-  const colours = await saved('Colours · GLB');
+  const colours = await saved('Distance · GLB');
   assert.equal(colours.name, 'plane.field.glb');
   const coloured = JSON.parse(colours.bytes.subarray(20, 20 + colours.bytes.readUInt32LE(12)));
   assert.ok('COLOR_0' in coloured.meshes[0].primitives[0].attributes, 'the field is on it');

@@ -184,6 +184,43 @@ test('another method: its time, its error as the server has it, and the overlay'
   await page.context().close();
 });
 
+test('a comparison that is stopped says so, and goes on from there when it is asked for again', async () => {
+  const page = await openMesh(browser, service, plane, '&from=9700,0.3,0.3');
+  await page.waitForSelector('.legend:not([hidden])');
+  // One method's answer does not come.
+  let held = true;
+  await page.route(/\/distance/, (route) => {
+    const { url, body } = { url: route.request().url(), body: route.request().postData() ?? '' };
+    return held && (url + body).includes('dijkstra') ? undefined : route.continue();
+  });
+  await page.getByRole('button', { name: 'Compare all' }).click();
+  await until(async () => (await page.locator('.compared tbody tr .error').allTextContents()).some((text) => text !== '–'), 'the first methods');
+  await page.locator('.work', { hasText: 'Comparing' }).getByRole('button', { name: 'Cancel' }).click();
+  await page.getByText('Stopped before all methods were compared').waitFor();
+  assert.equal(await page.locator('.compared tbody tr', { hasText: 'Dijkstra' }).count(), 0);
+  held = false;
+  await page.getByRole('button', { name: 'Compare all' }).click();
+  await page.locator('.compared tbody tr', { hasText: 'Dijkstra' }).waitFor();
+  assert.equal(await page.getByText('Stopped before').count(), 0);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test('colours that do nothing for what is shown cannot be chosen', async () => {
+  const page = await openMesh(browser, service, plane, '&from=9700,0.3,0.3&from=400,0.3,0.3');
+  await page.waitForSelector('.legend:not([hidden])');
+  const disabled = async () => [await page.getByLabel('Viridis').isDisabled(), await page.getByLabel('Turbo').isDisabled()];
+  assert.deepEqual(await disabled(), [false, false]);
+  for (const shown of ['Regions', 'Error']) {
+    await page.getByLabel(shown, { exact: true }).check();
+    await until(async () => (await disabled()).every(Boolean), shown);
+  }
+  await page.getByLabel('Distance', { exact: true }).check();
+  await until(async () => !(await disabled()).some(Boolean), 'distances have a choice');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
 test('several sources divide the surface, and the path begins at the nearest', async () => {
   const page = await openMesh(browser, service, plane);
   await page.mouse.click(230, 240);

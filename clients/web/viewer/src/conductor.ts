@@ -69,6 +69,7 @@ export class Conductor {
 
   /** Stops everything that is under way, as its reader wishes. */
   stop(): void {
+    if (this.#trials.busy) this.results.set({ stopped: true });
     this.cancel();
     this.#backToShown();
   }
@@ -105,14 +106,14 @@ export class Conductor {
     if (now.mesh !== before.mesh) {
       this.cancel();
       this.#paths.clear();
-      this.results.set({ field: null, error: null, apart: null, regions: null, trials: {}, path: null, stale: false, pathMs: null, trace: null, measured: [] });
+      this.results.set({ field: null, error: null, apart: null, regions: null, trials: {}, stopped: false, path: null, stale: false, pathMs: null, trace: null, measured: [] });
       return; // whoever loads the mesh sets the surface, and then all is asked
     }
     const byOther = now.method !== before.method || now.pointsPerEdge !== before.pointsPerEdge;
     const fromOther = now.sources !== before.sources;
     if (fromOther) {
       this.#trials.cancel();
-      this.results.set({ trials: {} });
+      this.results.set({ trials: {}, stopped: false });
     }
     if (byOther || fromOther || now.show !== before.show) this.#wantField(now, byOther || this.#questions.isLong(before.method));
     if (byOther || fromOther || now.via !== before.via || now.target !== before.target || now.refine !== before.refine) {
@@ -228,7 +229,11 @@ export class Conductor {
     const exactly = question && this.#exactOf(question);
     if (!question || !exactly) return;
     const { methods } = this.results.value;
-    const stop = () => this.#trials.cancel();
+    const stop = () => {
+      this.#trials.cancel();
+      this.results.set({ stopped: true });
+    };
+    this.results.set({ stopped: false });
     const progress = this.notices.begin('Comparing all methods', stop);
     await this.#attempt(signal, 'trials', async () => {
       const exact = await this.#questions.field(exactly, signal, stop);

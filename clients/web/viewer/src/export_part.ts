@@ -6,7 +6,7 @@ import type { Results } from './results.ts';
 
 const KINDS: readonly { kind: ExportKind; label: string; title: string; has: (of: Results) => boolean }[] = [
   { kind: 'png', label: 'View · PNG', title: 'What you see, with its legend', has: ({ surface }) => surface !== null },
-  { kind: 'field.glb', label: 'Colours · GLB', title: 'The mesh, coloured by distance', has: ({ field }) => field !== null },
+  { kind: 'field.glb', label: 'Distance · GLB', title: 'The mesh, coloured by distance whatever is shown', has: ({ field }) => field !== null },
   { kind: 'path.glb', label: 'Path · GLB', title: 'A line strip for any 3D program', has: hasPath },
   { kind: 'path.json', label: 'Path · JSON', title: 'Points with their faces, as the server answered', has: hasPath },
   { kind: 'path.csv', label: 'Path · CSV', title: 'Points with the distance walked', has: hasPath },

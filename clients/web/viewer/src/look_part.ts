@@ -57,6 +57,8 @@ export function lookPart({ state, results, actions }: Parts): HTMLElement {
     show.enable('regions', now.sources.length > 1);
     show.enable('error', now.sources.length > 0);
     colours.set(now.colours);
+    // Regions and errors have colours of their own.
+    for (const map of ['viridis', 'turbo'] as const) colours.enable(map, now.show === 'distance');
     lines.value = `${now.lines}`;
     ticks.checked = now.ticks;
     edges.checked = now.edges;

@@ -28,6 +28,7 @@ export function methodPart({ state, results, actions }: Parts): HTMLElement {
     rows,
   );
   const kept = element('p', { className: 'facts' }, '–: the server had these distances already.');
+  const stopped = element('p', { className: 'facts', role: 'status' });
   const root = part(
     'Method',
     true,
@@ -36,6 +37,7 @@ export function methodPart({ state, results, actions }: Parts): HTMLElement {
     extra,
     element('label', { className: 'check', htmlFor: 'refine' }, refine, 'Pull the path straight'),
     compare,
+    stopped,
     table,
     kept,
   );
@@ -67,6 +69,7 @@ export function methodPart({ state, results, actions }: Parts): HTMLElement {
     const tried = methods.filter(({ name }) => trials[name]);
     table.hidden = !tried.some(({ name }) => trials[name]!.ms !== null || trials[name]!.mean !== null);
     kept.hidden = table.hidden || tried.every(({ name }) => trials[name]!.ms !== null);
+    stopped.textContent = results.value.stopped ? 'Stopped before all methods were compared.' : '';
     rows.replaceChildren(
       ...tried.map(({ name }) => {
         const { ms, mean, most } = trials[name]!;
@@ -90,7 +93,7 @@ export function methodPart({ state, results, actions }: Parts): HTMLElement {
   state.listen(follow);
   results.listen((now, before) => {
     if (now.methods !== before.methods) fill();
-    else if (now.trials !== before.trials) follow();
+    else if (now.trials !== before.trials || now.stopped !== before.stopped) follow();
   });
   fill();
   return root;

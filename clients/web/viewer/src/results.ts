@@ -46,6 +46,8 @@ export interface Results {
   /** How regions of several sources look; null where they are not shown. */
   readonly regions: RegionLook | null;
   readonly trials: Readonly<Record<string, Trial>>;
+  /** Whether the comparison of all methods was stopped before its end. */
+  readonly stopped: boolean;
   readonly path: Path | null;
   /** Whether the path is, or was until a moment ago, of other points than the present ones. */
   readonly stale: boolean;
@@ -69,6 +71,7 @@ export const NOTHING: Results = {
   apart: null,
   regions: null,
   trials: {},
+  stopped: false,
   path: null,
   stale: false,
   pathMs: null,
