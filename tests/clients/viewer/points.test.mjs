@@ -2,7 +2,7 @@
 // what the page says of each.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { openMesh, pathLength, picture, textAt, until } from './browser.mjs';
+import { openMesh, pathLength, picture, ready, textAt, until } from './browser.mjs';
 import { served } from './served.mjs';
 
 const { browser, service } = await served();
@@ -132,6 +132,36 @@ test('one grammar in the box: vertices, faces and places, and what is wrong is s
   await page.getByLabel('Via', { exact: true }).check();
   await place('v:500 v:600');
   await until(async () => (await page.locator('.point.via').count()) === 2, 'two via points');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test('who comes back to a mesh finds its points, its measures and its steps', async () => {
+  const knot = await service.sample('torus_knot');
+  const page = await openMesh(browser, service, plane);
+  const undo = page.getByRole('button', { name: 'Undo' });
+  await page.mouse.click(250, 330);
+  await page.mouse.click(620, 430);
+  const length = await pathLength(page);
+  await page.keyboard.press('k');
+  await textAt(page, '.measures .number', (text) => text === length);
+  await page.selectOption('#mesh', knot);
+  await ready(page);
+  assert.equal((await page.locator('.point').count()) + (await page.locator('.measures li').count()), 0);
+  assert.ok(await undo.isDisabled(), 'nothing was done on this one');
+  await page.mouse.click(392, 314);
+  await until(async () => (await page.locator('.point').count()) === 1, 'a source on the other');
+  await page.selectOption('#mesh', plane);
+  await ready(page);
+  await textAt(page, '#length', (text) => text === length);
+  await textAt(page, '.measures .number', (text) => text === length);
+  await undo.click();
+  await until(async () => (await page.locator('.measures li').count()) === 0, 'the measure is undone');
+  await undo.click();
+  await until(async () => (await page.locator('.point').count()) === 1, 'the target is undone');
+  await page.selectOption('#mesh', knot);
+  await ready(page);
+  assert.equal(await page.locator('.point').count(), 1);
   assert.deepEqual(page.faults, []);
   await page.context().close();
 });

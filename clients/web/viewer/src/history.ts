@@ -1,4 +1,4 @@
-/** Undo and redo of what a reader does to points, measures and the method; a drag is one step. */
+/** Undo and redo of what a reader does to points, measures and the method; a drag is one step. Each mesh has its own. */
 import type { State, Store } from './state.ts';
 
 /** A change of these is a step; the tool and the colours follow along. */
@@ -13,6 +13,8 @@ type Step = Pick<State, (typeof KEPT)[number]>;
 export class History {
   #past: Step[] = [];
   #future: Step[] = [];
+  /** Of the meshes that were left. */
+  readonly #left = new Map<string, { past: Step[]; future: Step[] }>();
   #going = false;
   #held = false;
   #last = { at: 0, what: '' };
@@ -58,8 +60,11 @@ export class History {
   #note(now: State, before: State): void {
     if (this.#going) return;
     if (now.mesh !== before.mesh) {
-      this.#past = [];
-      this.#future = [];
+      if (before.mesh) this.#left.set(before.mesh, { past: this.#past, future: this.#future });
+      const { past, future } = (now.mesh && this.#left.get(now.mesh)) || { past: [], future: [] };
+      this.#past = past;
+      this.#future = future;
+      this.#last.what = '';
       return this.#tell();
     }
     const what = STEPS.filter((name) => now[name] !== before[name]).join();

@@ -35,6 +35,7 @@ import { Preview } from './preview.ts';
 import { placePart } from './place_part.ts';
 import { arrowPart, hintOf, pointsPart, TOOLS } from './points_part.ts';
 import { profilePart } from './profile_part.ts';
+import { Remembered } from './remembered.ts';
 import { resultPart } from './result_part.ts';
 import { NOTHING, type Results } from './results.ts';
 import { shortcuts } from './shortcuts.ts';
@@ -116,6 +117,7 @@ function start(): void {
     },
   };
   const steps = new History(state);
+  const remembered = new Remembered();
   const parts = { state, results, actions };
   const importing = importPart(parts);
 
@@ -311,10 +313,11 @@ function start(): void {
     if (next) state.set({ method: next });
   }
 
-  /** Another mesh, without the points of the one before. */
+  /** Another mesh, with the points that it had when it was left. */
   async function choose(id: string): Promise<void> {
     if (!id || (id === state.value.mesh && results.value.surface?.id === id)) return;
-    state.set({ ...WITHOUT_POINTS, mesh: id, up: null, camera: null });
+    remembered.keep(state.value);
+    state.set({ ...remembered.of(id), mesh: id, up: null, camera: null });
     await show();
   }
 
@@ -393,6 +396,7 @@ function start(): void {
     wanted = { ...wanted, ...points };
     const other = wanted.mesh !== state.value.mesh;
     const same = linkOf(wanted) === linkOf(state.value);
+    if (other) remembered.keep(state.value);
     if (same) writeLink();
     else state.set(wanted);
     if (other) return show();
