@@ -36,6 +36,20 @@ test('glTF is believed that y is up; other formats have a switch, which is remem
   await page.context().close();
 });
 
+test('each axis that the key puts up stands in the panel', async () => {
+  const page = await openMesh(browser, service, plane);
+  for (const axis of ['Z', 'X', 'Y']) {
+    await page.keyboard.press('u');
+    await until(async () => page.getByLabel(`${axis} up`).isChecked(), `${axis} up`);
+    if (axis === 'X') {
+      await page.getByLabel('X up').scrollIntoViewIfNeeded();
+      await picture(page, '68-x-up');
+    }
+  }
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
 test('whoever has lost the mesh from sight has it back', async () => {
   const page = await openMesh(browser, service, plane);
   const first = await settled(page);

@@ -36,6 +36,7 @@ export function lookPart({ state, results, actions }: Parts): HTMLElement {
     [
       { value: 'y', label: 'Y up', title: 'As in glTF (U)' },
       { value: 'z', label: 'Z up', title: 'As in maps and most CAD programs (U)' },
+      { value: 'x', label: 'X up', title: 'As in few files (U)' },
     ] as const,
     actions.turn,
   );
@@ -63,7 +64,7 @@ export function lookPart({ state, results, actions }: Parts): HTMLElement {
     ticks.checked = now.ticks;
     edges.checked = now.edges;
     const { surface } = results.value;
-    if (surface) up.set((now.up ?? upOf(surface.about)) as 'y' | 'z');
+    if (surface) up.set(now.up ?? upOf(surface.about));
     const step = lineStepOf(field?.max ?? 0, now.lines);
     apart.textContent = now.lines === 0 ? 'none' : step > 0 ? `every ${tickText(step)}` : '';
   };

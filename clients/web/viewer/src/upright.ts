@@ -15,7 +15,7 @@ export function saysUp({ format, import: reading }: MeshMetadata): boolean {
 export function upOf(about: MeshMetadata): Axis {
   if (saysUp(about)) return 'y';
   const kept = localStorage.getItem(KEPT);
-  if (kept === 'y' || kept === 'z') return kept;
+  if (kept === 'x' || kept === 'y' || kept === 'z') return kept;
   const [x, y, z] = [0, 1, 2].map((axis) => about.bbox.max[axis]! - about.bbox.min[axis]!) as [number, number, number];
   const flat = z < 0.02 * Math.max(x, y);
   // What is much lower in z than wide is a terrain.
