@@ -12,7 +12,7 @@ import {
   computing, fieldKey, fieldQuestion, pathKey, Questions, type FieldQuestion, type PathQuestion,
 } from './questions.ts';
 import { lookOf, type RegionLook } from './regions.ts';
-import { errorAgainst, type KnownField, type Results } from './results.ts';
+import { errorAgainst, surfaceOf, type KnownField, type Results } from './results.ts';
 import { REGIONS, type Arrow, type Measure, type Spot, type State, type Store } from './state.ts';
 
 /** Milliseconds without a movement after which the path of a held point is at full strength again. */
@@ -125,7 +125,7 @@ export class Conductor {
   #wantField(now: State, interrupt: boolean): void {
     const question = fieldQuestion(now);
     if (!this.results.value.methods.length) return; // asked once it is known which are long
-    if (!question || !this.results.value.surface) {
+    if (!question || !surfaceOf(now, this.results.value)) {
       this.#field.cancel();
       this.#exact.cancel();
       return this.results.set({ field: null, error: null, regions: null });
@@ -243,9 +243,9 @@ export class Conductor {
 
   #wantPath(now: State, interrupt: boolean): void {
     const { mesh, sources, target, via, method, pointsPerEdge, refine } = now;
-    const { surface, field, methods } = this.results.value;
+    const { field, methods } = this.results.value;
     if (!methods.length) return;
-    if (!mesh || !target || !sources.length || !surface) {
+    if (!mesh || !target || !sources.length || !surfaceOf(now, this.results.value)) {
       this.#path.cancel();
       return this.results.set({ path: null, stale: false, along: null, pathMs: null });
     }
@@ -292,8 +292,9 @@ export class Conductor {
     else this.#strengthening = window.setTimeout(() => this.#judge(), rest);
   }
 
-  #wantTrace({ mesh, arrow }: State): void {
-    if (mesh && arrow && this.results.value.surface) this.#trace.ask({ mesh, arrow });
+  #wantTrace(now: State): void {
+    const { mesh, arrow } = now;
+    if (mesh && arrow && surfaceOf(now, this.results.value)) this.#trace.ask({ mesh, arrow });
     else {
       this.#trace.cancel();
       this.results.set({ trace: null });
@@ -308,11 +309,11 @@ export class Conductor {
     });
   }
 
-  #wantMeasures({ measures }: State): void {
+  #wantMeasures(now: State): void {
+    const { measures } = now;
     const measured = measures.map((measure) => this.#paths.get(measure) ?? null);
     this.results.set({ measured });
-    const { surface, methods } = this.results.value;
-    if (surface && methods.length && measured.includes(null)) this.#measures.ask(measures);
+    if (surfaceOf(now, this.results.value) && this.results.value.methods.length && measured.includes(null)) this.#measures.ask(measures);
   }
 
   /** Takes a path that is there already into the list, so that it is not asked again. */

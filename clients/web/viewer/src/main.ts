@@ -36,7 +36,7 @@ import { placePart } from './place_part.ts';
 import { arrowPart, hintOf, pointsPart, TOOLS } from './points_part.ts';
 import { profilePart } from './profile_part.ts';
 import { resultPart } from './result_part.ts';
-import { NOTHING, type Results } from './results.ts';
+import { NOTHING, surfaceOf, type Results } from './results.ts';
 import { shortcuts } from './shortcuts.ts';
 import { Stage } from './stage.ts';
 import { MOST_SOURCES, START, Store, WITHOUT_POINTS, type Axis, type Spot, type State } from './state.ts';
@@ -199,7 +199,7 @@ function start(): void {
     overlay,
     picking,
     state,
-    surface: () => results.value.surface,
+    surface: present,
     dragging: (handle) => {
       view.still = handle?.kind === 'source';
       steps.hold(handle !== null);
@@ -218,7 +218,8 @@ function start(): void {
     overlay.follow(now, before, results.value, results.value);
     legend.follow(now, results.value);
     notices.hint(hintOf(now));
-    if (now.measures !== before.measures || now.mesh !== before.mesh) notices.clearTroubles();
+    if (now.mesh !== before.mesh && results.value.surface?.id === before.mesh) left = before;
+    if (!returning && (now.measures !== before.measures || now.mesh !== before.mesh)) notices.clearTroubles();
     writeLink();
   });
   results.listen((now, before) => {
@@ -311,9 +312,29 @@ function start(): void {
     await show();
   }
 
+  /** The mesh that is chosen, if it is the one that is drawn: only on that points are placed. */
+  function present(): Surface | null {
+    return surfaceOf(state.value, results.value);
+  }
+
+  /** What was seen when another mesh was chosen. */
+  let left: State | null = null;
+  let returning = false;
+
+  /** The mesh that was chosen does not come: the one that is still drawn is chosen again, with its points. */
+  function goBack(): void {
+    const { surface } = results.value;
+    if (!surface) return;
+    returning = true; // why it does not come stays to be read
+    state.set(left?.mesh === surface.id ? left : { ...WITHOUT_POINTS, mesh: surface.id, up: null, camera: null });
+    returning = false;
+    conductor.askAgain();
+    document.body.dataset['state'] = 'ready';
+  }
+
   /** Places what was typed as the tool says; whether it could. */
   async function placeTyped(text: string): Promise<boolean> {
-    const { surface } = results.value;
+    const surface = present();
     const points = pointsInLine(text);
     if (!surface || !points) {
       if (surface && text.trim()) {
@@ -339,7 +360,7 @@ function start(): void {
   async function locate(points: readonly Typed[], surface: Surface): Promise<(Spot | null)[] | null> {
     try {
       const { spots, far } = await spotsOf(points, surface, access.client);
-      if (results.value.surface !== surface) return null; // another mesh was chosen meanwhile
+      if (present() !== surface) return null; // another mesh was chosen meanwhile
       if (far) {
         notices.remark({
           title: 'Far from the surface',
@@ -360,7 +381,7 @@ function start(): void {
   }
 
   async function sourcesFrom(file: File): Promise<void> {
-    const { surface } = results.value;
+    const surface = present();
     if (!surface) return;
     const { points, strange } = pointsInFile(await file.text(), MOST_SOURCES + 1);
     const told = (detail: string) =>
@@ -446,13 +467,20 @@ function start(): void {
     const { mesh, camera } = state.value;
     if (!mesh) return;
     document.body.dataset['state'] = 'loading';
-    const present = results.value.surface;
-    if (present?.id === mesh) dropForeignPoints(present);
-    else if (!(await meshes.load(mesh, dropForeignPoints, (about, part) => preview.show(about, part)))) {
-      if (state.value.mesh !== mesh) return; // another one is on its way
-      preview.end();
-      document.body.dataset['state'] = 'failed';
-      return;
+    const drawn = present();
+    if (drawn) {
+      meshes.stay();
+      dropForeignPoints(drawn);
+      conductor.askAgain();
+    } else {
+      const loaded = await meshes.load(mesh, dropForeignPoints, (about, part) => preview.show(about, part));
+      if (loaded === 'left' || state.value.mesh !== mesh) return; // another one is on its way
+      if (loaded !== 'there') {
+        preview.end();
+        document.body.dataset['state'] = 'failed';
+        if (loaded === 'failed') goBack();
+        return;
+      }
     }
     preview.end();
     const surface = results.value.surface!;
@@ -460,9 +488,9 @@ function start(): void {
     // What is not in the file goes into the link, so that others see the same.
     if (!turned && !saysUp(surface.about)) state.set({ up: upOf(surface.about) });
     look(camera);
-    const drawn = nextPicture();
+    const picture = nextPicture();
     await picking.take(surface);
-    await drawn;
+    await picture;
     document.body.dataset['state'] = 'ready';
   }
 

@@ -4,6 +4,7 @@
  */
 import type { MeshMetadata, MethodInfo, Path, Trace } from 'geodesicd-client';
 import type { RegionLook } from './regions.ts';
+import type { State } from './state.ts';
 import type { Surface } from './surface.ts';
 
 /** A distance a source vertex (mesh units, +Infinity where unreached), as it was answered. */
@@ -77,6 +78,11 @@ export const NOTHING: Results = {
   trace: null,
   measured: [],
 };
+
+/** The surface of the state's mesh; null while it is on its way and another one is still drawn. */
+export function surfaceOf({ mesh }: State, { surface }: Results): Surface | null {
+  return surface?.id === mesh ? surface : null;
+}
 
 /** The error of `values` against `exact`, both a distance a vertex; where either is unreached it is 0. */
 export function errorAgainst(values: Float32Array, exact: Float32Array): FieldError {
