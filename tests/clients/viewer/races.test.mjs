@@ -83,3 +83,87 @@ test('a mesh on its way does not take the place of one that is chosen again', as
   assert.match(await page.title(), /^plane\.glb ·/);
   await page.context().close();
 });
+
+const legend = (page) => page.evaluate(() => {
+  const shown = document.querySelector('.legend');
+  return shown && !shown.hidden ? shown.textContent : null;
+});
+
+/** The next answer of a question that fits, once the page can have taken it. */
+async function answered(page, fits, act) {
+  const end = new Promise((resolve) => {
+    const done = (request) => fits(request.url()) && resolve();
+    page.on('requestfinished', done);
+    page.on('requestfailed', done);
+  });
+  await act();
+  await end;
+  for (let turns = 0; turns < 5; turns++) await page.evaluate(() => new Promise((go) => setTimeout(go)));
+}
+
+test('undone while its field is on its way, a point takes that field along', async () => {
+  const page = await openMesh(browser, service, plane, '&from=9700,0.3,0.3');
+  const was = await until(() => legend(page), 'the first field');
+  const held = await hold(page, '**/distance**');
+  await place(page, '0');
+  await until(() => held.waiting.length > 0, 'the question for the second');
+  await answered(page, (url) => url.includes('/distance'), async () => {
+    await page.getByRole('button', { name: 'Undo' }).click();
+    held.release();
+  });
+  assert.equal(await legend(page), was);
+  // The same point again has its own field all the same.
+  await page.getByRole('button', { name: 'Redo' }).click();
+  await until(async () => (await legend(page)) !== was, 'the second field');
+  await page.context().close();
+});
+
+test('back at the method before, nothing of the other one comes', async () => {
+  const page = await openMesh(browser, service, plane, '&from=9700,0.3,0.3');
+  const was = await until(() => legend(page), 'the first field');
+  const held = await hold(page, '**/distance**');
+  await page.getByLabel('Dijkstra').check();
+  await until(() => held.waiting.length > 0, 'the question for the second');
+  await answered(page, (url) => url.includes('/distance'), async () => {
+    await page.getByLabel('Auto').check();
+    held.release();
+  });
+  assert.equal(await legend(page), was);
+  await page.context().close();
+});
+
+test('a field that does not come takes the one of other points away', async () => {
+  const page = await openMesh(browser, service, plane, '&from=9700,0.3,0.3');
+  const was = await until(() => legend(page), 'the field');
+  await page.route('**/distance**', problem(413, 'too_large'));
+  await place(page, '0');
+  await page.locator('.trouble').waitFor();
+  await until(async () => (await legend(page)) === null, 'the old field is gone');
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await until(async () => (await legend(page)) === was, 'with its own point it is back');
+  await page.context().close();
+});
+
+test('a straight line that does not come takes the one before away', async () => {
+  const page = await openMesh(browser, service, plane, '&arrow=9700,0.3,0.3;1,0,0;20');
+  const said = page.locator('.arrow-part .facts');
+  await until(async () => /Ends/.test(await said.textContent()), 'the line');
+  await page.route('**/trace**', problem(413, 'too_large'));
+  await page.keyboard.press('5');
+  await place(page, '20');
+  await page.locator('.trouble').waitFor();
+  await until(async () => (await said.textContent()) === '', 'the old line is gone');
+  await page.context().close();
+});
+
+test('stopped, a field of other points is not left under the new ones', async () => {
+  const page = await openMesh(browser, service, plane, '&from=9700,0.3,0.3');
+  await until(() => legend(page), 'the field');
+  const held = await hold(page, '**/distance**');
+  await place(page, '0');
+  await until(() => held.waiting.length > 0, 'the question');
+  await page.locator('canvas').first().focus();
+  await page.keyboard.press('Escape');
+  await until(async () => (await legend(page)) === null, 'the old field is gone');
+  await page.context().close();
+});

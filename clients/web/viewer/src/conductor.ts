@@ -45,7 +45,7 @@ export class Conductor {
     state.listen((now, before) => this.#follow(now, before));
     results.listen((now, before) => {
       // A path by a long method waits for its field; so does the choice among several sources.
-      if (now.field !== before.field) this.#wantPath(this.state.value, false);
+      if (now.field && now.field !== before.field) this.#wantPath(this.state.value, false);
       if (now.surface !== before.surface && now.surface) this.askAgain();
     });
     connection.onBack(() => {
@@ -73,10 +73,11 @@ export class Conductor {
     this.#backToShown();
   }
 
-  /** What is chosen is what is seen: after a cancelled field the method of the one that stays. */
+  /** What is chosen is what is seen: after a cancelled field the method of the one that stays, if its points are the present ones. */
   #backToShown(): void {
     const { field } = this.results.value;
     if (field && field.method !== this.state.value.method) this.state.set({ method: field.method });
+    else this.#dropField();
   }
 
   /** Whoever asked is gone, or cannot hear: the server need not go on. */
@@ -136,7 +137,7 @@ export class Conductor {
         this.#field.cancel();
         this.#show(kept);
       } else this.#field.ask(question, interrupt);
-    }
+    } else this.#field.cancel(); // what is on its way is not wanted any more: the points went back
     const divided = now.show === 'regions' && now.sources.length > 1 && now.sources.length <= REGIONS && !this.#questions.isLong(now.method);
     if (divided) this.#apart.ask(question);
     else this.#apart.cancel();
@@ -165,8 +166,16 @@ export class Conductor {
         this.#field.cancel();
         this.#backToShown();
       };
-      this.#show(await this.#questions.field(asked, signal, stop));
-    });
+      const field = await this.#questions.field(asked, signal, stop);
+      if (!signal.aborted) this.#show(field);
+    }, () => this.#dropField());
+  }
+
+  /** Takes away a field of other points or another method than the present ones, as theirs does not come. */
+  #dropField(): void {
+    const question = fieldQuestion(this.state.value);
+    if (question && this.results.value.field?.key === fieldKey(question)) return;
+    this.results.set({ field: null, error: null, apart: null, regions: null });
   }
 
   #show(field: KnownField): void {
@@ -269,7 +278,7 @@ export class Conductor {
   async #askPath(asked: PathQuestion, signal: AbortSignal): Promise<void> {
     await this.#attempt(signal, async () => {
       const path = await this.#questions.path(asked, signal, () => this.#path.cancel());
-      if (!this.state.value.target) return;
+      if (signal.aborted || !this.state.value.target) return;
       this.#pathKey = asked.key;
       const stale = this.results.value.stale || asked.key !== pathKey(this.state.value);
       this.results.set({ path, stale, along: null, pathMs: computing(path.timing) });
@@ -305,8 +314,8 @@ export class Conductor {
     await this.#attempt(signal, async () => {
       const { from, direction, length } = arrow;
       const trace = await this.access.client.trace(mesh, { from, direction, length }, { signal });
-      if (this.state.value.arrow) this.results.set({ trace });
-    });
+      if (this.state.value.arrow && !signal.aborted) this.results.set({ trace });
+    }, () => this.results.set({ trace: null }));
   }
 
   #wantMeasures(now: State): void {
@@ -335,13 +344,14 @@ export class Conductor {
     });
   }
 
-  /** Errors are told; an abort is somebody's wish; a lost server is the connection's matter. */
-  async #attempt(signal: AbortSignal, run: () => Promise<void>): Promise<void> {
+  /** Errors are told, and `failed` is called; an abort is somebody's wish; a lost server is the connection's matter. */
+  async #attempt(signal: AbortSignal, run: () => Promise<void>, failed?: () => void): Promise<void> {
     try {
       await run();
     } catch (error) {
       if (signal.aborted || this.connection.explains(error)) return;
       this.notices.trouble(troubleOf(error), this.access.remedy(error));
+      failed?.();
     }
   }
 }
