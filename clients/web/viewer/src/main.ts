@@ -97,9 +97,9 @@ function start(): void {
     placeTyped,
     sourcesFrom: (file) => void sourcesFrom(file),
     keep: () => {
-      const { path } = results.value;
+      const { path, stale } = results.value;
       const { sources, via, target, method, refine, measures } = state.value;
-      if (!path?.reachable || !target || !sources.length || measures.length >= 50) return;
+      if (!path?.reachable || stale || !target || !sources.length || measures.length >= 50) return;
       // Several sources: the one that the path begins at.
       const { face, bary } = path.from;
       const from = sources.find((spot) => spot.face === face) ?? { face: face!, bary: bary as unknown as [number, number, number] };
