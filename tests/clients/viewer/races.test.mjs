@@ -2,7 +2,7 @@
 // present mesh and points.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { newPage, openMesh, pathLength, ready, textAt, until } from './browser.mjs';
+import { difference, newPage, openMesh, pathLength, ready, settled, until } from './browser.mjs';
 import { served } from './served.mjs';
 
 const { browser, service } = await served();
@@ -166,4 +166,69 @@ test('stopped, a field of other points is not left under the new ones', async ()
   await page.keyboard.press('Escape');
   await until(async () => (await legend(page)) === null, 'the old field is gone');
   await page.context().close();
+});
+
+test('a path of other points is neither kept nor exported', async () => {
+  const page = await openMesh(browser, service, plane, '&from=9700,0.3,0.3&to=19000,0.25,0.25');
+  await pathLength(page);
+  const keep = page.getByRole('button', { name: 'Keep' });
+  await page.getByText('Export', { exact: true }).click();
+  const exports = page.getByRole('button', { name: /^Path · / });
+  await until(async () => !(await isStale(page)) && (await keep.isEnabled()) && (await exports.first().isEnabled()), 'the path');
+  const held = await hold(page, '**/path**', problem(413, 'too_large'));
+  await page.keyboard.press('3');
+  await place(page, '0');
+  await until(() => held.waiting.length > 0, 'the question');
+  const refused = async () => {
+    assert.ok(await keep.isDisabled());
+    for (const button of await exports.all()) assert.ok(await button.isDisabled());
+    await page.locator('canvas').first().focus();
+    await page.keyboard.press('k');
+    assert.equal(await page.locator('.measures li').count(), 0);
+  };
+  await refused();
+  held.release();
+  await page.locator('.trouble').waitFor();
+  await refused();
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await until(() => keep.isEnabled(), 'with its own points it can be kept');
+  await page.context().close();
+});
+
+test('a kept measure that fails keeps none after it back', async () => {
+  const page = await newPage(browser);
+  const kept = (from, to) => `&kept=auto;1;${from},0.3,0.3;${to},0.3,0.3`;
+  await page.route('**/path**', (route) => (route.request().url().includes('19000') ? problem(413, 'too_large')(route) : route.continue()));
+  await page.goto(`${service.url}#mesh=${plane}${kept(5, 19000)}${kept(5, 900)}${kept(7, 800)}`);
+  await ready(page);
+  await until(async () => {
+    const lengths = await page.locator('.measures .number').allTextContents();
+    return lengths.length === 3 && lengths.slice(1).every((text) => /\d/.test(text));
+  }, 'the other lengths');
+  assert.match(await page.locator('.trouble').textContent(), /larger than the server allows/);
+  await page.context().close();
+});
+
+test('regions have crisp borders in whichever order their fields come', async () => {
+  const more = '&from=9700,0.3,0.3&from=1000,0.3,0.3&show=regions&lines=0';
+  const parts = { ofAll: /\/distance.*labels=(1|true)/, ofOne: /\/distance(?!.*labels=(1|true))/ };
+  const seen = [];
+  for (const [first, last] of [['ofOne', 'ofAll'], ['ofAll', 'ofOne']]) {
+    const page = await newPage(browser, { reducedMotion: 'reduce' });
+    const held = await hold(page, parts[last]);
+    let came = 0;
+    page.on('requestfinished', (request) => { if (parts[first].test(request.url())) came++; });
+    await page.goto(`${service.url}#mesh=${plane}${more}`);
+    await ready(page);
+    await until(() => came === (first === 'ofOne' ? 2 : 1) && held.waiting.length > 0, 'the first fields');
+    for (let turns = 0; turns < 5; turns++) await page.evaluate(() => new Promise((go) => setTimeout(go)));
+    let later = 0;
+    page.on('requestfinished', (request) => { if (parts[last].test(request.url())) later++; });
+    held.release();
+    await until(() => later === (last === 'ofOne' ? 2 : 1), 'the last fields');
+    await page.waitForSelector('.legend:not([hidden])');
+    seen.push(await settled(page));
+    await page.context().close();
+  }
+  assert.ok((await difference(browser, ...seen)) < 1e-4, 'both pictures are the same');
 });

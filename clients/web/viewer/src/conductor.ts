@@ -139,8 +139,8 @@ export class Conductor {
       } else this.#field.ask(question, interrupt);
     } else this.#field.cancel(); // what is on its way is not wanted any more: the points went back
     const divided = now.show === 'regions' && now.sources.length > 1 && now.sources.length <= REGIONS && !this.#questions.isLong(now.method);
-    if (divided) this.#apart.ask(question);
-    else this.#apart.cancel();
+    if (!divided) this.#apart.cancel();
+    else if (this.results.value.apart?.key !== fieldKey(question)) this.#apart.ask(question);
     const { field, regions } = this.results.value;
     if (field && !regions) this.results.set({ regions: this.#looks(field) });
     const exact = this.#exactOf(question);
@@ -179,8 +179,9 @@ export class Conductor {
   }
 
   #show(field: KnownField): void {
-    const same = field.key === this.results.value.field?.key;
-    this.results.set({ field, error: null, regions: this.#looks(field), ...(same ? {} : { apart: null }) });
+    // The fields of its sources may have come before it.
+    const apart = this.results.value.apart?.key === field.key ? this.results.value.apart : null;
+    this.results.set({ field, error: null, regions: this.#looks(field), apart });
     this.#note(field);
     this.#noteError(field);
   }
@@ -188,13 +189,14 @@ export class Conductor {
   /** Each source's field by itself; until they are here, regions have the labels' coarser borders. */
   async #askApart(asked: FieldQuestion, signal: AbortSignal): Promise<void> {
     await this.#attempt(signal, async () => {
-      const apart: KnownField[] = [];
+      const fields: KnownField[] = [];
       for (const source of asked.sources) {
         const own = { ...asked, sources: [source] };
-        apart.push(await this.#questions.field(own, signal, () => this.#apart.cancel()));
+        fields.push(await this.#questions.field(own, signal, () => this.#apart.cancel()));
       }
       const present = fieldQuestion(this.state.value);
-      if (present && fieldKey(present) === fieldKey(asked)) this.results.set({ apart });
+      const key = fieldKey(asked);
+      if (present && fieldKey(present) === key) this.results.set({ apart: { key, fields } });
     });
   }
 
@@ -333,15 +335,17 @@ export class Conductor {
   async #askMeasures(asked: readonly Measure[], signal: AbortSignal): Promise<void> {
     const { mesh, pointsPerEdge } = this.state.value;
     if (!mesh) return;
-    await this.#attempt(signal, async () => {
-      for (const measure of asked) {
-        if (this.#paths.has(measure)) continue;
+    for (const measure of asked) {
+      if (this.#paths.has(measure)) continue;
+      if (signal.aborted || this.connection.lost) return;
+      // One that fails is told, and keeps none of those after it back.
+      await this.#attempt(signal, async () => {
         const question = { ...measure, mesh, starts: [measure.from], pointsPerEdge, key: '' };
         this.#paths.set(measure, await this.#questions.path(question, signal, () => this.#measures.cancel()));
         const { measures } = this.state.value;
         this.results.set({ measured: measures.map((each) => this.#paths.get(each) ?? null) });
-      }
-    });
+      });
+    }
   }
 
   /** Errors are told, and `failed` is called; an abort is somebody's wish; a lost server is the connection's matter. */

@@ -43,7 +43,7 @@ export interface Results {
   readonly field: KnownField | null;
   readonly error: FieldError | null;
   /** Of several sources, each one's own field, for crisp borders between regions. */
-  readonly apart: readonly KnownField[] | null;
+  readonly apart: { readonly fields: readonly KnownField[]; /** Of the field of all. */ readonly key: string } | null;
   /** How regions of several sources look; null where they are not shown. */
   readonly regions: RegionLook | null;
   readonly trials: Readonly<Record<string, Trial>>;
