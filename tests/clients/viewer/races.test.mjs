@@ -232,3 +232,25 @@ test('regions have crisp borders in whichever order their fields come', async ()
   }
   assert.ok((await difference(browser, ...seen)) < 1e-4, 'both pictures are the same');
 });
+
+for (const [what, pattern] of [['methods', '**/v1/methods'], ['list of meshes', /\/v1\/meshes\?/]]) {
+  test(`a server that has no time for the ${what} at first answers all the same`, async () => {
+    const page = await newPage(browser);
+    let busy = true;
+    await page.route(pattern, (route) => (busy ? problem(503, 'overloaded')(route) : route.continue()));
+    await page.goto(`${service.url}#mesh=${plane}`);
+    await ready(page);
+    const trouble = page.locator('.trouble');
+    await trouble.waitFor();
+    busy = what !== 'methods';
+    await page.mouse.click(430, 340);
+    await page.waitForSelector('.legend:not([hidden])');
+    await page.mouse.click(330, 250);
+    await pathLength(page);
+    assert.ok((await page.locator('.methods input').count()) > 1);
+    busy = false;
+    await trouble.getByRole('button', { name: 'Try again' }).click();
+    await until(async () => (await page.locator('#mesh option').count()) > 2, 'the list');
+    await page.context().close();
+  });
+}

@@ -13,6 +13,7 @@ import { element } from './element.ts';
 import { fileEntrance, type Dropped } from './entrance.ts';
 import { exported } from './exports.ts';
 import { exportPart } from './export_part.ts';
+import { FirstQuestions } from './first_questions.ts';
 import { Gestures } from './gestures.ts';
 import { History } from './history.ts';
 import { Legend } from './legend.ts';
@@ -39,7 +40,7 @@ import { resultPart } from './result_part.ts';
 import { NOTHING, surfaceOf, type Results } from './results.ts';
 import { shortcuts } from './shortcuts.ts';
 import { Stage } from './stage.ts';
-import { MOST_SOURCES, START, Store, WITHOUT_POINTS, type Axis, type Spot, type State } from './state.ts';
+import { MOST_SOURCES, Store, WITHOUT_POINTS, type Axis, type Spot, type State } from './state.ts';
 import { ScaleBar } from './scale_bar.ts';
 import type { Surface } from './surface.ts';
 import { SurfaceView } from './surface_view.ts';
@@ -81,6 +82,7 @@ function start(): void {
   const connection = new Connection(() => access.probe, notices);
   const conductor = new Conductor(access, state, results, notices, connection);
   const meshes = new Meshes(access, results, notices, connection);
+  const firstQuestions = new FirstQuestions(access, results, meshes, notices, connection, () => void begin());
   const entrance = fileEntrance((dropped) => void take(dropped));
   const theme = new ThemeSwitch((clay) => view.setClay(clay));
 
@@ -220,6 +222,7 @@ function start(): void {
     notices.hint(hintOf(now));
     if (now.mesh !== before.mesh && results.value.surface?.id === before.mesh) left = before;
     if (!returning && (now.measures !== before.measures || now.mesh !== before.mesh)) notices.clearTroubles();
+    firstQuestions.follow(now, before, () => conductor.askAgain());
     writeLink();
   });
   results.listen((now, before) => {
@@ -531,14 +534,7 @@ function start(): void {
   async function begin(): Promise<void> {
     const { mesh } = state.value;
     const asked = mesh && results.value.surface?.id !== mesh ? show() : null;
-    try {
-      const [methods] = await Promise.all([access.client.methods(), meshes.list()]);
-      const first = ({ name }: { name: string }) => Number(name !== START.method);
-      results.set({ methods: [...methods].sort((a, b) => first(a) - first(b)) });
-      conductor.askAgain();
-    } catch (error) {
-      if (!connection.explains(error)) notices.trouble(troubleOf(error), access.remedy(error));
-    }
+    await firstQuestions.ask(() => conductor.askAgain());
     await asked;
     const { first } = meshes;
     if (!state.value.mesh && first) {
