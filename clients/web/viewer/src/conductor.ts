@@ -20,7 +20,7 @@ const AT_REST = 300;
 
 export class Conductor {
   readonly #questions: Questions;
-  readonly #field = new Newest<FieldQuestion>((asked, signal) => this.#askField(asked, signal));
+  readonly #field = new Newest<FieldQuestion>((asked, signal) => this.#askField(asked, signal), fieldKey);
   readonly #exact = new Newest<FieldQuestion>((asked, signal) => this.#askExact(asked, signal));
   readonly #apart = new Newest<FieldQuestion>((asked, signal) => this.#askApart(asked, signal));
   readonly #path = new Newest<PathQuestion>((asked, signal) => this.#askPath(asked, signal));
