@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { difference, newPage, openMesh, pathLength, ready, settled, until } from './browser.mjs';
 import { served } from './served.mjs';
+import { wavyMesh } from './wavy_mesh.mjs';
 
 const { browser, service } = await served();
 const plane = await service.sample('plane');
@@ -254,3 +255,61 @@ for (const [what, pattern] of [['methods', '**/v1/methods'], ['list of meshes', 
     await page.context().close();
   });
 }
+
+for (const [what, pattern, ask] of [
+  ['field', '**/distance**', (page) => place(page, '0')],
+  ['mesh', '**/geometry**', (page) => page.selectOption('#mesh', hole)],
+]) {
+  test(`a ${what} that fails each time, though the server is there, is not asked for without end`, async () => {
+    const page = await openMesh(browser, service, plane);
+    let tries = 0;
+    let broken = true;
+    await page.route(pattern, (route) => {
+      tries++;
+      return broken ? route.abort('connectionreset') : route.continue();
+    });
+    await ask(page);
+    const trouble = page.locator('.trouble');
+    await trouble.waitFor();
+    assert.match(await trouble.textContent(), /does not come through/);
+    assert.ok(await page.locator('.banner').isHidden());
+    const before = tries;
+    broken = false;
+    await trouble.getByRole('button', { name: 'Try again' }).click();
+    await until(() => tries > before, 'another try');
+    if (what === 'field') await until(() => legend(page), 'the field');
+    else await until(async () => /one_hole/.test(await page.title()), 'the mesh');
+    await page.context().close();
+  });
+}
+
+test('a link without a mesh, or with none that could be, keeps the present one alive', async () => {
+  const page = await openMesh(browser, service, plane, '&from=9700,0.3,0.3');
+  await until(() => legend(page), 'the field');
+  for (const fragment of ['mesh=../../etc', '', 'from=9700,0.3,0.3&mesh=']) {
+    await page.evaluate((text) => { location.hash = text; }, fragment);
+    await until(async () => page.url().includes(`mesh=${plane}`), 'the mesh in the link');
+    await page.keyboard.press('1');
+    await page.mouse.click(430, 340);
+    await until(() => legend(page), 'the field');
+    assert.equal(await page.locator('#mesh').inputValue(), plane);
+  }
+  await page.context().close();
+});
+
+test('a mesh that was deleted elsewhere goes from the list, by a choice and by a deletion', async () => {
+  const upload = async (name) => (await service.json(`/v1/meshes?name=${name}`, { method: 'POST', body: wavyMesh(name.length) })).id;
+  const [one, other] = [await upload('gone.obj'), await upload('gone_too.obj')];
+  const page = await openMesh(browser, service, one);
+  const listed = (id) => page.locator(`#mesh option[value="${id}"]`).count();
+  assert.equal((await listed(one)) + (await listed(other)), 2);
+  for (const id of [one, other]) await fetch(new URL(`/v1/meshes/${id}`, service.url), { method: 'DELETE' });
+  await page.selectOption('#mesh', other);
+  await until(async () => (await listed(other)) === 0, 'the one that was chosen is not listed');
+  assert.equal(await page.locator('#mesh').inputValue(), one);
+  await page.getByRole('button', { name: 'Delete this mesh' }).click();
+  await page.getByRole('button', { name: 'Delete', exact: true }).click();
+  await until(async () => (await listed(one)) === 0, 'the one that was shown is not listed');
+  await until(async () => /plane|sphere|saddle|terrain|torus/.test(await page.title()), 'another mesh');
+  await page.context().close();
+});

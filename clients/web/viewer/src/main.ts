@@ -454,8 +454,10 @@ function start(): void {
   }
 
   /** A whole state, from a link. */
-  async function followLink(wanted: State): Promise<void> {
-    if (linkOf(wanted) === linkOf(state.value)) return;
+  async function followLink(said: State): Promise<void> {
+    // A link that says no mesh is about the present one: without one nothing could be asked.
+    const wanted = { ...said, mesh: said.mesh ?? state.value.mesh };
+    if (linkOf(wanted) === linkOf(state.value)) return writeLink();
     const other = wanted.mesh !== state.value.mesh;
     state.set(wanted);
     if (other) await show();

@@ -100,6 +100,7 @@ export class Meshes {
       if (signal.aborted) return 'failed';
       if (this.connection.explains(error)) return 'lost';
       this.notices.trouble(troubleOf(error), this.access.remedy(error));
+      if (isUnknown(error)) this.#drop(id);
       return 'failed';
     } finally {
       progress.end();
@@ -189,9 +190,16 @@ export class Meshes {
   /** Deletes a mesh on the server; whether it is gone. What goes wrong is told. */
   async delete(id: string): Promise<boolean> {
     return this.#attempt(async () => {
-      await this.access.client.deleteMesh(id);
-      this.results.set({ meshes: this.results.value.meshes.filter((mesh) => mesh.id !== id) });
+      await this.access.client.deleteMesh(id).catch((error: unknown) => {
+        if (!isUnknown(error)) throw error; // somebody else was faster
+      });
+      this.#drop(id);
     });
+  }
+
+  /** Out of the list, as the server does not have it any more. */
+  #drop(id: string): void {
+    this.results.set({ meshes: this.results.value.meshes.filter((mesh) => mesh.id !== id) });
   }
 
   async #attempt(act: () => Promise<void>): Promise<boolean> {
@@ -216,4 +224,8 @@ export class Meshes {
     order.sort((a, b) => a.label.localeCompare(b.label) || a.mesh.id.localeCompare(b.mesh.id));
     this.results.set({ meshes: order.map(({ mesh }) => mesh) });
   }
+}
+
+function isUnknown(error: unknown): boolean {
+  return error instanceof GeodesicError && error.code === 'mesh_unknown';
 }
