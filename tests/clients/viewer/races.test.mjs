@@ -2,7 +2,7 @@
 // present mesh and points.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { difference, newPage, openMesh, pathLength, ready, settled, until } from './browser.mjs';
+import { difference, drop, newPage, openMesh, pathLength, ready, settled, until } from './browser.mjs';
 import { served } from './served.mjs';
 import { wavyMesh } from './wavy_mesh.mjs';
 
@@ -311,5 +311,59 @@ test('a mesh that was deleted elsewhere goes from the list, by a choice and by a
   await page.getByRole('button', { name: 'Delete', exact: true }).click();
   await until(async () => (await listed(one)) === 0, 'the one that was shown is not listed');
   await until(async () => /plane|sphere|saddle|terrain|torus/.test(await page.title()), 'another mesh');
+  await page.context().close();
+});
+
+test('points of a link that the mesh does not have are left out, for good', async () => {
+  const page = await openMesh(browser, service, plane, '&from=9700,0.3,0.3&to=999999,0.2,0.2&kept=auto;1;5,0.3,0.3;999999,0.3,0.3&kept=auto;1;5,0.3,0.3;900,0.3,0.3');
+  await until(() => legend(page), 'the field');
+  assert.match(await page.locator('.trouble').textContent(), /not on the mesh/);
+  assert.equal(await page.locator('.measures li').count(), 1);
+  assert.ok(await page.getByRole('button', { name: 'Undo' }).isDisabled(), 'there is nothing to undo');
+  // The same of a link to the mesh that is shown.
+  page.asked.length = 0;
+  await page.getByRole('button', { name: 'Close this message' }).click();
+  await place(page, '0');
+  await page.locator('#place:not([hidden])').waitFor();
+  await page.evaluate((id) => { location.hash = `mesh=${id}&from=999999,0.3,0.3&to=5,0.3,0.3`; }, plane);
+  await page.locator('.trouble').waitFor();
+  assert.match(await page.locator('.trouble').textContent(), /not on the mesh/);
+  assert.equal(await points(page), 1);
+  assert.deepEqual(page.asked.filter((url) => url.includes('999999') && url.includes('/v1/')), [], 'the server is not asked for them');
+  await page.context().close();
+});
+
+test('a link to another mesh says nothing of its points by the mesh before', async () => {
+  const page = await openMesh(browser, service, plane);
+  await place(page, '0');
+  const told = page.locator('#place');
+  await until(() => told.isVisible(), 'the place');
+  const held = await hold(page, '**/geometry**');
+  await page.evaluate((id) => { location.hash = `mesh=${id}&from=900,0.3,0.3`; }, hole);
+  await until(() => held.waiting.length > 0, 'the question for the mesh');
+  assert.ok(await told.isHidden());
+  held.release();
+  await until(() => legend(page), 'the field');
+  assert.ok(await told.isHidden());
+  await page.context().close();
+});
+
+test('an upload that ends after points were placed leaves them, and offers its mesh', async () => {
+  const page = await openMesh(browser, service, plane);
+  const held = await hold(page, (url) => /\/v1\/meshes$/.test(url.pathname) && url.searchParams.has('name'));
+  await drop(page, 'late.obj', wavyMesh(17));
+  await until(() => held.waiting.length > 0, 'the upload');
+  await place(page, '5');
+  await place(page, '7777');
+  const length = await pathLength(page);
+  held.release();
+  const remark = page.locator('.remark');
+  await remark.waitFor();
+  assert.match(await remark.textContent(), /late\.obj is here/);
+  assert.equal(await page.textContent('#length'), length);
+  assert.equal(await points(page), 2);
+  await remark.getByRole('button', { name: 'Show it' }).click();
+  await until(async () => /^late\.obj/.test(await page.title()), 'the mesh');
+  assert.equal(await points(page), 0);
   await page.context().close();
 });

@@ -40,6 +40,13 @@ export class History {
     this.#last.what = '';
   }
 
+  /** What is done here is no step of its reader's, and cannot be undone. */
+  quietly(act: () => void): void {
+    this.#going = true;
+    act();
+    this.#going = false;
+  }
+
   undo(): void {
     this.#go(this.#past, this.#future);
   }

@@ -8,12 +8,14 @@ import type { Reading } from 'geodesicd-client';
 import { Access } from './access.ts';
 import { Conductor } from './conductor.ts';
 import { Connection } from './connection.ts';
+import { hasNewPoints } from './arrivals.ts';
 import { ask } from './dialog.ts';
 import { element } from './element.ts';
 import { fileEntrance, type Dropped } from './entrance.ts';
 import { exported } from './exports.ts';
 import { exportPart } from './export_part.ts';
 import { FirstQuestions } from './first_questions.ts';
+import { withoutForeign } from './foreign_points.ts';
 import { Gestures } from './gestures.ts';
 import { History } from './history.ts';
 import { Legend } from './legend.ts';
@@ -401,11 +403,12 @@ function start(): void {
   async function take(dropped: readonly Dropped[]): Promise<void> {
     notices.clearTroubles();
     const reading = importing.reading();
+    const before = state.value;
     let shown = false;
     for (const each of dropped) {
       const id = await meshes.upload(each, reading);
       if (!id) continue;
-      if (!shown) await choose(id);
+      if (!shown) await showArrived(id, before);
       shown = true;
     }
   }
@@ -414,8 +417,19 @@ function start(): void {
     const { surface } = results.value;
     if (!surface) return;
     notices.clearTroubles();
+    const before = state.value;
     const id = await meshes.readAgain(surface.id, reading);
-    if (id) await choose(id);
+    if (id) await showArrived(id, before);
+  }
+
+  /** A mesh that has come, unless it would take away points that were placed while it came. */
+  async function showArrived(id: string, before: State): Promise<void> {
+    if (id === state.value.mesh || !hasNewPoints(state.value, before)) return choose(id);
+    const about = results.value.meshes.find((mesh) => mesh.id === id);
+    notices.remark(
+      { title: `${about ? meshName(about) : 'The mesh'} is here`, advice: 'It is in the list of meshes: your points stay on the one that you see.', detail: '' },
+      { label: 'Show it', run: () => void choose(id) },
+    );
   }
 
   function renameMesh(): void {
@@ -459,9 +473,12 @@ function start(): void {
     const wanted = { ...said, mesh: said.mesh ?? state.value.mesh };
     if (linkOf(wanted) === linkOf(state.value)) return writeLink();
     const other = wanted.mesh !== state.value.mesh;
-    state.set(wanted);
+    const surface = present();
+    const kept = !other && surface ? withoutForeign(wanted, surface) : null;
+    state.set(kept ?? wanted);
     if (other) await show();
     else {
+      if (kept) tellForeign();
       turned = wanted.up !== null;
       look(wanted.camera);
     }
@@ -515,16 +532,13 @@ function start(): void {
 
   /** A link may have been mended by hand: points that the mesh does not have are told and left out. */
   function dropForeignPoints(surface: Surface): void {
-    const { sources, via, target, arrow, measures } = state.value;
-    const all = [...sources, ...via, target, arrow?.from].filter((spot) => spot != null);
-    if (all.every((spot) => surface.has(spot))) return;
-    state.set({
-      sources: sources.filter((spot) => surface.has(spot)),
-      via: via.filter((spot) => surface.has(spot)),
-      target: target && surface.has(target) ? target : null,
-      arrow: arrow && surface.has(arrow.from) ? arrow : null,
-      measures: measures.filter(({ from, to }) => surface.has(from) && surface.has(to)),
-    });
+    const kept = withoutForeign(state.value, surface);
+    if (!kept) return;
+    steps.quietly(() => state.set(kept)); // to undo it would bring them back
+    tellForeign();
+  }
+
+  function tellForeign(): void {
     notices.trouble({
       title: 'Some points of this link are not on the mesh',
       advice: 'They were left out. The link may belong to another mesh.',
