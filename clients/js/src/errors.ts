@@ -77,9 +77,12 @@ export class GeodesicError extends Error {
 /** No reply: no connection, or one that was lost. `cause` is what the platform said. */
 export class NetworkError extends Error {
   override readonly name = 'NetworkError';
+  /** What was asked for. */
+  readonly url: string;
 
   constructor(url: string, cause: unknown) {
     super(`no reply from ${url}: ${reasonOf(cause)}${hintOf(url)}`, { cause });
+    this.url = url;
   }
 }
 

@@ -12,7 +12,7 @@ import {
   computing, fieldKey, fieldQuestion, pathKey, Questions, type FieldQuestion, type PathQuestion,
 } from './questions.ts';
 import { lookOf, type RegionLook } from './regions.ts';
-import { errorAgainst, type KnownField, type Results } from './results.ts';
+import { errorAgainst, surfaceOf, type KnownField, type Results } from './results.ts';
 import { REGIONS, type Arrow, type Measure, type Spot, type State, type Store } from './state.ts';
 
 /** Milliseconds without a movement after which the path of a held point is at full strength again. */
@@ -20,7 +20,7 @@ const AT_REST = 300;
 
 export class Conductor {
   readonly #questions: Questions;
-  readonly #field = new Newest<FieldQuestion>((asked, signal) => this.#askField(asked, signal));
+  readonly #field = new Newest<FieldQuestion>((asked, signal) => this.#askField(asked, signal), fieldKey);
   readonly #exact = new Newest<FieldQuestion>((asked, signal) => this.#askExact(asked, signal));
   readonly #apart = new Newest<FieldQuestion>((asked, signal) => this.#askApart(asked, signal));
   readonly #path = new Newest<PathQuestion>((asked, signal) => this.#askPath(asked, signal));
@@ -45,7 +45,7 @@ export class Conductor {
     state.listen((now, before) => this.#follow(now, before));
     results.listen((now, before) => {
       // A path by a long method waits for its field; so does the choice among several sources.
-      if (now.field !== before.field) this.#wantPath(this.state.value, false);
+      if (now.field && now.field !== before.field) this.#wantPath(this.state.value, false);
       if (now.surface !== before.surface && now.surface) this.askAgain();
     });
     connection.onBack(() => {
@@ -74,10 +74,11 @@ export class Conductor {
     this.#backToShown();
   }
 
-  /** What is chosen is what is seen: after a cancelled field the method of the one that stays. */
+  /** What is chosen is what is seen: after a cancelled field the method of the one that stays, if its points are the present ones. */
   #backToShown(): void {
     const { field } = this.results.value;
     if (field && field.method !== this.state.value.method) this.state.set({ method: field.method });
+    else this.#dropField();
   }
 
   /** Whoever asked is gone, or cannot hear: the server need not go on. */
@@ -126,7 +127,7 @@ export class Conductor {
   #wantField(now: State, interrupt: boolean): void {
     const question = fieldQuestion(now);
     if (!this.results.value.methods.length) return; // asked once it is known which are long
-    if (!question || !this.results.value.surface) {
+    if (!question || !surfaceOf(now, this.results.value)) {
       this.#field.cancel();
       this.#exact.cancel();
       return this.results.set({ field: null, error: null, regions: null });
@@ -137,10 +138,10 @@ export class Conductor {
         this.#field.cancel();
         this.#show(kept);
       } else this.#field.ask(question, interrupt);
-    }
+    } else this.#field.cancel(); // what is on its way is not wanted any more: the points went back
     const divided = now.show === 'regions' && now.sources.length > 1 && now.sources.length <= REGIONS && !this.#questions.isLong(now.method);
-    if (divided) this.#apart.ask(question);
-    else this.#apart.cancel();
+    if (!divided) this.#apart.cancel();
+    else if (this.results.value.apart?.key !== fieldKey(question)) this.#apart.ask(question);
     const { field, regions } = this.results.value;
     if (field && !regions) this.results.set({ regions: this.#looks(field) });
     const exact = this.#exactOf(question);
@@ -166,13 +167,22 @@ export class Conductor {
         this.#field.cancel();
         this.#backToShown();
       };
-      this.#show(await this.#questions.field(asked, signal, stop));
-    });
+      const field = await this.#questions.field(asked, signal, stop);
+      if (!signal.aborted) this.#show(field);
+    }, () => this.#dropField());
+  }
+
+  /** Takes away a field of other points or another method than the present ones, as theirs does not come. */
+  #dropField(): void {
+    const question = fieldQuestion(this.state.value);
+    if (question && this.results.value.field?.key === fieldKey(question)) return;
+    this.results.set({ field: null, error: null, apart: null, regions: null });
   }
 
   #show(field: KnownField): void {
-    const same = field.key === this.results.value.field?.key;
-    this.results.set({ field, error: null, regions: this.#looks(field), ...(same ? {} : { apart: null }) });
+    // The fields of its sources may have come before it.
+    const apart = this.results.value.apart?.key === field.key ? this.results.value.apart : null;
+    this.results.set({ field, error: null, regions: this.#looks(field), apart });
     this.#note(field);
     this.#noteError(field);
   }
@@ -180,13 +190,14 @@ export class Conductor {
   /** Each source's field by itself; until they are here, regions have the labels' coarser borders. */
   async #askApart(asked: FieldQuestion, signal: AbortSignal): Promise<void> {
     await this.#attempt(signal, 'apart', async () => {
-      const apart: KnownField[] = [];
+      const fields: KnownField[] = [];
       for (const source of asked.sources) {
         const own = { ...asked, sources: [source] };
-        apart.push(await this.#questions.field(own, signal, () => this.#apart.cancel()));
+        fields.push(await this.#questions.field(own, signal, () => this.#apart.cancel()));
       }
       const present = fieldQuestion(this.state.value);
-      if (present && fieldKey(present) === fieldKey(asked)) this.results.set({ apart });
+      const key = fieldKey(asked);
+      if (present && fieldKey(present) === key) this.results.set({ apart: { key, fields } });
     });
   }
 
@@ -248,9 +259,9 @@ export class Conductor {
 
   #wantPath(now: State, interrupt: boolean): void {
     const { mesh, sources, target, via, method, pointsPerEdge, refine } = now;
-    const { surface, field, methods } = this.results.value;
+    const { field, methods } = this.results.value;
     if (!methods.length) return;
-    if (!mesh || !target || !sources.length || !surface) {
+    if (!mesh || !target || !sources.length || !surfaceOf(now, this.results.value)) {
       this.#path.cancel();
       return this.results.set({ path: null, stale: false, along: null, pathMs: null });
     }
@@ -274,7 +285,7 @@ export class Conductor {
   async #askPath(asked: PathQuestion, signal: AbortSignal): Promise<void> {
     await this.#attempt(signal, 'path', async () => {
       const path = await this.#questions.path(asked, signal, () => this.#path.cancel());
-      if (!this.state.value.target) return;
+      if (signal.aborted || !this.state.value.target) return;
       this.#pathKey = asked.key;
       const stale = this.results.value.stale || asked.key !== pathKey(this.state.value);
       this.results.set({ path, stale, along: null, pathMs: computing(path.timing) });
@@ -297,8 +308,9 @@ export class Conductor {
     else this.#strengthening = window.setTimeout(() => this.#judge(), rest);
   }
 
-  #wantTrace({ mesh, arrow }: State): void {
-    if (mesh && arrow && this.results.value.surface) this.#trace.ask({ mesh, arrow });
+  #wantTrace(now: State): void {
+    const { mesh, arrow } = now;
+    if (mesh && arrow && surfaceOf(now, this.results.value)) this.#trace.ask({ mesh, arrow });
     else {
       this.#trace.cancel();
       this.results.set({ trace: null });
@@ -309,15 +321,15 @@ export class Conductor {
     await this.#attempt(signal, 'trace', async () => {
       const { from, direction, length } = arrow;
       const trace = await this.access.client.trace(mesh, { from, direction, length }, { signal });
-      if (this.state.value.arrow) this.results.set({ trace });
-    });
+      if (this.state.value.arrow && !signal.aborted) this.results.set({ trace });
+    }, () => this.results.set({ trace: null }));
   }
 
-  #wantMeasures({ measures }: State): void {
+  #wantMeasures(now: State): void {
+    const { measures } = now;
     const measured = measures.map((measure) => this.#paths.get(measure) ?? null);
     this.results.set({ measured });
-    const { surface, methods } = this.results.value;
-    if (surface && methods.length && measured.includes(null)) this.#measures.ask(measures);
+    if (surfaceOf(now, this.results.value) && this.results.value.methods.length && measured.includes(null)) this.#measures.ask(measures);
   }
 
   /** Takes a path that is there already into the list, so that it is not asked again. */
@@ -328,25 +340,31 @@ export class Conductor {
   async #askMeasures(asked: readonly Measure[], signal: AbortSignal): Promise<void> {
     const { mesh, pointsPerEdge } = this.state.value;
     if (!mesh) return;
-    await this.#attempt(signal, 'measures', async () => {
-      for (const measure of asked) {
-        if (this.#paths.has(measure)) continue;
+    for (const measure of asked) {
+      if (this.#paths.has(measure)) continue;
+      if (signal.aborted || this.connection.lost) return;
+      // One that fails is told, and keeps none of those after it back.
+      await this.#attempt(signal, 'measures', async () => {
         const question = { ...measure, mesh, starts: [measure.from], pointsPerEdge, key: '' };
         this.#paths.set(measure, await this.#questions.path(question, signal, () => this.#measures.cancel()));
         const { measures } = this.state.value;
         this.results.set({ measured: measures.map((each) => this.#paths.get(each) ?? null) });
-      }
-    });
+      });
+    }
   }
 
-  /** Errors are told, until the same goes well; an abort is somebody's wish; a lost server is the connection's matter. */
-  async #attempt(signal: AbortSignal, about: string, run: () => Promise<void>): Promise<void> {
+  /**
+   * Errors are told, until the same goes well, and `failed` is called; an abort is somebody's wish;
+   * a lost server is the connection's matter.
+   */
+  async #attempt(signal: AbortSignal, about: string, run: () => Promise<void>, failed?: () => void): Promise<void> {
     try {
       await run();
       this.notices.settle(about);
     } catch (error) {
       if (signal.aborted || this.connection.explains(error)) return;
       this.notices.trouble({ ...troubleOf(error), about }, this.access.remedy(error));
+      failed?.();
     }
   }
 }

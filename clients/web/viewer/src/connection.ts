@@ -1,6 +1,7 @@
 /**
  * A server that is gone and comes back: a banner while it is away, questions whether it is
- * there at growing intervals, and then a word to all who wait to go on.
+ * there at growing intervals, and then a word to all who wait to go on. A request that fails
+ * again although the server is there is told by itself: to go on would only fail once more.
  */
 import { GeodesicError, NetworkError, type GeodesicClient } from 'geodesicd-client';
 import type { Notices } from './notices.ts';
@@ -11,6 +12,11 @@ export class Connection {
   #lost = false;
   #timer = 0;
   #wait = 1;
+  /** Whether a question since the loss was in vain: then the server really was away. */
+  #away = false;
+  /** What failed since the loss, and what failed before although the server was there. */
+  readonly #failed = new Set<string>();
+  readonly #suspects = new Set<string>();
   readonly #back: (() => void)[] = [];
 
   /** `client` must not retry by itself: this does, and says so. */
@@ -33,12 +39,20 @@ export class Connection {
   /** Whether an error means that the server is not there; if so, the wait for it begins. */
   explains(error: unknown): boolean {
     const gone = error instanceof NetworkError || (error instanceof GeodesicError && error.code === 'draining');
-    if (gone && !this.#lost) {
-      this.#lost = true;
-      this.#wait = 1;
-      this.#schedule();
-    }
-    return gone;
+    if (!gone) return false;
+    if (error instanceof NetworkError && error.url) this.#failed.add(error.url);
+    if (this.#lost) return true;
+    this.#lost = true;
+    this.#away = false;
+    this.#wait = 1;
+    if (this.#again) void this.#ask();
+    else this.#schedule();
+    return true;
+  }
+
+  /** The first request that fails for the second time although the server was there. */
+  get #again(): string | undefined {
+    return [...this.#failed].find((url) => this.#suspects.has(url));
   }
 
   #schedule(): void {
@@ -64,6 +78,7 @@ export class Connection {
     } catch (error) {
       // A server that asks for a token is there.
       if (error instanceof NetworkError || (error instanceof GeodesicError && error.status >= 500)) {
+        this.#away = true;
         this.#wait = Math.min(LONGEST, this.#wait * 1.6);
         this.#schedule();
         return;
@@ -71,6 +86,22 @@ export class Connection {
     }
     this.#lost = false;
     this.notices.banner(null);
+    const again = this.#away ? undefined : this.#again;
+    if (this.#away) this.#suspects.clear();
+    else for (const url of this.#failed) this.#suspects.add(url);
+    this.#failed.clear();
+    if (again === undefined) return this.#goOn();
+    this.notices.trouble(
+      {
+        title: 'An answer does not come through',
+        advice: 'The server is there, but this request fails each time, maybe at something between it and this page.',
+        detail: new URL(again).pathname,
+      },
+      { label: 'Try again', run: () => this.#goOn() },
+    );
+  }
+
+  #goOn(): void {
     for (const listener of this.#back) listener();
   }
 }

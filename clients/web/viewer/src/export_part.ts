@@ -13,8 +13,9 @@ const KINDS: readonly { kind: ExportKind; label: string; title: string; has: (of
   { kind: 'field.npy', label: 'Field · NPY', title: 'A distance a vertex, for NumPy', has: ({ field }) => field !== null },
 ];
 
-function hasPath({ path }: Results): boolean {
-  return path?.reachable ?? false;
+/** A path of other points than the present ones is shown faded, and not given away. */
+function hasPath({ path, stale }: Results): boolean {
+  return !stale && (path?.reachable ?? false);
 }
 
 export function exportPart({ results, actions }: Parts): HTMLElement {

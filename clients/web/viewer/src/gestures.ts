@@ -6,7 +6,7 @@
 import { Vector3, Plane } from 'three';
 import { element } from './element.ts';
 import type { Overlay, Handle } from './overlay.ts';
-import type { Picking } from './picking.ts';
+import type { Hit, Picking } from './picking.ts';
 import type { Stage } from './stage.ts';
 import { MOST_SOURCES, type Spot, type State, type Store, type Tool } from './state.ts';
 import type { Surface } from './surface.ts';
@@ -18,6 +18,7 @@ export interface GestureOptions {
   readonly overlay: Overlay;
   readonly picking: Picking;
   readonly state: Store<State>;
+  /** The state's mesh; null while another one is still drawn. */
   readonly surface: () => Surface | null;
   /** Told when a drag begins and ends. */
   readonly dragging: (handle: Handle | null) => void;
@@ -95,8 +96,8 @@ export class Gestures {
     this.#drop();
     if (!pressed || held || event.pointerId !== pressed.id) return;
     if (Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > STILL) return;
-    const { picking, stage, state } = this.#ready;
-    const hit = picking.at(event.clientX, event.clientY, stage.camera);
+    const { state } = this.#ready;
+    const hit = this.#hit(event.clientX, event.clientY);
     const tool = pressed.shift && state.value.tool === 'source' ? 'add' : state.value.tool;
     if (hit) this.place(tool, hit.spot);
   }
@@ -116,6 +117,12 @@ export class Gestures {
     this.#options.stage.controls.enabled = true;
     this.#options.overlay.hold(null);
     this.#options.dragging(null);
+  }
+
+  /** What is under a place on the page; nothing while the mesh there is not the state's. */
+  #hit(x: number, y: number): Hit | null {
+    const { picking, stage, surface } = this.#ready;
+    return surface() ? picking.at(x, y, stage.camera) : null;
   }
 
   /** Does with a place what the tool says. */
@@ -151,9 +158,9 @@ export class Gestures {
   }
 
   #drag(handle: Handle, event: PointerEvent): void {
-    const { picking, stage, state } = this.#ready;
+    const { state } = this.#ready;
     if (handle.kind === 'tip') return this.#aim(event);
-    const spot = picking.at(event.clientX, event.clientY, stage.camera)?.spot;
+    const spot = this.#hit(event.clientX, event.clientY)?.spot;
     if (!spot) return; // beside the mesh it stays where it was last
     const { sources, via, arrow } = state.value;
     const swapped = (spots: readonly Spot[]) => spots.map((old, index) => (index === handle.index ? spot : old));
@@ -179,7 +186,7 @@ export class Gestures {
 
   #key(event: KeyboardEvent): void {
     if (!this.#options || event.ctrlKey || event.metaKey || event.altKey) return;
-    const { stage, picking, state } = this.#ready;
+    const { stage, state } = this.#ready;
     const turn = Math.PI / 36;
     const moves: Record<string, () => void> = {
       ArrowLeft: () => stage.turn(-turn, 0),
@@ -191,7 +198,7 @@ export class Gestures {
       '-': () => stage.dolly(1.15),
       Enter: () => {
         const { x, y } = this.middle;
-        const hit = picking.at(x, y, stage.camera);
+        const hit = this.#hit(x, y);
         if (hit) this.place(state.value.tool, hit.spot);
       },
     };

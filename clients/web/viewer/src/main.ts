@@ -8,11 +8,13 @@ import type { Reading } from 'geodesicd-client';
 import { Access } from './access.ts';
 import { Conductor } from './conductor.ts';
 import { Connection } from './connection.ts';
+import { hasNewPoints } from './arrivals.ts';
 import { ask } from './dialog.ts';
 import { element } from './element.ts';
 import { fileEntrance, type Dropped } from './entrance.ts';
 import { exported } from './exports.ts';
 import { exportPart } from './export_part.ts';
+import { FirstQuestions } from './first_questions.ts';
 import { Gestures } from './gestures.ts';
 import { History } from './history.ts';
 import { Legend } from './legend.ts';
@@ -37,10 +39,10 @@ import { arrowPart, hintOf, pointsPart, TOOLS } from './points_part.ts';
 import { profilePart } from './profile_part.ts';
 import { Remembered } from './remembered.ts';
 import { resultPart } from './result_part.ts';
-import { NOTHING, type Results } from './results.ts';
+import { NOTHING, surfaceOf, type Results } from './results.ts';
 import { shortcuts } from './shortcuts.ts';
 import { Stage } from './stage.ts';
-import { START, Store, WITHOUT_POINTS, type Axis, type State } from './state.ts';
+import { Store, WITHOUT_POINTS, type Axis, type State } from './state.ts';
 import { ScaleBar } from './scale_bar.ts';
 import type { Surface } from './surface.ts';
 import { SurfaceView } from './surface_view.ts';
@@ -82,6 +84,7 @@ function start(): void {
   const connection = new Connection(() => access.probe, notices);
   const conductor = new Conductor(access, state, results, notices, connection);
   const meshes = new Meshes(access, results, notices, connection);
+  const firstQuestions = new FirstQuestions(access, results, meshes, notices, connection, () => void begin());
   const entrance = fileEntrance((dropped) => void take(dropped));
   const typed = new TypedPoints({ state, results, notices, access, connection, place: (tool, spot) => gestures.place(tool, spot) });
   const theme = new ThemeSwitch((clay) => view.setClay(clay));
@@ -99,9 +102,9 @@ function start(): void {
     placeTyped: (text) => typed.place(text),
     sourcesFrom: (file) => void typed.fromFile(file),
     keep: () => {
-      const { path } = results.value;
+      const { path, stale } = results.value;
       const { sources, via, target, method, refine, measures } = state.value;
-      if (!path?.reachable || !target || !sources.length || measures.length >= 50) return;
+      if (!path?.reachable || stale || !target || !sources.length || measures.length >= 50) return;
       // Several sources: the one that the path begins at.
       const { face, bary } = path.from;
       const from = sources.find((spot) => spot.face === face) ?? { face: face!, bary: bary as unknown as [number, number, number] };
@@ -202,7 +205,7 @@ function start(): void {
     overlay,
     picking,
     state,
-    surface: () => results.value.surface,
+    surface: present,
     dragging: (handle) => {
       view.still = handle?.kind === 'source';
       steps.hold(handle !== null);
@@ -222,7 +225,9 @@ function start(): void {
     overlay.follow(now, before, results.value, results.value);
     legend.follow(now, results.value);
     notices.hint(hintOf(now));
-    if (now.measures !== before.measures || now.mesh !== before.mesh) notices.clearTroubles();
+    if (now.mesh !== before.mesh && results.value.surface?.id === before.mesh) left = before;
+    if (!returning && (now.measures !== before.measures || now.mesh !== before.mesh)) notices.clearTroubles();
+    firstQuestions.follow(now, before, () => conductor.askAgain());
     writeLink();
   });
   results.listen((now, before) => {
@@ -321,6 +326,26 @@ function start(): void {
     await show();
   }
 
+  /** The mesh that is chosen, if it is the one that is drawn: only on that points are placed. */
+  function present(): Surface | null {
+    return surfaceOf(state.value, results.value);
+  }
+
+  /** What was seen when another mesh was chosen. */
+  let left: State | null = null;
+  let returning = false;
+
+  /** The mesh that was chosen does not come: the one that is still drawn is chosen again, with its points. */
+  function goBack(): void {
+    const { surface } = results.value;
+    if (!surface) return;
+    returning = true; // why it does not come stays to be read
+    state.set(left?.mesh === surface.id ? left : { ...WITHOUT_POINTS, mesh: surface.id, up: null, camera: null });
+    returning = false;
+    conductor.askAgain();
+    document.body.dataset['state'] = 'ready';
+  }
+
   /** All that was dropped goes up; the first of it is shown. */
   async function take(dropped: readonly Dropped[]): Promise<void> {
     notices.clearTroubles();
@@ -329,11 +354,12 @@ function start(): void {
       notices.trouble({ title: 'An import option cannot be read', advice: 'Mend or empty the marked field, then open the file again.', detail: '' });
       return;
     }
+    const before = state.value;
     let shown = false;
     for (const each of dropped) {
       const id = await meshes.upload(each, reading);
       if (!id) continue;
-      if (!shown) await choose(id);
+      if (!shown) await showArrived(id, before);
       shown = true;
     }
   }
@@ -342,8 +368,19 @@ function start(): void {
     const { surface } = results.value;
     if (!surface) return;
     notices.clearTroubles();
+    const before = state.value;
     const id = await meshes.readAgain(surface.id, reading);
-    if (id) await choose(id);
+    if (id) await showArrived(id, before);
+  }
+
+  /** A mesh that has come, unless it would take away points that were placed while it came. */
+  async function showArrived(id: string, before: State): Promise<void> {
+    if (id === state.value.mesh || !hasNewPoints(state.value, before)) return choose(id);
+    const about = results.value.meshes.find((mesh) => mesh.id === id);
+    notices.remark(
+      { title: `${about ? meshName(about) : 'The mesh'} is here`, advice: 'It is in the list of meshes: your points stay on the one that you see.', detail: '' },
+      { label: 'Show it', run: () => void choose(id) },
+    );
   }
 
   function renameMesh(): void {
@@ -387,14 +424,15 @@ function start(): void {
   /** A whole state, from a link. */
   async function followLink(fragment: string): Promise<void> {
     const name = meshNameIn(fragment);
-    const mesh = name === null ? stateIn(fragment).mesh : meshes.called(name);
+    // A link that says no mesh is about the present one: without one nothing could be asked.
+    const mesh = name === null ? stateIn(fragment).mesh ?? state.value.mesh : meshes.called(name);
     if (name !== null && !mesh) return writeLink(); // all stays as it is
     let wanted = { ...stateIn(fragment), mesh };
     strange = strangeIn(fragment);
-    const present = results.value.surface;
-    const { points, lost } = present && present.id === mesh ? pointsOn(present, wanted) : { points: {}, lost: [] };
-    wanted = { ...wanted, ...points };
     const other = wanted.mesh !== state.value.mesh;
+    const surface = other ? null : present();
+    const { points, lost } = surface ? pointsOn(surface, wanted) : { points: {}, lost: [] };
+    wanted = { ...wanted, ...points };
     const same = linkOf(wanted) === linkOf(state.value);
     if (other) remembered.keep(state.value);
     if (same) writeLink();
@@ -411,18 +449,25 @@ function start(): void {
     const { mesh, camera } = state.value;
     if (!mesh) return;
     document.body.dataset['state'] = 'loading';
-    const present = results.value.surface;
     const settle = (surface: Surface) => {
       const { points, lost } = pointsOn(surface, state.value);
-      steps.quietly(() => state.set(points));
+      steps.quietly(() => state.set(points)); // to undo it would bring them back
       tellLost(lost);
     };
-    if (present?.id === mesh) settle(present);
-    else if (!(await meshes.load(mesh, settle, (about, part) => preview.show(about, part)))) {
-      if (state.value.mesh !== mesh) return; // another one is on its way
-      preview.end();
-      document.body.dataset['state'] = 'failed';
-      return;
+    const drawn = present();
+    if (drawn) {
+      meshes.stay();
+      settle(drawn);
+      conductor.askAgain();
+    } else {
+      const loaded = await meshes.load(mesh, settle, (about, part) => preview.show(about, part));
+      if (loaded === 'left' || state.value.mesh !== mesh) return; // another one is on its way
+      if (loaded !== 'there') {
+        preview.end();
+        document.body.dataset['state'] = 'failed';
+        if (loaded === 'failed') goBack();
+        return;
+      }
     }
     preview.end();
     const surface = results.value.surface!;
@@ -430,9 +475,9 @@ function start(): void {
     // What is not in the file goes into the link, so that others see the same.
     if (!turned && !saysUp(surface.about)) state.set({ up: upOf(surface.about) });
     look(camera);
-    const drawn = nextPicture();
+    const picture = nextPicture();
     await picking.take(surface);
-    await drawn;
+    await picture;
     document.body.dataset['state'] = 'ready';
   }
 
@@ -468,14 +513,7 @@ function start(): void {
   async function begin(): Promise<void> {
     const { mesh } = state.value;
     const asked = mesh && results.value.surface?.id !== mesh ? show() : null;
-    try {
-      const [methods] = await Promise.all([access.client.methods(), meshes.list()]);
-      const first = ({ name }: { name: string }) => Number(name !== START.method);
-      results.set({ methods: [...methods].sort((a, b) => first(a) - first(b)) });
-      conductor.askAgain();
-    } catch (error) {
-      if (!connection.explains(error)) notices.trouble(troubleOf(error), access.remedy(error));
-    }
+    await firstQuestions.ask(() => conductor.askAgain());
     await asked;
     const name = state.value.mesh ? null : meshNameIn(location.hash);
     if (name !== null && results.value.meshes.length) {

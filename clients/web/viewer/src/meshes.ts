@@ -19,6 +19,12 @@ const LISTED = 200;
 /** The first mesh that is shown has at most so many faces. */
 const MODEST = 200_000;
 
+/**
+ * How a load ended: the mesh is there; it does not come, which was told or is its reader's
+ * wish; it comes when the server is back; or nobody waits for it any more.
+ */
+export type Loaded = 'there' | 'failed' | 'lost' | 'left';
+
 export class Meshes {
   #loading: AbortController | null = null;
   #uploading: AbortController | null = null;
@@ -65,7 +71,7 @@ export class Meshes {
   }
 
   /**
-   * Puts a mesh into the results; whatever goes wrong is told. Answers whether it is there.
+   * Puts a mesh into the results; whatever goes wrong is told.
    * `before` sees it first: with it in the results, questions about it are asked. `arriving`
    * sees what has come of it meanwhile.
    */
@@ -73,7 +79,7 @@ export class Meshes {
     id: string,
     before: (surface: Surface) => void,
     arriving: (about: MeshMetadata, part: ArrivingGeometry) => void,
-  ): Promise<boolean> {
+  ): Promise<Loaded> {
     this.#loading?.abort();
     const loading = (this.#loading = new AbortController());
     const { signal } = loading;
@@ -96,18 +102,20 @@ export class Meshes {
           },
         }),
       ]);
-      if (signal.aborted) return false;
+      signal.throwIfAborted();
       const surface = new Surface(about, positions, triangles);
       before(surface);
       this.results.value.surface?.dispose();
       this.results.set({ surface });
       this.#put(about);
-      return true;
+      return 'there';
     } catch (error) {
-      if (!signal.aborted && !this.connection.explains(error)) {
-        this.notices.trouble(troubleOf(error), this.access.remedy(error));
-      }
-      return false;
+      if (this.#loading !== loading) return 'left';
+      if (signal.aborted) return 'failed';
+      if (this.connection.explains(error)) return 'lost';
+      this.notices.trouble(troubleOf(error), this.access.remedy(error));
+      if (isUnknown(error)) this.#drop(id);
+      return 'failed';
     } finally {
       progress.end();
     }
@@ -158,9 +166,16 @@ export class Meshes {
     }
   }
 
+  /** No mesh but the present one is wanted any more: what is on its way must not take its place. */
+  stay(): void {
+    const loading = this.#loading;
+    this.#loading = null;
+    loading?.abort();
+  }
+
   /** Ends what is under way. */
   abandon(): void {
-    this.#loading?.abort();
+    this.stay();
     this.#uploading?.abort();
   }
 
@@ -191,9 +206,16 @@ export class Meshes {
   /** Deletes a mesh on the server; whether it is gone. What goes wrong is told. */
   async delete(id: string): Promise<boolean> {
     return this.#attempt(async () => {
-      await this.access.client.deleteMesh(id);
-      this.results.set({ meshes: this.results.value.meshes.filter((mesh) => mesh.id !== id) });
+      await this.access.client.deleteMesh(id).catch((error: unknown) => {
+        if (!isUnknown(error)) throw error; // somebody else was faster
+      });
+      this.#drop(id);
     });
+  }
+
+  /** Out of the list, as the server does not have it any more. */
+  #drop(id: string): void {
+    this.results.set({ meshes: this.results.value.meshes.filter((mesh) => mesh.id !== id) });
   }
 
   async #attempt(act: () => Promise<void>): Promise<boolean> {
@@ -218,4 +240,8 @@ export class Meshes {
     order.sort((a, b) => a.label.localeCompare(b.label) || a.mesh.id.localeCompare(b.mesh.id));
     this.results.set({ meshes: order.map(({ mesh }) => mesh) });
   }
+}
+
+function isUnknown(error: unknown): boolean {
+  return error instanceof GeodesicError && error.code === 'mesh_unknown';
 }

@@ -36,8 +36,8 @@ export class Notices {
   }
 
   /** Shows in the same place what is no error, but may not be what was meant. */
-  remark(remark: Trouble): void {
-    this.#show(remark, 'trouble remark');
+  remark(remark: Trouble, action?: { label: string; run(): void }): void {
+    this.#show(remark, 'trouble remark', action);
   }
 
   #show({ title, advice, detail, about }: Trouble, className: string, action?: { label: string; run(): void }): void {

@@ -9,7 +9,7 @@ import { element } from './element.ts';
 import { Marker, REACH, type MarkerKind } from './marker.ts';
 import { lengthText, roundStep, tickText } from './numbers.ts';
 import type { Picking } from './picking.ts';
-import type { Results } from './results.ts';
+import { surfaceOf, type Results } from './results.ts';
 import type { Stage } from './stage.ts';
 import type { Spot, State } from './state.ts';
 import type { Surface } from './surface.ts';
@@ -64,10 +64,10 @@ export class Overlay {
 
   follow(state: State, before: State | null, results: Results, resultsBefore: Results | null): void {
     this.#state = state;
-    this.#surface = results.surface;
+    this.#surface = surfaceOf(state, results);
     const other = results.surface !== resultsBefore?.surface;
     const moved =
-      other || state.sources !== before?.sources || state.via !== before.via || state.target !== before.target ||
+      other || state.mesh !== before?.mesh || state.sources !== before.sources || state.via !== before.via || state.target !== before.target ||
       state.arrow !== before.arrow || state.show !== before.show || results.trace !== resultsBefore?.trace ||
       results.regions !== resultsBefore?.regions;
     if (moved) this.#placeMarkers(state, results);
@@ -152,7 +152,9 @@ export class Overlay {
     });
   }
 
-  #placeMarkers(state: State, { surface, trace, regions }: Results): void {
+  #placeMarkers(state: State, results: Results): void {
+    const { trace, regions } = results;
+    const surface = surfaceOf(state, results);
     // Markers stay while their points move: to make one is to make its shaders.
     const spare = this.#markers;
     this.#markers = [];

@@ -5,6 +5,7 @@
 import { element } from './element.ts';
 import { coordinateText, countText } from './numbers.ts';
 import type { Parts } from './parts.ts';
+import { surfaceOf } from './results.ts';
 import type { Spot, State } from './state.ts';
 
 const NAMES = { source: 'source', add: 'source', target: 'target', via: 'via point', arrow: 'arrow' } as const;
@@ -66,11 +67,13 @@ export function placePart({ state, results, actions }: Parts): HTMLElement {
   };
   state.listen((now, before) => {
     follow();
-    const { surface } = results.value;
+    const surface = surfaceOf(now, results.value);
     const last = changed(now, before);
     if (now.mesh !== before.mesh || !(now.sources.length || now.target || now.via.length || now.arrow)) told.hidden = true;
-    if (!last || !surface?.has(last.spot)) return;
-    told.hidden = false;
+    if (!last) return;
+    // Facts of the point before would be taken for this one's.
+    told.hidden = !surface?.has(last.spot);
+    if (!surface || told.hidden) return;
     const at = surface.xyzOf(last.spot).map((part) => coordinateText(part, surface.radius)).join(', ');
     const vertex = surface.vertexNear(last.spot);
     told.textContent = `${last.name}: ${vertex.on ? 'vertex' : 'near vertex'} ${countText(vertex.number)}, face ${countText(last.spot.face)}, at (${at})`;

@@ -50,6 +50,7 @@ export function resultPart({ state, results, actions }: Parts): HTMLElement {
   results.listen((now, before) => {
     if (now.path !== before.path) show();
     root.classList.toggle('stale', now.stale);
+    keep.disabled = now.stale;
   });
   show();
   return root;

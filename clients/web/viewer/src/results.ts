@@ -4,6 +4,7 @@
  */
 import type { MeshMetadata, MethodInfo, Path, Trace } from 'geodesicd-client';
 import type { RegionLook } from './regions.ts';
+import type { State } from './state.ts';
 import type { Surface } from './surface.ts';
 
 /** A distance a source vertex (mesh units, +Infinity where unreached), as it was answered. */
@@ -42,7 +43,7 @@ export interface Results {
   readonly field: KnownField | null;
   readonly error: FieldError | null;
   /** Of several sources, each one's own field, for crisp borders between regions. */
-  readonly apart: readonly KnownField[] | null;
+  readonly apart: { readonly fields: readonly KnownField[]; /** Of the field of all. */ readonly key: string } | null;
   /** How regions of several sources look; null where they are not shown. */
   readonly regions: RegionLook | null;
   readonly trials: Readonly<Record<string, Trial>>;
@@ -80,6 +81,11 @@ export const NOTHING: Results = {
   trace: null,
   measured: [],
 };
+
+/** The surface of the state's mesh; null while it is on its way and another one is still drawn. */
+export function surfaceOf({ mesh }: State, { surface }: Results): Surface | null {
+  return surface?.id === mesh ? surface : null;
+}
 
 /** The error of `values` against `exact`, both a distance a vertex; where either is unreached it is 0. */
 export function errorAgainst(values: Float32Array, exact: Float32Array): FieldError {

@@ -43,7 +43,8 @@ export class SurfaceView {
   }
 
   follow(state: State, before: State | null, results: Results, resultsBefore: Results | null): void {
-    const { surface, field, error, apart, regions } = results;
+    const { surface, field, error, regions } = results;
+    const apart = field && results.apart?.key === field.key ? results.apart.fields : null;
     if (surface && surface !== resultsBefore?.surface) {
       this.stage.remove(this.#mesh);
       this.#mesh.geometry = surface.geometry;
@@ -59,7 +60,7 @@ export class SurfaceView {
     const repaint =
       field !== this.#shown ||
       error !== resultsBefore?.error ||
-      apart !== resultsBefore?.apart ||
+      results.apart !== resultsBefore?.apart ||
       regions !== resultsBefore?.regions ||
       state.show !== before?.show ||
       state.colours !== before.colours ||

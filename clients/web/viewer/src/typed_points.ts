@@ -10,7 +10,7 @@ import { troubleOf, type Trouble } from './messages.ts';
 import type { Notices } from './notices.ts';
 import { countText, lengthText } from './numbers.ts';
 import { checked, entriesIn, entriesInFile, type Entry, type Typed } from './point_text.ts';
-import type { Results } from './results.ts';
+import { surfaceOf, type Results } from './results.ts';
 import { MOST_SOURCES, type Spot, type State, type Store, type Tool, type Xyz } from './state.ts';
 import type { Surface } from './surface.ts';
 
@@ -72,7 +72,7 @@ export class TypedPoints {
   /** Places what was typed as the tool says, all or nothing; whether it could. */
   async place(text: string): Promise<boolean> {
     const { state, results, notices, place } = this.options;
-    const { surface } = results.value;
+    const surface = surfaceOf(state.value, results.value);
     if (!surface) return false;
     const entries = checked(entriesIn(text), surface);
     const wrong = entries.find(({ fault }) => fault);
@@ -106,8 +106,8 @@ export class TypedPoints {
 
   /** The points of a text file as sources. Lines that cannot be read are told, the others taken. */
   async fromFile(file: File): Promise<void> {
-    const { results, notices } = this.options;
-    const { surface } = results.value;
+    const { state, results, notices } = this.options;
+    const surface = surfaceOf(state.value, results.value);
     if (!surface) return;
     const entries = checked(entriesInFile(await file.text()), surface);
     const right = entries.filter(({ fault }) => !fault);
@@ -125,10 +125,10 @@ export class TypedPoints {
 
   /** Where points are on the surface; null where it could not be asked, or there is another mesh. */
   async #locate(entries: readonly Entry[], surface: Surface): Promise<Awaited<ReturnType<typeof spotsOf>> | null> {
-    const { results, notices, access, connection } = this.options;
+    const { state, results, notices, access, connection } = this.options;
     try {
       const found = await spotsOf(entries.map(({ point }) => point!), surface, access.client);
-      return results.value.surface === surface ? found : null;
+      return surfaceOf(state.value, results.value) === surface ? found : null;
     } catch (error) {
       if (!connection.explains(error)) notices.trouble({ ...troubleOf(error), about: 'points' }, access.remedy(error));
       return null;
