@@ -4,8 +4,9 @@
  */
 import { GeodesicClient, GeodesicError } from 'geodesicd-client';
 import { ask } from './dialog.ts';
+import { Kept } from './storage.ts';
 
-const KEPT = 'geodesicd-token';
+const KEPT = new Kept('sessionStorage', 'geodesicd-token');
 
 export class Access {
   client = this.#make(2);
@@ -19,7 +20,7 @@ export class Access {
   }
 
   #make(retries: number): GeodesicClient {
-    const token = sessionStorage.getItem(KEPT);
+    const token = KEPT.value;
     // Beside the page, which need not be at the root of its host.
     return new GeodesicClient(new URL('.', location.href).href, { retries, maxRetryWait: 5000, ...(token ? { token } : {}) });
   }
@@ -36,7 +37,7 @@ export class Access {
       input: { label: 'As whoever runs the server gave it to you', properties: { type: 'password', required: true, name: 'token' } },
       yes: 'Use it',
       run: (token) => {
-        sessionStorage.setItem(KEPT, token);
+        KEPT.value = token;
         this.client = this.#make(2);
         this.probe = this.#make(0);
         this.#changed();
