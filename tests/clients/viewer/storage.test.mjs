@@ -51,3 +51,35 @@ test('full storage leaves the controls as they are', async () => {
   assert.deepEqual(page.faults, []);
   await page.context().close();
 });
+
+test('a kept token that no header can carry is forgotten', async () => {
+  const page = await opened(plane, () => sessionStorage.setItem('geodesicd-token', 'abc\u200b'));
+  await ready(page);
+  assert.equal(await page.evaluate(() => sessionStorage.getItem('geodesicd-token')), null);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test('such a token is not taken, and the question says why', async () => {
+  const page = await newPage(browser);
+  const sent = [];
+  await page.route(/\/v1\/methods$/, (route) => {
+    const { authorization } = route.request().headers();
+    sent.push(authorization);
+    if (authorization) return route.continue();
+    return route.fulfill({ status: 401, contentType: 'application/problem+json', body: JSON.stringify({ code: 'unauthorized', detail: 'a token is needed' }) });
+  });
+  await page.goto(`${service.url}#mesh=${plane}`);
+  await page.getByRole('button', { name: 'Enter a token' }).click();
+  const line = page.locator('dialog input');
+  for (const wrong of ['abc\u200b', 'näme', 'two words']) {
+    await line.fill(wrong);
+    await page.keyboard.press('Enter');
+    assert.match(await line.evaluate((input) => input.validationMessage), /Copy it again/);
+    assert.ok(await line.isVisible(), 'the question stays open');
+  }
+  await line.fill(' sesame ');
+  await page.keyboard.press('Enter');
+  await until(() => sent.at(-1) === 'Bearer sesame', 'the request with the token');
+  await page.context().close();
+});
