@@ -38,7 +38,7 @@ import { profilePart } from './profile_part.ts';
 import { resultPart } from './result_part.ts';
 import { NOTHING, type Results } from './results.ts';
 import { shortcuts } from './shortcuts.ts';
-import { Stage } from './stage.ts';
+import { NoWebGL, Stage } from './stage.ts';
 import { MOST_SOURCES, START, Store, WITHOUT_POINTS, type Axis, type Spot, type State } from './state.ts';
 import { ScaleBar } from './scale_bar.ts';
 import type { Surface } from './surface.ts';
@@ -55,11 +55,11 @@ try {
   start();
 } catch (error) {
   document.body.dataset['state'] = 'failed';
-  notices.trouble({
+  notices.trouble(error instanceof NoWebGL ? {
     title: 'This page cannot draw here',
     advice: 'It needs WebGL 2, which this browser does not offer or has switched off. The API works without it.',
-    detail: String(error),
-  });
+    detail: error.message,
+  } : troubleOf(error));
 }
 
 function start(): void {

@@ -69,7 +69,7 @@ export interface Trouble extends Message {
 
 export function troubleOf(error: unknown): Trouble {
   if (error instanceof GeodesicError) {
-    const known = error.code === 'unrecognised' ? UNRECOGNISED : (MESSAGES[error.code] ?? UNRECOGNISED);
+    const known = Object.hasOwn(MESSAGES, error.code) ? MESSAGES[error.code as ErrorCode] : UNRECOGNISED;
     return { ...known, detail: detailOf(error) };
   }
   if (error instanceof NetworkError) {

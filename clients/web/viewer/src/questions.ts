@@ -164,7 +164,8 @@ const NAMES: Readonly<Record<string, string>> = { chen_han: 'Chen–Han' };
 
 /** `fast_marching` as it is said. */
 export function nameOf(method: string): string {
-  const name = NAMES[method] ?? method.replaceAll('_', ' ');
+  // A link may say any name, be it that of a property that every object has.
+  const name = (Object.hasOwn(NAMES, method) && NAMES[method]) || method.replaceAll('_', ' ');
   return name.charAt(0).toUpperCase() + name.slice(1);
 }
 
