@@ -13,6 +13,7 @@ import { element } from './element.ts';
 import { fileEntrance, type Dropped } from './entrance.ts';
 import { exported } from './exports.ts';
 import { exportPart } from './export_part.ts';
+import { Failures } from './failures.ts';
 import { Gestures } from './gestures.ts';
 import { History } from './history.ts';
 import { Legend } from './legend.ts';
@@ -377,12 +378,14 @@ function start(): void {
   async function take(dropped: readonly Dropped[]): Promise<void> {
     notices.clearTroubles();
     const reading = importing.reading();
+    const failures = new Failures(notices);
     let shown = false;
     for (const each of dropped) {
-      const id = await meshes.upload(each, reading);
-      if (!id) continue;
-      if (!shown) await choose(id);
+      const id = await meshes.upload(each, reading, undefined, failures.add);
+      if (!id || shown) continue;
       shown = true;
+      void choose(id); // the others do not wait for it
+      failures.tell(); // another mesh takes away what was said
     }
   }
 
@@ -461,7 +464,13 @@ function start(): void {
     if (!turned && !saysUp(surface.about)) state.set({ up: upOf(surface.about) });
     look(camera);
     const drawn = nextPicture();
-    await picking.take(surface);
+    try {
+      if (!(await picking.take(surface))) return; // another one is on its way
+    } catch (error) {
+      document.body.dataset['state'] = 'failed';
+      const reload = { label: 'Reload', run: () => location.reload() };
+      return notices.trouble({ title: 'Points cannot be placed on the mesh', advice: 'A part of this page did not come, maybe since the server has a newer one: reload this page.', detail: String(error) }, reload);
+    }
     await drawn;
     document.body.dataset['state'] = 'ready';
   }
