@@ -1,7 +1,7 @@
 // Links that somebody else has made: whatever they say, the page stays usable.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { newPage, openMesh, ready } from './browser.mjs';
+import { newPage, openMesh, pathLength, ready } from './browser.mjs';
 import { served } from './served.mjs';
 
 const { browser, service } = await served();
@@ -30,4 +30,33 @@ test('that WebGL 2 is missing is said where it is missing, and only there', asyn
   await ready(other, 'failed');
   assert.match(await other.locator('.trouble').textContent(), /went wrong in this page.*not today/);
   await other.context().close();
+});
+
+test('a link asks for no more than the page itself would', async () => {
+  const many = (count, text) => Array.from({ length: count }, (_, at) => text(at)).join('');
+  const page = await openMesh(browser, service, plane, [
+    '&from=5,0.3,0.3&to=9,0.3,0.3&arrow=5,0.3,0.3;1,0,0;Infinity&method=steiner&points_per_edge=1.5',
+    many(60, (at) => `&kept=auto;0;${at},0.3,0.3;${at + 20},0.3,0.3`),
+    many(101, (at) => `&via=${at},0.3,0.3`),
+  ].join(''));
+  await pathLength(page);
+  assert.equal(await page.locator('.measures li').count(), 50);
+  // One source, a hundred via points and a target; no arrow without an end.
+  assert.equal(await page.locator('.points .point').count(), 102);
+  assert.ok(page.asked.every((url) => !/points_per_edge/.test(url)));
+  assert.deepEqual(await page.locator('.trouble').allTextContents(), []);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test('a limit of points is said in points, one of a body in bytes', async () => {
+  for (const [parameter, text] of [['from', 'limit 1,000, here 3,000'], [undefined, 'limit 1 kB, here 3 kB']]) {
+    const page = await openMesh(browser, service, plane);
+    const body = JSON.stringify({ code: 'too_large', detail: 'too many', parameter, limit: 1000, actual: 3000 });
+    await page.route(/\/distance/, (route) => route.fulfill({ status: 413, contentType: 'application/problem+json', body }));
+    await page.locator('#vertex').fill('0');
+    await page.keyboard.press('Enter');
+    await page.locator('.trouble', { hasText: text }).waitFor();
+    await page.context().close();
+  }
 });

@@ -2,7 +2,7 @@
  * The state as the URL's fragment and back: short names, points as FACE,W0,W1, nothing
  * that has its usual value. What a link says wrongly is left out, never an error.
  */
-import { MOST_SOURCES, START, type Arrow, type Measure, type Spot, type State } from './state.ts';
+import { MOST_MEASURES, MOST_SOURCES, MOST_VIA, START, type Arrow, type Measure, type Spot, type State } from './state.ts';
 
 /** Rounds weights so that the link is short and says the same point as the page. */
 export function spotOf(face: number, first: number, second: number): Spot {
@@ -33,6 +33,12 @@ function numberIn(text: string | null, least: number, most: number): number | nu
   return value >= least && value <= most ? value : null;
 }
 
+/** As many as the server takes. */
+function pointsPerEdgeIn(text: string | null): number | null {
+  const value = numberIn(text, 1, 64);
+  return Number.isInteger(value) ? value : null;
+}
+
 const short = (value: number) => Number(value.toPrecision(7));
 
 function arrowText({ from, direction, length }: Arrow): string {
@@ -44,7 +50,7 @@ function arrowIn(text: string | null): Arrow | null {
   const from = spotIn(start);
   const direction = numbersIn(towards, 3) as [number, number, number] | null;
   const length = Number(far);
-  if (!from || !direction || !direction.some((part) => part !== 0) || !(length > 0)) return null;
+  if (!from || !direction || !direction.some((part) => part !== 0) || !(length > 0) || !Number.isFinite(length)) return null;
   return { from, direction, length };
 }
 
@@ -55,7 +61,7 @@ function measureText({ from, via, to, method, refine }: Measure): string {
 function measureIn(text: string): Measure | null {
   const [method, refine, ...places] = text.split(';');
   const spots = places.map(spotIn);
-  if (!method || spots.length < 2 || spots.some((spot) => !spot)) return null;
+  if (!method || spots.length < 2 || spots.length > MOST_VIA + 2 || spots.some((spot) => !spot)) return null;
   const [from, ...rest] = spots as Spot[];
   const to = rest.pop()!;
   return { from: from!, via: rest, to, method, refine: refine === '1' };
@@ -95,12 +101,12 @@ export function stateIn(fragment: string): State {
     ...START,
     mesh: mesh && /^[0-9a-f]{64}(~[0-9a-z]+)?$/.test(mesh) ? mesh : null,
     sources: spots('from').slice(0, MOST_SOURCES),
-    via: spots('via'),
+    via: spots('via').slice(0, MOST_VIA),
     target: spotIn(all.get('to')),
     arrow: arrowIn(all.get('arrow')),
-    measures: all.getAll('kept').map(measureIn).filter((measure) => measure !== null),
+    measures: all.getAll('kept').map(measureIn).filter((measure) => measure !== null).slice(0, MOST_MEASURES),
     method: all.get('method') ?? START.method,
-    pointsPerEdge: numberIn(all.get('points_per_edge'), 1, 64),
+    pointsPerEdge: pointsPerEdgeIn(all.get('points_per_edge')),
     refine: all.get('refine') !== 'none',
     show: show === 'regions' || show === 'error' ? show : START.show,
     colours: all.get('colours') === 'turbo' ? 'turbo' : START.colours,

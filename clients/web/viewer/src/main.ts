@@ -40,7 +40,7 @@ import { resultPart } from './result_part.ts';
 import { NOTHING, type Results } from './results.ts';
 import { shortcuts } from './shortcuts.ts';
 import { NoWebGL, Stage } from './stage.ts';
-import { MOST_SOURCES, START, Store, WITHOUT_POINTS, type Axis, type Spot, type State } from './state.ts';
+import { MOST_MEASURES, MOST_SOURCES, START, Store, WITHOUT_POINTS, type Axis, type Spot, type State } from './state.ts';
 import { ScaleBar } from './scale_bar.ts';
 import type { Surface } from './surface.ts';
 import { SurfaceView } from './surface_view.ts';
@@ -100,7 +100,7 @@ function start(): void {
     keep: () => {
       const { path } = results.value;
       const { sources, via, target, method, refine, measures } = state.value;
-      if (!path?.reachable || !target || !sources.length || measures.length >= 50) return;
+      if (!path?.reachable || !target || !sources.length || measures.length >= MOST_MEASURES) return;
       // Several sources: the one that the path begins at.
       const { face, bary } = path.from;
       const from = sources.find((spot) => spot.face === face) ?? { face: face!, bary: bary as unknown as [number, number, number] };

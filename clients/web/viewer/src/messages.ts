@@ -78,8 +78,9 @@ export function troubleOf(error: unknown): Trouble {
   return { title: 'Something went wrong in this page', advice: 'Reload it.', detail: String(error) };
 }
 
-function detailOf({ code, detail, limit, actual, requestId }: GeodesicError): string {
-  const size = code === 'too_large' ? bytesText : countText;
+function detailOf({ code, detail, parameter, limit, actual, requestId }: GeodesicError): string {
+  // Of a parameter it is how many there are; of the body, or a reply, its bytes.
+  const size = code === 'too_large' && parameter === undefined ? bytesText : countText;
   const bounds = [
     limit === undefined ? '' : `limit ${size(limit)}`,
     actual === undefined ? '' : `here ${size(actual)}`,
