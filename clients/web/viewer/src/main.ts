@@ -39,6 +39,7 @@ import { profilePart } from './profile_part.ts';
 import { resultPart } from './result_part.ts';
 import { NOTHING, type Results } from './results.ts';
 import { shortcuts } from './shortcuts.ts';
+import { tooLarge } from './sources_file.ts';
 import { NoWebGL, Stage } from './stage.ts';
 import { MOST_MEASURES, MOST_SOURCES, START, Store, WITHOUT_POINTS, type Axis, type Spot, type State } from './state.ts';
 import { ScaleBar } from './scale_bar.ts';
@@ -363,6 +364,8 @@ function start(): void {
   async function sourcesFrom(file: File): Promise<void> {
     const { surface } = results.value;
     if (!surface) return;
+    const large = tooLarge(file);
+    if (large) return notices.trouble(large);
     const { points, strange } = pointsInFile(await file.text(), MOST_SOURCES + 1);
     const told = (detail: string) =>
       notices.trouble({ title: 'No sources in this file', advice: 'It should have a vertex number, or x y z, on each line.', detail: `${file.name}${detail}` });

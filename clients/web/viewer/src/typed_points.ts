@@ -28,8 +28,12 @@ export function pointsInLine(line: string): Typed[] | null {
  * a remark, and lines of words are headings. `strange` is the first that has other counts.
  */
 export function pointsInFile(text: string, most: number): { points: Typed[]; strange: string | null } {
-  const lines = text.split('\n').map((line) => line.replace(/[#;].*/, '').split(/[\s,]+/).filter(Boolean).map(Number));
-  const rows = lines.filter((row) => row.length && row.every(Number.isFinite)).slice(0, most);
+  const rows: number[][] = [];
+  for (const line of text.split('\n')) {
+    if (rows.length === most) break; // the rest may be a million lines
+    const row = line.replace(/[#;].*/, '').split(/[\s,]+/).filter(Boolean).map(Number);
+    if (row.length && row.every(Number.isFinite)) rows.push(row);
+  }
   const strange = rows.find((row) => row.length !== 1 && row.length !== 3);
   return { points: rows.map((row) => (row.length === 1 ? row[0]! : (row as unknown as Xyz))), strange: strange?.join(' ') ?? null };
 }
