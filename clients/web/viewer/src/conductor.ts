@@ -321,12 +321,12 @@ export class Conductor {
   }
 
   async #askMeasures(asked: readonly Measure[], signal: AbortSignal): Promise<void> {
-    const { mesh, pointsPerEdge } = this.state.value;
+    const { mesh } = this.state.value;
     if (!mesh) return;
     await this.#attempt(signal, async () => {
       for (const measure of asked) {
         if (this.#paths.has(measure)) continue;
-        const question = { ...measure, mesh, starts: [measure.from], pointsPerEdge, key: '' };
+        const question = { ...measure, mesh, starts: [measure.from], key: '' };
         this.#paths.set(measure, await this.#questions.path(question, signal, () => this.#measures.cancel()));
         const { measures } = this.state.value;
         this.results.set({ measured: measures.map((each) => this.#paths.get(each) ?? null) });

@@ -54,17 +54,19 @@ function arrowIn(text: string | null): Arrow | null {
   return { from, direction, length };
 }
 
-function measureText({ from, via, to, method, refine }: Measure): string {
-  return [method, refine ? 1 : 0, ...[from, ...via, to].map(spotText)].join(';');
+function measureText({ from, via, to, method, pointsPerEdge, refine }: Measure): string {
+  const by = method === 'steiner' && pointsPerEdge !== null ? `${method}-${pointsPerEdge}` : method;
+  return [by, refine ? 1 : 0, ...[from, ...via, to].map(spotText)].join(';');
 }
 
 function measureIn(text: string): Measure | null {
-  const [method, refine, ...places] = text.split(';');
+  const [by, refine, ...places] = text.split(';');
+  const [, method, perEdge] = /^([^]*?)(?:-(\d+))?$/.exec(by ?? '')!;
   const spots = places.map(spotIn);
   if (!method || spots.length < 2 || spots.length > MOST_VIA + 2 || spots.some((spot) => !spot)) return null;
   const [from, ...rest] = spots as Spot[];
   const to = rest.pop()!;
-  return { from: from!, via: rest, to, method, refine: refine === '1' };
+  return { from: from!, via: rest, to, method, pointsPerEdge: pointsPerEdgeIn(perEdge ?? null), refine: refine === '1' };
 }
 
 /** The fragment, without its `#`. */

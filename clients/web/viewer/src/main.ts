@@ -22,7 +22,7 @@ import { lookPart } from './look_part.ts';
 import { measureList } from './measure_list.ts';
 import { importPart } from './import_part.ts';
 import { Meshes } from './meshes.ts';
-import { meshName } from './mesh_names.ts';
+import { meshName, nameFault } from './mesh_names.ts';
 import { meshPart } from './mesh_part.ts';
 import { troubleOf } from './messages.ts';
 import { methodPart } from './method_part.ts';
@@ -100,12 +100,12 @@ function start(): void {
     sourcesFrom: (file) => void sourcesFrom(file),
     keep: () => {
       const { path } = results.value;
-      const { sources, via, target, method, refine, measures } = state.value;
+      const { sources, via, target, method, pointsPerEdge, refine, measures } = state.value;
       if (!path?.reachable || !target || !sources.length || measures.length >= MOST_MEASURES) return;
       // Several sources: the one that the path begins at.
       const { face, bary } = path.from;
       const from = sources.find((spot) => spot.face === face) ?? { face: face!, bary: bary as unknown as [number, number, number] };
-      const measure = { from, via, to: target, method, refine };
+      const measure = { from, via, to: target, method, pointsPerEdge, refine };
       conductor.keep(measure, path);
       state.set({ measures: [...measures, measure] });
     },
@@ -168,6 +168,7 @@ function start(): void {
   };
   addEventListener('keydown', (event) => {
     if (!(event.ctrlKey || event.metaKey) || event.altKey || event.target instanceof HTMLInputElement && event.target.type === 'text') return;
+    if (document.querySelector('dialog[open]')) return; // what is undone would be behind it
     const key = event.key.toLowerCase();
     if (key !== 'z' && key !== 'y') return;
     event.preventDefault();
@@ -406,7 +407,7 @@ function start(): void {
     ask({
       title: 'Rename this mesh',
       text: 'Everybody who uses this server sees the name.',
-      input: { label: 'Name; none brings back the one inside the file', properties: { value: about.name ?? '', maxLength: 200, name: 'mesh-name' } },
+      input: { label: 'Name; none brings back the one inside the file', properties: { value: about.name ?? '', name: 'mesh-name' }, fault: nameFault },
       yes: 'Rename',
       run: (typed) => void meshes.rename(about.id, typed),
     });

@@ -20,7 +20,6 @@ export interface PathQuestion extends Measure {
   readonly mesh: string;
   /** Where it may begin; the shortest path counts. */
   readonly starts: readonly Spot[];
-  readonly pointsPerEdge: number | null;
   /** Of the state that asks, as `pathKey` gives it. */
   readonly key: string;
 }

@@ -28,6 +28,8 @@ export interface Measure {
   readonly via: readonly Spot[];
   readonly to: Spot;
   readonly method: string;
+  /** As in the state that it was kept of. */
+  readonly pointsPerEdge: number | null;
   readonly refine: boolean;
 }
 
