@@ -10,7 +10,10 @@ import { sleep } from './retry.js';
 import { reading, type Call, type Reply, type Sender, type Transport } from './transport.js';
 
 export interface JobOptions {
-  /** Told of the job whenever something changes: `state`, and `progress` from 0 to 1. */
+  /**
+   * Told of the job whenever something changes: `state`, and `progress` from 0 to 1. After an
+   * abort once more, `cancelled`, unless the server could not be told of it.
+   */
   onProgress?: ((job: Job) => void) | undefined;
   /** Cancels the job. */
   signal?: AbortSignal | undefined;
@@ -42,7 +45,7 @@ export async function exchangeAsJob(
   const forget = () =>
     transport
       .exchange({ method: 'DELETE', path: pathOf(job), retry: signal?.aborted ?? false })
-      .catch(() => undefined);
+      .then(() => true, (error) => error instanceof GeodesicError); // whether the server knows
   try {
     signal?.throwIfAborted();
     await watch(transport, job, options);
@@ -51,7 +54,7 @@ export async function exchangeAsJob(
     return await asItWas(transport, result);
   } finally {
     const forgotten = forget();
-    if (signal?.aborted) await forgotten;
+    if (signal?.aborted && (await forgotten)) options.onProgress?.({ ...job, state: 'cancelled' });
   }
 }
 

@@ -77,9 +77,15 @@ export class Transport {
 
   #headers(call: Call): Record<string, string> {
     const token = this.#options.token;
-    return token === undefined
-      ? { ...call.headers }
-      : { Authorization: `Bearer ${token}`, ...call.headers };
+    if (token === undefined) return { ...call.headers };
+    const headers = { Authorization: `Bearer ${token}`, ...call.headers };
+    try {
+      // Here, since from `fetch` it would pass for a lost connection.
+      new Headers(headers);
+    } catch (cause) {
+      throw new TypeError('the token has a character that no header can carry', { cause });
+    }
+    return headers;
   }
 
   readonly #fetchWhole: Sender = async (url, call, headers) => {

@@ -56,15 +56,17 @@ test('pictures, GLBs, fields and preparations as jobs', async () => {
 test('an abort cancels the job on the server', async () => {
   const ended = new AbortController();
   let id = '';
+  let last = '';
   const job = client.job(
     terrain,
     { query: 'table', ...SLOW },
-    { signal: ended.signal, onProgress: (now) => (id = now.id) },
+    { signal: ended.signal, onProgress: (now) => { id = now.id; last = now.state; } },
   );
   await until(() => id !== '', 'the job');
   assert.match((await jobStatus(id)).state, /queued|running/);
   ended.abort(new Error('no longer wanted'));
   await assert.rejects(job, { message: 'no longer wanted' });
+  assert.equal(last, 'cancelled', 'and that is told');
   assert.equal((await jobStatus(id)).state, 'cancelled');
 });
 

@@ -100,6 +100,13 @@ test('an address may end in a slash, have a path, and must be one', async () => 
   assert.throws(() => new GeodesicClient(), TypeError);
 });
 
+test('a token that no header can carry is an error of its own, not a lost connection', async () => {
+  const pasted = new GeodesicClient(server.url, { token: 'abc\u200b' });
+  await assert.rejects(pasted.status(), { name: 'TypeError', message: /token.*no header/ });
+  const file = new TextEncoder().encode(TRIANGLE);
+  await assert.rejects(pasted.upload(file, { onProgress: () => {} }), { name: 'TypeError', message: /token/ });
+});
+
 const POSITIONS = Buffer.from(new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]).buffer);
 const TRIANGLE = JSON.stringify({
   asset: { version: '2.0' },

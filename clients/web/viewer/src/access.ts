@@ -4,8 +4,11 @@
  */
 import { GeodesicClient, GeodesicError } from 'geodesicd-client';
 import { ask } from './dialog.ts';
+import { Kept } from './storage.ts';
 
-const KEPT = 'geodesicd-token';
+const KEPT = new Kept('sessionStorage', 'geodesicd-token');
+/** What a header carries of a token; a blank or an invisible character comes along with what is pasted. */
+const TOKEN = /^[\x21-\x7e]+$/;
 
 export class Access {
   client = this.#make(2);
@@ -19,7 +22,8 @@ export class Access {
   }
 
   #make(retries: number): GeodesicClient {
-    const token = sessionStorage.getItem(KEPT);
+    if (!TOKEN.test(KEPT.value ?? '')) KEPT.value = null;
+    const token = KEPT.value;
     // Beside the page, which need not be at the root of its host.
     return new GeodesicClient(new URL('.', location.href).href, { retries, maxRetryWait: 5000, ...(token ? { token } : {}) });
   }
@@ -33,10 +37,14 @@ export class Access {
   #ask(): void {
     ask({
       title: 'Token',
-      input: { label: 'As whoever runs the server gave it to you', properties: { type: 'password', required: true, name: 'token' } },
+      input: {
+        label: 'As whoever runs the server gave it to you',
+        properties: { type: 'password', required: true, name: 'token' },
+        fault: (typed) => (TOKEN.test(typed) ? '' : 'A token has only letters, digits and signs of ASCII, and no blanks. Copy it again.'),
+      },
       yes: 'Use it',
       run: (token) => {
-        sessionStorage.setItem(KEPT, token);
+        KEPT.value = token;
         this.client = this.#make(2);
         this.probe = this.#make(0);
         this.#changed();

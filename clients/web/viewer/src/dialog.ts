@@ -6,7 +6,12 @@ export interface Question {
   /** What is to be known before one answers. */
   readonly text?: string;
   /** A line to be typed; `run` gets it without blanks around it. */
-  readonly input?: { readonly label: string; readonly properties?: Partial<Omit<HTMLInputElement, 'style' | 'children' | 'dataset' | 'role'>> };
+  readonly input?: {
+    readonly label: string;
+    readonly properties?: Partial<Omit<HTMLInputElement, 'style' | 'children' | 'dataset' | 'role'>>;
+    /** Why a line cannot be taken, in a sentence; empty where it can. The question then stays open. */
+    readonly fault?: (typed: string) => string;
+  };
   readonly yes: string;
   /** Whether to answer it takes something away that does not come back. */
   readonly grave?: boolean;
@@ -15,6 +20,9 @@ export interface Question {
 
 export function ask({ title, text, input, yes, grave, run }: Question): void {
   const line = input && element('input', { type: 'text', autocomplete: 'off', ...input.properties });
+  const judge = () => line?.setCustomValidity(input?.fault?.(line.value.trim()) ?? '');
+  line?.addEventListener('input', judge);
+  judge();
   const cancel = element('button', { type: 'button', onclick: () => dialog.close() }, 'Cancel');
   const dialog = element(
     'dialog',

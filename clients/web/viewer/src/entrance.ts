@@ -1,9 +1,11 @@
 /**
  * Where files come in: dropped anywhere on the page, alone, several or as a folder, or picked.
- * A .gltf takes the files beside it along, for its buffers; other meshes come one by one.
+ * A .gltf takes the files of its buffers along and no others: what lies beside it may be
+ * nobody's business. Other meshes come one by one.
  */
+import { buffersOf } from './gltf_files.ts';
 
-/** A mesh file, and what may belong to it, by its path from there. */
+/** A mesh file, and what belongs to it, by its path from there. */
 export interface Dropped {
   readonly file: File;
   readonly others: readonly { readonly name: string; readonly data: File }[];
@@ -16,20 +18,21 @@ interface Found {
 
 const MESH = /\.(glb|gltf|drc|obj|ply|stl)$/i;
 const GLTF = /\.gltf$/i;
-/** The server ignores images, and they are large. */
-const IMAGE = /\.(png|jpe?g|webp|ktx2?|basis|tga|gif)$/i;
 
 /** What is to be uploaded of all that came. */
-export function meshesAmong(found: readonly Found[]): Dropped[] {
+export async function meshesAmong(found: readonly Found[]): Promise<Dropped[]> {
   const meshes = found.filter(({ path }) => MESH.test(path));
   // One file that is no mesh by its name may be one all the same: the server looks inside.
   if (!meshes.length) return found.slice(0, 1).map(({ file }) => ({ file, others: [] }));
-  const beside = found.filter(({ path }) => !MESH.test(path) && !IMAGE.test(path));
-  return meshes.map(({ path, file }) => {
+  const byPath = new Map(found.map(({ path, file }) => [path, file]));
+  return Promise.all(meshes.map(async ({ path, file }) => {
     const folder = path.slice(0, path.lastIndexOf('/') + 1);
-    const own = GLTF.test(path) ? beside.filter((each) => each.path.startsWith(folder)) : [];
-    return { file, others: own.map((each) => ({ name: each.path.slice(folder.length), data: each.file })) };
-  });
+    const named = GLTF.test(path) && found.length > 1 ? await buffersOf(file) : [];
+    // Files that were picked one by one have lost their folders: the server, too, then looks for the bare name.
+    const names = new Set(named.map((name) => (byPath.has(folder + name) ? name : name.slice(name.lastIndexOf('/') + 1))));
+    const own = [...names].map((name) => ({ name, data: byPath.get(folder + name) }));
+    return { file, others: own.filter((each): each is { name: string; data: File } => each.data !== undefined) };
+  }));
 }
 
 /** The files that a glTF needs for its buffers and that did not come with it; none where it cannot be read. */
@@ -75,7 +78,7 @@ export function fileEntrance(take: (dropped: Dropped[]) => void): { open(): void
   input.onchange = () => {
     const files = [...(input.files ?? [])].map((file) => ({ path: file.name, file }));
     input.value = ''; // the same file can be picked again
-    if (files.length) take(meshesAmong(files));
+    if (files.length) void meshesAmong(files).then(take);
   };
   document.body.append(input);
 
@@ -90,7 +93,7 @@ export function fileEntrance(take: (dropped: Dropped[]) => void): { open(): void
     event.preventDefault();
     over(false);
     if (!event.dataTransfer) return;
-    void filesOf(event.dataTransfer).then((files) => { if (files.length) take(meshesAmong(files)); });
+    void filesOf(event.dataTransfer).then(async (files) => { if (files.length) take(await meshesAmong(files)); });
   });
   return { open: () => input.click() };
 }

@@ -4,7 +4,7 @@
  * the surface up to `reveal`. Everything is per fragment, so lines stay sharp however
  * near one comes.
  *
- * Attributes: `field` and `shade`, a number a vertex (mesh units; +Infinity where
+ * Attributes: `field` and `shade`, a number a vertex (drawn units; +Infinity where
  * unreached): isolines are those of `field`, colours those of `shade`. `regions0` and
  * `regions1`: a number for each of eight regions, of which the least wins. Of more regions,
  * `region`: which, and its slot; regions that touch are in different slots.
@@ -186,7 +186,7 @@ export class FieldMaterial extends ShaderMaterial {
     this.uniforms['clay']!.value.copy(rgbOf(text));
   }
 
-  /** `most`: the value of the map's upper end; `lineStep`: between isolines, 0 for none. Mesh units. */
+  /** `most`: the value of the map's upper end; `lineStep`: between isolines, 0 for none. Drawn units. */
   paint(painting: Painting, most: number, lineStep: number): void {
     const before = JSON.stringify(this.defines);
     const byRegion = painting === 'regions' || painting === 'many';

@@ -3,7 +3,7 @@
  * that has its usual value. By hand points may be written as the API has them, f:FACE,W0,W1
  * and v:VERTEX. What a link says wrongly is left out, and told where it is a point.
  */
-import { MOST_SOURCES, START, type Arrow, type Measure, type Spot, type State } from './state.ts';
+import { MOST_MEASURES, MOST_SOURCES, MOST_VIA, START, type Arrow, type Measure, type Spot, type State } from './state.ts';
 
 /** Rounds weights so that the link is short and says the same point as the page. */
 export function spotOf(face: number, first: number, second: number): Spot {
@@ -36,6 +36,12 @@ function numberIn(text: string | null, least: number, most: number): number | nu
   return value >= least && value <= most ? value : null;
 }
 
+/** As many as the server takes. */
+function pointsPerEdgeIn(text: string | null): number | null {
+  const value = numberIn(text, 1, 64);
+  return Number.isInteger(value) ? value : null;
+}
+
 const short = (value: number) => Number(value.toPrecision(7));
 
 function arrowText({ from, direction, length }: Arrow): string {
@@ -47,21 +53,23 @@ function arrowIn(text: string | null): Arrow | null {
   const from = spotIn(start);
   const direction = numbersIn(towards, 3) as [number, number, number] | null;
   const length = Number(far);
-  if (!from || !direction || !direction.some((part) => part !== 0) || !(length > 0)) return null;
+  if (!from || !direction || !direction.some((part) => part !== 0) || !(length > 0) || !Number.isFinite(length)) return null;
   return { from, direction, length };
 }
 
-function measureText({ from, via, to, method, refine }: Measure): string {
-  return [method, refine ? 1 : 0, ...[from, ...via, to].map(spotText)].join(';');
+function measureText({ from, via, to, method, pointsPerEdge, refine }: Measure): string {
+  const by = method === 'steiner' && pointsPerEdge !== null ? `${method}-${pointsPerEdge}` : method;
+  return [by, refine ? 1 : 0, ...[from, ...via, to].map(spotText)].join(';');
 }
 
 function measureIn(text: string): Measure | null {
-  const [method, refine, ...places] = text.split(';');
+  const [by, refine, ...places] = text.split(';');
+  const [, method, perEdge] = /^([^]*?)(?:-(\d+))?$/.exec(by ?? '')!;
   const spots = places.map(spotIn);
-  if (!method || spots.length < 2 || spots.some((spot) => !spot)) return null;
+  if (!method || spots.length < 2 || spots.length > MOST_VIA + 2 || spots.some((spot) => !spot)) return null;
   const [from, ...rest] = spots as Spot[];
   const to = rest.pop()!;
-  return { from: from!, via: rest, to, method, refine: refine === '1' };
+  return { from: from!, via: rest, to, method, pointsPerEdge: pointsPerEdgeIn(perEdge ?? null), refine: refine === '1' };
 }
 
 /** The fragment, without its `#`. */
@@ -121,12 +129,12 @@ export function stateIn(fragment: string): State {
     tool: sources.length ? 'target' : START.tool,
     mesh: mesh && MESH_ID.test(mesh) ? mesh : null,
     sources,
-    via: spots('via'),
+    via: spots('via').slice(0, MOST_VIA),
     target: spotIn(all.get('to')),
     arrow: arrowIn(all.get('arrow')),
-    measures: all.getAll('kept').map(measureIn).filter((measure) => measure !== null),
+    measures: all.getAll('kept').map(measureIn).filter((measure) => measure !== null).slice(0, MOST_MEASURES),
     method: all.get('method') ?? START.method,
-    pointsPerEdge: numberIn(all.get('points_per_edge'), 1, 64),
+    pointsPerEdge: pointsPerEdgeIn(all.get('points_per_edge')),
     refine: all.get('refine') !== 'none',
     show: show === 'regions' || show === 'error' ? show : START.show,
     colours: all.get('colours') === 'turbo' ? 'turbo' : START.colours,

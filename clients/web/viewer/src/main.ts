@@ -14,6 +14,7 @@ import { element } from './element.ts';
 import { fileEntrance, type Dropped } from './entrance.ts';
 import { exported } from './exports.ts';
 import { exportPart } from './export_part.ts';
+import { Failures } from './failures.ts';
 import { FirstQuestions } from './first_questions.ts';
 import { Gestures } from './gestures.ts';
 import { History } from './history.ts';
@@ -24,7 +25,7 @@ import { lookPart } from './look_part.ts';
 import { measureList } from './measure_list.ts';
 import { importPart } from './import_part.ts';
 import { Meshes } from './meshes.ts';
-import { meshName } from './mesh_names.ts';
+import { meshName, nameFault } from './mesh_names.ts';
 import { meshPart } from './mesh_part.ts';
 import { troubleOf } from './messages.ts';
 import { methodPart } from './method_part.ts';
@@ -41,8 +42,8 @@ import { Remembered } from './remembered.ts';
 import { resultPart } from './result_part.ts';
 import { NOTHING, surfaceOf, type Results } from './results.ts';
 import { shortcuts } from './shortcuts.ts';
-import { Stage } from './stage.ts';
-import { Store, WITHOUT_POINTS, type Axis, type State } from './state.ts';
+import { NoWebGL, Stage } from './stage.ts';
+import { MOST_MEASURES, Store, WITHOUT_POINTS, type Axis, type State } from './state.ts';
 import { ScaleBar } from './scale_bar.ts';
 import type { Surface } from './surface.ts';
 import { SurfaceView } from './surface_view.ts';
@@ -58,11 +59,11 @@ try {
   start();
 } catch (error) {
   document.body.dataset['state'] = 'failed';
-  notices.trouble({
+  notices.trouble(error instanceof NoWebGL ? {
     title: 'This page cannot draw here',
     advice: 'It needs WebGL 2, which this browser does not offer or has switched off. The API works without it.',
-    detail: String(error),
-  });
+    detail: error.message,
+  } : troubleOf(error));
 }
 
 function start(): void {
@@ -103,12 +104,12 @@ function start(): void {
     sourcesFrom: (file) => void typed.fromFile(file),
     keep: () => {
       const { path, stale } = results.value;
-      const { sources, via, target, method, refine, measures } = state.value;
-      if (!path?.reachable || stale || !target || !sources.length || measures.length >= 50) return;
+      const { sources, via, target, method, pointsPerEdge, refine, measures } = state.value;
+      if (!path?.reachable || stale || !target || !sources.length || measures.length >= MOST_MEASURES) return;
       // Several sources: the one that the path begins at.
       const { face, bary } = path.from;
       const from = sources.find((spot) => spot.face === face) ?? { face: face!, bary: bary as unknown as [number, number, number] };
-      const measure = { from, via, to: target, method, refine };
+      const measure = { from, via, to: target, method, pointsPerEdge, refine };
       conductor.keep(measure, path);
       state.set({ measures: [...measures, measure] });
     },
@@ -172,6 +173,7 @@ function start(): void {
   };
   addEventListener('keydown', (event) => {
     if (!(event.ctrlKey || event.metaKey) || event.altKey || event.target instanceof HTMLInputElement && event.target.type === 'text') return;
+    if (document.querySelector('dialog[open]')) return; // what is undone would be behind it
     const key = event.key.toLowerCase();
     if (key !== 'z' && key !== 'y') return;
     event.preventDefault();
@@ -355,12 +357,14 @@ function start(): void {
       return;
     }
     const before = state.value;
+    const failures = new Failures(notices);
     let shown = false;
     for (const each of dropped) {
-      const id = await meshes.upload(each, reading);
-      if (!id) continue;
-      if (!shown) await showArrived(id, before);
+      const id = await meshes.upload(each, reading, undefined, failures.add);
+      if (!id || shown) continue;
       shown = true;
+      void showArrived(id, before); // the others do not wait for it
+      failures.tell(); // another mesh takes away what was said
     }
   }
 
@@ -389,7 +393,7 @@ function start(): void {
     ask({
       title: 'Rename this mesh',
       text: 'Everybody who uses this server sees the name.',
-      input: { label: 'Name; none brings back the one inside the file', properties: { value: about.name ?? '', maxLength: 200, name: 'mesh-name' } },
+      input: { label: 'Name; none brings back the one inside the file', properties: { value: about.name ?? '', name: 'mesh-name' }, fault: nameFault },
       yes: 'Rename',
       run: (typed) => void meshes.rename(about.id, typed),
     });
@@ -476,7 +480,13 @@ function start(): void {
     if (!turned && !saysUp(surface.about)) state.set({ up: upOf(surface.about) });
     look(camera);
     const picture = nextPicture();
-    await picking.take(surface);
+    try {
+      if (!(await picking.take(surface))) return; // another one is on its way
+    } catch (error) {
+      document.body.dataset['state'] = 'failed';
+      const reload = { label: 'Reload', run: () => location.reload() };
+      return notices.trouble({ title: 'Points cannot be placed on the mesh', advice: 'A part of this page did not come, maybe since the server has a newer one: reload this page.', detail: String(error) }, reload);
+    }
     await picture;
     document.body.dataset['state'] = 'ready';
   }

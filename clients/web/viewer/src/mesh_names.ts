@@ -9,6 +9,15 @@ export function meshName({ id, name, parts }: MeshMetadata): string {
   return named ? named.replaceAll('_', ' ') : `unnamed ${id.slice(0, 6)}`;
 }
 
+/** UTF-8 bytes of a name that the server takes. */
+const MOST_BYTES = 200;
+
+/** Why the server would not take a name, in a sentence; empty where it would. */
+export function nameFault(name: string): string {
+  const bytes = new TextEncoder().encode(name).length;
+  return bytes <= MOST_BYTES ? '' : `A name has at most ${MOST_BYTES} bytes, and this one ${bytes}: a letter takes one to four. Shorten it.`;
+}
+
 /** How the file was read, where that is not as usual: `scale 0.001, up z`. */
 function readingText({ import: reading }: MeshMetadata): string {
   return Object.entries(reading).map(([option, value]) => `${option} ${value}`).join(', ');

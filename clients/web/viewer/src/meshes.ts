@@ -123,9 +123,14 @@ export class Meshes {
 
   /**
    * Sends a file up unless it is there, or a glTF with the files of its buffers; its id, or
-   * null where that failed, which is told. Without `name` it is called as the file.
+   * null where that failed, which `tell` is told. Without `name` it is called as the file.
    */
-  async upload({ file, others }: Dropped, reading: Reading = {}, name?: string): Promise<string | null> {
+  async upload(
+    { file, others }: Dropped,
+    reading: Reading = {},
+    name?: string,
+    tell: Notices['trouble'] = (...told) => this.notices.trouble(...told),
+  ): Promise<string | null> {
     const uploading = (this.#uploading = new AbortController());
     const { signal } = uploading;
     const what = `Uploading ${file.name}`;
@@ -137,7 +142,8 @@ export class Meshes {
       const id = asIs ? await digestOf(file) : undefined;
       signal.throwIfAborted();
       const known = this.results.value.meshes.find((mesh) => mesh.id === id);
-      if (known?.name) return known.id;
+      // Who gives a name, be it none, has the mesh already and wants no other.
+      if (known && (known.name || name !== undefined)) return known.id;
       if (known) {
         this.#put(await this.access.client.upload(file, { signal })); // it is called by the file's name now
         return known.id;
@@ -154,12 +160,17 @@ export class Meshes {
       this.#put(about);
       return about.id;
     } catch (error) {
-      if (signal.aborted || this.connection.explains(error)) return null;
+      if (signal.aborted) return null;
+      if (this.connection.explains(error)) {
+        // The page goes on by itself when the server is back; a file is gone for it then.
+        tell({ title: 'An upload did not get through', advice: 'Open the file again when the server answers.', detail: `${file.name} was not uploaded` });
+        return null;
+      }
       const trouble = troubleOf(error);
       const missing = error instanceof GeodesicError && error.code === 'external_uri' ? await missingOf({ file, others }) : [];
       const detail = missing.length ? `needs ${missing.slice(0, 5).join(', ')}${missing.length > 5 ? `, and ${missing.length - 5} more` : ''}` : trouble.detail;
       const named = error instanceof GeodesicError ? { ...trouble, detail: `${file.name}: ${detail}` } : trouble;
-      this.notices.trouble(named, this.access.remedy(error));
+      tell(named, this.access.remedy(error));
       return null;
     } finally {
       progress.end();

@@ -71,7 +71,7 @@ export interface Trouble extends Message {
 
 export function troubleOf(error: unknown): Trouble {
   if (error instanceof GeodesicError) {
-    const known = error.code === 'unrecognised' ? UNRECOGNISED : (MESSAGES[error.code] ?? UNRECOGNISED);
+    const known = Object.hasOwn(MESSAGES, error.code) ? MESSAGES[error.code as ErrorCode] : UNRECOGNISED;
     return { ...known, detail: detailOf(error) };
   }
   if (error instanceof NetworkError) {
@@ -80,8 +80,9 @@ export function troubleOf(error: unknown): Trouble {
   return { title: 'Something went wrong in this page', advice: 'Reload it.', detail: String(error) };
 }
 
-function detailOf({ code, detail, limit, actual, requestId }: GeodesicError): string {
-  const size = code === 'too_large' ? bytesText : countText;
+function detailOf({ code, detail, parameter, limit, actual, requestId }: GeodesicError): string {
+  // Of a parameter it is how many there are; of the body, or a reply, its bytes.
+  const size = code === 'too_large' && parameter === undefined ? bytesText : countText;
   const bounds = [
     limit === undefined ? '' : `limit ${size(limit)}`,
     actual === undefined ? '' : `here ${size(actual)}`,

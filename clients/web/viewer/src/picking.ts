@@ -20,21 +20,24 @@ export class Picking {
   #surface: Surface | null = null;
   #bvh: MeshBVH | null = null;
   #worker: Worker | null = null;
+  /** Ends the wait for the worker when nothing comes of it any more. */
+  #settle: (picked: boolean) => void = () => undefined;
   readonly #caster = new Raycaster();
 
-  /** Takes another mesh; resolves when it can be picked. */
-  take(surface: Surface): Promise<void> {
+  /** Takes another mesh; resolves with whether it can be picked, or was dropped before. Rejects where the worker fails. */
+  take(surface: Surface): Promise<boolean> {
     this.drop();
     this.#surface = surface;
     const worker = new Worker(new URL('./bvh_worker.ts', import.meta.url), { type: 'module' });
     this.#worker = worker;
     return new Promise((resolve, reject) => {
+      this.#settle = resolve;
       worker.onmessage = ({ data }) => {
         this.#bvh = MeshBVH.deserialize(data, surface.geometry, { setIndex: false });
         worker.terminate();
-        resolve();
+        resolve(true);
       };
-      worker.onerror = (event) => reject(new Error(event.message));
+      worker.onerror = (event) => reject(new Error(event.message || 'its worker did not load'));
       const positions = (surface.geometry.getAttribute('position').array as Float32Array).slice();
       const triangles = surface.triangles.slice();
       const order: BvhOrder = { positions, triangles };
@@ -45,6 +48,7 @@ export class Picking {
   /** Nothing can be picked until another mesh is taken. */
   drop(): void {
     this.#worker?.terminate();
+    this.#settle(false);
     this.#surface = this.#bvh = null;
   }
 

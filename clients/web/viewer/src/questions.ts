@@ -20,7 +20,6 @@ export interface PathQuestion extends Measure {
   readonly mesh: string;
   /** Where it may begin; the shortest path counts. */
   readonly starts: readonly Spot[];
-  readonly pointsPerEdge: number | null;
   /** Of the state that asks, as `pathKey` gives it. */
   readonly key: string;
 }
@@ -164,7 +163,8 @@ const NAMES: Readonly<Record<string, string>> = { chen_han: 'Chen–Han' };
 
 /** `fast_marching` as it is said. */
 export function nameOf(method: string): string {
-  const name = NAMES[method] ?? method.replaceAll('_', ' ');
+  // A link may say any name, be it that of a property that every object has.
+  const name = (Object.hasOwn(NAMES, method) && NAMES[method]) || method.replaceAll('_', ' ');
   return name.charAt(0).toUpperCase() + name.slice(1);
 }
 

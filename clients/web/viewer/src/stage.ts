@@ -15,6 +15,9 @@ const STRAIGHT: Record<Axis, Vector3> = { x: new Vector3(1, 0, 0), y: new Vector
 
 const calm = matchMedia('(prefers-reduced-motion: reduce)');
 
+/** There is nothing to draw with. */
+export class NoWebGL extends Error {}
+
 export class Stage {
   readonly canvas: HTMLCanvasElement;
   readonly camera = new PerspectiveCamera(35, 1, 0.01, 60);
@@ -30,9 +33,13 @@ export class Stage {
   /** Pixels at the right and at the bottom that the panel covers. */
   #covered = { right: 0, bottom: 0 };
 
-  /** Throws where the browser has no WebGL 2. `first` gets the canvas's pointers before the camera does. */
+  /** Throws NoWebGL where the browser has no WebGL 2. `first` gets the canvas's pointers before the camera does. */
   constructor(first: (canvas: HTMLCanvasElement) => void) {
-    this.#renderer = new WebGLRenderer({ antialias: true, alpha: true, stencil: true, powerPreference: 'high-performance' });
+    try {
+      this.#renderer = new WebGLRenderer({ antialias: true, alpha: true, stencil: true, powerPreference: 'high-performance' });
+    } catch (error) {
+      throw new NoWebGL(String(error));
+    }
     // To ask whether a shader compiled is to wait for it; ours are tested.
     this.#renderer.debug.checkShaderErrors = import.meta.env.DEV;
     this.#renderer.setClearColor(0, 0);

@@ -30,6 +30,8 @@ export interface Measure {
   readonly via: readonly Spot[];
   readonly to: Spot;
   readonly method: string;
+  /** As in the state that it was kept of. */
+  readonly pointsPerEdge: number | null;
   readonly refine: boolean;
 }
 
@@ -61,6 +63,9 @@ export interface State {
 
 /** The server takes no more. */
 export const MOST_SOURCES = 1000;
+export const MOST_VIA = 100;
+/** Paths in the list: each is asked for. */
+export const MOST_MEASURES = 50;
 /** So many regions have each their own field, for crisp borders; and so many slots has the shader. */
 export const REGIONS = 8;
 

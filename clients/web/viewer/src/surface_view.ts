@@ -14,6 +14,14 @@ import type { State } from './state.ts';
 
 const FLOOD = 650; // milliseconds from the source to the farthest vertex
 
+/**
+ * Distances for the shader, in drawn units: those of a mesh in any unit, be it 1e30 or 1e-30,
+ * are near 1 then, where float32 and the shader's own bounds have room.
+ */
+function drawn(values: Float32Array, radius: number): Float32Array {
+  return values.map((value) => value / radius);
+}
+
 /** Between isolines of about this many up to `max`, round; 0 for none. */
 export function lineStepOf(max: number, lines: number): number {
   return lines > 0 && max > 0 ? roundStep(max / lines) : 0;
@@ -28,6 +36,8 @@ export class SurfaceView {
     new MeshBasicMaterial({ wireframe: true, color: '#10131a', transparent: true, opacity: 0.34, depthWrite: false }),
   );
   #shown: KnownField | null = null;
+  /** Mesh units of one drawn unit, of the surface that is shown. */
+  #radius = 1;
   #floodFrom: number | null = null;
   /** Set while a source is dragged: the field then just is there. */
   still = false;
@@ -48,6 +58,7 @@ export class SurfaceView {
     if (surface && surface !== resultsBefore?.surface) {
       this.stage.remove(this.#mesh);
       this.#mesh.geometry = surface.geometry;
+      this.#radius = surface.radius;
       this.stage.add(this.#mesh);
       this.#shown = null;
     }
@@ -71,16 +82,17 @@ export class SurfaceView {
       this.#material.reveal(-1);
       return this.stage.wake();
     }
-    const { geometry } = surface;
+    const { geometry, radius } = surface;
     if (field !== this.#shown) {
-      setField(geometry, field.values);
+      setField(geometry, drawn(field.values, radius));
       this.#startFlood(this.#shown === null || !this.still);
     }
     this.#shown = field;
-    const step = lineStepOf(field.max, state.lines);
+    const most = field.max / radius;
+    const step = lineStepOf(field.max, state.lines) / radius;
     const byRegion = state.show === 'regions' && field.labels && regions;
     const byError = state.show === 'error' && error;
-    if (byRegion && apart) putDistances(geometry, apart);
+    if (byRegion && apart) putDistances(geometry, apart, radius);
     else if (byRegion) putLabels(geometry, field.labels!, regions);
     // One buffer for both where they are the same; never the field's for the error.
     if (byError) {
@@ -88,11 +100,11 @@ export class SurfaceView {
       setField(geometry, error.values, 'shade');
     } else geometry.setAttribute('shade', geometry.getAttribute('field'));
     if (byRegion) {
-      this.#material.paint(apart ? 'regions' : 'many', field.max, step);
+      this.#material.paint(apart ? 'regions' : 'many', most, step);
       this.#material.setRegions(regions.colours);
     }
     else if (byError) this.#material.paint('magma', Math.max(error.most, 1e-12), step);
-    else this.#material.paint(state.colours, field.max, step);
+    else this.#material.paint(state.colours, most, step);
     this.stage.wake();
   }
 
@@ -112,7 +124,7 @@ export class SurfaceView {
       return false;
     }
     const eased = 1 - (1 - part) ** 2.2;
-    const { max } = this.#shown;
+    const max = this.#shown.max / this.#radius;
     this.#material.reveal(eased * 1.06 * max, 0.03 * max);
     return true;
   }
@@ -122,11 +134,11 @@ export class SurfaceView {
  * Eight numbers a vertex, of which the least says the region: the distances from each of
  * the sources. The shader finds the border inside faces.
  */
-function putDistances(geometry: BufferGeometry, apart: readonly KnownField[]): void {
+function putDistances(geometry: BufferGeometry, apart: readonly KnownField[], radius: number): void {
   for (const half of [0, 1]) {
     const weights = new Float32Array(4 * apart[0]!.values.length).fill(1e30);
     apart.slice(4 * half, 4 * half + 4).forEach(({ values }, k) => {
-      values.forEach((value, vertex) => { weights[4 * vertex + k] = Math.min(value, 1e30); });
+      values.forEach((value, vertex) => { weights[4 * vertex + k] = Math.min(value / radius, 1e30); });
     });
     geometry.setAttribute(`regions${half}`, new BufferAttribute(weights, 4));
   }

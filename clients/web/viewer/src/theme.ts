@@ -1,7 +1,8 @@
 /** Dark and light: as the system says, until the switch says otherwise. */
+import { Kept } from './storage.ts';
 
 export type Theme = 'light' | 'dark';
-const KEPT = 'geodesicd-theme';
+const KEPT = new Kept('localStorage', 'geodesicd-theme');
 const CLAY: Record<Theme, string> = { light: '#cdc6bd', dark: '#a39e98' };
 
 export class ThemeSwitch {
@@ -16,13 +17,13 @@ export class ThemeSwitch {
   }
 
   get theme(): Theme {
-    const kept = localStorage.getItem(KEPT);
+    const kept = KEPT.value;
     if (kept === 'light' || kept === 'dark') return kept;
     return this.#system.matches ? 'dark' : 'light';
   }
 
   toggle(): void {
-    localStorage.setItem(KEPT, this.theme === 'dark' ? 'light' : 'dark');
+    KEPT.value = this.theme === 'dark' ? 'light' : 'dark';
     this.#apply();
   }
 

@@ -11,6 +11,7 @@ import type { Notices } from './notices.ts';
 import { countText, lengthText } from './numbers.ts';
 import { checked, entriesIn, entriesInFile, type Entry, type Typed } from './point_text.ts';
 import { surfaceOf, type Results } from './results.ts';
+import { tooLarge } from './sources_file.ts';
 import { MOST_SOURCES, type Spot, type State, type Store, type Tool, type Xyz } from './state.ts';
 import type { Surface } from './surface.ts';
 
@@ -109,6 +110,8 @@ export class TypedPoints {
     const { state, results, notices } = this.options;
     const surface = surfaceOf(state.value, results.value);
     if (!surface) return;
+    const large = tooLarge(file);
+    if (large) return notices.trouble({ ...large, about: 'points' });
     const entries = checked(entriesInFile(await file.text()), surface);
     const right = entries.filter(({ fault }) => !fault);
     const asked = right.slice(0, MOST_SOURCES);

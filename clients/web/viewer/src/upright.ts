@@ -4,8 +4,9 @@
  */
 import type { MeshMetadata } from 'geodesicd-client';
 import type { Axis } from './state.ts';
+import { Kept } from './storage.ts';
 
-const KEPT = 'geodesicd-up';
+const KEPT = new Kept('localStorage', 'geodesicd-up');
 
 /** Whether the file itself settles it. */
 export function saysUp({ format, import: reading }: MeshMetadata): boolean {
@@ -14,7 +15,7 @@ export function saysUp({ format, import: reading }: MeshMetadata): boolean {
 
 export function upOf(about: MeshMetadata): Axis {
   if (saysUp(about)) return 'y';
-  const kept = localStorage.getItem(KEPT);
+  const kept = KEPT.value;
   if (kept === 'x' || kept === 'y' || kept === 'z') return kept;
   const [x, y, z] = [0, 1, 2].map((axis) => about.bbox.max[axis]! - about.bbox.min[axis]!) as [number, number, number];
   const flat = z < 0.02 * Math.max(x, y);
@@ -24,5 +25,5 @@ export function upOf(about: MeshMetadata): Axis {
 
 /** Remembers a choice for files that do not say. */
 export function rememberUp(about: MeshMetadata, axis: Axis): void {
-  if (!saysUp(about)) localStorage.setItem(KEPT, axis);
+  if (!saysUp(about)) KEPT.value = axis;
 }
