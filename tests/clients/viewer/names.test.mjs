@@ -26,7 +26,10 @@ test('a dropped file’s name is the server’s, and every browser shows it', as
   await isCalled(page, name);
   await ready(page);
   assert.equal(await page.title(), `${name} · geodesicd`);
-  const id = new URLSearchParams(new URL(page.url()).hash.slice(1)).get('mesh');
+  const id = await until(async () => {
+    const linked = new URLSearchParams(new URL(page.url()).hash.slice(1)).get('mesh');
+    return linked !== plane && linked;
+  }, 'the link to it');
   assert.equal((await service.json(`/v1/meshes/${id}`)).name, name);
   const other = await openMesh(browser, service, id);
   assert.equal(await chosen(other), name);

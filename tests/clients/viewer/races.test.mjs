@@ -106,6 +106,7 @@ test('undone while its field is on its way, a point takes that field along', asy
   const page = await openMesh(browser, service, plane, '&from=9700,0.3,0.3');
   const was = await until(() => legend(page), 'the first field');
   const held = await hold(page, '**/distance**');
+  await page.keyboard.press('1'); // a source, in the place of the other
   await place(page, '0');
   await until(() => held.waiting.length > 0, 'the question for the second');
   await answered(page, (url) => url.includes('/distance'), async () => {
@@ -137,6 +138,7 @@ test('a field that does not come takes the one of other points away', async () =
   const page = await openMesh(browser, service, plane, '&from=9700,0.3,0.3');
   const was = await until(() => legend(page), 'the field');
   await page.route('**/distance**', problem(413, 'too_large'));
+  await page.keyboard.press('1'); // a source, in the place of the other
   await place(page, '0');
   await page.locator('.trouble').waitFor();
   await until(async () => (await legend(page)) === null, 'the old field is gone');
@@ -161,6 +163,7 @@ test('stopped, a field of other points is not left under the new ones', async ()
   const page = await openMesh(browser, service, plane, '&from=9700,0.3,0.3');
   await until(() => legend(page), 'the field');
   const held = await hold(page, '**/distance**');
+  await page.keyboard.press('1'); // a source, in the place of the other
   await place(page, '0');
   await until(() => held.waiting.length > 0, 'the question');
   await page.locator('canvas').first().focus();
@@ -178,6 +181,7 @@ test('a path of other points is neither kept nor exported', async () => {
   await until(async () => !(await isStale(page)) && (await keep.isEnabled()) && (await exports.first().isEnabled()), 'the path');
   const held = await hold(page, '**/path**', problem(413, 'too_large'));
   await page.keyboard.press('3');
+  await page.keyboard.press('1'); // a source, in the place of the other
   await place(page, '0');
   await until(() => held.waiting.length > 0, 'the question');
   const refused = async () => {
@@ -323,6 +327,7 @@ test('points of a link that the mesh does not have are left out, for good', asyn
   // The same of a link to the mesh that is shown.
   page.asked.length = 0;
   await page.getByRole('button', { name: 'Close this message' }).click();
+  await page.keyboard.press('1'); // a source, in the place of the other
   await place(page, '0');
   await page.locator('#place:not([hidden])').waitFor();
   await page.evaluate((id) => { location.hash = `mesh=${id}&from=999999,0.3,0.3&to=5,0.3,0.3`; }, plane);
@@ -335,6 +340,7 @@ test('points of a link that the mesh does not have are left out, for good', asyn
 
 test('a link to another mesh says nothing of its points by the mesh before', async () => {
   const page = await openMesh(browser, service, plane);
+  await page.keyboard.press('1'); // a source, in the place of the other
   await place(page, '0');
   const told = page.locator('#place');
   await until(() => told.isVisible(), 'the place');

@@ -340,11 +340,11 @@ export class Conductor {
   async #askMeasures(asked: readonly Measure[], signal: AbortSignal): Promise<void> {
     const { mesh } = this.state.value;
     if (!mesh) return;
-    for (const measure of asked) {
+    for (const [index, measure] of asked.entries()) {
       if (this.#paths.has(measure)) continue;
       if (signal.aborted || this.connection.lost) return;
       // One that fails is told, and keeps none of those after it back.
-      await this.#attempt(signal, 'measures', async () => {
+      await this.#attempt(signal, `measure ${index}`, async () => {
         const question = { ...measure, mesh, starts: [measure.from], key: '' };
         this.#paths.set(measure, await this.#questions.path(question, signal, () => this.#measures.cancel()));
         const { measures } = this.state.value;

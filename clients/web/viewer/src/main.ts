@@ -254,7 +254,12 @@ function start(): void {
   let writing = 0;
   function writeLink(): void {
     clearTimeout(writing);
-    writing = window.setTimeout(() => history.replaceState(null, '', `#${linkOf(state.value)}`), 250);
+    writing = window.setTimeout(writeLinkNow, 250);
+  }
+
+  function writeLinkNow(): void {
+    clearTimeout(writing);
+    history.replaceState(null, '', `#${linkOf(state.value)}`);
   }
 
   async function copyLink(): Promise<void> {
@@ -484,7 +489,7 @@ function start(): void {
       if (!(await picking.take(surface))) return; // another one is on its way
     } catch (error) {
       document.body.dataset['state'] = 'failed';
-      const reload = { label: 'Reload', run: () => location.reload() };
+      const reload = { label: 'Reload', run: () => { writeLinkNow(); location.reload(); } };
       return notices.trouble({ title: 'Points cannot be placed on the mesh', advice: 'A part of this page did not come, maybe since the server has a newer one: reload this page.', detail: String(error) }, reload);
     }
     await picture;
