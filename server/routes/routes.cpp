@@ -224,8 +224,8 @@ HttpResponse Routes::operate(Call& call) {
       }
       const std::string* const excluded = call.request.parameter("exclude");
       if (excluded != nullptr && *excluded != "store") {
-        return call.problem(
-            Error{InputCode::bad_syntax, "only the store can be left out", "exclude", {}, {}});
+        return call.problem(Error{
+            ErrorCode::value_out_of_range, "only the store can be left out", "exclude", {}, {}});
       }
       const auto store = catalog_.store_health();
       if (!store && excluded == nullptr) return call.problem(store.error());

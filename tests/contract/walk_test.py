@@ -172,6 +172,9 @@ def walk_refusals(walk, server, contract):
             elif least_query(operation):
                 broken = [(name, "!") for name, _ in least_query(operation)]
                 walk.ask_for(400, server, operation, operation.target(broken))
+        for parameter in operation.parameters_in("query"):
+            if "enum" in parameter.get("schema", {}):
+                walk.ask(server, operation, f"{target}{glue}{parameter['name']}=!", body)
         if "404" in operation.responses:
             path = {p["name"]: UNKNOWN for p in operation.parameters_in("path")}
             walk.ask(server, operation, first_request(operation, **path)[0], body)

@@ -158,7 +158,7 @@ TEST_CASE("ReadinessFollowsTheStoreUnlessThatIsLeftOut") {
   check_problem(service.get("/readyz"), 503, "store_unavailable");
   CHECK(service.get("/readyz?exclude=store").status == 200);
   CHECK(service.get("/v1/meshes/" + id + "/distance?from=v:0").status == 200);
-  check_problem(service.get("/readyz?exclude=listener"), 400, "bad_syntax", "exclude");
+  check_problem(service.get("/readyz?exclude=listener"), 422, "value_out_of_range", "exclude");
   CHECK(service.get("/readyz?now=1").status == 503);
 }
 
