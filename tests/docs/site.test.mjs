@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { readdir, readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { after, test } from 'node:test';
-import { axe, launch, newPage } from '../clients/viewer/browser.mjs';
+import { axe, launch, newPage, until } from '../clients/viewer/browser.mjs';
 import { Service } from '../clients/viewer/service.mjs';
 import { proxied } from '../clients/viewer/proxy.mjs';
 
@@ -45,6 +45,10 @@ async function open(page, path) {
   }
   await page.waitForLoadState('networkidle');
   await page.evaluate(() => scrollTo(0, 0));
+  // The title in the head fades back.
+  await until(() => page.evaluate(() =>
+    scrollY === 0 && !document.querySelector('.md-header__title--active') &&
+    document.getAnimations().every(({ playState }) => playState !== 'running')), `rest at ${path}`);
 }
 
 /** What is wrong with a page as it stands. */
