@@ -125,8 +125,9 @@ int wait_for_signal(const sigset_t& signals) {
   return signal;
 }
 
-// The same, but gives up after `patience`.
-void wait_for_signal(const sigset_t& signals, std::chrono::seconds patience) {
+// The same, but gives up after `patience`; SIGHUP does not end it.
+void wait_to_be_stopped(sigset_t signals, std::chrono::seconds patience) {
+  sigdelset(&signals, SIGHUP);
   timespec timeout{};
   timeout.tv_sec = static_cast<std::time_t>(patience.count());
   sigtimedwait(&signals, nullptr, &timeout);
@@ -253,11 +254,11 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
     spdlog::info("signal {}: draining", signal);
   }
   routes.start_draining();
-  // Whoever sends a second signal does not want to wait.
+  // Whoever asks a second time does not want to wait.
   const std::chrono::seconds delay(reload.config()->drain_delay_seconds);
   if (!has_failed && delay.count() > 0) {
     spdlog::info("for {} s only /readyz says so", delay.count());
-    wait_for_signal(stop_signals, delay);
+    wait_to_be_stopped(stop_signals, delay);
   }
   const bool complete = api.stop(std::chrono::seconds(reload.config()->drain_seconds));
   admin.stop(std::chrono::seconds(1));

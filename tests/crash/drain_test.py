@@ -44,6 +44,7 @@ def ends_at_the_second_signal(program, folder):
         time.sleep(0.05)
     status, body = service.get_json("/readyz")
     expect("after SIGTERM it is not", status == 503 and body["code"] == "draining", status, body)
+    service.process.send_signal(signal.SIGHUP)  # as who turns logs over does
     expect("but it is alive", service.ask("GET", "/livez")[0] == 200)
     expect("queries on new connections are answered", service.ask("GET", query)[2] == before[2])
     expect("uploads are taken", service.ask("POST", "/v1/meshes", mesh(10, 2))[0] == 201)

@@ -47,7 +47,7 @@ Off off_from(const Surface& surface, const SurfacePoint& source, Bound bound) {
 }  // namespace
 
 // Their front starts on the mesh's own faces and goes on over others. If it stayed on the mesh's,
-// the mean errors of knot and terrain would be 5 to 14 times those from vertices.
+// most means would be 3 to 30 times those from vertices.
 TEST_CASE("FromInsideFacesDistancesAreAsGoodAsFromVertices") {
   std::mt19937 random(fixtures::test_seed());
   TriangleSoup stretched = shapes::terrain(70, 6, random());

@@ -6,9 +6,9 @@
 import { Vector3 } from 'three';
 import type { Reading } from 'geodesicd-client';
 import { Access } from './access.ts';
+import { hasNewPoints } from './arrivals.ts';
 import { Conductor } from './conductor.ts';
 import { Connection } from './connection.ts';
-import { hasNewPoints } from './arrivals.ts';
 import { ask } from './dialog.ts';
 import { element } from './element.ts';
 import { fileEntrance, type Dropped } from './entrance.ts';
