@@ -189,48 +189,33 @@ Result<void> set_option(const Option& option, std::string_view text, std::string
                       {},
                       {}});
   };
+  const auto set_text = [&](bool is_valid, std::string_view reason) -> Result<void> {
+    if (!is_valid) return refuse(fmt::format("'{}' {}", text, reason));
+    config.*std::get<std::string Config::*>(option.member) = text;
+    return {};
+  };
   switch (option.kind) {
     case Kind::when_full:
-      if (text != "refuse" && text != "evict") {
-        return refuse(fmt::format("'{}' is neither refuse nor evict", text));
-      }
-      config.*std::get<std::string Config::*>(option.member) = text;
-      return {};
+      return set_text(text == "refuse" || text == "evict", "is neither refuse nor evict");
     case Kind::base_path:
-      if (!is_base_path(text)) {
-        return refuse(
-            fmt::format("'{}' is no path such as /geo or /tools/geo, or begins as the "
-                        "server's own do (/v1, /docs)",
-                        text));
-      }
-      config.*std::get<std::string Config::*>(option.member) = text;
-      return {};
+      return set_text(is_base_path(text),
+                      "is no path such as /geo or /tools/geo, or begins as the server's own do "
+                      "(/v1, /docs)");
     case Kind::addresses:
-      if (!AddressRanges::parse(text)) {
-        return refuse(
-            fmt::format("'{}' is no list of addresses and ranges such as "
-                        "127.0.0.1,10.0.0.0/8,fd00::/8 (no bits after the prefix)",
-                        text));
-      }
-      config.*std::get<std::string Config::*>(option.member) = text;
-      return {};
+      return set_text(AddressRanges::parse(text).has_value(),
+                      "is no list of addresses and ranges such as 127.0.0.1,10.0.0.0/8,fd00::/8 "
+                      "(no bits after the prefix)");
     case Kind::decoder:
-      if (text != "process" && text != "in-process") {
-        return refuse(fmt::format("'{}' is neither process nor in-process", text));
-      }
-      config.*std::get<std::string Config::*>(option.member) = text;
-      return {};
+      return set_text(text == "process" || text == "in-process",
+                      "is neither process nor in-process");
     case Kind::level: {
       constexpr std::array<std::string_view, 7> kLevels{"trace", "debug",    "info", "warn",
                                                         "error", "critical", "off"};
-      if (std::find(kLevels.begin(), kLevels.end(), text) == kLevels.end()) {
-        return refuse(fmt::format("'{}' is none of {}", text, fmt::join(kLevels, ", ")));
-      }
-      [[fallthrough]];
+      return set_text(std::find(kLevels.begin(), kLevels.end(), text) != kLevels.end(),
+                      fmt::format("is none of {}", fmt::join(kLevels, ", ")));
     }
     case Kind::text:
-      config.*std::get<std::string Config::*>(option.member) = text;
-      return {};
+      return set_text(true, "");
     case Kind::address: {
       Result<Address> address = text.empty() ? Result<Address>(Address{}) : parse_address(text);
       if (!address) return refuse(address.error().detail);
