@@ -18,7 +18,8 @@ function(geodesic_add_doctest target)
   geodesic_precompile(${target} <doctest/doctest.h>)
   # What is tested is in the libraries; tests themselves are compiled more often than run.
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
-  add_test(NAME ${target} COMMAND ${target})
+  # Ended by SIGTERM, doctest names the test case that was running; ctest would say nothing.
+  add_test(NAME ${target} COMMAND timeout --kill-after=20 1400 $<TARGET_FILE:${target}>)
   set(labels measure)
   if(NOT arg_RELEASE_ONLY)
     add_dependencies(doctest_executables ${target})

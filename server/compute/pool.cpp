@@ -46,9 +46,10 @@ Result<void> ComputePool::refuse(Error error) {
 }
 
 auto ComputePool::expected_wait(const std::string& client) const -> Clock::duration {
+  // What waits while a slot is free is about to be taken into it.
+  if (busy() + queue_.size() < counts_.slots) return Clock::duration(0);
   // Each slot must end what it runs, half of which is over on average, and then
   // takes its part of the turns before ours.
-  if (busy() < counts_.slots) return Clock::duration(0);
   const auto turns = static_cast<Clock::rep>(queue_.turns_before(client));
   const auto slots = static_cast<Clock::rep>(counts_.slots);
   return usual_time_ * (2 * turns + slots) / (2 * slots);

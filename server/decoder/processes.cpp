@@ -232,11 +232,7 @@ std::optional<Result<Content>> DecoderProcesses::wait(int reply, int frame, cons
     const int ready = ::poll(&waiting, 1, kPatienceMilliseconds);
     if (ready > 0) break;
     if (caller()) return given_up(caller);
-    if (Caller::Clock::now() >= latest) {
-      ++overtime_;
-      spdlog::warn("a decoder process took too long");
-      return fail(ErrorCode::mesh_invalid, "decoding the file takes too long");
-    }
+    if (Caller::Clock::now() >= latest) return too_long();
   }
   const auto answer = receive_message(reply, sizeof(std::uint64_t));
   if (answer && says_no_copy(answer->bytes)) {
@@ -248,8 +244,16 @@ std::optional<Result<Content>> DecoderProcesses::wait(int reply, int frame, cons
     ++(*decoded ? decoded_ : refused_);
   } else if (caller()) {
     return given_up(caller);
+  } else if (Caller::Clock::now() >= latest) {
+    return too_long();  // the kernel, which counts its seconds, was there first
   }
   return decoded;
+}
+
+tl::unexpected<Error> DecoderProcesses::too_long() {
+  ++overtime_;
+  spdlog::warn("a decoder process took too long");
+  return fail(ErrorCode::mesh_invalid, "decoding the file takes too long");
 }
 
 tl::unexpected<Error> DecoderProcesses::given_up(const Caller& caller) {

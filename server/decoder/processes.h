@@ -80,6 +80,7 @@ class DecoderProcesses {
   [[nodiscard]] std::optional<Result<Content>> wait(int reply, int frame, const Limits& limits,
                                                     const Caller& caller);
   [[nodiscard]] tl::unexpected<Error> given_up(const Caller& caller);
+  [[nodiscard]] tl::unexpected<Error> too_long();
   [[nodiscard]] Limits limits() const;
 
   const std::string program_;

@@ -12,10 +12,12 @@
 #include <vector>
 
 #include "server/base/service_codes.h"
+#include "tests/fixtures/wait_until.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
 using namespace std::chrono_literals;
+using geodesic::fixtures::wait_until;
 
 namespace {
 
@@ -30,11 +32,6 @@ auto making(std::string text) {
 
 void put(Cache& cache, const std::string& key, std::size_t bytes) {
   REQUIRE(cache.get_or_create(key, making(std::string(bytes, 'x'))));
-}
-
-template <class Predicate>
-void wait_until(Predicate&& holds) {
-  while (!holds()) std::this_thread::sleep_for(1ms);
 }
 
 }  // namespace

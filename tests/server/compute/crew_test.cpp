@@ -11,19 +11,14 @@
 
 #include "server/base/service_codes.h"
 #include "server/compute/pool.h"
+#include "tests/fixtures/wait_until.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
 using namespace std::chrono_literals;
+using geodesic::fixtures::wait_until;
 
-namespace {
-
-template <class Predicate>
-void wait_until(Predicate&& holds) {
-  while (!holds()) std::this_thread::sleep_for(1ms);
-}
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("every part is done once, whatever the number of slots") {
   for (const std::size_t slots : {1, 2, 4}) {
@@ -194,7 +189,7 @@ TEST_CASE("a caller that is gone stops all slots, and a deadline says so") {
   Caller caller([&] { return is_gone.load(); });
   const auto polls = [&](Worker&, std::size_t, const GiveWay&) -> Result<void> {
     begun.fetch_add(1);
-    while (!caller()) std::this_thread::sleep_for(1ms);
+    wait_until([&] { return caller(); });
     return fail(ErrorCode::cancelled, "the computation was cancelled");
   };
   auto table = std::async(std::launch::async, [&] { return pool.run_each(50, polls, caller); });

@@ -9,11 +9,14 @@
 
 #include "server/base/service_codes.h"
 #include "server/compute/pool.h"
+#include "tests/fixtures/wait_until.h"
 #include "tests/server/compute/jobs_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
 using namespace geodesic::server::test;
+using geodesic::fixtures::is_soon;
+using geodesic::fixtures::wait_until;
 
 TEST_CASE("NoMoreJobsWaitAndRunThanAllowed") {
   JobsFixture fixture(limits_of(4, 2));
@@ -23,11 +26,7 @@ TEST_CASE("NoMoreJobsWaitAndRunThanAllowed") {
   CHECK(refused.error().code == ServiceCode::overloaded);
   CHECK(refused.error().limit == 4);
   fixture.gate.let_go("/hold");
-  const auto end = std::chrono::steady_clock::now() + kJobPatience;
-  while (fixture.jobs.stats().ended < 4) {
-    REQUIRE(std::chrono::steady_clock::now() < end);
-    std::this_thread::sleep_for(1ms);
-  }
+  wait_until([&] { return fixture.jobs.stats().ended >= 4; });
   CHECK(fixture.try_start("/x", "eve"));
 }
 
@@ -105,7 +104,7 @@ TEST_CASE("WhatJobsGatherIsChargedAsItGrows") {
     response.stream = [&, n = 0](std::string& chunk) mutable {
       if (n == 40) {
         ++full;
-        while (!go_on) std::this_thread::sleep_for(1ms);
+        wait_until([&] { return go_on.load(); });
         return false;
       }
       chunk = std::string(1000, 'x');
@@ -120,23 +119,18 @@ TEST_CASE("WhatJobsGatherIsChargedAsItGrows") {
     REQUIRE(report);
     return jobs.hold(report->id);
   };
-  const auto end = std::chrono::steady_clock::now() + kJobPatience;
-  const auto wait_until = [&](const auto& holds) {
-    while (!holds() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
-    return holds();
-  };
   const auto first = start("ann");
-  CHECK(wait_until([&] { return full == 1; }));
+  CHECK(is_soon([&] { return full == 1; }));
   const auto second = start("bob");
-  CHECK(wait_until([&] { return full == 2; }));
+  CHECK(is_soon([&] { return full == 2; }));
   CHECK(jobs.stats().bytes >= 80'000);
   const auto third = start("cid");
-  CHECK(wait_until([&] { return full == 3 || has_ended(jobs.report(third).state); }));
+  CHECK(is_soon([&] { return full == 3 || has_ended(jobs.report(third).state); }));
   CHECK(full == 2);
   CHECK(jobs.stats().bytes <= limits.bytes);
   go_on = true;
   for (const auto& job : {first, second, third}) {
-    CHECK(wait_until([&] { return has_ended(jobs.report(job).state); }));
+    CHECK(is_soon([&] { return has_ended(jobs.report(job).state); }));
   }
   CHECK(jobs.report(first).status == 200);
   CHECK(jobs.report(second).status == 200);
@@ -181,11 +175,7 @@ TEST_CASE("BodiesThatWaitHaveABudgetToo") {
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ServiceCode::overloaded);
   CHECK(fixture.jobs.remove(held));
-  const auto end = std::chrono::steady_clock::now() + kJobPatience;
-  while (!fixture.try_start("/x", "bob", std::string(60'000, 'x'))) {
-    REQUIRE(std::chrono::steady_clock::now() < end);
-    std::this_thread::sleep_for(1ms);
-  }
+  wait_until([&] { return fixture.try_start("/x", "bob", std::string(60'000, 'x')).has_value(); });
 }
 
 TEST_CASE("WhatHasEndedIsForgottenAfterItsTime") {
@@ -196,11 +186,7 @@ TEST_CASE("WhatHasEndedIsForgottenAfterItsTime") {
   const auto job = fixture.jobs.hold(id);
   REQUIRE(job);
   fixture.gate.let_go("/hold");
-  const auto end = std::chrono::steady_clock::now() + kJobPatience;
-  while (fixture.jobs.find(id)) {
-    REQUIRE(std::chrono::steady_clock::now() < end);
-    std::this_thread::sleep_for(1ms);
-  }
+  wait_until([&] { return !fixture.jobs.find(id); });
   CHECK(fixture.jobs.stats().bytes == 0);
   CHECK(fixture.jobs.report(job).state == JobState::done);  // for who holds it
 }
@@ -215,15 +201,15 @@ TEST_CASE("APatientCallerWaitsForASlotHoweverLongThatTakes") {
   std::thread holder([&] {
     const auto hold = [&](Worker&) -> Result<int> {
       begun = true;
-      while (!go_on) std::this_thread::sleep_for(1ms);
+      wait_until([&] { return go_on.load(); });
       return 6;
     };
     held = pool.run(hold, patient);
   });
-  while (!begun) std::this_thread::sleep_for(1ms);
+  wait_until([&] { return begun.load(); });
   Result<int> found = 0;
   std::thread waiter([&] { found = pool.run([](Worker&) -> Result<int> { return 7; }, patient); });
-  while (pool.stats().queued == 0) std::this_thread::sleep_for(1ms);
+  wait_until([&] { return pool.stats().queued != 0; });
   // Somebody else gives up first, and so would have the other one.
   const auto impatient = pool.run([](Worker&) -> Result<int> { return 8; });
   REQUIRE_FALSE(impatient);

@@ -13,11 +13,13 @@
 #include <vector>
 
 #include "server/base/service_codes.h"
+#include "tests/fixtures/wait_until.h"
 #include "tests/server/compute/jobs_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
 using namespace geodesic::server::test;
+using geodesic::fixtures::wait_until;
 
 TEST_CASE("AJobGoesFromQueuedToDoneAndKeepsItsReply") {
   JobsFixture fixture;
@@ -146,7 +148,7 @@ TEST_CASE("WhoWaitsForNewsHearsOfProgress") {
   std::atomic<bool> go_on{false};
   Jobs jobs({}, [&](HttpRequest& request) {
     request.caller.progress(0.5);
-    while (!go_on && !request.caller()) std::this_thread::sleep_for(1ms);
+    wait_until([&] { return go_on || request.caller(); });
     return Gate::answer(200, "");
   });
   const auto started = jobs.start(HttpRequest());

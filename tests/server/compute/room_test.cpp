@@ -15,12 +15,14 @@
 #include "server/base/service_codes.h"
 #include "server/compute/pool.h"
 #include "tests/fixtures/test_seed.h"
+#include "tests/fixtures/wait_until.h"
 #include "tests/server/compute/taken_memory.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
 using namespace geodesic::server::test;
 using namespace std::chrono_literals;
+using geodesic::fixtures::wait_until;
 
 namespace {
 
@@ -50,11 +52,6 @@ class Holder {
   std::promise<void> leave_;
   std::future<Result<int>> done_;
 };
-
-void wait_until(const auto& condition) {
-  for (int i = 0; i < 2000 && !condition(); ++i) std::this_thread::sleep_for(5ms);
-  REQUIRE(condition());
-}
 
 }  // namespace
 

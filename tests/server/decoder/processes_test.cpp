@@ -27,6 +27,8 @@
 #include "server/decoder/local_message.h"
 #include "server/decoder/mesh_form.h"
 #include "server/decoder/process.h"
+#include "tests/fixtures/wait_until.h"
+#include "tests/server/routes/service_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
@@ -56,9 +58,21 @@ std::vector<std::byte> frame_of(const Decoded& decoded) {
   return frame;
 }
 
+// A copy of the program that only this process runs: decoders are told by their program's file,
+// and the same tests may run beside these.
+const std::string& rogue_decoder() {
+  static const test::TemporaryFolder folder;
+  static const std::string program = [] {
+    const auto copy = folder.path() / "rogue_decoder";
+    std::filesystem::copy_file(ROGUE_DECODER, copy);
+    return std::filesystem::canonical(copy).string();
+  }();
+  return program;
+}
+
 // The decoders of this test: the one that waits for orders, and its copies.
 std::vector<pid_t> decoder_pids() {
-  const auto program = std::filesystem::canonical(ROGUE_DECODER);
+  const std::filesystem::path program = rogue_decoder();
   std::vector<pid_t> pids;
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
     std::error_code error;
@@ -80,7 +94,7 @@ bool soon(auto&& holds) {
 std::unique_ptr<DecoderProcesses> started(const DecoderProcesses::Limits& limits) {
   // Those of the test before may still be on their way out.
   REQUIRE(soon([] { return decoder_pids().empty(); }));
-  auto processes = DecoderProcesses::start(ROGUE_DECODER, limits);
+  auto processes = DecoderProcesses::start(rogue_decoder(), limits);
   REQUIRE(processes);
   return std::move(*processes);
 }
@@ -181,11 +195,12 @@ TEST_CASE("ADecoderEndsIfNobodyWantedItsAnswerFromTheStart") {
   auto [orders, theirs] = local_pair();
   REQUIRE(orders);
   const std::string argument(kDecoderArgument);
+  const std::string& program = rogue_decoder();
   const pid_t process = ::fork();
   if (process == 0) {
     if (::dup2(theirs.get(), kDecoderSocket) != kDecoderSocket) ::_exit(1);
     if (theirs.get() == kDecoderSocket) ::fcntl(kDecoderSocket, F_SETFD, 0);
-    ::execl(ROGUE_DECODER, ROGUE_DECODER, argument.c_str(), nullptr);
+    ::execl(program.c_str(), program.c_str(), argument.c_str(), nullptr);
     ::_exit(1);
   }
   theirs.close();
@@ -258,7 +273,7 @@ TEST_CASE("AProgramThatIsNoDecoderIsFoundOutAtTheStart") {
 TEST_CASE("WhereNoProcessCanBeMadeTheFileIsNotToBlame") {
   const auto name = std::filesystem::temp_directory_path() /
                     ("geodesicd_" + std::to_string(::getpid()) + "_without-fork");
-  std::filesystem::create_symlink(ROGUE_DECODER, name);
+  std::filesystem::create_symlink(rogue_decoder(), name);
   const auto processes = DecoderProcesses::start(name, short_limits());
   std::filesystem::remove(name);
   REQUIRE_FALSE(processes);

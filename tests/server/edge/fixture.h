@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 #include <spdlog/spdlog.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <nlohmann/json.hpp>
@@ -15,11 +16,13 @@
 #include <utility>
 
 #include "server/edge/server.h"
+#include "tests/fixtures/wait_until.h"
 #include "tests/server/edge/raw_client.h"
 
 namespace geodesic::server::test {
 
 using namespace std::chrono_literals;
+using fixtures::wait_until;
 using nlohmann::json;
 
 // A line of the log per request would bury the test's own output.
@@ -27,6 +30,9 @@ inline const bool quiet = [] {
   spdlog::set_level(spdlog::level::off);
   return true;
 }();
+
+// Until then a request for /held stays.
+inline std::atomic<bool> held_is_let_go{false};
 
 // Answers with what it saw, so that tests can tell what reached a handler.
 inline HttpResponse answer(HttpRequest& request) {
@@ -38,11 +44,11 @@ inline HttpResponse answer(HttpRequest& request) {
   } else if (request.path == "/big") {
     response.set_body(std::string(20'000'000, 'x'), "application/octet-stream");
   } else if (request.path == "/gone") {
-    while (!request.caller()) std::this_thread::sleep_for(5ms);
+    wait_until([&] { return request.caller(); });
     response.status = 499;
-  } else if (request.path == "/sleep") {
-    std::this_thread::sleep_for(300ms);
-    response.set_body("slept", "text/plain");
+  } else if (request.path == "/held") {
+    wait_until([] { return held_is_let_go.load(); });
+    response.set_body("held", "text/plain");
   } else if (request.path == "/empty") {
     response.status = 204;
   } else if (request.path == "/unchanged") {

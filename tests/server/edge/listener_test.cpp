@@ -11,11 +11,13 @@
 #include <string>
 #include <utility>
 
+#include "tests/fixtures/wait_until.h"
 #include "tests/server/edge/fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
 using namespace geodesic::server::test;
+using geodesic::fixtures::wait_until;
 
 namespace {
 
@@ -45,8 +47,7 @@ struct Failing {
 
   // From the next but one connection on: an accept that has begun brings the next.
   void fail(int times) {
-    const auto end = std::chrono::steady_clock::now() + 60s;
-    while (!is_waiting && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
+    wait_until([&] { return is_waiting.load(); });
     failures = times;
   }
 
@@ -56,14 +57,6 @@ struct Failing {
   std::string reason;
   std::atomic<bool> has_failed{false};
 };
-
-void wait_until(auto&& holds) {
-  const auto end = std::chrono::steady_clock::now() + 60s;
-  while (!holds()) {
-    REQUIRE(std::chrono::steady_clock::now() < end);
-    std::this_thread::sleep_for(1ms);
-  }
-}
 
 bool is_served(const Edge& edge) {
   RawClient client(edge.port);

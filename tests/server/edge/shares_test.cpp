@@ -8,11 +8,13 @@
 
 #include "server/base/client_shares.h"
 #include "server/base/service_codes.h"
+#include "tests/fixtures/wait_until.h"
 #include "tests/server/edge/fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
 using namespace geodesic::server::test;
+using geodesic::fixtures::wait_until;
 
 namespace {
 
@@ -50,10 +52,7 @@ TEST_CASE("event streams of one client leave places for others") {
   CHECK(reply.headers.count("retry-after") == 1);
   // Nothing is lost with those who leave.
   clients.clear();
-  const auto end = std::chrono::steady_clock::now() + 60s;
-  while (edge.server.stats().connections > 1 && std::chrono::steady_clock::now() < end) {
-    std::this_thread::sleep_for(1ms);
-  }
+  wait_until([&] { return edge.server.stats().connections <= 1; });
   CHECK(streams_of(edge, 1, 30, clients) == 10);
 }
 
@@ -94,7 +93,7 @@ TEST_CASE("uploads that stall give way to those that come") {
       stalled.push_back(std::make_unique<RawClient>(edge.port));
       stalled.back()->send(post("/echo", with_length(all), most));
     }
-    while (edge.server.stats().body_bytes < 4'000'000) std::this_thread::sleep_for(1ms);
+    wait_until([&] { return edge.server.stats().body_bytes >= 4'000'000; });
     std::this_thread::sleep_for(2s);  // long enough to be known as slow
     for (int i = 0; i < 3; ++i) {
       RawClient coming(edge.port, from);
@@ -111,7 +110,7 @@ TEST_CASE("uploads that stall give way to those that come") {
       gone += reply.status == 503;
     }
     CHECK(gone == 1);
-    while (edge.server.stats().body_bytes != 0) std::this_thread::sleep_for(1ms);
+    wait_until([&] { return edge.server.stats().body_bytes == 0; });
   }
 }
 

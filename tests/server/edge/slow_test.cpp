@@ -10,11 +10,13 @@
 #include <thread>
 #include <vector>
 
+#include "tests/fixtures/wait_until.h"
 #include "tests/server/edge/fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
 using namespace geodesic::server::test;
+using geodesic::fixtures::wait_until;
 
 TEST_CASE("a client that pushes on after a 413 can still read it") {
   Edge edge;
@@ -32,7 +34,7 @@ TEST_CASE("all bodies together have a limit of their own") {
   Edge edge(std::move(options));
   RawClient holder(edge.port);
   holder.send(post("/echo", "Content-Length: 1000001\r\n", std::string(1'000'000, 'x')));
-  while (edge.server.stats().body_bytes < 1'000'000) std::this_thread::sleep_for(1ms);
+  wait_until([&] { return edge.server.stats().body_bytes >= 1'000'000; });
   const std::string body(1'000'000, 'y');
   RawClient client(edge.port);
   client.send(post("/echo", with_length(body), body));
@@ -41,7 +43,7 @@ TEST_CASE("all bodies together have a limit of their own") {
   CHECK(refused.headers.at("retry-after") == "1");
   holder.send("x");
   CHECK(holder.receive().status == 200);
-  while (edge.server.stats().body_bytes != 0) std::this_thread::sleep_for(1ms);
+  wait_until([&] { return edge.server.stats().body_bytes == 0; });
   RawClient again(edge.port);
   again.send(post("/echo", with_length(body), body));
   CHECK(again.receive().status == 200);
@@ -101,13 +103,6 @@ TEST_CASE("what came in time is read, however late the server is") {
   options.io_threads = options.max_io_threads = 1;
   options.head_timeout = options.body_timeout = kTimeout;
   Edge edge(std::move(options));
-  const auto wait_until = [](auto is_so) {
-    const auto end = std::chrono::steady_clock::now() + 60s;
-    while (!is_so()) {
-      REQUIRE(std::chrono::steady_clock::now() < end);
-      std::this_thread::sleep_for(1ms);
-    }
-  };
   RawClient body(edge.port);
   body.send(post("/echo", "Content-Length: 3\r\n", "a"));
   wait_until([&] { return edge.server.stats().body_bytes > 0; });
@@ -165,12 +160,9 @@ TEST_CASE("a handler learns that its client has hung up") {
   {
     RawClient client(edge.port);
     client.send(get("/gone"));
-    while (edge.server.stats().running == 0) std::this_thread::sleep_for(1ms);
+    wait_until([&] { return edge.server.stats().running != 0; });
   }
-  const auto begin = std::chrono::steady_clock::now();
-  while (edge.server.stats().running != 0 && std::chrono::steady_clock::now() - begin < 5s) {
-    std::this_thread::sleep_for(1ms);
-  }
+  wait_until([&] { return edge.server.stats().running == 0; });
   CHECK(edge.server.stats().running == 0);
 }
 
@@ -180,24 +172,23 @@ TEST_CASE("a client that reads too slowly is given up") {
   Edge edge(std::move(options));
   RawClient client(edge.port);
   client.send(get("/big"));
-  const auto begin = std::chrono::steady_clock::now();
-  while (edge.server.stats().requests == 0 && std::chrono::steady_clock::now() - begin < 5s) {
-    std::this_thread::sleep_for(5ms);
-  }
+  wait_until([&] { return edge.server.stats().requests != 0; });
   CHECK(edge.server.stats().requests == 1);
 }
 
 TEST_CASE("draining lets running requests finish and refuses new connections") {
   Edge edge;
   RawClient running(edge.port);
-  running.send(get("/sleep"));
+  held_is_let_go = false;
+  running.send(get("/held"));
   RawClient idle(edge.port);
-  while (edge.server.stats().running == 0) std::this_thread::sleep_for(1ms);
-  auto stopped = std::async(std::launch::async, [&] { return edge.server.stop(5s); });
+  wait_until([&] { return edge.server.stats().running != 0; });
+  auto stopped = std::async(std::launch::async, [&] { return edge.server.stop(60s); });
+  CHECK(idle.ends());  // so the draining has begun
+  held_is_let_go = true;
   const RawReply reply = running.receive();
-  CHECK(reply.body == "slept");
+  CHECK(reply.body == "held");
   CHECK(reply.headers.at("connection") == "close");
-  CHECK(idle.ends());
   CHECK(stopped.get());
   CHECK_THROWS(RawClient(edge.port));
   CHECK(edge.server.stop(1s));  // a second time does nothing
@@ -207,7 +198,7 @@ TEST_CASE("a large reply on its way is not truncated by draining") {
   Edge edge;
   RawClient client(edge.port);
   client.send(get("/big"));
-  while (edge.server.stats().connections == 0) std::this_thread::sleep_for(1ms);
+  wait_until([&] { return edge.server.stats().connections != 0; });
   std::this_thread::sleep_for(50ms);  // the handler has long answered; the socket's buffer is full
   auto stopped = std::async(std::launch::async, [&] { return edge.server.stop(10s); });
   std::this_thread::sleep_for(50ms);
@@ -219,7 +210,7 @@ TEST_CASE("draining cuts what outlives the grace") {
   Edge edge;
   RawClient client(edge.port);
   client.send(get("/gone"));
-  while (edge.server.stats().running == 0) std::this_thread::sleep_for(1ms);
+  wait_until([&] { return edge.server.stats().running != 0; });
   CHECK_FALSE(edge.server.stop(100ms));
 }
 
@@ -295,9 +286,9 @@ TEST_CASE("where no place is left, who idles longest makes room for who comes") 
     CHECK(idle.back()->receive().status == 200);
     // A client may have its reply before its connection counts as idle.
     const std::uint64_t waiting = std::min<std::uint64_t>(i + 1, 8);
-    while (edge.server.stats().dispensable < waiting) std::this_thread::sleep_for(1ms);
+    wait_until([&] { return edge.server.stats().dispensable >= waiting; });
   }
-  while (edge.server.stats().connections > 8) std::this_thread::sleep_for(1ms);
+  wait_until([&] { return edge.server.stats().connections <= 8; });
   int left = 0;
   for (std::size_t i = 0; i < idle.size(); ++i) {
     idle[i]->send(get("/still-here"));
@@ -317,12 +308,12 @@ TEST_CASE("where every place is held by a running request, who comes is turned a
     RawClient second(edge.port);
     first.send(get("/gone"));
     second.send(get("/gone"));
-    while (edge.server.stats().running < 2) std::this_thread::sleep_for(1ms);
+    wait_until([&] { return edge.server.stats().running >= 2; });
     RawClient third(edge.port);
     third.send(get("/x"));
     CHECK(third.receive().status == 0);
   }
-  while (edge.server.stats().connections != 0) std::this_thread::sleep_for(1ms);
+  wait_until([&] { return edge.server.stats().connections == 0; });
   RawClient fourth(edge.port);
   fourth.send(get("/x"));
   CHECK(fourth.receive().status == 200);
@@ -337,7 +328,7 @@ TEST_CASE("requests that block are joined by more threads, up to the bound") {
   for (std::uint64_t i = 0; i < 19; ++i) {
     blocked.push_back(std::make_unique<RawClient>(edge.port));
     blocked.back()->send(get("/gone"));
-    while (edge.server.stats().running <= i) std::this_thread::sleep_for(1ms);
+    wait_until([&] { return edge.server.stats().running > i; });
     RawClient fresh(edge.port);
     fresh.send(get("/new"));
     CHECK(fresh.receive().status == 200);
@@ -387,7 +378,7 @@ TEST_CASE("draining ends idle connections at once and waits for a request half s
   CHECK(idle.receive().status == 200);
   RawClient half(edge.port);
   half.send(post("/echo", "Content-Length: 4\r\n", "ab"));
-  while (edge.server.stats().body_bytes != 2) std::this_thread::sleep_for(1ms);
+  wait_until([&] { return edge.server.stats().body_bytes == 2; });
   auto stopped = std::async(std::launch::async, [&] { return edge.server.stop(10s); });
   CHECK(idle.ends());
   half.send("cd");
@@ -418,7 +409,7 @@ TEST_CASE("replies that nobody takes have a limit together") {
   CHECK(client.receive().status == 200);
   CHECK(slow[0]->receive().body.size() == 20'000'000);
   CHECK(slow[1]->receive().body.size() == 20'000'000);
-  while (edge.server.stats().requests < 4) std::this_thread::sleep_for(1ms);
+  wait_until([&] { return edge.server.stats().requests >= 4; });
   client.send(get("/big"));
   CHECK(client.receive().body.size() == 20'000'000);
 }

@@ -16,11 +16,13 @@
 #include <memory>
 #include <vector>
 
+#include "tests/fixtures/wait_until.h"
 #include "tests/server/edge/fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
 using namespace geodesic::server::test;
+using geodesic::fixtures::wait_until;
 
 namespace {
 
@@ -284,13 +286,6 @@ TEST_CASE("a body in many small records is read whole, however late the server i
   options.io_threads = options.max_io_threads = 1;
   options.body_timeout = kTimeout;
   Edge edge(std::move(options));
-  const auto wait_until = [](auto is_so) {
-    const auto end = std::chrono::steady_clock::now() + 60s;
-    while (!is_so()) {
-      REQUIRE(std::chrono::steady_clock::now() < end);
-      std::this_thread::sleep_for(1ms);
-    }
-  };
   const std::string body(1000, 'x');
   TlsClient client(edge.port);
   REQUIRE(client.connected());

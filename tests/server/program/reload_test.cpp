@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "server/base/service_codes.h"
+#include "tests/fixtures/wait_until.h"
 #include "tests/server/edge/fixture.h"
 #include "tests/server/routes/service_fixture.h"
 
@@ -214,7 +215,7 @@ TEST_CASE("a shorter queue refuses the next, and keeps those that wait") {
   });
   running.wait();
   std::thread second([&] { (void)pool.run(job); });
-  while (pool.stats().queued == 0) std::this_thread::yield();
+  fixtures::wait_until([&] { return pool.stats().queued != 0; });
   pool.set_limits({0, 0, std::chrono::milliseconds(0)});
   const auto refused = pool.run(job);
   REQUIRE_FALSE(refused);

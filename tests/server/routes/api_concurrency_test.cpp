@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/fixtures/wait_until.h"
 #include "tests/server/routes/service_fixture.h"
 
 using namespace geodesic;
@@ -171,9 +172,10 @@ TEST_CASE("WhoIsRefusedHearsHowLongTheQueueIs") {
       return 1;
     });
   }
-  std::promise<void> gate;
-  std::shared_future<void> opened = gate.get_future().share();
+  std::shared_future<void> opened;
   std::vector<std::future<Result<int>>> line;
+  std::promise<void> gate;  // last: a test that ends early lets the line go
+  opened = gate.get_future().share();
   constexpr std::size_t kWaiting = 40;
   for (std::size_t i = 0; i < kWaiting + 1; ++i) {
     line.push_back(std::async(std::launch::async, [&] {
@@ -183,7 +185,10 @@ TEST_CASE("WhoIsRefusedHearsHowLongTheQueueIs") {
       });
     }));
   }
-  while (service.pool.stats().queued < kWaiting) std::this_thread::yield();
+  fixtures::wait_until([&] {
+    const auto stats = service.pool.stats();
+    return stats.queued == kWaiting && stats.running == 1;
+  });
   const auto waits = [](const HttpResponse& refused) {
     CHECK(refused.status == 503);
     CHECK(body_of(refused)["code"] == "overloaded");

@@ -7,12 +7,14 @@
 #include <thread>
 #include <vector>
 
+#include "tests/fixtures/wait_until.h"
 #include "tests/server/edge/fixture.h"
 #include "tests/server/routes/service_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
 using namespace geodesic::server::test;
+using geodesic::fixtures::wait_until;
 
 namespace {
 
@@ -63,14 +65,6 @@ struct Watched {
   std::string begin_for_ever() {
     const std::string id = service.upload(glb_of(shapes::terrain(60, 5, 3)));
     return begin("/v1/meshes/" + id + "/samples?count=10000&method=exact");
-  }
-  template <class Wanted>
-  void wait_until(Wanted wanted) {
-    const auto end = std::chrono::steady_clock::now() + kPatience;
-    while (!wanted()) {
-      REQUIRE(std::chrono::steady_clock::now() < end);
-      std::this_thread::sleep_for(2ms);
-    }
   }
 
   TemporaryFolder folder;
@@ -140,7 +134,7 @@ TEST_CASE("DrainingEndsTheStream") {
   const std::string place = watched.begin_for_ever();
   RawClient reader(watched.port);
   reader.send(get(place + "/events"));
-  watched.wait_until([&] { return watched.service.pool.stats().running == 1; });
+  wait_until([&] { return watched.service.pool.stats().running == 1; });
   watched.service.routes.start_draining();
   check_ends_with(events_of(reader.receive(false, kPatience).body), "cancelled");
   CHECK(watched.server.stop(kPatience));
@@ -155,9 +149,9 @@ TEST_CASE("AReaderWhoHangsUpIsNoticedAndTheJobGoesOn") {
     pollfd query{reader.socket(), POLLIN, 0};
     REQUIRE(::poll(&query, 1, 60'000) == 1);  // the stream has begun
   }
-  watched.wait_until([&] { return watched.server.stats().connections == 0; });
+  wait_until([&] { return watched.server.stats().connections == 0; });
   CHECK(watched.ask(get(place)).body.find("\"finished\":null") != std::string::npos);
-  watched.wait_until([&] { return watched.service.pool.stats().running == 1; });
+  wait_until([&] { return watched.service.pool.stats().running == 1; });
   watched.ask("DELETE " + place + " HTTP/1.1\r\n" + std::string(host) + "\r\n");
-  watched.wait_until([&] { return watched.service.pool.stats().running == 0; });
+  wait_until([&] { return watched.service.pool.stats().running == 0; });
 }

@@ -21,11 +21,13 @@
 #include "server/store/mesh_store.h"
 #include "server/store/monitor.h"
 #include "server/store/open_store.h"
+#include "tests/fixtures/wait_until.h"
 #include "tests/server/routes/service_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
 using namespace geodesic::server::test;
+using geodesic::fixtures::wait_until;
 namespace fs = std::filesystem;
 
 namespace {
@@ -244,11 +246,11 @@ TEST_CASE("a store that cannot be written to reads on and says that it is not we
   CHECK(store->get_source(id_of('a')) == bytes_of('a'));
   {
     const StoreMonitor monitor(*store, std::chrono::milliseconds(1));
-    while (store->health()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    wait_until([&] { return !store->health(); });
     CHECK(store->health().error().code == ServiceCode::store_unavailable);
     fs::remove(folder.path() / "tmp");
     fs::create_directory(folder.path() / "tmp");
-    while (!store->health()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    wait_until([&] { return bool(store->health()); });
   }
   CHECK(store->put(id_of('b'), bytes_of('b'), "{}"));
 }
