@@ -273,6 +273,15 @@ test('many sources come out of a text file, and divide the surface', async () =>
   await page.getByLabel('Regions').check();
   await textAt(page, '.legend h2', (text) => text === 'Nearest of 15');
   await picture(page, '66-fifteen-sources');
+  // Every one of them can be removed by itself.
+  await page.getByRole('button', { name: 'and 9 sources more' }).click();
+  assert.equal(await page.locator('.points .source').count(), 15);
+  await page.getByRole('button', { name: 'Remove Source 15' }).click();
+  await page.getByRole('button', { name: 'Remove Source 9', exact: true }).click();
+  await textAt(page, '.legend h2', (text) => text === 'Nearest of 13');
+  await page.getByRole('button', { name: 'Only the first 6 sources' }).click();
+  assert.equal(await page.locator('.points .source').count(), 6);
+  assert.match(await page.locator('.points').textContent(), /and 7 sources more/);
   await give('poem.txt', 'no numbers\n');
   assert.match(await page.locator('.trouble').textContent(), /No sources in this file.*poem\.txt/s);
   assert.equal(await page.getByRole('button', { name: 'Undo' }).isDisabled(), false);

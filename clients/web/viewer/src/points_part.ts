@@ -8,7 +8,7 @@ import type { Results } from './results.ts';
 import { MOST_SOURCES, type Spot, type State, type Tool } from './state.ts';
 
 const CROSS = 'M6 6l8 8M14 6l-8 8';
-/** Rows of sources in the panel. */
+/** Rows of sources in the panel, unless all are asked for. */
 const LISTED = 6;
 
 export const TOOLS: readonly { value: Tool; label: string; icon: string; title: string }[] = [
@@ -49,12 +49,25 @@ export function pointsPart({ state, results, actions }: Parts): HTMLElement {
     if (region) made.style.setProperty('--region', region);
     return made;
   };
+  let all = false;
+  const listed = (now: State) => (all ? now.sources.length : Math.min(LISTED, now.sources.length));
+  const more = (now: State) => {
+    if (now.sources.length <= LISTED) return [];
+    const text = all ? `Only the first ${LISTED} sources` : `and ${now.sources.length - LISTED} sources more`;
+    const button = element('button', { type: 'button', className: 'quiet', aria: { expanded: `${all}` } }, text);
+    button.onclick = () => {
+      all = !all;
+      show(state.value);
+      list.querySelector<HTMLElement>('.more button')?.focus();
+    };
+    return [element('li', { className: 'more' }, button)];
+  };
   const show = (now: State) => {
     tools.set(now.tool);
     tools.enable('add', now.sources.length > 0 && now.sources.length < MOST_SOURCES);
     const several = now.sources.length > 1;
     const rows = [
-      ...now.sources.slice(0, LISTED).map((_, index) =>
+      ...now.sources.slice(0, listed(now)).map((_, index) =>
         row(
           'source',
           several ? `Source ${index + 1}` : 'Source',
@@ -62,7 +75,7 @@ export function pointsPart({ state, results, actions }: Parts): HTMLElement {
           several && now.show === 'regions' ? (results.value.regions?.colours[index] ?? regionColour(index)) : undefined,
         ),
       ),
-      ...(now.sources.length > LISTED ? [element('li', { className: 'more' }, `and ${now.sources.length - LISTED} sources more`)] : []),
+      ...more(now),
       ...now.via.map((_, index) =>
         row('via', now.via.length > 1 ? `Via ${index + 1}` : 'Via', () => state.set({ via: without(state.value.via, index) })),
       ),
@@ -77,7 +90,7 @@ export function pointsPart({ state, results, actions }: Parts): HTMLElement {
     const counts = (of: State) => [of.tool, of.show, of.sources.length, of.via.length, !!of.target, !!of.arrow].join();
     if (counts(now) !== counts(before)) show(now);
   });
-  const hues = ({ regions }: Results) => regions?.colours.slice(0, LISTED).join();
+  const hues = ({ regions }: Results) => regions?.colours.slice(0, listed(state.value)).join();
   results.listen((now, before) => {
     if (hues(now) !== hues(before)) show(state.value);
   });
