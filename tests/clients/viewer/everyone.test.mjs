@@ -59,6 +59,7 @@ test('dark and light: as the system says, and by the switch', async () => {
 test('on a phone: a sheet below, fingers place and drag', async () => {
   const page = await openMesh(browser, service, plane, '', PHONE);
   const clay = await picture(page, '44-phone', ON_PHONE);
+  assert.equal(await page.locator('.hint').textContent(), 'Tap the surface to place a source');
   await page.touchscreen.tap(150, 250);
   await page.waitForSelector('.legend:not([hidden])');
   await page.touchscreen.tap(240, 330);

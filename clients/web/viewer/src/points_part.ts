@@ -19,14 +19,15 @@ export const TOOLS: readonly { value: Tool; label: string; icon: string; title: 
   { value: 'arrow', label: 'Straight', icon: 'M4 16L16 4M9 4h7v7', title: 'Straight ahead on the surface (5)' },
 ];
 
-/** What a click does now, in words. */
+/** What a click, or a finger's tap, does now, in words. */
 export function hintOf({ tool, sources, target, arrow, mesh }: State): string | null {
+  const [click, Click] = matchMedia('(pointer: coarse)').matches ? ['tap', 'Tap'] : ['click', 'Click'];
   if (!mesh) return 'Drop a mesh here: .glb, .gltf, .drc, .obj, .ply or .stl';
-  if (tool === 'source' && !sources.length) return 'Click the surface to place a source';
-  if (tool === 'target' && sources.length && !target) return 'Now click a target, then drag it';
-  if (tool === 'add') return 'Click to add a source';
-  if (tool === 'via') return 'Click where the path should pass';
-  if (tool === 'arrow' && !arrow) return 'Click where to go straight ahead from';
+  if (tool === 'source' && !sources.length) return `${Click} the surface to place a source`;
+  if (tool === 'target' && sources.length && !target) return `Now ${click} a target, then drag it`;
+  if (tool === 'add') return `${Click} to add a source`;
+  if (tool === 'via') return `${Click} where the path should pass`;
+  if (tool === 'arrow' && !arrow) return `${Click} where to go straight ahead from`;
   if (tool === 'arrow') return 'Drag the arrow’s head to turn it';
   return null;
 }
