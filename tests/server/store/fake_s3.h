@@ -70,7 +70,7 @@ class FakeS3 {
       return std::nullopt;
     };
     const std::string url =
-        "s3://bucket?timeout=2&endpoint=http://127.0.0.1:" + std::to_string(port_);
+        "s3://bucket?timeout=60&endpoint=http://127.0.0.1:" + std::to_string(port_);
     auto store = open_store(url, budget, environment);
     REQUIRE_MESSAGE(store, (store ? "" : store.error().detail));
     return std::move(*store);
