@@ -18,7 +18,8 @@ function(geodesic_add_doctest target)
   geodesic_precompile(${target} <doctest/doctest.h>)
   # What is tested is in the libraries; tests themselves are compiled more often than run.
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
-  # Ended by SIGTERM, doctest names the test case that was running; ctest would say nothing.
+  # A little before the TIMEOUT below, by which ctest would kill it without a word: at SIGTERM
+  # doctest names the test case that is running.
   add_test(NAME ${target} COMMAND timeout --kill-after=20 1400 $<TARGET_FILE:${target}>)
   set(labels measure)
   if(NOT arg_RELEASE_ONLY)

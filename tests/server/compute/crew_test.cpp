@@ -18,8 +18,6 @@ using namespace geodesic::server;
 using namespace std::chrono_literals;
 using geodesic::fixtures::wait_until;
 
-namespace {}  // namespace
-
 TEST_CASE("every part is done once, whatever the number of slots") {
   for (const std::size_t slots : {1, 2, 4}) {
     CAPTURE(slots);

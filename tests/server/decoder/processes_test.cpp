@@ -33,6 +33,7 @@
 using namespace geodesic;
 using namespace geodesic::server;
 using namespace std::chrono_literals;
+using geodesic::fixtures::is_soon;
 
 namespace {
 
@@ -82,18 +83,9 @@ std::vector<pid_t> decoder_pids() {
   return pids;
 }
 
-bool soon(auto&& holds) {
-  const auto end = std::chrono::steady_clock::now() + 60s;
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(1ms);
-  }
-  return true;
-}
-
 std::unique_ptr<DecoderProcesses> started(const DecoderProcesses::Limits& limits) {
   // Those of the test before may still be on their way out.
-  REQUIRE(soon([] { return decoder_pids().empty(); }));
+  REQUIRE(is_soon([] { return decoder_pids().empty(); }));
   auto processes = DecoderProcesses::start(rogue_decoder(), limits);
   REQUIRE(processes);
   return std::move(*processes);
@@ -169,14 +161,14 @@ TEST_CASE("AFileThatTakesTooLongIsRefusedAndItsDecoderKilled") {
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ErrorCode::mesh_invalid);
   CHECK(processes->stats().overtime == 1);
-  CHECK(soon([] { return decoder_pids().size() == 1; }));
+  CHECK(is_soon([] { return decoder_pids().size() == 1; }));
 }
 
 TEST_CASE("ADecoderIsKilledOnceNobodyWantsItsAnswer") {
   const auto processes = started(short_limits());
   std::atomic<bool> gone{false};
   std::thread leaving([&] {
-    CHECK(soon([] { return decoder_pids().size() == 2; }));
+    CHECK(is_soon([] { return decoder_pids().size() == 2; }));
     gone = true;
   });
   const Decoded refused = processes->decode("hang", {}, {}, Caller([&] { return gone.load(); }));
@@ -184,14 +176,14 @@ TEST_CASE("ADecoderIsKilledOnceNobodyWantsItsAnswer") {
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ErrorCode::cancelled);
   CHECK(processes->stats().cancelled == 1);
-  CHECK(soon([] { return decoder_pids().size() == 1; }));
+  CHECK(is_soon([] { return decoder_pids().size() == 1; }));
   Caller hurried;
   hurried.deadline = Caller::Clock::now() + 20ms;
   CHECK(processes->decode("hang", {}, {}, hurried).error().code == ServiceCode::deadline);
 }
 
 TEST_CASE("ADecoderEndsIfNobodyWantedItsAnswerFromTheStart") {
-  REQUIRE(soon([] { return decoder_pids().empty(); }));
+  REQUIRE(is_soon([] { return decoder_pids().empty(); }));
   auto [orders, theirs] = local_pair();
   REQUIRE(orders);
   const std::string argument(kDecoderArgument);
@@ -221,7 +213,7 @@ TEST_CASE("ADecoderEndsIfNobodyWantedItsAnswerFromTheStart") {
   };
   for (int i = 0; i < 5; ++i) send("hang", false);
   send("no mesh", true);  // so all copies have been made
-  CHECK(soon([] { return decoder_pids().size() == 1; }));
+  CHECK(is_soon([] { return decoder_pids().size() == 1; }));
   orders.close();
   CHECK(::waitpid(process, nullptr, 0) == process);
   for (const pid_t left : decoder_pids()) ::kill(left, SIGKILL);
@@ -230,7 +222,7 @@ TEST_CASE("ADecoderEndsIfNobodyWantedItsAnswerFromTheStart") {
 TEST_CASE("WhenTheDecoderProcessIsKilledAnotherIsStarted") {
   const auto processes = started(short_limits());
   // The copy that was made to try it out has to end yet.
-  REQUIRE(soon([] { return decoder_pids().size() == 1; }));
+  REQUIRE(is_soon([] { return decoder_pids().size() == 1; }));
   const std::vector<pid_t> pids = decoder_pids();
   REQUIRE(::kill(pids[0], SIGKILL) == 0);
   for (int i = 0; i < 3; ++i) CHECK(processes->decode(knot_file(), {}, {}, {}));
@@ -239,7 +231,7 @@ TEST_CASE("WhenTheDecoderProcessIsKilledAnotherIsStarted") {
 
 TEST_CASE("NoDecoderOutlivesItsServer") {
   { const auto processes = started(short_limits()); }
-  CHECK(soon([] { return decoder_pids().empty(); }));
+  CHECK(is_soon([] { return decoder_pids().empty(); }));
 }
 
 TEST_CASE("ManyDecodeAtOnce") {

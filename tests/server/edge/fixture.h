@@ -22,7 +22,6 @@
 namespace geodesic::server::test {
 
 using namespace std::chrono_literals;
-using fixtures::wait_until;
 using nlohmann::json;
 
 // A line of the log per request would bury the test's own output.
@@ -31,7 +30,7 @@ inline const bool quiet = [] {
   return true;
 }();
 
-// Until then a request for /held stays.
+// A request for /held is answered once this is true.
 inline std::atomic<bool> held_is_let_go{false};
 
 // Answers with what it saw, so that tests can tell what reached a handler.
@@ -44,10 +43,10 @@ inline HttpResponse answer(HttpRequest& request) {
   } else if (request.path == "/big") {
     response.set_body(std::string(20'000'000, 'x'), "application/octet-stream");
   } else if (request.path == "/gone") {
-    wait_until([&] { return request.caller(); });
+    while (!request.caller()) std::this_thread::sleep_for(5ms);
     response.status = 499;
   } else if (request.path == "/held") {
-    wait_until([] { return held_is_let_go.load(); });
+    fixtures::wait_until([] { return held_is_let_go.load(); });
     response.set_body("held", "text/plain");
   } else if (request.path == "/empty") {
     response.status = 204;
