@@ -6,13 +6,14 @@ import { launch, openMesh, pathLength, settled } from '../tests/clients/viewer/b
 import { Service } from '../tests/clients/viewer/service.mjs';
 
 const SIZE = { width: 1280, height: 800 };
-// Places of the map, which is seen from the south and well above: z points up in the file.
+// Places of the map, which is seen from the south and well above: y points up, and z to the south.
 const [SOURCE, TARGET] = ['55,58', '140,48'];
-const CAMERA = '-0.5,-2.1,2.4,0,0,0';
+const CAMERA = '-0.5,2.4,2.1,0,0,0';
 
 /** The point of the ground below a place of the map, as a link of the viewer says it. */
 async function spot(service, mesh, place) {
-  const { points } = await service.json(`/v1/meshes/${mesh}/nearest?point=ray:${place},500,0,0,-1`);
+  const [east, north] = place.split(',');
+  const { points } = await service.json(`/v1/meshes/${mesh}/nearest?point=ray:${east},500,-${north},0,-1,0`);
   const { face, bary } = points[0];
   return [face, bary[0], bary[1]].join();
 }
@@ -21,7 +22,7 @@ async function spot(service, mesh, place) {
 export async function drawViewer(browser, service) {
   const mesh = await service.sample('terrain');
   const [from, to] = await Promise.all([SOURCE, TARGET].map((place) => spot(service, mesh, place)));
-  const page = await openMesh(browser, service, mesh, `&up=z&camera=${CAMERA}&from=${from}&to=${to}`, { viewport: SIZE });
+  const page = await openMesh(browser, service, mesh, `&camera=${CAMERA}&from=${from}&to=${to}`, { viewport: SIZE });
   await pathLength(page);
   await settled(page);
   const picture = await page.screenshot();

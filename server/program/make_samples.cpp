@@ -22,6 +22,12 @@ void write(const std::filesystem::path& file, const std::vector<std::byte>& byte
   std::printf("%s %zu bytes\n", file.filename().c_str(), bytes.size());
 }
 
+// glTF has y up; the shapes have their heights in z.
+TriangleSoup stood_upright(TriangleSoup soup) {
+  for (Vec3& p : soup.positions) p = {p.x, p.z, -p.y};
+  return soup;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -43,8 +49,8 @@ int main(int argc, char** argv) {
                             {"plane_three_holes", shapes::plane_with_holes(100, 100, three)},
                             {"sphere", shapes::icosphere(5)},
                             {"torus_knot", shapes::torus_knot(600, 32, 0.4)},
-                            {"terrain", shapes::terrain(180, 18, 7)},
-                            {"saddle", shapes::saddle(120, 30)}};
+                            {"terrain", stood_upright(shapes::terrain(180, 18, 7))},
+                            {"saddle", stood_upright(shapes::saddle(120, 30))}};
   try {
     const std::filesystem::path folder = argv[1];
     std::filesystem::create_directories(folder);
