@@ -168,6 +168,27 @@ export function shareOf(browser, png, colour) {
   return onPixels(browser, [png], source);
 }
 
+/** The box of the pixels within a part of a picture that differ from its top left one by more than 40 of 255. */
+export function boxOfWhatIsDrawn(browser, png, part = {}) {
+  const source = `({ data, width, height }) => {
+    const { left, top, right, bottom } = { left: 0, top: 0, right: width, bottom: height, ...${JSON.stringify(part)} };
+    const at = (x, y) => data.subarray(4 * (y * width + x), 4 * (y * width + x) + 3);
+    const ground = at(left, top);
+    const box = { left: right, top: bottom, right: left, bottom: top };
+    for (let y = top; y < bottom; y++) {
+      for (let x = left; x < right; x++) {
+        if (!at(x, y).some((value, channel) => Math.abs(value - ground[channel]) > 40)) continue;
+        box.left = Math.min(box.left, x);
+        box.right = Math.max(box.right, x + 1);
+        box.top = Math.min(box.top, y);
+        box.bottom = Math.max(box.bottom, y + 1);
+      }
+    }
+    return box;
+  }`;
+  return onPixels(browser, [png], source);
+}
+
 /** Drops files on the page, as a file manager does: name, bytes, name, bytes, … */
 export async function drop(page, ...named) {
   const files = [];

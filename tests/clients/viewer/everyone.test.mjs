@@ -111,6 +111,15 @@ test('on a phone: a sheet below, fingers place and drag', async () => {
   await page.context().close();
 });
 
+test('where fingers point, the sheet of keys speaks of taps', async () => {
+  const page = await openMesh(browser, service, plane, '', PHONE);
+  await page.getByRole('button', { name: 'Keys and gestures' }).tap();
+  const sheet = await page.locator('dialog[open]').textContent();
+  assert.ok(/Tap.*Pinch/s.test(sheet) && !/Click/.test(sheet), sheet);
+  await picture(page, '54-phone-keys', ON_PHONE);
+  await page.context().close();
+});
+
 test('who wants no motion sees the field at once', async () => {
   const page = await openMesh(browser, service, plane, '', { reducedMotion: 'reduce' });
   await page.mouse.click(430, 380);

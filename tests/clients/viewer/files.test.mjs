@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { difference, drop, newPage, openMesh, pathLength, picture, ready, statistics, until } from './browser.mjs';
+import { boxOfWhatIsDrawn, difference, drop, newPage, openMesh, pathLength, picture, ready, statistics, until } from './browser.mjs';
 import { served } from './served.mjs';
 import { wavyMesh, wavyObj } from './wavy_mesh.mjs';
 
@@ -253,6 +253,11 @@ test('everything can be taken along, in the formats that others read', async () 
   const seen = await statistics(browser, png.bytes);
   assert.deepEqual([seen.width, seen.height], [1200, 760]);
   assert.ok(seen.colourful > 0.1, 'the field is on the picture');
+  const mesh = await boxOfWhatIsDrawn(browser, png.bytes, { bottom: 640 });
+  assert.ok(Math.abs((mesh.left + mesh.right) / 2 - 600) < 12, `in the middle, not from ${mesh.left} to ${mesh.right}`);
+  const scale = await boxOfWhatIsDrawn(browser, png.bytes, { left: 1030, top: 722, right: 1190, bottom: 740 });
+  const long = scale.right - scale.left;
+  assert.ok(long > 48 && long <= 122, `the scale's bar is ${long} pixels long`);
   const { VIEWER_PICTURES } = process.env;
   if (VIEWER_PICTURES) await writeFile(join(VIEWER_PICTURES, '28-exported.png'), png.bytes);
   assert.deepEqual(page.faults, []);

@@ -98,6 +98,30 @@ test('a link may name its mesh; a name that none has, or several, is told', asyn
   await page.context().close();
 });
 
+test('a link may name a mesh that the list is too long to show', async () => {
+  const own = await new Service().start();
+  try {
+    const headers = { 'Content-Type': 'model/obj' };
+    for (let at = 0; at < 210; at++) {
+      const body = `v 0 0 0\nv ${at + 1} 0 0\nv 0 1 0\nf 1 2 3\n`;
+      await own.json(`/v1/meshes?name=many-${at}`, { method: 'POST', body, headers });
+    }
+    const listed = new Set((await own.json('/v1/meshes?limit=200')).meshes.map(({ name }) => name));
+    const beyond = Array.from({ length: 210 }, (_, at) => `many-${at}`).find((name) => !listed.has(name));
+    const page = await newPage(browser);
+    await page.goto(`${own.url}#mesh=${beyond}`);
+    await ready(page);
+    await until(async () => (await page.title()).startsWith(beyond), 'the mesh');
+    await page.goto(`${own.url}#mesh=no-such-name`);
+    await until(async () => /No mesh has this name/.test(await page.locator('.troubles').textContent()), 'told');
+    assert.ok((await page.title()).startsWith(beyond), 'what was there stays');
+    assert.deepEqual(page.faults, []);
+    await page.context().close();
+  } finally {
+    await own.end();
+  }
+});
+
 test('a mesh is renamed, and loses its name again', async () => {
   const id = await upload(wavyObj(18), '?name=first.obj');
   const page = await openMesh(browser, service, id);

@@ -110,6 +110,25 @@ test('a server that goes away is waited for, and all goes on when it is back', a
   await service.end();
 });
 
+test('a server that takes a question and says nothing is told, and need not be waited for', async () => {
+  const service = await new Service().start();
+  after(() => service.end());
+  const page = await openMesh(browser, service, await service.sample('plane'));
+  await page.route(/\/distance/, () => undefined); // never answered
+  await page.locator('#vertex').fill('0');
+  await page.keyboard.press('Enter');
+  const work = page.locator('.work', { hasText: 'waiting for the server' });
+  await work.getByRole('button', { name: 'Cancel' }).click();
+  await work.waitFor({ state: 'detached' });
+  await page.unroute(/\/distance/);
+  await page.getByRole('button', { name: 'Clear points' }).click();
+  await page.locator('#vertex').fill('1');
+  await page.keyboard.press('Enter');
+  await page.waitForSelector('.legend:not([hidden])');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
 test('a server that asks for a token gets one, and the page goes on', async () => {
   const made = execFileSync(process.env.GEODESICD, ['--make-token', 'ann', '--scopes', 'read,upload'], { encoding: 'utf8' });
   const [token, line] = made.trim().split('\n');

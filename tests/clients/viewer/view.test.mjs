@@ -1,7 +1,7 @@
 // How the mesh stands and is looked at: which axis is up, the whole of it again, its edges.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { difference, drop, openMesh, picture, ready, settled, until } from './browser.mjs';
+import { difference, drop, openMesh, pathLength, picture, ready, settled, shareOf, statistics, until } from './browser.mjs';
 import { served } from './served.mjs';
 import { wavyMesh, wavyObj } from './wavy_mesh.mjs';
 
@@ -80,6 +80,40 @@ test('edges, units and a scale', async () => {
   await show(page, 'hills.obj', wavyObj(50));
   assert.match(await page.textContent('.mesh-part .facts'), /units$/, 'OBJ does not say');
   assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test('edges lie below the path', async () => {
+  const page = await openMesh(browser, service, plane, '&from=0,0.3,0.3&to=19600,0.3,0.3&ticks=0&lines=0');
+  await pathLength(page);
+  const core = async () => shareOf(browser, await settled(page), '#ffffff');
+  const bare = await core();
+
+  assert.ok(bare > 0.001, 'the path is white');
+  await page.keyboard.press('e');
+  assert.ok((await core()) > 0.97 * bare, 'as white as without edges');
+  await picture(page, '69-edges-below-path');
+  await page.context().close();
+});
+
+test('vertices in no face, be they far away, do not count for the view', async () => {
+  const page = await openMesh(browser, service, plane);
+  const triangle = 'v 0 0 0\nv 1 0 0\nv 0 1 0\n';
+  await show(page, 'alone.obj', `${triangle}f 1 2 3\n`);
+  const alone = await settled(page);
+  assert.ok((await statistics(browser, alone)).still < 0.95, 'the triangle is seen');
+  await show(page, 'far.obj', `${triangle}v 1e6 -1e7 1e8\nf 1 2 3\n`);
+  assert.ok((await difference(browser, alone, await settled(page))) < 0.001);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test('the key for other colours says where there are none', async () => {
+  const page = await openMesh(browser, service, plane, '&from=9700,0.3,0.3&from=300,0.3,0.3&show=regions');
+  await page.waitForSelector('.legend:not([hidden])');
+  await page.keyboard.press('c');
+  await until(async () => /choose Distance/.test(await page.locator('.hint').textContent()), 'the hint');
+  assert.ok(!page.url().includes('colours='));
   await page.context().close();
 });
 

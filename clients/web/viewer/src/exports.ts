@@ -5,12 +5,13 @@
 import type { Path } from 'geodesicd-client';
 import type { Access } from './access.ts';
 import { colourAt } from './colour_maps.ts';
-import { legendOf } from './legend.ts';
+import { legendOf, type LegendText } from './legend.ts';
 import { meshName } from './mesh_names.ts';
 import { letterOf, type Overlay } from './overlay.ts';
 import type { ExportKind } from './parts.ts';
 import { methodOf } from './questions.ts';
 import type { Results } from './results.ts';
+import { scaleOf } from './scale_bar.ts';
 import type { Stage } from './stage.ts';
 import type { Spot, State } from './state.ts';
 
@@ -97,25 +98,42 @@ function save(file: Blob, name: string): void {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
-/** The page's background, the canvas, the labels and the legend on one picture. */
-async function picture({ stage, overlay, state, results }: Exporting): Promise<Blob | null> {
-  const view = stage.picture();
-  const sheet = document.createElement('canvas');
-  sheet.width = view.width;
-  sheet.height = view.height;
-  const pen = sheet.getContext('2d')!;
-  const scale = view.width / stage.size.width;
-  const style = getComputedStyle(document.body);
-  pen.fillStyle = style.getPropertyValue('--ground');
-  pen.fillRect(0, 0, sheet.width, sheet.height);
-  pen.drawImage(view, 0, 0);
-  pen.scale(scale, scale);
-  pen.textBaseline = 'middle';
-  const font = (size: number, weight = 400) => { pen.font = `${weight} ${size}px system-ui, sans-serif`; };
+/** The page's background, the canvas, the labels, the legend and the scale on one picture. */
+function picture({ stage, overlay, state, results }: Exporting): Promise<Blob | null> {
+  const sheet = stage.picture((view) => {
+    const made = document.createElement('canvas');
+    made.width = view.width;
+    made.height = view.height;
+    const pen = made.getContext('2d')!;
+    pen.fillStyle = styleOf('--ground');
+    pen.fillRect(0, 0, made.width, made.height);
+    pen.drawImage(view, 0, 0);
+    const scale = view.width / stage.size.width;
+    pen.scale(scale, scale);
+    pen.textBaseline = 'middle';
+    drawLabels(pen, overlay);
+    const legend = legendOf(state, results);
+    if (legend) drawLegend(pen, legend, stage.size.height - 64);
+    if (results.surface) drawScale(pen, scaleOf(stage, results.surface), stage.size);
+    return made;
+  });
+  return new Promise((resolve) => sheet.toBlob(resolve, 'image/png'));
+}
 
+type Pen = CanvasRenderingContext2D;
+
+function styleOf(name: string): string {
+  return getComputedStyle(document.body).getPropertyValue(name);
+}
+
+function setFont(pen: Pen, size: number, weight = 400): void {
+  pen.font = `${weight} ${size}px system-ui, sans-serif`;
+}
+
+function drawLabels(pen: Pen, { texts }: Overlay): void {
   pen.textAlign = 'center';
-  for (const { text: said, x, y, strong } of overlay.texts) {
-    font(strong ? 13 : 12, strong ? 700 : 500);
+  for (const { text: said, x, y, strong } of texts) {
+    setFont(pen, strong ? 13 : 12, strong ? 700 : 500);
     const width = pen.measureText(said).width + 12;
     pen.fillStyle = 'rgba(16, 19, 26, 0.82)';
     pen.beginPath();
@@ -124,31 +142,44 @@ async function picture({ stage, overlay, state, results }: Exporting): Promise<B
     pen.fillStyle = '#ffffff';
     pen.fillText(said, x, y - 21.5);
   }
+}
 
-  const legend = legendOf(state, results);
-  if (legend) {
-    const [left, top, width] = [24, stage.size.height - 64, 260];
-    pen.fillStyle = style.getPropertyValue('--text');
-    pen.textAlign = 'left';
-    font(13, 600);
-    pen.fillText(legend.title, left, top - 14);
-    font(12);
-    const afterTitle = left + width - pen.measureText(legend.note).width;
-    pen.fillText(legend.note, afterTitle, top - 14);
-    for (let x = 0; legend.map && x < width; x++) {
-      pen.fillStyle = `rgb(${colourAt(legend.map, x / (width - 1)).join(' ')})`;
-      pen.fillRect(left + x, top, 1.5, 12);
-    }
-    legend.ticks.forEach(({ at, text: said, colour }, index) => {
-      const x = legend.map ? left + at * width : left + index * 30;
-      if (colour) {
-        pen.fillStyle = colour;
-        pen.fillRect(x, top, 24, 12);
-      }
-      pen.fillStyle = style.getPropertyValue('--text');
-      pen.textAlign = !legend.map || at < 0.03 ? 'left' : at > 0.97 ? 'right' : 'center';
-      pen.fillText(said, x, top + 24);
-    });
+function drawLegend(pen: Pen, legend: LegendText, top: number): void {
+  const [left, width] = [24, 260];
+  pen.fillStyle = styleOf('--text');
+  pen.textAlign = 'left';
+  setFont(pen, 13, 600);
+  pen.fillText(legend.title, left, top - 14);
+  setFont(pen, 12);
+  pen.fillText(legend.note, left + width - pen.measureText(legend.note).width, top - 14);
+  for (let x = 0; legend.map && x < width; x++) {
+    pen.fillStyle = `rgb(${colourAt(legend.map, x / (width - 1)).join(' ')})`;
+    pen.fillRect(left + x, top, 1.5, 12);
   }
-  return new Promise((resolve) => sheet.toBlob(resolve, 'image/png'));
+  legend.ticks.forEach(({ at, text: said, colour }, index) => {
+    const x = legend.map ? left + at * width : left + index * 30;
+    if (colour) {
+      pen.fillStyle = colour;
+      pen.fillRect(x, top, 24, 12);
+    }
+    pen.fillStyle = styleOf('--text');
+    pen.textAlign = !legend.map || at < 0.03 ? 'left' : at > 0.97 ? 'right' : 'center';
+    pen.fillText(said, x, top + 24);
+  });
+}
+
+/** At the right below: the legend is at the left. */
+function drawScale(pen: Pen, { pixels, text: said }: { pixels: number; text: string }, { width, height }: Stage['size']): void {
+  const [right, bottom] = [width - 24, height - 28];
+  setFont(pen, 12);
+  pen.fillStyle = pen.strokeStyle = styleOf('--text');
+  pen.textAlign = 'right';
+  pen.fillText(said, right, bottom - 18);
+  pen.lineWidth = 1.5;
+  pen.beginPath();
+  pen.moveTo(right - pixels, bottom - 8);
+  pen.lineTo(right - pixels, bottom);
+  pen.lineTo(right, bottom);
+  pen.lineTo(right, bottom - 8);
+  pen.stroke();
 }

@@ -6,7 +6,7 @@ import type { Access } from './access.ts';
 import type { Connection } from './connection.ts';
 import type { Meshes } from './meshes.ts';
 import { troubleOf } from './messages.ts';
-import type { Notices } from './notices.ts';
+import { SLOW, type Notices } from './notices.ts';
 import type { Results } from './results.ts';
 import { START, type State, type Store } from './state.ts';
 
@@ -46,11 +46,14 @@ export class FirstQuestions {
   }
 
   async #told(act: () => Promise<void>): Promise<void> {
+    const progress = this.notices.begin('Waiting for the server', undefined, SLOW);
     try {
       await act();
     } catch (error) {
       if (this.connection.explains(error)) return;
       this.notices.trouble(troubleOf(error), this.access.remedy(error) ?? { label: 'Try again', run: this.again });
+    } finally {
+      progress.end();
     }
   }
 }

@@ -209,11 +209,11 @@ export class Gestures {
     move();
   }
 
-  /** The middle of what the panel leaves free, on the page. */
+  /** The middle of what is left free, on the page. */
   get middle(): { x: number; y: number } {
     const { width, height } = this.#ready.stage.size;
-    const { right, bottom } = this.#ready.stage.covered;
-    return { x: (width - right) / 2, y: (height - bottom) / 2 };
+    const { top, right, bottom } = this.#ready.stage.covered;
+    return { x: (width - right) / 2, y: (height + top - bottom) / 2 };
   }
 
   /** Puts the cross there. */

@@ -40,6 +40,11 @@ export function legendOf(state: State, { field, error, regions }: Results): Lege
   return { title: 'Distance', map: state.colours, ticks, note };
 }
 
+/** CSS pixels at the top that are the legend's on a narrow page, whether it is there yet or not. */
+export function roomForLegend(): number {
+  return matchMedia('(max-width: 720px)').matches ? 84 : 0;
+}
+
 export class Legend {
   readonly #bar = element('canvas', { width: BAR, height: 1, aria: { hidden: 'true' } });
   readonly #title = element('h2', null);

@@ -6,6 +6,7 @@
 import { Vector3 } from 'three';
 import type { Reading } from 'geodesicd-client';
 import { Access } from './access.ts';
+import { AddressBar } from './address_bar.ts';
 import { hasNewPoints } from './arrivals.ts';
 import { Conductor } from './conductor.ts';
 import { Connection } from './connection.ts';
@@ -18,7 +19,7 @@ import { Failures } from './failures.ts';
 import { FirstQuestions } from './first_questions.ts';
 import { Gestures } from './gestures.ts';
 import { History } from './history.ts';
-import { Legend } from './legend.ts';
+import { Legend, roomForLegend } from './legend.ts';
 import { linkOf, meshNameIn, stateIn, strangeIn } from './link.ts';
 import { pointsOn } from './link_points.ts';
 import { lookPart } from './look_part.ts';
@@ -31,17 +32,17 @@ import { troubleOf } from './messages.ts';
 import { methodPart } from './method_part.ts';
 import { Notices } from './notices.ts';
 import { Overlay } from './overlay.ts';
+import { pageKeys } from './page_keys.ts';
 import { Panel } from './panel.ts';
 import type { Actions } from './parts.ts';
 import { Picking } from './picking.ts';
 import { Preview } from './preview.ts';
 import { placePart } from './place_part.ts';
-import { arrowPart, hintOf, pointsPart, TOOLS } from './points_part.ts';
+import { arrowPart, hintOf, pointsPart } from './points_part.ts';
 import { profilePart } from './profile_part.ts';
 import { Remembered } from './remembered.ts';
 import { resultPart } from './result_part.ts';
 import { NOTHING, surfaceOf, type Results } from './results.ts';
-import { shortcuts } from './shortcuts.ts';
 import { NoWebGL, Stage } from './stage.ts';
 import { MOST_MEASURES, Store, WITHOUT_POINTS, type Axis, type State } from './state.ts';
 import { ScaleBar } from './scale_bar.ts';
@@ -81,6 +82,7 @@ function start(): void {
     if (camera) stage.view = camera;
   });
   const overlay = new Overlay(stage, picking);
+  const address = new AddressBar(state, () => present() !== null);
   const access = new Access(() => void begin());
   const connection = new Connection(() => access.probe, notices);
   const conductor = new Conductor(access, state, results, notices, connection);
@@ -125,47 +127,18 @@ function start(): void {
   const parts = { state, results, actions };
   const importing = importPart(parts);
 
-  const showKeys = shortcuts([
-    {
-      title: 'Points',
-      keys: [
-        { keys: 'Click', does: 'Place what the tool says' },
-        { keys: 'Shift Click', does: 'One more source' },
-        { keys: 'Drag', does: 'Move a point along the surface; elsewhere turn the view' },
-        ...TOOLS.map(({ value, label }, index) => ({ keys: `${index + 1}`, does: `Tool: ${label}`, run: () => state.set({ tool: value }) })),
-        { keys: 'K', does: 'Keep the path in the list', run: actions.keep },
-        { keys: 'X', does: 'Clear the points', run: actions.clear },
-        { keys: 'Ctrl Z', does: 'Undo; with Shift redo' },
-      ],
+  const showKeys = pageKeys({
+    ...parts,
+    theme: () => theme.toggle(),
+    fold: () => panel.toggle(),
+    nextUp,
+    escape,
+    otherColours: () => {
+      const { show, colours } = state.value;
+      if (show === 'distance') return state.set({ colours: colours === 'turbo' ? 'viridis' : 'turbo' });
+      sayBriefly('Other colours are for distances: choose Distance under Colours');
     },
-    {
-      title: 'View',
-      keys: [
-        { keys: '← ↑ → ↓', does: 'Turn, with the mesh in focus' },
-        { keys: '+ −', does: 'Nearer and farther' },
-        { keys: 'Enter', does: 'Place a point at the cross in the middle' },
-        { keys: 'F', does: 'All of the mesh', run: fit },
-        { keys: 'U', does: 'Another axis up: y, z, x', run: nextUp },
-        { keys: 'P', does: 'Fold the panel', run: () => panel.toggle() },
-        { keys: 'T', does: 'Dark or light', run: () => theme.toggle() },
-      ],
-    },
-    {
-      title: 'Field',
-      keys: [
-        { keys: 'C', does: 'Other colours', run: () => state.set({ colours: state.value.colours === 'turbo' ? 'viridis' : 'turbo' }) },
-        { keys: '[', does: 'Fewer isolines', run: () => state.set({ lines: Math.max(0, state.value.lines - 4) }) },
-        { keys: ']', does: 'More isolines', run: () => state.set({ lines: Math.min(60, state.value.lines + 4) }) },
-        { keys: 'E', does: 'Edges of the mesh', run: () => state.set({ edges: !state.value.edges }) },
-        { keys: 'L', does: 'Distances along the path', run: () => state.set({ ticks: !state.value.ticks }) },
-        { keys: 'R', does: 'Pull the path straight', run: () => state.set({ refine: !state.value.refine }) },
-        { keys: 'M', does: 'Next method', run: nextMethod },
-        { keys: 'O', does: 'Open a file', run: entrance.open },
-        { keys: 'Escape', does: 'Take a drag back; stop what is under way, else close messages', run: escape },
-        { keys: '?', does: 'This sheet', run: () => showKeys() },
-      ],
-    },
-  ]);
+  });
 
   const follow = (listener: () => void) => {
     steps.listen(listener);
@@ -194,7 +167,7 @@ function start(): void {
       lookPart(parts), methodPart(parts), measureList(parts), exportPart(parts),
     ],
     (right, bottom) => {
-      stage.cover(right, bottom);
+      stage.cover({ top: roomForLegend(), right, bottom });
       document.body.style.setProperty('--covered-right', `${right}px`);
       document.body.style.setProperty('--covered-bottom', `${bottom}px`);
       if (ready) gestures.centre();
@@ -230,7 +203,7 @@ function start(): void {
     if (now.mesh !== before.mesh && results.value.surface?.id === before.mesh) left = before;
     if (!returning && (now.measures !== before.measures || now.mesh !== before.mesh)) notices.clearTroubles();
     firstQuestions.follow(now, before, () => conductor.askAgain());
-    writeLink();
+    address.write();
   });
   results.listen((now, before) => {
     view.follow(state.value, state.value, now, before);
@@ -250,31 +223,24 @@ function start(): void {
   stage.onTurned(() => state.set({ camera: stage.view }));
   addEventListener('hashchange', () => void followLink(location.hash));
 
-  /** Writes the link now and then: browsers allow a hundred times in half a minute. */
-  let writing = 0;
-  function writeLink(): void {
-    clearTimeout(writing);
-    writing = window.setTimeout(writeLinkNow, 250);
-  }
-
-  function writeLinkNow(): void {
-    clearTimeout(writing);
-    history.replaceState(null, '', `#${linkOf(state.value)}`);
-  }
-
   async function copyLink(): Promise<void> {
     state.set({ camera: stage.view });
     const link = new URL(`#${linkOf(state.value)}`, location.href).href;
-    history.replaceState(null, '', link);
+    address.writeNow();
     if (matchMedia('(pointer: coarse)').matches && navigator.canShare?.({ url: link })) {
       return navigator.share({ title: document.title, url: link }).catch(() => undefined); // changed their mind
     }
     try {
       await navigator.clipboard.writeText(link);
-      notices.hint('The link is on the clipboard');
+      sayBriefly('The link is on the clipboard');
     } catch {
-      notices.hint('The link is in the address bar'); // clipboards need https or localhost
+      sayBriefly('The link is in the address bar'); // clipboards need https or localhost
     }
+  }
+
+  /** In the hint's place, for as long as one reads it. */
+  function sayBriefly(text: string): void {
+    notices.hint(text);
     setTimeout(() => notices.hint(hintOf(state.value)), 2500);
   }
 
@@ -289,9 +255,8 @@ function start(): void {
   function fit(): void {
     const { surface } = results.value;
     if (!surface) return;
-    const box = surface.geometry.boundingBox ?? (surface.geometry.computeBoundingBox(), surface.geometry.boundingBox!);
     // Points stay as they are seen; only a fresh mesh that is flat is looked straight at.
-    stage.fit(box.getSize(new Vector3()), state.value.up ?? upOf(surface.about), turned);
+    stage.fit(surface.geometry.boundingBox!.getSize(new Vector3()), state.value.up ?? upOf(surface.about), turned);
     state.set({ camera: null });
   }
 
@@ -319,15 +284,10 @@ function start(): void {
     turn(axes[(now + 1) % axes.length]!);
   }
 
-  function nextMethod(): void {
-    const names = results.value.methods.map(({ name }) => name);
-    const next = names[(names.indexOf(state.value.method as never) + 1) % names.length];
-    if (next) state.set({ method: next });
-  }
-
   /** Another mesh, with the points that it had when it was left. */
   async function choose(id: string): Promise<void> {
     if (!id || (id === state.value.mesh && results.value.surface?.id === id)) return;
+    address.writeNow(); // as it is left
     remembered.keep(state.value);
     state.set({ ...remembered.of(id), mesh: id, up: null, camera: null });
     await show();
@@ -346,6 +306,7 @@ function start(): void {
   function goBack(): void {
     const { surface } = results.value;
     if (!surface) return;
+    address.forget();
     returning = true; // why it does not come stays to be read
     state.set(left?.mesh === surface.id ? left : { ...WITHOUT_POINTS, mesh: surface.id, up: null, camera: null });
     returning = false;
@@ -420,11 +381,14 @@ function start(): void {
   function leave(id: string): void {
     if (state.value.mesh !== id) return;
     const { first } = meshes;
-    if (first) return void choose(first);
-    state.set({ ...WITHOUT_POINTS, mesh: null, up: null, camera: null });
-    results.value.surface?.dispose();
-    results.set({ surface: null });
-    document.body.dataset['state'] = 'empty';
+    if (first) void choose(first);
+    else {
+      state.set({ ...WITHOUT_POINTS, mesh: null, up: null, camera: null });
+      results.value.surface?.dispose();
+      results.set({ surface: null });
+      document.body.dataset['state'] = 'empty';
+    }
+    address.forget();
   }
 
   /** Points of the link that cannot be read, until they are told. */
@@ -433,9 +397,11 @@ function start(): void {
   /** A whole state, from a link. */
   async function followLink(fragment: string): Promise<void> {
     const name = meshNameIn(fragment);
+    address.arrived(stateIn(fragment).mesh);
     // A link that says no mesh is about the present one: without one nothing could be asked.
-    const mesh = name === null ? stateIn(fragment).mesh ?? state.value.mesh : meshes.called(name);
-    if (name !== null && !mesh) return writeLink(); // all stays as it is
+    const mesh = name === null ? stateIn(fragment).mesh ?? state.value.mesh : await meshes.called(name);
+    if (location.hash !== fragment) return; // its reader has gone on meanwhile
+    if (name !== null && !mesh) return address.write(); // all stays as it is
     let wanted = { ...stateIn(fragment), mesh };
     strange = strangeIn(fragment);
     const other = wanted.mesh !== state.value.mesh;
@@ -444,7 +410,7 @@ function start(): void {
     wanted = { ...wanted, ...points };
     const same = linkOf(wanted) === linkOf(state.value);
     if (other) remembered.keep(state.value);
-    if (same) writeLink();
+    if (same) address.write();
     else state.set(wanted);
     if (other) return show();
     tellLost(lost);
@@ -479,6 +445,7 @@ function start(): void {
       }
     }
     preview.end();
+    address.writeNow();
     const surface = results.value.surface!;
     turned = state.value.up !== null;
     // What is not in the file goes into the link, so that others see the same.
@@ -489,7 +456,7 @@ function start(): void {
       if (!(await picking.take(surface))) return; // another one is on its way
     } catch (error) {
       document.body.dataset['state'] = 'failed';
-      const reload = { label: 'Reload', run: () => { writeLinkNow(); location.reload(); } };
+      const reload = { label: 'Reload', run: () => { address.writeNow(); location.reload(); } };
       return notices.trouble({ title: 'Points cannot be placed on the mesh', advice: 'A part of this page did not come, maybe since the server has a newer one: reload this page.', detail: String(error) }, reload);
     }
     await picture;
@@ -515,7 +482,7 @@ function start(): void {
     const left = [...strange, ...lost];
     strange = [];
     if (!left.length) return;
-    writeLink();
+    address.write();
     notices.trouble({
       title: 'Some points of this link were left out',
       advice: 'They are not on the mesh, or no points. The link may belong to another mesh.',
@@ -532,7 +499,8 @@ function start(): void {
     await asked;
     const name = state.value.mesh ? null : meshNameIn(location.hash);
     if (name !== null && results.value.meshes.length) {
-      const mesh = meshes.called(name);
+      const mesh = await meshes.called(name);
+      if (state.value.mesh) return; // chosen meanwhile
       if (!mesh) return void (document.body.dataset['state'] = 'failed');
       state.set({ mesh });
       await show();

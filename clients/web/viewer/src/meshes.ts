@@ -8,7 +8,7 @@ import type { Connection } from './connection.ts';
 import { missingOf, type Dropped } from './entrance.ts';
 import { meshLabels, meshName } from './mesh_names.ts';
 import { troubleOf } from './messages.ts';
-import type { Notices } from './notices.ts';
+import { SLOW, type Notices } from './notices.ts';
 import { bytesText, countText } from './numbers.ts';
 import type { Results } from './results.ts';
 import type { Store } from './state.ts';
@@ -56,11 +56,16 @@ export class Meshes {
     return rich[0]?.id ?? this.results.value.meshes[0]?.id ?? null;
   }
 
-  /** The id of the mesh of this name; null where there is none, or several, which is told. */
-  called(name: string): string | null {
+  /**
+   * The id of the mesh of this name; null where there is none, or several, which is told. Looked for among all that
+   * the server has, where the list does not show it.
+   */
+  async called(name: string): Promise<string | null> {
     const { meshes } = this.results.value;
     const labels = meshLabels(meshes);
-    const found = meshes.filter((mesh, index) => meshName(mesh) === name || labels[index] === name);
+    let found: readonly MeshMetadata[] | null = meshes.filter((mesh, index) => meshName(mesh) === name || labels[index] === name);
+    if (!found.length && meshes.length >= LISTED) found = await this.#calledAnywhere(name);
+    if (!found) return null;
     if (found.length === 1) return found[0]!.id;
     this.notices.trouble({
       title: found.length ? `${countText(found.length)} meshes have this name` : 'No mesh has this name',
@@ -68,6 +73,27 @@ export class Meshes {
       detail: name.slice(0, 200),
     });
     return null;
+  }
+
+  /** Null where the search was stopped or failed, which is told. */
+  async #calledAnywhere(name: string): Promise<readonly MeshMetadata[] | null> {
+    const looking = new AbortController();
+    const progress = this.notices.begin('Looking for the mesh', () => looking.abort());
+    const found: MeshMetadata[] = [];
+    try {
+      for await (const mesh of this.access.client.meshes({ limit: 1000, signal: looking.signal })) {
+        if (meshName(mesh) === name) found.push(mesh);
+        if (found.length > 1) break;
+      }
+    } catch (error) {
+      if (looking.signal.aborted || this.connection.explains(error)) return null;
+      this.notices.trouble(troubleOf(error), this.access.remedy(error));
+      return null;
+    } finally {
+      progress.end();
+    }
+    for (const mesh of found) this.#put(mesh);
+    return found;
   }
 
   /**
@@ -230,12 +256,15 @@ export class Meshes {
   }
 
   async #attempt(act: () => Promise<void>): Promise<boolean> {
+    const progress = this.notices.begin('Waiting for the server', undefined, SLOW);
     try {
       await act();
       return true;
     } catch (error) {
       if (!this.connection.explains(error)) this.notices.trouble(troubleOf(error), this.access.remedy(error));
       return false;
+    } finally {
+      progress.end();
     }
   }
 

@@ -8,6 +8,8 @@ import type { Trouble } from './messages.ts';
 const CROSS = 'M5 5l10 10M15 5L5 15';
 /** Milliseconds before progress is shown: what is over sooner would only flicker. */
 const PATIENCE = 350;
+/** The same for what is mostly over at once, so that to show it is to say that something is slow. */
+export const SLOW = 2500;
 
 /** A piece of work that is under way. */
 export interface Progress {
@@ -86,8 +88,8 @@ export class Notices {
     if (text !== null && this.#hint.textContent !== text) this.#hint.textContent = text;
   }
 
-  /** Shows work with a bar; `cancel` makes a button that stops it. */
-  begin(what: string, cancel?: () => void): Progress {
+  /** Shows work with a bar once it has taken so many milliseconds; `cancel` makes a button that stops it. */
+  begin(what: string, cancel?: () => void, after = PATIENCE): Progress {
     const bar = element('progress', { max: 1, aria: { label: what } });
     const name = element('span', null, what);
     const share = element('span', { className: 'share' });
@@ -98,7 +100,7 @@ export class Notices {
       bar,
       cancel && element('button', { type: 'button', className: 'cancel', onclick: cancel }, 'Cancel'),
     );
-    const timer = setTimeout(() => this.#works.append(card), PATIENCE);
+    const timer = setTimeout(() => this.#works.append(card), after);
     this.#under++;
     let ended = false;
     return {

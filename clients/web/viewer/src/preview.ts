@@ -54,17 +54,16 @@ export class Preview {
 
   #take(about: MeshMetadata, positions: Float64Array, triangles: Uint32Array): void {
     this.end();
-    const { drawn } = placementOf(about, positions);
+    const { drawn, box } = placementOf(positions, null); // most of its faces are still to come
     const { geometry } = this.#mesh;
     geometry.setAttribute('position', new BufferAttribute(drawn, 3));
     geometry.setIndex(new BufferAttribute(triangles, 1));
     geometry.computeBoundingSphere();
-    geometry.computeBoundingBox();
     geometry.setDrawRange(0, 0);
     this.#triangles = triangles;
     this.#arrived = this.#drawn = 0;
     this.stage.add(this.#mesh);
-    this.begin(about, geometry.boundingBox!.getSize(new Vector3()));
+    this.begin(about, box.getSize(new Vector3()));
   }
 }
 

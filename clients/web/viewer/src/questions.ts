@@ -5,7 +5,7 @@
  */
 import { GeodesicError, type GeodesicClient, type Method, type Path, type Timing } from 'geodesicd-client';
 import { spotText } from './link.ts';
-import type { Notices } from './notices.ts';
+import { SLOW, type Notices } from './notices.ts';
 import type { KnownField, Results } from './results.ts';
 import type { Measure, Spot, State, Store } from './state.ts';
 
@@ -82,7 +82,7 @@ export class Questions {
       ? await this.#asJob(`Distances by ${nameOf(method)}`, stop, (onProgress) =>
           this.client().job(mesh, { query: 'distance', ...query }, { signal, onProgress }),
         )
-      : await this.client().distance(mesh, query, { signal });
+      : await this.#plainly('Distances', stop, () => this.client().distance(mesh, query, { signal }));
     const made: KnownField = {
       values: field.values,
       labels: field.labels ?? null,
@@ -102,7 +102,9 @@ export class Questions {
     const ask = (from: Spot) => {
       const query = { from, via, to, refine: refine ? ('shortest' as const) : ('none' as const), ...methodOf(question) };
       // From one source the field is there already; between via points are others.
-      if (!this.isLong(method) || (starts.length === 1 && !via.length)) return this.client().path(mesh, query, { signal });
+      if (!this.isLong(method) || (starts.length === 1 && !via.length)) {
+        return this.#plainly('Path', stop, () => this.client().path(mesh, query, { signal }));
+      }
       return this.#asJob(`Path by ${nameOf(method)}`, stop, (onProgress) =>
         this.client().job(mesh, { query: 'path', ...query }, { signal, onProgress }),
       );
@@ -113,6 +115,16 @@ export class Questions {
       if (!best || (path.length ?? Infinity) < (best.length ?? Infinity)) best = path;
     }
     return best!;
+  }
+
+  /** What is answered at once by most servers, and may be by one that says nothing for long. */
+  async #plainly<T>(what: string, stop: () => void, run: () => Promise<T>): Promise<T> {
+    const progress = this.notices.begin(`${what}: waiting for the server`, stop, SLOW);
+    try {
+      return await run();
+    } finally {
+      progress.end();
+    }
   }
 
   async #asJob<T>(

@@ -25,17 +25,19 @@ export class ScaleBar {
   }
 
   #measure(): void {
-    const surface = this.#surface;
-    if (!surface) return;
-    const { camera, controls, size } = this.stage;
-    // Drawn units that are a pixel high where the view turns about.
-    const away = camera.position.distanceTo(controls.target);
-    const pixel = (2 * away * Math.tan((camera.fov * Math.PI) / 360)) / camera.zoom / size.height;
-    const longest = LONGEST * pixel * surface.radius;
-    const power = 10 ** Math.floor(Math.log10(longest));
-    const length = power * (longest / power >= 5 ? 5 : longest / power >= 2 ? 2 : 1);
-    this.#bar.style.width = `${(length / surface.radius / pixel).toFixed(1)}px`;
-    const text = `${tickText(length)} ${unitOf(surface.about)}`;
+    if (!this.#surface) return;
+    const { pixels, text } = scaleOf(this.stage, this.#surface);
+    this.#bar.style.width = `${pixels.toFixed(1)}px`;
     if (this.#text.textContent !== text) this.#text.textContent = text;
   }
+}
+
+/** A round length, and the CSS pixels that it has where the view turns about. */
+export function scaleOf({ camera, controls, size }: Stage, surface: Surface): { pixels: number; text: string } {
+  const away = camera.position.distanceTo(controls.target);
+  const pixel = (2 * away * Math.tan((camera.fov * Math.PI) / 360)) / camera.zoom / size.height; // in drawn units
+  const longest = LONGEST * pixel * surface.radius;
+  const power = 10 ** Math.floor(Math.log10(longest));
+  const length = power * (longest / power >= 5 ? 5 : longest / power >= 2 ? 2 : 1);
+  return { pixels: length / surface.radius / pixel, text: `${tickText(length)} ${unitOf(surface.about)}` };
 }

@@ -15,6 +15,13 @@ const STRAIGHT: Record<Axis, Vector3> = { x: new Vector3(1, 0, 0), y: new Vector
 
 const calm = matchMedia('(prefers-reduced-motion: reduce)');
 
+/** CSS pixels at the sides of the page that the panel and the legend cover. */
+export interface Covered {
+  readonly top: number;
+  readonly right: number;
+  readonly bottom: number;
+}
+
 /** There is nothing to draw with. */
 export class NoWebGL extends Error {}
 
@@ -30,8 +37,7 @@ export class Stage {
   #asked = false;
   readonly #turned: (() => void)[] = [];
   readonly #resized: ((width: number, height: number) => void)[] = [];
-  /** Pixels at the right and at the bottom that the panel covers. */
-  #covered = { right: 0, bottom: 0 };
+  #covered: Covered = { top: 0, right: 0, bottom: 0 };
 
   /** Throws NoWebGL where the browser has no WebGL 2. `first` gets the canvas's pointers before the camera does. */
   constructor(first: (canvas: HTMLCanvasElement) => void) {
@@ -95,13 +101,13 @@ export class Stage {
     return { width: innerWidth, height: innerHeight };
   }
 
-  /** Moves the middle of the view to the middle of what the panel leaves free. */
-  cover(right: number, bottom: number): void {
-    this.#covered = { right, bottom };
+  /** Moves the middle of the view to the middle of what is left free. */
+  cover(covered: Covered): void {
+    this.#covered = covered;
     this.#resize();
   }
 
-  get covered(): { readonly right: number; readonly bottom: number } {
+  get covered(): Covered {
     return this.#covered;
   }
 
@@ -109,15 +115,21 @@ export class Stage {
     const { width, height } = this.size;
     this.#renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.#renderer.setSize(width, height);
-    const { right, bottom } = this.#covered;
-    this.camera.aspect = width / height;
-    // A narrow view sees as much in width as a wide one in height.
-    const free = Math.max(0.2, (width - right) / Math.max(1, height - bottom));
-    this.camera.zoom = Math.min(1, free) * Math.max(0.3, (height - bottom) / height);
-    this.camera.setViewOffset(width, height, right / 2, bottom / 2, width, height);
-    this.camera.updateProjectionMatrix();
+    this.#frameFree(this.#covered);
     for (const listener of this.#resized) listener(width, height);
     this.wake();
+  }
+
+  /** Sees as much in the part of the page that is left free as a bare page would show. */
+  #frameFree({ top, right, bottom }: Covered): void {
+    const { width, height } = this.size;
+    this.camera.aspect = width / height;
+    // A narrow view sees as much in width as a wide one in height.
+    const high = Math.max(1, height - top - bottom);
+    const free = Math.max(0.2, (width - right) / high);
+    this.camera.zoom = Math.min(1, free) * Math.max(0.3, high / height);
+    this.camera.setViewOffset(width, height, right / 2, (bottom - top) / 2, width, height);
+    this.camera.updateProjectionMatrix();
   }
 
   onResize(listener: (width: number, height: number) => void): void {
@@ -151,10 +163,19 @@ export class Stage {
     speck.dispose();
   }
 
-  /** The view as it is now, for an export: drawn anew, since what was shown is not kept. */
-  picture(): HTMLCanvasElement {
-    this.#renderer.render(this.scene, this.camera);
-    return this.canvas;
+  /**
+   * What `take` makes of the view: drawn as if nothing covered the page, so that what is in the middle of its
+   * free part is in the middle of the picture.
+   */
+  picture<T>(take: (view: HTMLCanvasElement) => T): T {
+    this.#frameFree({ top: 0, right: 0, bottom: 0 });
+    try {
+      this.#renderer.render(this.scene, this.camera);
+      return take(this.canvas);
+    } finally {
+      this.#frameFree(this.#covered);
+      this.wake();
+    }
   }
 
   add(...objects: Object3D[]): void {

@@ -3,7 +3,7 @@
  * face, and the same moved and scaled to radius 1 about the origin for drawing. Positions
  * stay float64 until they are centred, so a mesh far from its origin does not tremble.
  */
-import { BufferAttribute, BufferGeometry, Vector3 } from 'three';
+import { Box3, BufferAttribute, BufferGeometry, Vector3 } from 'three';
 import type { MeshMetadata } from 'geodesicd-client';
 import type { Spot, Xyz } from './state.ts';
 
@@ -20,13 +20,14 @@ export class Surface {
     positions: Float64Array,
     triangles: Uint32Array,
   ) {
-    const { middle, radius, drawn } = placementOf(about, positions);
+    const { middle, radius, drawn, box } = placementOf(positions, triangles);
     this.middle = middle;
     this.radius = radius;
     this.triangles = triangles;
     this.geometry.setAttribute('position', new BufferAttribute(drawn, 3));
     this.geometry.setIndex(new BufferAttribute(triangles, 1));
     this.geometry.computeVertexNormals();
+    this.geometry.boundingBox = box;
     this.geometry.computeBoundingSphere();
   }
 
@@ -110,21 +111,41 @@ export class Surface {
   }
 }
 
-/** Where a mesh is drawn: its positions about their middle, in parts of its radius (mesh units). */
-export function placementOf({ bbox: { min, max } }: MeshMetadata, positions: Float64Array): { middle: Xyz; radius: number; drawn: Float32Array } {
-  const middle = [0, 1, 2].map((axis) => (min[axis]! + max[axis]!) / 2) as unknown as Xyz;
-  const radius = radiusOf(positions, middle) || 1;
-  const drawn = new Float32Array(positions.length);
-  for (let i = 0; i < positions.length; i++) drawn[i] = (positions[i]! - middle[i % 3]!) / radius;
-  return { middle, radius, drawn };
+export interface Placement {
+  readonly middle: Xyz;
+  readonly radius: number;
+  /** The positions, moved and scaled. */
+  readonly drawn: Float32Array;
+  /** Of what is drawn. */
+  readonly box: Box3;
 }
 
-/** The distance from the middle to the farthest vertex. */
-function radiusOf(positions: Float64Array, [x, y, z]: Xyz): number {
+/**
+ * Where a mesh is drawn: its positions about the middle of its box, in parts of its radius (mesh units). Vertices
+ * in no face are not seen and do not count, be they ever so far away; with no triangles given all count.
+ */
+export function placementOf(positions: Float64Array, triangles: Uint32Array | null): Placement {
+  const counts = new Uint8Array(positions.length / 3).fill(triangles ? 0 : 1);
+  for (const vertex of triangles ?? []) counts[vertex] = 1;
+  const low = [Infinity, Infinity, Infinity];
+  const high = [-Infinity, -Infinity, -Infinity];
+  for (let i = 0; i < positions.length; i++) {
+    if (!counts[Math.floor(i / 3)]) continue;
+    low[i % 3] = Math.min(low[i % 3]!, positions[i]!);
+    high[i % 3] = Math.max(high[i % 3]!, positions[i]!);
+  }
+  const [x, y, z] = low.map((least, axis) => (least + high[axis]!) / 2) as [number, number, number];
   let most = 0;
   for (let i = 0; i < positions.length; i += 3) {
+    if (!counts[i / 3]) continue;
     const [dx, dy, dz] = [positions[i]! - x, positions[i + 1]! - y, positions[i + 2]! - z];
     most = Math.max(most, dx * dx + dy * dy + dz * dz);
   }
-  return Math.sqrt(most);
+  const middle: Xyz = [x, y, z];
+  const radius = Math.sqrt(most) || 1;
+  const place = (value: number, axis: number) => (value - middle[axis]!) / radius;
+  const drawn = new Float32Array(positions.length);
+  for (let i = 0; i < positions.length; i++) drawn[i] = place(positions[i]!, i % 3);
+  const box = new Box3(new Vector3().fromArray(low.map(place)), new Vector3().fromArray(high.map(place)));
+  return { middle, radius, drawn, box };
 }

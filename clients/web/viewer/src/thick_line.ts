@@ -31,11 +31,11 @@ export interface LineLook {
 
 function material(colour: string, width: number, hidden: boolean): LineMaterial {
   // No depth is written: the casing of one segment would cover the core of the next.
-  const made = new LineMaterial({ color: colour, linewidth: width, depthWrite: false });
+  // Among what is transparent, as the mesh's edges are, the order counts; what is opaque would be below them.
+  const made = new LineMaterial({ color: colour, linewidth: width, depthWrite: false, transparent: true });
   if (hidden) {
     // Round joints overlap: the stencil lets each pixel be mixed once.
     Object.assign(made, {
-      transparent: true,
       opacity: 0.3,
       depthFunc: GreaterDepth,
       stencilWrite: true,
