@@ -74,7 +74,7 @@ std::span<const Option> options() {
       Option{"store", Kind::text, &Config::store, "PLACE",
              "Directory of the uploaded meshes, or s3://BUCKET/PREFIX?endpoint=URL&region=NAME"},
       Option{"store-max-bytes", Kind::bytes, &Config::store_max_bytes, "BYTES",
-             "Most bytes in the store; 0: no limit"},
+             "Most bytes in the store, if it is a directory; 0: no limit"},
       Option{"store-when-full", Kind::when_full, &Config::store_when_full, "POLICY",
              "refuse: an upload over that is answered 507; evict: meshes used longest ago go"},
       Option{"samples", Kind::text, &Config::samples, "DIR",

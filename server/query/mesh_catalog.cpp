@@ -279,7 +279,7 @@ Result<void> MeshCatalog::remove(const std::string& id) {
   return {};
 }
 
-std::vector<std::string> MeshCatalog::list(std::string_view after, std::size_t limit) const {
+Result<std::vector<std::string>> MeshCatalog::list(std::string_view after, std::size_t limit) {
   return store_.list(after, limit);
 }
 

@@ -84,8 +84,8 @@ class MeshCatalog {
   }
   // Errors: mesh_unknown and the store's.
   [[nodiscard]] Result<void> remove(const std::string& id);
-  // Up to `limit` ids after `after`, ascending.
-  [[nodiscard]] std::vector<std::string> list(std::string_view after, std::size_t limit) const;
+  // Up to `limit` ids after `after`, ascending. Errors: the store's.
+  [[nodiscard]] Result<std::vector<std::string>> list(std::string_view after, std::size_t limit);
   [[nodiscard]] std::size_t size() const { return store_.size(); }
   [[nodiscard]] bool contains(std::string_view id) const { return store_.contains(id); }
   // Whether a mesh is there; it then counts as used, for a store that evicts.

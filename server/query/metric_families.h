@@ -137,8 +137,9 @@ struct Metrics::Families {
   Cache adjacency = cache("adjacency");
   Cache fields = cache("fields");
   Cache replies = cache("replies");
-  Gauge& stored_meshes = gauge("geodesicd_store_meshes", "Meshes in the store");
-  Gauge& stored_bytes = gauge("geodesicd_store_bytes", "Bytes of uploaded files in the store");
+  Gauge& stored_meshes = gauge("geodesicd_store_meshes",
+                               "Meshes in the store; of a bucket, those that this server knows");
+  Gauge& stored_bytes = gauge("geodesicd_store_bytes", "Bytes of these meshes' files");
   Gauge& store_budget =
       gauge("geodesicd_store_budget_bytes", "Bytes the store may hold; 0: no limit");
   Family<Counter>& store_events =

@@ -160,7 +160,12 @@ HttpResponse Routes::list_meshes(Call& call) {
     return call.problem(
         Error{InputCode::bad_syntax, "this is no cursor of ours", "cursor", {}, {}});
   }
-  const auto ids = catalog_.list(cursor->value_or(""), count + 1);
+  const auto listed = catalog_.list(cursor->value_or(""), count + 1);
+  if (!listed) {
+    const auto works = catalog_.check_store();
+    return call.problem(works ? listed.error() : works.error());
+  }
+  const std::vector<std::string>& ids = *listed;
   std::string page = "{\"meshes\":[";
   std::string others;  // that cannot be described
   bool all_for_the_store = true;

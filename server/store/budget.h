@@ -16,8 +16,8 @@ struct StoreBudget {
 };
 
 struct StoreStats {
-  std::uint64_t meshes = 0;
-  std::uint64_t bytes = 0;  // of sources and metadata; in S3, metadata of earlier runs is left out
+  std::uint64_t meshes = 0;     // of a bucket: those that this process knows
+  std::uint64_t bytes = 0;      // that their objects take
   std::uint64_t max_bytes = 0;  // 0: no limit
   std::uint64_t evictions = 0;  // since the start, as all below
   std::uint64_t refusals = 0;   // uploads that did not fit

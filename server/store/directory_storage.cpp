@@ -101,7 +101,7 @@ Result<void> DirectoryStorage::prepare() {
   });
 }
 
-Result<std::vector<StoredMesh>> DirectoryStorage::scan() {
+Result<std::vector<StoredMesh>> DirectoryStorage::list(std::string_view after, std::size_t most) {
   auto sources = files_below(root_ / "objects", "");
   if (!sources) return fail(std::move(sources.error()));
   auto metadata = files_below(root_ / "meta", kMetadataSuffix);
@@ -115,8 +115,12 @@ Result<std::vector<StoredMesh>> DirectoryStorage::scan() {
     const auto described = bytes_of_metadata.find(file.id);
     const std::uint64_t more = described == bytes_of_metadata.end() ? 0 : described->second;
     if (described != bytes_of_metadata.end()) bytes_of_metadata.erase(described);
+    if (file.id <= after) continue;
     meshes.push_back({std::move(file.id), file.bytes + more, file.changed});
   }
+  std::sort(meshes.begin(), meshes.end(),
+            [](const StoredMesh& a, const StoredMesh& b) { return a.id < b.id; });
+  if (meshes.size() > most) meshes.resize(most);
   // Nobody asks for metadata of which the source is gone.
   for (const auto& [id, bytes] : bytes_of_metadata) {
     (void)remove_file(path_of(ObjectKind::metadata, id));
@@ -135,6 +139,11 @@ Result<std::optional<StoredMesh>> DirectoryStorage::find(std::string_view id) {
   if (::stat(path_of(ObjectKind::metadata, id).c_str(), &metadata) != 0) metadata.st_size = 0;
   return StoredMesh{std::string(id), static_cast<std::uint64_t>(source.st_size + metadata.st_size),
                     static_cast<std::int64_t>(source.st_mtime)};
+}
+
+// Nobody else writes, so nobody asks.
+Result<std::optional<std::string>> DirectoryStorage::metadata_version(std::string_view /*id*/) {
+  return std::string();
 }
 
 Result<std::string> DirectoryStorage::write(ObjectKind kind, std::string_view id,

@@ -32,8 +32,10 @@ class DirectoryStorage final : public ObjectStorage {
 
   [[nodiscard]] std::string name() const override { return root_.string(); }
   [[nodiscard]] bool is_shared() const override { return false; }
-  [[nodiscard]] Result<std::vector<StoredMesh>> scan() override;
+  [[nodiscard]] Result<std::vector<StoredMesh>> list(std::string_view after,
+                                                     std::size_t most) override;
   [[nodiscard]] Result<std::optional<StoredMesh>> find(std::string_view id) override;
+  [[nodiscard]] Result<std::optional<std::string>> metadata_version(std::string_view id) override;
   [[nodiscard]] Result<std::string> write(ObjectKind kind, std::string_view id,
                                           std::string_view bytes) override;
   [[nodiscard]] Result<std::optional<StoredObject>> read(ObjectKind kind, std::string_view id,

@@ -1,8 +1,5 @@
 #include "server/store/index.h"
 
-#include <algorithm>
-#include <iterator>
-#include <tuple>
 #include <utility>
 
 #include "server/base/service_codes.h"
@@ -45,17 +42,14 @@ StoreIndex::Use StoreIndex::use(std::string_view id, std::int64_t now) {
   if (found == entries_.end()) return Use::unknown;
   Entry& entry = found->second;
   order_.splice(order_.begin(), order_, entry.place);
+  entry.is_used = true;
   if (now - entry.noted < kSecondsBetweenNotes) return Use::known;
   entry.noted = now;
   return Use::worth_noting;
 }
 
-void StoreIndex::insert(const StoredMesh& mesh) {
+std::optional<std::string> StoreIndex::insert(const StoredMesh& mesh, std::int64_t now) {
   const std::lock_guard lock(mutex_);
-  insert_locked(mesh);
-}
-
-void StoreIndex::insert_locked(const StoredMesh& mesh) {
   const auto [it, is_new] = entries_.try_emplace(mesh.id);
   Entry& entry = it->second;
   if (is_new) {
@@ -65,15 +59,29 @@ void StoreIndex::insert_locked(const StoredMesh& mesh) {
     bytes_ -= entry.bytes;
   }
   entry.bytes = mesh.bytes;
-  entry.generation = generation_;
+  entry.confirmed = now;
+  entry.is_used = false;
   bytes_ += mesh.bytes;
-  erased_.erase(mesh.id);
+  if (most_ == 0 || entries_.size() <= most_) return std::nullopt;
+  std::string forgotten = *order_.back();
+  erase_locked(entries_.find(forgotten));
+  return forgotten;
+}
+
+std::vector<std::string> StoreIndex::unconfirmed(std::int64_t now, std::int64_t age,
+                                                 std::size_t most) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> ids;
+  for (const std::string* const id : order_) {
+    if (ids.size() == most) break;
+    const Entry& entry = entries_.find(*id)->second;
+    if (entry.is_used && now - entry.confirmed >= age) ids.push_back(*id);
+  }
+  return ids;
 }
 
 bool StoreIndex::erase(std::string_view id) {
   const std::lock_guard lock(mutex_);
-  // Remembered even if it was not known: the scan under way may have seen it.
-  if (scanning_) erased_.emplace(id);
   const auto found = entries_.find(id);
   if (found == entries_.end()) return false;
   erase_locked(found);
@@ -109,43 +117,6 @@ Result<std::vector<std::string>> StoreIndex::reserve(std::uint64_t bytes) {
 void StoreIndex::release(std::uint64_t bytes) {
   const std::lock_guard lock(mutex_);
   reserved_ -= bytes;
-}
-
-void StoreIndex::begin_scan() {
-  const std::lock_guard lock(mutex_);
-  ++generation_;
-  scanning_ = true;
-}
-
-std::vector<std::string> StoreIndex::end_scan(std::optional<std::vector<StoredMesh>> found) {
-  std::map<std::string_view, const StoredMesh*> by_id;
-  if (found) {
-    // Those used longest ago first: each one added becomes the most recently used.
-    std::sort(found->begin(), found->end(), [](const StoredMesh& a, const StoredMesh& b) {
-      return std::tie(a.used, a.id) < std::tie(b.used, b.id);
-    });
-    for (const StoredMesh& mesh : *found) by_id.emplace(mesh.id, &mesh);
-  }
-
-  const std::lock_guard lock(mutex_);
-  std::vector<std::string> gone;
-  if (found) {
-    for (auto it = entries_.begin(); it != entries_.end();) {
-      const auto next = std::next(it);
-      if (it->second.generation < generation_ && !by_id.contains(it->first)) {
-        gone.push_back(it->first);
-        erase_locked(it);
-      }
-      it = next;
-    }
-    for (const StoredMesh& mesh : *found) {
-      const bool settled = erased_.contains(mesh.id) || entries_.contains(mesh.id);
-      if (!settled) insert_locked(mesh);
-    }
-  }
-  erased_.clear();
-  scanning_ = false;
-  return gone;
 }
 
 StoreStats StoreIndex::stats() const {

@@ -2,7 +2,11 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <ctime>
+#include <future>
+#include <limits>
+#include <tuple>
 #include <utility>
 
 #include "proto/wire/input_codes.h"
@@ -16,7 +20,13 @@ namespace {
 constexpr std::uint64_t kMetadataCacheBytes = std::uint64_t{32} << 20;
 // Descriptions have no budget of their own; this is far above any real one.
 constexpr std::uint64_t kExpectedMetadataBytes = std::uint64_t{64} << 20;
-constexpr std::chrono::seconds kScanInterval(60);
+// How long what a shared storage said is believed.
+constexpr std::chrono::seconds kBelieved(30);
+// Of a shared storage: how many meshes are known at once, and how many are asked about again at a
+// time, by how many requests at once.
+constexpr std::size_t kMostKnown = 100'000;
+constexpr std::size_t kMostConfirmed = 1000;
+constexpr std::size_t kConfirmedAtOnce = 8;
 
 std::int64_t seconds_now() { return static_cast<std::int64_t>(std::time(nullptr)); }
 
@@ -41,19 +51,43 @@ class MeshStore::Room {
 
 MeshStore::MeshStore(std::unique_ptr<ObjectStorage> storage, const StoreBudget& budget)
     : storage_(std::move(storage)),
-      index_(budget),
-      metadata_(kMetadataCacheBytes, [](const std::string& text) { return text.size() + 256; }) {}
+      index_(budget, storage_->is_shared() ? kMostKnown : 0),
+      metadata_(kMetadataCacheBytes,
+                [](const StoredObject& kept) { return kept.bytes.size() + 256; }) {}
 
 Result<std::unique_ptr<MeshStore>> MeshStore::open(std::unique_ptr<ObjectStorage> storage,
                                                    const StoreBudget& budget) {
   std::unique_ptr<MeshStore> store(new MeshStore(std::move(storage), budget));
-  if (auto scanned = store->rescan(); !scanned) {
-    // For the operator, who needs to know which.
-    scanned.error().detail = fmt::format("cannot use {} as the store: {}", store->storage_->name(),
-                                         scanned.error().detail);
-    return fail(std::move(scanned.error()));
+  // For the operator, who needs to know which.
+  const auto cannot = [&](const Error& error) {
+    return fail(error.code, fmt::format("cannot use {} as the store: {}", store->storage_->name(),
+                                        error.detail));
+  };
+  if (store->storage_->is_shared()) {
+    if (budget.max_bytes != 0) {
+      return cannot(Error{InputCode::bad_syntax,
+                          "--store-max-bytes is for a directory, which one server uses alone; "
+                          "give the bucket a quota instead",
+                          {},
+                          {},
+                          {}});
+    }
+    if (const auto works = store->storage_->check(); !works) return cannot(works.error());
+    return store;
   }
+  auto found = store->storage_->list("", std::numeric_limits<std::size_t>::max());
+  if (!found) return cannot(found.error());
+  // Those used longest ago first: each one added becomes the most recently used.
+  std::sort(found->begin(), found->end(), [](const StoredMesh& a, const StoredMesh& b) {
+    return std::tie(a.used, a.id) < std::tie(b.used, b.id);
+  });
+  for (const StoredMesh& mesh : *found) store->learn(mesh);
   return store;
+}
+
+void MeshStore::learn(const StoredMesh& mesh) {
+  const auto dropped = index_.insert(mesh, seconds_now());
+  if (dropped) forget(*dropped);
 }
 
 template <class T>
@@ -91,7 +125,7 @@ Result<void> MeshStore::put(std::string_view id, std::string_view bytes,
     if (is_new && !storage_->is_shared()) (void)storage_->erase(id);
     return written;
   }
-  index_.insert({std::string(id), bytes.size() + metadata.size(), seconds_now()});
+  learn({std::string(id), bytes.size() + metadata.size(), seconds_now()});
   metadata_.erase(std::string(id));
   const std::lock_guard state(state_mutex_);
   damaged_.erase(std::string(id));
@@ -138,7 +172,7 @@ Result<void> MeshStore::put_metadata(std::string_view id, std::string_view metad
     forget(id);
     return unknown_mesh();
   }
-  if (now) index_.insert(**now);
+  if (now) learn(**now);
   return {};
 }
 
@@ -203,14 +237,14 @@ Result<std::optional<std::string>> MeshStore::get_metadata(std::string_view id) 
   if (!known) return fail(known.error());
   if (!*known) return unknown_mesh();
   // What is not there is not kept: it may come.
-  const auto metadata =
-      metadata_.get_or_create(std::string(id), [&]() -> Result<std::shared_ptr<const std::string>> {
+  const auto metadata = metadata_.get_or_create(
+      std::string(id), [&]() -> Result<std::shared_ptr<const StoredObject>> {
         auto read = counted(storage_->read(ObjectKind::metadata, id, kExpectedMetadataBytes));
         if (!read) return fail(std::move(read.error()));
         if (!*read) return unknown_mesh();
-        return std::make_shared<const std::string>(std::move((*read)->bytes));
+        return std::make_shared<const StoredObject>(std::move(**read));
       });
-  if (metadata) return *metadata->value;
+  if (metadata) return metadata->value->bytes;
   if (metadata.error().code == ServiceCode::mesh_unknown) return std::nullopt;
   return fail(metadata.error());
 }
@@ -249,7 +283,7 @@ Result<bool> MeshStore::ask_storage(std::string_view id) {
     forget(id);
     return false;
   }
-  index_.insert(**found);
+  learn(**found);
   const std::lock_guard lock_state(state_mutex_);
   damaged_.erase(std::string(id));
   const auto whole = whole_.find(id);
@@ -290,6 +324,7 @@ Result<bool> MeshStore::remove(std::string_view id) {
 
 Result<bool> MeshStore::erase(std::string_view id) {
   const std::lock_guard lock(stripe(id));
+  ++removals_;
   if (auto erased = counted(storage_->erase(id)); !erased) return fail(std::move(erased.error()));
   const bool known = index_.erase(id);
   forget(id);
@@ -305,8 +340,20 @@ void MeshStore::forget(std::string_view id) {
   whole_.erase(std::string(id));
 }
 
-std::vector<std::string> MeshStore::list(std::string_view after_id, std::size_t limit) const {
-  return index_.list(after_id, limit);
+Result<std::vector<std::string>> MeshStore::list(std::string_view after_id, std::size_t limit) {
+  if (!storage_->is_shared()) return index_.list(after_id, limit);
+  const std::uint64_t removals = removals_;
+  auto found = counted(storage_->list(after_id, limit));
+  if (!found) return fail(std::move(found.error()));
+  std::vector<std::string> ids;
+  for (const StoredMesh& mesh : *found) {
+    if (is_what_was_damaged(mesh)) continue;
+    // Whoever lists goes on to describe, and what is known need not be asked for each by itself.
+    // But what this process has removed meanwhile must not be known again.
+    if (!index_.contains(mesh.id) && removals_ == removals) learn(mesh);
+    ids.push_back(mesh.id);
+  }
+  return ids;
 }
 
 StoreStats MeshStore::stats() const {
@@ -318,34 +365,47 @@ StoreStats MeshStore::stats() const {
   return stats;
 }
 
-Result<void> MeshStore::rescan() {
-  const std::lock_guard lock(scan_mutex_);
-  index_.begin_scan();
-  auto found = counted(storage_->scan());
-  if (!found) {
-    index_.end_scan(std::nullopt);
-    return fail(std::move(found.error()));
-  }
-  std::erase_if(*found, [&](const StoredMesh& mesh) { return is_what_was_damaged(mesh); });
-  for (const std::string& id : index_.end_scan(std::move(*found))) {
-    // Not from the index: a put may have come back to it in this moment.
-    metadata_.erase(id);
-    const std::lock_guard state(state_mutex_);
-    whole_.erase(id);
-  }
-  scanned_ = std::chrono::steady_clock::now();
+// What the storage has of a mesh: whether it is there, and whether its description is the one that
+// is kept.
+Result<void> MeshStore::confirm(const std::string& id) {
+  const auto known = ask_storage(id);
+  if (!known) return fail(known.error());
+  const auto kept = *known ? metadata_.find(id) : nullptr;
+  if (!kept) return {};
+  const auto version = counted(storage_->metadata_version(id));
+  if (!version) return fail(version.error());
+  if (!*version || (*version)->empty() || **version != kept->version) metadata_.erase(id);
   return {};
+}
+
+Result<void> MeshStore::confirm_used(std::chrono::seconds age) {
+  if (!storage_->is_shared()) return {};
+  const auto ids = index_.unconfirmed(seconds_now(), age.count(), kMostConfirmed);
+  std::atomic<std::size_t> next = 0;
+  std::atomic<bool> failed = false;
+  const auto confirm_some = [&]() -> Result<void> {
+    for (std::size_t i = next++; i < ids.size() && !failed; i = next++) {
+      if (auto done = confirm(ids[i]); !done) {
+        failed = true;  // it would fail for the others, too, and each takes its time
+        return done;
+      }
+    }
+    return {};
+  };
+  std::vector<std::future<Result<void>>> crew;
+  for (std::size_t i = 1; i < std::min(ids.size(), kConfirmedAtOnce); ++i) {
+    crew.push_back(std::async(std::launch::async, confirm_some));
+  }
+  Result<void> all = confirm_some();
+  for (auto& part : crew) {
+    if (auto done = part.get(); !done) all = std::move(done);
+  }
+  return all;
 }
 
 Result<void> MeshStore::check() {
   Result<void> well = storage_->check();
-  if (well && storage_->is_shared()) {
-    const auto age = [&] {
-      const std::lock_guard lock(scan_mutex_);
-      return std::chrono::steady_clock::now() - scanned_;
-    }();
-    if (age >= kScanInterval) well = rescan();
-  }
+  if (well) well = confirm_used(kBelieved);
   // Whatever the cause: not now, and perhaps later.
   if (!well) well.error().code = ServiceCode::store_unavailable;
   const std::lock_guard lock(state_mutex_);

@@ -12,12 +12,18 @@
 // is listed and can be completed by another `put` or by `put_metadata`.
 //
 // Several processes may share a storage. Then a process deletes a mesh only because it
-// was asked to, or to make room: never because a write of its own failed, or because it
-// has read damaged bytes, for another one may have stored the same mesh meanwhile and
-// said so. A removal takes the metadata first and the source last, the reverse of a put.
-// So a source that is there after both has its metadata, whatever the order in which
-// their requests arrived. What is there already is taken to be what is being put only if
-// this process has written or read that very version of it; else it is written again.
+// was asked to: never because a write of its own failed, or because it has read damaged
+// bytes, for another one may have stored the same mesh meanwhile and said so. A removal takes the
+// metadata first and the source last, the reverse of a put. So a source that is there after both
+// has its metadata, whatever the order in which their requests arrived. What is there already is
+// taken to be what is being put only if this process has written or read that very version of it;
+// else it is written again.
+//
+// Of a shared storage a process knows the meshes that it was asked about. It believes what it
+// knows for half a minute, and what it uses longer than that it asks about again, beside the
+// queries: so a mesh that another process has removed or renamed is seen so within 40 seconds, and
+// as long as the storage does not answer, what is known goes on being served. Lists are those of
+// the storage, at every question. Nobody has a budget there, for nobody can count for all.
 //
 // All methods may be called from any thread. No error names a path or a host:
 // they are shown to clients; the log has them. Any method that reaches the storage
@@ -57,7 +63,8 @@ namespace geodesic::server {
 
 class MeshStore {
  public:
-  // Takes over a storage and lists what is in it.
+  // Takes over a storage: lists what is in it, or where others use it only asks whether it works.
+  // `bad_syntax` where a storage that others use is given a budget.
   [[nodiscard]] static Result<std::unique_ptr<MeshStore>> open(
       std::unique_ptr<ObjectStorage> storage, const StoreBudget& budget);
 
@@ -89,7 +96,7 @@ class MeshStore {
   [[nodiscard]] Result<std::optional<std::string>> get_metadata(std::string_view id);
 
   // The same, but where other processes use the storage it is always read: they may have written
-  // another one.
+  // another one a moment ago.
   [[nodiscard]] Result<std::optional<std::string>> get_metadata_afresh(std::string_view id);
 
   // Whether the mesh is known; from memory.
@@ -115,17 +122,18 @@ class MeshStore {
   [[nodiscard]] Result<bool> remove(std::string_view id);
 
   // Up to `limit` ids in ascending order, all greater than `after_id` (empty:
-  // from the first); from memory. What other processes have uploaded or removed
-  // shows after a `rescan`.
-  [[nodiscard]] std::vector<std::string> list(std::string_view after_id, std::size_t limit) const;
+  // from the first); from memory, unless other processes use the storage.
+  [[nodiscard]] Result<std::vector<std::string>> list(std::string_view after_id, std::size_t limit);
 
+  // Of a shared storage: the meshes that this process knows.
   [[nodiscard]] std::size_t size() const { return index_.size(); }
   [[nodiscard]] StoreStats stats() const;
 
-  // Lists the storage anew: what other processes have done shows.
-  Result<void> rescan();
+  // Asks a shared storage about the meshes that were used since it was last asked, if that is
+  // `age` ago or longer: what other processes have done to them shows.
+  Result<void> confirm_used(std::chrono::seconds age);
 
-  // Tries the storage, and lists it anew once a minute if others use it too.
+  // Tries the storage, and confirms what was used.
   // Returns, and remembers for `health`, whether it works; `store_unavailable`.
   Result<void> check();
   // The last check's outcome; from memory. Before the first: well.
@@ -144,6 +152,9 @@ class MeshStore {
   void note_whole(std::string_view id, std::string version);
   // Whether a mesh is what was found damaged, unchanged since.
   [[nodiscard]] bool is_what_was_damaged(const StoredMesh& mesh) const;
+  // Remembers what the storage has.
+  void learn(const StoredMesh& mesh);
+  Result<void> confirm(const std::string& id);
   Result<bool> erase(std::string_view id);
   // Forgets a mesh that is not in the storage.
   void forget(std::string_view id);
@@ -154,17 +165,16 @@ class MeshStore {
 
   const std::unique_ptr<ObjectStorage> storage_;
   StoreIndex index_;
-  LruCache<std::string> metadata_;
+  LruCache<StoredObject> metadata_;
   // Changes to one mesh exclude each other; those to others mostly do not.
   std::array<std::mutex, 64> stripes_;
-  std::mutex scan_mutex_;
-  std::chrono::steady_clock::time_point scanned_;
   VerifiedFiles verified_;
   mutable std::mutex state_mutex_;  // of the next three
   Result<void> health_;
   using Versions = std::map<std::string, std::string, std::less<>>;  // by id
   Versions damaged_;
   Versions whole_;  // of known meshes in a shared storage
+  std::atomic<std::uint64_t> removals_{0};
   std::atomic<std::uint64_t> evictions_{0};
   std::atomic<std::uint64_t> refusals_{0};
   std::atomic<std::uint64_t> corrupt_{0};

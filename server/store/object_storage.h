@@ -11,6 +11,7 @@
 // are shown to clients: the log does.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -27,7 +28,7 @@ enum class ObjectKind : std::uint8_t { source, metadata };
 
 struct StoredMesh {
   std::string id;
-  std::uint64_t bytes = 0;   // what its objects take, as far as a scan sees
+  std::uint64_t bytes = 0;   // what its objects take, as far as a list sees
   std::int64_t used = 0;     // when it was last used, or written: seconds since 1970
   std::string version = {};  // of its source, as `StoredObject` has it
 };
@@ -59,11 +60,17 @@ class ObjectStorage {
   // Whether other processes may change what is there.
   [[nodiscard]] virtual bool is_shared() const = 0;
 
-  // Every mesh whose source is there, in any order; reads no contents.
-  [[nodiscard]] virtual Result<std::vector<StoredMesh>> scan() = 0;
+  // The meshes whose source is there, up to `most` of them, in ascending order of their ids, which
+  // are all greater than `after`; reads no contents.
+  [[nodiscard]] virtual Result<std::vector<StoredMesh>> list(std::string_view after,
+                                                             std::size_t most) = 0;
 
-  // One mesh as a scan would see it; nothing if it is not there.
+  // One mesh as a list would show it; nothing if it is not there.
   [[nodiscard]] virtual Result<std::optional<StoredMesh>> find(std::string_view id) = 0;
+
+  // The version of a mesh's metadata, without its bytes; nothing if they are not there.
+  [[nodiscard]] virtual Result<std::optional<std::string>> metadata_version(
+      std::string_view id) = 0;
 
   // The version of what was written. After an error it may be there all the same.
   [[nodiscard]] virtual Result<std::string> write(ObjectKind kind, std::string_view id,

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <ctime>
-#include <future>
 #include <iterator>
 #include <pugixml.hpp>
 #include <utility>
@@ -16,10 +15,10 @@ namespace geodesic::server {
 namespace {
 
 constexpr std::uint64_t kMostListBytes = 4 << 20;  // 1,000 keys take half a megabyte
-constexpr int kMostPages = 100'000;                // 100 million objects
+constexpr std::size_t kMostKeys = 1000;            // of a page, as S3 has it
+constexpr int kMostPages = 10'000;                 // of keys that are none of ours, mostly
 // What S3 takes in one PUT, so that nothing of ours is larger.
 constexpr std::uint64_t kMostObjectBytes = std::uint64_t{5} << 30;
-constexpr std::size_t kListsAtOnce = 8;
 
 tl::unexpected<Error> not_there() {
   return fail(ServiceCode::store_failed, "the bucket of the object store is not there");
@@ -41,10 +40,14 @@ std::string S3Storage::key_of(ObjectKind kind, std::string_view id) const {
 }
 
 // ListObjectsV2. Keys that are none of ours are passed over.
-Result<S3Storage::Page> S3Storage::list_page(const std::string& digits, const std::string& token) {
+Result<S3Storage::Page> S3Storage::list_page(std::string_view digits, std::string_view after,
+                                             const std::string& token, std::size_t most) {
   const std::string folder = client_.location().prefix + "objects/";
   S3Request request;
-  request.query = {{"list-type", "2"}, {"prefix", folder + digits}};
+  request.query = {{"list-type", "2"},
+                   {"prefix", folder + std::string(digits)},
+                   {"max-keys", std::to_string(std::min<std::size_t>(most, kMostKeys))}};
+  if (!after.empty()) request.query.emplace("start-after", folder + std::string(after));
   if (!token.empty()) request.query.emplace("continuation-token", token);
   request.max_reply_bytes = kMostListBytes;
   const auto reply = client_.send(request);
@@ -74,43 +77,18 @@ Result<S3Storage::Page> S3Storage::list_page(const std::string& digits, const st
   return page;
 }
 
-Result<std::vector<StoredMesh>> S3Storage::list_all(const std::string& digits) {
+Result<std::vector<StoredMesh>> S3Storage::list(std::string_view after, std::size_t most) {
   std::vector<StoredMesh> meshes;
   std::string token;
-  for (int pages = 0; pages < kMostPages; ++pages) {
-    auto page = list_page(digits, token);
+  for (int pages = 0; pages < kMostPages && meshes.size() < most; ++pages) {
+    auto page = list_page("", after, token, most - meshes.size());
     if (!page) return fail(std::move(page.error()));
     std::move(page->meshes.begin(), page->meshes.end(), std::back_inserter(meshes));
     if (page->next.empty()) return meshes;
     token = std::move(page->next);
   }
-  return fail(ServiceCode::store_failed, "the object store's list has no end");
-}
-
-// One page holds a small store. A large one is listed by the ids' first digits, some
-// at once: each page takes a round trip, and the start waits for all of them.
-Result<std::vector<StoredMesh>> S3Storage::scan() {
-  auto first = list_page("", "");
-  if (!first) return fail(std::move(first.error()));
-  if (first->next.empty()) return std::move(first->meshes);
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::vector<StoredMesh> meshes;
-  for (std::size_t begin = 0; begin < kDigits.size(); begin += kListsAtOnce) {
-    std::vector<std::future<Result<std::vector<StoredMesh>>>> lists;
-    for (const char digit : kDigits.substr(begin, kListsAtOnce)) {
-      lists.push_back(std::async(std::launch::async,
-                                 [this, digit] { return list_all(std::string(1, digit)); }));
-    }
-    std::optional<Error> error;
-    for (auto& list : lists) {
-      auto part = list.get();
-      if (!part) {
-        error = part.error();
-      } else {
-        std::move(part->begin(), part->end(), std::back_inserter(meshes));
-      }
-    }
-    if (error) return fail(std::move(*error));
+  if (meshes.size() < most) {
+    return fail(ServiceCode::store_failed, "the object store's list has no end");
   }
   return meshes;
 }
@@ -126,12 +104,22 @@ Result<std::optional<StoredMesh>> S3Storage::find(std::string_view id) {
                   reply->entity_tag};
   if (reply->content_length) return mesh;
   // Some servers leave the length out of a HEAD's answer. Their lists have it.
-  const auto page = list_page(mesh.id, "");
+  const auto page = list_page(mesh.id, "", "", 2);  // with options or without
   if (!page) return fail(page.error());
   for (const StoredMesh& listed : page->meshes) {
     if (listed.id == mesh.id) mesh.bytes = listed.bytes;
   }
   return mesh;
+}
+
+Result<std::optional<std::string>> S3Storage::metadata_version(std::string_view id) {
+  S3Request request;
+  request.method = "HEAD";
+  request.key = key_of(ObjectKind::metadata, id);
+  auto reply = client_.send(request);
+  if (!reply) return fail(std::move(reply.error()));
+  if (reply->status == 404) return std::nullopt;
+  return std::move(reply->entity_tag);
 }
 
 Result<std::string> S3Storage::put_key(const std::string& key, std::string_view bytes) {

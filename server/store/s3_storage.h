@@ -26,8 +26,10 @@ class S3Storage final : public ObjectStorage {
 
   [[nodiscard]] std::string name() const override { return client_.location().name(); }
   [[nodiscard]] bool is_shared() const override { return true; }
-  [[nodiscard]] Result<std::vector<StoredMesh>> scan() override;
+  [[nodiscard]] Result<std::vector<StoredMesh>> list(std::string_view after,
+                                                     std::size_t most) override;
   [[nodiscard]] Result<std::optional<StoredMesh>> find(std::string_view id) override;
+  [[nodiscard]] Result<std::optional<std::string>> metadata_version(std::string_view id) override;
   [[nodiscard]] Result<std::string> write(ObjectKind kind, std::string_view id,
                                           std::string_view bytes) override;
   [[nodiscard]] Result<std::optional<StoredObject>> read(ObjectKind kind, std::string_view id,
@@ -43,9 +45,10 @@ class S3Storage final : public ObjectStorage {
     std::string next;  // empty: the last one
   };
   [[nodiscard]] std::string key_of(ObjectKind kind, std::string_view id) const;
-  [[nodiscard]] Result<Page> list_page(const std::string& digits, const std::string& token);
-  // The meshes of which the ids begin with `digits`.
-  [[nodiscard]] Result<std::vector<StoredMesh>> list_all(const std::string& digits);
+  // A page of the meshes whose ids begin with `digits` and are greater than `after`; `token`: the
+  // page that follows another.
+  [[nodiscard]] Result<Page> list_page(std::string_view digits, std::string_view after,
+                                       const std::string& token, std::size_t most);
   [[nodiscard]] Result<std::string> put_key(const std::string& key, std::string_view bytes);
   [[nodiscard]] Result<void> erase_key(const std::string& key);
 

@@ -47,7 +47,7 @@ TEST_CASE("a list is 503 while the store as a whole does not work, and else tell
     const HttpResponse down = service.get("/v1/meshes" + page_of);
     check_problem(down, 503, "store_unavailable");
   }
-  refuse(one, true);
+  refuse(one, false);
   const json half = body_of(service.get("/v1/meshes"));
   REQUIRE(half["meshes"].size() == 1);
   CHECK(half["meshes"][0]["id"] == other);
@@ -55,9 +55,14 @@ TEST_CASE("a list is 503 while the store as a whole does not work, and else tell
   CHECK(half["undescribed"][0]["id"] == one);
   refuse("nothing has this name", false);
   CHECK(body_of(service.get("/v1/meshes"))["meshes"].size() == 2);
-  // What is in memory is listed, whatever has become of the store.
+  // What is in memory is described and asked, whatever has become of the store; a list would be
+  // of what this server happens to know.
+  const std::string question = "/v1/meshes/" + one + "/distance?from=v:0";
+  REQUIRE(service.get(question).status == 200);
   refuse("", true);
-  CHECK(body_of(service.get("/v1/meshes"))["meshes"].size() == 2);
+  CHECK(service.get("/v1/meshes/" + one).status == 200);
+  CHECK(service.get(question + "&at=v:3").status == 200);
+  check_problem(service.get("/v1/meshes"), 503, "store_unavailable");
 }
 
 TEST_CASE("the status says how many computations do not answer") {

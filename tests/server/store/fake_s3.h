@@ -64,16 +64,19 @@ class FakeS3 {
   FakeS3& operator=(const FakeS3&) = delete;
 
   // A store of its own process, as it were, in the bucket.
-  std::unique_ptr<MeshStore> open(const StoreBudget& budget = {}) const {
+  std::unique_ptr<MeshStore> open() const {
+    auto store = try_open({});
+    REQUIRE_MESSAGE(store, (store ? "" : store.error().detail));
+    return std::move(*store);
+  }
+  Result<std::unique_ptr<MeshStore>> try_open(const StoreBudget& budget) const {
     const auto environment = [](const std::string& name) -> std::optional<std::string> {
       if (name.starts_with("AWS_") && name != "AWS_SESSION_TOKEN") return "key";
       return std::nullopt;
     };
     const std::string url =
         "s3://bucket?timeout=60&endpoint=http://127.0.0.1:" + std::to_string(port_);
-    auto store = open_store(url, budget, environment);
-    REQUIRE_MESSAGE(store, (store ? "" : store.error().detail));
-    return std::move(*store);
+    return open_store(url, budget, environment);
   }
 
   std::optional<std::string> object(const std::string& key) const {
@@ -216,20 +219,42 @@ class FakeS3 {
     return reply + "\r\n" + body;
   }
 
+  static std::string parameter(const std::string& query, const std::string& name) {
+    const auto at = ("&" + query).find("&" + name + "=");
+    if (at == std::string::npos) return {};
+    const auto begin = at + name.size() + 1;
+    std::string value = query.substr(begin, query.find('&', begin) - begin);
+    for (std::size_t i; (i = value.find("%2F")) != std::string::npos;) value.replace(i, 3, "/");
+    for (std::size_t i; (i = value.find("%7E")) != std::string::npos;) value.replace(i, 3, "~");
+    return value;
+  }
+
+  // In one page, however many keys there are, unless fewer are asked for.
   std::string list(const std::string& query) const {
-    std::string prefix;
-    if (const auto at = query.find("prefix="); at != std::string::npos) {
-      prefix = query.substr(at + 7, query.find('&', at) - at - 7);
-      for (std::size_t i; (i = prefix.find("%2F")) != std::string::npos;) prefix.replace(i, 3, "/");
-    }
-    std::string xml = "<ListBucketResult><IsTruncated>false</IsTruncated>";
+    const std::string prefix = parameter(query, "prefix");
+    const std::string after =
+        std::max(parameter(query, "start-after"), parameter(query, "continuation-token"));
+    const std::string most = parameter(query, "max-keys");
+    std::size_t room = most.empty() ? 1000 : std::stoull(most);
+    std::string last;
+    bool is_cut = false;
+    std::string xml = "<ListBucketResult>";
     for (const auto& [key, bytes] : objects_) {
-      if (!key.starts_with(prefix)) continue;
+      if (!key.starts_with(prefix) || key <= after) continue;
+      if (room == 0) {
+        is_cut = true;
+        break;
+      }
+      --room;
+      last = key;
       xml += "<Contents><Key>" + key + "</Key><Size>" + std::to_string(bytes.size()) + "</Size>";
       xml += "<LastModified>2026-01-31T12:34:56.789Z</LastModified>";
       if (tells_tags) xml += "<ETag>&quot;" + tag_of(bytes) + "&quot;</ETag>";
       xml += "</Contents>";
     }
+    xml += is_cut ? "<IsTruncated>true</IsTruncated><NextContinuationToken>" + last +
+                        "</NextContinuationToken>"
+                  : "<IsTruncated>false</IsTruncated>";
     return xml + "</ListBucketResult>";
   }
 

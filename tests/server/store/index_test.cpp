@@ -58,16 +58,6 @@ TEST_CASE("uploads under way cannot be evicted for one another") {
   CHECK(index.reserve(40)->empty());
 }
 
-TEST_CASE("after a restart the times of last use give the order") {
-  StoreIndex index(of(30, WhenFull::evict));
-  index.begin_scan();
-  CHECK(index.end_scan(std::vector<StoredMesh>{{"a", 10, 300}, {"b", 10, 100}, {"c", 10, 200}})
-            .empty());
-  CHECK(index.stats().bytes == 30);
-  CHECK(*index.reserve(10) == Ids{"b"});
-  CHECK(*index.reserve(20) == Ids{"b", "c"});
-}
-
 TEST_CASE("a use is worth noting once a minute") {
   StoreIndex index({});
   index.insert({"a", 1, 1000});
@@ -78,31 +68,28 @@ TEST_CASE("a use is worth noting once a minute") {
   CHECK(index.use("b", 1120) == StoreIndex::Use::unknown);
 }
 
-TEST_CASE("a scan takes over what others did and keeps what happened meanwhile") {
+TEST_CASE("what was used since the storage was asked is to be confirmed") {
   StoreIndex index({});
-  index.insert({"gone", 1, 0});
-  index.insert({"kept", 1, 0});
-  index.insert({"removed", 1, 0});
-  index.begin_scan();
-  index.insert({"uploaded", 1, 0});
-  index.erase("removed");
-  index.erase("stranger");
-  CHECK(index.end_scan(std::vector<StoredMesh>{
-            {"kept", 1, 0}, {"new", 5, 0}, {"removed", 1, 0}, {"stranger", 1, 0}}) == Ids{"gone"});
-  CHECK(index.list("", 10) == Ids{"kept", "new", "uploaded"});
-  CHECK(index.stats().bytes == 7);
-  // What was removed before a scan began may be put back by it.
-  index.begin_scan();
-  index.end_scan(std::vector<StoredMesh>{{"removed", 1, 0}});
-  CHECK(index.list("", 10) == Ids{"removed"});
+  for (const char* const id : {"a", "b", "c"}) index.insert({id, 1, 0}, 1000);
+  CHECK(index.use("a", 1001) == StoreIndex::Use::worth_noting);
+  CHECK(index.use("b", 1029) == StoreIndex::Use::worth_noting);
+  CHECK(index.unconfirmed(1029, 30, 10).empty());
+  CHECK(index.unconfirmed(1030, 30, 10) == Ids{"b", "a"});
+  CHECK(index.unconfirmed(1030, 30, 1) == Ids{"b"});
+  index.insert({"b", 1, 0}, 1030);
+  CHECK(index.unconfirmed(1030, 30, 10) == Ids{"a"});
+  // Confirmed and not used again: nobody needs to know.
+  CHECK(index.unconfirmed(2000, 30, 10) == Ids{"a"});
 }
 
-TEST_CASE("a failed scan changes nothing") {
-  StoreIndex index({});
-  index.insert({"a", 1, 0});
-  index.begin_scan();
-  CHECK(index.end_scan(std::nullopt).empty());
-  CHECK(index.list("", 10) == Ids{"a"});
+TEST_CASE("of too many meshes the one used longest ago is not known any more") {
+  StoreIndex index({}, 3);
+  for (const char* const id : {"a", "b", "c"}) CHECK_FALSE(index.insert({id, 10, 0}));
+  (void)index.use("a", 1);
+  CHECK(index.insert({"d", 10, 0}) == "b");
+  CHECK_FALSE(index.insert({"d", 5, 0}));
+  CHECK(index.list("", 10) == Ids{"a", "c", "d"});
+  CHECK(index.stats().bytes == 25);
 }
 
 TEST_CASE("bytes follow every change") {

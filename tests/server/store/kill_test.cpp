@@ -107,7 +107,9 @@ TEST_CASE("after a kill what was acknowledged is there, whole, and nothing is ha
       if (said == '+') CHECK(is_there);
       if (said == '-') CHECK_FALSE(is_there);
     }
-    for (const std::string& id : store->list("", 100)) {
+    const auto listed = store->list("", 100);
+    REQUIRE(listed);
+    for (const std::string& id : *listed) {
       const auto got = store->get_source(id);
       REQUIRE(got);
       CHECK((*got == bytes.at(id)));

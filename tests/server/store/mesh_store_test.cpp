@@ -152,7 +152,7 @@ TEST_CASE("listing pages through sorted ids") {
   std::vector<std::string> listed;
   std::string after;
   while (true) {
-    const std::vector<std::string> page = store->list(after, 10);
+    const std::vector<std::string> page = *store->list(after, 10);
     if (page.empty()) break;
     CHECK(page.size() <= 10);
     listed.insert(listed.end(), page.begin(), page.end());

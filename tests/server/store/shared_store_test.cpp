@@ -122,8 +122,8 @@ class Servers {
     const std::string id = id_of(plan);
     const auto bytes = catalog.source(id);
     const auto mesh = catalog.adjacency(id, {});
-    return store->contains(id) && catalog.metadata(id, {}) && bytes && *bytes == bytes_ && mesh &&
-           (*mesh)->mesh().vertex_count() == 16;
+    return store->use(id) == true && catalog.metadata(id, {}) && bytes && *bytes == bytes_ &&
+           mesh && (*mesh)->mesh().vertex_count() == 16;
   }
 
   bool add_again(const Plan& plan) {
@@ -260,7 +260,7 @@ TEST_CASE("a mesh larger than a mebibyte is whole where HEAD tells no length") {
   // Nor do lists that say less than is there.
   const auto store = s3.open();
   s3.put("objects/" + id, "short");
-  REQUIRE(store->rescan());
+  REQUIRE(store->list("", 10));
   REQUIRE(s3.open()->is_stored(id) == true);
   s3.put("objects/" + id, bytes);
   CHECK((store->get_source(id) == bytes));
@@ -283,8 +283,7 @@ TEST_CASE("what a server finds damaged it deletes for nobody, and serves once it
     if (tags) {
       // As long as the same bytes are there, it is known to be no mesh.
       CHECK(one->get_source(id).error().code == ServiceCode::mesh_unknown);
-      REQUIRE(one->rescan());
-      CHECK(one->list("", 10).empty());
+      CHECK(one->list("", 10)->empty());
       CHECK(one->is_stored(id) == false);
     }
     CHECK(one->is_damaged(id));
@@ -294,7 +293,6 @@ TEST_CASE("what a server finds damaged it deletes for nobody, and serves once it
     CHECK(one->is_stored(id) == true);
     CHECK_FALSE(one->is_damaged(id));
     CHECK(one->get_source(id) == bytes);
-    REQUIRE(two->rescan());
     CHECK(two->get_source(id) == bytes);
   }
 }
@@ -365,4 +363,95 @@ TEST_CASE("a stored mesh is there whether its name can be written or not") {
   CHECK_FALSE(again->created);
   CHECK_FALSE(json::parse(again->metadata).contains("name"));
   CHECK_FALSE(catalog.rename(upload->id, "a name", {}));  // who asks for nothing else is told
+}
+
+TEST_CASE(
+    "what another server does to a mesh is seen once it is confirmed, and nothing else is asked") {
+  FakeS3 s3;
+  const std::string id = sha256_hex("x");
+  const std::string idle = sha256_hex("y");
+  const auto one = s3.open();
+  REQUIRE(one->put(id, "x", "{}"));
+  REQUIRE(one->put(idle, "y", "{}"));
+  const auto two = s3.open();
+  CHECK(two->size() == 0);  // it starts without a list
+  REQUIRE(two->list("", 10)->size() == 2);
+  REQUIRE(two->get_metadata(id) == "{}");
+
+  std::vector<std::string> asked;  // calls come one at a time
+  FakeS3::Script script;
+  script.before = [&](const FakeS3::Call& call) {
+    asked.push_back(call.method + " " + call.key);
+    return FakeS3::Act::serve;
+  };
+  s3.follow(script);
+  // Believed until it is old.
+  REQUIRE(two->confirm_used(std::chrono::seconds(3600)));
+  CHECK(two->use(id) == true);
+  CHECK(asked.empty());
+  // Only what was used, and its description only by its tag.
+  REQUIRE(two->confirm_used(std::chrono::seconds(0)));
+  CHECK(asked == std::vector<std::string>{"HEAD objects/" + id, "HEAD meta/" + id + ".json"});
+  CHECK(two->get_metadata(id) == "{}");
+  CHECK(asked.size() == 2);
+  REQUIRE(two->confirm_used(std::chrono::seconds(0)));  // it was used since
+  CHECK(asked.size() == 4);
+  REQUIRE(two->confirm_used(std::chrono::seconds(0)));
+  CHECK(asked.size() == 4);
+  s3.follow({});
+
+  CHECK(two->use(id) == true);
+  REQUIRE(one->put_metadata(id, R"({"name":"other"})"));
+  REQUIRE(two->confirm_used(std::chrono::seconds(0)));
+  CHECK(two->get_metadata(id) == R"({"name":"other"})");
+  REQUIRE(one->remove(id) == true);
+  CHECK(two->use(id) == true);  // as far as it knows
+  // A storage that fails takes nothing away.
+  script.before = [](const FakeS3::Call&) { return FakeS3::Act::refuse; };
+  s3.follow(script);
+  CHECK_FALSE(two->confirm_used(std::chrono::seconds(0)));
+  CHECK(two->use(id) == true);
+  CHECK_FALSE(two->list("", 10));
+  s3.follow({});
+  REQUIRE(two->confirm_used(std::chrono::seconds(0)));
+  CHECK(two->use(id) == false);
+  CHECK(two->list("", 10) == std::vector<std::string>{idle});
+}
+
+TEST_CASE(
+    "lists go on across pages, and a server's own removal is not forgotten by one under way") {
+  FakeS3 s3;
+  std::map<std::string, std::string> meshes;
+  for (int i = 0; i < 60; ++i) meshes.emplace(sha256_hex(std::to_string(i)), std::to_string(i));
+  const auto one = s3.open();
+  for (const auto& [id, bytes] : meshes) REQUIRE(one->put(id, bytes, "{}"));
+  s3.put("objects/no-id-of-ours", "");
+  const auto two = s3.open();
+  std::vector<std::string> listed;
+  for (std::string after;; after = listed.back()) {
+    const auto page = two->list(after, 7);
+    REQUIRE(page);
+    listed.insert(listed.end(), page->begin(), page->end());
+    if (page->size() < 7) break;
+  }
+  REQUIRE(listed.size() == meshes.size());
+  CHECK(std::equal(listed.begin(), listed.end(), meshes.begin(),
+                   [](const std::string& id, const auto& mesh) { return id == mesh.first; }));
+
+  const auto three = s3.open();
+  const std::string& id = listed[5];
+  FakeS3::Script script;
+  script.after = [&](const FakeS3::Call& call) {
+    if (call.key.empty()) CHECK(three->remove(id) == true);  // the list is made, and not yet read
+  };
+  s3.follow(script);
+  REQUIRE(three->list("", 60));
+  CHECK_FALSE(three->contains(id));
+}
+
+TEST_CASE("a budget for a storage that others use is refused at the start") {
+  FakeS3 s3;
+  const auto store = s3.try_open({1000, WhenFull::evict});
+  REQUIRE_FALSE(store);
+  CHECK(store.error().detail.find("give the bucket a quota") != std::string::npos);
 }
