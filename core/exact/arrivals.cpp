@@ -112,6 +112,7 @@ void Propagation::join_at(Edge& edge, std::uint32_t i, double length) {
     return;
   left.end = right.end;
   left.at_end = right.at_end;
+  left.faces = std::max(left.faces, right.faces);
   std::copy(edge.windows + i + 1, edge.windows + edge.size, edge.windows + i);
   --edge.size;
 }

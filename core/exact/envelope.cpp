@@ -16,6 +16,7 @@ void push(std::vector<Window>& list, const Window& window, PseudoSources pseudo_
   if (!list.empty() && is_continued_by(list.back(), window, offset, length)) {
     list.back().end = window.end;
     list.back().at_end = window.at_end;
+    list.back().faces = std::max(list.back().faces, window.faces);
     return;
   }
   list.push_back(window);
@@ -36,6 +37,7 @@ void keep_last(std::vector<Window>& list, PseudoSources pseudo_sources, double l
     return;
   before.end = window.end;
   before.at_end = window.at_end;
+  before.faces = std::max(before.faces, window.faces);
   list.pop_back();
 }
 
@@ -74,6 +76,7 @@ class Pieces {
     made.at_end = at_end_;
     made.pseudo_source = w.pseudo_source;
     made.from = w.from;
+    made.faces = w.faces;
     made.propagated = w.propagated;
     keep_last(list_, pseudo_sources_, length_);
   }

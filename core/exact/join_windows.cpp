@@ -55,6 +55,7 @@ bool Propagation::add_plain(const ListOverSide& list, PropagatedOrder& order, Fr
   const std::int64_t* const passes = beyond.passes.data();
   const std::int64_t* const overlaps = beyond.overlaps.data();
   const std::uint32_t* const pseudo_sources = memory_.entering.pseudo_source.data();
+  const std::uint32_t* const faces = memory_.entering.faces.data();
   const double touch = tolerance::kTouch * side.length;
   const double narrow = tolerance::kLeastWidth * side.length;
   const double nearly = tolerance::kNearlyTouch * side.length;
@@ -82,6 +83,7 @@ bool Propagation::add_plain(const ListOverSide& list, PropagatedOrder& order, Fr
         is_as_good(out[-1], from, ends[i], at_from, at_ends[i], memory_.entering.offset[i])) {
       reached = out[-1].end = ends[i];
       out[-1].at_end = at_ends[i];
+      out[-1].faces = std::max(out[-1].faces, faces[i] + 1);
       least = std::min(least, leasts[i]);
       continue;
     }
@@ -105,6 +107,7 @@ bool Propagation::add_plain(const ListOverSide& list, PropagatedOrder& order, Fr
     out->at_end = at_ends[i];
     out->pseudo_source = pseudo_sources[i];
     out->from = side.from;
+    out->faces = faces[i] + 1;
     out->propagated = false;
     double least_here = leasts[i];
     if (!whole) {
@@ -162,6 +165,7 @@ void Propagation::add_with_care(const ListOverSide& list, PropagatedOrder& order
                 beyond.at_end[i],
                 memory_.entering.pseudo_source[i],
                 side.from,
+                memory_.entering.faces[i] + 1,
                 false};
   if (beyond.passes[i] != kWhole && !is_of_use(window, side)) return;
   fresh.least = std::min(fresh.least, window.least(memory_.entering.offset[i]));

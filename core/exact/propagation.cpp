@@ -168,7 +168,9 @@ std::span<Window> Propagation::take_waiting(std::span<Window> windows) {
   return waiting;
 }
 
-// The windows on the edge of h that wait and did not come from its face, in its frame.
+// The windows on the edge of h that wait and did not come from its face, in its frame. No shortest
+// path crosses a face twice: what has crossed more of them than there are goes round and round,
+// where rounding makes it seem nearer each time, as in rings of needles it may.
 void Propagation::load_entering(std::span<const Window> windows, Halfedge h) {
   EnteringWindows& entering = memory_.entering;
   const std::size_t first = entering.size;
@@ -180,27 +182,31 @@ void Propagation::load_entering(std::span<const Window> windows, Halfedge h) {
   double* const y = entering.y.data();
   double* const offset = entering.offset.data();
   std::uint32_t* const pseudo_source = entering.pseudo_source.data();
+  std::uint32_t* const faces = entering.faces.data();
+  const std::size_t most_faces = surface_.faces.size();
   std::size_t size = first;
   if (!frames_.is_reversed(h)) {
     for (const Window& w : windows) {
-      if (w.propagated || w.from == h) continue;
+      if (w.propagated || w.from == h || w.faces >= most_faces) continue;
       begin[size] = w.begin;
       end[size] = w.end;
       x[size] = w.x;
       y[size] = w.y;
       offset[size] = offsets[w.pseudo_source];
+      faces[size] = w.faces;
       pseudo_source[size++] = w.pseudo_source;
     }
   } else {
     const double length = frames_.edge(frames_.edge_of(h)).length;
     for (std::size_t i = windows.size(); i-- > 0;) {
       const Window& w = windows[i];
-      if (w.propagated || w.from == h) continue;
+      if (w.propagated || w.from == h || w.faces >= most_faces) continue;
       begin[size] = length - w.end;
       end[size] = length - w.begin;
       x[size] = length - w.x;
       y[size] = w.y;
       offset[size] = offsets[w.pseudo_source];
+      faces[size] = w.faces;
       pseudo_source[size++] = w.pseudo_source;
     }
   }

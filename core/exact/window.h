@@ -36,6 +36,7 @@ struct Window {
   double at_end;
   std::uint32_t pseudo_source;  // number of the pseudo-source
   Halfedge from;                // the window came out of this halfedge's face
+  std::uint32_t faces;          // how many it has crossed on the way from its pseudo-source
   bool propagated;              // already passed on to the other faces
 
   // Distance at a place on the edge, given the pseudo-source's own.

@@ -27,17 +27,19 @@ struct EnteringWindows {
   std::vector<double> offset;    // the pseudo-source's
   std::vector<double> crossing;  // where the line from the source to the far corner meets the base
   std::vector<std::uint32_t> pseudo_source;
+  std::vector<std::uint32_t> faces;  // crossed so far
 
   // Room for so many; false if there is none, as the poll then says, too.
   [[nodiscard]] bool make_room(std::size_t count, Poll& poll) {
     const std::size_t room = count + kColumnSlack;
     // The last to grow: if memory ran out halfway, it has not.
-    if (pseudo_source.size() >= room) return true;
+    if (faces.size() >= room) return true;
     const std::size_t rounded = std::bit_ceil(room);
-    constexpr std::size_t kBytes = 6 * sizeof(double) + sizeof(std::uint32_t);
+    constexpr std::size_t kBytes = 6 * sizeof(double) + 2 * sizeof(std::uint32_t);
     if (!poll.may_take(rounded * kBytes)) return false;
     for (auto* column : {&begin, &end, &x, &y, &offset, &crossing}) column->resize(rounded, 0);
     pseudo_source.resize(rounded, 0);
+    faces.resize(rounded, 0);
     return true;
   }
 };

@@ -93,7 +93,7 @@ TEST_CASE("SewnListsAreTheEnvelopeOfBoth") {
 TEST_CASE("ASeamIsAtTheTie") {
   const std::vector<PseudoSource> pseudo_sources{{0, kNone, 0}, {0, 1, 0}};
   const auto window = [](std::uint32_t pseudo_source, double begin, double end, double x) {
-    Window w{begin, end, x, 3, 0, 0, pseudo_source, 0, false};
+    Window w{begin, end, x, 3, 0, 0, pseudo_source, 0, 0, false};
     w.at_begin = w.at(begin, 0);
     w.at_end = w.at(end, 0);
     return w;
