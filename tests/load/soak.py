@@ -46,7 +46,8 @@ def questions_about(mesh, chance):
         f"{base}/isolines?from={f}&count=7",
         f"{base}/samples?count=5",
         f"{base}/nearest?point=p:1,2,3",
-        f"{base}/trace?from={d}&angle=0.1&length=1",
+        # Not from a vertex, which may be in no face.
+        f"{base}/trace?from=f:{chance.randrange(mesh['faces'])},0.4,0.3&angle=0.1&length=1",
         f"{base}/distance?from={e}&format=png&width=160&height=120",
         f"{base}/geometry",
         f"{base}/source",
