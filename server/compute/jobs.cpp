@@ -21,7 +21,7 @@ namespace {
 // How often who waits for news looks for progress.
 constexpr std::chrono::milliseconds kLookEvery{100};
 
-std::string random_id() {
+std::string random_digits() {
   std::array<unsigned char, 16> bits{};
   if (RAND_bytes(bits.data(), static_cast<int>(bits.size())) != 1) {
     throw std::runtime_error("no random numbers");
@@ -94,9 +94,9 @@ Result<void> Jobs::admit(const std::string& client, std::uint64_t bytes) {
   return {};
 }
 
-Result<JobReport> Jobs::start(HttpRequest request, JobLease lease) {
+Result<JobReport> Jobs::start(HttpRequest request, JobLease lease, std::string_view id_begins) {
   const auto job = std::make_shared<Job>();
-  job->report.id = random_id();
+  job->report.id = std::string(id_begins) + random_digits();
   job->report.method = request.method;
   job->report.target = request.target;
   job->report.created = std::chrono::system_clock::now();

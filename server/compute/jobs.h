@@ -101,8 +101,10 @@ class Jobs {
   Jobs& operator=(const Jobs&) = delete;
 
   // Takes a request. The handler gets it with another caller: of the same client, gone
-  // once the job is cancelled. Errors: overloaded, too_many_requests, draining.
-  [[nodiscard]] Result<JobReport> start(HttpRequest request, JobLease lease = JobLease::renewed);
+  // once the job is cancelled. The job's id is `id_begins` and 32 random hexadecimal digits.
+  // Errors: overloaded, too_many_requests, draining.
+  [[nodiscard]] Result<JobReport> start(HttpRequest request, JobLease lease = JobLease::renewed,
+                                        std::string_view id_begins = {});
 
   // Nothing if there is no such job (any more). This and all below that look at a job renew its
   // lease.

@@ -19,6 +19,7 @@
 #include "server/http/finish_reply.h"
 #include "server/http/head.h"
 #include "server/http/prefer.h"
+#include "server/http/request_log.h"
 #include "server/reply/encode_reply.h"
 #include "server/routes/call.h"
 #include "server/routes/routes.h"
@@ -36,8 +37,25 @@ constexpr std::chrono::seconds kAskEvery{1};
 // keeps it from trying for ever.
 constexpr std::string_view kLastEvent = "end";
 
+constexpr std::size_t kRoutingDigits = 16;
+
+bool is_hexadecimal(std::string_view text) {
+  return text.find_first_not_of("0123456789abcdef") == text.npos;
+}
+
 bool is_job_id(std::string_view id) {
-  return id.size() == 32 && id.find_first_not_of("0123456789abcdef") == id.npos;
+  return id.size() == kRoutingDigits + 32 && is_hexadecimal(id);
+}
+
+// A job is known to the server that took it. Balancers send what is about one mesh to one server,
+// by the first digits of its id, and else go by those of X-Request-Id, which they give. A job's id
+// begins with the same digits, so that who asks about it comes to the server that has it.
+std::string routing_digits(std::string_view mesh, std::string_view request) {
+  for (const std::string_view id : {mesh, request}) {
+    const std::string_view digits = id.substr(0, kRoutingDigits);
+    if (digits.size() == kRoutingDigits && is_hexadecimal(digits)) return std::string(digits);
+  }
+  return make_request_id().substr(0, kRoutingDigits);
 }
 
 // RFC 3339 in UTC.
@@ -146,7 +164,10 @@ HttpResponse Routes::begin_job(Call& call) {
            equals_ignoring_case(header.first, "Accept-Encoding");
   });
   const bool goes_on = prefers(call.request, "keep");
-  const auto job = jobs_.start(std::move(later), goes_on ? JobLease::none : JobLease::renewed);
+  const std::string digits = routing_digits(
+      call.segments.size() > 2 ? call.segments[2] : std::string_view(), call.request.id);
+  const auto job =
+      jobs_.start(std::move(later), goes_on ? JobLease::none : JobLease::renewed, digits);
   if (!job) return call.problem(job.error());
   HttpResponse response = job_reply(*job, call.request, 202);
   response.set_header("Location", call.request.base_path + "/v1/jobs/" + job->id);

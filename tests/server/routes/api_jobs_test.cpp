@@ -299,9 +299,40 @@ TEST_CASE("MetricsCountJobsByHowTheyEnded") {
   CHECK(shows("geodesicd_jobs{state=\"running\"} 0"));
 }
 
+TEST_CASE("AJobsIdBeginsWithWhatABalancerGoesBy") {
+  JobService jobs;
+  const auto digits = [](const std::string& place) { return place.substr(9, 16); };
+  const std::string first = jobs.begin("GET", jobs.base + "/distance?from=v:0");
+  const std::string second = jobs.begin("POST", jobs.base + "/prepare");
+  CHECK(digits(first) == jobs.id.substr(0, 16));
+  CHECK(digits(second) == jobs.id.substr(0, 16));
+  CHECK(first != second);
+  CHECK(first.size() == 9 + 48);
+  // An upload names no mesh: the request has an id of its own.
+  const std::string glb = glb_of(shapes::plane(3, 4));
+  const auto uploaded_by = [&](const std::string& request) {
+    HttpRequest asked;
+    asked.id = request;
+    asked.method = "POST";
+    asked.target = asked.path = "/v1/meshes";
+    asked.body = glb;
+    asked.headers = {{"Prefer", "respond-async"}};
+    return header_of(jobs.service.routes.answer(asked), "Location");
+  };
+  const std::string place = uploaded_by("0123456789abcdeffedcba9876543210");
+  CHECK(digits(place) == "0123456789abcdef");
+  CHECK(jobs.wait(place)["state"] == "done");
+  for (const std::string other : {"0123", "not-hexadecimal-at-all", ""}) {
+    const std::string drawn = uploaded_by(other);
+    CHECK(drawn.size() == 9 + 48);
+    CHECK(drawn.find_first_not_of("0123456789abcdef", 9) == std::string::npos);
+    CHECK(jobs.service.get(drawn).status == 200);
+  }
+}
+
 TEST_CASE("UnknownJobs") {
   JobService jobs;
-  const std::string unknown = "/v1/jobs/" + std::string(32, '0');
+  const std::string unknown = "/v1/jobs/" + std::string(48, '0');
   check_problem(jobs.service.get(unknown), 404, "job_unknown");
   check_problem(jobs.service.get(unknown + "/result"), 404, "job_unknown");
   check_problem(jobs.service.get(unknown + "/events"), 404, "job_unknown");

@@ -135,7 +135,7 @@ TEST_CASE("WhatOnlyReadsIsOpenToAnyPage") {
     CHECK(ask("POST", plane.base + "/distance", R"({"from":"v:0"})") == 200);
     CHECK(ask("POST", plane.base + "/batch", "{}") == 200);
     CHECK(ask("POST", plane.base + "/prepare") < 300);
-    CHECK(ask("DELETE", "/v1/jobs/" + std::string(32, '0')) == 204);
+    CHECK(ask("DELETE", "/v1/jobs/" + std::string(48, '0')) == 204);
   }
 }
 
@@ -146,7 +146,7 @@ TEST_CASE("APreflightPromisesWhatTheRequestWillFind") {
   for (const char* origin : {"https://evil.example", "https://a.example", "http://h", "null"}) {
     for (const std::string method : {"GET", "POST", "PUT", "PATCH", "DELETE"}) {
       for (const std::string& path : {std::string("/v1/meshes"), plane.base, plane.base + "/path",
-                                      "/v1/jobs/" + std::string(32, '0')}) {
+                                      "/v1/jobs/" + std::string(48, '0')}) {
         CAPTURE(origin);
         CAPTURE(method);
         CAPTURE(path);
