@@ -7,7 +7,7 @@ JOBS ?= $(shell nproc)
 export PORT HOST JOBS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup configure build run test test-s3 test-crash docs bench paper load torture fuzz format lint clean
+.PHONY: help setup configure build run test test-s3 test-cluster test-crash docs bench paper load torture fuzz format lint clean
 MAKEFLAGS += --no-print-directory
 
 help: ## list these targets
@@ -33,6 +33,10 @@ test: ## build and run all tests, again under the sanitizers, and the fuzzers fo
 test-s3: build ## test the store in object storage, against OpenStack Swift
 	@scripts/setup s3
 	@ctest --test-dir build/release --tests-regex '^s3_test$$' --verbose
+
+test-cluster: build ## test three servers on one bucket behind nginx and HAProxy, while servers go and come
+	@scripts/setup s3
+	@ctest --test-dir build/release --tests-regex '^fleet_test$$' --verbose
 
 test-crash: build ## kill the server 200 times while it writes
 	@tests/crash/crash_test.py build/release/geodesicd 200

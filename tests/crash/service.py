@@ -15,19 +15,19 @@ import time
 
 
 class Service:
-    """geodesicd with the given flags, listening on a port of its own choice.
+    """geodesicd with the given flags, listening on `port`, or on one of its own choice.
 
     `seconds_to_start` is the time from exec to the line that says where it listens, and
     `busy_to_start` how much of it the processor spent on it, which the rest of the
     machine's work does not add to. `log` is a file that its standard error is appended to.
     """
 
-    def __init__(self, program, flags, log, environment=None):
+    def __init__(self, program, flags, log, environment=None, port=0):
         clean = {k: v for k, v in os.environ.items() if not k.startswith("GEODESICD_")}
         began = time.monotonic()
         with open(log, "ab") as errors:
             self.process = subprocess.Popen(
-                [program, "--listen", "127.0.0.1:0", *flags],
+                [program, "--listen", f"127.0.0.1:{port}", *flags],
                 stdout=subprocess.PIPE, stderr=errors, env={**clean, **(environment or {})},
             )
         atexit.register(self.process.kill)  # whatever happens, nothing is left running

@@ -50,6 +50,7 @@ def blocks(text, language):
 
 def dry_problems(text, build, folder):
     """What is wrong with the commands that are not run."""
+    keys = {**os.environ, "AWS_ACCESS_KEY_ID": "id", "AWS_SECRET_ACCESS_KEY": "secret"}  # pages show none
     for block in blocks(text, "sh"):
         if block.startswith("$"):
             continue
@@ -60,7 +61,7 @@ def dry_problems(text, build, folder):
             flags = re.match(r"(?:build/release/)?geodesicd (.*)", line)
             if flags:
                 said = subprocess.run(["bash", "-c", f"'{build}/geodesicd' --check-config {flags[1]}"], cwd=folder,
-                                      text=True, capture_output=True, check=False)
+                                      env=keys, text=True, capture_output=True, check=False)
                 if said.returncode:
                     yield f"{line}: {said.stdout}{said.stderr}"
 

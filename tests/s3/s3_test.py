@@ -9,25 +9,19 @@ that is gone. Skipped where python3-swift is not installed
 (`scripts/setup s3` installs it).
 """
 
-import hashlib
 import json
 import os
 import pathlib
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "crash"))
 
 from service import Service, digest, mesh  # noqa: E402
-
-# Debian's own: python3-swift is installed for no other.
-PYTHON = "/usr/bin/python3"
-BUCKET = "meshes"
-KEYS = {"AWS_ACCESS_KEY_ID": "test:tester", "AWS_SECRET_ACCESS_KEY": "testing", "NO_PROXY": "*"}
+from swift_bucket import BUCKET, KEYS, bucket  # noqa: E402
 
 failures = 0
 
@@ -42,30 +36,6 @@ def expect(what, is_so, *details):
 def code_of(reply):
     """The status and the error code of a reply."""
     return reply[0], json.loads(reply[2] or b"{}").get("code")
-
-
-def has_attributes(place):
-    """Whether files below a folder can have user attributes."""
-    with tempfile.TemporaryDirectory(prefix="s3_test_", dir=place) as name:
-        try:
-            os.setxattr(name, "user.test", b"1")
-        except OSError:
-            return False
-        return True
-
-
-def make_bucket(endpoint, folder):
-    """An empty bucket of the name BUCKET."""
-    # On a command line, curl would end the user's name at its colon.
-    netrc = folder / "netrc"
-    netrc.write_text(f"default login {KEYS['AWS_ACCESS_KEY_ID']}"
-                     f" password {KEYS['AWS_SECRET_ACCESS_KEY']}\n")
-    empty = hashlib.sha256(b"").hexdigest()
-    subprocess.run(
-        # Swift says 503 until all of its parts are up.
-        ["curl", "--silent", "--show-error", "--fail", "--retry", "8", "--request", "PUT",
-         "--netrc-file", netrc, "--aws-sigv4", "aws:amz:us-east-1:s3", "--header", f"x-amz-content-sha256: {empty}",
-         "--noproxy", "*", f"{endpoint}/{BUCKET}"], check=True)
 
 
 def run_service(program, folder, endpoint, proxy):
@@ -125,53 +95,28 @@ def run_service(program, folder, endpoint, proxy):
 
 def main():
     program, unit_tests = sys.argv[1:]
-    found = subprocess.run([PYTHON, "-c", "import swift"], capture_output=True, check=False)
-    if found.returncode != 0:
-        print("skipped: no S3 server: scripts/setup s3 installs python3-swift")
-        return 77
-    # Swift needs user attributes, which a file system in memory may not have.
-    places = [place for place in (tempfile.gettempdir(), os.getcwd()) if has_attributes(place)]
-    if not places:
-        print("skipped: no file system with user attributes for Swift here")
-        return 77
-    with tempfile.TemporaryDirectory(prefix="s3_test_", dir=places[0]) as name:
-        folder = pathlib.Path(name)
-        swift = subprocess.Popen(
-            [PYTHON, str(HERE / "swift_server.py"), str(folder / "swift")],
-            stdout=subprocess.PIPE, text=True,
-        )
-        try:
-            said = swift.stdout.readline()
-            if not said.startswith("listening on "):
-                for log in sorted((folder / "swift").glob("*.log")):
-                    print(f"-- {log.name}\n{log.read_text(errors='replace')[-2000:]}")
-                print("FAILED: the S3 server did not start")
-                return 1
-            endpoint = said.split()[-1]
-            proxy = int((folder / "swift" / "proxy.pid").read_text())
-            environment = {**os.environ, **KEYS, "GEODESIC_TEST_S3": endpoint,
-                           "GEODESIC_TEST_S3_PID": str(proxy), "GEODESIC_TEST_S3_BUCKET": BUCKET}
-            make_bucket(endpoint, folder)
-            unit = subprocess.run([unit_tests], env=environment, check=False)
-            expect("the unit tests pass", unit.returncode == 0)
-            torture = subprocess.run(
-                [sys.executable, str(HERE.parent / "load" / "torture.py"), str(pathlib.Path(program).parent),
-                 "--seconds", "20", "--clients", "4",
-                 "--store", f"s3://{BUCKET}/torture?endpoint={endpoint}"],
-                env={**os.environ, **KEYS}, check=False)
-            expect("what is asked at random is answered right", torture.returncode == 0)
-            service = run_service(program, folder, endpoint, proxy)
-            swift.terminate()
-            swift.wait()
-            reply = service.ask("POST", "/v1/meshes", mesh(13, 4))
-            expect("without S3 an upload is answered 503",
-                   code_of(reply) == (503, "store_unavailable"), reply)
-            query = f"/v1/meshes/{digest(mesh(10, 1))}/distance?from=v:2"
-            expect("and a query on a mesh in memory 200", service.ask("GET", query)[0] == 200)
-            expect("the server stops in order", service.stop() == 0)
-        finally:
-            swift.terminate()
-            swift.wait()
+    with bucket() as there:
+        if there is None:
+            return 77
+        folder, endpoint = there.folder, there.endpoint
+        environment = {**os.environ, **KEYS, "GEODESIC_TEST_S3": endpoint,
+                       "GEODESIC_TEST_S3_PID": str(there.proxy), "GEODESIC_TEST_S3_BUCKET": BUCKET}
+        unit = subprocess.run([unit_tests], env=environment, check=False)
+        expect("the unit tests pass", unit.returncode == 0)
+        torture = subprocess.run(
+            [sys.executable, str(HERE.parent / "load" / "torture.py"), str(pathlib.Path(program).parent),
+             "--seconds", "20", "--clients", "4",
+             "--store", f"s3://{BUCKET}/torture?endpoint={endpoint}"],
+            env={**os.environ, **KEYS}, check=False)
+        expect("what is asked at random is answered right", torture.returncode == 0)
+        service = run_service(program, folder, endpoint, there.proxy)
+        there.stop()
+        reply = service.ask("POST", "/v1/meshes", mesh(13, 4))
+        expect("without S3 an upload is answered 503",
+               code_of(reply) == (503, "store_unavailable"), reply)
+        query = f"/v1/meshes/{digest(mesh(10, 1))}/distance?from=v:2"
+        expect("and a query on a mesh in memory 200", service.ask("GET", query)[0] == 200)
+        expect("the server stops in order", service.stop() == 0)
         if failures and (folder / "log").exists():
             for line in (folder / "log").read_text(errors="replace").splitlines()[-30:]:
                 print(f"  server: {line}")

@@ -1,0 +1,136 @@
+"""nginx and HAProxy in front of servers on this machine, as deploy/ configures them."""
+
+import http.client
+import os
+import pathlib
+import re
+import socket
+import ssl
+import subprocess
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+NGINX_MAIN = """
+daemon off;
+worker_processes 1;
+pid {folder}/nginx.pid;
+error_log {folder}/nginx.errors;
+{user}
+events {{ worker_connections 512; }}
+http {{
+  access_log off;
+  client_body_temp_path {folder}/body;
+  proxy_temp_path {folder}/proxy;
+  fastcgi_temp_path {folder}/fastcgi;
+  uwsgi_temp_path {folder}/uwsgi;
+  scgi_temp_path {folder}/scgi;
+  include {folder}/fleet.conf;
+}}
+"""
+
+
+def free_port():
+    """A port that nobody listens on just now."""
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return one.getsockname()[1]
+
+
+def certificate(folder):
+    """Files of a key, of its certificate, and of both, which no authority has signed."""
+    key, cert, both = (folder / name for name in ("key", "cert", "both"))
+    subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1", "-subj",
+                    "/CN=geodesic.example.org", "-keyout", key, "-out", cert], check=True, capture_output=True)
+    both.write_text(cert.read_text() + key.read_text())
+    return key, cert, both
+
+
+def adapted(file, changes):
+    """The text of a file below deploy/, with patterns and what stands in their place here; each is found."""
+    text = (ROOT / "deploy" / file).read_text(encoding="utf-8")
+    for pattern, mine in changes:
+        text, count = re.subn(pattern, mine, text)
+        assert count, f"{file} has no {pattern}"
+    return text
+
+
+class Balancer:
+    """A balancer that is started, asked and stopped. `checked`: what it says of its configuration."""
+
+    name = ""
+    shares = False  # whether it gives away what is about one mesh where its server is busy
+
+    def __init__(self, folder, ports):
+        self.folder, self.port = folder, free_port()
+        folder.mkdir()
+        self.command, check = self.configure(ports)
+        checked = subprocess.run(check, capture_output=True, text=True, check=False)
+        self.checked = checked.stdout + checked.stderr
+        self.is_well = checked.returncode == 0 and not re.search(r"\[warn|WARNING", self.checked)
+        with open(folder / "said", "wb") as said:
+            self.process = subprocess.Popen(self.command, stdout=said, stderr=said)
+        self._trusting = ssl.create_default_context(cafile=folder / "cert")
+        self._trusting.check_hostname = False
+        for _ in range(200):
+            try:
+                if self.ask("GET", "/livez")[0] == 200:
+                    return
+            except OSError:
+                pass
+            time.sleep(0.1)
+        raise TimeoutError(f"{self.name} does not answer: {(folder / 'said').read_text()}")
+
+    def configure(self, ports):
+        """Writes the configuration; the command that runs the balancer, and one that checks it."""
+        raise NotImplementedError
+
+    def ask(self, method, path, body=None, headers=None):
+        """(status, headers in lower case, body) of one request on a connection of its own."""
+        line = http.client.HTTPSConnection("127.0.0.1", self.port, context=self._trusting, timeout=40)
+        try:
+            line.request(method, path, body, headers or {})
+            reply = line.getresponse()
+            return reply.status, {name.lower(): value for name, value in reply.getheaders()}, reply.read()
+        finally:
+            line.close()
+
+    def stop(self):
+        """Ends it."""
+        self.process.terminate()
+        self.process.wait(30)
+
+
+class Nginx(Balancer):
+    """deploy/nginx/fleet.conf."""
+
+    name = "nginx"
+
+    def configure(self, ports):
+        folder = self.folder
+        key, cert, _ = certificate(folder)
+        changes = [(r"listen 443 ssl", f"listen 127.0.0.1:{self.port} ssl"), (r"/etc/ssl/\S+\.pem", str(cert)),
+                   (r"/etc/ssl/\S+\.key", str(key)), (r"/var/cache/nginx/geodesicd", f"{folder}/cache")]
+        changes += [(rf"10\.0\.0\.1{at}:8080", f"127.0.0.1:{port}") for at, port in enumerate(ports, 1)]
+        (folder / "fleet.conf").write_text(adapted("nginx/fleet.conf", changes), encoding="utf-8")
+        user = "user root;" if os.geteuid() == 0 else ""
+        (folder / "main").write_text(NGINX_MAIN.format(folder=folder, user=user), encoding="utf-8")
+        program = subprocess.run([ROOT / "scripts/fetch_nginx"], capture_output=True, text=True, check=True).stdout.strip()
+        command = [program, "-p", folder, "-e", folder / "nginx.errors", "-c", folder / "main"]
+        return command, [*command, "-t"]
+
+
+class HAProxy(Balancer):
+    """deploy/haproxy/haproxy.cfg."""
+
+    name = "HAProxy"
+    shares = True
+
+    def configure(self, ports):
+        folder = self.folder
+        *_, both = certificate(folder)
+        changes = [(r"bind :443", f"bind 127.0.0.1:{self.port}"), (r"/etc/ssl/\S+\.pem", str(both))]
+        changes += [(rf"10\.0\.0\.1{at}:8080", f"127.0.0.1:{port}") for at, port in enumerate(ports, 1)]
+        (folder / "haproxy.cfg").write_text(adapted("haproxy/haproxy.cfg", changes), encoding="utf-8")
+        program = subprocess.run([ROOT / "scripts/fetch_haproxy"], capture_output=True, text=True, check=True).stdout.strip()
+        return [program, "-f", folder / "haproxy.cfg"], [program, "-c", "-f", folder / "haproxy.cfg"]
