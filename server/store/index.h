@@ -6,7 +6,8 @@
 // `bytes_` is the sum of the entries' bytes. An upload reserves its room before it
 // writes, so that two at once cannot both take the last of it.
 //
-// All methods may be called from any thread. Times are in seconds since 1970.
+// All methods may be called from any thread. Uses are in seconds since 1970; when the storage was
+// asked, in seconds of any clock.
 #pragma once
 
 #include <cstddef>

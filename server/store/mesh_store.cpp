@@ -30,6 +30,12 @@ constexpr std::size_t kConfirmedAtOnce = 8;
 
 std::int64_t seconds_now() { return static_cast<std::int64_t>(std::time(nullptr)); }
 
+// By a clock that nobody sets: for how long something has been believed.
+std::int64_t steady_seconds() {
+  using namespace std::chrono;
+  return duration_cast<seconds>(steady_clock::now().time_since_epoch()).count();
+}
+
 }  // namespace
 
 // Room reserved for an upload under way; given back at the end, when what was
@@ -59,24 +65,21 @@ Result<std::unique_ptr<MeshStore>> MeshStore::open(std::unique_ptr<ObjectStorage
                                                    const StoreBudget& budget) {
   std::unique_ptr<MeshStore> store(new MeshStore(std::move(storage), budget));
   // For the operator, who needs to know which.
-  const auto cannot = [&](const Error& error) {
-    return fail(error.code, fmt::format("cannot use {} as the store: {}", store->storage_->name(),
-                                        error.detail));
+  const auto cannot = [&](ErrorCode code, std::string_view why) {
+    return fail(code, fmt::format("cannot use {} as the store: {}", store->storage_->name(), why));
   };
   if (store->storage_->is_shared()) {
     if (budget.max_bytes != 0) {
-      return cannot(Error{InputCode::bad_syntax,
-                          "--store-max-bytes is for a directory, which one server uses alone; "
-                          "give the bucket a quota instead",
-                          {},
-                          {},
-                          {}});
+      return cannot(InputCode::bad_syntax,
+                    "--store-max-bytes is for a directory, which one server uses alone; "
+                    "give the bucket a quota instead");
     }
-    if (const auto works = store->storage_->check(); !works) return cannot(works.error());
+    const auto works = store->storage_->check();
+    if (!works) return cannot(works.error().code, works.error().detail);
     return store;
   }
   auto found = store->storage_->list("", std::numeric_limits<std::size_t>::max());
-  if (!found) return cannot(found.error());
+  if (!found) return cannot(found.error().code, found.error().detail);
   // Those used longest ago first: each one added becomes the most recently used.
   std::sort(found->begin(), found->end(), [](const StoredMesh& a, const StoredMesh& b) {
     return std::tie(a.used, a.id) < std::tie(b.used, b.id);
@@ -86,7 +89,7 @@ Result<std::unique_ptr<MeshStore>> MeshStore::open(std::unique_ptr<ObjectStorage
 }
 
 void MeshStore::learn(const StoredMesh& mesh) {
-  const auto dropped = index_.insert(mesh, seconds_now());
+  const auto dropped = index_.insert(mesh, steady_seconds());
   if (dropped) forget(*dropped);
 }
 
@@ -348,10 +351,11 @@ Result<std::vector<std::string>> MeshStore::list(std::string_view after_id, std:
   std::vector<std::string> ids;
   for (const StoredMesh& mesh : *found) {
     if (is_what_was_damaged(mesh)) continue;
-    // Whoever lists goes on to describe, and what is known need not be asked for each by itself.
-    // But what this process has removed meanwhile must not be known again.
-    if (!index_.contains(mesh.id) && removals_ == removals) learn(mesh);
     ids.push_back(mesh.id);
+    // Whoever lists goes on to describe, and what is known need not be asked for each by itself.
+    // But what this process has removed meanwhile, or is about to, must not be known again.
+    const std::unique_lock lock(stripe(mesh.id), std::try_to_lock);
+    if (lock && !index_.contains(mesh.id) && removals_ == removals) learn(mesh);
   }
   return ids;
 }
@@ -380,17 +384,19 @@ Result<void> MeshStore::confirm(const std::string& id) {
 
 Result<void> MeshStore::confirm_used(std::chrono::seconds age) {
   if (!storage_->is_shared()) return {};
-  const auto ids = index_.unconfirmed(seconds_now(), age.count(), kMostConfirmed);
+  const auto ids = index_.unconfirmed(steady_seconds(), age.count(), kMostConfirmed);
   std::atomic<std::size_t> next = 0;
-  std::atomic<bool> failed = false;
+  std::atomic<bool> is_gone = false;  // the storage
   const auto confirm_some = [&]() -> Result<void> {
-    for (std::size_t i = next++; i < ids.size() && !failed; i = next++) {
-      if (auto done = confirm(ids[i]); !done) {
-        failed = true;  // it would fail for the others, too, and each takes its time
-        return done;
-      }
+    Result<void> outcome;
+    for (std::size_t i = next++; i < ids.size() && !is_gone; i = next++) {
+      auto done = confirm(ids[i]);
+      if (done) continue;
+      // It would fail for the others, too, and each takes its time.
+      is_gone = is_gone || done.error().code == ServiceCode::store_unavailable;
+      outcome = std::move(done);
     }
-    return {};
+    return outcome;
   };
   std::vector<std::future<Result<void>>> crew;
   for (std::size_t i = 1; i < std::min(ids.size(), kConfirmedAtOnce); ++i) {
@@ -405,7 +411,7 @@ Result<void> MeshStore::confirm_used(std::chrono::seconds age) {
 
 Result<void> MeshStore::check() {
   Result<void> well = storage_->check();
-  if (well) well = confirm_used(kBelieved);
+  if (well) (void)confirm_used(kBelieved);  // if the storage is gone since, the next check tells
   // Whatever the cause: not now, and perhaps later.
   if (!well) well.error().code = ServiceCode::store_unavailable;
   const std::lock_guard lock(state_mutex_);

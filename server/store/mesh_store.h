@@ -21,9 +21,10 @@
 //
 // Of a shared storage a process knows the meshes that it was asked about. It believes what it
 // knows for half a minute, and what it uses longer than that it asks about again, beside the
-// queries: so a mesh that another process has removed or renamed is seen so within 40 seconds, and
-// as long as the storage does not answer, what is known goes on being served. Lists are those of
-// the storage, at every question. Nobody has a budget there, for nobody can count for all.
+// queries. So a mesh that another process has removed or renamed is seen so within 40 seconds, if
+// no more than some 6,000 meshes are in use. As long as the storage does not answer, what is known
+// goes on being served. Lists are those of the storage, at every question. Nobody has a budget
+// there, for nobody can count for all.
 //
 // All methods may be called from any thread. No error names a path or a host:
 // they are shown to clients; the log has them. Any method that reaches the storage
@@ -130,7 +131,9 @@ class MeshStore {
   [[nodiscard]] StoreStats stats() const;
 
   // Asks a shared storage about the meshes that were used since it was last asked, if that is
-  // `age` ago or longer: what other processes have done to them shows.
+  // `age` ago or longer, those used last first, and no more than 1,000 of them: what other
+  // processes have done to them shows. The last error, if there was one: other meshes than that one
+  // are asked about all the same, unless it is `store_unavailable`.
   Result<void> confirm_used(std::chrono::seconds age);
 
   // Tries the storage, and confirms what was used.

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint64_t kMostListBytes = 4 << 20;  // 1,000 keys take half a megabyte
 constexpr std::size_t kMostKeys = 1000;            // of a page, as S3 has it
-constexpr int kMostPages = 10'000;                 // of keys that are none of ours, mostly
+constexpr int kMostPages = 1000;                   // of one list
 // What S3 takes in one PUT, so that nothing of ours is larger.
 constexpr std::uint64_t kMostObjectBytes = std::uint64_t{5} << 30;
 

@@ -419,6 +419,37 @@ TEST_CASE(
 }
 
 TEST_CASE(
+    "one mesh that cannot be asked about keeps no other from it, nor the store from being well") {
+  FakeS3 s3;
+  std::vector<std::string> ids;
+  const auto one = s3.open();
+  const auto two = s3.open();
+  for (int i = 0; i < 40; ++i) {
+    const std::string bytes = std::to_string(i);
+    ids.push_back(sha256_hex(bytes));
+    REQUIRE(one->put(ids.back(), bytes, "{}"));
+    REQUIRE(two->get_metadata(ids.back()));
+    REQUIRE(two->use(ids.back()) == true);
+  }
+  for (const std::string& id : ids) REQUIRE(one->remove(id));
+  FakeS3::Script script;
+  script.before = [&](const FakeS3::Call& call) {
+    return call.key == "objects/" + ids[20] ? FakeS3::Act::refuse : FakeS3::Act::serve;
+  };
+  s3.follow(script);
+  CHECK_FALSE(two->confirm_used(std::chrono::seconds(0)));
+  for (const std::string& id : ids) {
+    CAPTURE(id);
+    CHECK(two->contains(id) == (id == ids[20]));
+  }
+  CHECK(two->check());
+  CHECK(two->health());
+  s3.follow({});
+  CHECK(two->confirm_used(std::chrono::seconds(0)));
+  CHECK_FALSE(two->contains(ids[20]));
+}
+
+TEST_CASE(
     "lists go on across pages, and a server's own removal is not forgotten by one under way") {
   FakeS3 s3;
   std::map<std::string, std::string> meshes;
