@@ -1,50 +1,13 @@
 """nginx and HAProxy in front of servers on this machine, as deploy/ configures them."""
 
 import http.client
-import os
-import pathlib
 import re
-import socket
 import ssl
 import subprocess
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-
-NGINX_MAIN = """
-daemon off;
-worker_processes 1;
-pid {folder}/nginx.pid;
-error_log {folder}/nginx.errors;
-{user}
-events {{ worker_connections 512; }}
-http {{
-  access_log off;
-  client_body_temp_path {folder}/body;
-  proxy_temp_path {folder}/proxy;
-  fastcgi_temp_path {folder}/fastcgi;
-  uwsgi_temp_path {folder}/uwsgi;
-  scgi_temp_path {folder}/scgi;
-  include {folder}/fleet.conf;
-}}
-"""
-
-
-def free_port():
-    """A port that nobody listens on just now."""
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
-
-
-def certificate(folder):
-    """Files of a key, of its certificate, and of both, which no authority has signed."""
-    key, cert, both = (folder / name for name in ("key", "cert", "both"))
-    subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1", "-subj",
-                    "/CN=geodesic.example.org", "-keyout", key, "-out", cert], check=True, capture_output=True)
-    both.write_text(cert.read_text() + key.read_text())
-    return key, cert, both
-
+import nginx
+from nginx import ROOT, certificate, free_port
 
 def adapted(file, changes):
     """The text of a file below deploy/, with patterns and what stands in their place here; each is found."""
@@ -108,15 +71,12 @@ class Nginx(Balancer):
 
     def configure(self, ports):
         folder = self.folder
-        key, cert, _ = certificate(folder)
+        key, cert = certificate(folder)
         changes = [(r"listen 443 ssl", f"listen 127.0.0.1:{self.port} ssl"), (r"/etc/ssl/\S+\.pem", str(cert)),
                    (r"/etc/ssl/\S+\.key", str(key)), (r"/var/cache/nginx/geodesicd", f"{folder}/cache")]
         changes += [(rf"10\.0\.0\.1{at}:8080", f"127.0.0.1:{port}") for at, port in enumerate(ports, 1)]
         (folder / "fleet.conf").write_text(adapted("nginx/fleet.conf", changes), encoding="utf-8")
-        user = "user root;" if os.geteuid() == 0 else ""
-        (folder / "main").write_text(NGINX_MAIN.format(folder=folder, user=user), encoding="utf-8")
-        program = subprocess.run([ROOT / "scripts/fetch_nginx"], capture_output=True, text=True, check=True).stdout.strip()
-        command = [program, "-p", folder, "-e", folder / "nginx.errors", "-c", folder / "main"]
+        command = nginx.command(nginx.program(), folder, f"  include {folder}/fleet.conf;")
         return command, [*command, "-t"]
 
 
@@ -128,7 +88,9 @@ class HAProxy(Balancer):
 
     def configure(self, ports):
         folder = self.folder
-        *_, both = certificate(folder)
+        key, cert = certificate(folder)
+        both = folder / "both"
+        both.write_text(cert.read_text() + key.read_text())
         changes = [(r"bind :443", f"bind 127.0.0.1:{self.port}"), (r"/etc/ssl/\S+\.pem", str(both))]
         changes += [(rf"10\.0\.0\.1{at}:8080", f"127.0.0.1:{port}") for at, port in enumerate(ports, 1)]
         (folder / "haproxy.cfg").write_text(adapted("haproxy/haproxy.cfg", changes), encoding="utf-8")

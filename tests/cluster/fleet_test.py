@@ -33,7 +33,8 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent / "crash"), str(HERE.parent / "s3")]
 
-from balancers import HAProxy, Nginx, free_port  # noqa: E402
+from balancers import HAProxy, Nginx  # noqa: E402
+from nginx import free_port  # noqa: E402
 from service import Service, mesh  # noqa: E402
 from swift_bucket import BUCKET, KEYS, bucket  # noqa: E402
 

@@ -11,7 +11,6 @@ import json
 import os
 import pathlib
 import re
-import socket
 import ssl
 import subprocess
 import sys
@@ -19,67 +18,37 @@ import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests" / "contract"))
+sys.path[:0] = [str(ROOT / "tests" / "contract"), str(ROOT / "tests" / "cluster")]
 
+import nginx  # noqa: E402
 from server import Server  # noqa: E402
-
-MAIN = """
-daemon off;
-worker_processes 1;
-pid {folder}/pid;
-error_log {folder}/errors;
-{user}
-events {{ worker_connections 64; }}
-http {{
-  access_log off;
-  client_body_temp_path {folder}/body;
-  proxy_temp_path {folder}/proxy;
-  fastcgi_temp_path {folder}/fastcgi;
-  uwsgi_temp_path {folder}/uwsgi;
-  scgi_temp_path {folder}/scgi;
-  include {folder}/geodesicd.conf;
-}}
-"""
-
-
-def free_port():
-    """A port that nobody listens on just now."""
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
-
 
 def main():
     """Configures, starts and asks."""
     build = pathlib.Path(sys.argv[1]).resolve()
-    fetched = subprocess.run([ROOT / "scripts/fetch_nginx"], capture_output=True, text=True, check=False)
-    if fetched.returncode:
+    program = nginx.program()
+    if program is None:
         print("skipped: there is no nginx")
         return 0 if os.environ.get("GEODESICD_OFFLINE") == "1" else 1
-    nginx = fetched.stdout.strip()
     failed = []
     with tempfile.TemporaryDirectory(prefix="nginx_") as name, \
             Server(build, "--docs", ROOT / "build/docs") as server:
-        folder, port = pathlib.Path(name), free_port()
-        subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1", "-subj",
-                        "/CN=geodesic.example.org", "-keyout", folder / "key", "-out", folder / "cert"],
-                       check=True, capture_output=True)
+        folder, port = pathlib.Path(name), nginx.free_port()
+        key, cert = nginx.certificate(folder)
         ours = (ROOT / "deploy/nginx/geodesicd.conf").read_text(encoding="utf-8")
         for pattern, mine in ((r"listen 443 ssl", f"listen 127.0.0.1:{port} ssl"),
-                              (r"/etc/ssl/\S+\.pem", f"{folder}/cert"), (r"/etc/ssl/\S+\.key", f"{folder}/key"),
+                              (r"/etc/ssl/\S+\.pem", str(cert)), (r"/etc/ssl/\S+\.key", str(key)),
                               (r"127\.0\.0\.1:8080", f"127.0.0.1:{server.port}")):
             ours, count = re.subn(pattern, mine, ours)
             assert count == 1, pattern
         (folder / "geodesicd.conf").write_text(ours, encoding="utf-8")
-        user = "user root;" if os.geteuid() == 0 else ""
-        (folder / "main").write_text(MAIN.format(folder=folder, user=user), encoding="utf-8")
-        command = [nginx, "-p", folder, "-e", folder / "errors", "-c", folder / "main"]
+        command = nginx.command(program, folder, f"  include {folder}/geodesicd.conf;")
         tested = subprocess.run([*command, "-t"], capture_output=True, text=True, check=False)
         if tested.returncode or "[warn]" in tested.stderr:
             print(f"FAILED: nginx -t: {tested.stderr}")
             return 1
         process = subprocess.Popen(command)
-        trusting = ssl.create_default_context(cafile=folder / "cert")
+        trusting = ssl.create_default_context(cafile=cert)
         trusting.check_hostname = False
 
         def ask(method, path, body=None):

@@ -23,28 +23,16 @@ import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests" / "crash"))
+sys.path[:0] = [str(ROOT / "tests" / "crash"), str(ROOT / "tests" / "cluster")]
 
+import nginx  # noqa: E402
 from service import Service  # noqa: E402
 
 COUNT = 2000
 PATIENCE = 0.4  # seconds without an answer: it waits for more, and refuses nothing
 LATE = 20  # seconds for an answer that must come
 
-CONFIGURATION = """
-daemon off;
-worker_processes 1;
-pid {folder}/pid;
-error_log {folder}/errors;
-{user}
-events {{ worker_connections 256; }}
-http {{
-  access_log off;
-  client_body_temp_path {folder}/body;
-  proxy_temp_path {folder}/proxy;
-  fastcgi_temp_path {folder}/fastcgi;
-  uwsgi_temp_path {folder}/uwsgi;
-  scgi_temp_path {folder}/scgi;
+SITES = """
   server {{
     listen 127.0.0.1:{port};
     location / {{ proxy_pass http://unix:{folder}/stub:; }}
@@ -53,7 +41,6 @@ http {{
     listen unix:{folder}/stub;
     location / {{ return 204; }}
   }}
-}}
 """
 
 
@@ -179,22 +166,11 @@ def is_refusal(status):
     return status is not None and (status == 0 or status >= 400)
 
 
-def free_port():
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
-
-
 def start_nginx(program, folder):
-    port = free_port()
-    user = "user root;" if os.geteuid() == 0 else ""
-    configuration = pathlib.Path(folder, "nginx.conf")
-    configuration.write_text(CONFIGURATION.format(folder=folder, port=port, user=user))
+    port = nginx.free_port()
+    command = nginx.command(program, folder, SITES.format(folder=folder, port=port))
     with open(pathlib.Path(folder, "output"), "wb") as output:
-        process = subprocess.Popen(
-            [program, "-p", folder, "-c", str(configuration), "-e", f"{folder}/errors"],
-            stdout=output, stderr=output,
-        )  # fmt: skip
+        process = subprocess.Popen(command, stdout=output, stderr=output)
     end = time.monotonic() + 30
     while time.monotonic() < end and process.poll() is None:
         try:
@@ -209,12 +185,10 @@ def start_nginx(program, folder):
 def main():
     program = sys.argv[1]
     count = int(sys.argv[2]) if len(sys.argv) > 2 else COUNT
-    known = subprocess.run([ROOT / "scripts" / "fetch_nginx", "--known"], capture_output=True,
-                           text=True)  # fmt: skip
-    if known.returncode != 0:
+    known = nginx.program("--known")
+    if known is None:
         print("skipped: needs nginx (scripts/setup gets it)")
         return 77
-    nginx = known.stdout.strip()
     seed = int(os.environ.get("GEODESICD_SEED") or random.SystemRandom().randrange(1 << 31))
     print(f"GEODESICD_SEED={seed}", flush=True)
     chance = random.Random(seed)
@@ -223,7 +197,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         service = Service(program, ["--store", f"{folder}/store", "--log-level", "off"],
                           f"{folder}/log")  # fmt: skip
-        process, port = start_nginx(nginx, folder)
+        process, port = start_nginx(known, folder)
 
         def compare(request):
             theirs = outcome(port, request, PATIENCE)
