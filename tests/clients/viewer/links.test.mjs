@@ -32,6 +32,17 @@ test('that WebGL 2 is missing is said where it is missing, and only there', asyn
   await other.context().close();
 });
 
+test('a link is followed although the page writes its own in the same moment', async () => {
+  const page = await openMesh(browser, service, plane);
+  await page.evaluate(() => {
+    const own = location.hash;
+    location.hash = '#mesh=no-such-name';
+    history.replaceState(null, '', own); // before the page is told of the other one
+  });
+  await page.locator('.trouble', { hasText: 'No mesh has this name' }).waitFor();
+  await page.context().close();
+});
+
 test('a link asks for no more than the page itself would', async () => {
   const many = (count, text) => Array.from({ length: count }, (_, at) => text(at)).join('');
   const page = await openMesh(browser, service, plane, [

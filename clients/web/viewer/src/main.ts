@@ -10,7 +10,6 @@ import { AddressBar } from './address_bar.ts';
 import { hasNewPoints } from './arrivals.ts';
 import { Conductor } from './conductor.ts';
 import { Connection } from './connection.ts';
-import { ask } from './dialog.ts';
 import { element } from './element.ts';
 import { fileEntrance, type Dropped } from './entrance.ts';
 import { exported } from './exports.ts';
@@ -26,7 +25,8 @@ import { lookPart } from './look_part.ts';
 import { measureList } from './measure_list.ts';
 import { importPart } from './import_part.ts';
 import { Meshes } from './meshes.ts';
-import { meshName, nameFault } from './mesh_names.ts';
+import { askName, askToDelete } from './mesh_dialogs.ts';
+import { meshName } from './mesh_names.ts';
 import { meshPart } from './mesh_part.ts';
 import { troubleOf } from './messages.ts';
 import { methodPart } from './method_part.ts';
@@ -128,16 +128,7 @@ function start(): void {
   const importing = importPart(parts);
 
   const showKeys = pageKeys({
-    ...parts,
-    theme: () => theme.toggle(),
-    fold: () => panel.toggle(),
-    nextUp,
-    escape,
-    otherColours: () => {
-      const { show, colours } = state.value;
-      if (show === 'distance') return state.set({ colours: colours === 'turbo' ? 'viridis' : 'turbo' });
-      sayBriefly('Other colours are for distances: choose Distance under Colours');
-    },
+    ...parts, theme: () => theme.toggle(), fold: () => panel.toggle(), nextUp, escape, say: sayBriefly,
   });
 
   const follow = (listener: () => void) => {
@@ -221,7 +212,8 @@ function start(): void {
   addEventListener('pageshow', ({ persisted }) => { if (persisted) void begin(); });
   addEventListener('offline', () => conductor.abandon());
   stage.onTurned(() => state.set({ camera: stage.view }));
-  addEventListener('hashchange', () => void followLink(location.hash));
+  // Not the address as it is now: the page may have written its own link since.
+  addEventListener('hashchange', ({ newURL }) => void followLink(new URL(newURL).hash));
 
   async function copyLink(): Promise<void> {
     state.set({ camera: stage.view });
@@ -355,26 +347,12 @@ function start(): void {
 
   function renameMesh(): void {
     const about = results.value.surface?.about;
-    if (!about) return;
-    ask({
-      title: 'Rename this mesh',
-      text: 'Everybody who uses this server sees the name.',
-      input: { label: 'Name; none brings back the one inside the file', properties: { value: about.name ?? '', name: 'mesh-name' }, fault: nameFault },
-      yes: 'Rename',
-      run: (typed) => void meshes.rename(about.id, typed),
-    });
+    if (about) askName(about, (typed) => void meshes.rename(about.id, typed));
   }
 
   function deleteMesh(): void {
     const about = results.value.surface?.about;
-    if (!about) return;
-    ask({
-      title: `Delete ${meshName(about)}?`,
-      text: 'The server forgets the mesh and its file, for everybody. Links to it lead nowhere then.',
-      yes: 'Delete',
-      grave: true,
-      run: () => void meshes.delete(about.id).then((gone) => { if (gone) leave(about.id); }),
-    });
+    if (about) askToDelete(about, () => void meshes.delete(about.id).then((gone) => { if (gone) leave(about.id); }));
   }
 
   /** What is shown is not there any more: another mesh, or none. */
@@ -394,13 +372,16 @@ function start(): void {
   /** Points of the link that cannot be read, until they are told. */
   let strange = strangeIn(location.hash);
 
+  let followed = 0; // links so far
+
   /** A whole state, from a link. */
   async function followLink(fragment: string): Promise<void> {
+    const [turn, before] = [++followed, state.value.mesh];
     const name = meshNameIn(fragment);
     address.arrived(stateIn(fragment).mesh);
     // A link that says no mesh is about the present one: without one nothing could be asked.
     const mesh = name === null ? stateIn(fragment).mesh ?? state.value.mesh : await meshes.called(name);
-    if (location.hash !== fragment) return; // its reader has gone on meanwhile
+    if (turn !== followed || state.value.mesh !== before) return; // its reader has gone on meanwhile
     if (name !== null && !mesh) return address.write(); // all stays as it is
     let wanted = { ...stateIn(fragment), mesh };
     strange = strangeIn(fragment);

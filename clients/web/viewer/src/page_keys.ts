@@ -7,7 +7,8 @@ export interface KeyActions extends Parts {
   theme(): void;
   fold(): void;
   nextUp(): void;
-  otherColours(): void;
+  /** Tells something that is soon forgotten. */
+  say(text: string): void;
   escape(): void;
 }
 
@@ -26,11 +27,16 @@ const byPointer = () =>
       ];
 
 /** Listens for the keys; the returned function shows the sheet. */
-export function pageKeys({ state, results, actions, theme, fold, nextUp, otherColours, escape }: KeyActions): () => void {
+export function pageKeys({ state, results, actions, theme, fold, nextUp, escape, say }: KeyActions): () => void {
   const nextMethod = () => {
     const names = results.value.methods.map(({ name }) => name);
     const next = names[(names.indexOf(state.value.method as never) + 1) % names.length];
     if (next) state.set({ method: next });
+  };
+  const otherColours = () => {
+    const { show, colours } = state.value;
+    if (show === 'distance') state.set({ colours: colours === 'turbo' ? 'viridis' : 'turbo' });
+    else say('Other colours are for distances: choose Distance');
   };
   const showKeys = shortcuts([
     {
