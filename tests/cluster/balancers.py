@@ -7,7 +7,8 @@ import subprocess
 import time
 
 import nginx
-from nginx import ROOT, certificate, free_port
+from nginx import ROOT, certificate
+from ports import free_port
 
 def adapted(file, changes):
     """The text of a file below deploy/, with patterns and what stands in their place here; each is found."""

@@ -34,7 +34,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent / "crash"), str(HERE.parent / "s3")]
 
 from balancers import HAProxy, Nginx  # noqa: E402
-from nginx import free_port  # noqa: E402
+from ports import free_port  # noqa: E402
 from service import Service, mesh  # noqa: E402
 from swift_bucket import BUCKET, KEYS, bucket  # noqa: E402
 
@@ -277,8 +277,9 @@ def removal_is_seen(fleet, meshes):
 def goes_on_without_s3(fleet, balancer, meshes, there):
     """What is warm is answered while nobody can reach the bucket."""
     questions = [f"/v1/meshes/{id_}/distance?from=v:{{}}" for id_ in meshes]
-    for question in questions:
-        balancer.ask("GET", question.format(1))
+    for server in fleet.servers:  # those that have just come back are not given their meshes at once
+        for question in questions:
+            server.ask("GET", question.format(1))
     os.kill(there.proxy, signal.SIGSTOP)
     try:
         began = time.monotonic()

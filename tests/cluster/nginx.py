@@ -2,7 +2,6 @@
 
 import os
 import pathlib
-import socket
 import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -38,13 +37,6 @@ def command(nginx, folder, inside):
     main = pathlib.Path(folder, "main")
     main.write_text(MAIN.format(folder=folder, user=user, inside=inside), encoding="utf-8")
     return [nginx, "-p", folder, "-e", f"{folder}/errors", "-c", main]
-
-
-def free_port():
-    """A port that nobody listens on just now."""
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
 
 
 def certificate(folder):

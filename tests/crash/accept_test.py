@@ -16,6 +16,7 @@ import sys
 import tempfile
 import time
 
+from ports import free_port
 from service import Service
 
 PIDFD_GETFD = 438  # of every architecture that has it
@@ -34,12 +35,6 @@ def soon(holds, seconds=30):
     while not (found := holds()) and time.monotonic() < end:
         time.sleep(0.02)
     return found
-
-
-def free_port():
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
 
 
 def get(connection, path):

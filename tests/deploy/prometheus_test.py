@@ -8,7 +8,6 @@ finds every metric that the alerts and the dashboard ask for.
 import json
 import pathlib
 import re
-import socket
 import subprocess
 import sys
 import tempfile
@@ -19,16 +18,10 @@ import urllib.request
 HERE = pathlib.Path(__file__).resolve()
 ROOT = HERE.parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "crash"))
+from ports import free_port  # noqa: E402
 from service import Service, mesh  # noqa: E402
 
 DEPLOY = ROOT / "deploy"
-
-
-def free_port():
-    """A port that nobody listens on now."""
-    with socket.socket() as listener:
-        listener.bind(("127.0.0.1", 0))
-        return listener.getsockname()[1]
 
 
 def run(*command):

@@ -18,9 +18,10 @@ import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "tests" / "contract"), str(ROOT / "tests" / "cluster")]
+sys.path[:0] = [str(ROOT / "tests" / name) for name in ("contract", "cluster", "crash")]
 
 import nginx  # noqa: E402
+from ports import free_port  # noqa: E402
 from server import Server  # noqa: E402
 
 def main():
@@ -33,7 +34,7 @@ def main():
     failed = []
     with tempfile.TemporaryDirectory(prefix="nginx_") as name, \
             Server(build, "--docs", ROOT / "build/docs") as server:
-        folder, port = pathlib.Path(name), nginx.free_port()
+        folder, port = pathlib.Path(name), free_port()
         key, cert = nginx.certificate(folder)
         ours = (ROOT / "deploy/nginx/geodesicd.conf").read_text(encoding="utf-8")
         for pattern, mine in ((r"listen 443 ssl", f"listen 127.0.0.1:{port} ssl"),

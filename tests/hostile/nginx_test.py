@@ -26,6 +26,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / "crash"), str(ROOT / "tests" / "cluster")]
 
 import nginx  # noqa: E402
+from ports import free_port  # noqa: E402
 from service import Service  # noqa: E402
 
 COUNT = 2000
@@ -167,7 +168,7 @@ def is_refusal(status):
 
 
 def start_nginx(program, folder):
-    port = nginx.free_port()
+    port = free_port()
     command = nginx.command(program, folder, SITES.format(folder=folder, port=port))
     with open(pathlib.Path(folder, "output"), "wb") as output:
         process = subprocess.Popen(command, stdout=output, stderr=output)

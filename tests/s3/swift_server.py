@@ -15,11 +15,13 @@ import os
 import pathlib
 import pwd
 import signal
-import socket
 import subprocess
 import sys
 import time
 import urllib.request
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "crash"))
+from ports import free_port  # noqa: E402
 
 STORAGE = ["account", "container", "object"]
 
@@ -94,17 +96,6 @@ sys.exit(run_wsgi({path!r}, {name!r}, verbose=True))
 """
 
 
-def free_ports(count):
-    """Ports that nobody listens on now."""
-    sockets = [socket.socket() for _ in range(count)]
-    for each in sockets:
-        each.bind(("127.0.0.1", 0))
-    ports = [each.getsockname()[1] for each in sockets]
-    for each in sockets:
-        each.close()
-    return ports
-
-
 def write_rings(folder, ports):
     """One device, one replica: which is what a single machine has."""
     from swift.common.ring import RingBuilder
@@ -126,7 +117,7 @@ def main():
         "[storage-policy:0]\nname = one\ndefault = yes\n"
     )
     kinds = [*STORAGE, "proxy"]
-    ports = dict(zip(kinds, free_ports(len(kinds))))
+    ports = {kind: free_port() for kind in kinds}
     user = pwd.getpwuid(os.getuid()).pw_name
 
     import swift.common.utils
