@@ -153,5 +153,13 @@ for code in $codes; do
   fi
 done
 
+# Whoever clones the repository gets the modes that git has.
+while IFS= read -r file; do
+  if [ "$(head -c 2 "$file" 2>/dev/null | tr -d '\0')" = '#!' ]; then
+    echo "FAILED: $file begins with #! and cannot be run. git update-index --chmod=+x $file"
+    status=1
+  fi
+done < <(git ls-files --stage 2>/dev/null | sed -n 's/^100644 [^\t]*\t//p' | grep -vE '\.(md|json|cpp|h|ts|css|html|svg|png)$')
+
 [ $status -eq 0 ] && echo "every include is in its room"
 exit $status
