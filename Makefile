@@ -37,6 +37,7 @@ test-s3: build ## test the store in object storage, against OpenStack Swift
 test-cluster: build ## test three servers on one bucket behind nginx and HAProxy, while servers go and come
 	@scripts/setup s3
 	@ctest --test-dir build/release --tests-regex '^fleet_test$$' --verbose
+	@tests/cluster/tags_test.py build/release/geodesicd
 
 test-crash: build ## kill the server 200 times while it writes
 	@tests/crash/crash_test.py build/release/geodesicd 200
