@@ -34,6 +34,11 @@ std::string random_digits() {
   return id;
 }
 
+tl::unexpected<Error> fail_handed_over() {
+  return fail(ServiceCode::draining,
+              "the server is about to stop; another one goes on with the job");
+}
+
 // No client may have more than this of so many.
 std::size_t half(std::size_t count) { return (count + 1) / 2; }
 
@@ -65,42 +70,58 @@ auto Jobs::find_locked(const std::string& id) -> Handle {
 }
 
 Result<void> Jobs::admit(const std::string& client, std::uint64_t bytes) {
-  const auto refuse = [](ErrorCode code, std::string detail, std::uint64_t limit,
-                         std::uint64_t actual) {
-    return fail_limit(code, std::move(detail), limit, actual);
-  };
   if (stopping_) return fail(ServiceCode::draining, "the server is about to stop");
-  const std::size_t all = waiting_.size() + running_;
+  const std::size_t all = waiting_.size() + being_kept_ + running_;
   if (all >= limits_.jobs) {
-    return refuse(ServiceCode::overloaded, "too many jobs wait and run", limits_.jobs, all);
+    return fail_limit(ServiceCode::overloaded, "too many jobs wait and run", limits_.jobs, all);
   }
   const auto share = shares_.find(client);
   const std::size_t own =
       share == shares_.end() ? 0 : share->second.waiting + share->second.running;
   if (own >= half(limits_.jobs)) {
-    return refuse(ServiceCode::too_many_requests, "too many jobs of this client wait and run",
-                  half(limits_.jobs), own);
+    return fail_limit(ServiceCode::too_many_requests, "too many jobs of this client wait and run",
+                      half(limits_.jobs), own);
   }
+  return make_room(bytes);
+}
+
+Result<void> Jobs::make_room(std::uint64_t bytes) {
   if (bytes > limits_.bytes) {  // at no time
-    return refuse(ErrorCode::too_large, "the request is larger than all memory for jobs",
-                  limits_.bytes, bytes);
+    return fail_limit(ErrorCode::too_large, "it is larger than all memory for jobs", limits_.bytes,
+                      bytes);
   }
   // What has ended makes room for what is wanted.
   while (bytes_ + bytes > limits_.bytes && !ended_.empty()) forget(next_to_forget());
   if (bytes_ + bytes > limits_.bytes) {
-    return refuse(ServiceCode::overloaded, "the jobs' requests take all of their memory",
-                  limits_.bytes, bytes_ + bytes);
+    return fail_limit(ServiceCode::overloaded, "the jobs' requests take all of their memory",
+                      limits_.bytes, bytes_ + bytes);
   }
   return {};
 }
 
-Result<JobReport> Jobs::start(HttpRequest request, JobLease lease, std::string_view id_begins) {
+// A thread for one job more, unless there are as many as may be. With at least one, a job can wait.
+Result<void> Jobs::have_thread() {
+  const std::size_t wanted = waiting_.size() + being_kept_ + running_ + 1;
+  if (threads_.size() >= limits_.running || threads_.size() >= wanted) return {};
+  try {
+    threads_.emplace_back([this] { work(); });
+  } catch (const std::system_error& error) {
+    if (threads_.empty()) return fail(ServiceCode::overloaded, "no thread for a job");
+    spdlog::warn("a job waits for another's thread: {}", error.what());
+  }
+  return {};
+}
+
+Result<JobReport> Jobs::start(HttpRequest request, JobBeginning how) {
   const auto job = std::make_shared<Job>();
-  job->report.id = std::string(id_begins) + random_digits();
+  job->report.id = how.id.empty() ? how.id_begins + random_digits() : std::move(how.id);
   job->report.method = request.method;
   job->report.target = request.target;
-  job->report.created = std::chrono::system_clock::now();
-  if (lease == JobLease::renewed && limits_.lease.count() > 0) job->report.lease = limits_.lease;
+  job->report.created = how.created.value_or(std::chrono::system_clock::now());
+  job->report.attempt = how.attempt;
+  if (how.lease == JobLease::renewed && limits_.lease.count() > 0) {
+    job->report.lease = limits_.lease;
+  }
   job->renew_lease();
   job->client = request.caller.client;
   const std::uint64_t bytes = request.body.size() + kBytesOfJob;
@@ -115,28 +136,38 @@ Result<JobReport> Jobs::start(HttpRequest request, JobLease lease, std::string_v
   request.caller.progress = [raw = job.get()](double done) { raw->advance(done); };
   job->request = std::move(request);
 
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   cancel_unwatched();
   forget_old();
-  if (auto admitted = admit(job->client, bytes); !admitted) {
+  if (const auto known = jobs_.find(job->report.id); known != jobs_.end()) {
+    return report_of(*known->second);
+  }
+  auto admitted = admit(job->client, bytes);
+  if (admitted) admitted = have_thread();
+  if (!admitted) {
     ++counts_.refused;
     return fail(std::move(admitted.error()));
   }
-  if (threads_.size() < limits_.running && threads_.size() < waiting_.size() + running_ + 1) {
-    try {
-      threads_.emplace_back([this] { work(); });
-    } catch (const std::system_error& error) {
-      if (threads_.empty()) {
-        ++counts_.refused;
-        return fail(ServiceCode::overloaded, "no thread for a job");
-      }
-      spdlog::warn("a job waits for another's thread: {}", error.what());
-    }
-  }
   jobs_.emplace(job->report.id, job);
-  waiting_.push_back(job);
   ++shares_[job->client].waiting;
   charge(*job, bytes);
+  if (keeper_.taken) {
+    const JobReport report = report_of(*job);
+    ++being_kept_;
+    job->is_being_kept = true;
+    lock.unlock();
+    const bool is_kept = keeper_.taken(report, job->request);
+    lock.lock();
+    job->is_being_kept = false;
+    --being_kept_;
+    job->is_kept_elsewhere = is_kept;
+    if (has_ended(job->report.state)) {  // meanwhile
+      job->request.body = {};
+      if (stopping_ && !is_kept) return fail(ServiceCode::draining, "the server is about to stop");
+      return report_of(*job);
+    }
+  }
+  waiting_.push_back(job);
   work_ready_.notify_one();
   return report_of(*job);
 }
@@ -185,10 +216,15 @@ void Jobs::run(Job& job, std::unique_lock<std::mutex>& lock) {
   job.report.state = JobState::running;
   job.is_running = true;
   job.report.started = std::chrono::system_clock::now();
+  JobReport report = report_of(job);
   changed_.notify_all();
   lock.unlock();
   HttpResponse reply = reply_to(job);
   job.request.body = {};
+  report.finished = std::chrono::system_clock::now();
+  if (keeper_.ended && !job.is_given_up()) {
+    keeper_.ended(report, reply, [&] { return job.is_removed.load(); });
+  }
   lock.lock();
   job.is_running = false;
   if (has_ended(job.report.state)) return charge(job, 0);  // cancelled meanwhile
@@ -200,7 +236,7 @@ void Jobs::run(Job& job, std::unique_lock<std::mutex>& lock) {
   const std::uint64_t size = reply.body ? reply.body->size() : 0;
   job.reply = std::move(reply);
   charge(job, size + kBytesOfJob);
-  end(job, job.reply.status < 400 ? JobState::done : JobState::failed);
+  end(job, job.reply.status < 400 ? JobState::done : JobState::failed, *report.finished);
 }
 
 // Never throws. A stream becomes a body.
@@ -285,6 +321,7 @@ Result<HttpResponse> Jobs::result(const std::string& id) {
     case JobState::running:
       return fail(ServiceCode::job_unfinished, "the job has not ended yet");
     case JobState::cancelled:
+      if (job->report.is_handed_over) return fail_handed_over();
       return fail(ServiceCode::job_cancelled,
                   job->is_unwatched ? "the job was cancelled, because nobody asked about it; with "
                                       "\"Prefer: respond-async, keep\" it would have gone on"
@@ -300,6 +337,7 @@ bool Jobs::remove(const std::string& id) {
   const std::lock_guard lock(mutex_);
   const Handle job = find_locked(id);
   if (!job) return false;
+  job->is_removed = true;
   if (has_ended(job->report.state)) {
     forget(job);
     return true;
@@ -317,7 +355,7 @@ void Jobs::cancel(const Handle& job) {
     waiting_.remove(held);
     const auto share = shares_.find(held->client);
     if (--share->second.waiting + share->second.running == 0) shares_.erase(share);
-    held->request.body = {};
+    if (!held->is_being_kept) held->request.body = {};
     charge(*held, kBytesOfJob);
   }
   end(*held, JobState::cancelled);
@@ -339,6 +377,7 @@ void Jobs::stop() {
     for (const auto& [id, job] : jobs_) {
       if (has_ended(job->report.state)) continue;
       job->cancelled = true;
+      job->report.is_handed_over = job->is_kept_elsewhere || job->is_being_kept;
       end(*job, JobState::cancelled);
     }
     waiting_.clear();
@@ -356,7 +395,7 @@ Jobs::Stats Jobs::stats() {
   cancel_unwatched();
   forget_old();
   Stats stats = counts_;
-  stats.queued = waiting_.size();
+  stats.queued = waiting_.size() + being_kept_;
   stats.running = running_;
   stats.ended = ended_.size();
   stats.bytes = bytes_;

@@ -20,6 +20,10 @@
 //    then the oldest of the client whose results take the most. What a job gathers while it
 //    runs is charged as it grows.
 //
+// A job may outlive this process, if a `Keeper` keeps its question and its reply elsewhere. Then
+// `stop` hands over what has not ended: it is not told to be cancelled, and another process begins
+// it again, or takes over what it came to.
+//
 // Ids are 128 random bits: to know one is to be allowed to ask for it.
 //
 // Thread-safe: all methods may be called from any thread but `stop` and the
@@ -68,13 +72,35 @@ struct JobReport {
   std::optional<Time> finished;
   int status = 0;                                  // of the reply; 0: there is none
   std::optional<std::chrono::milliseconds> lease;  // none: it goes on though nobody asks
+  std::uint64_t attempt = 1;                       // how often it has been begun, by any process
+  bool is_handed_over = false;
 
   [[nodiscard]] bool operator==(const JobReport&) const = default;
+};
+
+// How a job begins.
+struct JobBeginning {
+  JobLease lease = JobLease::renewed;
+  std::string id_begins = {};  // with which 32 random hexadecimal digits make its id
+  // Of one that another process has taken.
+  std::string id = {};
+  std::uint64_t attempt = 1;
+  std::optional<JobReport::Time> created = {};
 };
 
 class Jobs {
  public:
   using Handler = std::function<HttpResponse(HttpRequest&)>;
+  // What keeps jobs for longer than this process lives; either may be empty. Called without a lock
+  // by the threads that start and run jobs; neither throws.
+  struct Keeper {
+    // Before a job can run: whether its question is kept.
+    std::function<bool(const JobReport&, const HttpRequest&)> taken;
+    // Before it is told that a job has ended. Whoever has kept it asks then whether it was removed.
+    std::function<void(const JobReport&, const HttpResponse&,
+                       const std::function<bool()>& is_removed)>
+        ended;
+  };
 
   struct Limits {
     std::size_t jobs = 64;    // that wait or run
@@ -101,10 +127,16 @@ class Jobs {
   Jobs& operator=(const Jobs&) = delete;
 
   // Takes a request. The handler gets it with another caller: of the same client, gone
-  // once the job is cancelled. The job's id is `id_begins` and 32 random hexadecimal digits.
+  // once the job is cancelled. A job of the same id that is here already stays as it is.
   // Errors: overloaded, too_many_requests, draining.
-  [[nodiscard]] Result<JobReport> start(HttpRequest request, JobLease lease = JobLease::renewed,
-                                        std::string_view id_begins = {});
+  [[nodiscard]] Result<JobReport> start(HttpRequest request, JobBeginning how = {});
+
+  // Keeps, for a client, what a job came to elsewhere. Errors: as `start`; too_large.
+  [[nodiscard]] Result<JobReport> adopt(JobReport report, HttpResponse reply,
+                                        const std::string& client);
+
+  // To be called before any job is begun.
+  void set_keeper(Keeper keeper) { keeper_ = std::move(keeper); }
 
   // Nothing if there is no such job (any more). This and all below that look at a job renew its
   // lease.
@@ -121,14 +153,15 @@ class Jobs {
   [[nodiscard]] JobReport wait_for_news(const Handle& job, const JobReport& seen,
                                         std::chrono::milliseconds patience);
 
-  // The handler's reply. Errors: job_unknown; job_unfinished; job_cancelled.
+  // The handler's reply. Errors: job_unknown; job_unfinished; job_cancelled; draining, if it was
+  // handed over.
   [[nodiscard]] Result<HttpResponse> result(const std::string& id);
 
   // Cancels a job, or forgets it if it has ended. False if there is none.
   bool remove(const std::string& id);
 
-  // Cancels all jobs and refuses new ones (`draining`). Returns when no handler runs
-  // any more. Idempotent.
+  // Cancels all jobs, or hands them over, and refuses new ones (`draining`). Returns when no
+  // handler runs any more. Idempotent.
   void stop();
 
   [[nodiscard]] Stats stats();
@@ -142,13 +175,16 @@ class Jobs {
   };
 
   [[nodiscard]] Result<void> admit(const std::string& client, std::uint64_t bytes);
+  // What has ended makes it, if need be. Errors: too_large, overloaded.
+  [[nodiscard]] Result<void> make_room(std::uint64_t bytes);
   void work();
   [[nodiscard]] Handle next_to_run();
+  [[nodiscard]] Result<void> have_thread();
   void cancel(const Handle& job);
   void cancel_unwatched();
   void run(Job& job, std::unique_lock<std::mutex>& lock);
   [[nodiscard]] HttpResponse reply_to(Job& job);
-  void end(Job& job, JobState state);
+  void end(Job& job, JobState state, JobReport::Time finished = std::chrono::system_clock::now());
   void charge(Job& job, std::uint64_t bytes);
   // Charges a job that runs, where there is room. Errors: too_large, overloaded, job_cancelled.
   [[nodiscard]] Result<void> grow(Job& job, std::uint64_t bytes);
@@ -161,6 +197,7 @@ class Jobs {
 
   const Limits limits_;
   const Handler handler_;
+  Keeper keeper_;
 
   std::mutex mutex_;
   std::condition_variable work_ready_;
@@ -171,7 +208,8 @@ class Jobs {
   std::map<std::string, std::uint64_t> kept_;  // bytes of those, by client
   std::map<std::string, Share> shares_;
   std::uint64_t served_ = 0;
-  std::size_t running_ = 0;  // threads in a handler
+  std::size_t being_kept_ = 0;  // before they wait
+  std::size_t running_ = 0;     // threads in a handler
   std::uint64_t bytes_ = 0;
   Stats counts_;  // only those since the start
   bool stopping_ = false;

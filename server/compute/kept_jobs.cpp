@@ -34,18 +34,42 @@ Result<void> Jobs::grow(Job& job, std::uint64_t bytes) {
   return {};
 }
 
+Result<JobReport> Jobs::adopt(JobReport report, HttpResponse reply, const std::string& client) {
+  const auto job = std::make_shared<Job>();
+  const std::uint64_t bytes = (reply.body ? reply.body->size() : 0) + kBytesOfJob;
+  job->report = std::move(report);
+  job->report.status = reply.status;
+  job->client = client;
+  job->reply = std::move(reply);
+  const std::lock_guard lock(mutex_);
+  cancel_unwatched();
+  forget_old();
+  if (const auto known = jobs_.find(job->report.id); known != jobs_.end()) {
+    return report_of(*known->second);
+  }
+  if (stopping_) return fail(ServiceCode::draining, "the server is about to stop");
+  if (auto room = make_room(bytes); !room) return fail(std::move(room.error()));
+  jobs_.emplace(job->report.id, job);
+  charge(*job, bytes);
+  const Stats counts = counts_;
+  end(*job, job->reply.status < 400 ? JobState::done : JobState::failed,
+      job->report.finished.value_or(job->report.created));
+  counts_ = counts;  // who ran it has counted it
+  return report_of(*job);
+}
+
 void Jobs::charge(Job& job, std::uint64_t bytes) {
   bytes_ += bytes - job.bytes;
   if (job.is_kept) kept_[job.client] += bytes - job.bytes;
   job.bytes = bytes;
 }
 
-void Jobs::end(Job& job, JobState state) {
+void Jobs::end(Job& job, JobState state, JobReport::Time finished) {
   ++(state == JobState::done     ? counts_.done
      : state == JobState::failed ? counts_.failed
                                  : counts_.cancelled);
   job.report.state = state;
-  job.report.finished = std::chrono::system_clock::now();
+  job.report.finished = finished;
   job.forgotten_at = Clock::now() + limits_.keep;
   if (const auto kept = jobs_.find(job.report.id); kept != jobs_.end()) {
     ended_.push_back(kept->second);

@@ -38,6 +38,7 @@
 #include "server/query/metrics.h"
 #include "server/routes/routes.h"
 #include "server/routes/static_files.h"
+#include "server/store/job_records.h"
 #include "server/store/mesh_store.h"
 #include "server/store/monitor.h"
 #include "server/store/open_store.h"
@@ -156,7 +157,9 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
     return 1;
   }
   const MemoryTrimmer trimmer(std::chrono::seconds(10));
-  const StoreMonitor monitor(**store, std::chrono::seconds(5));
+  JobRecords job_records((*store)->storage(), {.bytes = config.job_result_bytes,
+                                               .keep = std::chrono::seconds(config.job_seconds)});
+  const StoreMonitor monitor(**store, std::chrono::seconds(5), [&] { job_records.tidy(); });
   std::shared_ptr<TlsContext> tls;
   if (!config.tls_cert.empty()) {
     auto loaded = TlsContext::load(config.tls_cert, config.tls_key);
@@ -196,6 +199,7 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
   FieldQueries queries(catalog, pool, config.field_cache_bytes, metrics);
   Routes routes(config, catalog, queries, pool, metrics);
   routes.access().set_tokens(std::move(tokens));
+  routes.keep_jobs_in(job_records);
   routes.set_viewer(std::move(*viewer));
   routes.set_docs(std::move(*docs));
   if (!config.samples.empty()) add_samples(config.samples, catalog);

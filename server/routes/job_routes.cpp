@@ -22,6 +22,7 @@
 #include "server/http/request_log.h"
 #include "server/reply/encode_reply.h"
 #include "server/routes/call.h"
+#include "server/routes/job_id.h"
 #include "server/routes/routes.h"
 
 namespace geodesic::server {
@@ -37,17 +38,7 @@ constexpr std::chrono::seconds kAskEvery{1};
 // keeps it from trying for ever.
 constexpr std::string_view kLastEvent = "end";
 
-constexpr std::size_t kRoutingDigits = 16;
-
-bool is_hexadecimal(std::string_view text) {
-  return text.find_first_not_of("0123456789abcdef") == text.npos;
-}
-
-bool is_job_id(std::string_view id) {
-  return id.size() == kRoutingDigits + 32 && is_hexadecimal(id);
-}
-
-// A job is known to the server that took it. Balancers send what is about one mesh to one server,
+// A job runs at the server that took it. Balancers send what is about one mesh to one server,
 // by the first digits of its id, and else go by those of X-Request-Id, which they give. A job's id
 // begins with the same digits, so that who asks about it comes to the server that has it.
 std::string routing_digits(std::string_view mesh, std::string_view request) {
@@ -81,6 +72,7 @@ std::string job_json(const JobReport& job, const std::string& base_path) {
   const bool has_result = job.state == JobState::done || job.state == JobState::failed;
   const ordered_json json{{"id", job.id},
                           {"state", name_of(job.state)},
+                          {"attempt", job.attempt},
                           {"progress", std::round(job.progress * 1e4) / 1e4},
                           {"method", job.method},
                           {"target", job.target},
@@ -100,18 +92,29 @@ HttpResponse job_reply(const JobReport& job, const HttpRequest& request, int sta
   return response;
 }
 
+// What an event says of the job. Any server can compare it with what it would say.
+std::string event_id(const JobReport& job) {
+  if (has_ended(job.state)) return std::string(kLastEvent);
+  return fmt::format("{}-{}-{}", job.attempt, name_of(job.state), std::lround(job.progress * 1e4));
+}
+
 // One event of a stream; the last one is named after the job's end.
 std::string event_of(const JobReport& job, const std::string& base_path) {
-  const bool last = has_ended(job.state);
-  return fmt::format("event: {}\n{}data: {}\n\n", last ? name_of(job.state) : "progress",
-                     last ? fmt::format("id: {}\n", kLastEvent) : "", job_json(job, base_path));
+  return fmt::format("event: {}\nid: {}\ndata: {}\n\n",
+                     has_ended(job.state) ? name_of(job.state) : "progress", event_id(job),
+                     job_json(job, base_path));
 }
 
 // A stream of events under way.
 class JobEvents {
  public:
   JobEvents(Jobs& jobs, Jobs::Handle job, const HttpRequest& request)
-      : jobs_(jobs), job_(std::move(job)), caller_(request.caller), base_path_(request.base_path) {}
+      : jobs_(jobs), job_(std::move(job)), caller_(request.caller), base_path_(request.base_path) {
+    // Who connects again is not told twice.
+    const std::string* const last = request.header("Last-Event-ID");
+    JobReport report = jobs_.report(job_);
+    if (last != nullptr && *last == event_id(report)) told_ = std::move(report);
+  }
 
   // The next event, or a sign of life; false at the end.
   bool next(std::string& chunk) {
@@ -119,6 +122,7 @@ class JobEvents {
     for (auto waited = std::chrono::seconds(0); waited < kHeartbeat; waited += kAskEvery) {
       JobReport report = told_ ? jobs_.wait_for_news(job_, *told_, kAskEvery) : jobs_.report(job_);
       if (caller_()) return false;
+      if (report.is_handed_over) return false;  // another server will tell the end
       if (told_ && report == *told_) continue;
       chunk = event_of(report, base_path_);
       told_ = std::move(report);
@@ -166,8 +170,8 @@ HttpResponse Routes::begin_job(Call& call) {
   const bool goes_on = prefers(call.request, "keep");
   const std::string digits = routing_digits(
       call.segments.size() > 2 ? call.segments[2] : std::string_view(), call.request.id);
-  const auto job =
-      jobs_.start(std::move(later), goes_on ? JobLease::none : JobLease::renewed, digits);
+  const JobLease lease = goes_on ? JobLease::none : JobLease::renewed;
+  const auto job = jobs_.start(std::move(later), {.lease = lease, .id_begins = digits});
   if (!job) return call.problem(job.error());
   HttpResponse response = job_reply(*job, call.request, 202);
   response.set_header("Location", call.request.base_path + "/v1/jobs/" + job->id);
@@ -204,21 +208,24 @@ HttpResponse Routes::one_job(Call& call) {
   }
   if (!none && (call.is("DELETE") || call.is("GET"))) return call.problem(none.error());
   if (call.is("DELETE")) {
+    if (!is_job_id(id)) return call.problem(ServiceCode::job_unknown, "this is no id of a job");
     // To cancel again, or what is forgotten, changes nothing.
-    if (!jobs_.remove(id) && !is_job_id(id)) {
-      return call.problem(ServiceCode::job_unknown, "this is no id of a job");
+    jobs_.remove(id);
+    if (job_records_ != nullptr && catalog_.store_health()) {
+      if (auto erased = job_records_->erase(id); !erased) return call.problem(erased.error());
     }
     HttpResponse response;
     response.status = 204;
     return response;
   }
   if (!call.is("GET")) return call.not_allowed("GET, HEAD, DELETE");
-  const auto job = jobs_.find(id);
-  if (!job) return call.problem(ServiceCode::job_unknown, "no job of this id is kept");
+  const auto job = look_up_job(call, id);
+  if (!job) return call.problem(job.error());
   return job_reply(*job, call.request);
 }
 
 HttpResponse Routes::job_result(Call& call, const std::string& id) {
+  if (auto known = look_up_job(call, id); !known) return call.problem(known.error());
   auto result = jobs_.result(id);
   if (!result) return call.problem(result.error());
   return packed(std::move(*result), call.request);
@@ -240,8 +247,9 @@ HttpResponse Routes::packed(HttpResponse response, const HttpRequest& reader) {
 }
 
 HttpResponse Routes::job_events(Call& call, const std::string& id) {
+  if (auto known = look_up_job(call, id); !known) return call.problem(known.error());
   Jobs::Handle job = jobs_.hold(id);
-  if (!job) return call.problem(ServiceCode::job_unknown, "no job of this id is kept");
+  if (!job) return call.problem(fail_unknown_job().value());
   HttpResponse response;
   response.set_header("Cache-Control", "no-store");
   const std::string* const last = call.request.header("Last-Event-ID");

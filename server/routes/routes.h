@@ -4,9 +4,11 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <semaphore>
 #include <string>
 #include <string_view>
 
@@ -27,6 +29,7 @@
 #include "server/reply/bodies_in_use.h"
 #include "server/routes/access.h"
 #include "server/routes/static_files.h"
+#include "server/store/job_records.h"
 
 namespace geodesic::server {
 
@@ -53,6 +56,8 @@ class Routes {
   [[nodiscard]] Access& access() { return access_; }
   [[nodiscard]] const Access& access() const { return access_; }
 
+  // Keeps jobs there, so that they outlive this process. To be called before any request.
+  void keep_jobs_in(JobRecords& records);
   // What is served at `/` instead of the plain page. To be called before any request.
   void set_viewer(StaticFiles viewer) { viewer_ = std::move(viewer); }
   // What is served below `/docs/`; without it, these paths lead to the API's page. Likewise.
@@ -90,6 +95,8 @@ class Routes {
 
  private:
   struct Call;  // a request with its path taken apart
+  // Records of jobs that are read at once, each of which may have a large body.
+  static constexpr std::ptrdiff_t kRecordsAtOnce = 4;
 
   [[nodiscard]] HttpResponse route(HttpRequest& request);
   // What stands at a path for browsers; nothing: none of that.
@@ -140,6 +147,10 @@ class Routes {
   [[nodiscard]] HttpResponse begin_job(Call& call);
   [[nodiscard]] HttpResponse answer_job(HttpRequest& request);
   [[nodiscard]] HttpResponse one_job(Call& call);
+  // A job that is here or, if it is not, in the records: then it is taken over, or begun again
+  // here. Errors: job_unknown; draining; those of the store, and of beginning a job.
+  [[nodiscard]] Result<JobReport> look_up_job(const Call& call, const std::string& id);
+  [[nodiscard]] Result<JobReport> take_over_job(const Call& call, const std::string& id);
   [[nodiscard]] HttpResponse job_result(Call& call, const std::string& id);
   [[nodiscard]] HttpResponse packed(HttpResponse response, const HttpRequest& reader);
   [[nodiscard]] HttpResponse job_events(Call& call, const std::string& id);
@@ -159,6 +170,8 @@ class Routes {
   Metrics& metrics_;
   std::function<Listener()> listener_ = [] { return Listener{}; };
   std::atomic<bool> draining_{false};
+  JobRecords* job_records_ = nullptr;
+  std::counting_semaphore<kRecordsAtOnce> record_readers_{kRecordsAtOnce};
   Jobs jobs_;  // last: its threads use the others
 };
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <ctime>
 #include <string>
 #include <system_error>
 #include <unordered_map>
@@ -23,6 +24,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view kMetadataSuffix = ".json";
+constexpr std::size_t kMostErased = 1000;  // of old jobs at once
 
 // Calls `visit(path)` for everything in a directory.
 template <class Visit>
@@ -90,7 +92,7 @@ Result<std::unique_ptr<ObjectStorage>> DirectoryStorage::open(const fs::path& di
 }
 
 Result<void> DirectoryStorage::prepare() {
-  for (const char* name : {"objects", "meta", "tmp", "quarantine"}) {
+  for (const char* name : {"objects", "meta", "jobs", "tmp", "quarantine"}) {
     if (auto made = make_directory(root_ / name); !made) return made;
   }
   return for_each_in(root_ / "tmp", [](const fs::path& path) -> Result<void> {
@@ -222,6 +224,28 @@ Result<void> DirectoryStorage::quarantine(std::string_view id, std::string_view 
   return {};
 }
 
+Result<void> DirectoryStorage::erase_job(std::string_view id, bool has_bodies) {
+  for (const ObjectKind kind : kJobObjects) {
+    if (kind != ObjectKind::job && !has_bodies) continue;
+    if (auto removed = remove_file(path_of(kind, id)); !removed) return fail(removed.error());
+  }
+  return {};
+}
+
+Result<void> DirectoryStorage::erase_old_jobs(std::chrono::seconds age) {
+  const std::time_t newest = std::time(nullptr) - static_cast<std::time_t>(age.count());
+  std::size_t erased = 0;
+  return for_each_in(root_ / "jobs", [&](const fs::path& path) -> Result<void> {
+    struct stat file {};
+    if (erased >= kMostErased || ::stat(path.c_str(), &file) != 0) return {};
+    if (!S_ISREG(file.st_mode) || file.st_mtime > newest) return {};
+    ++erased;
+    auto removed = remove_file(path);
+    if (!removed) return fail(std::move(removed.error()));
+    return {};
+  });
+}
+
 void DirectoryStorage::note_use(std::string_view id) {
   // Now, for both times. A store that cannot be written to still answers.
   (void)::utimensat(AT_FDCWD, path_of(ObjectKind::source, id).c_str(), nullptr, 0);
@@ -243,6 +267,7 @@ Result<void> DirectoryStorage::check() {
 fs::path DirectoryStorage::path_of(ObjectKind kind, std::string_view id) const {
   const std::string_view digits = id.substr(0, 2);
   if (kind == ObjectKind::source) return root_ / "objects" / digits / id;
+  if (kind != ObjectKind::metadata) return root_ / "jobs" / name_of_job_object(kind, id);
   return root_ / "meta" / digits / (std::string(id) + std::string(kMetadataSuffix));
 }
 

@@ -3,6 +3,7 @@
 //   DIR/lock                 held (flock) by the one process that uses DIR
 //   DIR/objects/ab/<id>      the bytes as uploaded, "ab" being the id's first two digits
 //   DIR/meta/ab/<id>.json    the metadata, opaque here
+//   DIR/jobs/<id>.job, …     what is kept of jobs, in up to three files each
 //   DIR/tmp/                 files being written; emptied at the start
 //   DIR/quarantine/<id>      bytes found not to be what was stored
 //
@@ -43,6 +44,8 @@ class DirectoryStorage final : public ObjectStorage {
   [[nodiscard]] Result<std::optional<ObjectFile>> open_source(std::string_view id) override;
   [[nodiscard]] Result<void> erase(std::string_view id) override;
   [[nodiscard]] Result<void> quarantine(std::string_view id, std::string_view damaged) override;
+  [[nodiscard]] Result<void> erase_job(std::string_view id, bool has_bodies) override;
+  [[nodiscard]] Result<void> erase_old_jobs(std::chrono::seconds age) override;
   void note_use(std::string_view id) override;
   [[nodiscard]] Result<void> check() override;
 

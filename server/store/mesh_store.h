@@ -129,6 +129,8 @@ class MeshStore {
   // Of a shared storage: the meshes that this process knows.
   [[nodiscard]] std::size_t size() const { return index_.size(); }
   [[nodiscard]] StoreStats stats() const;
+  // For what is kept there besides meshes.
+  [[nodiscard]] ObjectStorage& storage() { return *storage_; }
 
   // Asks a shared storage about the meshes that were used since it was last asked, if that is
   // `age` ago or longer, those used last first, and no more than 1,000 of them: what other

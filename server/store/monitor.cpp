@@ -1,13 +1,16 @@
 #include "server/store/monitor.h"
 
+#include <utility>
+
 namespace geodesic::server {
 
-StoreMonitor::StoreMonitor(MeshStore& store, std::chrono::milliseconds interval)
-    : store_(store), thread_([this, interval] {
+StoreMonitor::StoreMonitor(MeshStore& store, std::chrono::milliseconds interval,
+                           std::function<void()> also)
+    : store_(store), also_(std::move(also)), thread_([this, interval] {
         std::unique_lock lock(mutex_);
         while (!stopping_) {
           lock.unlock();
-          (void)store_.check();
+          if (store_.check() && also_) also_();
           lock.lock();
           wake_.wait_for(lock, interval, [&] { return stopping_; });
         }

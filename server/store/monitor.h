@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <thread>
 
@@ -13,14 +14,17 @@ namespace geodesic::server {
 
 class StoreMonitor {
  public:
-  // Checks at once, then every `interval`. The store must outlive the monitor.
-  StoreMonitor(MeshStore& store, std::chrono::milliseconds interval);
+  // Checks at once, then every `interval`, and calls `also` whenever the store works. The store
+  // must outlive the monitor.
+  StoreMonitor(MeshStore& store, std::chrono::milliseconds interval,
+               std::function<void()> also = {});
   ~StoreMonitor();
   StoreMonitor(const StoreMonitor&) = delete;
   StoreMonitor& operator=(const StoreMonitor&) = delete;
 
  private:
   MeshStore& store_;
+  const std::function<void()> also_;
   std::mutex mutex_;
   std::condition_variable wake_;
   bool stopping_ = false;

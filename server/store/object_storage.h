@@ -1,9 +1,9 @@
 // Where a store keeps its bytes: the small interface with two implementations, a
 // local directory and S3-compatible object storage.
 //
-// An object is a mesh's source or its metadata, under the mesh's id. A write is
-// atomic and durable: once it has returned, the object is there whole, after a
-// crash or a loss of power too; until then it is there whole or not at all.
+// An object is a mesh's source or its metadata, under the mesh's id, or a part of what is kept of a
+// job, under the job's. A write is atomic and durable: once it has returned, the object is there
+// whole, after a crash or a loss of power too; until then it is there whole or not at all.
 //
 // All methods may be called from any thread. Ids are valid ones. Errors:
 // `store_full` when there is no room, `store_unavailable` when trying again later
@@ -11,6 +11,8 @@
 // are shown to clients: the log does.
 #pragma once
 
+#include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -24,7 +26,22 @@
 
 namespace geodesic::server {
 
-enum class ObjectKind : std::uint8_t { source, metadata };
+enum class ObjectKind : std::uint8_t {
+  source,
+  metadata,
+  job,        // its question or its reply, without a large body (job_records.h)
+  job_body,   // of its request
+  job_reply,  // the reply's body
+};
+
+inline constexpr std::array kJobObjects{ObjectKind::job, ObjectKind::job_body,
+                                        ObjectKind::job_reply};
+// What an object of a job is called among all of them.
+[[nodiscard]] inline std::string name_of_job_object(ObjectKind kind, std::string_view id) {
+  return std::string(id) + (kind == ObjectKind::job        ? ".job"
+                            : kind == ObjectKind::job_body ? ".body"
+                                                           : ".reply");
+}
 
 struct StoredMesh {
   std::string id;
@@ -96,6 +113,13 @@ class ObjectStorage {
   // removes nothing: another process may have put the mesh again meanwhile. The mesh may
   // be gone already.
   [[nodiscard]] virtual Result<void> quarantine(std::string_view id, std::string_view damaged) = 0;
+
+  // Removes what is kept of a job, large bodies only if there may be such. It may be gone already.
+  [[nodiscard]] virtual Result<void> erase_job(std::string_view id, bool has_bodies) = 0;
+
+  // Removes what is kept of jobs and was written so long ago; not
+  // more of it than takes some seconds.
+  [[nodiscard]] virtual Result<void> erase_old_jobs(std::chrono::seconds age) = 0;
 
   // Remembers, if it can, that the mesh was used now.
   virtual void note_use(std::string_view id) = 0;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <ctime>
-#include <iterator>
 #include <pugixml.hpp>
 #include <utility>
 
@@ -15,8 +14,12 @@ namespace geodesic::server {
 namespace {
 
 constexpr std::uint64_t kMostListBytes = 4 << 20;  // 1,000 keys take half a megabyte
-constexpr std::size_t kMostKeys = 1000;            // of a page, as S3 has it
-constexpr int kMostPages = 1000;                   // of one list
+constexpr const char* kObjects = "objects/";
+constexpr const char* kJobs = "jobs/";
+constexpr int kMostJobPages = 100;        // … that is looked through for old jobs
+constexpr std::size_t kMostErased = 100;  // of those at once
+constexpr std::size_t kMostKeys = 1000;   // of a page, as S3 has it
+constexpr int kMostPages = 1000;          // of one list
 // What S3 takes in one PUT, so that nothing of ours is larger.
 constexpr std::uint64_t kMostObjectBytes = std::uint64_t{5} << 30;
 
@@ -35,14 +38,16 @@ std::int64_t seconds_of(const char* text) {
 
 std::string S3Storage::key_of(ObjectKind kind, std::string_view id) const {
   const std::string& prefix = client_.location().prefix;
-  if (kind == ObjectKind::source) return prefix + "objects/" + std::string(id);
+  if (kind == ObjectKind::source) return prefix + kObjects + std::string(id);
+  if (kind != ObjectKind::metadata) return prefix + kJobs + name_of_job_object(kind, id);
   return prefix + "meta/" + std::string(id) + ".json";
 }
 
-// ListObjectsV2. Keys that are none of ours are passed over.
-Result<S3Storage::Page> S3Storage::list_page(std::string_view digits, std::string_view after,
-                                             const std::string& token, std::size_t most) {
-  const std::string folder = client_.location().prefix + "objects/";
+// ListObjectsV2.
+Result<S3Storage::Page> S3Storage::list_page(const char* below, std::string_view digits,
+                                             std::string_view after, const std::string& token,
+                                             std::size_t most) {
+  const std::string folder = client_.location().prefix + below;
   S3Request request;
   request.query = {{"list-type", "2"},
                    {"prefix", folder + std::string(digits)},
@@ -63,10 +68,9 @@ Result<S3Storage::Page> S3Storage::list_page(std::string_view digits, std::strin
     std::string key = item.child_value("Key");
     if (!key.starts_with(folder)) continue;
     key.erase(0, folder.size());
-    if (!is_mesh_id(key)) continue;
-    page.meshes.push_back({std::move(key), std::strtoull(item.child_value("Size"), nullptr, 10),
-                           seconds_of(item.child_value("LastModified")),
-                           strong_tag(item.child_value("ETag"))});
+    page.objects.push_back({std::move(key), std::strtoull(item.child_value("Size"), nullptr, 10),
+                            seconds_of(item.child_value("LastModified")),
+                            strong_tag(item.child_value("ETag"))});
   }
   if (std::string_view(list.child_value("IsTruncated")) == "true") {
     page.next = list.child_value("NextContinuationToken");
@@ -81,9 +85,14 @@ Result<std::vector<StoredMesh>> S3Storage::list(std::string_view after, std::siz
   std::vector<StoredMesh> meshes;
   std::string token;
   for (int pages = 0; pages < kMostPages && meshes.size() < most; ++pages) {
-    auto page = list_page("", after, token, most - meshes.size());
+    auto page = list_page(kObjects, "", after, token, most - meshes.size());
     if (!page) return fail(std::move(page.error()));
-    std::move(page->meshes.begin(), page->meshes.end(), std::back_inserter(meshes));
+    for (Listed& object : page->objects) {
+      // Keys that are none of ours are passed over.
+      if (!is_mesh_id(object.name)) continue;
+      meshes.push_back(
+          {std::move(object.name), object.bytes, object.written, std::move(object.version)});
+    }
     if (page->next.empty()) return meshes;
     token = std::move(page->next);
   }
@@ -104,10 +113,10 @@ Result<std::optional<StoredMesh>> S3Storage::find(std::string_view id) {
                   reply->entity_tag};
   if (reply->content_length) return mesh;
   // Some servers leave the length out of a HEAD's answer. Their lists have it.
-  const auto page = list_page(mesh.id, "", "", 2);  // with options or without
+  const auto page = list_page(kObjects, mesh.id, "", "", 2);  // with options or without
   if (!page) return fail(page.error());
-  for (const StoredMesh& listed : page->meshes) {
-    if (listed.id == mesh.id) mesh.bytes = listed.bytes;
+  for (const Listed& listed : page->objects) {
+    if (listed.name == mesh.id) mesh.bytes = listed.bytes;
   }
   return mesh;
 }
@@ -175,6 +184,34 @@ Result<void> S3Storage::erase(std::string_view id) {
 Result<void> S3Storage::quarantine(std::string_view id, std::string_view damaged) {
   const auto kept = put_key(client_.location().prefix + "quarantine/" + std::string(id), damaged);
   if (!kept) return fail(kept.error());
+  return {};
+}
+
+Result<void> S3Storage::erase_job(std::string_view id, bool has_bodies) {
+  for (const ObjectKind kind : kJobObjects) {
+    if (kind != ObjectKind::job && !has_bodies) continue;
+    if (auto done = erase_key(key_of(kind, id)); !done) return done;
+  }
+  return {};
+}
+
+Result<void> S3Storage::erase_old_jobs(std::chrono::seconds age) {
+  const std::int64_t newest = std::time(nullptr) - age.count();
+  std::string token;
+  std::size_t erased = 0;
+  for (int pages = 0; pages < kMostJobPages; ++pages) {
+    const auto page = list_page(kJobs, "", "", token, kMostKeys);
+    if (!page) return fail(page.error());
+    for (const Listed& object : page->objects) {
+      if (object.written == 0 || object.written > newest) continue;
+      if (++erased > kMostErased) return {};
+      if (auto done = erase_key(client_.location().prefix + kJobs + object.name); !done) {
+        return done;
+      }
+    }
+    if (page->next.empty()) break;
+    token = page->next;
+  }
   return {};
 }
 

@@ -3,13 +3,14 @@
 //
 //   PREFIXobjects/<id>      the bytes as uploaded
 //   PREFIXmeta/<id>.json    the metadata, opaque here
+//   PREFIXjobs/<id>.job, …  what is kept of jobs, in up to three objects each
 //   PREFIXquarantine/<id>   a copy of bytes found not to be what was stored
 //
 // S3 writes an object whole or not at all. A version is the object's entity tag. When a
 // mesh was last used is not kept there: after a restart, the time of the upload stands
 // for it.
 //
-// Nothing but `erase` deletes: few servers delete an object only if it is still the one
+// Of meshes, nothing but `erase` deletes: few servers delete an object only if it is still the one
 // that was looked at, so any other delete might take away what another process has just
 // stored and acknowledged.
 #pragma once
@@ -36,19 +37,28 @@ class S3Storage final : public ObjectStorage {
                                                          std::uint64_t expected_bytes) override;
   [[nodiscard]] Result<void> erase(std::string_view id) override;
   [[nodiscard]] Result<void> quarantine(std::string_view id, std::string_view damaged) override;
+  [[nodiscard]] Result<void> erase_job(std::string_view id, bool has_bodies) override;
+  [[nodiscard]] Result<void> erase_old_jobs(std::chrono::seconds age) override;
   void note_use(std::string_view /*id*/) override {}
   [[nodiscard]] Result<void> check() override;
 
  private:
+  struct Listed {
+    std::string name;  // of the key, below the folder
+    std::uint64_t bytes = 0;
+    std::int64_t written = 0;  // seconds since 1970; 0: not known
+    std::string version;
+  };
   struct Page {
-    std::vector<StoredMesh> meshes;
+    std::vector<Listed> objects;
     std::string next;  // empty: the last one
   };
   [[nodiscard]] std::string key_of(ObjectKind kind, std::string_view id) const;
-  // A page of the meshes whose ids begin with `digits` and are greater than `after`; `token`: the
-  // page that follows another.
-  [[nodiscard]] Result<Page> list_page(std::string_view digits, std::string_view after,
-                                       const std::string& token, std::size_t most);
+  // A page of what is in a folder and has a name that begins with `digits` and is greater than
+  // `after`; `token`: the page that follows another.
+  [[nodiscard]] Result<Page> list_page(const char* folder, std::string_view digits,
+                                       std::string_view after, const std::string& token,
+                                       std::size_t most);
   [[nodiscard]] Result<std::string> put_key(const std::string& key, std::string_view bytes);
   [[nodiscard]] Result<void> erase_key(const std::string& key);
 

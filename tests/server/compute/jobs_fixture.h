@@ -73,7 +73,7 @@ struct JobsFixture {
     request.id = "test";
     request.caller.client = client;
     request.body = std::move(body);
-    return jobs.start(std::move(request), lease);
+    return jobs.start(std::move(request), {.lease = lease});
   }
   std::string start(const std::string& path, const std::string& client = "",
                     std::string body = "") {

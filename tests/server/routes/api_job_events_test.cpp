@@ -78,7 +78,8 @@ void check_ends_with(const std::vector<Event>& events, const std::string& name) 
   double progress = 0;
   for (std::size_t i = 0; i + 1 < events.size(); ++i) {
     CHECK(events[i].name == "progress");
-    CHECK(events[i].id.empty());
+    CHECK_FALSE(events[i].id.empty());
+    CHECK(events[i].id != "end");
     CHECK(events[i].job["progress"] >= progress);
     progress = events[i].job["progress"];
   }
