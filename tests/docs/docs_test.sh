@@ -41,7 +41,6 @@ flock 8
   --no-build-isolation --force-reinstall "$root/clients/python"
 "$here/run_pages.py" "$(dirname "$geodesicd")" "$client/bin/python" || status=1
 "$here/nginx_config.py" "$(dirname "$geodesicd")" || status=1
-"$here/systemd_unit.sh" "$(dirname "$geodesicd")" || status=1
 
 # The browser and its tools are the viewer's; the JavaScript client is bundled as it is.
 install() { # FOLDER
