@@ -43,11 +43,11 @@ class Service:
         fields = pathlib.Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
         self.busy_to_start = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
-    def ask(self, method, path, body=None, timeout=60):
+    def ask(self, method, path, body=None, timeout=60, headers=None):
         """(status, headers in lower case, body) of one request on a connection of its own."""
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=timeout)
         try:
-            connection.request(method, path, body=body)
+            connection.request(method, path, body=body, headers=headers or {})
             reply = connection.getresponse()
             headers = {name.lower(): value for name, value in reply.getheaders()}
             return reply.status, headers, reply.read()
