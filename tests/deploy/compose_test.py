@@ -131,6 +131,8 @@ def main():
     secret = secrets.token_hex(8)
     config, complaints = resolved(secret)
     expect("Compose reads the file and says nothing", config and not complaints, complaints)
+    if not config:
+        return 1
     expect("it wants a secret", resolved("")[0] is None)
     services = config["services"]
     expect("three servers, nginx and an S3 server", set(services) == {*SERVERS, "nginx", "s3"})

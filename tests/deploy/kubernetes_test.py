@@ -153,6 +153,7 @@ def tells_the_server(program, pod, folder, seed):
     expect("the API listens at the pod's port", arguments[at + 1] == f"0.0.0.0:{pod.ports['http']}", arguments)
     here = [each.replace(f"0.0.0.0:{pod.ports['admin']}", f"127.0.0.1:{ports[pod.ports['admin']]}") for each in here]
     service = Service(confined.program(program), here, folder / "log", environment)
+    ports[pod.ports["http"]] = service.port
     expect("the engine's filter holds for it", filters_of(service) == 1)
     expect("it decodes and computes", works(service, seed, {"Authorization": f"Bearer {made[0]}"}))
     expect("it asks for the token", service.ask("GET", "/v1/meshes")[0] == 401)
