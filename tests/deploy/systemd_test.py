@@ -5,7 +5,7 @@ the system calls that it leaves.
     systemd_test.py GEODESICD
 
 systemd-analyze reads the unit. No systemd runs here, so the unit is not started by one: the server is
-started with its flags, in filters made of its settings (seccomp_filter.py), and as root by a user of its own.
+started with its variables, in filters made of its settings (seccomp_filter.py), and as root by a user of its own.
 What the unit does to files, devices, /proc and addresses is not tried.
 
 GEODESICD_SEED=NUMBER sets the mesh; it is printed.
@@ -67,11 +67,18 @@ def analyze(program, folder):
            seconds and len(drain) == 2 and int(seconds[1]) > sum(drain) + 1, drain)
 
 
-def flags_of_unit():
-    """The words behind the program in ExecStart, but for --listen, which Service says."""
-    flags = re.search(r"^ExecStart=/usr/local/bin/geodesicd (.*)$", UNIT.read_text(encoding="utf-8"), re.M)[1].split()
-    at = flags.index("--listen")
-    return flags[:at] + flags[at + 2:]
+def variables_of_unit(program):
+    """Its variables, by which alone it says what the server is to do."""
+    unit = UNIT.read_text(encoding="utf-8")
+    expect("the unit starts the program without flags, which would beat the operator's variables",
+           re.search(r"^ExecStart=/usr/local/bin/geodesicd$", unit, re.M))
+    variables = dict(word.split("=", 1) for word in re.search(r"^Environment=(.*)$", unit, re.M)[1].split())
+    # One that the server does not know would change nothing, and nobody would see it.
+    known = subprocess.run([program, "--print-config"], capture_output=True, text=True, check=True,
+                           env={**os.environ, **variables}).stdout
+    unknown = [name for name in variables if not re.search(rf"\s{name}$", known, re.M)]
+    expect("the server reads each variable", variables and not unknown, unknown)
+    return variables
 
 
 def run(program, folder, seed):
@@ -81,9 +88,10 @@ def run(program, folder, seed):
         expect(f"the unit forbids {what}", confined.refuses(code))
     admin = free_port()
     here = {"127.0.0.1:8081": f"127.0.0.1:{admin}", "/var/lib/geodesicd": str(confined.place("store"))}
-    flags = flags_of_unit()
-    expect("the unit says where the store and the admin's listener are", set(here) <= set(flags), flags)
-    service = Service(confined.program(program), [here.get(flag, flag) for flag in flags], folder / "log")
+    variables = variables_of_unit(program)
+    expect("the unit says where the store and the admin's listener are", set(here) <= set(variables.values()), variables)
+    service = Service(confined.program(program), [], folder / "log",
+                      {name: here.get(value, value) for name, value in variables.items()})
     expect("the filters hold for the server", filters_of(service) >= 2)
     expect("the server decodes and computes", works(service, seed))
     with urllib.request.urlopen(f"http://127.0.0.1:{admin}/readyz", timeout=20) as reply:

@@ -41,12 +41,8 @@ done
 [ ${#suites[@]} -gt 0 ] || suites=(bookworm trixie)
 [ ${#stages[@]} -gt 0 ] || stages=(setup test run image)
 
-for tool in debootstrap unshare git curl jq sha256sum; do
-  command -v "$tool" >/dev/null || { echo "fresh: needs $tool" >&2; exit 2; }
-done
-[ "$(id -u)" -eq 0 ] || { echo "fresh: needs root, for chroot and mounts" >&2; exit 2; }
-mirror=$("$repository/scripts/debian_mirror")
-[ -n "$mirror" ] || { echo "fresh: apt knows no Debian mirror (apt-get update?)" >&2; exit 2; }
+# shellcheck source=tests/fresh/roots.sh
+. "$repository/tests/fresh/roots.sh"
 
 if [ -z "$folder" ]; then
   folder=$(mktemp -d)
@@ -58,13 +54,6 @@ mkdir -p "$folder"
 folder=$(cd "$folder" && pwd)
 commit=$(git -C "$repository" rev-parse HEAD)
 echo "fresh: commit $commit in $folder, from $mirror"
-
-# The way out that apt on this machine uses, for debootstrap and the roots.
-if [ -z "${http_proxy:-}" ]; then
-  proxy=""
-  eval "$(apt-config shell proxy Acquire::http::Proxy)"
-  [ -z "$proxy" ] || export http_proxy=$proxy
-fi
 
 # stage SUITE STAGE COMMAND...: runs it, says how long it took and sets `outcome`.
 # (Called on its own and not in an `if` or `||`, where bash would ignore `set -e`.)
@@ -85,49 +74,6 @@ stage() {
   fi
 }
 
-# A bare root in $folder/SUITE.base, never changed after, with this machine's network.
-make_base() {
-  local suite=$1 base=$folder/$1.base
-  [ ! -d "$base" ] || return 0
-  debootstrap --variant=minbase --include=git,make,ca-certificates \
-    "$suite" "$base.new" "$mirror" >"$base.log" || { tail -n 20 "$base.log"; return 1; }
-  cp --dereference /etc/resolv.conf "$base.new/etc/resolv.conf"
-  apt-config dump |
-    { grep -E '^Acquire::(http|https|Retries|ForceIPv[46]|Check-(Date|Valid-Until))\b' || true; } |
-    { grep -v -i auto-detect || true; } >"$base.new/etc/apt/apt.conf.d/90from-the-host"
-  local certificate
-  for certificate in /usr/local/share/ca-certificates/*.crt; do
-    [ -f "$certificate" ] || continue
-    cp "$certificate" "$base.new/usr/local/share/ca-certificates/"
-  done
-  chroot "$base.new" update-ca-certificates >/dev/null 2>&1
-  mv "$base.new" "$base"
-}
-
-# inside ROOT COMMAND...: runs it in ROOT's /src with a clean environment. Whatever
-# it leaves running or mounted ends with it.
-inside() {
-  # shellcheck disable=SC2016  # for the inner shell
-  unshare --mount --pid --fork --kill-child bash -euc '
-    root=$1 ccache=$2
-    shift 2
-    mount -t proc proc "$root/proc"
-    mount --rbind /sys "$root/sys"
-    mount --rbind /dev "$root/dev"
-    variables=(HOME=/root LANG=C.UTF-8 PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin)
-    for name in http_proxy https_proxy no_proxy PORT; do
-      [ -z "${!name:-}" ] || variables+=("$name=${!name}")
-    done
-    if [ -n "$ccache" ]; then
-      mkdir -p "$ccache" "$root/ccache"
-      mount --bind "$ccache" "$root/ccache"
-      variables+=(CCACHE_DIR=/ccache)
-    fi
-    status=0
-    chroot "$root" env -i "${variables[@]}" sh -c "cd /src && exec \"\$@\"" inside "$@" || status=$?
-    exit $status' inside "$1" "$ccache" "${@:2}"
-}
-
 stage_setup() {
   local root=$1
   inside "$root" make setup
@@ -136,10 +82,6 @@ stage_setup() {
   took=$(TIMEFORMAT='%U %S'; { time inside "$root" make setup >&2; } 2>&1 | tail -n 1)
   echo "fresh: the second make setup took $took s of processor time (user, system)"
   awk '{exit !($1 + $2 < 1)}' <<<"$took"
-}
-
-free_port() {
-  python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
 }
 
 stage_run() {
