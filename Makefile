@@ -7,7 +7,7 @@ JOBS ?= $(shell nproc)
 export PORT HOST JOBS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup configure build run test test-s3 test-cluster test-crash test-packages deb docs bench paper load torture fuzz format lint clean
+.PHONY: help setup configure build run test test-s3 test-cluster test-crash test-packages deb wheels release docs bench paper load torture fuzz format lint clean
 MAKEFLAGS += --no-print-directory
 
 help: ## list these targets
@@ -49,8 +49,15 @@ docs: ## build the documentation site, static files, in build/docs
 deb: ## build Debian's package for the Debian that this is, in build/dist
 	@scripts/build_deb
 
+wheels: ## build the wheels of the Python client and of the server, in build/dist
+	@scripts/build_wheels
+
+release: ## build all that is shipped, with checksums, in build/dist
+	@scripts/build_release
+
 test-packages: ## test the packages in clean Debian 12 and 13 roots (root, debootstrap; minutes)
 	@tests/packages/debian_test.sh
+	@tests/packages/wheels_test.sh
 
 bench: build ## measure every method, and other people's, in build/bench (minutes)
 	@scripts/setup bench

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -16,7 +18,7 @@ from geodesicd import local_server
 from geodesicd.bench.mixes import hills
 from geodesicd.local_server import find_server
 
-HERE = Path(__file__).parents[1]
+WHEEL = Path(__file__).parents[3] / "deploy" / "wheel"  # of the server
 
 
 def test_two_lines_to_a_result(tmp_path: Path) -> None:
@@ -74,14 +76,24 @@ def test_one_server_for_all_and_another_after_it_died(
         server.stop()
 
 
+def forget_the_servers_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Has Python look for it again."""
+    monkeypatch.delitem(sys.modules, "geodesicd_server", raising=False)
+    importlib.invalidate_caches()
+
+
 def test_where_the_program_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     programs = {}
-    for name in ("argument", "binary", "variable", "path", "packed"):
-        (tmp_path / name).mkdir()
-        programs[name] = tmp_path / name / "geodesicd"
+    package = tmp_path / "site" / "geodesicd_server"
+    shutil.copytree(WHEEL / "src" / "geodesicd_server", package)
+    places = {name: tmp_path / name for name in ("argument", "binary", "variable", "path")}
+    for name, folder in {**places, "package": package / "bin"}.items():
+        folder.mkdir()
+        programs[name] = folder / "geodesicd"
         programs[name].write_text("#!/bin/sh\n")
         programs[name].chmod(0o755)
-    monkeypatch.setattr(local_server, "_PACKED", programs["packed"])
+    monkeypatch.syspath_prepend(tmp_path / "site")
+    forget_the_servers_package(monkeypatch)
     monkeypatch.setenv("GEODESICD_BINARY", str(programs["binary"]))
     monkeypatch.setenv("GEODESICD", str(programs["variable"]))
     monkeypatch.setenv("PATH", str(tmp_path / "path"))
@@ -90,25 +102,29 @@ def test_where_the_program_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.delenv("GEODESICD_BINARY")
     assert find_server() == programs["variable"]
     monkeypatch.delenv("GEODESICD")
+    assert find_server() == programs["package"]
+    shutil.rmtree(package)
+    forget_the_servers_package(monkeypatch)
     assert find_server() == programs["path"]
     monkeypatch.setenv("PATH", str(tmp_path))
-    assert find_server() == programs["packed"]
-    programs["packed"].unlink()
-    with pytest.raises(FileNotFoundError, match=r"GEODESICD_BINARY.*PATH.*wheel.*Client\(url\)"):
+    with pytest.raises(FileNotFoundError, match=r"\[server\].*PATH.*_BINARY.*Client\(url\)"):
         geodesicd.local(np.eye(3), [[0, 1, 2]])
     monkeypatch.setenv("GEODESICD_BINARY", "/nowhere/geodesicd")
     with pytest.raises(FileNotFoundError, match=r"\$GEODESICD_BINARY names no program: /nowhere"):
         find_server()
 
 
-def test_a_wheel_with_the_server_in_it(tmp_path: Path) -> None:
+def test_serve_with_the_servers_wheel(tmp_path: Path, samples: Path) -> None:
     source = tmp_path / "source"
-    ignored = shutil.ignore_patterns("__pycache__", "tests")
-    shutil.copytree(HERE, source, ignore=ignored)
-    packed = source / "src" / "geodesicd" / "bin" / "geodesicd"
-    packed.parent.mkdir(exist_ok=True)
-    packed.write_text("#!/bin/sh\n")
-    packed.chmod(0o755)
+    shutil.copytree(WHEEL, source, ignore=shutil.ignore_patterns("__pycache__"))
+    package = source / "src" / "geodesicd_server"
+    (package / "bin").mkdir()
+    shutil.copy(os.environ["GEODESICD"], package / "bin" / "geodesicd")
+    share = package / "share" / "geodesicd"
+    (share / "viewer").mkdir(parents=True)
+    (share / "viewer" / "index.html").write_text("<title>a viewer</title>")
+    (share / "samples").mkdir()
+    shutil.copy(samples / "plane.glb", share / "samples")
     pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "-q"]
     alone = ["--no-deps", "--no-build-isolation"]
     built = [*pip, "wheel", *alone, "-w", str(tmp_path), str(source)]
@@ -117,4 +133,19 @@ def test_a_wheel_with_the_server_in_it(tmp_path: Path) -> None:
     assert "none-any" not in wheel.name
     installed = [*pip, "install", *alone, "--target", str(tmp_path / "site"), str(wheel)]
     subprocess.run(installed, check=True, timeout=120)
-    assert os.access(tmp_path / "site" / "geodesicd" / "bin" / "geodesicd", os.X_OK)
+
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("GEODESICD")}
+    environment["PYTHONPATH"] = str(tmp_path / "site")
+    command = [sys.executable, "-m", "geodesicd.commands", "serve", "--listen", "127.0.0.1:0"]
+    with subprocess.Popen(
+        [*command, "--samples", "--", "--max-vertices", "10000"],
+        stdout=subprocess.PIPE, text=True, env=environment,
+    ) as process:  # fmt: skip
+        assert process.stdout is not None
+        listening = re.fullmatch(r"listening on (\S+)\n", process.stdout.readline())
+        assert listening
+        with geodesicd.Client(listening[1]) as client:
+            assert client.mesh("plane.glb").vertices == 10000
+            assert b"a viewer" in client.fetch("GET", "/").body
+            assert client.status()["limits"]["max_vertices"] == 10000
+        process.terminate()

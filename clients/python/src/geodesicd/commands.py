@@ -24,7 +24,7 @@ from . import __version__
 from .client import Client, Mesh
 from .digits import number, numbers, short
 from .errors import GeodesicError, GeodesicWarning, NotFound, printable
-from .local_server import serve
+from .local_server import find_server, serve, shared_folder
 from .lookup import mesh_id, reading_text, short_ids
 from .progress import progress_bar
 from .service import Reading
@@ -37,7 +37,11 @@ results = Console(highlight=False, soft_wrap=True)
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; its exit status."""
     parser = _parser()
-    options = parser.parse_args(arguments)
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    flags: list[str] = []
+    if words[:1] == ["serve"] and "--" in words:  # what follows is for the server
+        words, flags = words[: words.index("--")], words[words.index("--") + 1 :]
+    options = parser.parse_args(words, argparse.Namespace(flags=flags))
     run: Callable[[argparse.Namespace], int] = options.run
     try:
         with _warnings_for_people():
@@ -209,15 +213,20 @@ def _parser() -> argparse.ArgumentParser:
 
     bench.arguments(command("bench", "[URL]", bench.run, "Load a server and measure it."))
 
-    server = command("serve", "[FILE...]", _serve, "Run a server on this machine until Ctrl-C.")
+    server = command(
+        "serve", "[FILE...] [-- FLAG...]", _serve, "Run a server on this machine until Ctrl-C."
+    )
     server.add_argument(
         "file", nargs="*", type=Path, metavar="FILE", help="meshes to upload at the start"
     )
-    server.add_argument("--server", metavar="FILE", help="its program; else $GEODESICD_BINARY")
+    server.add_argument("--server", metavar="FILE", help="its program; else as installed")
     server.add_argument(
         "--listen", default="127.0.0.1:8080", metavar="ADDRESS", help="HOST:PORT (%(default)s)"
     )
-    server.add_argument("--store", type=Path, metavar="FOLDER", help="keep meshes there")
+    server.add_argument(
+        "--store", type=Path, metavar="FOLDER", help="keep meshes there; else until it ends"
+    )
+    server.add_argument("--samples", action="store_true", help="begin with sample meshes")
     return parser
 
 
@@ -501,7 +510,15 @@ def _plot(options: argparse.Namespace) -> int:
 
 
 def _serve(options: argparse.Namespace) -> int:
-    server = serve(options.server, store=options.store, listen=options.listen)
+    program = find_server(options.server)
+    flags = list(options.flags)
+    for name in ("viewer", "docs", *(["samples"] if options.samples else [])):
+        folder = shared_folder(program, name)
+        if folder is None and name == "samples":
+            raise ValueError(f"no sample meshes came with {program}; name files of your own")
+        if folder is not None and not any(flag.split("=")[0] == f"--{name}" for flag in flags):
+            flags += [f"--{name}", str(folder)]
+    server = serve(program, store=options.store, listen=options.listen, flags=flags)
 
     def interrupt(number: int, frame: Any) -> None:
         raise KeyboardInterrupt

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import atexit
 import contextlib
+import importlib
 import os
 import re
 import shutil
@@ -30,12 +31,10 @@ from .flows import Progress
 from .mesh_input import body_of, warn_of_rounding
 from .service import Reading
 
-_PACKED = Path(__file__).with_name("bin") / "geodesicd"  # in wheels that were built with it
-
 
 def find_server(binary: str | os.PathLike[str] | None = None) -> Path:
-    """The server's program: the argument, else $GEODESICD_BINARY, else $GEODESICD, else
-    ``geodesicd`` on PATH, else the one that is packed with this client.
+    """The server's program: the argument, else $GEODESICD_BINARY, else $GEODESICD, else that of the
+    package geodesicd-server, else ``geodesicd`` on PATH.
 
     Raises:
         FileNotFoundError: there is none; the message says how to get one.
@@ -49,15 +48,26 @@ def find_server(binary: str | os.PathLike[str] | None = None) -> Path:
             where = f"${variable}" if variable else "the argument"
             raise FileNotFoundError(f"{where} names no program: {os.fspath(named)}")
         return Path(found)
-    found = shutil.which("geodesicd") or shutil.which(_PACKED)
+    try:
+        return Path(importlib.import_module("geodesicd_server").PROGRAM)
+    except ModuleNotFoundError:
+        found = shutil.which("geodesicd")
     if found is None:
         raise FileNotFoundError(
-            "there is no geodesicd to start here. Three ways to one: name the program as binary= "
-            "or in $GEODESICD_BINARY ('make build' in its repository makes "
-            "build/release/geodesicd); put it on PATH; or install a wheel of this client that has "
-            "it packed. A server that runs elsewhere needs none of them: geodesicd.Client(url)"
+            "there is no geodesicd to start here. Three ways to one: install its wheel, "
+            "pip install 'geodesicd[server]'; put it on PATH, as Debian's package does; or name "
+            "the program as binary= or in $GEODESICD_BINARY ('make build' in its repository makes "
+            "build/release/geodesicd). A server that runs elsewhere needs none of them: "
+            "geodesicd.Client(url)"
         )
     return Path(found)
+
+
+def shared_folder(program: Path, name: str) -> Path | None:
+    """The folder ``viewer``, ``docs`` or ``samples`` that was installed with a program, in
+    ``share`` beside its ``bin``; None where there is none."""
+    folder = program.resolve().parent.parent / "share" / "geodesicd" / name
+    return folder if folder.is_dir() else None
 
 
 class LocalServer:
@@ -196,7 +206,7 @@ def serve(
 
     Args:
         binary: the server's program; without it $GEODESICD_BINARY or $GEODESICD, else
-            ``geodesicd`` on PATH, else the one packed with this client.
+            that of the package geodesicd-server, else ``geodesicd`` on PATH.
         store: the folder of its meshes; without it a temporary one, removed at the end.
         flags: more flags for it, such as ``["--compute-threads", "2"]``.
         listen: HOST:PORT; port 0 is any free one.
