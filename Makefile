@@ -7,7 +7,7 @@ JOBS ?= $(shell nproc)
 export PORT HOST JOBS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup configure build run test test-s3 test-cluster test-crash test-packages deb wheels release docs bench paper load torture fuzz format lint clean
+.PHONY: help setup configure build run test test-s3 test-cluster test-crash test-packages test-image deb wheels release docs bench paper load torture fuzz format lint clean
 MAKEFLAGS += --no-print-directory
 
 help: ## list these targets
@@ -55,9 +55,13 @@ wheels: ## build the wheels of the Python client and of the server, in build/dis
 release: ## build all that is shipped, with checksums, in build/dist
 	@scripts/build_release
 
-test-packages: ## test the packages in clean Debian 12 and 13 roots (root, debootstrap; minutes)
+test-packages: wheels ## test the packages in clean Debian 12 and 13 roots (root, debootstrap; minutes)
 	@tests/packages/debian_test.sh
 	@tests/packages/wheels_test.sh
+
+test-image: ## build the image twice: the same file system, small, with its SBOM (root, debootstrap, buildah; minutes)
+	@scripts/setup image
+	@tests/packages/image_test.sh
 
 bench: build ## measure every method, and other people's, in build/bench (minutes)
 	@scripts/setup bench

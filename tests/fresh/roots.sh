@@ -17,11 +17,12 @@ if [ -z "${http_proxy:-}" ]; then
   [ -z "$proxy" ] || export http_proxy=$proxy
 fi
 
-# A bare root in $folder/SUITE.base, never changed after, with this machine's network.
+# make_base SUITE [PACKAGES]: a bare root in $folder/SUITE.base, never changed after, with this machine's
+# network.
 make_base() {
   local suite=$1 base=$folder/$1.base
   [ ! -d "$base" ] || return 0
-  debootstrap --variant=minbase --include=git,make,ca-certificates \
+  debootstrap --variant=minbase --include="${2:-git,make,ca-certificates}" \
     "$suite" "$base.new" "$mirror" >"$base.log" || { tail -n 20 "$base.log"; return 1; }
   cp --dereference /etc/resolv.conf "$base.new/etc/resolv.conf"
   apt-config dump |
