@@ -17,6 +17,7 @@
 #include "server/routes/call.h"
 #include "server/routes/documents.h"
 #include "server/routes/embedded_text.h"
+#include "server/routes/engine_digest.h"
 
 namespace geodesic::server {
 namespace {
@@ -279,6 +280,7 @@ HttpResponse Routes::status() {
   const ordered_json status{
       {"name", "geodesicd"},
       {"version", GEODESIC_VERSION},
+      {"engine", engine_digest()},
       {"draining", draining_.load()},
       {"meshes", catalog_.size()},
       {"limits",

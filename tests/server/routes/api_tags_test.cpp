@@ -224,4 +224,6 @@ TEST_CASE("AWeakTagSavesTheComputationToo") {
 TEST_CASE("TagsHaveTheDigestOfTheBuild") {
   CHECK(engine_digest().size() == 32);
   CHECK(engine_digest().find_first_not_of("0123456789abcdef") == std::string_view::npos);
+  PlaneService plane;
+  CHECK(body_of(plane.service.get("/v1/status"))["engine"] == engine_digest());
 }
