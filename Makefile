@@ -7,7 +7,7 @@ JOBS ?= $(shell nproc)
 export PORT HOST JOBS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup configure build run test test-s3 test-cluster test-crash test-packages test-image deb wheels release docs bench paper load torture fuzz format lint clean
+.PHONY: help setup configure build run test test-s3 test-cluster test-crash test-bulk test-packages test-image deb wheels release docs bench paper load torture fuzz format lint clean
 MAKEFLAGS += --no-print-directory
 
 help: ## list these targets
@@ -41,6 +41,9 @@ test-cluster: build ## test three servers on one bucket behind nginx and HAProxy
 
 test-crash: build ## kill the server 200 times while it writes
 	@tests/crash/crash_test.py build/release/geodesicd 200
+
+test-bulk: build ## map 200 meshes by Dask, while workers, servers and runs are killed
+	@GEODESICD_BULK_MESHES=200 tests/clients/python_test.sh build/release/geodesicd -- tests/test_bulk.py
 
 docs: ## build the documentation site, static files, in build/docs
 	@scripts/setup

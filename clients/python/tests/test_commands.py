@@ -63,7 +63,10 @@ def test_upload_in_millimetres(server: geodesicd.LocalServer, samples: Path) -> 
 COMMANDS = re.findall(r"(?m)^  ([a-z]+)  ", _parser().format_help())
 
 
-@pytest.mark.parametrize("command", ["", *COMMANDS])
+QUESTIONS = [f"map {name}" for name in ("distance", "path", "table", "samples", "matrix")]
+
+
+@pytest.mark.parametrize("command", ["", *COMMANDS, *QUESTIONS])
 def test_help_fits_a_screen(server: geodesicd.LocalServer, command: str) -> None:
     told = geodesic(server, *command.split(), "--help").stdout.splitlines()
     assert len(told) < 24  # and the prompt behind it
@@ -73,7 +76,7 @@ def test_help_fits_a_screen(server: geodesicd.LocalServer, command: str) -> None
 
 
 def test_every_command_is_listed() -> None:
-    known = "upload list rename delete distance path table plot bench serve"
+    known = "upload list rename delete distance path table plot map bench serve"
     assert known.split() == COMMANDS
 
 

@@ -92,7 +92,7 @@ class _Layout(argparse.HelpFormatter):
         return f"{', '.join(action.option_strings)} {name}"
 
 
-class _Parser(argparse.ArgumentParser):
+class Parser(argparse.ArgumentParser):
     """One whose help has one list, of what has to be given first."""
 
     def __init__(self, **options: Any) -> None:
@@ -100,6 +100,7 @@ class _Parser(argparse.ArgumentParser):
         self.add_argument("-h", "--help", action="help", help=argparse.SUPPRESS)
 
     def format_help(self) -> str:
+        """As argparse calls it."""
         layout = self._get_formatter()
         layout.add_usage(self.usage, [], [])
         layout.add_text(self.description)
@@ -114,7 +115,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = Parser(
         prog="geodesic",
         usage="geodesic COMMAND ...",
         description="Geodesic distances and shortest paths on triangle meshes. "
@@ -123,7 +124,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--version", action="version", version=f"geodesic {__version__}", help="print the version"
     )
-    commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=Parser)
 
     def command(name: str, usage: str, run: Callable[[argparse.Namespace], int], help: str) -> Any:
         full = f"geodesic {name} [options] {usage}".rstrip()
@@ -165,7 +166,7 @@ def _parser() -> argparse.ArgumentParser:
     distance.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help="a .npy file, or .csv; else printed"
     )
-    _exactness(distance)
+    exactness(distance)
     _connection(distance)
 
     path = command(
@@ -185,14 +186,14 @@ def _parser() -> argparse.ArgumentParser:
         metavar="FILE",
         help=".csv, .npy, .json or .glb",
     )
-    _exactness(path)
+    exactness(path)
     _connection(path)
 
     table = command("table", "MESH --from POINT", _table, "Print distances among points, as CSV.")
     _query(table)
     table.add_argument("--to", action="append", metavar="POINT", help="a column; else the rows")
     table.add_argument("--max", type=float, metavar="N", help="farther is unreached")
-    _exactness(table)
+    exactness(table)
     _connection(table)
 
     plot = command("plot", "MESH --from POINT", _plot, "Draw a field with isolines and a path.")
@@ -206,8 +207,14 @@ def _parser() -> argparse.ArgumentParser:
     plot.add_argument("--view", help="front, back, left, right, top, bottom, corner, AZ,EL")
     plot.add_argument("--up", choices=["y", "z"], default="y", metavar="AXIS", help="y or z")
     plot.add_argument("--colormap", default="viridis", metavar="NAME", help="one of matplotlib's")
-    _exactness(plot, points_per_edge=False)
+    exactness(plot, points_per_edge=False)
     _connection(plot)
+
+    from . import map_command
+
+    map_command.arguments(
+        command("map", "QUESTION", map_command.run, "Ask many meshes the same, or for a matrix.")
+    )
 
     from .bench import command as bench
 
@@ -247,7 +254,7 @@ def _query(parser: argparse.ArgumentParser, several: bool = True) -> None:
     )
 
 
-def _exactness(parser: argparse.ArgumentParser, points_per_edge: bool = True) -> None:
+def exactness(parser: argparse.ArgumentParser, points_per_edge: bool = True) -> None:
     """How distances are computed: alike for all queries."""
     parser.add_argument(
         "--method", metavar="NAME", help="auto, exact, …; else the server's default"
@@ -264,8 +271,8 @@ def _exactness(parser: argparse.ArgumentParser, points_per_edge: bool = True) ->
         parser.add_argument("--deadline", type=float, metavar="SECONDS", help="give up then")
 
 
-def _asked(options: argparse.Namespace) -> dict[str, Any]:
-    """What :func:`_exactness` added, as the queries take it."""
+def exactness_of(options: argparse.Namespace) -> dict[str, Any]:
+    """What :func:`exactness` added, as the queries take it."""
     names = ("method", "tolerance", "bound", "points_per_edge", "deadline")
     return {name: getattr(options, name) for name in names if hasattr(options, name)}
 
@@ -314,7 +321,8 @@ def point(text: str) -> int | str:
     return int(text) if text.isdigit() else text
 
 
-def _points(texts: Sequence[str]) -> list[Any]:
+def points(texts: Sequence[str]) -> list[Any]:
+    """Several of them."""
     return [point(text) for text in texts]
 
 
@@ -396,10 +404,10 @@ def _delete(options: argparse.Namespace) -> int:
 
 def _distance(options: argparse.Namespace) -> int:
     with mesh_of(options) as mesh, bar("distances") as progress:
-        asked: dict[str, Any] = {"max": options.max, "progress": progress, **_asked(options)}
-        sources = _points(options.sources)
+        asked: dict[str, Any] = {"max": options.max, "progress": progress, **exactness_of(options)}
+        sources = points(options.sources)
         if options.at:
-            field = mesh.distance_at(sources, _points(options.at), **asked)
+            field = mesh.distance_at(sources, points(options.at), **asked)
         else:
             field = mesh.distance(sources, **asked)
     if options.output is None:
@@ -430,8 +438,8 @@ def _path(options: argparse.Namespace) -> int:
     endings = (".csv", ".npy", ".json", ".glb")
     if options.output is not None:
         _require(options.output, endings)
-    source, target, via = point(options.sources), point(options.to), _points(options.via)
-    asked: dict[str, Any] = {"refine": options.refine, **_asked(options)}
+    source, target, via = point(options.sources), point(options.to), points(options.via)
+    asked: dict[str, Any] = {"refine": options.refine, **exactness_of(options)}
     with mesh_of(options) as mesh, bar("path") as progress:
         path = mesh.path(source, target, via=via, progress=progress, **asked)
         if options.output is not None and options.output.suffix == ".glb":
@@ -467,8 +475,8 @@ def _save_path(file: Path, path: Any) -> None:
 def _table(options: argparse.Namespace) -> int:
     with mesh_of(options) as mesh, bar("table") as progress:
         sources, targets = options.sources, options.to or options.sources
-        asked: dict[str, Any] = {"max": options.max, "progress": progress, **_asked(options)}
-        table = mesh.table(_points(sources), _points(targets), **asked)
+        asked: dict[str, Any] = {"max": options.max, "progress": progress, **exactness_of(options)}
+        table = mesh.table(points(sources), points(targets), **asked)
     quoted = [f'"{name}"' if "," in name else name for name in targets]
     print(",".join(["", *quoted]))
     for name, row in zip(sources, table, strict=True):
@@ -488,16 +496,16 @@ def _plot(options: argparse.Namespace) -> int:
         title = Path(options.mesh).name if Path(options.mesh).is_file() else None
         figure = plot(
             mesh,
-            _points(options.sources),
+            points(options.sources),
             target=None if options.to is None else point(options.to),
-            via=_points(options.via),
+            via=points(options.via),
             isolines=options.isolines,
             view=view,
             up=options.up,
             colormap=options.colormap,
             title=title,
             progress=progress,
-            **_asked(options),
+            **exactness_of(options),
         )
     if options.output is not None:
         figure.savefig(options.output)

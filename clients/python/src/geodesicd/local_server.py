@@ -75,6 +75,9 @@ class LocalServer:
     gives a :class:`Client` and ``async with`` an :class:`AsyncClient`; both stop the server at
     the end."""
 
+    _before: Sequence[str] = ()  # a program that starts it, with that one's arguments
+    _within: str | None = None  # the folder to make its temporary one in
+
     def __init__(
         self,
         binary: str | os.PathLike[str] | None = None,
@@ -102,9 +105,10 @@ class LocalServer:
         """
         if self._process is not None:
             return self.url
-        self._folder = Path(tempfile.mkdtemp(prefix="geodesicd-"))
+        self._folder = Path(tempfile.mkdtemp(prefix="geodesicd-", dir=self._within))
         store = Path(self._store) if self._store is not None else self._folder / "store"
-        command = [str(self._binary), "--listen", self._listen, "--store", str(store)]
+        program = [*self._before, str(self._binary)]
+        command = [*program, "--listen", self._listen, "--store", str(store)]
         # Variables meant for some other server are none of this one's business.
         clean = {k: v for k, v in os.environ.items() if not k.startswith("GEODESICD")}
         with self._log_file().open("wb") as log:

@@ -7,7 +7,9 @@ import asyncio
 import os
 import sys
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 
 from .errors import GeodesicWarning, printable
@@ -15,6 +17,19 @@ from .errors import GeodesicWarning, printable
 _MOST = 10  # of one answer: more are a flood that nobody reads
 _LONGEST = 1000
 _NOBODYS = tuple(f"{Path(file).parent}{os.sep}" for file in (__file__, asyncio.__file__))
+
+_kept: ContextVar[list[str] | None] = ContextVar("_kept", default=None)
+
+
+@contextmanager
+def kept_remarks() -> Iterator[list[str]]:
+    """What is remarked in a block of this thread, as a list in place of warnings."""
+    kept: list[str] = []
+    before = _kept.set(kept)
+    try:
+        yield kept
+    finally:
+        _kept.reset(before)
 
 
 def remarks_in(headers: Mapping[str, str]) -> list[str]:
@@ -27,8 +42,13 @@ def remark(sentences: Iterable[str]) -> None:
     asyncio's makes the call itself, that is the line that runs the loop."""
     told = list(dict.fromkeys(sentences))
     left = len(told) - _MOST
+    kept = _kept.get()
     for sentence in [*told[:_MOST], *([f"and {left} more warnings"] if left > 0 else [])]:
-        warnings.warn(printable(sentence[:_LONGEST]), GeodesicWarning, _level_of_caller())
+        shown = printable(sentence[:_LONGEST])
+        if kept is None:
+            warnings.warn(shown, GeodesicWarning, _level_of_caller())
+        else:
+            kept.append(shown)
 
 
 def _level_of_caller() -> int:
