@@ -198,6 +198,14 @@ Result<CommandLine> read_config(const std::vector<std::string>& arguments,
     result.problems.push_back(
         {InputCode::bad_syntax, "--tls-cert and --tls-key go together", {}, {}, {}});
   }
+  if (result.config.proxy_protocol != "off" && result.config.trusted_proxies.empty()) {
+    result.problems.push_back({InputCode::bad_syntax,
+                               "--proxy-protocol needs --trusted-proxies, the addresses of the "
+                               "proxies: without them nobody could connect",
+                               {},
+                               {},
+                               {}});
+  }
   if (!result.check && !result.problems.empty()) return fail(result.problems.front());
   if (print && !result.check) result.print = print_config(result.config, origins);
   return result;

@@ -57,10 +57,15 @@ std::span<const Option> options() {
              "Where probes and metrics listen; empty: on the API's listener"},
       Option{"base-path", Kind::base_path, &Config::base_path, "PATH",
              "Path that a proxy has for the server, such as /geo: links in replies begin with it"},
-      Option{
-          "trusted-proxies", Kind::addresses, &Config::trusted_proxies, "ADDRESSES",
-          "Addresses and ranges of proxies, with commas between them, whose X-Forwarded-For says "
-          "who the client is"},
+      Option{"trusted-proxies", Kind::addresses, &Config::trusted_proxies, "ADDRESSES",
+             "Addresses and ranges of proxies, with commas between them, that are believed who the "
+             "client is"},
+      Option{"forwarded-header", Kind::forwarded_header, &Config::forwarded_header, "HEADER",
+             "Header in which they say so, x-forwarded-for or forwarded (RFC 7239); the other one "
+             "is not read"},
+      Option{"proxy-protocol", Kind::proxy_protocol, &Config::proxy_protocol, "VERSION",
+             "v2: connections to the API's listener come from these proxies alone, and each begins "
+             "with a PROXY header of version 2; off: none does"},
       Option{"tls-cert", Kind::text, &Config::tls_cert, "FILE",
              "PEM certificate (with its chain) of the API's listener; empty: plain HTTP"},
       Option{"tls-key", Kind::text, &Config::tls_key, "FILE", "PEM key of that certificate"},
@@ -205,6 +210,12 @@ Result<void> set_option(const Option& option, std::string_view text, std::string
       return set_text(AddressRanges::parse(text).has_value(),
                       "is no list of addresses and ranges such as 127.0.0.1,10.0.0.0/8,fd00::/8 "
                       "(no bits after the prefix)");
+    case Kind::forwarded_header:
+      return set_text(text == "x-forwarded-for" || text == "forwarded",
+                      "is neither x-forwarded-for nor forwarded");
+    case Kind::proxy_protocol:
+      return set_text(text == "off" || text == "v2",
+                      "is neither off nor v2 (a proxy's version 1 is not read)");
     case Kind::decoder:
       return set_text(text == "process" || text == "in-process",
                       "is neither process nor in-process");

@@ -24,7 +24,9 @@ struct Option {
     when_full,
     decoder,
     base_path,
-    addresses
+    addresses,
+    forwarded_header,
+    proxy_protocol
   };
   using Member = std::variant<std::string Config::*, std::uint64_t Config::*, Address Config::*>;
 

@@ -77,8 +77,7 @@ std::string HttpConnection::peer_address() const {
 
 Progress HttpConnection::handshake() { return tls_ ? tls_->handshake() : Progress::done; }
 
-Progress HttpConnection::read(char* out, std::size_t size, std::size_t& count) {
-  if (tls_) return tls_->read(out, size, count);
+Progress HttpConnection::read_plain(char* out, std::size_t size, std::size_t& count) {
   while (true) {
     const ssize_t n = ::recv(socket_, out, size, 0);
     if (n > 0) {
@@ -88,6 +87,10 @@ Progress HttpConnection::read(char* out, std::size_t size, std::size_t& count) {
     if (n < 0 && errno == EINTR) continue;
     return n < 0 && would_block(errno) ? Progress::wants_read : Progress::closed;
   }
+}
+
+Progress HttpConnection::read(char* out, std::size_t size, std::size_t& count) {
+  return tls_ ? tls_->read(out, size, count) : read_plain(out, size, count);
 }
 
 // With `more`, what follows at once goes out in the same packet.

@@ -53,7 +53,9 @@ class HttpConnection {
   [[nodiscard]] int socket() const { return socket_; }
   [[nodiscard]] std::string peer_address() const;  // without the port; "" if unknown
 
-  // To be done before anything else; `done` at once if plain.
+  // Up to `size` bytes from beneath TLS, which never sees them: before anything else.
+  [[nodiscard]] Progress read_plain(char* out, std::size_t size, std::size_t& count);
+  // To be done before a request is read; `done` at once if plain.
   [[nodiscard]] Progress handshake();
 
   // What has arrived and was not used.

@@ -1,8 +1,10 @@
 #include "server/edge/conversation.h"
 
 #include <poll.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "proto/wire/input_codes.h"
@@ -13,6 +15,7 @@ namespace geodesic::server {
 
 namespace {
 
+constexpr std::size_t kProxyChunk = 4u << 10;
 constexpr std::size_t kHeadChunk = 16u << 10;
 constexpr std::size_t kBodyChunk = 64u << 10;
 // What is read of a body after its time, which is more than a socket holds. A piece counts as
@@ -24,8 +27,18 @@ constexpr std::size_t kLeastPiece = 1u << 10;
 // the reply on its way.
 constexpr std::chrono::seconds kGoodbyeTime{1};
 constexpr std::size_t kGoodbyeChunk = 1u << 20;
+constexpr std::chrono::seconds kTellUnannouncedEvery{1};
 
 }  // namespace
+
+void Unannounced::tell(const std::string& peer, std::string_view why) {
+  const std::uint64_t count = ++count_;
+  const Clock::time_point now = Clock::now();
+  Clock::time_point told = told_;
+  if (told != Clock::time_point::min() && now - told < kTellUnannouncedEvery) return;
+  if (!told_.compare_exchange_strong(told, now)) return;  // another thread does
+  spdlog::warn("a connection from {} is closed: {} ({} so far)", peer, why, count);
+}
 
 HttpConversation::HttpConversation(HttpEdge& edge, UniqueFd socket, std::unique_ptr<TlsSession> tls,
                                    std::atomic<bool>& unwanted)
@@ -33,7 +46,13 @@ HttpConversation::HttpConversation(HttpEdge& edge, UniqueFd socket, std::unique_
       connection_(std::move(socket), std::move(tls)),
       remote_(connection_.peer_address()),
       deadline_(Clock::now() + edge.options.head_timeout),
-      held_(edge.bodies, unwanted) {}
+      held_(edge.bodies, unwanted) {
+  if (!edge.options.expects_proxy_header) return;
+  phase_ = Phase::announcement;
+  if (edge.options.trusted_proxies.contains(remote_)) return;
+  edge.unannounced.tell(remote_, "it is no address of trusted-proxies, and --proxy-protocol is on");
+  phase_ = Phase::over;
+}
 
 HttpConversation::~HttpConversation() { release_reply(); }
 
@@ -46,6 +65,9 @@ auto HttpConversation::advance(bool overdue) -> Next {
   while (true) {
     MaybeNext next;
     switch (phase_) {
+      case Phase::announcement:
+        next = receive_announcement(overdue);
+        break;
       case Phase::handshake:
         next = shake_hands(overdue);
         break;
@@ -69,6 +91,37 @@ auto HttpConversation::advance(bool overdue) -> Next {
     }
     if (next) return *next;
     overdue = false;  // it was about the phase that is over now
+  }
+}
+
+// Never reads beyond the header: what follows may be TLS.
+auto HttpConversation::receive_announcement(bool overdue) -> MaybeNext {
+  while (true) {
+    std::array<char, kProxyChunk> bytes;
+    std::size_t count = 0;
+    const Progress progress =
+        connection_.read_plain(bytes.data(), std::min(bytes.size(), announced_.missing()), count);
+    if (progress == Progress::closed) return go(Phase::over);
+    if (progress == Progress::done) {
+      const ProxyHeader::State state = announced_.take({bytes.data(), count});
+      if (state == ProxyHeader::State::more) continue;
+      if (state == ProxyHeader::State::refused) {
+        edge_.unannounced.tell(remote_, announced_.fault());
+        return go(Phase::over);
+      }
+      if (!announced_.source().empty()) remote_ = announced_.source();
+      return go(Phase::handshake);
+    }
+    if (overdue || Clock::now() > deadline_) {
+      if (announced_.has_begun()) {
+        edge_.unannounced.tell(remote_, "its PROXY header did not arrive in time");
+      }
+      return go(Phase::over);
+    }
+    Next next = wait_for(progress, deadline_);
+    next.idle = !announced_.has_begun();
+    next.dispensable = true;
+    return next;
   }
 }
 

@@ -7,8 +7,8 @@
 #include <cstdint>
 
 #include "server/base/service_codes.h"
-#include "server/edge/forwarded.h"
 #include "server/http/request_log.h"
+#include "server/proxies/forwarded.h"
 
 namespace geodesic::server {
 
@@ -73,7 +73,7 @@ void judge_head(const HttpOptions& options, HttpConnection::Head outcome, std::s
   request.set_base_path(options.base_path);
   request.authority = std::move(head.authority);
   request.query = std::move(head.query);
-  request.remote = forwarded_for(options.trusted_proxies, head, peer);
+  request.remote = forwarded_for(options.trusted_proxies, options.forwarded_header, head, peer);
   request.caller.client = client_of(request.remote);
   request.caller.asked = std::make_shared<const Caller::Asked>(
       Caller::Asked{request.id, request.method, request.target});

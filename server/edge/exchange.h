@@ -43,7 +43,7 @@ struct Exchange {
 };
 
 // Judges a head, or what came instead of one; `refused` says what is wrong.
-// `peer` is the address that the connection comes from.
+// `peer` is the address that the connection comes from, or that a proxy has announced for it.
 void judge_head(const HttpOptions& options, HttpConnection::Head outcome, std::string_view bytes,
                 const std::string& peer, Exchange& exchange);
 

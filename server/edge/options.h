@@ -13,6 +13,7 @@
 #include "server/base/address_ranges.h"
 #include "server/edge/tls.h"
 #include "server/http/message.h"
+#include "server/proxies/forwarded.h"
 
 namespace geodesic::server {
 
@@ -43,7 +44,12 @@ struct HttpOptions {
   int port = 0;                     // 0: any free one
   std::shared_ptr<TlsContext> tls;  // null: plain HTTP
   std::string base_path;            // of every request (HttpRequest::set_base_path)
-  AddressRanges trusted_proxies;    // whose word on their clients is believed (edge/forwarded.h)
+  // Whose word on their clients is believed, and by which header (proxies/forwarded.h).
+  AddressRanges trusted_proxies;
+  ForwardedHeader forwarded_header = ForwardedHeader::x_forwarded_for;
+  // Each connection begins with a header of the PROXY protocol (proxies/proxy_header.h), and comes
+  // from a trusted proxy; others are closed.
+  bool expects_proxy_header = false;
 
   // A thread is held by a request that is handled, and by nothing else.
   std::size_t io_threads = 64;               // started at once …

@@ -112,6 +112,10 @@ void HttpWorkers::adopt(UniqueFd socket) {
     release(index);
     return;
   }
+  if (place.conversation->is_over()) {
+    release(index);
+    return;
+  }
   {
     const std::lock_guard lock(places_mutex_);
     place.watch = place.conversation->connection().watch();
@@ -119,8 +123,9 @@ void HttpWorkers::adopt(UniqueFd socket) {
   // A worker sees to the rest. Whoever says nothing waits no longer than for a head.
   HttpConversation::Next first;
   first.what = HttpConversation::WaitsFor::readable;
-  first.deadline =
-      Clock::now() + (edge_.options.tls ? edge_.options.head_timeout : edge_.keep_alive.load());
+  first.deadline = Clock::now() + (edge_.options.tls || edge_.options.expects_proxy_header
+                                       ? edge_.options.head_timeout
+                                       : edge_.keep_alive.load());
   first.idle = first.dispensable = true;
   if (!wait_in_kernel(index, first, /*first=*/true)) release(index);
 }

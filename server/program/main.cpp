@@ -74,6 +74,10 @@ HttpOptions http_options(const Config& config, const Address& address, const Rou
   options.base_path = config.base_path;
   // What the configuration holds was read as such.
   options.trusted_proxies = AddressRanges::parse(config.trusted_proxies).value_or(AddressRanges());
+  options.forwarded_header = config.forwarded_header == "forwarded"
+                                 ? ForwardedHeader::forwarded
+                                 : ForwardedHeader::x_forwarded_for;
+  options.expects_proxy_header = config.proxy_protocol == "v2";
   options.io_threads = config.io_threads;
   // Each computation that runs or waits holds a thread: there must be others, which
   // tell the next client that the queue is full.
@@ -214,6 +218,7 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
   // A listener of its own has threads and places of its own: probes are answered
   // however busy the API is.
   HttpOptions admin_options = http_options(config, config.admin_listen, routes, 0, 64);
+  admin_options.expects_proxy_header = false;  // who probes it is no client behind a proxy
   admin_options.io_threads = 2;
   admin_options.max_io_threads = 16;
   // A process that serves nobody had better end, so that somebody starts another.

@@ -17,6 +17,8 @@ std::span<const Target> targets() {
       Target{"head", fuzz_head, head_seeds},
       Target{"body", fuzz_body, body_seeds},
       Target{"form", fuzz_form, form_seeds},
+      Target{"proxy_header", fuzz_proxy_header, proxy_header_seeds},
+      Target{"forwarded", fuzz_forwarded, forwarded_seeds},
   };
   return all;
 }

@@ -28,7 +28,8 @@ struct Target {
   std::vector<std::string> (*seeds)();
 };
 
-// By name: gltf, draco, polygons, mesh, requests, points, frame, methods, head, body, form.
+// By name: gltf, draco, polygons, mesh, requests, points, frame, methods, head, body, form,
+// proxy_header, forwarded.
 [[nodiscard]] std::span<const Target> targets();
 
 void fuzz_decoding(Input input);
@@ -40,6 +41,8 @@ void fuzz_methods(Input input);
 void fuzz_head(Input input);
 void fuzz_body(Input input);
 void fuzz_form(Input input);
+void fuzz_proxy_header(Input input);
+void fuzz_forwarded(Input input);
 
 // Valid files, made by our own encoder and fixtures.
 [[nodiscard]] std::vector<std::string> gltf_seeds();
@@ -52,5 +55,7 @@ void fuzz_form(Input input);
 [[nodiscard]] std::vector<std::string> head_seeds();
 [[nodiscard]] std::vector<std::string> body_seeds();
 [[nodiscard]] std::vector<std::string> form_seeds();
+[[nodiscard]] std::vector<std::string> proxy_header_seeds();
+[[nodiscard]] std::vector<std::string> forwarded_seeds();
 
 }  // namespace geodesic::fuzz

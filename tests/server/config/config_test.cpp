@@ -113,6 +113,20 @@ TEST_CASE("a bad value names its source") {
   CHECK(mentions(error_of({"--config", negative.path}), "queue: must be a string or a whole"));
 }
 
+TEST_CASE("what proxies write is one of two headers, and a PROXY header comes from trusted ones") {
+  const auto line = read_config({"--forwarded-header", "forwarded", "--proxy-protocol", "v2",
+                                 "--trusted-proxies", "10.0.0.1"},
+                                in({}));
+  REQUIRE(line);
+  CHECK(line->config.forwarded_header == "forwarded");
+  CHECK(line->config.proxy_protocol == "v2");
+  CHECK_FALSE(read_config({"--forwarded-header", "both"}, in({})));
+  CHECK_FALSE(read_config({"--proxy-protocol", "v1", "--trusted-proxies", "10.0.0.1"}, in({})));
+  const auto alone = read_config({"--proxy-protocol", "v2"}, in({}));
+  REQUIRE_FALSE(alone);
+  CHECK(alone.error().detail.find("--trusted-proxies") != std::string::npos);
+}
+
 TEST_CASE("trusted proxies are addresses and ranges") {
   const auto line = read_config({"--trusted-proxies", "127.0.0.1, fd00::/8"}, in({}));
   REQUIRE(line);
