@@ -198,6 +198,10 @@ Result<CommandLine> read_config(const std::vector<std::string>& arguments,
     result.problems.push_back(
         {InputCode::bad_syntax, "--tls-cert and --tls-key go together", {}, {}, {}});
   }
+  if (result.config.tls_cert.empty() && !result.config.tls_ticket_keys.empty()) {
+    result.problems.push_back(
+        {InputCode::bad_syntax, "--tls-ticket-keys needs --tls-cert and --tls-key", {}, {}, {}});
+  }
   if (result.config.proxy_protocol != "off" && result.config.trusted_proxies.empty()) {
     result.problems.push_back({InputCode::bad_syntax,
                                "--proxy-protocol needs --trusted-proxies, the addresses of the "

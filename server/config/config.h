@@ -34,7 +34,8 @@ struct Config {
 
   std::string tls_cert;  // empty: plain HTTP
   std::string tls_key;
-  std::string tokens;  // empty: everybody may do everything
+  std::string tls_ticket_keys;  // empty: each process has its own
+  std::string tokens;           // empty: everybody may do everything
   std::string cors_origins = "*";
   std::string cors_write_origins;  // empty: only our own
 

@@ -69,6 +69,9 @@ std::span<const Option> options() {
       Option{"tls-cert", Kind::text, &Config::tls_cert, "FILE",
              "PEM certificate (with its chain) of the API's listener; empty: plain HTTP"},
       Option{"tls-key", Kind::text, &Config::tls_key, "FILE", "PEM key of that certificate"},
+      Option{"tls-ticket-keys", Kind::text, &Config::tls_ticket_keys, "FILE",
+             "Keys of TLS session tickets, shared by several servers, a line each: 80 bytes in "
+             "base64; the last but one encrypts, all decrypt; empty: each process has its own"},
       Option{"tokens", Kind::text, &Config::tokens, "FILE",
              "Tokens that clients need, a line each: NAME SCOPES SHA256; empty: none is asked for",
              0, kNoBound, kFollows},

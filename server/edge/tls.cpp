@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "proto/wire/input_codes.h"
+#include "server/edge/ticket_keys.h"
 
 namespace geodesic::server {
 
@@ -39,8 +40,7 @@ tl::unexpected<Error> refuse(const std::string& what) {
   return fail(InputCode::bad_syntax, fmt::format("TLS: {}: {}", what, reason.data()));
 }
 
-Result<std::shared_ptr<SSL_CTX>> make_context(const std::string& certificate_file,
-                                              const std::string& key_file) {
+Result<std::shared_ptr<SSL_CTX>> make_context(const TlsContext::Files& files) {
   ERR_clear_error();
   const std::shared_ptr<SSL_CTX> context(SSL_CTX_new(TLS_server_method()), SSL_CTX_free);
   if (!context) return refuse("no memory");
@@ -56,13 +56,18 @@ Result<std::shared_ptr<SSL_CTX>> make_context(const std::string& certificate_fil
                             SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
   SSL_CTX_set_alpn_select_cb(raw, choose_protocol, nullptr);
   SSL_CTX_set_default_passwd_cb(raw, no_passphrase);
-  if (SSL_CTX_use_certificate_chain_file(raw, certificate_file.c_str()) != 1) {
-    return refuse(certificate_file);
+  if (SSL_CTX_use_certificate_chain_file(raw, files.certificate.c_str()) != 1) {
+    return refuse(files.certificate);
   }
-  if (SSL_CTX_use_PrivateKey_file(raw, key_file.c_str(), SSL_FILETYPE_PEM) != 1) {
-    return refuse(key_file);
+  if (SSL_CTX_use_PrivateKey_file(raw, files.key.c_str(), SSL_FILETYPE_PEM) != 1) {
+    return refuse(files.key);
   }
-  if (SSL_CTX_check_private_key(raw) != 1) return refuse(certificate_file + ", " + key_file);
+  if (SSL_CTX_check_private_key(raw) != 1) return refuse(files.certificate + ", " + files.key);
+  if (!files.ticket_keys.empty()) {
+    auto keys = TicketKeys::load(files.ticket_keys);
+    if (!keys) return fail(std::move(keys.error()));
+    if (!TicketKeys::give(raw, std::move(*keys))) return refuse("tickets need memory");
+  }
   return context;
 }
 
@@ -110,16 +115,14 @@ void TlsSession::say_goodbye() {
   SSL_shutdown(session_);
 }
 
-Result<std::shared_ptr<TlsContext>> TlsContext::load(std::string certificate_file,
-                                                     std::string key_file) {
-  std::shared_ptr<TlsContext> context(
-      new TlsContext(std::move(certificate_file), std::move(key_file)));
+Result<std::shared_ptr<TlsContext>> TlsContext::load(Files files) {
+  std::shared_ptr<TlsContext> context(new TlsContext(std::move(files)));
   if (auto loaded = context->reload(); !loaded) return fail(std::move(loaded.error()));
   return context;
 }
 
 Result<void> TlsContext::reload() {
-  auto fresh = make_context(certificate_file_, key_file_);
+  auto fresh = make_context(files_);
   if (!fresh) return fail(std::move(fresh.error()));
   const std::lock_guard lock(mutex_);
   context_ = std::move(*fresh);

@@ -1,7 +1,7 @@
-// TLS for a listener: a certificate with its key, and one session a connection.
-// OpenSSL does the work. TLS 1.2 and 1.3, forward secrecy and authenticated
-// encryption only; no renegotiation, no compression. Nothing here waits: a
-// handshake that does not go on is the caller's to give up.
+// TLS for a listener: a certificate with its key, the keys of tickets, and one session a
+// connection. OpenSSL does the work. TLS 1.2 and 1.3, forward secrecy and authenticated encryption
+// only; no renegotiation, no compression. Nothing here waits: a handshake that does not go on is
+// the caller's to give up.
 #pragma once
 
 #include <cstddef>
@@ -40,11 +40,14 @@ class TlsSession {
 // Thread-safe.
 class TlsContext {
  public:
-  // Both files are PEM; the certificate's may hold the chain that leads to a root.
+  struct Files {
+    std::string certificate;  // PEM; may hold the chain that leads to a root
+    std::string key;          // PEM
+    std::string ticket_keys;  // ticket_keys.h; empty: keys of this context's own
+  };
   // Fails with `bad_syntax` and a sentence for the operator (unreadable, no match,
   // a key that wants a passphrase).
-  [[nodiscard]] static Result<std::shared_ptr<TlsContext>> load(std::string certificate_file,
-                                                                std::string key_file);
+  [[nodiscard]] static Result<std::shared_ptr<TlsContext>> load(Files files);
   // Reads the files again, for connections to come; those that are open keep what
   // they have. On failure nothing changes.
   [[nodiscard]] Result<void> reload();
@@ -53,11 +56,9 @@ class TlsContext {
   [[nodiscard]] std::unique_ptr<TlsSession> open(int socket) const;
 
  private:
-  TlsContext(std::string certificate_file, std::string key_file)
-      : certificate_file_(std::move(certificate_file)), key_file_(std::move(key_file)) {}
+  explicit TlsContext(Files files) : files_(std::move(files)) {}
 
-  const std::string certificate_file_;
-  const std::string key_file_;
+  const Files files_;
   mutable std::mutex mutex_;
   std::shared_ptr<ssl_ctx_st> context_;
 };

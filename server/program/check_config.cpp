@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "server/config/tokens.h"
+#include "server/edge/ticket_keys.h"
 #include "server/edge/tls.h"
 #include "server/routes/static_files.h"
 #include "server/store/s3_location.h"
@@ -18,8 +19,13 @@ std::vector<std::string> problems_of(const Config& config, const Environment& en
     }
   }
   if (!config.tls_cert.empty() && !config.tls_key.empty()) {
-    if (const auto pair = TlsContext::load(config.tls_cert, config.tls_key); !pair) {
+    if (const auto pair = TlsContext::load({config.tls_cert, config.tls_key, {}}); !pair) {
       problems.push_back("tls-cert, tls-key: " + pair.error().detail);
+    }
+  }
+  if (!config.tls_ticket_keys.empty()) {
+    if (const auto keys = TicketKeys::load(config.tls_ticket_keys); !keys) {
+      problems.push_back("tls-ticket-keys: " + keys.error().detail);
     }
   }
   const auto check_files = [&](const std::string& folder, const StaticFiles::Place& place) {

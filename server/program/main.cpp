@@ -166,7 +166,7 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
   const StoreMonitor monitor(**store, std::chrono::seconds(5), [&] { job_records.tidy(); });
   std::shared_ptr<TlsContext> tls;
   if (!config.tls_cert.empty()) {
-    auto loaded = TlsContext::load(config.tls_cert, config.tls_key);
+    auto loaded = TlsContext::load({config.tls_cert, config.tls_key, config.tls_ticket_keys});
     if (!loaded) {
       spdlog::critical("{}", loaded.error().detail);
       return 1;

@@ -105,7 +105,8 @@ void Reload::run_and_log() {
     spdlog::warn("reload: waiting for a restart: {}", list(outcome->waiting));
   }
   for (const std::string& warning : outcome->warnings) spdlog::warn("reload: {}", warning);
-  spdlog::info("reload: done{}", parts_.tls ? "; the certificate was read again" : "");
+  spdlog::info("reload: done{}",
+               parts_.tls ? "; the certificate and the keys of tickets were read again" : "");
   spdlog::set_level(after);
 }
 

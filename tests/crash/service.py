@@ -33,7 +33,7 @@ class Service:
         atexit.register(self.process.kill)  # whatever happens, nothing is left running
         self.port = None
         for line in self.process.stdout:
-            found = re.match(rb"listening on http://127\.0\.0\.1:(\d+)", line)
+            found = re.match(rb"listening on https?://127\.0\.0\.1:(\d+)", line)
             if found:
                 self.port = int(found.group(1))
                 break

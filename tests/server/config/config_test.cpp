@@ -120,11 +120,13 @@ TEST_CASE("what proxies write is one of two headers, and a PROXY header comes fr
   REQUIRE(line);
   CHECK(line->config.forwarded_header == "forwarded");
   CHECK(line->config.proxy_protocol == "v2");
-  CHECK_FALSE(read_config({"--forwarded-header", "both"}, in({})));
-  CHECK_FALSE(read_config({"--proxy-protocol", "v1", "--trusted-proxies", "10.0.0.1"}, in({})));
-  const auto alone = read_config({"--proxy-protocol", "v2"}, in({}));
-  REQUIRE_FALSE(alone);
-  CHECK(alone.error().detail.find("--trusted-proxies") != std::string::npos);
+  CHECK(mentions(error_of({"--forwarded-header=both"}), "'both' is neither x-forwarded-for nor"));
+  CHECK(mentions(error_of({"--proxy-protocol=v1"}), "'v1' is neither off nor v2"));
+  CHECK(mentions(error_of({"--proxy-protocol=v2"}), "needs --trusted-proxies"));
+}
+
+TEST_CASE("keys of tickets are for a listener with TLS") {
+  CHECK(mentions(error_of({"--tls-ticket-keys=keys"}), "needs --tls-cert and --tls-key"));
 }
 
 TEST_CASE("trusted proxies are addresses and ranges") {

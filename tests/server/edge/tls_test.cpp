@@ -75,7 +75,7 @@ void make_certificate(const Folder& folder, const char* name) {
 }
 
 std::shared_ptr<TlsContext> loaded(const Folder& folder) {
-  auto context = TlsContext::load(folder.file("certificate.pem"), folder.file("key.pem"));
+  auto context = TlsContext::load({folder.file("certificate.pem"), folder.file("key.pem"), {}});
   REQUIRE(context);
   return *context;
 }
@@ -268,14 +268,14 @@ TEST_CASE("files that are no certificate and key are errors that name them") {
   make_certificate(folder, "edge");
   const std::string certificate = folder.file("certificate.pem");
   const std::string key = folder.file("key.pem");
-  const auto missing = TlsContext::load(folder.file("none.pem"), key);
+  const auto missing = TlsContext::load({folder.file("none.pem"), key, {}});
   REQUIRE_FALSE(missing);
   CHECK(missing.error().detail.find("none.pem") != std::string::npos);
-  CHECK_FALSE(TlsContext::load(certificate, certificate));
-  CHECK_FALSE(TlsContext::load(key, key));
+  CHECK_FALSE(TlsContext::load({certificate, certificate, {}}));
+  CHECK_FALSE(TlsContext::load({key, key, {}}));
   const Folder other;
   make_certificate(other, "other");
-  CHECK_FALSE(TlsContext::load(certificate, other.file("key.pem")));
+  CHECK_FALSE(TlsContext::load({certificate, other.file("key.pem"), {}}));
 }
 
 TEST_CASE("a body in many small records is read whole, however late the server is") {
