@@ -92,7 +92,7 @@ def main():
     flags = set(FLAG.findall(config))
     flags |= {"--" + flag for flag in re.findall(r'"([a-z][a-z-]+)"', config)}
     cases = "".join(file.read_text(encoding="utf-8")
-                    for file in (ROOT / "tests/server/edge").glob("*.cpp"))
+                    for room in ("edge", "proxies") for file in (ROOT / "tests/server" / room).glob("*.cpp"))
     failed = checked = 0
     for page in sorted({file for pattern in PAGES for file in ROOT.glob(pattern)}):
         if "node_modules" in page.parts or page.parts[len(ROOT.parts)] not in (

@@ -47,6 +47,7 @@ struct HttpEdge {
   std::atomic<std::chrono::milliseconds> keep_alive{options.keep_alive};
   std::atomic<std::chrono::milliseconds> body_timeout{options.body_timeout};
   std::atomic<std::uint64_t> min_receive_rate{options.min_receive_rate};
+  std::atomic<bool> parting{false};  // each reply is the last of its connection
   std::atomic<bool> stopping{false};
   std::atomic<std::uint64_t> requests{0};  // answered since the start
   BodyBudget bodies{options.max_bodies_in_flight, options.receive_grace};

@@ -200,6 +200,8 @@ class HttpServer::Impl final : public httplib::Server {
     return workers_.stop(grace);
   }
 
+  void close_after_replies() { edge_.parting = true; }
+
   void set_patience(const HttpPatience& patience) {
     edge_.keep_alive = patience.keep_alive;
     edge_.body_timeout = patience.body_timeout;
@@ -355,7 +357,7 @@ class HttpServer::Impl final : public httplib::Server {
     response.headers.erase("Connection");
     response.headers.erase("Keep-Alive");
     if (exchange.omit_length) response.headers.erase("Content-Length");
-    exchange.close = exchange.close || edge_.stopping;
+    exchange.close = exchange.close || edge_.parting || edge_.stopping;
     if (exchange.close) response.set_header("Connection", "close");
     response.set_header("X-Request-Id", exchange.request.id);
     response.set_header("Date", http_date());
@@ -379,6 +381,8 @@ HttpServer::~HttpServer() { impl_->stop(std::chrono::milliseconds(0)); }
 Result<int> HttpServer::start() { return impl_->start(); }
 
 bool HttpServer::stop(std::chrono::milliseconds grace) { return impl_->stop(grace); }
+
+void HttpServer::close_after_replies() { impl_->close_after_replies(); }
 
 void HttpServer::set_patience(const HttpPatience& patience) { impl_->set_patience(patience); }
 

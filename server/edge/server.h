@@ -48,6 +48,10 @@ class HttpServer {
   // any thread but a handler's; a second call does nothing.
   bool stop(std::chrono::milliseconds grace);
 
+  // From now on each reply is the last of its connection, and says so: balancers that keep
+  // connections let go of them before `stop` closes those that idle. Any thread.
+  void close_after_replies();
+
   // Replaces those options: for bodies from now on, and for connections that begin to
   // idle from now on. Any thread.
   void set_patience(const HttpPatience& patience);

@@ -263,10 +263,11 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
     spdlog::info("signal {}: draining", signal);
   }
   routes.start_draining();
+  api.close_after_replies();
   // Whoever asks a second time does not want to wait.
   const std::chrono::seconds delay(reload.config()->drain_delay_seconds);
   if (!has_failed && delay.count() > 0) {
-    spdlog::info("for {} s only /readyz says so", delay.count());
+    spdlog::info("for {} s /readyz says so, and connections end with their replies", delay.count());
     wait_to_be_stopped(stop_signals, delay);
   }
   const bool complete = api.stop(std::chrono::seconds(reload.config()->drain_seconds));

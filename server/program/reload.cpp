@@ -105,8 +105,7 @@ void Reload::run_and_log() {
     spdlog::warn("reload: waiting for a restart: {}", list(outcome->waiting));
   }
   for (const std::string& warning : outcome->warnings) spdlog::warn("reload: {}", warning);
-  spdlog::info("reload: done{}",
-               parts_.tls ? "; the certificate and the keys of tickets were read again" : "");
+  spdlog::info("reload: done{}", parts_.tls ? "; the files of TLS were read again" : "");
   spdlog::set_level(after);
 }
 

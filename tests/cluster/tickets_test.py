@@ -106,7 +106,7 @@ def turned_over(clients, one, other, keys):
     """Keys that move up one place, at first at one server and then at both."""
     before = [client.visit(other)[1] for client in clients]  # under keys[1]
     one.write(keys[1:4])
-    expect("the log says that keys were read again", "keys of tickets were read again" in one.hang_up())
+    expect("the log says that they were read again", "the files of TLS were read again" in one.hang_up())
     fresh = [client.visit(one)[1] for client in clients]  # under keys[2]
     renewed = []
     for client, old, new in zip(clients, before, fresh):
@@ -127,12 +127,15 @@ def refused(program, clients, server, keys):
     """Files that are wrong, while the server runs and at its start."""
     sessions = [client.visit(server)[1] for client in clients]
     short = base64.b64encode(bytes(48)).decode()
-    for what, lines, mode, says in (("too few keys", keys[:2], 0o600, "2 keys, and at least 3 are needed"),
-                                    ("a key of 48 bytes", [*keys[:2], short], 0o600, ":3: a key is 80 random bytes"),
-                                    ("no base64", [*keys[:2], "*" * 107 + "="], 0o600, ":3: a key is 80 random bytes"),
-                                    ("a key twice", [keys[0], *keys[:2]], 0o600, ":2: the key stands in the file twice"),
-                                    ("too many keys", keys[:3] * 100, 0o600, "bytes"),
-                                    ("open to everybody", keys[:3], 0o644, "chmod o-rw")):
+    many = [base64.b64encode(bytes([at]) * 80).decode() for at in range(100)]
+    faults = (("too few keys", keys[:2], 0o600, "2 keys, and at least 3 are needed"),
+              ("a key of 48 bytes", [*keys[:2], short], 0o600, ":3: a key is 80 random bytes"),
+              ("no base64", [*keys[:2], "*" * 107 + "="], 0o600, ":3: a key is 80 random bytes"),
+              ("a key twice", [keys[0], *keys[:2]], 0o600, ":2: the key stands in the file twice"),
+              ("too many keys", many[:17], 0o600, ":17: more than 16 keys"),
+              ("a file too long", many, 0o600, "more than 8192 bytes"),
+              ("open to everybody", keys[:3], 0o644, "chmod o-rw"))
+    for what, lines, mode, says in faults:
         server.write(lines, mode)
         said = server.hang_up()
         expect(f"{what}: nothing is changed", "nothing was changed" in said and says in said, said)

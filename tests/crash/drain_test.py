@@ -5,6 +5,7 @@ to stop, and new connections are served, until the delay is over or a second sig
     drain_test.py GEODESICD
 """
 
+import http.client
 import os
 import pathlib
 import signal
@@ -31,6 +32,15 @@ def started(program, folder, seconds):
     return Service(program, flags, folder / "errors")
 
 
+def is_kept(connection, query):
+    """Whether the reply to one more request on it leaves it open."""
+    connection.request("GET", query)
+    reply = connection.getresponse()
+    reply.read()
+    assert reply.status == 200
+    return reply.getheader("Connection") != "close"
+
+
 def ends_at_the_second_signal(program, folder):
     """Told to stop, it serves on; told once more, it stops."""
     service = started(program, folder, 86400)
@@ -38,6 +48,8 @@ def ends_at_the_second_signal(program, folder):
     query = f"/v1/meshes/{service.ids()[0]}/distance?from=v:0"
     before = service.ask("GET", query)
     expect("it is ready", service.ask("GET", "/readyz")[0] == 200 and before[0] == 200)
+    kept = http.client.HTTPConnection("127.0.0.1", service.port, timeout=PATIENCE)
+    expect("a connection is kept", is_kept(kept, query))
     service.process.send_signal(signal.SIGTERM)
     end = time.monotonic() + PATIENCE
     while service.ask("GET", "/readyz")[0] == 200 and time.monotonic() < end:
@@ -46,6 +58,8 @@ def ends_at_the_second_signal(program, folder):
     expect("after SIGTERM it is not", status == 503 and body["code"] == "draining", status, body)
     service.process.send_signal(signal.SIGHUP)  # as who turns logs over does
     expect("but it is alive", service.ask("GET", "/livez")[0] == 200)
+    expect("a connection that was kept has a last reply, which says so", not is_kept(kept, query))
+    expect("and so has a new one", service.ask("GET", query)[1].get("connection") == "close")
     expect("queries on new connections are answered", service.ask("GET", query)[2] == before[2])
     expect("uploads are taken", service.ask("POST", "/v1/meshes", mesh(10, 2))[0] == 201)
     status, body = service.get_json("/v1/status")

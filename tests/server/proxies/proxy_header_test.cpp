@@ -91,8 +91,7 @@ TEST_CASE("what is no header of version 2 is refused, and said to be what it is"
   }
 }
 
-TEST_CASE(
-    "random headers name whom they were made for, whatever follows and however they are cut") {
+TEST_CASE("random headers name whom they were made for, however they are cut") {
   std::mt19937 random(fixtures::test_seed());
   const auto below = [&](std::size_t count) {
     return std::uniform_int_distribution<std::size_t>(0, count - 1)(random);
