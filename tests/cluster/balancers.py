@@ -20,13 +20,16 @@ def adapted(file, changes):
 
 
 class Balancer:
-    """A balancer that is started, asked and stopped. `checked`: what it says of its configuration."""
+    """A balancer that is started, asked and stopped. `checked`: what it says of its configuration.
+
+    `changes` are further ones of its file: patterns, and what stands in their place.
+    """
 
     name = ""
     shares = False  # whether it gives away what is about one mesh where its server is busy
 
-    def __init__(self, folder, ports):
-        self.folder, self.port = folder, free_port()
+    def __init__(self, folder, ports, changes=()):
+        self.folder, self.port, self.changes = folder, free_port(), changes
         folder.mkdir()
         self.command, check = self.configure(ports)
         checked = subprocess.run(check, capture_output=True, text=True, check=False)
@@ -76,6 +79,7 @@ class Nginx(Balancer):
         changes = [(r"listen 443 ssl", f"listen 127.0.0.1:{self.port} ssl"), (r"/etc/ssl/\S+\.pem", str(cert)),
                    (r"/etc/ssl/\S+\.key", str(key)), (r"/var/cache/nginx/geodesicd", f"{folder}/cache")]
         changes += [(rf"10\.0\.0\.1{at}:8080", f"127.0.0.1:{port}") for at, port in enumerate(ports, 1)]
+        changes += self.changes
         (folder / "fleet.conf").write_text(adapted("nginx/fleet.conf", changes), encoding="utf-8")
         command = nginx.command(nginx.program(), folder, f"  include {folder}/fleet.conf;")
         return command, [*command, "-t"]
@@ -94,6 +98,7 @@ class HAProxy(Balancer):
         both.write_text(cert.read_text() + key.read_text())
         changes = [(r"bind :443", f"bind 127.0.0.1:{self.port}"), (r"/etc/ssl/\S+\.pem", str(both))]
         changes += [(rf"10\.0\.0\.1{at}:8080", f"127.0.0.1:{port}") for at, port in enumerate(ports, 1)]
+        changes += self.changes
         (folder / "haproxy.cfg").write_text(adapted("haproxy/haproxy.cfg", changes), encoding="utf-8")
         program = subprocess.run([ROOT / "scripts/fetch_haproxy"], capture_output=True, text=True, check=True).stdout.strip()
         return [program, "-f", folder / "haproxy.cfg"], [program, "-c", "-f", folder / "haproxy.cfg"]

@@ -108,7 +108,8 @@ def works(program, services, folder, random_):
     configured = (FOLDER / "nginx.conf").read_text(encoding="utf-8")
     fleet = (ROOT / "deploy/nginx/fleet.conf").read_text(encoding="utf-8")
     expect("its maps are those of fleet.conf", maps_of(configured) == maps_of(fleet) and len(maps_of(fleet)) == 2)
-    for name in ("hash", "zone", "keepalive", "client_max_body_size", r"proxy_(?!cache|no_cache|ignore|buffering)\w+"):
+    for name in ("hash", "zone", r"keepalive(?:_\w+)?", "client_max_body_size",
+                 r"proxy_(?!cache|no_cache|ignore|buffering)\w+"):
         mine, theirs = ({tuple(words) for words in directives(text, name)} for text in (configured, fleet))
         expect(f"{name} is that of fleet.conf", mine and mine == theirs, mine ^ theirs)
     here = configured.replace("listen 8080;", f"listen 127.0.0.1:{port};")
