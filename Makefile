@@ -7,7 +7,7 @@ JOBS ?= $(shell nproc)
 export PORT HOST JOBS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup configure build run test test-s3 test-cluster test-crash test-bulk test-packages test-image deb wheels release docs bench paper load torture fuzz format lint clean
+.PHONY: help setup configure build run test test-s3 test-cluster scaling test-crash test-bulk test-packages test-image deb wheels release docs bench paper load torture fuzz format lint clean
 MAKEFLAGS += --no-print-directory
 
 help: ## list these targets
@@ -38,6 +38,11 @@ test-cluster: build ## test three servers on one bucket behind nginx and HAProxy
 	@scripts/setup s3
 	@ctest --test-dir build/release --tests-regex '^fleet_test$$' --verbose
 	@tests/cluster/tags_test.py build/release/geodesicd
+	@tests/cluster/in_simpy.sh check_simulation.py build/release/geodesicd
+
+scaling: build ## measure what queries cost, and simulate fleets of up to 1,000 servers, in build/scaling (minutes)
+	@scripts/setup paper
+	@scripts/simulate_fleets
 
 test-crash: build ## kill the server 200 times while it writes
 	@tests/crash/crash_test.py build/release/geodesicd 200
