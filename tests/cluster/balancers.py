@@ -68,20 +68,23 @@ class Balancer:
         self.process.wait(30)
 
 
+def nginx_command(folder, port, changes):
+    """Writes deploy/nginx/fleet.conf for this folder and port, changed; the command that runs nginx with it."""
+    key, cert = certificate(folder)
+    changes = [(r"listen 443 ssl", f"listen 127.0.0.1:{port} ssl"), (r"/etc/ssl/\S+\.pem", str(cert)),
+               (r"/etc/ssl/\S+\.key", str(key)), (r"/var/cache/nginx/geodesicd", f"{folder}/cache"), *changes]
+    (folder / "fleet.conf").write_text(adapted("nginx/fleet.conf", changes), encoding="utf-8")
+    return nginx.command(nginx.program(), folder, f"  include {folder}/fleet.conf;")
+
+
 class Nginx(Balancer):
     """deploy/nginx/fleet.conf."""
 
     name = "nginx"
 
     def configure(self, ports):
-        folder = self.folder
-        key, cert = certificate(folder)
-        changes = [(r"listen 443 ssl", f"listen 127.0.0.1:{self.port} ssl"), (r"/etc/ssl/\S+\.pem", str(cert)),
-                   (r"/etc/ssl/\S+\.key", str(key)), (r"/var/cache/nginx/geodesicd", f"{folder}/cache")]
-        changes += [(rf"10\.0\.0\.1{at}:8080", f"127.0.0.1:{port}") for at, port in enumerate(ports, 1)]
-        changes += self.changes
-        (folder / "fleet.conf").write_text(adapted("nginx/fleet.conf", changes), encoding="utf-8")
-        command = nginx.command(nginx.program(), folder, f"  include {folder}/fleet.conf;")
+        servers = [(rf"10\.0\.0\.1{at}:8080", f"127.0.0.1:{port}") for at, port in enumerate(ports, 1)]
+        command = nginx_command(self.folder, self.port, [*servers, *self.changes])
         return command, [*command, "-t"]
 
 

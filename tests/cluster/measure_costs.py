@@ -200,6 +200,7 @@ def print_costs(costs):
 def measured(program, folder, sides, repeats, pause, random_, flags=()):
     """The costs of a program, with a store in the folder. `pause`: between queries, for a processor that
     was at something else meanwhile takes longer."""
+    folder.mkdir(exist_ok=True)
     log, store = folder / "log", ["--store", str(folder / "store"), "--log-level", "warn", *flags]
     samples = Samples()
     server = Service(program, store, log)
