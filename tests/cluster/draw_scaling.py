@@ -38,7 +38,7 @@ def main():
         axes.set_xlabel("replicas, 100 queries a second each")
         axes.set_title(title, loc="left")
         axes.grid(True, color="0.9", lw=0.6)
-    kept.legend(frameon=False)
+    figure.legend(loc="upper center", bbox_to_anchor=(0.5, 1.08), ncol=3, frameon=False)
     save(figure, sys.argv[2])
     return 0
 
