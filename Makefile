@@ -34,7 +34,7 @@ test-s3: build ## test the store in object storage, against OpenStack Swift
 	@scripts/setup s3
 	@ctest --test-dir build/release --tests-regex '^s3_test$$' --verbose
 
-test-cluster: build ## test three servers on one bucket behind nginx and HAProxy, while servers go and come
+test-cluster: build ## test three servers behind nginx and HAProxy while servers go and come, and the simulation of fleets
 	@scripts/setup s3
 	@ctest --test-dir build/release --tests-regex '^fleet_test$$' --verbose
 	@tests/cluster/tags_test.py build/release/geodesicd
