@@ -18,12 +18,13 @@ export IMAGE_STORE=$folder/images
 images() { buildah --root "$IMAGE_STORE" --runroot "$IMAGE_STORE.run" --storage-driver vfs "$@"; }
 bytes_of() { du --summarize --apparent-size --block-size=1 "$1" | cut -f 1; }
 
-# The bare root as an image; sets `base_bytes`.
+# The bare root as an image, without what apt can fetch again, which the build removes; sets `base_bytes`.
 import_base() {
   local container
   make_base "$suite" ca-certificates || failed "no base"
   container=$(images from scratch)
-  tar -C "$folder/$suite.base" --exclude './dev/*' --exclude './var/lib/apt/lists/*' -cf "$folder/base.tar" .
+  tar -C "$folder/$suite.base" --exclude './dev/*' --exclude './var/lib/apt/lists/*' --exclude './var/cache/apt/*' \
+    -cf "$folder/base.tar" .
   images add --quiet "$container" "$folder/base.tar" / >/dev/null
   rm "$folder/base.tar"
   base_bytes=$(bytes_of "$(images mount "$container")")
