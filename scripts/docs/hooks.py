@@ -27,6 +27,8 @@ def on_files(files, config):
     """Adds the pages that stand outside of docs/."""
     for source, page in OUTSIDE.items():
         text = (ROOT / source).read_text(encoding="utf-8")
+        if source == "CHANGELOG.md":  # long, and what it says stands on other pages, too
+            text = "---\nsearch:\n  exclude: true\n---\n" + text
         files.append(File.generated(config, page, content=text))
     return files
 
