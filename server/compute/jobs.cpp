@@ -160,9 +160,11 @@ Result<JobReport> Jobs::start(HttpRequest request, JobBeginning how) {
     lock.lock();
     job->is_being_kept = false;
     --being_kept_;
-    job->is_kept_elsewhere = is_kept;
+    job->report.is_kept = is_kept;
+    job->renew_lease();                  // however long that took
     if (has_ended(job->report.state)) {  // meanwhile
       job->request.body = {};
+      if (!job->report.is_handed_over) drop(*job);
       if (stopping_ && !is_kept) return fail(ServiceCode::draining, "the server is about to stop");
       return report_of(*job);
     }
@@ -222,18 +224,24 @@ void Jobs::run(Job& job, std::unique_lock<std::mutex>& lock) {
   HttpResponse reply = reply_to(job);
   job.request.body = {};
   report.finished = std::chrono::system_clock::now();
+  const std::uint64_t size = reply.body ? reply.body->size() : 0;
   if (keeper_.ended && !job.is_given_up()) {
-    keeper_.ended(report, reply, [&] { return job.is_removed.load(); });
+    (void)grow(job,
+               size + kBytesOfJob);  // where there is room; it counts in any case once it ended
+    keeper_.ended(report, reply);
   }
   lock.lock();
   job.is_running = false;
-  if (has_ended(job.report.state)) return charge(job, 0);  // cancelled meanwhile
-  if (job.cancelled) {                                     // its lease is over
+  if (has_ended(job.report.state)) {  // cancelled meanwhile
+    if (!job.report.is_handed_over) drop(job);
+    return charge(job, 0);
+  }
+  if (job.cancelled) {  // its lease is over
+    drop(job);
     charge(job, kBytesOfJob);
     return end(job, JobState::cancelled);
   }
   job.report.status = reply.status;
-  const std::uint64_t size = reply.body ? reply.body->size() : 0;
   job.reply = std::move(reply);
   charge(job, size + kBytesOfJob);
   end(job, job.reply.status < 400 ? JobState::done : JobState::failed, *report.finished);
@@ -337,7 +345,7 @@ bool Jobs::remove(const std::string& id) {
   const std::lock_guard lock(mutex_);
   const Handle job = find_locked(id);
   if (!job) return false;
-  job->is_removed = true;
+  drop(*job);
   if (has_ended(job->report.state)) {
     forget(job);
     return true;
@@ -367,23 +375,33 @@ void Jobs::cancel_unwatched() {
   for (const Handle& job : waiting_) {
     if (job->lease_is_over()) unwatched.push_back(job);
   }
-  for (const Handle& job : unwatched) cancel(job);
+  for (const Handle& job : unwatched) {
+    cancel(job);
+    drop(*job);
+  }
+}
+
+void Jobs::drop(const Job& job) {
+  if (keeper_.dropped) keeper_.dropped(job.report.id);
+}
+
+void Jobs::hand_over() {
+  const std::lock_guard lock(mutex_);
+  stopping_ = true;
+  const std::map<std::string, Handle> jobs = jobs_;  // what ends may push out others
+  for (const auto& [id, job] : jobs) {
+    if (has_ended(job->report.state)) continue;
+    job->cancelled = true;
+    job->report.is_handed_over = job->report.is_kept || job->is_being_kept;
+    end(*job, JobState::cancelled);
+  }
+  waiting_.clear();
+  work_ready_.notify_all();
+  changed_.notify_all();
 }
 
 void Jobs::stop() {
-  {
-    const std::lock_guard lock(mutex_);
-    stopping_ = true;
-    for (const auto& [id, job] : jobs_) {
-      if (has_ended(job->report.state)) continue;
-      job->cancelled = true;
-      job->report.is_handed_over = job->is_kept_elsewhere || job->is_being_kept;
-      end(*job, JobState::cancelled);
-    }
-    waiting_.clear();
-    work_ready_.notify_all();
-    changed_.notify_all();
-  }
+  hand_over();
   const std::lock_guard lock(join_mutex_);
   for (std::thread& thread : threads_) {
     if (thread.joinable()) thread.join();

@@ -73,6 +73,7 @@ struct JobReport {
   int status = 0;                                  // of the reply; 0: there is none
   std::optional<std::chrono::milliseconds> lease;  // none: it goes on though nobody asks
   std::uint64_t attempt = 1;                       // how often it has been begun, by any process
+  bool is_kept = false;  // another process can begin it again, or has what it came to
   bool is_handed_over = false;
 
   [[nodiscard]] bool operator==(const JobReport&) const = default;
@@ -91,15 +92,16 @@ struct JobBeginning {
 class Jobs {
  public:
   using Handler = std::function<HttpResponse(HttpRequest&)>;
-  // What keeps jobs for longer than this process lives; either may be empty. Called without a lock
-  // by the threads that start and run jobs; neither throws.
+  // What keeps jobs for longer than this process lives; all or none are empty. None throws.
   struct Keeper {
-    // Before a job can run: whether its question is kept.
+    // Before a job can run: whether its question is kept. Called without a lock, as the next one
+    // is.
     std::function<bool(const JobReport&, const HttpRequest&)> taken;
-    // Before it is told that a job has ended. Whoever has kept it asks then whether it was removed.
-    std::function<void(const JobReport&, const HttpResponse&,
-                       const std::function<bool()>& is_removed)>
-        ended;
+    // Before it is told that a job has ended.
+    std::function<void(const JobReport&, const HttpResponse&)> ended;
+    // What is kept of a job is of no use any more: it was removed, or nobody asked about it. Only
+    // notes it, for it is called with a lock.
+    std::function<void(const std::string& id)> dropped;
   };
 
   struct Limits {
@@ -160,8 +162,9 @@ class Jobs {
   // Cancels a job, or forgets it if it has ended. False if there is none.
   bool remove(const std::string& id);
 
-  // Cancels all jobs, or hands them over, and refuses new ones (`draining`). Returns when no
-  // handler runs any more. Idempotent.
+  // Cancels all jobs, or hands them over, and refuses new ones (`draining`). Idempotent.
+  void hand_over();
+  // The same; returns when no handler runs any more.
   void stop();
 
   [[nodiscard]] Stats stats();
@@ -181,6 +184,7 @@ class Jobs {
   [[nodiscard]] Handle next_to_run();
   [[nodiscard]] Result<void> have_thread();
   void cancel(const Handle& job);
+  void drop(const Job& job);
   void cancel_unwatched();
   void run(Job& job, std::unique_lock<std::mutex>& lock);
   [[nodiscard]] HttpResponse reply_to(Job& job);

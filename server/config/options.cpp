@@ -147,9 +147,8 @@ std::span<const Option> options() {
       Option{"keep-alive-seconds", Kind::whole_number, &Config::keep_alive_seconds, "SECONDS",
              "Time a connection may idle between requests", 1, kMaxSeconds, kFollows},
       Option{"drain-delay-seconds", Kind::whole_number, &Config::drain_delay_seconds, "SECONDS",
-             "Time after SIGTERM in which /readyz is 503, kept connections end with a reply, and "
-             "all else "
-             "goes on, for balancers to see",
+             "Time after SIGTERM in which /readyz is 503, jobs end, kept connections end with a "
+             "reply, and all else goes on, for balancers to see",
              0, kMaxSeconds, kFollows},
       Option{"drain-seconds", Kind::whole_number, &Config::drain_seconds, "SECONDS",
              "Time for running requests to finish after SIGTERM and that delay", 0, kMaxSeconds,

@@ -103,9 +103,13 @@ Result<void> TicketKeys::add(std::string_view line) {
       is_long_enough && line.find_first_of(" \t") == std::string_view::npos &&
       EVP_DecodeBlock(bytes.data(), reinterpret_cast<const unsigned char*>(line.data()),
                       static_cast<int>(line.size())) == static_cast<int>(bytes.size());
-  if (!is_key) return bad_keys(std::string(kRecipe));
-  if (find(bytes.data()).key != nullptr) return bad_keys("the key stands in the file twice");
-  if (keys_.size() == kMost) return bad_keys(fmt::format("more than {} keys", kMost));
+  const bool is_twice = is_key && find(bytes.data()).key != nullptr;
+  if (!is_key || is_twice || keys_.size() == kMost) {
+    OPENSSL_cleanse(bytes.data(), bytes.size());
+    return bad_keys(!is_key    ? std::string(kRecipe)
+                    : is_twice ? "the key stands in the file twice"
+                               : fmt::format("more than {} keys", kMost));
+  }
   Key key;
   std::memcpy(&key, bytes.data(), sizeof key);
   keys_.push_back(key);
@@ -128,6 +132,7 @@ Result<std::shared_ptr<const TicketKeys>> TicketKeys::load(const std::string& fi
   if (!in.is_open() || in.bad()) return bad_keys(file + ": is no file that can be read");
   const auto size = static_cast<std::size_t>(in.gcount());
   if (size > kMostFileBytes) {
+    OPENSSL_cleanse(text.data(), text.size());
     return bad_keys(fmt::format("{}: more than {} bytes", file, kMostFileBytes));
   }
   const std::shared_ptr<TicketKeys> keys(new TicketKeys);

@@ -262,8 +262,8 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
   } else {
     spdlog::info("signal {}: draining", signal);
   }
-  routes.start_draining();
   api.close_after_replies();
+  routes.start_draining();
   // Whoever asks a second time does not want to wait.
   const std::chrono::seconds delay(reload.config()->drain_delay_seconds);
   if (!has_failed && delay.count() > 0) {
@@ -272,6 +272,7 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
   }
   const bool complete = api.stop(std::chrono::seconds(reload.config()->drain_seconds));
   admin.stop(std::chrono::seconds(1));
+  routes.end_jobs();
   spdlog::info("{}", complete ? "stopped" : "stopped; some requests were cut off");
   return has_failed ? 1 : 0;
 }

@@ -71,8 +71,10 @@ std::string job_json(const JobReport& job, const std::string& base_path) {
   const std::string self = base_path + "/v1/jobs/" + job.id;
   const bool has_result = job.state == JobState::done || job.state == JobState::failed;
   const ordered_json json{{"id", job.id},
-                          {"state", name_of(job.state)},
+                          // For whoever begins it anew it has not ended.
+                          {"state", name_of(job.is_handed_over ? JobState::queued : job.state)},
                           {"attempt", job.attempt},
+                          {"kept", job.is_kept},
                           {"progress", std::round(job.progress * 1e4) / 1e4},
                           {"method", job.method},
                           {"target", job.target},
@@ -211,8 +213,9 @@ HttpResponse Routes::one_job(Call& call) {
     if (!is_job_id(id)) return call.problem(ServiceCode::job_unknown, "this is no id of a job");
     // To cancel again, or what is forgotten, changes nothing.
     jobs_.remove(id);
-    if (job_records_ != nullptr && catalog_.store_health()) {
-      if (auto erased = job_records_->erase(id); !erased) return call.problem(erased.error());
+    if (job_records_ != nullptr) {
+      // What cannot be erased now is tried again, until this process ends.
+      if (!catalog_.store_health() || !job_records_->erase(id)) job_records_->drop(id);
     }
     HttpResponse response;
     response.status = 204;
@@ -247,16 +250,20 @@ HttpResponse Routes::packed(HttpResponse response, const HttpRequest& reader) {
 }
 
 HttpResponse Routes::job_events(Call& call, const std::string& id) {
-  if (auto known = look_up_job(call, id); !known) return call.problem(known.error());
-  Jobs::Handle job = jobs_.hold(id);
-  if (!job) return call.problem(fail_unknown_job().value());
   HttpResponse response;
   response.set_header("Cache-Control", "no-store");
   const std::string* const last = call.request.header("Last-Event-ID");
-  if (last != nullptr && *last == kLastEvent) {
+  const bool is_told = last != nullptr && *last == kLastEvent;
+  // Who knows the end does not have the job begun again.
+  if (auto known = is_told ? here(id) : look_up_job(call, id); !known) {
+    return call.problem(known.error());
+  }
+  if (is_told) {
     response.status = 204;
     return response;
   }
+  Jobs::Handle job = jobs_.hold(id);
+  if (!job) return call.problem(fail_unknown_job().value());
   response.content_type = "text/event-stream";
   response.set_header("X-Accel-Buffering", "no");  // a proxy that gathers replies must not
   auto events = std::make_shared<JobEvents>(jobs_, std::move(job), call.request);

@@ -46,11 +46,13 @@ class Routes {
   [[nodiscard]] HttpResponse answer_admin(HttpRequest& request);
 
   // From now on /readyz says no, so that balancers look elsewhere.
-  // Jobs end at once.
+  // Jobs end here at once.
   void start_draining() {
     draining_ = true;
-    jobs_.stop();
+    jobs_.hand_over();
   }
+  // Returns when no job runs any more.
+  void end_jobs() { jobs_.stop(); }
 
   // Who may do what; without tokens, everybody everything.
   [[nodiscard]] Access& access() { return access_; }
@@ -147,6 +149,8 @@ class Routes {
   [[nodiscard]] HttpResponse begin_job(Call& call);
   [[nodiscard]] HttpResponse answer_job(HttpRequest& request);
   [[nodiscard]] HttpResponse one_job(Call& call);
+  // A job that is here. Errors: job_unknown, draining.
+  [[nodiscard]] Result<JobReport> here(const std::string& id);
   // A job that is here or, if it is not, in the records: then it is taken over, or begun again
   // here. Errors: job_unknown; draining; those of the store, and of beginning a job.
   [[nodiscard]] Result<JobReport> look_up_job(const Call& call, const std::string& id);

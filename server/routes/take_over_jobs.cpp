@@ -3,7 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
-#include <functional>
+#include <exception>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,7 +20,7 @@ namespace geodesic::server {
 namespace {
 
 // How long one waits for the few that read records.
-constexpr std::chrono::seconds kRecordPatience{2};
+constexpr std::chrono::milliseconds kRecordPatience{500};
 
 JobRecord job_record_of(const JobReport& job) {
   JobRecord record;
@@ -37,6 +37,7 @@ JobReport job_report_of(const JobRecord& record) {
   JobReport report;
   report.id = record.id;
   report.attempt = record.attempt;
+  report.is_kept = true;
   report.method = record.method;
   report.target = record.target;
   report.created = record.created;
@@ -45,9 +46,24 @@ JobReport job_report_of(const JobRecord& record) {
   return report;
 }
 
-// What cannot be kept runs all the same, and goes with this process.
-void warn_if_not(const JobReport& job, const Result<bool>& kept) {
-  if (!kept) spdlog::warn("a job is not kept in the store: {}: {}", job.id, kept.error().detail);
+tl::unexpected<Error> fail_handed_over_job() {
+  return fail(ServiceCode::draining,
+              "the server is about to stop; another one goes on with the job");
+}
+
+// Whether `keep()` kept it. What cannot be kept runs all the same, and goes with this process.
+template <class Keep>
+bool is_kept(const JobReport& job, const Keep& keep) {
+  std::string why;
+  try {
+    const Result<bool> kept = keep();
+    if (kept) return *kept;
+    why = kept.error().detail;
+  } catch (const std::exception& error) {  // of memory, or a library's
+    why = error.what();
+  }
+  spdlog::warn("a job is not kept in the store: {}: {}", job.id, why);
+  return false;
 }
 
 }  // namespace
@@ -58,29 +74,34 @@ void Routes::keep_jobs_in(JobRecords& records) {
   keeper.taken = [this](const JobReport& job, const HttpRequest& request) {
     // Nobody waits for a store of which it is known that it does not answer.
     if (!catalog_.store_health()) return false;
-    const auto kept = job_records_->keep(job_record_of(job), request);
-    warn_if_not(job, kept);
-    return kept.value_or(false);
+    return is_kept(job, [&] { return job_records_->keep(job_record_of(job), request); });
   };
-  keeper.ended = [this](const JobReport& job, const HttpResponse& reply,
-                        const std::function<bool()>& is_removed) {
+  keeper.ended = [this](const JobReport& job, const HttpResponse& reply) {
     if (!catalog_.store_health()) return;
-    JobRecord record = job_record_of(job);
-    record.end = {job.started, job.finished.value_or(job.created), reply};
-    warn_if_not(job, job_records_->keep(record));
-    if (is_removed()) (void)job_records_->erase(job.id);
+    (void)is_kept(job, [&] {
+      JobRecord record = job_record_of(job);
+      record.end = {job.started, job.finished.value_or(job.created), reply};
+      return job_records_->keep(record);
+    });
   };
+  keeper.dropped = [this](const std::string& id) { job_records_->drop(id); };
   jobs_.set_keeper(std::move(keeper));
 }
 
+Result<JobReport> Routes::here(const std::string& id) {
+  const auto job = jobs_.find(id);
+  if (!job) return fail_unknown_job();
+  if (job->is_handed_over) return fail_handed_over_job();
+  return *job;
+}
+
 Result<JobReport> Routes::look_up_job(const Call& call, const std::string& id) {
-  if (const auto job = jobs_.find(id)) {
-    if (!job->is_handed_over) return *job;
-    return fail(ServiceCode::draining,
-                "the server is about to stop; another one goes on with the job");
-  }
-  if (job_records_ == nullptr || !is_job_id(id)) return fail_unknown_job();
+  auto known = here(id);
+  if (known || known.error().code != ServiceCode::job_unknown) return known;
+  if (job_records_ == nullptr || !is_job_id(id)) return known;
   if (draining_) return fail(ServiceCode::draining, "the server is about to stop");
+  // Nobody waits for a store of which it is known that it does not answer.
+  if (auto store = catalog_.store_health(); !store) return fail(std::move(store.error()));
   if (!record_readers_.try_acquire_for(kRecordPatience)) {
     return fail(ServiceCode::overloaded, "too many jobs are looked for in the store");
   }
@@ -104,11 +125,13 @@ Result<JobReport> Routes::take_over_job(const Call& call, const std::string& id)
   again.caller.asked =
       std::make_shared<const Caller::Asked>(Caller::Asked{again.id, again.method, again.target});
   spdlog::info("{} job {} is begun again", again.id, id);
-  return jobs_.start(std::move(again),
-                     {.lease = kept.has_lease ? JobLease::renewed : JobLease::none,
-                      .id = id,
-                      .attempt = kept.attempt + 1,
-                      .created = kept.created});
+  auto job =
+      jobs_.start(std::move(again), {.lease = kept.has_lease ? JobLease::renewed : JobLease::none,
+                                     .id = id,
+                                     .attempt = kept.attempt + 1,
+                                     .created = kept.created});
+  if (job && job->is_handed_over) return fail_handed_over_job();
+  return job;
 }
 
 }  // namespace geodesic::server

@@ -224,9 +224,8 @@ Result<void> DirectoryStorage::quarantine(std::string_view id, std::string_view 
   return {};
 }
 
-Result<void> DirectoryStorage::erase_job(std::string_view id, bool has_bodies) {
-  for (const ObjectKind kind : kJobObjects) {
-    if (kind != ObjectKind::job && !has_bodies) continue;
+Result<void> DirectoryStorage::erase_job(std::string_view id, std::span<const ObjectKind> kinds) {
+  for (const ObjectKind kind : kinds) {
     if (auto removed = remove_file(path_of(kind, id)); !removed) return fail(removed.error());
   }
   return {};
@@ -236,6 +235,7 @@ Result<void> DirectoryStorage::erase_old_jobs(std::chrono::seconds age) {
   const std::time_t newest = std::time(nullptr) - static_cast<std::time_t>(age.count());
   std::size_t erased = 0;
   return for_each_in(root_ / "jobs", [&](const fs::path& path) -> Result<void> {
+    if (!is_job_object(path.filename().string())) return {};
     struct stat file {};
     if (erased >= kMostErased || ::stat(path.c_str(), &file) != 0) return {};
     if (!S_ISREG(file.st_mode) || file.st_mtime > newest) return {};

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -20,13 +21,41 @@ namespace {
 using nlohmann::json;
 
 // A record is this line, the digest of the rest as 64 digits, and CBOR (RFC 8949), whose strings
-// may be any bytes. A larger body is an object of its own, with its digest in the record.
+// may be any bytes. A larger body is an object of its own, with its digest in the record. The digest
+// is against damage. Who may write to the storage is not to harm the process all the same.
 constexpr std::string_view kBegin = "geodesicd job 1\n";
 constexpr std::size_t kDigits = 64;
 constexpr std::size_t kInside = std::size_t{64} << 10;
 constexpr std::chrono::hours kKeepQuestions{24};
 // Of the processes that are gone.
 constexpr std::chrono::hours kTidyEvery{1};
+constexpr std::chrono::seconds kTidyFor{2};
+constexpr std::size_t kMostDropped = 10'000;  // what is more is erased when it is too old
+constexpr int kMostNesting = 4;               // of what a record holds
+
+// Ends the reading of what is nested more deeply.
+class FlatEnough : public json::json_sax_t {
+ public:
+  bool null() override { return true; }
+  bool boolean(bool /*value*/) override { return true; }
+  bool number_integer(number_integer_t /*value*/) override { return true; }
+  bool number_unsigned(number_unsigned_t /*value*/) override { return true; }
+  bool number_float(number_float_t /*value*/, const string_t& /*text*/) override { return true; }
+  bool string(string_t& /*value*/) override { return true; }
+  bool binary(binary_t& /*value*/) override { return true; }
+  bool start_object(std::size_t /*size*/) override { return ++depth_ <= kMostNesting; }
+  bool key(string_t& /*value*/) override { return true; }
+  bool end_object() override { return --depth_ >= 0; }
+  bool start_array(std::size_t /*size*/) override { return ++depth_ <= kMostNesting; }
+  bool end_array() override { return --depth_ >= 0; }
+  bool parse_error(std::size_t /*at*/, const std::string& /*token*/,
+                   const nlohmann::detail::exception& /*error*/) override {
+    return false;
+  }
+
+ private:
+  int depth_ = 0;
+};
 
 json pairs_of(const std::vector<NameValue>& values) {
   json list = json::array();
@@ -47,14 +76,15 @@ std::int64_t milliseconds_of(JobRecord::Time time) {
 }
 
 JobRecord::Time time_of(const json& number) {
-  return JobRecord::Time(std::chrono::milliseconds(number.get<std::int64_t>()));
+  constexpr std::int64_t kLatest = 9'000'000'000'000;  // in the year 2255; nanoseconds have no more
+  return JobRecord::Time(std::chrono::milliseconds(
+      std::clamp(number.get<std::int64_t>(), std::int64_t{0}, kLatest)));
 }
 
 // Not what says who asked, or is meant for the connection.
 bool may_be_kept(const NameValue& header) {
-  constexpr std::array<std::string_view, 6> kNot{
-      "Authorization", "Cookie", "Connection", "Expect", "Content-Length", "Transfer-Encoding"};
-  return std::none_of(kNot.begin(), kNot.end(), [&](std::string_view name) {
+  constexpr std::array<std::string_view, 3> kKept{"Accept", "Content-Type", "Content-Disposition"};
+  return std::any_of(kKept.begin(), kKept.end(), [&](std::string_view name) {
     return equals_ignoring_case(header.first, name);
   });
 }
@@ -128,39 +158,55 @@ bool is_too_old(const JobRecord& record, std::chrono::seconds keep) {
 }  // namespace
 
 Result<bool> JobRecords::keep(const JobRecord& record, const HttpRequest& request) {
-  return write(record.id, head_of(record, request), request.body, ObjectKind::job_body,
-               kKeepQuestions);
+  return write(record.id, head_of(record, request), request.body,
+               {ObjectKind::job, ObjectKind::job_body}, kKeepQuestions);
 }
 
 Result<bool> JobRecords::keep(const JobRecord& record) {
-  const auto& body = record.end->reply.body;
-  return write(record.id, head_of(record, *record.end), body ? *body : std::string_view(),
-               ObjectKind::job_reply, limits_.keep);
+  constexpr Kinds kEnd{ObjectKind::job_end, ObjectKind::job_reply};
+  const HttpResponse& reply = record.end->reply;
+  if (reply.status >= 400) {
+    const auto other = storage_.read(kEnd.record, record.id, kMostJobBytes);
+    if (other && *other) return true;
+  }
+  return write(record.id, head_of(record, *record.end),
+               reply.body ? *reply.body : std::string_view(), kEnd, limits_.keep);
 }
 
 Result<bool> JobRecords::write(const std::string& id, json head, std::string_view body,
-                               ObjectKind kind, std::chrono::seconds life) {
+                               const Kinds& kinds, std::chrono::seconds life) {
   if (body.size() > limits_.bytes) return false;
   const bool is_inside = body.size() <= kInside;
+  std::vector<ObjectKind> objects{kinds.record};
   if (is_inside) {
     head["body"] = body;
   } else {
     head["body_digest"] = sha256_hex(body);
     head["body_bytes"] = body.size();
-    if (auto done = storage_.write(kind, id, body); !done) return fail(std::move(done.error()));
+    objects.push_back(kinds.body);
+    if (auto done = storage_.write(kinds.body, id, body); !done) {
+      return fail(std::move(done.error()));
+    }
   }
   std::string bytes;
   json::to_cbor(head, bytes);
   bytes.insert(0, std::string(kBegin) + sha256_hex(bytes));
-  if (auto done = storage_.write(ObjectKind::job, id, bytes); !done) {
+  if (bytes.size() > kMostJobBytes) return false;
+  if (auto done = storage_.write(kinds.record, id, bytes); !done) {
     return fail(std::move(done.error()));
   }
-  note(id, bytes.size() + (is_inside ? 0 : body.size()), !is_inside, life);
+  note(id, bytes.size() + (is_inside ? 0 : body.size()), objects, life);
   return true;
 }
 
 Result<std::optional<JobQuestion>> JobRecords::read(const std::string& id) {
-  auto object = storage_.read(ObjectKind::job, id, 2 * kInside);
+  auto end = read(id, {ObjectKind::job_end, ObjectKind::job_reply});
+  if (!end || *end) return end;
+  return read(id, {ObjectKind::job, ObjectKind::job_body});
+}
+
+Result<std::optional<JobQuestion>> JobRecords::read(const std::string& id, const Kinds& kinds) {
+  auto object = storage_.read(kinds.record, id, kMostJobBytes);
   if (!object) return fail(std::move(object.error()));
   if (!*object) return std::nullopt;
   const auto unusable = [&](const char* why) {
@@ -172,17 +218,22 @@ Result<std::optional<JobQuestion>> JobRecords::read(const std::string& id) {
   const std::string_view rest = bytes.substr(std::min(bytes.size(), kBegin.size() + kDigits));
   if (sha256_hex(rest) != bytes.substr(kBegin.size(), kDigits)) return unusable("it is damaged");
   try {
+    FlatEnough flat;
+    if (!json::sax_parse(rest, &flat, json::input_format_t::cbor)) return unusable("it is no record");
     const json head = json::from_cbor(rest);
     JobQuestion found = question_in(head);
     auto& end = found.record.end;
-    if (found.record.id != id) return unusable("it is another job's");
+    if (found.record.id != id || end.has_value() != (kinds.record == ObjectKind::job_end)) {
+      return unusable("it is another one's");
+    }
     if (is_too_old(found.record, limits_.keep)) return std::nullopt;
     std::string body;
     if (head.contains("body")) {
       body = head.at("body").get<std::string>();
     } else {
-      auto kept = storage_.read(end ? ObjectKind::job_reply : ObjectKind::job_body, id,
-                                head.at("body_bytes").get<std::uint64_t>());
+      const auto size = head.at("body_bytes").get<std::uint64_t>();
+      if (size > limits_.bytes) return unusable("its body is larger than the budget");
+      auto kept = storage_.read(kinds.body, id, size);
       if (!kept) return fail(std::move(kept.error()));
       if (!*kept || sha256_hex((*kept)->bytes) != head.at("body_digest").get<std::string>()) {
         return unusable("its body is gone or damaged");
@@ -200,53 +251,78 @@ Result<std::optional<JobQuestion>> JobRecords::read(const std::string& id) {
   }
 }
 
-bool JobRecords::forget(const std::string& id) {
+std::vector<ObjectKind> JobRecords::forget(const std::string& id) {
   const auto found = written_.find(id);
-  if (found == written_.end()) return true;  // another process has written it
-  const bool has_bodies = found->second.has_bodies;
+  if (found == written_.end()) return {kJobObjects.begin(), kJobObjects.end()};
+  std::vector<ObjectKind> objects = std::move(found->second.objects);
   bytes_ -= found->second.bytes;
   written_.erase(found);
-  return has_bodies;
+  return objects;
 }
 
 Result<void> JobRecords::erase(const std::string& id) {
-  bool has_bodies = true;
   {
     const std::lock_guard lock(mutex_);
-    has_bodies = forget(id);
+    (void)forget(id);
   }
-  return storage_.erase_job(id, has_bodies);
+  return storage_.erase_job(id, kJobObjects);  // others may have written, too
 }
 
-void JobRecords::note(const std::string& id, std::uint64_t bytes, bool has_body,
-                      std::chrono::seconds life) {
+void JobRecords::drop(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  if (dropped_.size() < kMostDropped) dropped_.push_back(id);
+}
+
+void JobRecords::note(const std::string& id, std::uint64_t bytes,
+                      const std::vector<ObjectKind>& objects, std::chrono::seconds life) {
   const std::lock_guard lock(mutex_);
   Written& written = written_[id];
-  written.bytes += bytes;  // the body of its question stays until all is erased
-  written.has_bodies |= has_body;
-  written.too_old = Clock::now() + life;
+  written.bytes += bytes;
+  written.objects.insert(written.objects.end(), objects.begin(), objects.end());
+  written.since = Clock::now();
+  written.too_old = written.since + life;
   bytes_ += bytes;
 }
 
-void JobRecords::tidy() {
-  std::vector<std::pair<std::string, bool>> old;
-  bool others = false;
-  {
-    const std::lock_guard lock(mutex_);
-    const Clock::time_point now = Clock::now();
-    others = !tidied_ || now >= *tidied_ + kTidyEvery;
-    if (others) tidied_ = now;
-    std::vector<std::pair<Clock::time_point, std::string>> by_age;
-    for (const auto& [id, written] : written_) by_age.emplace_back(written.too_old, id);
-    std::sort(by_age.begin(), by_age.end());
-    for (const auto& [too_old, id] : by_age) {
-      if (too_old > now && bytes_ <= limits_.bytes) break;
-      old.emplace_back(id, forget(id));
-    }
+std::optional<std::string> JobRecords::next_to_erase() {
+  if (!dropped_.empty()) {
+    std::string id = std::move(dropped_.back());
+    dropped_.pop_back();
+    return id;
   }
-  // What cannot be erased now, somebody erases a day later.
-  for (const auto& [id, has_bodies] : old) (void)storage_.erase_job(id, has_bodies);
-  if (others) (void)storage_.erase_old_jobs(limits_.keep + kKeepQuestions);
+  const Clock::time_point now = Clock::now();
+  auto first = written_.end();
+  for (auto entry = written_.begin(); entry != written_.end(); ++entry) {
+    if (entry->second.too_old <= now) return entry->first;
+    if (first == written_.end() || entry->second.since < first->second.since) first = entry;
+  }
+  if (bytes_ <= limits_.bytes || first == written_.end()) return std::nullopt;
+  return first->first;
+}
+
+void JobRecords::tidy() noexcept {
+  try {
+    const Clock::time_point end = Clock::now() + kTidyFor;
+    while (Clock::now() < end) {
+      std::vector<ObjectKind> objects;
+      std::optional<std::string> id;
+      {
+        const std::lock_guard lock(mutex_);
+        id = next_to_erase();
+        if (!id) break;
+        // Somebody may have written it anew since it was dropped: then it is erased whole.
+        objects = forget(*id);
+      }
+      // What cannot be erased now, somebody erases a day later.
+      if (!storage_.erase_job(*id, objects)) return;
+    }
+    const Clock::time_point now = Clock::now();
+    if (tidied_ && now < *tidied_ + kTidyEvery) return;
+    tidied_ = now;
+    (void)storage_.erase_old_jobs(limits_.keep + kKeepQuestions);
+  } catch (const std::exception& error) {
+    spdlog::warn("what is kept of old jobs is not erased: {}", error.what());
+  }
 }
 
 }  // namespace geodesic::server

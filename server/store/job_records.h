@@ -1,13 +1,14 @@
 // What is kept of jobs in the storage, so that a job outlives the server that runs it: its question
-// from the moment when it is taken, and in the question's place its reply once it has ended. Any
-// server that uses the storage can tell what a job came to, or begin it again.
+// from the moment when it is taken, and its reply once it has ended, which then counts. Any server
+// that uses the storage can tell what a job came to, or begin it again. Where two have run it, what
+// one of them has brought to a good end is not replaced by the other's failure.
 //
 // A record is checked against its digest when it is read. What is damaged, of another version or
-// too old is as if it were not there. What credentials a request came with is not kept: it was
-// allowed when it was taken, and who knows the id may ask.
+// too old is as if it were not there. Of a request's headers only those are kept that say what is
+// asked, and in which form: it was allowed when it was taken, and who knows the id may ask.
 //
-// What one process has written is bounded by a budget: the oldest goes first. What a process left
-// that is gone is erased by another one, a day after it was too old.
+// What one process has written is bounded by a budget: what was written first goes first. What a
+// process left that is gone is erased by another one, a day after it was too old.
 //
 // All methods may be called from any thread. Errors are those of the storage.
 #pragma once
@@ -20,6 +21,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/error.h"
 #include "server/http/message.h"
@@ -65,30 +67,44 @@ class JobRecords {
   // Nothing if there is none.
   [[nodiscard]] Result<std::optional<JobQuestion>> read(const std::string& id);
   [[nodiscard]] Result<void> erase(const std::string& id);
-  // Erases what has become too old, of this process and, now and then, of those that are gone.
-  void tidy();
+  // Has it erased by the next `tidy`; does not wait for the storage.
+  void drop(const std::string& id);
+  // Erases what was dropped or has become too old, of this process and, now and then, of those that
+  // are gone. Takes some seconds at most; what is left over comes next time.
+  void tidy() noexcept;
 
  private:
   using Clock = std::chrono::steady_clock;
   struct Written {
     std::uint64_t bytes = 0;
-    bool has_bodies = false;  // large ones
+    std::vector<ObjectKind> objects;
+    Clock::time_point since;
     Clock::time_point too_old;
+  };
+  struct Kinds {
+    ObjectKind record;
+    ObjectKind body;
   };
 
   [[nodiscard]] Result<bool> write(const std::string& id, nlohmann::json head,
-                                   std::string_view body, ObjectKind kind,
+                                   std::string_view body, const Kinds& kinds,
                                    std::chrono::seconds life);
-  void note(const std::string& id, std::uint64_t bytes, bool has_body, std::chrono::seconds life);
-  // Forgets one; whether it may have large bodies. With the lock.
-  bool forget(const std::string& id);
+  [[nodiscard]] Result<std::optional<JobQuestion>> read(const std::string& id, const Kinds& kinds);
+  void note(const std::string& id, std::uint64_t bytes, const std::vector<ObjectKind>& objects,
+            std::chrono::seconds life);
+  // The objects of one that is forgotten; all that there may be of one that another process has
+  // written. With the lock.
+  std::vector<ObjectKind> forget(const std::string& id);
+  // One to erase now, if there is any; with the lock.
+  [[nodiscard]] std::optional<std::string> next_to_erase();
 
   ObjectStorage& storage_;
   const Limits limits_;
   std::mutex mutex_;
   std::map<std::string, Written> written_;  // by id
+  std::vector<std::string> dropped_;
   std::uint64_t bytes_ = 0;                 // of those
-  std::optional<Clock::time_point> tidied_;
+  std::optional<Clock::time_point> tidied_;  // of those that are gone; the tidying thread's
 };
 
 }  // namespace geodesic::server

@@ -16,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,19 +30,21 @@ namespace geodesic::server {
 enum class ObjectKind : std::uint8_t {
   source,
   metadata,
-  job,        // its question or its reply, without a large body (job_records.h)
+  job,        // its question, without a large body (job_records.h)
   job_body,   // of its request
+  job_end,    // its reply, without a large body
   job_reply,  // the reply's body
 };
 
 inline constexpr std::array kJobObjects{ObjectKind::job, ObjectKind::job_body,
-                                        ObjectKind::job_reply};
+                                        ObjectKind::job_end, ObjectKind::job_reply};
+// No `job` and no `job_end` is larger: who finds one that is need not read it.
+inline constexpr std::uint64_t kMostJobBytes = std::uint64_t{256} << 10;
+
 // What an object of a job is called among all of them.
-[[nodiscard]] inline std::string name_of_job_object(ObjectKind kind, std::string_view id) {
-  return std::string(id) + (kind == ObjectKind::job        ? ".job"
-                            : kind == ObjectKind::job_body ? ".body"
-                                                           : ".reply");
-}
+[[nodiscard]] std::string name_of_job_object(ObjectKind kind, std::string_view id);
+// Whether it may be called so. Others may keep things of their own beside ours.
+[[nodiscard]] bool is_job_object(std::string_view name);
 
 struct StoredMesh {
   std::string id;
@@ -114,11 +117,11 @@ class ObjectStorage {
   // be gone already.
   [[nodiscard]] virtual Result<void> quarantine(std::string_view id, std::string_view damaged) = 0;
 
-  // Removes what is kept of a job, large bodies only if there may be such. It may be gone already.
-  [[nodiscard]] virtual Result<void> erase_job(std::string_view id, bool has_bodies) = 0;
+  // Removes objects of a job. They may be gone already.
+  [[nodiscard]] virtual Result<void> erase_job(std::string_view id,
+                                               std::span<const ObjectKind> kinds) = 0;
 
-  // Removes what is kept of jobs and was written so long ago; not
-  // more of it than takes some seconds.
+  // Removes what is kept of jobs and was written so long ago; not more of it than takes some seconds.
   [[nodiscard]] virtual Result<void> erase_old_jobs(std::chrono::seconds age) = 0;
 
   // Remembers, if it can, that the mesh was used now.

@@ -154,6 +154,9 @@ Result<std::optional<StoredObject>> S3Storage::read(ObjectKind kind, std::string
   request.max_reply_bytes = std::max<std::uint64_t>(expected_bytes, 1 << 20);
   auto reply = client_.send(request);
   if (!reply) return fail(std::move(reply.error()));
+  if (reply->cut && (kind == ObjectKind::job || kind == ObjectKind::job_end)) {
+    return fail(ServiceCode::store_failed, "an object of the store is too large");
+  }
   if (reply->cut) {
     // The expectation was wrong. What was cut tells nothing about the object.
     request.max_reply_bytes = kMostObjectBytes;
@@ -187,9 +190,8 @@ Result<void> S3Storage::quarantine(std::string_view id, std::string_view damaged
   return {};
 }
 
-Result<void> S3Storage::erase_job(std::string_view id, bool has_bodies) {
-  for (const ObjectKind kind : kJobObjects) {
-    if (kind != ObjectKind::job && !has_bodies) continue;
+Result<void> S3Storage::erase_job(std::string_view id, std::span<const ObjectKind> kinds) {
+  for (const ObjectKind kind : kinds) {
     if (auto done = erase_key(key_of(kind, id)); !done) return done;
   }
   return {};
@@ -203,6 +205,7 @@ Result<void> S3Storage::erase_old_jobs(std::chrono::seconds age) {
     const auto page = list_page(kJobs, "", "", token, kMostKeys);
     if (!page) return fail(page.error());
     for (const Listed& object : page->objects) {
+      if (!is_job_object(object.name)) continue;
       if (object.written == 0 || object.written > newest) continue;
       if (++erased > kMostErased) return {};
       if (auto done = erase_key(client_.location().prefix + kJobs + object.name); !done) {

@@ -37,7 +37,8 @@ class S3Storage final : public ObjectStorage {
                                                          std::uint64_t expected_bytes) override;
   [[nodiscard]] Result<void> erase(std::string_view id) override;
   [[nodiscard]] Result<void> quarantine(std::string_view id, std::string_view damaged) override;
-  [[nodiscard]] Result<void> erase_job(std::string_view id, bool has_bodies) override;
+  [[nodiscard]] Result<void> erase_job(std::string_view id,
+                                       std::span<const ObjectKind> kinds) override;
   [[nodiscard]] Result<void> erase_old_jobs(std::chrono::seconds age) override;
   void note_use(std::string_view /*id*/) override {}
   [[nodiscard]] Result<void> check() override;

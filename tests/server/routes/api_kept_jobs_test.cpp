@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/base/sha256.h"
 #include "server/store/job_records.h"
 #include "tests/fixtures/test_seed.h"
 #include "tests/fixtures/wait_until.h"
@@ -34,7 +35,7 @@ struct KeepingServer : Service {
       : Service(folder, config), records(store->storage(), limits) {
     routes.keep_jobs_in(records);
   }
-  ~KeepingServer() { routes.start_draining(); }  // while the records are there
+  ~KeepingServer() { routes.end_jobs(); }  // while the records are there
 
   JobRecords records;
 };
@@ -125,6 +126,7 @@ TEST_CASE("WhatHasNotEndedIsBegunAgainByTheNextServer") {
       servers.begin("POST", servers.base + "/distance", R"({"from": ["v:5"]})");
   const json before = servers.job(place);
   CHECK(before["attempt"] == 1);
+  CHECK(before["kept"] == true);
   for (int attempt = 2; attempt <= 3; ++attempt) {
     servers.replace();
     const json after = servers.job(place);
@@ -183,9 +185,9 @@ TEST_CASE("WhatIsDeletedOrTooOldIsNotKept") {
   const std::string old = servers.begin("GET", servers.base + "/samples?count=6");
   servers.wait(deleted);
   servers.wait(old);
-  CHECK(servers.kept().size() == 2);
+  CHECK(servers.kept().size() == 4);  // questions and replies
   CHECK(servers.server->ask("DELETE", deleted).status == 204);
-  CHECK(servers.kept().size() == 1);
+  CHECK(servers.kept().size() == 2);
   wait_until([&] {
     servers.server->records.tidy();
     return servers.kept().empty();
@@ -244,4 +246,33 @@ TEST_CASE("ARecordThatIsDamagedIsNeverTaken") {
     servers.server = std::make_unique<KeepingServer>(servers.folder.path(), servers.limits);
     check_problem(servers.server->get(place), 404, "job_unknown");
   }
+}
+
+// Who may write to the store is not to end the server by it.
+TEST_CASE("ARecordThatIsNestedDeeplyOrLargeIsNoRecord") {
+  OneAfterTheOther servers;
+  const std::string id(48, 'a');
+  for (const std::string& rest : {std::string(200'000, '\x81'), std::string(2 << 20, '\xa1')}) {
+    std::ofstream(servers.folder.path() / "jobs" / (id + ".job"), std::ios::binary)
+        << "geodesicd job 1\n"
+        << sha256_hex(rest) << rest;
+    check_problem(servers.server->get("/v1/jobs/" + id), 404, "job_unknown");
+  }
+}
+
+TEST_CASE("OfWhatIsOldOnlyJobsAreErased") {
+  OneAfterTheOther servers;
+  const auto old = std::filesystem::file_time_type::clock::now() - std::chrono::hours(72);
+  const std::string id(48, '7');
+  for (const std::string& name : {id + ".job", id + ".end", id + ".reply", id + ".body", id,
+                                  id + ".txt", std::string("notes.job"), "x" + id + ".job"}) {
+    const auto path = servers.folder.path() / "jobs" / name;
+    std::ofstream(path) << "something";
+    std::filesystem::last_write_time(path, old);
+  }
+  const std::string recent = servers.begin("GET", servers.base + "/samples?count=5");
+  servers.wait(recent);
+  servers.server->records.tidy();
+  CHECK(servers.kept().size() == 6);  // four that are no job's, and two of the recent one
+  CHECK(servers.job(recent)["state"] == "done");
 }
