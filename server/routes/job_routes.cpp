@@ -211,12 +211,13 @@ HttpResponse Routes::one_job(Call& call) {
   if (!none && (call.is("DELETE") || call.is("GET"))) return call.problem(none.error());
   if (call.is("DELETE")) {
     if (!is_job_id(id)) return call.problem(ServiceCode::job_unknown, "this is no id of a job");
+    // What cannot be erased now is tried again, until this process ends. Before it is forgotten
+    // here: or whoever asks meanwhile would find it there.
+    if (job_records_ != nullptr && (!catalog_.store_health() || !job_records_->erase(id))) {
+      job_records_->drop(id);
+    }
     // To cancel again, or what is forgotten, changes nothing.
     jobs_.remove(id);
-    if (job_records_ != nullptr) {
-      // What cannot be erased now is tried again, until this process ends.
-      if (!catalog_.store_health() || !job_records_->erase(id)) job_records_->drop(id);
-    }
     HttpResponse response;
     response.status = 204;
     return response;

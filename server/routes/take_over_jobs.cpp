@@ -107,7 +107,10 @@ Result<JobReport> Routes::look_up_job(const Call& call, const std::string& id) {
   }
   const auto let_go = [this](void*) { record_readers_.release(); };
   const std::unique_ptr<void, decltype(let_go)> place(this, let_go);
-  return take_over_job(call, id);
+  auto job = take_over_job(call, id);
+  if (!job_records_->is_erased(id)) return job;
+  jobs_.remove(id);  // somebody has asked for that meanwhile
+  return fail_unknown_job();
 }
 
 Result<JobReport> Routes::take_over_job(const Call& call, const std::string& id) {

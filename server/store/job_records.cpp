@@ -21,8 +21,8 @@ namespace {
 using nlohmann::json;
 
 // A record is this line, the digest of the rest as 64 digits, and CBOR (RFC 8949), whose strings
-// may be any bytes. A larger body is an object of its own, with its digest in the record. The digest
-// is against damage. Who may write to the storage is not to harm the process all the same.
+// may be any bytes. A larger body is an object of its own, with its digest in the record. The
+// digest is against damage. Who may write to the storage is not to harm the process all the same.
 constexpr std::string_view kBegin = "geodesicd job 1\n";
 constexpr std::size_t kDigits = 64;
 constexpr std::size_t kInside = std::size_t{64} << 10;
@@ -30,8 +30,9 @@ constexpr std::chrono::hours kKeepQuestions{24};
 // Of the processes that are gone.
 constexpr std::chrono::hours kTidyEvery{1};
 constexpr std::chrono::seconds kTidyFor{2};
-constexpr std::size_t kMostDropped = 10'000;  // what is more is erased when it is too old
-constexpr int kMostNesting = 4;               // of what a record holds
+constexpr std::size_t kMostDropped = 10'000;     // what is more is erased when it is too old
+constexpr std::size_t kMostRemembered = 10'000;  // that are remembered
+constexpr int kMostNesting = 4;                  // of what a record holds
 
 // Ends the reading of what is nested more deeply.
 class FlatEnough : public json::json_sax_t {
@@ -77,8 +78,8 @@ std::int64_t milliseconds_of(JobRecord::Time time) {
 
 JobRecord::Time time_of(const json& number) {
   constexpr std::int64_t kLatest = 9'000'000'000'000;  // in the year 2255; nanoseconds have no more
-  return JobRecord::Time(std::chrono::milliseconds(
-      std::clamp(number.get<std::int64_t>(), std::int64_t{0}, kLatest)));
+  return JobRecord::Time(
+      std::chrono::milliseconds(std::clamp(number.get<std::int64_t>(), std::int64_t{0}, kLatest)));
 }
 
 // Not what says who asked, or is meant for the connection.
@@ -200,6 +201,7 @@ Result<bool> JobRecords::write(const std::string& id, json head, std::string_vie
 }
 
 Result<std::optional<JobQuestion>> JobRecords::read(const std::string& id) {
+  if (is_erased(id)) return std::nullopt;
   auto end = read(id, {ObjectKind::job_end, ObjectKind::job_reply});
   if (!end || *end) return end;
   return read(id, {ObjectKind::job, ObjectKind::job_body});
@@ -219,7 +221,8 @@ Result<std::optional<JobQuestion>> JobRecords::read(const std::string& id, const
   if (sha256_hex(rest) != bytes.substr(kBegin.size(), kDigits)) return unusable("it is damaged");
   try {
     FlatEnough flat;
-    if (!json::sax_parse(rest, &flat, json::input_format_t::cbor)) return unusable("it is no record");
+    if (!json::sax_parse(rest, &flat, json::input_format_t::cbor))
+      return unusable("it is no record");
     const json head = json::from_cbor(rest);
     JobQuestion found = question_in(head);
     auto& end = found.record.end;
@@ -263,6 +266,7 @@ std::vector<ObjectKind> JobRecords::forget(const std::string& id) {
 Result<void> JobRecords::erase(const std::string& id) {
   {
     const std::lock_guard lock(mutex_);
+    note_erased(id);
     (void)forget(id);
   }
   return storage_.erase_job(id, kJobObjects);  // others may have written, too
@@ -270,7 +274,21 @@ Result<void> JobRecords::erase(const std::string& id) {
 
 void JobRecords::drop(const std::string& id) {
   const std::lock_guard lock(mutex_);
+  note_erased(id);
   if (dropped_.size() < kMostDropped) dropped_.push_back(id);
+}
+
+bool JobRecords::is_erased(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  return is_erased_.contains(id);
+}
+
+void JobRecords::note_erased(const std::string& id) {
+  if (!is_erased_.insert(id).second) return;
+  erased_.push_back(id);
+  if (erased_.size() <= kMostRemembered) return;
+  is_erased_.erase(erased_.front());
+  erased_.pop_front();
 }
 
 void JobRecords::note(const std::string& id, std::uint64_t bytes,

@@ -15,12 +15,14 @@
 
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <mutex>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_set>
 #include <vector>
 
 #include "core/base/error.h"
@@ -69,6 +71,9 @@ class JobRecords {
   [[nodiscard]] Result<void> erase(const std::string& id);
   // Has it erased by the next `tidy`; does not wait for the storage.
   void drop(const std::string& id);
+  // Whether one of these was called for it lately: then nothing is read of it any more, and who has
+  // read it just before should not use it.
+  [[nodiscard]] bool is_erased(const std::string& id);
   // Erases what was dropped or has become too old, of this process and, now and then, of those that
   // are gone. Takes some seconds at most; what is left over comes next time.
   void tidy() noexcept;
@@ -92,6 +97,7 @@ class JobRecords {
   [[nodiscard]] Result<std::optional<JobQuestion>> read(const std::string& id, const Kinds& kinds);
   void note(const std::string& id, std::uint64_t bytes, const std::vector<ObjectKind>& objects,
             std::chrono::seconds life);
+  void note_erased(const std::string& id);  // with the lock
   // The objects of one that is forgotten; all that there may be of one that another process has
   // written. With the lock.
   std::vector<ObjectKind> forget(const std::string& id);
@@ -103,7 +109,9 @@ class JobRecords {
   std::mutex mutex_;
   std::map<std::string, Written> written_;  // by id
   std::vector<std::string> dropped_;
-  std::uint64_t bytes_ = 0;                 // of those
+  std::deque<std::string> erased_;  // the last ones
+  std::unordered_set<std::string> is_erased_;
+  std::uint64_t bytes_ = 0;                  // of those
   std::optional<Clock::time_point> tidied_;  // of those that are gone; the tidying thread's
 };
 

@@ -2,6 +2,7 @@
 // to, or begins them again.
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -275,4 +276,21 @@ TEST_CASE("OfWhatIsOldOnlyJobsAreErased") {
   servers.server->records.tidy();
   CHECK(servers.kept().size() == 6);  // four that are no job's, and two of the recent one
   CHECK(servers.job(recent)["state"] == "done");
+}
+
+TEST_CASE("WhatIsDeletedStaysAwayWhoeverAsksMeanwhile") {
+  OneAfterTheOther servers;
+  for (int time = 0; time < 30; ++time) {
+    const std::string place = servers.begin("GET", servers.base + "/samples?count=5");
+    servers.wait(place);
+    if (time % 2 == 0) servers.replace();
+    std::atomic<bool> is_over = false;
+    std::thread asker([&] {
+      while (!is_over) (void)servers.server->get(place);
+    });
+    CHECK(servers.server->ask("DELETE", place).status == 204);
+    is_over = true;
+    asker.join();
+    check_problem(servers.server->get(place), 404, "job_unknown");
+  }
 }
