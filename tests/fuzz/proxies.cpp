@@ -25,7 +25,6 @@ struct Announced {
   ProxyHeader::State state = ProxyHeader::State::more;
   std::string source;
   std::size_t used = 0;
-  friend bool operator==(const Announced&, const Announced&) = default;
 };
 
 Announced announced_in(std::string_view bytes, std::size_t piece) {
