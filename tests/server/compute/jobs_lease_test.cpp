@@ -116,7 +116,10 @@ TEST_CASE("AJobWithoutALeaseGoesOnAndWhatHasEndedIsKept") {
   REQUIRE(kept);
   CHECK_FALSE(kept->lease);
   fixture.start("/hold/other", "bob");
-  wait_until([&] { return fixture.jobs.stats().running + fixture.jobs.stats().queued <= 1; });
+  wait_until([&] {
+    const Jobs::Stats now = fixture.jobs.stats();  // of one moment
+    return now.running + now.queued <= 1;
+  });
   CHECK(fixture.jobs.stats().cancelled == 1);
   std::this_thread::sleep_for(200ms);
   CHECK(fixture.jobs.stats().running == 1);
