@@ -32,9 +32,8 @@ std::string name_of_job_object(ObjectKind kind, std::string_view id) {
 bool is_job_object(std::string_view name) {
   const std::string_view id = name.substr(0, kDigitsOfJob);
   return id.size() == kDigitsOfJob && id.find_first_not_of("0123456789abcdef") == id.npos &&
-         std::any_of(kJobObjects.begin(), kJobObjects.end(), [&](ObjectKind kind) {
-           return name.substr(kDigitsOfJob) == ending_of(kind);
-         });
+         std::any_of(kJobObjects.begin(), kJobObjects.end(),
+                     [&](ObjectKind kind) { return name.substr(kDigitsOfJob) == ending_of(kind); });
 }
 
 }  // namespace geodesic::server

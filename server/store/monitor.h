@@ -14,8 +14,8 @@ namespace geodesic::server {
 
 class StoreMonitor {
  public:
-  // Checks at once, then every `interval`, and calls `also`, which takes seconds at most and does not
-  // throw, whenever the store works. The store must outlive the monitor.
+  // Checks at once, then every `interval`, and calls `also`, which takes seconds at most and does
+  // not throw, whenever the store works. The store must outlive the monitor.
   StoreMonitor(MeshStore& store, std::chrono::milliseconds interval,
                std::function<void()> also = {});
   ~StoreMonitor();
