@@ -25,7 +25,7 @@ struct Jobs::Job {
   std::uint64_t bytes = 0;     // charged
   bool is_kept = false;        // it has ended, and its bytes count among its client's
   bool is_running = false;     // its handler is, perhaps after the job was cancelled
-  bool is_being_kept = false;  // its request is being read for that
+  bool is_being_kept = false;  // the keeper reads its request
   std::atomic<bool> cancelled{false};
   std::atomic<bool> is_unwatched{false};  // it was cancelled because nobody asked about it
   std::atomic<Clock::time_point> lease_ends{Clock::time_point::max()};

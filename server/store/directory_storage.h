@@ -3,7 +3,7 @@
 //   DIR/lock                 held (flock) by the one process that uses DIR
 //   DIR/objects/ab/<id>      the bytes as uploaded, "ab" being the id's first two digits
 //   DIR/meta/ab/<id>.json    the metadata, opaque here
-//   DIR/jobs/<id>.job, …     what is kept of jobs, in up to three files each
+//   DIR/jobs/<id>.job, …     what is kept of jobs, in up to four files each
 //   DIR/tmp/                 files being written; emptied at the start
 //   DIR/quarantine/<id>      bytes found not to be what was stored
 //

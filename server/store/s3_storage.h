@@ -3,7 +3,7 @@
 //
 //   PREFIXobjects/<id>      the bytes as uploaded
 //   PREFIXmeta/<id>.json    the metadata, opaque here
-//   PREFIXjobs/<id>.job, …  what is kept of jobs, in up to three objects each
+//   PREFIXjobs/<id>.job, …  what is kept of jobs, in up to four objects each
 //   PREFIXquarantine/<id>   a copy of bytes found not to be what was stored
 //
 // S3 writes an object whole or not at all. A version is the object's entity tag. When a
