@@ -9,6 +9,7 @@ import time
 import nginx
 from nginx import ROOT, certificate
 from ports import free_port
+from service import reply_on
 
 def adapted(file, changes):
     """The text of a file below deploy/, with patterns and what stands in their place here; each is found."""
@@ -55,12 +56,7 @@ class Balancer:
     def ask(self, method, path, body=None, headers=None):
         """(status, headers in lower case, body) of one request on a connection of its own."""
         line = http.client.HTTPSConnection("127.0.0.1", self.port, context=self.trusting, timeout=40)
-        try:
-            line.request(method, path, body, headers or {})
-            reply = line.getresponse()
-            return reply.status, {name.lower(): value for name, value in reply.getheaders()}, reply.read()
-        finally:
-            line.close()
+        return reply_on(line, method, path, body, headers)
 
     def stop(self):
         """Ends it."""

@@ -14,6 +14,16 @@ import subprocess
 import time
 
 
+def reply_on(connection, method, path, body=None, headers=None):
+    """(status, headers in lower case, body) of one request on a connection that ends with it."""
+    try:
+        connection.request(method, path, body=body, headers=headers or {})
+        reply = connection.getresponse()
+        return reply.status, {name.lower(): value for name, value in reply.getheaders()}, reply.read()
+    finally:
+        connection.close()
+
+
 class Service:
     """geodesicd with the given flags, listening on `port`, or on one of its own choice.
 
@@ -45,14 +55,7 @@ class Service:
 
     def ask(self, method, path, body=None, timeout=60, headers=None):
         """(status, headers in lower case, body) of one request on a connection of its own."""
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=timeout)
-        try:
-            connection.request(method, path, body=body, headers=headers or {})
-            reply = connection.getresponse()
-            headers = {name.lower(): value for name, value in reply.getheaders()}
-            return reply.status, headers, reply.read()
-        finally:
-            connection.close()
+        return reply_on(http.client.HTTPConnection("127.0.0.1", self.port, timeout=timeout), method, path, body, headers)
 
     def get_json(self, path):
         """The status and the parsed body of a GET."""

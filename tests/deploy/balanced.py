@@ -13,7 +13,7 @@ ROOT = HERE.parents[1]
 sys.path[:0] = [str(HERE.parent / "crash"), str(HERE.parent / "cluster")]
 
 import nginx  # noqa: E402
-from service import digest, mesh  # noqa: E402
+from service import digest, mesh, reply_on  # noqa: E402
 
 SIDE = 12  # vertices of a mesh along a side
 MESHES = 24  # so many that chance does not give all of them to one server
@@ -50,13 +50,7 @@ class Balancer:
 
     def ask(self, method, path, body=None, headers=None):
         """(status, headers in lower case, body) of one request on a connection of its own."""
-        line = http.client.HTTPConnection("127.0.0.1", self.port, timeout=40)
-        try:
-            line.request(method, path, body, headers or {})
-            reply = line.getresponse()
-            return reply.status, {name.lower(): value for name, value in reply.getheaders()}, reply.read()
-        finally:
-            line.close()
+        return reply_on(http.client.HTTPConnection("127.0.0.1", self.port, timeout=40), method, path, body, headers)
 
     def stop(self):
         """Ends it."""
