@@ -7,6 +7,8 @@
 #include <numeric>
 #include <string>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "core/base/polled_fill.h"
 #include "core/base/polled_sort.h"
@@ -126,6 +128,107 @@ std::vector<std::uint32_t> joined_in_faces(const TriangleSoup& soup,
   return first;
 }
 
+// A mesh that is being built. Each step leaves off when the poll says to stop.
+struct Building {
+  void weld(const TriangleSoup& soup, Weld weld, Poll& poll);
+  void order_faces(const TriangleSoup& soup, Poll& poll);
+  void measure(Poll& poll);
+
+  std::vector<Vec3> positions;
+  std::vector<Triangle> faces;
+  std::vector<std::uint32_t> vertex_of_source;
+  std::vector<std::uint32_t> source_of_vertex;
+  std::vector<std::uint32_t> face_of_source;
+  std::vector<std::uint32_t> source_of_face;
+  std::vector<Mesh::DroppedFace> dropped;
+  std::uint32_t zero_area_faces = 0;
+  Box box;
+  double area = 0;
+};
+
+// Numbers the vertices along the curve, those at the same position as one.
+void Building::weld(const TriangleSoup& soup, Weld weld, Poll& poll) {
+  const std::size_t count = soup.positions.size();
+  std::vector<Vec3> flushed_positions;
+  polled_assign(flushed_positions, count, Vec3{}, poll);
+  for (std::size_t i = 0; i < flushed_positions.size() && !poll.cancelled(); ++i) {
+    const Vec3 p = soup.positions[i];
+    flushed_positions[i] = {flushed(p.x), flushed(p.y), flushed(p.z)};
+  }
+  if (poll.stopped()) return;
+  const std::vector<std::uint32_t> order = curve_order(flushed_positions, box, poll);
+  polled_assign(vertex_of_source, count, kNone, poll);
+  if (poll.stopped()) return;
+  positions.reserve(count);
+  source_of_vertex.reserve(count);
+  // Those to become one follow one another, or else the first of them, which has the
+  // least number and so comes first on the curve, is known.
+  const std::vector<std::uint32_t> first = weld == Weld::off
+                                               ? joined_in_faces(soup, flushed_positions, poll)
+                                               : std::vector<std::uint32_t>();
+  for (const std::uint32_t source : order) {
+    if (poll.cancelled()) return;
+    const Vec3 p = flushed_positions[source];
+    const bool is_new =
+        weld == Weld::off ? first[source] == source : positions.empty() || !(positions.back() == p);
+    if (is_new) {
+      positions.push_back(p);
+      source_of_vertex.push_back(source);
+    }
+    vertex_of_source[source] = is_new || weld != Weld::off
+                                   ? static_cast<std::uint32_t>(positions.size() - 1)
+                                   : vertex_of_source[first[source]];
+  }
+  positions.shrink_to_fit();
+  source_of_vertex.shrink_to_fit();
+}
+
+// Faces in the order of their first vertex on the curve (a counting sort).
+void Building::order_faces(const TriangleSoup& soup, Poll& poll) {
+  const auto welded = [&](std::size_t source_face) {
+    const Triangle& t = soup.faces[source_face];
+    return Triangle{vertex_of_source[t[0]], vertex_of_source[t[1]], vertex_of_source[t[2]]};
+  };
+  const auto has_surface = [](const Triangle& t) {
+    return t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+  };
+  std::vector<std::uint32_t> begin;
+  polled_assign(begin, positions.size() + 1, std::uint32_t{0}, poll);
+  polled_assign(face_of_source, soup.faces.size(), kNone, poll);
+  for (std::size_t f = 0; f < soup.faces.size(); ++f) {
+    if (poll.cancelled()) return;
+    const Triangle t = welded(f);
+    if (has_surface(t)) {
+      ++begin[std::min({t[0], t[1], t[2]}) + 1];
+    } else {
+      dropped.push_back({static_cast<std::uint32_t>(f), t});
+    }
+  }
+  for (std::size_t v = 1; v < begin.size(); ++v) begin[v] += begin[v - 1];
+  polled_assign(faces, soup.faces.size() - dropped.size(), Triangle{}, poll);
+  polled_assign(source_of_face, soup.faces.size() - dropped.size(), kNone, poll);
+  for (std::size_t f = 0; f < soup.faces.size(); ++f) {
+    if (poll.cancelled()) return;
+    const Triangle t = welded(f);
+    if (!has_surface(t)) continue;
+    const std::uint32_t face = begin[std::min({t[0], t[1], t[2]})]++;
+    faces[face] = t;
+    source_of_face[face] = static_cast<std::uint32_t>(f);
+    face_of_source[f] = face;
+  }
+}
+
+void Building::measure(Poll& poll) {
+  for (const Triangle& t : faces) {
+    if (poll.cancelled()) return;
+    const Vec3 a = positions[t[0]];
+    const Vec3 b = positions[t[1]];
+    const Vec3 c = positions[t[2]];
+    area += 0.5 * norm(cross(b - a, c - a));
+    if (Mesh::is_without_area(a, b, c)) ++zero_area_faces;
+  }
+}
+
 }  // namespace
 
 Result<Mesh> Mesh::build(const TriangleSoup& soup, Weld weld) {
@@ -143,9 +246,9 @@ Result<Mesh> Mesh::build(const TriangleSoup& soup, Weld weld, const Cancel& canc
   }
   Poll poll(cancel);
   if (auto indices = check_indices(soup, poll); !indices) return fail(indices.error());
-  Mesh mesh;
+  Building mesh;
   if (auto box = checked_box(soup, poll); box) {
-    mesh.box_ = *box;
+    mesh.box = *box;
   } else {
     return fail(box.error());
   }
@@ -157,93 +260,19 @@ Result<Mesh> Mesh::build(const TriangleSoup& soup, Weld weld, const Cancel& canc
   cancel.report(0.9);
   if (!poll.ask()) mesh.measure(poll);
   if (poll.ask()) return fail_stopped(cancel);
-  if (mesh.faces_.empty()) {
+  if (mesh.faces.empty()) {
     return fail(ErrorCode::mesh_invalid, "every face has two corners at the same position");
   }
-  return mesh;
-}
-
-// Numbers the vertices along the curve, those at the same position as one.
-void Mesh::weld(const TriangleSoup& soup, Weld weld, Poll& poll) {
-  const std::size_t count = soup.positions.size();
-  std::vector<Vec3> flushed_positions;
-  polled_assign(flushed_positions, count, Vec3{}, poll);
-  for (std::size_t i = 0; i < flushed_positions.size() && !poll.cancelled(); ++i) {
-    const Vec3 p = soup.positions[i];
-    flushed_positions[i] = {flushed(p.x), flushed(p.y), flushed(p.z)};
-  }
-  if (poll.stopped()) return;
-  const std::vector<std::uint32_t> order = curve_order(flushed_positions, box_, poll);
-  polled_assign(vertex_of_source_, count, kNone, poll);
-  if (poll.stopped()) return;
-  positions_.reserve(count);
-  source_of_vertex_.reserve(count);
-  // Those to become one follow one another, or else the first of them, which has the
-  // least number and so comes first on the curve, is known.
-  const std::vector<std::uint32_t> first = weld == Weld::off
-                                               ? joined_in_faces(soup, flushed_positions, poll)
-                                               : std::vector<std::uint32_t>();
-  for (const std::uint32_t source : order) {
-    if (poll.cancelled()) return;
-    const Vec3 p = flushed_positions[source];
-    const bool is_new = weld == Weld::off ? first[source] == source
-                                          : positions_.empty() || !(positions_.back() == p);
-    if (is_new) {
-      positions_.push_back(p);
-      source_of_vertex_.push_back(source);
-    }
-    vertex_of_source_[source] = is_new || weld != Weld::off
-                                    ? static_cast<std::uint32_t>(positions_.size() - 1)
-                                    : vertex_of_source_[first[source]];
-  }
-  positions_.shrink_to_fit();
-  source_of_vertex_.shrink_to_fit();
-}
-
-// Faces in the order of their first vertex on the curve (a counting sort).
-void Mesh::order_faces(const TriangleSoup& soup, Poll& poll) {
-  const auto welded = [&](std::size_t source_face) {
-    const Triangle& t = soup.faces[source_face];
-    return Triangle{vertex_of_source_[t[0]], vertex_of_source_[t[1]], vertex_of_source_[t[2]]};
-  };
-  const auto has_surface = [](const Triangle& t) {
-    return t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
-  };
-  std::vector<std::uint32_t> begin;
-  polled_assign(begin, positions_.size() + 1, std::uint32_t{0}, poll);
-  polled_assign(face_of_source_, soup.faces.size(), kNone, poll);
-  for (std::size_t f = 0; f < soup.faces.size(); ++f) {
-    if (poll.cancelled()) return;
-    const Triangle t = welded(f);
-    if (has_surface(t)) {
-      ++begin[std::min({t[0], t[1], t[2]}) + 1];
-    } else {
-      dropped_.push_back({static_cast<std::uint32_t>(f), t});
-    }
-  }
-  for (std::size_t v = 1; v < begin.size(); ++v) begin[v] += begin[v - 1];
-  polled_assign(faces_, soup.faces.size() - dropped_.size(), Triangle{}, poll);
-  polled_assign(source_of_face_, soup.faces.size() - dropped_.size(), kNone, poll);
-  for (std::size_t f = 0; f < soup.faces.size(); ++f) {
-    if (poll.cancelled()) return;
-    const Triangle t = welded(f);
-    if (!has_surface(t)) continue;
-    const std::uint32_t face = begin[std::min({t[0], t[1], t[2]})]++;
-    faces_[face] = t;
-    source_of_face_[face] = static_cast<std::uint32_t>(f);
-    face_of_source_[f] = face;
-  }
-}
-
-void Mesh::measure(Poll& poll) {
-  for (const Triangle& t : faces_) {
-    if (poll.cancelled()) return;
-    const Vec3 a = positions_[t[0]];
-    const Vec3 b = positions_[t[1]];
-    const Vec3 c = positions_[t[2]];
-    area_ += 0.5 * norm(cross(b - a, c - a));
-    if (is_without_area(a, b, c)) ++zero_area_faces_;
-  }
+  return Mesh(Parts{.positions = SharedArray(std::move(mesh.positions)),
+                    .faces = SharedArray(std::move(mesh.faces)),
+                    .vertex_of_source = SharedArray(std::move(mesh.vertex_of_source)),
+                    .source_of_vertex = SharedArray(std::move(mesh.source_of_vertex)),
+                    .face_of_source = SharedArray(std::move(mesh.face_of_source)),
+                    .source_of_face = SharedArray(std::move(mesh.source_of_face)),
+                    .dropped = SharedArray(std::move(mesh.dropped)),
+                    .zero_area_faces = mesh.zero_area_faces,
+                    .box = mesh.box,
+                    .area = mesh.area});
 }
 
 bool Mesh::is_without_area(Vec3 a, Vec3 b, Vec3 c) {
@@ -253,16 +282,15 @@ bool Mesh::is_without_area(Vec3 a, Vec3 b, Vec3 c) {
 
 Triangle Mesh::dropped_face(std::uint32_t source_face) const {
   const auto it = std::lower_bound(
-      dropped_.begin(), dropped_.end(), source_face,
+      parts_.dropped.begin(), parts_.dropped.end(), source_face,
       [](const DroppedFace& dropped, std::uint32_t f) { return dropped.source_face < f; });
   return it->vertices;
 }
 
 std::size_t Mesh::bytes() const {
-  return sizeof(Mesh) + positions_.capacity() * sizeof(Vec3) +
-         faces_.capacity() * sizeof(Triangle) + dropped_.capacity() * sizeof(DroppedFace) +
-         sizeof(std::uint32_t) * (vertex_of_source_.capacity() + source_of_vertex_.capacity() +
-                                  face_of_source_.capacity() + source_of_face_.capacity());
+  return sizeof(Mesh) + parts_.positions.bytes() + parts_.faces.bytes() +
+         parts_.vertex_of_source.bytes() + parts_.source_of_vertex.bytes() +
+         parts_.face_of_source.bytes() + parts_.source_of_face.bytes() + parts_.dropped.bytes();
 }
 
 }  // namespace geodesic

@@ -19,10 +19,11 @@
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <vector>
+#include <utility>
 
 #include "core/base/cancel.h"
 #include "core/base/error.h"
+#include "core/base/shared_array.h"
 #include "core/base/vec3.h"
 #include "core/mesh/triangle_soup.h"
 
@@ -59,74 +60,78 @@ class Mesh {
   [[nodiscard]] static Result<Mesh> build(const TriangleSoup& soup, Weld weld,
                                           const Cancel& cancel);
 
-  [[nodiscard]] std::uint32_t vertex_count() const {
-    return static_cast<std::uint32_t>(positions_.size());
-  }
-  [[nodiscard]] std::uint32_t face_count() const {
-    return static_cast<std::uint32_t>(faces_.size());
-  }
-  [[nodiscard]] std::uint32_t source_vertex_count() const {
-    return static_cast<std::uint32_t>(vertex_of_source_.size());
-  }
-  [[nodiscard]] std::uint32_t source_face_count() const {
-    return static_cast<std::uint32_t>(face_of_source_.size());
-  }
-
-  [[nodiscard]] std::span<const Vec3> positions() const { return positions_; }
-  [[nodiscard]] std::span<const Triangle> faces() const { return faces_; }
-
-  // Source vertex -> vertex, and back to the first source vertex welded into it.
-  [[nodiscard]] std::span<const std::uint32_t> vertex_of_source() const {
-    return vertex_of_source_;
-  }
-  [[nodiscard]] std::uint32_t source_of_vertex(std::uint32_t vertex) const {
-    return source_of_vertex_[vertex];
-  }
-  // Source face -> face, kNone when it was dropped, and back.
-  [[nodiscard]] std::uint32_t face_of_source(std::uint32_t source_face) const {
-    return face_of_source_[source_face];
-  }
-  [[nodiscard]] std::uint32_t source_of_face(std::uint32_t face) const {
-    return source_of_face_[face];
-  }
   struct DroppedFace {
     std::uint32_t source_face;
     Triangle vertices;
   };
+  // All that a mesh consists of: who writes it down can have the same mesh again. Arrays are
+  // indexed by what their names end with.
+  struct Parts {
+    SharedArray<Vec3> positions;  // of vertices
+    SharedArray<Triangle> faces;
+    SharedArray<std::uint32_t> vertex_of_source;
+    SharedArray<std::uint32_t> source_of_vertex;
+    SharedArray<std::uint32_t> face_of_source;
+    SharedArray<std::uint32_t> source_of_face;
+    SharedArray<DroppedFace> dropped;  // ascending by source face
+    std::uint32_t zero_area_faces = 0;
+    Box box;
+    double area = 0;
+  };
+  // `parts` are those of a mesh that `build` has made; they are not checked.
+  explicit Mesh(Parts parts) : parts_(std::move(parts)) {}
+  [[nodiscard]] const Parts& parts() const { return parts_; }
+
+  [[nodiscard]] std::uint32_t vertex_count() const {
+    return static_cast<std::uint32_t>(parts_.positions.size());
+  }
+  [[nodiscard]] std::uint32_t face_count() const {
+    return static_cast<std::uint32_t>(parts_.faces.size());
+  }
+  [[nodiscard]] std::uint32_t source_vertex_count() const {
+    return static_cast<std::uint32_t>(parts_.vertex_of_source.size());
+  }
+  [[nodiscard]] std::uint32_t source_face_count() const {
+    return static_cast<std::uint32_t>(parts_.face_of_source.size());
+  }
+
+  [[nodiscard]] std::span<const Vec3> positions() const { return parts_.positions; }
+  [[nodiscard]] std::span<const Triangle> faces() const { return parts_.faces; }
+
+  // Source vertex -> vertex, and back to the first source vertex welded into it.
+  [[nodiscard]] std::span<const std::uint32_t> vertex_of_source() const {
+    return parts_.vertex_of_source;
+  }
+  [[nodiscard]] std::uint32_t source_of_vertex(std::uint32_t vertex) const {
+    return parts_.source_of_vertex[vertex];
+  }
+  // Source face -> face, kNone when it was dropped, and back.
+  [[nodiscard]] std::uint32_t face_of_source(std::uint32_t source_face) const {
+    return parts_.face_of_source[source_face];
+  }
+  [[nodiscard]] std::uint32_t source_of_face(std::uint32_t face) const {
+    return parts_.source_of_face[face];
+  }
   // Ascending by source face.
-  [[nodiscard]] std::span<const DroppedFace> dropped_faces() const { return dropped_; }
+  [[nodiscard]] std::span<const DroppedFace> dropped_faces() const { return parts_.dropped; }
   // The vertices of a source face that was dropped (two or three are equal).
   [[nodiscard]] Triangle dropped_face(std::uint32_t source_face) const;
 
   [[nodiscard]] std::uint32_t dropped_face_count() const {
-    return static_cast<std::uint32_t>(dropped_.size());
+    return static_cast<std::uint32_t>(parts_.dropped.size());
   }
   // Whether these are the corners of a face that counts as one without area: its
   // height is no more than rounding would leave of zero.
   [[nodiscard]] static bool is_without_area(Vec3 a, Vec3 b, Vec3 c);
-  [[nodiscard]] std::uint32_t zero_area_face_count() const { return zero_area_faces_; }
-  [[nodiscard]] const Box& box() const { return box_; }
-  [[nodiscard]] double area() const { return area_; }
+  [[nodiscard]] std::uint32_t zero_area_face_count() const { return parts_.zero_area_faces; }
+  [[nodiscard]] const Box& box() const { return parts_.box; }
+  [[nodiscard]] double area() const { return parts_.area; }
 
-  // Heap memory held, for the byte budget of a cache.
+  // Memory held, for the byte budget of a cache.
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  // The steps of building. Each leaves off when the poll says to stop.
-  void weld(const TriangleSoup& soup, Weld weld, Poll& poll);
-  void order_faces(const TriangleSoup& soup, Poll& poll);
-  void measure(Poll& poll);
-
-  std::vector<Vec3> positions_;
-  std::vector<Triangle> faces_;
-  std::vector<std::uint32_t> vertex_of_source_;
-  std::vector<std::uint32_t> source_of_vertex_;
-  std::vector<std::uint32_t> face_of_source_;
-  std::vector<std::uint32_t> source_of_face_;
-  std::vector<DroppedFace> dropped_;  // ascending by source face
-  std::uint32_t zero_area_faces_ = 0;
-  Box box_;
-  double area_ = 0;
+  Parts parts_;
 };
 
 }  // namespace geodesic

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "core/base/polled_fill.h"
 #include "core/base/polled_sort.h"
@@ -37,68 +39,68 @@ class DisjointSets {
   std::vector<std::uint32_t> parent_;
 };
 
-}  // namespace
+// An adjacency that is being built. Each step leaves off when the poll says to stop.
+struct Building {
+  void fill_geometry(Poll& poll);
+  void fill_corners(Poll& poll);
+  void fill_rings(Poll& poll);
+  void find_pinched_vertices(Poll& poll);
+  [[nodiscard]] std::size_t faces_in_first_fan(std::uint32_t vertex, Poll& poll) const;
+  void count_components(Poll& poll);
+  void count_boundary_loops(Poll& poll);
 
-Adjacency Adjacency::build(std::shared_ptr<const Mesh> mesh) {
-  return std::move(*build(std::move(mesh), Cancel()));
-}
-
-Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cancel& cancel) {
-  Adjacency adjacency;
-  adjacency.mesh_ = std::move(mesh);
-  adjacency.identity_ = std::make_shared<const char>();
-  Poll poll(cancel);
-  int done = 0;
-  for (const auto step : {&Adjacency::fill_geometry, &Adjacency::fill_corners,
-                          &Adjacency::fill_rings, &Adjacency::find_pinched_vertices,
-                          &Adjacency::count_components, &Adjacency::count_boundary_loops}) {
-    (adjacency.*step)(poll);
-    if (poll.ask()) return fail_stopped(cancel);
-    cancel.report(++done / 7.0);
+  [[nodiscard]] std::span<const std::uint32_t> corners_at(std::uint32_t vertex) const {
+    return {corners.data() + corner_begin[vertex], corner_begin[vertex + 1] - corner_begin[vertex]};
   }
-  auto delaunay =
-      IntrinsicDelaunay::build(adjacency.triangulation(), adjacency.mesh_->positions(), cancel);
-  if (!delaunay) return fail(std::move(delaunay.error()));
-  if (delaunay->flips() != 0) {
-    adjacency.delaunay_ = std::make_shared<const IntrinsicDelaunay>(std::move(*delaunay));
-  }
-  return adjacency;
-}
+  [[nodiscard]] Halfedge ring(Halfedge h) const { return faces[face_of(h)].ring[corner_of(h)]; }
 
-void Adjacency::fill_geometry(Poll& poll) {
-  const auto positions = mesh_->positions();
-  const auto faces = mesh_->faces();
-  polled_assign(faces_, faces.size(), FaceRecord{}, poll);
+  const Mesh& mesh;
+  std::vector<FaceRecord> faces = {};
+  std::vector<std::uint32_t> corner_begin = {};
+  std::vector<std::uint32_t> corners = {};
+  std::vector<std::uint64_t> pinched = {};
+  bool is_oriented = true;
+  bool is_even = false;
+  bool has_flat_faces = false;
+  bool has_lines = false;
+  bool is_crowded = false;
+  TopologyReport report = {};
+};
+
+void Building::fill_geometry(Poll& poll) {
+  const auto positions = mesh.positions();
+  const auto triangles = mesh.faces();
+  polled_assign(faces, triangles.size(), FaceRecord{}, poll);
   for (std::size_t f = 0; f < faces.size() && !poll.cancelled(); ++f) {
-    const Vec3 a = positions[faces[f][0]];
-    const Vec3 b = positions[faces[f][1]];
-    const Vec3 c = positions[faces[f][2]];
+    const Vec3 a = positions[triangles[f][0]];
+    const Vec3 b = positions[triangles[f][1]];
+    const Vec3 c = positions[triangles[f][2]];
     const std::array<Vec3, 3> side{b - a, c - b, a - c};
-    FaceRecord& record = faces_[f];
-    record.vertex = faces[f];
+    FaceRecord& record = faces[f];
+    record.vertex = triangles[f];
     record.dot = {-dot(side[0], side[2]), -dot(side[1], side[0]), -dot(side[2], side[1])};
     // The area comes from the two shorter sides: the longest one's rounding would be a
     // large part of a needle's.
     const std::uint32_t longest = record.longest_side();
     record.area2 = norm(cross(side[next_corner(longest)], side[previous_corner(longest)]));
     const bool is_flat = is_lower_than(tolerance::kFlat, record);
-    has_flat_faces_ = has_flat_faces_ || is_flat;
-    has_lines_ = has_lines_ || (is_flat && is_line(record));
+    has_flat_faces = has_flat_faces || is_flat;
+    has_lines = has_lines || (is_flat && is_line(record));
   }
-  is_even_ = is_even(faces_, poll);
+  is_even = geodesic::is_even(faces, poll);
 }
 
-void Adjacency::fill_corners(Poll& poll) {
-  list_corners(faces_, mesh_->vertex_count(), corner_begin_, corners_, poll);
+void Building::fill_corners(Poll& poll) {
+  list_corners(faces, mesh.vertex_count(), corner_begin, corners, poll);
   if (poll.stopped()) return;
-  for (std::uint32_t v = 0; v < mesh_->vertex_count(); ++v) {
-    if (corners(v).empty()) ++report_.vertices_isolated;
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    if (corners_at(v).empty()) ++report.vertices_isolated;
   }
 }
 
 // Halfedges are gathered per vertex at their smaller end and sorted by the other
 // end; each run of equal ends is one edge and becomes one ring.
-void Adjacency::fill_rings(Poll& poll) {
+void Building::fill_rings(Poll& poll) {
   struct EdgeSide {
     std::uint32_t far_end;
     std::uint32_t opposite;
@@ -111,14 +113,14 @@ void Adjacency::fill_rings(Poll& poll) {
   std::vector<EdgeSide> spare;
   double total_length = 0;
   std::uint64_t duplicate_sides = 0;
-  for (std::uint32_t v = 0; v < mesh_->vertex_count() && !poll.cancelled(); ++v) {
+  for (std::uint32_t v = 0; v < mesh.vertex_count() && !poll.cancelled(); ++v) {
     sides.clear();
-    for (const std::uint32_t corner : corners(v)) {
+    for (const std::uint32_t corner : corners_at(v)) {
       if (poll.cancelled()) return;
       const std::uint32_t f = face_of(corner);
       const std::uint32_t c = corner_of(corner);
-      const std::uint32_t ahead = faces_[f].vertex[next_corner(c)];
-      const std::uint32_t behind = faces_[f].vertex[previous_corner(c)];
+      const std::uint32_t ahead = faces[f].vertex[next_corner(c)];
+      const std::uint32_t behind = faces[f].vertex[previous_corner(c)];
       if (ahead > v) sides.push_back({ahead, behind, corner});
       if (behind > v) sides.push_back({behind, ahead, halfedge(f, previous_corner(c))});
     }
@@ -132,38 +134,38 @@ void Adjacency::fill_rings(Poll& poll) {
       }
       for (std::size_t i = begin; i < end; ++i) {
         const Halfedge h = sides[i].h;
-        faces_[face_of(h)].ring[corner_of(h)] = sides[i + 1 < end ? i + 1 : begin].h;
+        faces[face_of(h)].ring[corner_of(h)] = sides[i + 1 < end ? i + 1 : begin].h;
       }
       const Halfedge first = sides[begin].h;
-      total_length += std::sqrt(std::max(0.0, faces_[face_of(first)].length2(corner_of(first))));
-      ++report_.edges;
-      if (end - begin == 1) ++report_.edges_boundary;
-      if (end - begin > 2) ++report_.edges_non_manifold;
-      is_crowded_ = is_crowded_ || end - begin > Triangulation::kCrowd;
+      total_length += std::sqrt(std::max(0.0, faces[face_of(first)].length2(corner_of(first))));
+      ++report.edges;
+      if (end - begin == 1) ++report.edges_boundary;
+      if (end - begin > 2) ++report.edges_non_manifold;
+      is_crowded = is_crowded || end - begin > Triangulation::kCrowd;
       const auto goes_out = [&](std::size_t i) {
-        return faces_[face_of(sides[i].h)].vertex[corner_of(sides[i].h)] == v;
+        return faces[face_of(sides[i].h)].vertex[corner_of(sides[i].h)] == v;
       };
       if (end - begin > 2 || (end - begin == 2 && goes_out(begin) == goes_out(begin + 1))) {
-        is_oriented_ = false;
+        is_oriented = false;
       }
       begin = end;
     }
   }
   // Each duplicate face repeats all three of its sides.
-  report_.faces_duplicate = duplicate_sides / 3;
-  report_.mean_edge = total_length / static_cast<double>(report_.edges);
+  report.faces_duplicate = duplicate_sides / 3;
+  report.mean_edge = total_length / static_cast<double>(report.edges);
 }
 
 // The faces that can be reached from the vertex's first face by crossing edges
 // that end in the vertex.
-std::size_t Adjacency::faces_in_first_fan(std::uint32_t vertex, Poll& poll) const {
-  const auto all = corners(vertex);
+std::size_t Building::faces_in_first_fan(std::uint32_t vertex, Poll& poll) const {
+  const auto all = corners_at(vertex);
   const auto other_side = [&](Halfedge side) {
     // The other edge of the same face that ends in the vertex.
     const std::uint32_t f = face_of(side);
     const std::uint32_t c = corner_of(side);
-    return faces_[f].vertex[c] == vertex ? halfedge(f, previous_corner(c))
-                                         : halfedge(f, next_corner(c));
+    return faces[f].vertex[c] == vertex ? halfedge(f, previous_corner(c))
+                                        : halfedge(f, next_corner(c));
   };
   // Nearly always one turn round a fan of manifold edges, one way and then the other.
   std::size_t count = 1;
@@ -203,27 +205,27 @@ std::size_t Adjacency::faces_in_first_fan(std::uint32_t vertex, Poll& poll) cons
   return reached.size();
 }
 
-void Adjacency::find_pinched_vertices(Poll& poll) {
-  for (std::uint32_t v = 0; v < mesh_->vertex_count() && !poll.cancelled(); ++v) {
-    const std::size_t all = corners(v).size();
+void Building::find_pinched_vertices(Poll& poll) {
+  for (std::uint32_t v = 0; v < mesh.vertex_count() && !poll.cancelled(); ++v) {
+    const std::size_t all = corners_at(v).size();
     if (all < 2 || faces_in_first_fan(v, poll) == all) continue;
     if (poll.stopped()) return;
-    if (pinched_.empty()) pinched_.assign(mesh_->vertex_count(), false);
-    pinched_[v] = true;
-    ++report_.vertices_pinched;
+    if (pinched.empty()) pinched.assign(mesh.vertex_count() / 64 + 1, 0);
+    pinched[v / 64] |= std::uint64_t{1} << (v % 64);
+    ++report.vertices_pinched;
   }
 }
 
-void Adjacency::count_components(Poll& poll) {
-  DisjointSets sets(mesh_->vertex_count(), poll);
+void Building::count_components(Poll& poll) {
+  DisjointSets sets(mesh.vertex_count(), poll);
   if (poll.stopped()) return;
-  for (const FaceRecord& record : faces_) {
+  for (const FaceRecord& record : faces) {
     if (poll.cancelled()) return;
     sets.join(record.vertex[0], record.vertex[1]);
     sets.join(record.vertex[1], record.vertex[2]);
   }
-  for (std::uint32_t v = 0; v < mesh_->vertex_count() && !poll.cancelled(); ++v) {
-    if (!corners(v).empty() && sets.find(v) == v) ++report_.components;
+  for (std::uint32_t v = 0; v < mesh.vertex_count() && !poll.cancelled(); ++v) {
+    if (!corners_at(v).empty() && sets.find(v) == v) ++report.components;
   }
 }
 
@@ -231,9 +233,9 @@ void Adjacency::count_components(Poll& poll) {
 // ends the same fan of faces. Turning round a vertex needs no winding: across
 // each inner edge lies one other face. A fan that ends at a non-manifold edge
 // has no successor; its chain counts as a loop of its own.
-void Adjacency::count_boundary_loops(Poll& poll) {
-  if (report_.edges_boundary == 0) return;
-  DisjointSets chains(4 * faces_.size(), poll);
+void Building::count_boundary_loops(Poll& poll) {
+  if (report.edges_boundary == 0) return;
+  DisjointSets chains(4 * faces.size(), poll);
   if (poll.stopped()) return;
   const auto on_boundary = [this](Halfedge h) { return ring(h) == h; };
   const auto follow = [&](Halfedge boundary, std::uint32_t pivot) {
@@ -242,8 +244,8 @@ void Adjacency::count_boundary_loops(Poll& poll) {
       // The other edge at the pivot in the same face.
       const std::uint32_t f = face_of(h);
       const std::uint32_t c = corner_of(h);
-      h = faces_[f].vertex[c] == pivot ? halfedge(f, previous_corner(c))
-                                       : halfedge(f, next_corner(c));
+      h = faces[f].vertex[c] == pivot ? halfedge(f, previous_corner(c))
+                                      : halfedge(f, next_corner(c));
       if (on_boundary(h)) {
         chains.join(boundary, h);
         return;
@@ -253,27 +255,73 @@ void Adjacency::count_boundary_loops(Poll& poll) {
       h = across;
     }
   };
-  for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
+  for (std::uint32_t f = 0; f < faces.size() && !poll.cancelled(); ++f) {
     for (std::uint32_t c = 0; c < 3; ++c) {
       const Halfedge h = halfedge(f, c);
       if (!on_boundary(h)) continue;
-      follow(h, faces_[f].vertex[c]);
-      follow(h, faces_[f].vertex[next_corner(c)]);
+      follow(h, faces[f].vertex[c]);
+      follow(h, faces[f].vertex[next_corner(c)]);
     }
   }
-  for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
+  for (std::uint32_t f = 0; f < faces.size() && !poll.cancelled(); ++f) {
     for (std::uint32_t c = 0; c < 3; ++c) {
       const Halfedge h = halfedge(f, c);
-      if (on_boundary(h) && chains.find(h) == h) ++report_.boundary_loops;
+      if (on_boundary(h) && chains.find(h) == h) ++report.boundary_loops;
     }
   }
 }
 
+Triangulation view_of(const Adjacency::Parts& parts) {
+  return {parts.faces,   parts.corner_begin,   parts.corners,    parts.is_oriented,
+          parts.is_even, parts.has_flat_faces, parts.is_crowded, parts.has_lines};
+}
+
+}  // namespace
+
+Adjacency Adjacency::build(std::shared_ptr<const Mesh> mesh) {
+  return std::move(*build(std::move(mesh), Cancel()));
+}
+
+Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cancel& cancel) {
+  Building building{*mesh};
+  Poll poll(cancel);
+  int done = 0;
+  for (const auto step : {&Building::fill_geometry, &Building::fill_corners, &Building::fill_rings,
+                          &Building::find_pinched_vertices, &Building::count_components,
+                          &Building::count_boundary_loops}) {
+    (building.*step)(poll);
+    if (poll.ask()) return fail_stopped(cancel);
+    cancel.report(++done / 7.0);
+  }
+  Parts parts{.faces = SharedArray(std::move(building.faces)),
+              .corner_begin = SharedArray(std::move(building.corner_begin)),
+              .corners = SharedArray(std::move(building.corners)),
+              .pinched = SharedArray(std::move(building.pinched)),
+              .is_oriented = building.is_oriented,
+              .is_even = building.is_even,
+              .has_flat_faces = building.has_flat_faces,
+              .has_lines = building.has_lines,
+              .is_crowded = building.is_crowded,
+              .delaunay = nullptr,
+              .report = building.report};
+  auto delaunay = IntrinsicDelaunay::build(view_of(parts), mesh->positions(), cancel);
+  if (!delaunay) return fail(std::move(delaunay.error()));
+  if (delaunay->flips() != 0) {
+    parts.delaunay = std::make_shared<const IntrinsicDelaunay>(std::move(*delaunay));
+  }
+  return Adjacency(std::move(mesh), std::move(parts));
+}
+
+Adjacency::Adjacency(std::shared_ptr<const Mesh> mesh, Parts parts)
+    : mesh_(std::move(mesh)), identity_(std::make_shared<const char>()), parts_(std::move(parts)) {}
+
+Triangulation Adjacency::triangulation() const { return view_of(parts_); }
+
 Triangulation Adjacency::delaunay() const {
-  if (!delaunay_) return triangulation();
-  Triangulation delaunay = delaunay_->triangulation();
+  if (!parts_.delaunay) return triangulation();
+  Triangulation delaunay = parts_.delaunay->triangulation();
   // Flips make none.
-  delaunay.has_lines = has_lines_;
+  delaunay.has_lines = parts_.has_lines;
   return delaunay;
 }
 
@@ -281,16 +329,16 @@ Halfedge Adjacency::find_edge(std::uint32_t a, std::uint32_t b) const {
   for (const std::uint32_t corner : corners(a)) {
     const std::uint32_t f = face_of(corner);
     const std::uint32_t c = corner_of(corner);
-    if (faces_[f].vertex[next_corner(c)] == b) return corner;
-    if (faces_[f].vertex[previous_corner(c)] == b) return halfedge(f, previous_corner(c));
+    if (face(f).vertex[next_corner(c)] == b) return corner;
+    if (face(f).vertex[previous_corner(c)] == b) return halfedge(f, previous_corner(c));
   }
   return kNone;
 }
 
 std::size_t Adjacency::bytes() const {
-  return sizeof(Adjacency) + faces_.capacity() * sizeof(FaceRecord) +
-         sizeof(std::uint32_t) * (corner_begin_.capacity() + corners_.capacity()) +
-         pinched_.capacity() / 8 + (delaunay_ ? delaunay_->bytes() : 0);
+  return sizeof(Adjacency) + parts_.faces.bytes() + parts_.corner_begin.bytes() +
+         parts_.corners.bytes() + parts_.pinched.bytes() +
+         (parts_.delaunay ? parts_.delaunay->bytes() : 0);
 }
 
 }  // namespace geodesic

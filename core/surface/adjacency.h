@@ -16,10 +16,11 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
+#include <utility>
 
 #include "core/base/cancel.h"
 #include "core/base/error.h"
+#include "core/base/shared_array.h"
 #include "core/mesh/mesh.h"
 #include "core/surface/face_record.h"
 #include "core/surface/triangulation.h"
@@ -47,66 +48,64 @@ class Adjacency {
   [[nodiscard]] static Result<Adjacency> build(std::shared_ptr<const Mesh> mesh,
                                                const Cancel& cancel);
 
+  // All that it consists of, besides the mesh: who writes it down can have the same again.
+  struct Parts {
+    SharedArray<FaceRecord> faces;
+    SharedArray<std::uint32_t> corner_begin;  // vertex_count + 1
+    SharedArray<std::uint32_t> corners;
+    SharedArray<std::uint64_t> pinched;  // a bit a vertex; empty when no vertex is
+    bool is_oriented = true;
+    bool is_even = false;
+    bool has_flat_faces = false;
+    bool has_lines = false;
+    bool is_crowded = false;
+    std::shared_ptr<const IntrinsicDelaunay> delaunay;  // null when no edge was flipped
+    TopologyReport report;
+  };
+  // `parts` are those of what `build` has made of this mesh; they are not checked.
+  Adjacency(std::shared_ptr<const Mesh> mesh, Parts parts);
+  [[nodiscard]] const Parts& parts() const { return parts_; }
+
   [[nodiscard]] const Mesh& mesh() const { return *mesh_; }
   // Known again by its owner (std::weak_ptr::owner_before), for who keeps what follows from
   // these arrays: copies share it, and nothing that is built later has it, though it may
   // come to lie at the same address.
   [[nodiscard]] std::weak_ptr<const void> identity() const { return identity_; }
-  [[nodiscard]] std::span<const FaceRecord> faces() const { return faces_; }
-  [[nodiscard]] const FaceRecord& face(std::uint32_t f) const { return faces_[f]; }
+  [[nodiscard]] std::span<const FaceRecord> faces() const { return parts_.faces; }
+  [[nodiscard]] const FaceRecord& face(std::uint32_t f) const { return parts_.faces[f]; }
 
   // The corners at a vertex, in ascending order.
   [[nodiscard]] std::span<const std::uint32_t> corners(std::uint32_t vertex) const {
-    return {corners_.data() + corner_begin_[vertex],
-            corner_begin_[vertex + 1] - corner_begin_[vertex]};
+    return {parts_.corners.data() + parts_.corner_begin[vertex],
+            parts_.corner_begin[vertex + 1] - parts_.corner_begin[vertex]};
   }
   // The next halfedge on the same edge; itself on a boundary.
-  [[nodiscard]] Halfedge ring(Halfedge h) const { return faces_[face_of(h)].ring[corner_of(h)]; }
+  [[nodiscard]] Halfedge ring(Halfedge h) const {
+    return parts_.faces[face_of(h)].ring[corner_of(h)];
+  }
 
   // The faces of the mesh, and those that cut the same surface up best for what is
   // computed from triangle to triangle: the same where nothing was to be improved.
-  [[nodiscard]] Triangulation triangulation() const {
-    return {faces_,   corner_begin_,   corners_,    is_oriented_,
-            is_even_, has_flat_faces_, is_crowded_, has_lines_};
-  }
+  [[nodiscard]] Triangulation triangulation() const;
   [[nodiscard]] Triangulation delaunay() const;
 
   // Whether the faces at a vertex fall into parts that share no edge there, as in
   // a bowtie.
   [[nodiscard]] bool is_pinched(std::uint32_t vertex) const {
-    return !pinched_.empty() && pinched_[vertex];
+    return !parts_.pinched.empty() && (parts_.pinched[vertex / 64] >> (vertex % 64) & 1U) != 0;
   }
 
   // A face that has both vertices, as the halfedge between them (in either
   // direction), or kNone.
   [[nodiscard]] Halfedge find_edge(std::uint32_t a, std::uint32_t b) const;
 
-  [[nodiscard]] const TopologyReport& report() const { return report_; }
+  [[nodiscard]] const TopologyReport& report() const { return parts_.report; }
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  // Each of these leaves off when the poll says to stop.
-  void fill_geometry(Poll& poll);
-  void fill_corners(Poll& poll);
-  void fill_rings(Poll& poll);
-  void find_pinched_vertices(Poll& poll);
-  [[nodiscard]] std::size_t faces_in_first_fan(std::uint32_t vertex, Poll& poll) const;
-  void count_components(Poll& poll);
-  void count_boundary_loops(Poll& poll);
-
   std::shared_ptr<const Mesh> mesh_;
   std::shared_ptr<const void> identity_;
-  std::vector<FaceRecord> faces_;
-  std::vector<std::uint32_t> corner_begin_;  // vertex_count + 1
-  std::vector<std::uint32_t> corners_;
-  bool is_oriented_ = true;
-  bool is_even_ = false;
-  bool has_flat_faces_ = false;
-  bool has_lines_ = false;
-  bool is_crowded_ = false;
-  std::vector<bool> pinched_;                          // per vertex; empty when no vertex is
-  std::shared_ptr<const IntrinsicDelaunay> delaunay_;  // null when no edge was flipped
-  TopologyReport report_;
+  Parts parts_;
 };
 
 }  // namespace geodesic

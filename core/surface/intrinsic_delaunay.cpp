@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "core/base/polled_fill.h"
 #include "core/base/tolerances.h"
@@ -18,28 +20,47 @@ namespace {
 // makes of the slivers, it ends here.
 constexpr std::uint64_t kMostFlipsPerFace = 64;
 
+struct Building {
+  void flip_edges(std::span<const Vec3> positions, Poll& poll);
+  // Whether it was flipped: not if that would leave a face without area.
+  bool flip(Halfedge h, SideLengths& lengths);
+
+  std::vector<FaceRecord> faces = {};
+  bool is_oriented = false;
+  bool is_crowded = false;
+  bool has_flat_faces = false;
+  std::uint64_t flips = 0;
+};
+
 }  // namespace
 
 Result<IntrinsicDelaunay> IntrinsicDelaunay::build(const Triangulation& mesh,
                                                    std::span<const Vec3> positions,
                                                    const Cancel& cancel) {
-  IntrinsicDelaunay result;
-  result.is_oriented_ = mesh.is_oriented;
-  result.is_crowded_ = mesh.is_crowded;
-  result.has_flat_faces_ = mesh.has_flat_faces;
+  Building result{.is_oriented = mesh.is_oriented,
+                  .is_crowded = mesh.is_crowded,
+                  .has_flat_faces = mesh.has_flat_faces};
+  std::vector<std::uint32_t> corner_begin;
+  std::vector<std::uint32_t> corners;
   Poll poll(cancel);
-  polled_copy(result.faces_, mesh.faces, poll);
+  polled_copy(result.faces, mesh.faces, poll);
   if (!poll.ask()) result.flip_edges(positions, poll);
-  if (result.flips_ != 0 && !poll.stopped()) {
-    list_corners(result.faces_, mesh.corner_begin.size() - 1, result.corner_begin_, result.corners_,
-                 poll);
+  if (result.flips != 0 && !poll.stopped()) {
+    list_corners(result.faces, mesh.corner_begin.size() - 1, corner_begin, corners, poll);
   } else {
-    polled_copy(result.corner_begin_, mesh.corner_begin, poll);
-    polled_copy(result.corners_, mesh.all_corners, poll);
+    polled_copy(corner_begin, mesh.corner_begin, poll);
+    polled_copy(corners, mesh.all_corners, poll);
   }
-  result.is_even_ = is_even(result.faces_, poll);
+  const bool even = geodesic::is_even(result.faces, poll);
   if (poll.stopped()) return fail_stopped(cancel);
-  return result;
+  return IntrinsicDelaunay(Parts{.faces = SharedArray(std::move(result.faces)),
+                                 .corner_begin = SharedArray(std::move(corner_begin)),
+                                 .corners = SharedArray(std::move(corners)),
+                                 .is_oriented = result.is_oriented,
+                                 .is_crowded = result.is_crowded,
+                                 .is_even = even,
+                                 .has_flat_faces = result.has_flat_faces,
+                                 .flips = result.flips});
 }
 
 bool IntrinsicDelaunay::can_flip(const Triangulation& faces, Halfedge h) {
@@ -72,29 +93,30 @@ double IntrinsicDelaunay::excess_rounding(const Triangulation& faces, Halfedge h
   return tolerance::kDelaunay * (std::abs(one) + std::abs(other));
 }
 
-void IntrinsicDelaunay::flip_edges(std::span<const Vec3> positions, Poll& poll) {
-  const Triangulation faces{faces_, {}, {}, is_oriented_, is_even_, has_flat_faces_, is_crowded_};
-  SideLengths lengths(positions, faces_.size(), poll);
+void Building::flip_edges(std::span<const Vec3> positions, Poll& poll) {
+  const Triangulation view{faces, {}, {}, is_oriented, false, has_flat_faces, is_crowded};
+  SideLengths lengths(positions, faces.size(), poll);
   if (poll.stopped()) return;
   std::vector<Halfedge> waiting;
   const auto is_wanted = [&](Halfedge h) {
-    return faces.ring(h) != h && excess(faces, h) < -excess_rounding(faces, h);
+    return view.ring(h) != h &&
+           IntrinsicDelaunay::excess(view, h) < -IntrinsicDelaunay::excess_rounding(view, h);
   };
-  for (std::uint32_t f = 0; f < faces_.size() && !poll.cancelled(); ++f) {
+  for (std::uint32_t f = 0; f < faces.size() && !poll.cancelled(); ++f) {
     for (std::uint32_t c = 0; c < 3; ++c) {
       const Halfedge h = halfedge(f, c);
-      if (h < faces.ring(h) && is_wanted(h)) waiting.push_back(h);
+      if (h < view.ring(h) && is_wanted(h)) waiting.push_back(h);
     }
   }
-  const std::uint64_t most = kMostFlipsPerFace * faces_.size();
-  while (!waiting.empty() && flips_ < most && !poll.cancelled()) {
+  const std::uint64_t most = kMostFlipsPerFace * faces.size();
+  while (!waiting.empty() && flips < most && !poll.cancelled()) {
     const Halfedge h = waiting.back();
     waiting.pop_back();
-    if (!can_flip(faces, h) || !is_wanted(h)) continue;
+    if (!IntrinsicDelaunay::can_flip(view, h) || !is_wanted(h)) continue;
     const std::uint32_t f = face_of(h);
-    const std::uint32_t g = face_of(faces.ring(h));
+    const std::uint32_t g = face_of(view.ring(h));
     if (!flip(h, lengths)) continue;
-    ++flips_;
+    ++flips;
     // The new edge is side 1 of both; their other sides have a new angle opposite.
     for (const Halfedge side : {halfedge(f, 0), halfedge(f, 2), halfedge(g, 0), halfedge(g, 2)}) {
       if (is_wanted(side)) waiting.push_back(side);
@@ -117,13 +139,13 @@ bool loses_a_length(const FaceRecord& face) {
 //     a --- b     ->     a  |  b      face across:    (b, c, d)
 //      \   /              \ | /
 //        d                  d
-bool IntrinsicDelaunay::flip(Halfedge h, SideLengths& lengths) {
-  const auto ring = [this](Halfedge x) { return faces_[face_of(x)].ring[corner_of(x)]; };
+bool Building::flip(Halfedge h, SideLengths& lengths) {
+  const auto ring = [this](Halfedge x) { return faces[face_of(x)].ring[corner_of(x)]; };
   const std::uint32_t f = face_of(h);
   const Halfedge across = ring(h);
   const std::uint32_t g = face_of(across);
-  const FaceRecord one = faces_[f];
-  const FaceRecord other = faces_[g];
+  const FaceRecord one = faces[f];
+  const FaceRecord other = faces[g];
   // Corners of a, b and the apex in either face, whatever their windings.
   const std::uint32_t a1 = corner_of(h);
   const std::uint32_t b1 = next_corner(a1);
@@ -196,13 +218,13 @@ bool IntrinsicDelaunay::flip(Halfedge h, SideLengths& lengths) {
   left.error = right.error = static_cast<float>(error);
   left.ring[1] = halfedge(g, 1);
   right.ring[1] = halfedge(f, 1);
-  faces_[f] = left;
-  faces_[g] = right;
+  faces[f] = left;
+  faces[g] = right;
   lengths.set(f, {quad.ad2, flipped.cd2, quad.ca2});
   lengths.set(g, {quad.bc2, flipped.cd2, quad.bd2});
   for (std::size_t i = 0; i < 4; ++i) {
     const auto set = [&](Halfedge from, Halfedge to) {
-      faces_[face_of(from)].ring[corner_of(from)] = to;
+      faces[face_of(from)].ring[corner_of(from)] = to;
     };
     set(moved[i].to, moved[i].next);
     set(before[i], moved[i].to);
@@ -211,8 +233,8 @@ bool IntrinsicDelaunay::flip(Halfedge h, SideLengths& lengths) {
 }
 
 std::size_t IntrinsicDelaunay::bytes() const {
-  return sizeof(IntrinsicDelaunay) + faces_.capacity() * sizeof(FaceRecord) +
-         sizeof(std::uint32_t) * (corner_begin_.capacity() + corners_.capacity());
+  return sizeof(IntrinsicDelaunay) + parts_.faces.bytes() + parts_.corner_begin.bytes() +
+         parts_.corners.bytes();
 }
 
 }  // namespace geodesic

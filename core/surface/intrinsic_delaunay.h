@@ -26,17 +26,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
+#include <utility>
 
 #include "core/base/cancel.h"
 #include "core/base/error.h"
+#include "core/base/shared_array.h"
 #include "core/base/vec3.h"
 #include "core/surface/face_record.h"
 #include "core/surface/triangulation.h"
 
 namespace geodesic {
-
-class SideLengths;  // side_lengths.h
 
 class IntrinsicDelaunay {
  public:
@@ -46,9 +45,25 @@ class IntrinsicDelaunay {
                                                        std::span<const Vec3> positions,
                                                        const Cancel& cancel);
 
+  // All that it consists of: who writes it down can have the same again.
+  struct Parts {
+    SharedArray<FaceRecord> faces;
+    SharedArray<std::uint32_t> corner_begin;  // vertex_count + 1
+    SharedArray<std::uint32_t> corners;
+    bool is_oriented = false;  // as the mesh is: flips keep it so
+    bool is_crowded = false;   // likewise
+    bool is_even = false;
+    bool has_flat_faces = false;  // of the mesh
+    std::uint64_t flips = 0;
+  };
+  // `parts` are those of what `build` has made; they are not checked.
+  explicit IntrinsicDelaunay(Parts parts) : parts_(std::move(parts)) {}
+  [[nodiscard]] const Parts& parts() const { return parts_; }
+
   // Valid while this object is.
   [[nodiscard]] Triangulation triangulation() const {
-    return {faces_, corner_begin_, corners_, is_oriented_, is_even_, has_flat_faces_, is_crowded_};
+    return {parts_.faces,   parts_.corner_begin,   parts_.corners,   parts_.is_oriented,
+            parts_.is_even, parts_.has_flat_faces, parts_.is_crowded};
   }
 
   // Whether the edge of a halfedge may be flipped: it has two faces, and their apexes
@@ -60,22 +75,11 @@ class IntrinsicDelaunay {
   // How much of that may be rounding.
   [[nodiscard]] static double excess_rounding(const Triangulation& faces, Halfedge h);
 
-  [[nodiscard]] std::uint64_t flips() const { return flips_; }
+  [[nodiscard]] std::uint64_t flips() const { return parts_.flips; }
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  void flip_edges(std::span<const Vec3> positions, Poll& poll);
-  // Whether it was flipped: not if that would leave a face without area.
-  bool flip(Halfedge h, SideLengths& lengths);
-
-  std::vector<FaceRecord> faces_;
-  std::vector<std::uint32_t> corner_begin_;  // vertex_count + 1
-  std::vector<std::uint32_t> corners_;
-  bool is_oriented_ = false;  // as the mesh is: flips keep it so
-  bool is_crowded_ = false;   // likewise
-  bool is_even_ = false;
-  bool has_flat_faces_ = false;  // of the mesh
-  std::uint64_t flips_ = 0;
+  Parts parts_;
 };
 
 }  // namespace geodesic
