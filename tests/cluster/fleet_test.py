@@ -200,8 +200,10 @@ class Clients:
                 return self._fault("job", job, status, body[:200])
             told = json.loads(body)
             state = told["state"]
+        if state == "failed" and told["status"] == 503:  # what its request would have been told: later
+            return self._count("jobs that could not be run just then")
         if state != "done":
-            return self._fault("job", job, state)
+            return self._fault("job", self.phase, path, told)
         status, _, body = self._reply("GET", f"{job}/result")
         if status == 404 and not kept:
             return self._count("jobs that were not kept and are lost")
