@@ -34,10 +34,12 @@ test-s3: build ## test the store in object storage, against OpenStack Swift
 	@scripts/setup s3
 	@ctest --test-dir build/release --tests-regex '^s3_test$$' --verbose
 
-test-cluster: build ## test three servers behind nginx and HAProxy while servers go and come, and the simulation of fleets
+test-cluster: build ## test three servers behind nginx and HAProxy while servers go and come, warm starts, and the simulation of fleets
 	@scripts/setup s3
 	@ctest --test-dir build/release --tests-regex '^fleet_test$$' --verbose
 	@tests/cluster/tags_test.py build/release/geodesicd
+	@tests/cluster/in_simpy.sh events_test.py build/release/geodesicd
+	@tests/cluster/in_simpy.sh warm_start.py build/release/geodesicd
 	@tests/cluster/in_simpy.sh check_simulation.py build/release/geodesicd
 
 scaling: build ## measure what queries cost, and simulate fleets of up to 1,000 servers, in build/scaling (minutes)

@@ -15,6 +15,7 @@ find_package(prometheus-cpp REQUIRED CONFIG)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(seccomp REQUIRED IMPORTED_TARGET libseccomp)
 find_package(meshoptimizer REQUIRED)
+find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)  # used as a header
 find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
 
 # geodesic_draco: the shared library where there is one, the static one otherwise.

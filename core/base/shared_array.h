@@ -14,6 +14,10 @@ template <class T>
 class SharedArray {
  public:
   SharedArray() = default;
+  // Copies only: what is moved from would keep its span, and not the memory.
+  SharedArray(const SharedArray&) = default;
+  SharedArray& operator=(const SharedArray&) = default;
+  ~SharedArray() = default;
   explicit SharedArray(std::vector<T> values) {
     auto held = std::make_shared<const std::vector<T>>(std::move(values));
     bytes_ = held->capacity() * sizeof(T);

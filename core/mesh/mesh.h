@@ -64,7 +64,7 @@ class Mesh {
     std::uint32_t source_face;
     Triangle vertices;
   };
-  // All that a mesh consists of: who writes it down can have the same mesh again. Arrays are
+  // All that a mesh consists of. Written to a file and read back, it is the same mesh. Arrays are
   // indexed by what their names end with.
   struct Parts {
     SharedArray<Vec3> positions;  // of vertices

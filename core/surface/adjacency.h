@@ -48,7 +48,7 @@ class Adjacency {
   [[nodiscard]] static Result<Adjacency> build(std::shared_ptr<const Mesh> mesh,
                                                const Cancel& cancel);
 
-  // All that it consists of, besides the mesh: who writes it down can have the same again.
+  // All that it consists of, besides the mesh. Written to a file and read back, it is the same.
   struct Parts {
     SharedArray<FaceRecord> faces;
     SharedArray<std::uint32_t> corner_begin;  // vertex_count + 1

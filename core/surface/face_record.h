@@ -38,7 +38,7 @@ struct alignas(64) FaceRecord {
   // How far a corner may be from its place, laid out with the others, of the longest side:
   // what flips of edges have lost (intrinsic_delaunay.h). None on a mesh's own faces.
   float error = 0;
-  std::uint32_t unused = 0;  // so that no byte of a record is left as it was
+  std::uint32_t unused = 0;  // padding, so that records are written without indeterminate bytes
 
   // Squared length of the edge vertex[c] - vertex[c + 1].
   [[nodiscard]] double length2(std::uint32_t c) const { return dot[c] + dot[next_corner(c)]; }

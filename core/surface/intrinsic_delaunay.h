@@ -45,7 +45,7 @@ class IntrinsicDelaunay {
                                                        std::span<const Vec3> positions,
                                                        const Cancel& cancel);
 
-  // All that it consists of: who writes it down can have the same again.
+  // All that it consists of. Written to a file and read back, it is the same.
   struct Parts {
     SharedArray<FaceRecord> faces;
     SharedArray<std::uint32_t> corner_begin;  // vertex_count + 1

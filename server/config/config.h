@@ -23,14 +23,17 @@ struct Config {
   Address admin_listen;         // host empty: admin routes stay on the API's listener
   std::string base_path;        // such as /geo; empty: none
   std::string trusted_proxies;  // addresses and ranges; empty: none
-  std::string forwarded_header = "x-forwarded-for";  // or forwarded
-  std::string proxy_protocol = "off";                // or v2
-  std::string store = "./geodesicd-store";           // or s3://…
-  std::uint64_t store_max_bytes = 0;                 // 0: no limit
-  std::string store_when_full = "refuse";            // or evict
-  std::string samples;                               // empty: none
-  std::string viewer;                                // empty: a plain page instead
-  std::string docs;                                  // empty: the API's page alone
+  std::string forwarded_header = "x-forwarded-for";            // or forwarded
+  std::string proxy_protocol = "off";                          // or v2
+  std::string store = "./geodesicd-store";                     // or s3://…
+  std::uint64_t store_max_bytes = 0;                           // 0: no limit
+  std::string store_when_full = "refuse";                      // or evict
+  std::string prepared;                                        // directory; empty: none
+  std::uint64_t prepared_max_bytes = std::uint64_t{10} << 30;  // 0: no limit
+  std::uint64_t prepared_min_faces = 20'000;
+  std::string samples;  // empty: none
+  std::string viewer;   // empty: a plain page instead
+  std::string docs;     // empty: the API's page alone
 
   std::string tls_cert;  // empty: plain HTTP
   std::string tls_key;

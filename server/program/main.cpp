@@ -30,12 +30,14 @@
 #include "server/decoder/processes.h"
 #include "server/edge/server.h"
 #include "server/edge/tls.h"
+#include "server/prepared/prepared_files.h"
 #include "server/program/check_config.h"
 #include "server/program/memory_limits.h"
 #include "server/program/reload.h"
 #include "server/query/field_queries.h"
 #include "server/query/mesh_catalog.h"
 #include "server/query/metrics.h"
+#include "server/routes/engine_digest.h"
 #include "server/routes/routes.h"
 #include "server/routes/static_files.h"
 #include "server/store/job_records.h"
@@ -186,6 +188,17 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
   auto viewer = files_of(config.viewer, StaticFiles::kViewer);
   auto docs = files_of(config.docs, StaticFiles::kDocs);
   if (!viewer || !docs) return 1;
+  std::unique_ptr<PreparedFiles> prepared_files;
+  if (!config.prepared.empty()) {
+    auto opened =
+        PreparedFiles::open(config.prepared, {config.prepared_max_bytes, config.prepared_min_faces},
+                            std::string(engine_digest()));
+    if (!opened) {
+      spdlog::critical("{}", opened.error().detail);
+      return 1;
+    }
+    prepared_files = std::move(*opened);
+  }
   std::unique_ptr<DecoderProcesses> decoders;
   if (config.decoder == "process") {
     auto started = DecoderProcesses::start("/proc/self/exe", catalog_limits(config).decoder);
@@ -200,6 +213,7 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
   pool.set_memory_limits(memory_limits(config));
   pool.observe_waits([&](StageTimes::Duration waited) { metrics.queued(waited.count()); });
   MeshCatalog catalog(**store, pool, catalog_limits(config), metrics, decoders.get());
+  if (prepared_files) catalog.keep_prepared_in(*prepared_files);
   FieldQueries queries(catalog, pool, config.field_cache_bytes, metrics);
   Routes routes(config, catalog, queries, pool, metrics);
   routes.access().set_tokens(std::move(tokens));

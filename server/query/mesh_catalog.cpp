@@ -122,6 +122,7 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const proto::Imp
             adjacency_key(id), [&]() -> Result<std::shared_ptr<const Prepared>> {
               return std::make_shared<const Prepared>(described->adjacency);
             });
+        keep_prepared(id, described->adjacency);
         return std::make_shared<const Upload>(Upload{id, std::move(*complete), true});
       },
       caller);
@@ -276,6 +277,7 @@ Result<void> MeshCatalog::remove(const std::string& id) {
   prepared_.erase_prefix(id);
   if (!existed) return fail(existed.error());
   if (!*existed) return unknown_mesh();
+  if (prepared_files_ != nullptr) prepared_files_->erase(id);
   return {};
 }
 
@@ -318,20 +320,46 @@ Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency(const std::strin
   const auto prepared = prepared_.get_or_create(
       adjacency_key(id),
       [&]() -> Result<std::shared_ptr<const Prepared>> {
-        auto mesh = load_mesh(id, caller);
-        if (!mesh) return fail(std::move(mesh.error()));
-        return pool_.run(
-            [&](Worker&) -> Result<std::shared_ptr<const Prepared>> {
-              auto adjacency = step("prepare", Stage::prepare, caller,
-                                    [&] { return prepare(std::move(*mesh), caller); });
-              if (!adjacency) return fail(std::move(adjacency.error()));
-              return std::make_shared<const Prepared>(std::move(*adjacency));
-            },
-            caller);
+        auto adjacency = mapped_adjacency(id, caller);
+        if (adjacency && !*adjacency) adjacency = adjacency_anew(id, caller);
+        if (!adjacency) return fail(std::move(adjacency.error()));
+        return std::make_shared<const Prepared>(std::move(*adjacency));
       },
       caller);
   if (!prepared) return fail(prepared.error());
   return std::get<std::shared_ptr<const Adjacency>>(*prepared->value);
+}
+
+Result<std::shared_ptr<const Adjacency>> MeshCatalog::mapped_adjacency(const std::string& id,
+                                                                       const Caller& caller) {
+  if (prepared_files_ == nullptr) return nullptr;
+  const Timed timed(caller, Stage::load);
+  auto found = prepared_files_->find(id, std::cref(caller));
+  if (!found) return fail(caller.why_stopped());
+  if (*found) metrics_.mesh_step("map", timed.so_far().count());
+  return found;
+}
+
+void MeshCatalog::keep_prepared(const std::string& id,
+                                const std::shared_ptr<const Adjacency>& adjacency) {
+  if (prepared_files_ == nullptr) return;
+  prepared_files_->keep(id, adjacency);
+  // Whoever has deleted it meanwhile has seen no file to erase.
+  if (const auto stored = store_.is_stored(id); stored && !*stored) prepared_files_->erase(id);
+}
+
+Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency_anew(const std::string& id,
+                                                                     const Caller& caller) {
+  auto mesh = load_mesh(id, caller);
+  if (!mesh) return fail(std::move(mesh.error()));
+  auto adjacency = pool_.run(
+      [&](Worker&) {
+        return step("prepare", Stage::prepare, caller,
+                    [&] { return prepare(std::move(*mesh), caller); });
+      },
+      caller);
+  if (adjacency) keep_prepared(id, *adjacency);
+  return adjacency;
 }
 
 Result<std::shared_ptr<const ClosestPointIndex>> MeshCatalog::closest_points(const std::string& id,

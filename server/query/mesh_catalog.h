@@ -5,10 +5,11 @@
 //   mesh cache       decoded meshes
 //   adjacency cache  prepared adjacency and, once asked for, the index that finds
 //                    closest points
+//   prepared files   if there is a directory for them: prepared adjacency with its mesh
 //
-// What a cache has dropped comes back from the store. However many ask for it at
-// once, it is made once. All methods may be called from any thread but a compute
-// worker: making runs in a compute slot, and waits for one.
+// What a cache has dropped comes back from these files, or from the store. However many ask for it
+// at once, it is made once. All methods may be called from any thread but a compute worker: making
+// runs in a compute slot, and waits for one.
 #pragma once
 
 #include <cstdint>
@@ -33,6 +34,7 @@
 #include "server/base/timed.h"
 #include "server/compute/pool.h"
 #include "server/decoder/processes.h"
+#include "server/prepared/prepared_files.h"
 #include "server/query/metrics.h"
 #include "server/store/mesh_store.h"
 
@@ -56,6 +58,10 @@ class MeshCatalog {
   // Without `decoders`, files are decoded in this process.
   MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimits& limits, Metrics& metrics,
               DecoderProcesses* decoders = nullptr);
+
+  // Prepared meshes are kept there, and had from there instead of being prepared again. It must
+  // outlive this. Before the first mesh.
+  void keep_prepared_in(PreparedFiles& files) { prepared_files_ = &files; }
 
   // For meshes to come; what is over a cache's new budget goes at once.
   void set_limits(const CatalogLimits& limits);
@@ -105,6 +111,9 @@ class MeshCatalog {
 
   [[nodiscard]] DecoderProcesses::Stats decoder_stats() const {
     return decoders_ != nullptr ? decoders_->stats() : DecoderProcesses::Stats{};
+  }
+  [[nodiscard]] PreparedFiles::Stats prepared_stats() const {
+    return prepared_files_ != nullptr ? prepared_files_->stats() : PreparedFiles::Stats{};
   }
   [[nodiscard]] CacheStats mesh_cache() const { return meshes_.stats(); }
   [[nodiscard]] CacheStats adjacency_cache() const { return prepared_.stats(); }
@@ -158,12 +167,20 @@ class MeshCatalog {
   }
   [[nodiscard]] Result<std::shared_ptr<const Mesh>> load_mesh(const std::string& id,
                                                               const Caller& caller);
+  // Out of the prepared files; null if it is not there. Errors: cancelled.
+  [[nodiscard]] Result<std::shared_ptr<const Adjacency>> mapped_adjacency(const std::string& id,
+                                                                          const Caller& caller);
+  void keep_prepared(const std::string& id, const std::shared_ptr<const Adjacency>& adjacency);
+  // Reads, decodes and prepares.
+  [[nodiscard]] Result<std::shared_ptr<const Adjacency>> adjacency_anew(const std::string& id,
+                                                                        const Caller& caller);
   [[nodiscard]] Result<std::string> described_anew(const std::string& id, const Caller& caller);
 
   MeshStore& store_;
   ComputePool& pool_;
   Metrics& metrics_;
   DecoderProcesses* const decoders_;
+  PreparedFiles* prepared_files_ = nullptr;
   Current<proto::DecodeLimits> decode_limits_;
   LruCache<Mesh> meshes_;
   LruCache<Prepared> prepared_;

@@ -150,6 +150,17 @@ struct Metrics::Families {
   Counter& store_refusals = store_events.Add({{"event", "refusal"}});
   Counter& store_corrupt = store_events.Add({{"event", "corrupt"}});
   Counter& store_failures = store_events.Add({{"event", "failure"}});
+  Family<Counter>& prepared_lookups = counters(
+      "geodesicd_prepared_lookups_total", "Meshes looked for among the prepared ones, by result");
+  Counter& prepared_found = prepared_lookups.Add({{"result", "hit"}});
+  Counter& prepared_missing = prepared_lookups.Add({{"result", "miss"}});
+  Counter& prepared_damaged = prepared_lookups.Add({{"result", "damaged"}});
+  Family<Counter>& prepared_writes =
+      counters("geodesicd_prepared_writes_total",
+               "Prepared meshes that were to be kept, by outcome; failed: no room, or an error");
+  Counter& prepared_written = prepared_writes.Add({{"outcome", "written"}});
+  Counter& prepared_not_written = prepared_writes.Add({{"outcome", "failed"}});
+  Gauge& prepared_bytes = gauge("geodesicd_prepared_bytes", "Bytes of prepared meshes' files");
   Gauge& connections = gauge("geodesicd_connections", "Open connections of the API's listener");
   Counter& accept_failures =
       counter("geodesicd_accept_failures_total", "Failed attempts to accept a connection");

@@ -117,6 +117,12 @@ std::string Metrics::text(const Present& present) {
   follow(f.store_refusals, present.store.refusals);
   follow(f.store_corrupt, present.store.corrupt);
   follow(f.store_failures, present.store.failures);
+  follow(f.prepared_found, present.prepared.found);
+  follow(f.prepared_missing, present.prepared.missing);
+  follow(f.prepared_damaged, present.prepared.damaged);
+  follow(f.prepared_written, present.prepared.written);
+  follow(f.prepared_not_written, present.prepared.not_written);
+  f.prepared_bytes.Set(static_cast<double>(present.prepared.bytes));
   f.connections.Set(static_cast<double>(present.connections));
   follow(f.accept_failures, present.accept_failures);
   f.ready.Set(present.ready ? 1 : 0);

@@ -16,6 +16,7 @@
 #include "server/compute/pool.h"
 #include "server/decoder/processes.h"
 #include "server/http/reply_budget.h"
+#include "server/prepared/prepared_files.h"
 #include "server/store/budget.h"
 
 namespace geodesic::server {
@@ -29,6 +30,7 @@ class Metrics {
     CacheStats meshes, adjacency, fields, replies;
     ReplyBudget::Stats reply_memory;
     StoreStats store;
+    PreparedFiles::Stats prepared;
     Jobs::Stats jobs;
     DecoderProcesses::Stats decoders;
     std::uint64_t connections = 0;      // open on the API's listener
@@ -49,7 +51,7 @@ class Metrics {
   void solved(std::string_view method, double seconds);
   // A job of the compute pool waited this long for its slot.
   void queued(double seconds);
-  // A step in making a mesh usable: "decode", "build", "prepare".
+  // A step in making a mesh usable: "map", "read", "decode", "prepare", "index".
   void mesh_step(std::string_view step, double seconds);
 
   // Prometheus's text format, version 0.0.4.

@@ -247,6 +247,7 @@ std::string Routes::metrics_text() {
   present.replies = replies_.stats();
   present.reply_memory = reply_budget_.stats();
   present.store = catalog_.store_stats();
+  present.prepared = catalog_.prepared_stats();
   present.jobs = jobs_.stats();
   present.decoders = catalog_.decoder_stats();
   const Listener listener = listener_();

@@ -3,9 +3,9 @@
 
     tags_test.py GEODESICD [--questions N]
 
-Three servers have the same meshes: one keeps whatever it can, and is asked everything twice; one
-keeps nothing, so that it is cold at each question; and one is another's replica, asked the same in
-another order. Where a reply's tag is strong, all of them give the same tag and the same bytes, and
+Four servers have the same meshes: one keeps whatever it can, and is asked everything twice; one
+keeps nothing, so that it is cold at each question; one is another's replica, asked the same in
+another order; and one keeps nothing in memory, but maps what it has prepared before. Where a reply's tag is strong, all of them give the same tag and the same bytes, and
 errors too are the same. Where it is weak, the numbers are the same as far as openapi.yaml says.
 
 GEODESICD_SEED=NUMBER sets what is drawn; it is printed.
@@ -19,6 +19,7 @@ import random
 import re
 import sys
 import tempfile
+import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent / "crash"), str(HERE.parent / "load")]
@@ -58,6 +59,21 @@ def differs(question, one, other):
     return "" if torture_questions.is_same(question, mine, others) else "numbers"
 
 
+def metric(server, series):
+    """A number among a server's metrics."""
+    text = server.ask("GET", "/metrics")[2].decode()
+    return int(re.search(rf"^geodesicd_{re.escape(series)} (\d+)$", text, re.M)[1])
+
+
+def wait_until_written(server, count):
+    """Until it has so many prepared meshes in files."""
+    end = time.monotonic() + 60
+    while metric(server, 'prepared_writes_total{outcome="written"}') < count:
+        if time.monotonic() > end:
+            raise TimeoutError("prepared meshes are not written")
+        time.sleep(0.05)
+
+
 def main():
     """Asks; exits with 1 if something was not the same."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -70,16 +86,25 @@ def main():
     # One on which pairs are searched for where no field is at hand.
     shapes = every_mesh(chance) | {"wide terrain": grid(80, 80, lambda x, y: chance.random() / 4)}
     with tempfile.TemporaryDirectory() as folder:
-        servers = [Service(arguments.program, ["--store", f"{folder}/{name}", "--log-level", "error", *flags],
-                           f"{folder}/{name}.log") for name, flags in (("warm", []), ("cold", COLD), ("replica", []))]
-        warm, cold, replica = (Connection(server.port) for server in servers)
+        def start(name, *flags):
+            return Service(arguments.program, ["--store", f"{folder}/{name}", "--log-level", "error", *flags],
+                           f"{folder}/{name}.log")
+
+        mapping = ["mapping", "--prepared", f"{folder}/files", "--prepared-min-faces", "0"]
+        servers = {"warm": start("warm"), "cold": start("cold", *COLD), "replica": start("replica"), "mapping": start(*mapping)}
+        connections = {name: Connection(server.port) for name, server in servers.items()}
+        warm = connections["warm"]
         meshes = []
         for kind, shape in shapes.items():
             mesh = Mesh(kind, shape, seed)
-            taken = {to.ask("POST", "/v1/meshes", mesh.data).status for to in (warm, cold, replica)}
+            taken = {to.ask("POST", "/v1/meshes", mesh.data).status for to in connections.values()}
             assert len(taken) == 1, (kind, taken)
             if taken == {201}:
                 meshes.append(mesh)
+        wait_until_written(servers["mapping"], len(meshes))
+        servers["mapping"].stop()
+        servers["mapping"] = start(*mapping, *COLD)  # maps a mesh for each question
+        connections["mapping"] = Connection(servers["mapping"].port)
         meshes += [meshes[-1]] * (len(meshes) // 4)  # it is asked about more often
         asked = list(drawn(chance, meshes, arguments.questions))
         first = [warm.ask(question.method, mesh.base + question.target, question.body) for mesh, question in asked]
@@ -88,16 +113,18 @@ def main():
             mesh, question = asked[at]
             counts["strong" if torture_questions.is_strong(first[at]) else
                    "errors" if first[at].status != 200 else "weak"] += 1
-            for name, to in (("warm", warm), ("cold", cold), ("replica", replica)):
+            for name, to in connections.items():
                 reply = to.ask(question.method, mesh.base + question.target, question.body)
                 counts["compared"] += 1
                 if what := differs(question, first[at], reply):
                     faults += 1
                     print(f"FAILED: {name}: {mesh.kind}: {question.method} {question.target} {question.body}: {what}")
-        for server in servers:
+        counts["mapped"] = metric(servers["mapping"], 'prepared_lookups_total{result="hit"}')
+        for server in servers.values():
             server.stop()
     print(", ".join(f"{count} {what}" for what, count in sorted(counts.items())))
     enough = counts["strong"] > len(asked) / 5 and counts["weak"] > len(asked) / 20
+    enough = enough and counts["mapped"] > len(asked) / 2
     print("ok" if not faults and enough else f"FAILED: {faults} differ, of kinds enough: {enough}")
     return 1 if faults or not enough else 0
 

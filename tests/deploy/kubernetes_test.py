@@ -102,7 +102,7 @@ def is_restricted(pod):
     expect("the pod keeps to the standard `restricted`",
            both["runAsNonRoot"] and both["seccompProfile"]["type"] == "RuntimeDefault"
            and both["capabilities"] == {"drop": ["ALL"]} and both["allowPrivilegeEscalation"] is False
-           and both["readOnlyRootFilesystem"] and all("secret" in each for each in pod.spec["volumes"]), both)
+           and both["readOnlyRootFilesystem"] and all("secret" in each or "emptyDir" in each for each in pod.spec["volumes"]), both)
     image = (ROOT / "Dockerfile").read_text(encoding="utf-8")
     expect("its user is the image's", f"USER {both['runAsUser']}\n" in image)
 
@@ -126,9 +126,11 @@ def tells_the_server(program, pod, folder, seed):
     tokens.write_text(made[1] + "\n", encoding="utf-8")
     tokens.chmod(0o644)
     environment = pod.environment("secret")
-    [mounted] = pod.container["volumeMounts"]
-    expect("the tokens are where they are mounted",
-           pathlib.Path(environment["GEODESICD_TOKENS"]).parent == pathlib.Path(mounted["mountPath"]), mounted)
+    mounted = {each["name"]: each["mountPath"] for each in pod.container["volumeMounts"]}
+    expect("the tokens and prepared meshes are where their volumes are mounted",
+           mounted == {"tokens": os.path.dirname(environment["GEODESICD_TOKENS"]),
+                       "prepared": environment["GEODESICD_PREPARED"]}, mounted)
+    environment["GEODESICD_PREPARED"] = str(confined.place("prepared"))
     environment["GEODESICD_TOKENS"] = str(tokens)
     arguments = pod.container["args"]
     clean = {name: value for name, value in os.environ.items() if not name.startswith("GEODESICD_")}

@@ -1,0 +1,284 @@
+#include "server/prepared/format.h"
+
+#define XXH_INLINE_ALL
+#ifndef NDEBUG
+#define XXH_NO_INLINE_HINTS 1  // else it does not compile with -Og
+#endif
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <type_traits>
+#include <utility>
+
+#include "core/mesh/mesh.h"
+#include "core/surface/intrinsic_delaunay.h"
+#include "server/base/durable_file.h"
+
+namespace geodesic::server {
+namespace {
+
+constexpr std::size_t kAlignment = 64;                 // of each array: a FaceRecord's
+constexpr std::size_t kAtOnce = std::size_t{1} << 20;  // bytes between two questions
+constexpr std::array<char, 8> kMagic{'g', 'e', 'o', 'p', 'r', 'e', 'p', '1'};
+constexpr std::size_t kArrays = 14;
+
+// What a prepared mesh consists of besides arrays.
+struct Numbers {
+  std::uint64_t zero_area_faces;
+  Box box;
+  double area;
+  TopologyReport report;
+  std::uint64_t flips;
+  // 0 or 1.
+  std::uint8_t is_oriented, is_even, has_flat_faces, has_lines, is_crowded;
+  std::uint8_t has_delaunay, delaunay_is_oriented, delaunay_is_crowded, delaunay_is_even,
+      delaunay_has_flat_faces;
+};
+
+struct alignas(kAlignment) Head {
+  std::array<char, 8> magic;
+  std::array<std::byte, 16> checksum;  // of all bytes behind it
+  std::array<char, 128> mesh;          // the rest of both is zeros
+  std::array<char, 64> engine;
+  std::uint64_t bytes;  // of all
+  std::array<std::uint64_t, kArrays> counts;
+  Numbers numbers;
+};
+static_assert(std::is_trivially_copyable_v<Head>);
+constexpr std::size_t kChecked = offsetof(Head, checksum) + sizeof(Head::checksum);
+
+// All arrays, in the order in which they are written: the same for writing and for reading. Parts
+// are named one by one, so that this does not compile when one is added; numbers among them are
+// copied in head_of() and read_prepared().
+template <class MeshParts, class SurfaceParts, class DelaunayParts, class Visit>
+void each_array(MeshParts& of_mesh, SurfaceParts& of_surface, DelaunayParts& of_delaunay,
+                Visit&& visit) {
+  [[maybe_unused]] auto& [positions, triangles, vertex_of_source, source_of_vertex, face_of_source,
+                          source_of_face, dropped, zero_area_faces, box, area] = of_mesh;
+  [[maybe_unused]] auto& [faces, corner_begin, corners, pinched, is_oriented, is_even,
+                          has_flat_faces, has_lines, is_crowded, delaunay, report] = of_surface;
+  [[maybe_unused]] auto& [other_faces, other_corner_begin, other_corners, other_is_oriented,
+                          other_is_crowded, other_is_even, other_has_flat_faces, flips] =
+      of_delaunay;
+  visit(positions);
+  visit(triangles);
+  visit(vertex_of_source);
+  visit(source_of_vertex);
+  visit(face_of_source);
+  visit(source_of_face);
+  visit(dropped);
+  visit(faces);
+  visit(corner_begin);
+  visit(corners);
+  visit(pinched);
+  visit(other_faces);
+  visit(other_corner_begin);
+  visit(other_corners);
+}
+
+constexpr std::uint64_t padded(std::uint64_t bytes) {
+  return (bytes + kAlignment - 1) / kAlignment * kAlignment;
+}
+
+// Where no edge was flipped: no arrays.
+IntrinsicDelaunay::Parts delaunay_of(const Adjacency& adjacency) {
+  const auto& delaunay = adjacency.parts().delaunay;
+  return delaunay ? delaunay->parts() : IntrinsicDelaunay::Parts{};
+}
+
+template <std::size_t kSize>
+void set_text(std::array<char, kSize>& to, std::string_view text) {
+  std::copy_n(text.begin(), std::min(text.size(), kSize), to.begin());
+}
+
+template <std::size_t kSize>
+bool is_text(const std::array<char, kSize>& is, std::string_view text) {
+  std::array<char, kSize> wanted{};
+  set_text(wanted, text);
+  return text.size() <= kSize && is == wanted;
+}
+
+Head head_of(const PreparedName& name, const Adjacency& adjacency) {
+  Head head;
+  std::memset(static_cast<void*>(&head), 0, sizeof(head));  // with what lies between its members
+  head.magic = kMagic;
+  set_text(head.mesh, name.mesh);
+  set_text(head.engine, name.engine);
+  const Mesh::Parts& mesh = adjacency.mesh().parts();
+  const Adjacency::Parts& surface = adjacency.parts();
+  const IntrinsicDelaunay::Parts delaunay = delaunay_of(adjacency);
+  std::size_t at = 0;
+  head.bytes = sizeof(Head);
+  each_array(mesh, surface, delaunay, [&](const auto& array) {
+    head.counts.at(at++) = array.size();
+    head.bytes += padded(std::span(array).size_bytes());
+  });
+  Numbers& numbers = head.numbers;
+  numbers.zero_area_faces = mesh.zero_area_faces;
+  numbers.box = mesh.box;
+  numbers.area = mesh.area;
+  numbers.report = surface.report;
+  numbers.flips = delaunay.flips;
+  numbers.is_oriented = surface.is_oriented;
+  numbers.is_even = surface.is_even;
+  numbers.has_flat_faces = surface.has_flat_faces;
+  numbers.has_lines = surface.has_lines;
+  numbers.is_crowded = surface.is_crowded;
+  numbers.has_delaunay = surface.delaunay != nullptr;
+  numbers.delaunay_is_oriented = delaunay.is_oriented;
+  numbers.delaunay_is_crowded = delaunay.is_crowded;
+  numbers.delaunay_is_even = delaunay.is_even;
+  numbers.delaunay_has_flat_faces = delaunay.has_flat_faces;
+  return head;
+}
+
+Result<void> write_all(int file, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return disk_failure("write a prepared mesh", written < 0 ? errno : ENOSPC);
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return {};
+}
+
+// Arrays that lie one after another behind the head; nothing if they do not end where they should.
+class Arrays {
+ public:
+  Arrays(std::span<const std::byte> bytes, const Head& head, std::shared_ptr<const void> holder)
+      : rest_(bytes.subspan(sizeof(Head))), head_(head), holder_(std::move(holder)) {}
+
+  template <class T>
+  void operator()(SharedArray<T>& array) {
+    static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= kAlignment);
+    const std::uint64_t count = head_.counts.at(at_++);
+    if (count > rest_.size() / sizeof(T) || padded(count * sizeof(T)) > rest_.size()) {
+      is_whole_ = false;
+      return;
+    }
+    const auto* const values = reinterpret_cast<const T*>(rest_.data());
+    array = SharedArray<T>(std::span(values, static_cast<std::size_t>(count)), holder_);
+    rest_ = rest_.subspan(padded(count * sizeof(T)));
+  }
+  [[nodiscard]] bool is_whole() const { return is_whole_ && rest_.empty(); }
+
+ private:
+  std::span<const std::byte> rest_;
+  const Head& head_;
+  const std::shared_ptr<const void> holder_;
+  std::size_t at_ = 0;
+  bool is_whole_ = true;
+};
+
+}  // namespace
+
+struct PreparedChecksum::State {
+  XXH3_state_t of_xxh;
+};
+
+PreparedChecksum::PreparedChecksum() : state_(std::make_unique<State>()) {
+  XXH3_128bits_reset(&state_->of_xxh);
+}
+
+PreparedChecksum::~PreparedChecksum() = default;
+
+void PreparedChecksum::add(std::uint64_t offset, std::span<const std::byte> piece) {
+  const std::uint64_t before = std::min<std::uint64_t>(offset < kChecked ? kChecked - offset : 0,
+                                                       piece.size());  // not covered
+  piece = piece.subspan(before);
+  if (!piece.empty()) XXH3_128bits_update(&state_->of_xxh, piece.data(), piece.size());
+}
+
+std::array<std::byte, 16> PreparedChecksum::value() const {
+  XXH128_canonical_t canonical;
+  XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(&state_->of_xxh));
+  std::array<std::byte, 16> value;
+  static_assert(sizeof(canonical) == sizeof(value));
+  std::memcpy(value.data(), &canonical, sizeof(value));
+  return value;
+}
+
+std::uint64_t prepared_bytes(const Adjacency& adjacency) { return head_of({}, adjacency).bytes; }
+
+Result<void> write_prepared(int file, const PreparedName& name, const Adjacency& adjacency,
+                            const std::function<bool()>& stop) {
+  Head head = head_of(name, adjacency);
+  PreparedChecksum checksum;
+  std::uint64_t offset = 0;
+  Result<void> done;
+  const auto append = [&](std::span<const std::byte> bytes) {
+    while (done && !bytes.empty()) {
+      if (stop()) {
+        done = fail(ErrorCode::cancelled, "stopped");
+        return;
+      }
+      const auto piece = bytes.first(std::min(bytes.size(), kAtOnce));
+      checksum.add(offset, piece);
+      done = write_all(file, piece);
+      offset += piece.size();
+      bytes = bytes.subspan(piece.size());
+    }
+  };
+  append(std::as_bytes(std::span(&head, 1)));
+  const IntrinsicDelaunay::Parts delaunay = delaunay_of(adjacency);
+  each_array(adjacency.mesh().parts(), adjacency.parts(), delaunay, [&](const auto& array) {
+    static constexpr std::array<std::byte, kAlignment> kZeros{};
+    const auto bytes = std::as_bytes(std::span(array));
+    append(bytes);
+    append(std::span(kZeros).first(padded(bytes.size()) - bytes.size()));
+  });
+  if (!done) return done;
+  head.checksum = checksum.value();
+  // Last, so that what was cut off is known as such.
+  if (::pwrite(file, &head, kChecked, 0) != static_cast<ssize_t>(kChecked)) {
+    return disk_failure("write a prepared mesh", errno);
+  }
+  return {};
+}
+
+std::shared_ptr<const Adjacency> read_prepared(std::span<const std::byte> bytes,
+                                               const std::shared_ptr<const void>& holder,
+                                               const PreparedName& name,
+                                               const PreparedChecksum& checksum) {
+  Head head;
+  if (bytes.size() < sizeof(head)) return nullptr;
+  std::memcpy(&head, bytes.data(), sizeof(head));
+  if (head.magic != kMagic || !is_text(head.engine, name.engine) ||
+      !is_text(head.mesh, name.mesh) || head.bytes != bytes.size() ||
+      head.checksum != checksum.value()) {
+    return nullptr;
+  }
+  Mesh::Parts mesh;
+  Adjacency::Parts surface;
+  IntrinsicDelaunay::Parts delaunay;
+  Arrays arrays(bytes, head, holder);
+  each_array(mesh, surface, delaunay, arrays);
+  if (!arrays.is_whole()) return nullptr;
+  const Numbers& numbers = head.numbers;
+  mesh.zero_area_faces = static_cast<std::uint32_t>(numbers.zero_area_faces);
+  mesh.box = numbers.box;
+  mesh.area = numbers.area;
+  surface.report = numbers.report;
+  surface.is_oriented = numbers.is_oriented != 0;
+  surface.is_even = numbers.is_even != 0;
+  surface.has_flat_faces = numbers.has_flat_faces != 0;
+  surface.has_lines = numbers.has_lines != 0;
+  surface.is_crowded = numbers.is_crowded != 0;
+  delaunay.flips = numbers.flips;
+  delaunay.is_oriented = numbers.delaunay_is_oriented != 0;
+  delaunay.is_crowded = numbers.delaunay_is_crowded != 0;
+  delaunay.is_even = numbers.delaunay_is_even != 0;
+  delaunay.has_flat_faces = numbers.delaunay_has_flat_faces != 0;
+  if (numbers.has_delaunay != 0) {
+    surface.delaunay = std::make_shared<const IntrinsicDelaunay>(std::move(delaunay));
+  }
+  return std::make_shared<const Adjacency>(std::make_shared<const Mesh>(std::move(mesh)),
+                                           std::move(surface));
+}
+
+}  // namespace geodesic::server

@@ -1,0 +1,42 @@
+// A file mapped into memory, to be read. All processes that map it share its pages.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+
+#include "core/base/error.h"
+#include "server/base/unique_fd.h"
+
+namespace geodesic::server {
+
+class MappedFile {
+ public:
+  // What is done with the file's bytes, piece by piece, before it is mapped. `offset`: of the
+  // piece.
+  using Visit = std::function<void(std::uint64_t offset, std::span<const std::byte> piece)>;
+
+  // Reads the whole file, then maps it, and has its time of use set to now. It is read as files
+  // are, so that a fault of the disk is an error; a mapping that cannot be read ends the process.
+  // So does cutting the file short. Who removes or replaces it does no harm. Null: there is no such
+  // file, it cannot be read, or somebody else could write to it. `stop` is asked for each MiB.
+  // Errors: cancelled.
+  [[nodiscard]] static Result<std::shared_ptr<const MappedFile>> open(
+      const UniqueFd& directory, const char* name, const Visit& visit,
+      const std::function<bool()>& stop);
+  ~MappedFile();
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+
+  // At the beginning of a page.
+  [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_; }
+
+ private:
+  explicit MappedFile(std::span<const std::byte> bytes) : bytes_(bytes) {}
+
+  const std::span<const std::byte> bytes_;
+};
+
+}  // namespace geodesic::server

@@ -1,0 +1,110 @@
+// Prepared meshes in a directory of this machine, so that a server that starts again need not
+// prepare them anew: a file each, mapped when it is wanted. The directory is a cache. Whatever is
+// missing, damaged or of another build is prepared afresh, and any file may be removed at any time,
+// but not cut short. Several processes, of several builds too, may share the directory: they share
+// the pages that they have mapped.
+//
+// A thread of its own writes the files, one after the other, beside the queries. They are not
+// synced: what a loss of power leaves of one fails its checksum. A file is in use while somebody
+// holds its mesh. What was used longest ago goes when a budget or the disk wants room, and what was
+// not used for a week goes too.
+//
+// All methods may be called from any thread.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <semaphore>
+#include <string>
+#include <thread>
+
+#include "core/base/error.h"
+#include "core/surface/adjacency.h"
+#include "server/base/unique_fd.h"
+
+namespace geodesic::server {
+
+class PreparedFiles {
+ public:
+  struct Limits {
+    std::uint64_t bytes = 0;         // of all files; 0: no limit
+    std::uint64_t fewest_faces = 0;  // of a mesh that is kept: others are prepared in no time
+  };
+  struct Stats {
+    std::uint64_t found = 0;    // lookups that mapped a file
+    std::uint64_t missing = 0;  // lookups without a file, or with one that cannot be used
+    std::uint64_t damaged = 0;  // lookups that found a damaged file, which is removed
+    std::uint64_t written = 0;
+    std::uint64_t not_written = 0;  // for want of room, or because of an error
+    std::uint64_t bytes = 0;        // of all files, when they were last counted
+  };
+
+  // Makes the directory, and the folder geodesicd-prepared in it, where all files are. `engine`:
+  // the digest of the build. Errors: store_failed, with a sentence for the operator.
+  [[nodiscard]] static Result<std::unique_ptr<PreparedFiles>> open(
+      const std::filesystem::path& directory, const Limits& limits, std::string engine);
+  ~PreparedFiles();
+  PreparedFiles(const PreparedFiles&) = delete;
+  PreparedFiles& operator=(const PreparedFiles&) = delete;
+
+  // A mesh that was written; null if there is none. Reads the whole file; few do so at once, others
+  // wait. `stop` is asked every few milliseconds, or as often as the disk delivers a MiB. Errors:
+  // cancelled.
+  [[nodiscard]] Result<std::shared_ptr<const Adjacency>> find(const std::string& id,
+                                                              const std::function<bool()>& stop);
+  // Has a mesh written, if others still hold it then. Does not wait.
+  void keep(const std::string& id, const std::shared_ptr<const Adjacency>& adjacency);
+  // Removes a mesh's files, of all builds.
+  void erase(const std::string& id);
+
+  [[nodiscard]] Stats stats() const;
+  // Waits until all that was to be written is.
+  void wait();
+  // Removes what is too old or too much; the thread does it each hour.
+  void tidy() { (void)make_room(0); }
+
+ private:
+  using Held = std::weak_ptr<const Adjacency>;
+  struct Wanted {
+    std::string id;
+    Held adjacency;
+  };
+
+  PreparedFiles(UniqueFd directory, const Limits& limits, std::string engine);
+  [[nodiscard]] std::string name_of(const std::string& id) const;
+  void write_files();  // the thread
+  void write(const Wanted& wanted);
+  [[nodiscard]] Result<void> write_file(const std::string& id, const std::string& name,
+                                        const Adjacency& adjacency);
+  // Removes files until `bytes` more have room. False: they would have none.
+  [[nodiscard]] bool make_room(std::uint64_t bytes);
+  void touch_what_is_used();
+  void remove(const std::string& name);
+  void report(const std::string& what);
+
+  static constexpr int kReadersAtOnce = 2;
+
+  const UniqueFd directory_;
+  const Limits limits_;
+  const std::string engine_;
+  std::counting_semaphore<> readers_{kReadersAtOnce};
+  std::atomic<bool> is_stopping_{false};
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Wanted> wanted_;
+  std::string writing_;               // the mesh that is being written; empty: none
+  bool is_unwanted_ = false;          // it was removed meanwhile
+  std::map<std::string, Held> used_;  // meshes whose files were found or written
+  Stats stats_;
+  std::string reported_;  // what went wrong last
+  std::thread writer_;
+};
+
+}  // namespace geodesic::server
