@@ -14,7 +14,7 @@ template <class T>
 class SharedArray {
  public:
   SharedArray() = default;
-  // Copies only: what is moved from would keep its span, and not the memory.
+  // No moves: the source would keep a span of memory that it no longer holds.
   SharedArray(const SharedArray&) = default;
   SharedArray& operator=(const SharedArray&) = default;
   ~SharedArray() = default;
@@ -37,7 +37,7 @@ class SharedArray {
   [[nodiscard]] auto begin() const { return values_.begin(); }
   [[nodiscard]] auto end() const { return values_.end(); }
 
-  // Memory taken.
+  // Memory taken, mapped or not.
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
 
  private:

@@ -23,7 +23,7 @@ namespace geodesic::server {
 namespace {
 
 constexpr std::size_t kAlignment = 64;                 // of each array: a FaceRecord's
-constexpr std::size_t kAtOnce = std::size_t{1} << 20;  // bytes between two questions
+constexpr std::size_t kAtOnce = std::size_t{1} << 20;  // bytes between two calls of `stop`
 constexpr std::array<char, 8> kMagic{'g', 'e', 'o', 'p', 'r', 'e', 'p', '1'};
 constexpr std::size_t kArrays = 14;
 
@@ -50,7 +50,7 @@ struct alignas(kAlignment) Head {
   Numbers numbers;
 };
 static_assert(std::is_trivially_copyable_v<Head>);
-constexpr std::size_t kChecked = offsetof(Head, checksum) + sizeof(Head::checksum);
+constexpr std::size_t kNotCovered = offsetof(Head, checksum) + sizeof(Head::checksum);
 
 // All arrays, in the order in which they are written: the same for writing and for reading. Parts
 // are named one by one, so that this does not compile when one is added; numbers among them are
@@ -188,8 +188,9 @@ PreparedChecksum::PreparedChecksum() : state_(std::make_unique<State>()) {
 PreparedChecksum::~PreparedChecksum() = default;
 
 void PreparedChecksum::add(std::uint64_t offset, std::span<const std::byte> piece) {
-  const std::uint64_t before = std::min<std::uint64_t>(offset < kChecked ? kChecked - offset : 0,
-                                                       piece.size());  // not covered
+  const std::uint64_t before =
+      std::min<std::uint64_t>(offset < kNotCovered ? kNotCovered - offset : 0,
+                              piece.size());  // not covered
   piece = piece.subspan(before);
   if (!piece.empty()) XXH3_128bits_update(&state_->of_xxh, piece.data(), piece.size());
 }
@@ -234,8 +235,8 @@ Result<void> write_prepared(int file, const PreparedName& name, const Adjacency&
   });
   if (!done) return done;
   head.checksum = checksum.value();
-  // Last, so that what was cut off is known as such.
-  if (::pwrite(file, &head, kChecked, 0) != static_cast<ssize_t>(kChecked)) {
+  // Last, so that a file whose writing was interrupted fails the check.
+  if (::pwrite(file, &head, kNotCovered, 0) != static_cast<ssize_t>(kNotCovered)) {
     return disk_failure("write a prepared mesh", errno);
   }
   return {};

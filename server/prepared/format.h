@@ -1,7 +1,7 @@
 // A prepared mesh as bytes, which are used where they lie: the arrays of Mesh and Adjacency one
 // after another, behind a head that says which mesh they are of and which build of the engine has
-// made them. A checksum (XXH3, 128 bits) covers all of it. It guards against what disks and crashes
-// do, not against who may write the file.
+// made them. A checksum (XXH3, 128 bits) covers all behind it. It guards against what disks and
+// crashes do, not against who may write the file.
 //
 // Numbers are as this machine has them, and records as this build lays them out: another build
 // reads none of it.
@@ -54,8 +54,8 @@ class PreparedChecksum {
 };
 
 // The mesh that was written. Its arrays are the bytes themselves, which must begin at a multiple of
-// 64 and are there as long as `holder` is. Null if this is not what this build has written of this
-// mesh, or if `checksum`, that of all of them, is not the one that is written there.
+// 64 and are there as long as `holder` is. Null if the head names another mesh or build, if the
+// size is wrong, or if `checksum`, computed over all bytes, is not the one in the head.
 [[nodiscard]] std::shared_ptr<const Adjacency> read_prepared(
     std::span<const std::byte> bytes, const std::shared_ptr<const void>& holder,
     const PreparedName& name, const PreparedChecksum& checksum);

@@ -1,6 +1,7 @@
 #include "server/prepared/mapped_file.h"
 
 #include <fcntl.h>
+#include <spdlog/spdlog.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -8,12 +9,13 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
+#include <system_error>
 #include <vector>
 
 namespace geodesic::server {
 namespace {
 
-constexpr std::size_t kAtOnce = std::size_t{1} << 20;  // bytes between two questions
+constexpr std::size_t kAtOnce = std::size_t{1} << 20;  // bytes between two calls of `stop`
 
 enum class Outcome : std::uint8_t { done, failed, cancelled };
 
@@ -24,7 +26,11 @@ Outcome read_all(int file, std::uint64_t size, const MappedFile::Visit& visit,
     if (stop()) return Outcome::cancelled;
     const ssize_t count = ::pread(file, piece.data(), piece.size(), static_cast<off_t>(offset));
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return Outcome::failed;
+    if (count <= 0) {
+      spdlog::warn("a prepared mesh cannot be read: {}",
+                   count < 0 ? std::generic_category().message(errno) : "it was cut short");
+      return Outcome::failed;
+    }
     visit(offset, std::span(piece).first(static_cast<std::size_t>(count)));
     offset += static_cast<std::uint64_t>(count);
   }

@@ -18,11 +18,11 @@ class MappedFile {
   // piece.
   using Visit = std::function<void(std::uint64_t offset, std::span<const std::byte> piece)>;
 
-  // Reads the whole file, then maps it, and has its time of use set to now. It is read as files
-  // are, so that a fault of the disk is an error; a mapping that cannot be read ends the process.
-  // So does cutting the file short. Who removes or replaces it does no harm. Null: there is no such
-  // file, it cannot be read, or somebody else could write to it. `stop` is asked for each MiB.
-  // Errors: cancelled.
+  // Reads the whole file, then maps it, and sets its time of use to now. The first read is by
+  // pread, so that a fault of the disk is an error. A mapped page that the disk cannot deliver
+  // later ends the process (SIGBUS), and so does cutting the file short. Removing or replacing it
+  // is safe. Null: there is no such file, it cannot be read, or somebody else could write to it.
+  // `stop` is called once for each MiB. Errors: cancelled.
   [[nodiscard]] static Result<std::shared_ptr<const MappedFile>> open(
       const UniqueFd& directory, const char* name, const Visit& visit,
       const std::function<bool()>& stop);

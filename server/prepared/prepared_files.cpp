@@ -31,7 +31,7 @@ namespace {
 constexpr std::size_t kMostWanted = 64;
 constexpr std::chrono::hours kBetweenTidying{1};
 constexpr std::time_t kLongestUnused = 7 * 24 * 3600;  // seconds
-constexpr std::time_t kLongestWriting = 3600;          // of a file whose writer is gone
+constexpr std::time_t kLongestWriting = 3600;          // then a .part file counts as abandoned
 constexpr std::uint64_t kFreePart = 20;  // of the disk stays free: one part in so many
 constexpr std::string_view kUnfinished = ".part";
 constexpr std::size_t kIdDigits = 64;  // at the least
@@ -150,12 +150,13 @@ Result<std::shared_ptr<const Adjacency>> PreparedFiles::find(const std::string& 
   while (!readers_.try_acquire_for(std::chrono::milliseconds(5))) {
     if (stop()) return fail(ErrorCode::cancelled, "stopped");
   }
+  const std::unique_ptr<std::counting_semaphore<>, void (*)(std::counting_semaphore<>*)> turn(
+      &readers_, [](std::counting_semaphore<>* readers) { readers->release(); });
   PreparedChecksum checksum;
   const auto mapped = MappedFile::open(
       directory_, name.c_str(),
       [&](std::uint64_t offset, std::span<const std::byte> piece) { checksum.add(offset, piece); },
       stop);
-  readers_.release();
   if (!mapped) return fail(mapped.error());
   if (!*mapped) {
     const std::lock_guard lock(mutex_);
@@ -186,7 +187,7 @@ void PreparedFiles::keep(const std::string& id, const std::shared_ptr<const Adja
   changed_.notify_all();
 }
 
-void PreparedFiles::erase(const std::string& id) {
+void PreparedFiles::forget(const std::string& id) {
   {
     const std::lock_guard lock(mutex_);
     std::erase_if(wanted_, [&](const Wanted& wanted) { return wanted.id == id; });
@@ -195,6 +196,10 @@ void PreparedFiles::erase(const std::string& id) {
   }
   changed_.notify_all();
   remove(name_of(id));
+}
+
+void PreparedFiles::erase(const std::string& id) {
+  forget(id);
   const auto names = names_in(directory_);
   if (!names) return report("the files of other builds cannot be listed");
   for (const std::string& name : *names) {
@@ -291,7 +296,7 @@ Result<void> PreparedFiles::write_file(const std::string& id, const std::string&
   return done;
 }
 
-// Who holds a mesh uses it, though nobody asks for its file.
+// A mesh in memory is in use, though nobody reads its file.
 void PreparedFiles::touch_what_is_used() {
   std::vector<std::string> names;
   {
@@ -320,7 +325,7 @@ bool PreparedFiles::make_room(std::uint64_t bytes) {
   const auto has_room = [&] {
     return (limits_.bytes == 0 || taken + bytes <= limits_.bytes) && free >= reserve + bytes;
   };
-  // Nothing goes for what would have no room even so.
+  // A file that could not fit even after removing all others makes none of them go.
   const bool is_possible =
       (limits_.bytes == 0 || bytes <= limits_.bytes) && free + taken >= reserve + bytes;
   const std::time_t now = std::time(nullptr);

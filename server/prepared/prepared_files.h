@@ -35,7 +35,7 @@ class PreparedFiles {
  public:
   struct Limits {
     std::uint64_t bytes = 0;         // of all files; 0: no limit
-    std::uint64_t fewest_faces = 0;  // of a mesh that is kept: others are prepared in no time
+    std::uint64_t fewest_faces = 0;  // smaller meshes are not kept
   };
   struct Stats {
     std::uint64_t found = 0;    // lookups that mapped a file
@@ -55,13 +55,16 @@ class PreparedFiles {
   PreparedFiles& operator=(const PreparedFiles&) = delete;
 
   // A mesh that was written; null if there is none. Reads the whole file; few do so at once, others
-  // wait. `stop` is asked every few milliseconds, or as often as the disk delivers a MiB. Errors:
-  // cancelled.
+  // wait. `stop` is called every few milliseconds while it waits, and then once for each MiB.
+  // Errors: cancelled.
   [[nodiscard]] Result<std::shared_ptr<const Adjacency>> find(const std::string& id,
                                                               const std::function<bool()>& stop);
-  // Has a mesh written, if others still hold it then. Does not wait.
+  // Queues a mesh to be written. It is skipped if nobody else holds it when its turn comes. Does
+  // not wait.
   void keep(const std::string& id, const std::shared_ptr<const Adjacency>& adjacency);
-  // Removes a mesh's files, of all builds.
+  // Removes a mesh's file. A system call: cheap.
+  void forget(const std::string& id);
+  // Removes a mesh's files, of all builds. Lists the directory.
   void erase(const std::string& id);
 
   [[nodiscard]] Stats stats() const;
@@ -83,7 +86,7 @@ class PreparedFiles {
   void write(const Wanted& wanted);
   [[nodiscard]] Result<void> write_file(const std::string& id, const std::string& name,
                                         const Adjacency& adjacency);
-  // Removes files until `bytes` more have room. False: they would have none.
+  // Removes files until `bytes` more have room. Returns false if there is not enough.
   [[nodiscard]] bool make_room(std::uint64_t bytes);
   void touch_what_is_used();
   void remove(const std::string& name);

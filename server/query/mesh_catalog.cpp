@@ -274,7 +274,7 @@ Result<std::string> MeshCatalog::source(const std::string& id) { return store_.g
 Result<void> MeshCatalog::remove(const std::string& id) {
   const auto existed = store_.remove(id);
   meshes_.erase(id);
-  prepared_.erase_prefix(id);
+  prepared_.erase_prefix(id + "/");
   if (!existed) return fail(existed.error());
   if (!*existed) return unknown_mesh();
   if (prepared_files_ != nullptr) prepared_files_->erase(id);
@@ -316,7 +316,12 @@ Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency(const std::strin
   if (!known) return fail(known.error());
   // Damage on the disk is no reason to refuse what is whole in memory.
   const bool is_resident = store_.is_damaged(id) && prepared_.peek(adjacency_key(id));
-  if (!*known && !is_resident) return unknown_mesh();
+  if (!*known && !is_resident) {
+    // Another server may have deleted it.
+    prepared_.erase_prefix(id + "/");
+    if (prepared_files_ != nullptr) prepared_files_->forget(id);
+    return unknown_mesh();
+  }
   const auto prepared = prepared_.get_or_create(
       adjacency_key(id),
       [&]() -> Result<std::shared_ptr<const Prepared>> {

@@ -7,8 +7,8 @@ Three servers on one bucket of a real S3 server, behind nginx as deploy/nginx/fl
 While clients ask, upload and start jobs, each server is killed and started again, one is stopped in
 order, one is cut off from the bucket for a minute, the bucket is slow (2 s a request), all are cut off,
 a fourth server is added, and all are replaced one by one. No request may fail after the retries that
-HTTP allows, no reply may be another, no acknowledged upload may be lost. Of the meshes only those go to
-another server that the ring says (nginx's `hash … consistent`), so caches keep as much as it leaves them.
+HTTP allows, no reply may be another, no acknowledged upload may be lost. Only the meshes that consistent
+hashing reassigns may move (nginx's `hash … consistent`), so caches keep as much as it leaves them.
 
 Three servers spend no more processor time on a query than one does. And behind HAProxy, a mesh that
 everybody asks about is served by several of them.
@@ -43,7 +43,7 @@ from swift_bucket import bucket  # noqa: E402
 from wire import Wire  # noqa: E402
 
 MESHES = 24
-KEYS_SHARED = 400  # ids of meshes, of which it is looked to which server they belong
+KEYS_SHARED = 400  # random ids, of which it is checked to which server they are sent
 SLOW = 2.0  # seconds
 PAST_CACHE = {"Authorization": "Bearer none"}  # nginx has a cache of its own
 # Who answered.
@@ -68,8 +68,7 @@ def by_ring(ports, keys):
 
 
 def hit_rate(balancer, meshes, offset):
-    """The share of questions that are answered out of a cache when they are asked a second time, and are not
-    when `offset` is new."""
+    """The share of questions that are answered out of a cache. With an `offset` not used before, none can be."""
     questions = [f"/v1/meshes/{id_}/distance?from=v:{offset}&at=v:{at}&method=wavefront" for id_ in meshes for at in (3, 4)]
     return [balancer.ask("GET", question, headers=PAST_CACHE)[1].get("geo-cache") for question in questions].count(
         "hit") / len(questions)

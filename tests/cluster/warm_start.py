@@ -6,8 +6,8 @@
 A mesh of a million vertices is uploaded once. Then servers are started on the same store, with and without
 --prepared in turn, and each is asked for the distance between two points near each other. Printed is the
 median time of that first answer: with the files in the system's memory, and read from the disk (where the
-system lets go of them; a virtual disk may still have them). The same question is asked again, so that one
-sees what of it is the answer itself; and a whole distance field, to see whether mapped arrays are slower.
+system lets go of them; a virtual disk may still have them). The same question is asked again, to tell
+the time of solving from that of loading; and a whole distance field, to see whether mapped arrays are slower.
 
 GEODESICD_SEED=NUMBER sets the mesh; it is printed.
 """

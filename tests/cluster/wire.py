@@ -8,7 +8,7 @@ import time
 
 class Wire:
     """Passes on what comes to `port` to another port. `seconds` is how long each request is held
-    back, `cut` whether nothing passes at all."""
+    back; while it is `cut`, all connections are closed, and none stays open."""
 
     def __init__(self, target):
         self._target = target
@@ -42,10 +42,12 @@ class Wire:
 
     def _pass_on(self, line):
         with line:
-            if self._cut:
-                return
             with self._lock:
                 self._open.add(line)
+            if self._cut:
+                with self._lock:
+                    self._open.discard(line)
+                return
             try:
                 with socket.create_connection(("127.0.0.1", self._target)) as other, \
                         selectors.DefaultSelector() as ready:

@@ -7,6 +7,7 @@ clients upload and delete, brings everything back.
 GEODESICD_SEED=NUMBER sets the meshes; it is printed.
 """
 
+import json
 import os
 import pathlib
 import random
@@ -90,6 +91,20 @@ class Clients(threading.Thread):
         self.join()
 
 
+def one_comes_back(service, text, folder, id_):
+    """A mesh that was read with scale=2, out of the back-up, and gone from it afterwards."""
+    service.ask("DELETE", f"/v1/meshes/{id_}")
+    [extract] = re.findall(r"^tar --extract --file .*$", text, re.M)
+    [delete] = re.findall(r"`(tar --delete [^`]*)`", text)
+    extract, delete = (command.replace("/ab/ID", f"/{id_[:2]}/{id_}") for command in (extract, delete))
+    status, said = run(extract, folder)
+    data = (folder / "objects" / id_[:2] / id_).read_bytes()
+    put = [service.ask("PUT", f"/v1/meshes/{id_}?name=again{more}", data)[0] for more in ("", "&scale=3", "&scale=2")]
+    expect("one mesh comes back by itself, if it is read as before", (status, put) == (0, [422, 422, 201]), said, put)
+    done, gone = run(delete.replace("\n", " "), folder), run(extract, folder)
+    expect("and can be taken out of the back-up", done == (0, "") and gone[0] != 0, done, gone)
+
+
 def comes_back(program, text, folder, random_):
     """Backs a store up and restores it."""
     store, restored = folder / "store", folder / "restored"
@@ -99,6 +114,12 @@ def comes_back(program, text, folder, random_):
     meshes = {digest(data): data for data in (mesh(random_.randrange(8, 30), random_.random()) for _ in range(MESHES))}
     for name, data in meshes.items():
         service.ask("POST", f"/v1/meshes?name={name[:8]}", data)
+    # Read in another way, it is another mesh.
+    data = mesh(9, random_.random())
+    status, _, body = service.ask("POST", f"/v1/meshes?scale=2&name={digest(data)[:8]}", data)
+    scaled = json.loads(body)["id"]
+    meshes[scaled] = data
+    expect("one mesh is read with options of its own", status == 201 and f"{digest(data)}~" in body.decode(), body)
     clients = Clients(service, random_)
     while clients.count < 3:
         time.sleep(0.01)
@@ -110,7 +131,7 @@ def comes_back(program, text, folder, random_):
     clients.stop()
     service.stop()
 
-    status, said = run(commands(text, "tar --extract", restored), folder)
+    status, said = run(commands(text, "tar --extract --preserve", restored), folder)
     expect("tar restores it", status == 0 and not said, said)
     checked = commands(text, "find ", restored)
     expect("no file of it is damaged", run(checked, folder) == (0, ""), run(checked, folder))
@@ -126,10 +147,11 @@ def comes_back(program, text, folder, random_):
         source = service.ask("GET", f"/v1/meshes/{name}/source")
         if (status, about.get("name"), source[0], source[2]) != (200, name[:8], 200, data):
             wrong.append((name, status, about, source[0]))
-    expect(f"{MESHES} meshes have their names and bytes again", not wrong, wrong)
+    expect(f"{len(meshes)} meshes have their names and bytes again", not wrong, wrong)
     listed = service.ids()
     lost = [each for each in listed if service.ask("GET", f"/v1/meshes/{each}/distance?from=v:0&at=v:1")[0] != 200]
     expect("whatever is listed can be asked about", set(meshes) <= set(listed) and not lost, lost)
+    one_comes_back(service, text, folder, scaled)
     service.stop()
 
     damaged = restored / "objects" / listed[0][:2] / listed[0]

@@ -564,6 +564,19 @@ TEST_CASE("WhatIsDeletedWhileItIsPreparedLeavesNoFile") {
   }
 }
 
+TEST_CASE("WhatAnotherServerHasDeletedIsForgottenHereTooOnceSomebodyAsks") {
+  const TemporaryFolder store;
+  const TemporaryFolder folder;
+  WarmService server(store, folder);
+  const std::string id = server.upload(server::test::glb_of(shapes::plane(9, 9)));
+  server.files->wait();
+  CHECK(count_files(folder) == 1);
+  REQUIRE(server.store->remove(id));  // not by this server's routes
+  CHECK(server.get("/v1/meshes/" + id + "/distance?from=v:0").status == 404);
+  CHECK(count_files(folder) == 0);
+  CHECK(server.catalog.adjacency_cache().entries == 0);
+}
+
 TEST_CASE("WhatIsNotInTheStoreIsNotServedOutOfTheFiles") {
   const TemporaryFolder store;
   const TemporaryFolder folder;
