@@ -1,7 +1,7 @@
 // A prepared mesh as bytes, which are used where they lie: the arrays of Mesh and Adjacency one
 // after another, behind a head that says which mesh they are of and which build of the engine has
-// made them. A checksum (XXH3, 128 bits) covers all behind it. It guards against what disks and
-// crashes do, not against who may write the file.
+// made them. A checksum (XXH3, 128 bits) in the head covers all bytes that follow it. It guards
+// against what disks and crashes do, not against who may write the file.
 //
 // Numbers are as this machine has them, and records as this build lays them out: another build
 // reads none of it.

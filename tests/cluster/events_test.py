@@ -246,6 +246,7 @@ def main():
             meshes = [hashlib.sha256(data).hexdigest() for data in files]
             keys = [f"{random_.getrandbits(256):064x}" for _ in range(KEYS_SHARED)]
             clients = Clients(balancer, meshes, seed)
+            clients.may_be_told_later = True
             try:
                 Events(fleet, balancer, wires, clients, arguments.cut_off).all(meshes, keys)
             finally:

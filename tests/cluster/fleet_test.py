@@ -100,6 +100,7 @@ class Clients:
         self._first = {}  # the reply to each question, which all others are compared with
         self.uploads = {}  # that were acknowledged: bytes by id
         self.deeds = [self._ask, self._post, self._upload, self._job]
+        self.may_be_told_later = False  # a job, by a server without its bucket
         self.phase = "load"
         self.seconds = collections.defaultdict(list)  # that replies took, by the phase
         self.counts = collections.Counter()
@@ -200,7 +201,7 @@ class Clients:
                 return self._fault("job", job, status, body[:200])
             told = json.loads(body)
             state = told["state"]
-        if state == "failed" and told["status"] == 503:  # what its request would have been told: later
+        if self.may_be_told_later and state == "failed" and told["status"] == 503:  # what its request would have been told: later
             return self._count("jobs that could not be run just then")
         if state != "done":
             return self._fault("job", self.phase, path, told)
