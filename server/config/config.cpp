@@ -202,6 +202,10 @@ Result<CommandLine> read_config(const std::vector<std::string>& arguments,
     result.problems.push_back(
         {InputCode::bad_syntax, "--tls-ticket-keys needs --tls-cert and --tls-key", {}, {}, {}});
   }
+  if (result.config.prepared.empty() && !result.config.prepared_bucket.empty()) {
+    result.problems.push_back(
+        {InputCode::bad_syntax, "--prepared-bucket needs --prepared, a directory", {}, {}, {}});
+  }
   if (result.config.proxy_protocol != "off" && result.config.trusted_proxies.empty()) {
     result.problems.push_back({InputCode::bad_syntax,
                                "--proxy-protocol needs --trusted-proxies, the addresses of the "

@@ -31,9 +31,10 @@ struct Config {
   std::string prepared;                                        // directory; empty: none
   std::uint64_t prepared_max_bytes = std::uint64_t{10} << 30;  // 0: no limit
   std::uint64_t prepared_min_faces = 20'000;
-  std::string samples;  // empty: none
-  std::string viewer;   // empty: a plain page instead
-  std::string docs;     // empty: the API's page alone
+  std::string prepared_bucket;  // s3://…; empty: none
+  std::string samples;          // empty: none
+  std::string viewer;           // empty: a plain page instead
+  std::string docs;             // empty: the API's page alone
 
   std::string tls_cert;  // empty: plain HTTP
   std::string tls_key;

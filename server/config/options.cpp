@@ -93,6 +93,10 @@ std::span<const Option> options() {
       Option{"prepared-min-faces", Kind::whole_number, &Config::prepared_min_faces, "N",
              "Faces of the smallest mesh that is kept there; smaller ones are prepared in no time",
              0, kMaxIndex},
+      Option{
+          "prepared-bucket", Kind::text, &Config::prepared_bucket, "URL",
+          "Bucket behind it, as --store names one, where several machines' servers share prepared "
+          "meshes; empty: none"},
       Option{"samples", Kind::text, &Config::samples, "DIR",
              "Directory of mesh files uploaded at the start; empty: none"},
       Option{"viewer", Kind::text, &Config::viewer, "DIR",

@@ -93,6 +93,18 @@ std::optional<std::vector<FileOnDisk>> files_in(const UniqueFd& directory) {
   return files;
 }
 
+// Gives back what was acquired.
+class Turn {
+ public:
+  explicit Turn(std::counting_semaphore<>& places) : places_(places) {}
+  ~Turn() { places_.release(); }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+
+ private:
+  std::counting_semaphore<>& places_;
+};
+
 std::string random_digits() {
   std::random_device random;
   char digits[17];
@@ -103,8 +115,8 @@ std::string random_digits() {
 }  // namespace
 
 Result<std::unique_ptr<PreparedFiles>> PreparedFiles::open(const std::filesystem::path& directory,
-                                                           const Limits& limits,
-                                                           std::string engine) {
+                                                           const Limits& limits, std::string engine,
+                                                           std::unique_ptr<PreparedBucket> bucket) {
   const auto cannot = [&](const std::string& why) {
     return fail(ServiceCode::store_failed,
                 "cannot keep prepared meshes in " + directory.string() + ": " + why);
@@ -122,13 +134,15 @@ Result<std::unique_ptr<PreparedFiles>> PreparedFiles::open(const std::filesystem
   if (about.st_uid != ::geteuid()) return cannot("its folder geodesicd-prepared is another user's");
   if (::fchmod(opened.get(), 0700) != 0) return cannot(why());
   return std::unique_ptr<PreparedFiles>(
-      new PreparedFiles(std::move(opened), limits, std::move(engine)));
+      new PreparedFiles(std::move(opened), limits, std::move(engine), std::move(bucket)));
 }
 
-PreparedFiles::PreparedFiles(UniqueFd directory, const Limits& limits, std::string engine)
+PreparedFiles::PreparedFiles(UniqueFd directory, const Limits& limits, std::string engine,
+                             std::unique_ptr<PreparedBucket> bucket)
     : directory_(std::move(directory)),
       limits_(limits),
       engine_(std::move(engine)),
+      bucket_(std::move(bucket)),
       writer_([this] { write_files(); }) {}
 
 PreparedFiles::~PreparedFiles() {
@@ -147,31 +161,89 @@ std::string PreparedFiles::name_of(const std::string& id) const {
 Result<std::shared_ptr<const Adjacency>> PreparedFiles::find(const std::string& id,
                                                              const std::function<bool()>& stop) {
   const std::string name = name_of(id);
+  auto found = find_here(id, name, stop);
+  if (found && !found->adjacency && bucket_ != nullptr) {
+    const auto is_fetched = fetch(name, stop);
+    if (!is_fetched) return fail(is_fetched.error());
+    if (*is_fetched) {
+      found = find_here(id, name, stop);
+      // Else every machine would fetch it.
+      if (found && found->is_damaged) (void)bucket_->erase(name);
+    }
+  }
+  if (!found) return fail(std::move(found.error()));
+  const std::lock_guard lock(mutex_);
+  if (found->adjacency) {
+    ++stats_.found;
+    used_[id] = found->adjacency;
+  } else {
+    ++(found->is_damaged ? stats_.damaged : stats_.missing);
+  }
+  return std::move(found->adjacency);
+}
+
+Result<PreparedFiles::Found> PreparedFiles::find_here(const std::string& id,
+                                                      const std::string& name,
+                                                      const std::function<bool()>& stop) {
   while (!readers_.try_acquire_for(std::chrono::milliseconds(5))) {
     if (stop()) return fail(ErrorCode::cancelled, "stopped");
   }
-  const std::unique_ptr<std::counting_semaphore<>, void (*)(std::counting_semaphore<>*)> turn(
-      &readers_, [](std::counting_semaphore<>* readers) { readers->release(); });
+  const Turn turn(readers_);
   PreparedChecksum checksum;
   const auto mapped = MappedFile::open(
       directory_, name.c_str(),
       [&](std::uint64_t offset, std::span<const std::byte> piece) { checksum.add(offset, piece); },
       stop);
   if (!mapped) return fail(mapped.error());
-  if (!*mapped) {
-    const std::lock_guard lock(mutex_);
-    ++stats_.missing;
-    return nullptr;
-  }
+  if (!*mapped) return Found{};
   auto adjacency = read_prepared((*mapped)->bytes(), *mapped, {id, engine_}, checksum);
-  if (!adjacency) {
-    spdlog::warn("the prepared mesh {} is damaged: it is prepared anew", id);
-    remove(name);
+  if (adjacency) return Found{std::move(adjacency), false};
+  spdlog::warn("the prepared mesh {} is damaged: it is prepared anew", id);
+  remove(name);
+  return Found{nullptr, true};
+}
+
+Result<bool> PreparedFiles::fetch(const std::string& name, const std::function<bool()>& stop) {
+  // Waiting for others may take longer than preparing.
+  if (!fetchers_.try_acquire()) return false;
+  const Turn turn(fetchers_);
+  const auto failed = [&](const Error& error) -> Result<bool> {
+    if (error.code == ErrorCode::cancelled) return fail(error);
+    count_failure(error);
+    return false;
+  };
+  const auto bytes = bucket_->find(name);
+  if (!bytes) return failed(bytes.error());
+  if (!*bytes) return false;
+  if (!make_room(**bytes)) return false;
+  const auto made =
+      make_file(name, [&](int file) { return bucket_->read(name, **bytes, file, stop); });
+  if (!made) return failed(made.error());
+  const std::lock_guard lock(mutex_);
+  ++stats_.fetched;
+  return true;
+}
+
+void PreparedFiles::upload(const std::string& name) {
+  const auto present = bucket_->find(name);  // another server's
+  if (!present) return count_failure(present.error());
+  if (*present) return;
+  const auto stop = [&] { return is_stopping_.load(); };
+  const auto mapped = MappedFile::open(
+      directory_, name.c_str(), [](auto, auto) {}, stop);
+  if (!mapped || !*mapped) return;  // it has left the directory again
+  if (auto done = bucket_->write(name, (*mapped)->bytes(), stop); !done) {
+    return count_failure(done.error());
   }
   const std::lock_guard lock(mutex_);
-  ++(adjacency ? stats_.found : stats_.damaged);
-  if (adjacency) used_[id] = adjacency;
-  return adjacency;
+  ++stats_.uploaded;
+}
+
+void PreparedFiles::count_failure(const Error& error) {
+  if (error.code == ErrorCode::cancelled) return;
+  report("the bucket: " + error.detail);
+  const std::lock_guard lock(mutex_);
+  ++stats_.bucket_failed;
 }
 
 void PreparedFiles::keep(const std::string& id, const std::shared_ptr<const Adjacency>& adjacency) {
@@ -205,6 +277,8 @@ void PreparedFiles::erase(const std::string& id) {
   for (const std::string& name : *names) {
     if (name.starts_with(id + ".")) remove(name);
   }
+  if (bucket_ == nullptr) return;
+  if (auto done = bucket_->erase_all(id + "."); !done) count_failure(done.error());
 }
 
 PreparedFiles::Stats PreparedFiles::stats() const {
@@ -257,6 +331,7 @@ void PreparedFiles::write(const Wanted& wanted) {
   Result<void> done;
   try {
     done = write_file(wanted.id, name, *adjacency);
+    if (done && bucket_ != nullptr) upload(name);
   } catch (const std::exception& error) {  // want of memory is no reason to end
     done = fail(ServiceCode::store_failed, error.what());
   }
@@ -273,7 +348,9 @@ void PreparedFiles::write(const Wanted& wanted) {
     }
     if (!done && !is_cancelled) ++stats_.not_written;
   }
-  if (done && is_unwanted) remove(name);
+  if (!done || !is_unwanted) return;
+  remove(name);
+  if (bucket_ != nullptr) (void)bucket_->erase(name);
 }
 
 Result<void> PreparedFiles::write_file(const std::string& id, const std::string& name,
@@ -281,12 +358,18 @@ Result<void> PreparedFiles::write_file(const std::string& id, const std::string&
   if (!make_room(prepared_bytes(adjacency))) {
     return fail(ServiceCode::store_full, "a mesh has no room");
   }
+  return make_file(name, [&](int file) {
+    return write_prepared(file, {id, engine_}, adjacency, [&] { return is_stopping_.load(); });
+  });
+}
+
+Result<void> PreparedFiles::make_file(const std::string& name,
+                                      const std::function<Result<void>(int)>& fill) {
   const std::string part = name + "." + random_digits() + std::string(kUnfinished);
   const UniqueFd file(::openat(directory_.get(), part.c_str(),
                                O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (!file) return disk_failure("create a prepared mesh's file", errno);
-  Result<void> done =
-      write_prepared(file.get(), {id, engine_}, adjacency, [&] { return is_stopping_.load(); });
+  Result<void> done = fill(file.get());
   if (done && ::renameat(directory_.get(), part.c_str(), directory_.get(), name.c_str()) != 0) {
     // Another process has removed it: the mesh is gone.
     done = errno == ENOENT ? fail(ErrorCode::cancelled, "removed")

@@ -9,6 +9,10 @@
 // holds its mesh. What was used longest ago goes when a budget or the disk wants room, and what was
 // not used for a week goes too.
 //
+// A bucket may stand behind the directories of many machines. What is not in the directory is
+// fetched from there, and what was written here is uploaded. Whoever may write to the bucket is
+// trusted: the checksum is no signature.
+//
 // All methods may be called from any thread.
 #pragma once
 
@@ -28,6 +32,7 @@
 #include "core/base/error.h"
 #include "core/surface/adjacency.h"
 #include "server/base/unique_fd.h"
+#include "server/prepared/prepared_bucket.h"
 
 namespace geodesic::server {
 
@@ -44,19 +49,24 @@ class PreparedFiles {
     std::uint64_t written = 0;
     std::uint64_t not_written = 0;  // for want of room, or because of an error
     std::uint64_t bytes = 0;        // of all files, when they were last counted
+    std::uint64_t fetched = 0;      // files that came from the bucket
+    std::uint64_t uploaded = 0;
+    std::uint64_t bucket_failed = 0;  // fetches and uploads that failed
   };
 
   // Makes the directory, and the folder geodesicd-prepared in it, where all files are. `engine`:
-  // the digest of the build. Errors: store_failed, with a sentence for the operator.
+  // the digest of the build. `bucket` may be null. Errors: store_failed, with a sentence for the
+  // operator.
   [[nodiscard]] static Result<std::unique_ptr<PreparedFiles>> open(
-      const std::filesystem::path& directory, const Limits& limits, std::string engine);
+      const std::filesystem::path& directory, const Limits& limits, std::string engine,
+      std::unique_ptr<PreparedBucket> bucket = nullptr);
   ~PreparedFiles();
   PreparedFiles(const PreparedFiles&) = delete;
   PreparedFiles& operator=(const PreparedFiles&) = delete;
 
-  // A mesh that was written; null if there is none. Reads the whole file; few do so at once, others
-  // wait. `stop` is called every few milliseconds while it waits, and then once for each MiB.
-  // Errors: cancelled.
+  // A mesh that was written, or that the bucket has; null if there is none. Reads the whole file;
+  // few do so at once, others wait. `stop` is called every few milliseconds while it waits, then
+  // once for each MiB, and once a second while the bucket is silent. Errors: cancelled.
   [[nodiscard]] Result<std::shared_ptr<const Adjacency>> find(const std::string& id,
                                                               const std::function<bool()>& stop);
   // Queues a mesh to be written. It is skipped if nobody else holds it when its turn comes. Does
@@ -64,7 +74,7 @@ class PreparedFiles {
   void keep(const std::string& id, const std::shared_ptr<const Adjacency>& adjacency);
   // Removes a mesh's file. A system call: cheap.
   void forget(const std::string& id);
-  // Removes a mesh's files, of all builds. Lists the directory.
+  // Removes a mesh's files, of all builds, in the bucket too. Lists the directory and the bucket.
   void erase(const std::string& id);
 
   [[nodiscard]] Stats stats() const;
@@ -80,12 +90,29 @@ class PreparedFiles {
     Held adjacency;
   };
 
-  PreparedFiles(UniqueFd directory, const Limits& limits, std::string engine);
+  struct Found {
+    std::shared_ptr<const Adjacency> adjacency;  // null: there is none
+    bool is_damaged = false;                     // there was a file, which is removed
+  };
+
+  PreparedFiles(UniqueFd directory, const Limits& limits, std::string engine,
+                std::unique_ptr<PreparedBucket> bucket);
   [[nodiscard]] std::string name_of(const std::string& id) const;
   void write_files();  // the thread
   void write(const Wanted& wanted);
   [[nodiscard]] Result<void> write_file(const std::string& id, const std::string& name,
                                         const Adjacency& adjacency);
+  // In the directory.
+  [[nodiscard]] Result<Found> find_here(const std::string& id, const std::string& name,
+                                        const std::function<bool()>& stop);
+  // Makes a file of what the bucket has, and says whether it did. Errors: cancelled.
+  [[nodiscard]] Result<bool> fetch(const std::string& name, const std::function<bool()>& stop);
+  // Writes a file by `fill`, which is given a descriptor, under a name of its own, and renames it.
+  [[nodiscard]] Result<void> make_file(const std::string& name,
+                                       const std::function<Result<void>(int)>& fill);
+  void upload(const std::string& name);
+  // What the bucket could not do.
+  void count_failure(const Error& error);
   // Removes files until `bytes` more have room. Returns false if there is not enough.
   [[nodiscard]] bool make_room(std::uint64_t bytes);
   void touch_what_is_used();
@@ -93,11 +120,14 @@ class PreparedFiles {
   void report(const std::string& what);
 
   static constexpr int kReadersAtOnce = 2;
+  static constexpr int kFetchersAtOnce = 4;
 
   const UniqueFd directory_;
   const Limits limits_;
   const std::string engine_;
+  const std::unique_ptr<PreparedBucket> bucket_;  // or null
   std::counting_semaphore<> readers_{kReadersAtOnce};
+  std::counting_semaphore<> fetchers_{kFetchersAtOnce};
   std::atomic<bool> is_stopping_{false};
   mutable std::mutex mutex_;
   std::condition_variable changed_;

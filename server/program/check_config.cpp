@@ -7,7 +7,7 @@
 #include "server/edge/ticket_keys.h"
 #include "server/edge/tls.h"
 #include "server/routes/static_files.h"
-#include "server/store/s3_location.h"
+#include "server/s3/s3_location.h"
 
 namespace geodesic::server {
 
@@ -41,6 +41,11 @@ std::vector<std::string> problems_of(const Config& config, const Environment& en
   } else if (is_s3_url(config.store)) {
     if (const auto location = parse_s3_url(config.store, environment); !location) {
       problems.push_back("store: " + location.error().detail);
+    }
+  }
+  if (!config.prepared_bucket.empty()) {
+    if (const auto location = parse_s3_url(config.prepared_bucket, environment); !location) {
+      problems.push_back("prepared-bucket: " + location.error().detail);
     }
   }
   return problems;

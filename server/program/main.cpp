@@ -44,6 +44,7 @@
 #include "server/store/mesh_store.h"
 #include "server/store/monitor.h"
 #include "server/store/open_store.h"
+#include "server/s3/s3_location.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
@@ -152,6 +153,20 @@ std::optional<StaticFiles> files_of(const std::string& folder, const StaticFiles
   return std::move(*loaded);
 }
 
+// Null if there is no directory for them.
+Result<std::unique_ptr<PreparedFiles>> open_prepared_files(const Config& config) {
+  if (config.prepared.empty()) return nullptr;
+  std::unique_ptr<PreparedBucket> bucket;
+  if (!config.prepared_bucket.empty()) {
+    auto location = parse_s3_url(config.prepared_bucket, process_environment());
+    if (!location) return fail(std::move(location.error()));
+    bucket = std::make_unique<PreparedBucket>(std::move(*location));
+  }
+  return PreparedFiles::open(config.prepared,
+                             {config.prepared_max_bytes, config.prepared_min_faces},
+                             std::string(engine_digest()), std::move(bucket));
+}
+
 // `read` reads the configuration anew.
 int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_signals) {
   StoreBudget budget;
@@ -188,16 +203,10 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
   auto viewer = files_of(config.viewer, StaticFiles::kViewer);
   auto docs = files_of(config.docs, StaticFiles::kDocs);
   if (!viewer || !docs) return 1;
-  std::unique_ptr<PreparedFiles> prepared_files;
-  if (!config.prepared.empty()) {
-    auto opened =
-        PreparedFiles::open(config.prepared, {config.prepared_max_bytes, config.prepared_min_faces},
-                            std::string(engine_digest()));
-    if (!opened) {
-      spdlog::critical("{}", opened.error().detail);
-      return 1;
-    }
-    prepared_files = std::move(*opened);
+  auto prepared_files = open_prepared_files(config);
+  if (!prepared_files) {
+    spdlog::critical("{}", prepared_files.error().detail);
+    return 1;
   }
   std::unique_ptr<DecoderProcesses> decoders;
   if (config.decoder == "process") {
@@ -213,7 +222,7 @@ int serve(const Config& config, const Reload::Read& read, const sigset_t& stop_s
   pool.set_memory_limits(memory_limits(config));
   pool.observe_waits([&](StageTimes::Duration waited) { metrics.queued(waited.count()); });
   MeshCatalog catalog(**store, pool, catalog_limits(config), metrics, decoders.get());
-  if (prepared_files) catalog.keep_prepared_in(*prepared_files);
+  if (*prepared_files) catalog.keep_prepared_in(**prepared_files);
   FieldQueries queries(catalog, pool, config.field_cache_bytes, metrics);
   Routes routes(config, catalog, queries, pool, metrics);
   routes.access().set_tokens(std::move(tokens));

@@ -160,6 +160,12 @@ struct Metrics::Families {
                "Prepared meshes that were to be kept, by outcome; failed: no room, or an error");
   Counter& prepared_written = prepared_writes.Add({{"outcome", "written"}});
   Counter& prepared_not_written = prepared_writes.Add({{"outcome", "failed"}});
+  Family<Counter>& prepared_bucket =
+      counters("geodesicd_prepared_bucket_total",
+               "Prepared meshes read from and written to the bucket behind them, and what failed");
+  Counter& prepared_fetched = prepared_bucket.Add({{"outcome", "read"}});
+  Counter& prepared_uploaded = prepared_bucket.Add({{"outcome", "written"}});
+  Counter& prepared_bucket_failed = prepared_bucket.Add({{"outcome", "failed"}});
   Gauge& prepared_bytes = gauge("geodesicd_prepared_bytes", "Bytes of prepared meshes' files");
   Gauge& connections = gauge("geodesicd_connections", "Open connections of the API's listener");
   Counter& accept_failures =

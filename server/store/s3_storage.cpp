@@ -1,38 +1,24 @@
 #include "server/store/s3_storage.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <ctime>
-#include <pugixml.hpp>
 #include <utility>
 
 #include "server/base/service_codes.h"
 #include "server/store/mesh_store.h"
+#include "server/s3/s3_list.h"
 
 namespace geodesic::server {
 
 namespace {
 
-constexpr std::uint64_t kMostListBytes = 4 << 20;  // 1,000 keys take half a megabyte
 constexpr const char* kObjects = "objects/";
 constexpr const char* kJobs = "jobs/";
 constexpr int kMostJobPages = 100;        // … that is looked through for old jobs
 constexpr std::size_t kMostErased = 100;  // of those at once
-constexpr std::size_t kMostKeys = 1000;   // of a page, as S3 has it
 constexpr int kMostPages = 1000;          // of one list
 // What S3 takes in one PUT, so that nothing of ours is larger.
 constexpr std::uint64_t kMostObjectBytes = std::uint64_t{5} << 30;
-
-tl::unexpected<Error> not_there() {
-  return fail(ServiceCode::store_failed, "the bucket of the object store is not there");
-}
-
-// "2026-01-31T12:34:56.789Z" in seconds since 1970; 0 if it is none.
-std::int64_t seconds_of(const char* text) {
-  std::tm time{};
-  if (::strptime(text, "%Y-%m-%dT%H:%M:%S", &time) == nullptr) return 0;
-  return static_cast<std::int64_t>(::timegm(&time));
-}
 
 }  // namespace
 
@@ -43,51 +29,13 @@ std::string S3Storage::key_of(ObjectKind kind, std::string_view id) const {
   return prefix + "meta/" + std::string(id) + ".json";
 }
 
-// ListObjectsV2.
-Result<S3Storage::Page> S3Storage::list_page(const char* below, std::string_view digits,
-                                             std::string_view after, const std::string& token,
-                                             std::size_t most) {
-  const std::string folder = client_.location().prefix + below;
-  S3Request request;
-  request.query = {{"list-type", "2"},
-                   {"prefix", folder + std::string(digits)},
-                   {"max-keys", std::to_string(std::min<std::size_t>(most, kMostKeys))}};
-  if (!after.empty()) request.query.emplace("start-after", folder + std::string(after));
-  if (!token.empty()) request.query.emplace("continuation-token", token);
-  request.max_reply_bytes = kMostListBytes;
-  const auto reply = client_.send(request);
-  if (!reply) return fail(reply.error());
-  if (reply->status == 404) return not_there();
-  pugi::xml_document document;
-  const pugi::xml_node list = document.load_buffer(reply->body.data(), reply->body.size())
-                                  ? document.child("ListBucketResult")
-                                  : pugi::xml_node();
-  if (!list) return fail(ServiceCode::store_failed, "the object store's list cannot be read");
-  Page page;
-  for (const pugi::xml_node item : list.children("Contents")) {
-    std::string key = item.child_value("Key");
-    if (!key.starts_with(folder)) continue;
-    key.erase(0, folder.size());
-    page.objects.push_back({std::move(key), std::strtoull(item.child_value("Size"), nullptr, 10),
-                            seconds_of(item.child_value("LastModified")),
-                            strong_tag(item.child_value("ETag"))});
-  }
-  if (std::string_view(list.child_value("IsTruncated")) == "true") {
-    page.next = list.child_value("NextContinuationToken");
-    if (page.next.empty() || page.next == token) {
-      return fail(ServiceCode::store_failed, "the object store's list does not go on");
-    }
-  }
-  return page;
-}
-
 Result<std::vector<StoredMesh>> S3Storage::list(std::string_view after, std::size_t most) {
   std::vector<StoredMesh> meshes;
   std::string token;
   for (int pages = 0; pages < kMostPages && meshes.size() < most; ++pages) {
-    auto page = list_page(kObjects, "", after, token, most - meshes.size());
+    auto page = list_page(client_, kObjects, "", after, token, most - meshes.size());
     if (!page) return fail(std::move(page.error()));
-    for (Listed& object : page->objects) {
+    for (ListedObject& object : page->objects) {
       // Keys that are none of ours are passed over.
       if (!is_mesh_id(object.name)) continue;
       meshes.push_back(
@@ -113,9 +61,9 @@ Result<std::optional<StoredMesh>> S3Storage::find(std::string_view id) {
                   reply->entity_tag};
   if (reply->content_length) return mesh;
   // Some servers leave the length out of a HEAD's answer. Their lists have it.
-  const auto page = list_page(kObjects, mesh.id, "", "", 2);  // with options or without
+  const auto page = list_page(client_, kObjects, mesh.id, "", "", 2);  // with options or without
   if (!page) return fail(page.error());
-  for (const Listed& listed : page->objects) {
+  for (const ListedObject& listed : page->objects) {
     if (listed.name == mesh.id) mesh.bytes = listed.bytes;
   }
   return mesh;
@@ -138,7 +86,7 @@ Result<std::string> S3Storage::put_key(const std::string& key, std::string_view 
   request.body = bytes;
   auto reply = client_.send(request);
   if (!reply) return fail(std::move(reply.error()));
-  if (reply->status == 404) return not_there();
+  if (reply->status == 404) return no_bucket();
   return std::move(reply->entity_tag);
 }
 
@@ -202,9 +150,9 @@ Result<void> S3Storage::erase_old_jobs(std::chrono::seconds age) {
   std::string token;
   std::size_t erased = 0;
   for (int pages = 0; pages < kMostJobPages; ++pages) {
-    const auto page = list_page(kJobs, "", "", token, kMostKeys);
+    const auto page = list_page(client_, kJobs, "", "", token, kMostListed);
     if (!page) return fail(page.error());
-    for (const Listed& object : page->objects) {
+    for (const ListedObject& object : page->objects) {
       if (!is_job_object(object.name)) continue;
       if (object.written == 0 || object.written > newest) continue;
       if (++erased > kMostErased) return {};
@@ -224,7 +172,7 @@ Result<void> S3Storage::check() {
   request.is_probe = true;
   const auto reply = client_.send(request);
   if (!reply) return fail(reply.error());
-  if (reply->status == 404) return not_there();
+  if (reply->status == 404) return no_bucket();
   return {};
 }
 

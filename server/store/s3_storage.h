@@ -16,8 +16,8 @@
 #pragma once
 
 #include "server/store/object_storage.h"
-#include "server/store/s3_client.h"
-#include "server/store/s3_location.h"
+#include "server/s3/s3_client.h"
+#include "server/s3/s3_location.h"
 
 namespace geodesic::server {
 
@@ -44,22 +44,7 @@ class S3Storage final : public ObjectStorage {
   [[nodiscard]] Result<void> check() override;
 
  private:
-  struct Listed {
-    std::string name;  // of the key, below the folder
-    std::uint64_t bytes = 0;
-    std::int64_t written = 0;  // seconds since 1970; 0: not known
-    std::string version;
-  };
-  struct Page {
-    std::vector<Listed> objects;
-    std::string next;  // empty: the last one
-  };
   [[nodiscard]] std::string key_of(ObjectKind kind, std::string_view id) const;
-  // A page of what is in a folder and has a name that begins with `digits` and is greater than
-  // `after`; `token`: the page that follows another.
-  [[nodiscard]] Result<Page> list_page(const char* folder, std::string_view digits,
-                                       std::string_view after, const std::string& token,
-                                       std::size_t most);
   [[nodiscard]] Result<std::string> put_key(const std::string& key, std::string_view bytes);
   [[nodiscard]] Result<void> erase_key(const std::string& key);
 

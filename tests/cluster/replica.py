@@ -28,7 +28,7 @@ class Settings:
     reply_cache_bytes: int = 256 << 20
     store_seconds: float = 0.0  # until the first byte, beyond what reading a directory takes
     store_bytes_a_second: float = 0.0  # of one request; 0: as a directory's
-    store_requests: int = 32  # at once, and as many wait (server/store/s3_client.h)
+    store_requests: int = 32  # at once, and as many wait (server/s3/s3_client.h)
 
 
 class Cache:

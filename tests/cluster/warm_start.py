@@ -9,6 +9,9 @@ median time of that first answer: with the files in the system's memory, and rea
 system lets go of them; a virtual disk may still have them). The same question is asked again, to tell
 the time of solving from that of loading; and a whole distance field, to see whether mapped arrays are slower.
 
+Where there is an S3 server (OpenStack Swift on this machine, which shares its processors), the same is told of
+a new machine, whose directory is empty: the bucket behind it has the prepared mesh.
+
 GEODESICD_SEED=NUMBER sets the mesh; it is printed.
 """
 
@@ -17,6 +20,7 @@ import os
 import pathlib
 import random
 import re
+import shutil
 import statistics
 import sys
 import tempfile
@@ -24,9 +28,10 @@ import time
 
 import numpy as np
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "crash"))
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parent.parent / folder) for folder in ("crash", "s3")]
 
 from service import Service, digest, files_below  # noqa: E402
+from swift_bucket import BUCKET, KEYS, bucket  # noqa: E402
 
 
 def terrain(side, seed):
@@ -62,14 +67,37 @@ def timed(server, question):
     return time.perf_counter() - began, body
 
 
-def wait_until_written(server):
-    """Until the mesh's file is there."""
+def wait_until(server, metric):
+    """Until a server has counted one."""
     end = time.monotonic() + 120
     while time.monotonic() < end:
-        if re.search(rb'prepared_writes_total\{outcome="written"\} 1\b', server.ask("GET", "/metrics")[2]):
+        if re.search(rf"^{re.escape(metric)} 1$".encode(), server.ask("GET", "/metrics")[2], re.MULTILINE):
             return
         time.sleep(0.1)
-    raise TimeoutError("the prepared mesh was not written")
+    raise TimeoutError(f"{metric} does not become 1")
+
+
+def measure_bucket(program, folder, question, rounds, endpoint):
+    """First answers of a new machine's server, behind whose directory a bucket has the mesh."""
+    url = f"s3://{BUCKET}/warm?endpoint={endpoint}"
+    flags = ["--store", f"{folder}/store", "--log-level", "error", "--prepared-bucket", url, "--prepared"]
+
+    def start(files):
+        return Service(program, [*flags, f"{folder}/{files}"], f"{folder}/log", environment=KEYS)
+
+    server = start("uploading")
+    timed(server, question)
+    wait_until(server, 'geodesicd_prepared_bucket_total{outcome="written"}')
+    server.stop()
+    times, fetched = [], 0
+    for at in range(rounds):
+        server = start(f"new_{at}")
+        times.append(timed(server, question)[0])
+        fetched += b'prepared_bucket_total{outcome="read"} 1\n' in server.ask("GET", "/metrics")[2]
+        server.stop()
+        shutil.rmtree(f"{folder}/new_{at}")
+    print(f"out of the bucket, a new machine: first answer {1e3 * statistics.median(times):.0f} ms; "
+          f"{fetched} of {rounds} fetched it in time")
 
 
 def main():
@@ -94,7 +122,7 @@ def main():
 
         server = start("out of files")
         assert server.ask("POST", "/v1/meshes", mesh, timeout=300)[0] == 201
-        wait_until_written(server)
+        wait_until(server, 'geodesicd_prepared_writes_total{outcome="written"}')
         server.stop()
         sizes = [sum(path.stat().st_size for path in files_below(f"{folder}/{name}")) for name in ("store", "files")]
         print(f"{side * side} vertices: {sizes[0] / 1e6:.0f} MB uploaded, {sizes[1] / 1e6:.0f} MB prepared")
@@ -116,6 +144,9 @@ def main():
                 print(f"files {place}, {kind}: first answer {1e3 * first:.0f} ms, again {1e3 * again:.1f} ms, "
                       f"a whole field {1e3 * whole:.0f} ms")
             print(f"files {place}: {medians['afresh'][0] / medians['out of files'][0]:.1f} times sooner")
+        with bucket() as there:
+            if there is not None:
+                measure_bucket(arguments.program, folder, question, arguments.rounds, there.endpoint)
         print("all answers are the same" if len(answers) == 2 else f"FAILED: {len(answers)} different answers")
     return 0 if len(answers) == 2 else 1
 

@@ -19,8 +19,8 @@
 #include "server/base/sha256.h"
 #include "server/store/mesh_store.h"
 #include "server/store/open_store.h"
-#include "server/store/s3_client.h"
-#include "server/store/s3_location.h"
+#include "server/s3/s3_client.h"
+#include "server/s3/s3_location.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

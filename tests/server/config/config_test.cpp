@@ -127,6 +127,7 @@ TEST_CASE("what proxies write is one of two headers, and a PROXY header comes fr
 
 TEST_CASE("keys of tickets are for a listener with TLS") {
   CHECK(mentions(error_of({"--tls-ticket-keys=keys"}), "needs --tls-cert and --tls-key"));
+  CHECK(mentions(error_of({"--prepared-bucket=s3://meshes"}), "needs --prepared"));
 }
 
 TEST_CASE("trusted proxies are addresses and ranges") {

@@ -70,19 +70,26 @@ class FakeS3 {
     return std::move(*store);
   }
   Result<std::unique_ptr<MeshStore>> try_open(const StoreBudget& budget) const {
-    const auto environment = [](const std::string& name) -> std::optional<std::string> {
-      if (name.starts_with("AWS_") && name != "AWS_SESSION_TOKEN") return "key";
-      return std::nullopt;
-    };
-    const std::string url =
-        "s3://bucket?timeout=60&endpoint=http://127.0.0.1:" + std::to_string(port_);
-    return open_store(url, budget, environment);
+    return open_store(url(), budget, environment);
+  }
+  std::string url() const {
+    return "s3://bucket?timeout=60&endpoint=http://127.0.0.1:" + std::to_string(port_);
+  }
+  static std::optional<std::string> environment(const std::string& name) {
+    if (name.starts_with("AWS_") && name != "AWS_SESSION_TOKEN") return "key";
+    return std::nullopt;
   }
 
   std::optional<std::string> object(const std::string& key) const {
     const std::lock_guard lock(mutex_);
     const auto found = objects_.find(key);
     return found == objects_.end() ? std::nullopt : std::optional(found->second);
+  }
+  std::vector<std::string> keys() const {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::string> keys;
+    for (const auto& [key, bytes] : objects_) keys.push_back(key);
+    return keys;
   }
   void put(const std::string& key, std::string bytes) {
     const std::lock_guard lock(mutex_);

@@ -18,6 +18,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -27,7 +28,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "server/store/s3_location.h"
+#include "server/s3/s3_location.h"
 
 using CURL = void;
 
@@ -40,6 +41,11 @@ struct S3Request {
   std::optional<std::string_view> body;      // of a PUT; the bytes outlive the request
   std::uint64_t max_reply_bytes = 1 << 20;   // a longer body is cut there
   bool is_probe = false;                     // one short try, even when all else is refused
+  // Where the body of a reply with 2xx is written, from the file's beginning; else `body` has it.
+  std::optional<int> file = std::nullopt;
+  // One try, which may take so long; 0: as long as the location and the sizes say.
+  std::chrono::milliseconds within{0};
+  std::function<bool()> stop = nullptr;  // called once a second and with each piece of a body
 };
 
 struct S3Reply {
@@ -65,7 +71,8 @@ class S3Client {
 
   // Answers with a status of 2xx and 404; everything else is an error:
   // `store_unavailable` when it may work later, `store_full` when there is no
-  // room, `store_failed` otherwise, with S3's own code, such as "AccessDenied".
+  // room, `cancelled` when `stop` said so, `store_failed` otherwise, with S3's own code, such as
+  // "AccessDenied".
   [[nodiscard]] Result<S3Reply> send(const S3Request& request);
 
  private:

@@ -1,16 +1,19 @@
-#include "server/store/s3_client.h"
+#include "server/s3/s3_client.h"
 
 #include <curl/curl.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cerrno>
 #include <cstring>
 #include <new>
 #include <pugixml.hpp>
 #include <random>
 #include <stdexcept>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -81,21 +84,55 @@ int seek_upload(void* user, curl_off_t offset, int origin) {
 }
 
 struct Download {
+  CURL* handle;
   S3Reply& reply;
   std::uint64_t limit;
+  std::optional<int> file;  // for the body of a reply with 2xx
+  std::uint64_t written = 0;
 };
+
+bool has_succeeded(CURL* handle) {
+  long status = 0;
+  curl_easy_getinfo(handle, CURLINFO_RESPONSE_CODE, &status);
+  return status >= 200 && status < 300;
+}
+
+// Returns how much was written.
+std::size_t write_to_file(Download& download, std::string_view bytes) {
+  if (bytes.size() > download.limit - download.written) {
+    download.reply.cut = true;
+    return 0;
+  }
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t count = ::pwrite(*download.file, bytes.data() + done, bytes.size() - done,
+                                   static_cast<off_t>(download.written));
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return 0;
+    done += static_cast<std::size_t>(count);
+    download.written += static_cast<std::uint64_t>(count);
+  }
+  return bytes.size();
+}
 
 std::size_t write_download(const char* from, std::size_t size, std::size_t count, void* user) {
   auto& download = *static_cast<Download*>(user);
   std::string& body = download.reply.body;
   const std::size_t n = size * count;
+  if (download.file && has_succeeded(download.handle)) {
+    const std::size_t written = write_to_file(download, {from, n});
+    return written == n ? n : n + 1;  // "not all of it": libcurl stops
+  }
   if (n > download.limit - body.size()) {
     body.append(from, static_cast<std::size_t>(download.limit - body.size()));
     download.reply.cut = true;
-    return n + 1;  // "not all of it": libcurl stops
+    return n + 1;
   }
   body.append(from, n);
   return n;
+}
+
+int ask_whether_to_stop(void* user, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
+  return (*static_cast<const std::function<bool()>*>(user))() ? 1 : 0;
 }
 
 }  // namespace
@@ -210,7 +247,11 @@ Result<S3Reply> S3Client::send_with(CURL* handle, const S3Request& request) {
   for (int attempt = 1;; ++attempt) {
     Attempt result = try_once(handle, request);
     const int status = result.reply.status;
-    const bool again = attempt < kMostTries && !request.is_probe && Clock::now() < last_start;
+    const bool is_once = request.is_probe || request.within.count() > 0;
+    const bool again = attempt < kMostTries && !is_once && Clock::now() < last_start;
+    if (result.curl_code == CURLE_ABORTED_BY_CALLBACK) {
+      return fail(ErrorCode::cancelled, "stopped");
+    }
     if (result.curl_code != CURLE_OK) {
       spdlog::warn("store: {} {}/{}: {}", request.method, location_.url, request.key,
                    result.reason);
@@ -290,7 +331,10 @@ S3Client::Attempt S3Client::try_once(CURL* handle, const S3Request& request) con
   } else if (request.method != "GET") {
     set(CURLOPT_CUSTOMREQUEST, request.method.c_str());
   }
-  Download download{attempt.reply, request.max_reply_bytes};
+  Download download{handle, attempt.reply, request.max_reply_bytes, request.file};
+  if (request.file && ::ftruncate(*request.file, 0) != 0) {
+    throw std::system_error(errno, std::generic_category());
+  }
   set(CURLOPT_WRITEFUNCTION, &write_download);
   set(CURLOPT_WRITEDATA, static_cast<void*>(&download));
 
@@ -302,10 +346,19 @@ S3Client::Attempt S3Client::try_once(CURL* handle, const S3Request& request) con
   const auto longest = request.is_probe
                            ? silence
                            : silence + std::chrono::seconds(bytes / kSlowestBytesPerSecond + 1);
+  if (request.stop) {
+    set(CURLOPT_NOPROGRESS, 0L);
+    set(CURLOPT_XFERINFOFUNCTION, &ask_whether_to_stop);
+    set(CURLOPT_XFERINFODATA,
+        const_cast<void*>(static_cast<const void*>(&request.stop)));  // only called
+  }
   set(CURLOPT_CONNECTTIMEOUT, static_cast<long>(connect.count()));
   set(CURLOPT_LOW_SPEED_LIMIT, 1L);
   set(CURLOPT_LOW_SPEED_TIME, static_cast<long>(silence.count()));
   set(CURLOPT_TIMEOUT, static_cast<long>(std::min<std::int64_t>(longest.count(), 1 << 20)));
+  if (request.within.count() > 0) {
+    set(CURLOPT_TIMEOUT_MS, static_cast<long>(request.within.count()));
+  }
 
   CURLcode code = curl_easy_perform(handle);
   if (code == CURLE_WRITE_ERROR && attempt.reply.cut) code = CURLE_OK;

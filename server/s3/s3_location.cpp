@@ -1,4 +1,4 @@
-#include "server/store/s3_location.h"
+#include "server/s3/s3_location.h"
 
 #include <curl/curl.h>
 #include <spdlog/fmt/fmt.h>
