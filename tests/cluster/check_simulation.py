@@ -5,8 +5,8 @@
 
 Three servers, each with a folder that has all meshes and with small caches, are asked through nginx as
 deploy/nginx/fleet.conf configures it, past its cache, while costs are measured with a fourth one
-(measure_costs.py), for CPU takes longer on a machine that is busy: queries come as a Poisson process, whatever comes back, about meshes that have Zipf's
-distribution. Each server has to get just the queries that the ring says. Hit rates, reads of the store
+(measure_costs.py), for CPU takes longer on a machine that is busy: queries come as a Poisson process,
+whatever comes back, about meshes that have Zipf's distribution. Each server has to get just the queries that the ring says. Hit rates, reads of the store
 and CPU have to be within 15 % of what the simulation says. So have the median and the 99th percentile of
 times, where nobody else uses the machine meanwhile; else they are only printed.
 
@@ -49,9 +49,9 @@ SETTINGS = Settings(compute_threads=1, mesh_cache_bytes=8 << 20, adjacency_cache
 FLAGS = ["--compute-threads", str(SETTINGS.compute_threads), *(
     word for cache in ("mesh", "adjacency", "field", "reply")
     for word in (f"--{cache}-cache-bytes", str(getattr(SETTINGS, f"{cache}_cache_bytes"))))]
-SIDES = (32, 56, 100)  # of the meshes that costs are measured with
+SIDES = (24, 34, 48, 68, 90, 120)  # of the meshes that costs are measured with
 CLIENTS = 24
-PROBES = 400
+PROBES = 1200
 WITHIN = 0.15
 QUIET = 0.15  # of the machine, taken by others
 
@@ -73,11 +73,14 @@ def machine_seconds():
 
 
 class Clients:
-    """Threads with a connection each, which ask what they are given when it is due."""
+    """Threads with a connection each, which ask what they are given when it is due.
+
+    Of the last `ask`: `latencies`; and each less the server's steps, `around` those of computed replies,
+    `around_kept` those of kept ones."""
 
     def __init__(self, balancer, names):
         self._names, self._due = names, queue.Queue()
-        self.latencies, self.around, self.faults = [], [], []  # `around`: a latency less the server's steps
+        self.latencies, self.around, self.around_kept, self.faults = [], [], [], []
         # Past nginx's cache.
         self._make = lambda: Line(balancer.port, 0, {"Authorization": "Bearer none"}, http.client.HTTPSConnection,
                                   context=balancer.trusting)
@@ -98,21 +101,26 @@ class Clients:
                 line.ask(self.path(query))
                 latency = time.perf_counter() - when
                 self.latencies.append(latency)
-                self.around.append(latency - sum(line.stages.values()))
+                around = self.around_kept if line.kept else self.around
+                around.append(max(latency - sum(line.stages.values()), 0))
             except (OSError, RuntimeError, http.client.HTTPException) as error:
                 self.faults.append(repr(error))
                 line = self._make()
+            finally:
+                self._due.task_done()
 
     def ask(self, queries, gaps):
-        """Has each query asked so long after the one before."""
+        """Has each query asked so long after the one before, and waits for all replies."""
+        self.latencies, self.around, self.around_kept = [], [], []
         when = time.perf_counter()
         for query, gap in zip(queries, gaps):
             when += gap
             time.sleep(max(when - time.perf_counter(), 0))
             self._due.put((when, query))
+        self._due.join()
 
     def finish(self):
-        """Waits for all replies."""
+        """Ends the threads."""
         for _ in self._threads:
             self._due.put(None)
         for thread in self._threads:
@@ -151,25 +159,22 @@ def observed(servers, balancer, ring, names, arguments, random_, measure):
     """What the servers do: the figures, what a query takes beside its steps, and how busy others were."""
     zipf = Zipf(len(names), EXPONENT)
     asked = drawn(zipf, random_, int(arguments.rate * arguments.seconds))
-    # Caches become as they are after long use.
-    warming = Clients(balancer, names)
-    warming.ask(drawn(zipf, random_, len(asked)), [0] * len(asked))
-    warming.finish()
-    # What nginx, connections and the clients themselves take, asked as below.
-    probing = Clients(balancer, names)
-    probing.ask(drawn(zipf, random_, PROBES), random_.exponential(1 / arguments.rate, PROBES).tolist())
-    probing.finish()
     clients = Clients(balancer, names)
-    before, cpu = [metrics_of(server) for server in servers], sum(map(cpu_of, servers))
+    # Caches become as they are after long use, and connections are made.
+    clients.ask(drawn(zipf, random_, len(asked)), [0] * len(asked))
     measure.start()
+    # What nginx, connections and the clients themselves take, asked as below.
+    clients.ask(drawn(zipf, random_, PROBES), random_.exponential(1 / arguments.rate, PROBES).tolist())
+    around = quantiles(clients.around), quantiles(clients.around_kept)
+    before, cpu = [metrics_of(server) for server in servers], sum(map(cpu_of, servers))
     machine, mine, began = machine_seconds(), time.process_time(), time.monotonic()
     clients.ask(asked, random_.exponential(1 / arguments.rate, len(asked)).tolist())
-    clients.finish()
     lasted = time.monotonic() - began
     others, mine = machine_seconds() - machine, time.process_time() - mine
     after, cpu = [metrics_of(server) for server in servers], sum(map(cpu_of, servers)) - cpu
-    if warming.faults or probing.faults or clients.faults:
-        raise RuntimeError(f"queries failed: {(warming.faults + probing.faults + clients.faults)[:3]}")
+    clients.finish()
+    if clients.faults:
+        raise RuntimeError(f"queries failed: {clients.faults[:3]}")
     expected = [0] * SERVERS
     for number, _ in asked:
         expected[ring.server(ring.points_of(hash_of(names[number - 1][:16])))] += 1
@@ -185,7 +190,7 @@ def observed(servers, balancer, ring, names, arguments, random_, measure):
                "median, ms": float(np.quantile(clients.latencies, 0.5)) * 1e3,
                "99 %, ms": float(np.quantile(clients.latencies, 0.99)) * 1e3}
     # nginx and the fourth server are counted among the others: they take little.
-    return figures, quantiles(np.maximum(probing.around, 0)), (others - cpu - mine) / (lasted * os.cpu_count())
+    return figures, around, (others - cpu - mine) / (lasted * os.cpu_count())
 
 
 def predicted(costs, ring, names, vertices, arguments, seed):
@@ -245,14 +250,14 @@ def check(program, folder, arguments, seed):
     ring = Ring([f"127.0.0.1:{port}" for port in ports])
     balancer = Nginx(folder / "nginx", ports)
     try:
-        measure = Measuring(lambda: measured(program, folder / "costs", SIDES, 8, 0.03, random_, FLAGS[:2]))
+        measure = Measuring(lambda: measured(program, folder / "costs", SIDES, 14, 0.03, random_, FLAGS[:2]))
         seen, around, others = observed(servers, balancer, ring, names, arguments, numbers, measure)
     finally:
         balancer.stop()
         for server in servers:
             server.stop()
     costs = measure.costs()
-    costs.around = around
+    costs.around, costs.around_kept = around
     compare(predicted(costs, ring, names, vertices, arguments, int(numbers.integers(1 << 32))), seen, others)
 
 
@@ -260,7 +265,7 @@ def main():
     """Exits with 1 if something was not so."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program")
-    parser.add_argument("--seconds", type=float, default=60, help="of queries")
+    parser.add_argument("--seconds", type=float, default=120, help="of queries")
     parser.add_argument("--rate", type=float, default=60, help="queries a second")
     parser.add_argument("--runs", type=int, default=1)
     arguments = parser.parse_args()

@@ -14,8 +14,9 @@ class Costs:
     cpu_seconds  load (read, decode, prepare), field (with its reply) and reply (one that is kept)
     bytes        file, mesh, adjacency, field and reply
 
-    `spread`: quantiles of what a computed query took, divided by what the lines say. `around`:
-    quantiles of the seconds that a query takes beside these parts.
+    `spread`: quantiles of what a computed query took, divided by what the lines say. `around` and
+    `around_kept`: quantiles of the seconds that a computed query takes beside these parts, and of those
+    that one takes whose reply is kept.
     """
 
     seconds: dict
@@ -23,6 +24,7 @@ class Costs:
     bytes: dict
     spread: list
     around: list
+    around_kept: list
 
     def of(self, kind, part, vertices):
         """What a part takes for a mesh of so many vertices."""

@@ -30,9 +30,7 @@ from service import Service, digest, mesh  # noqa: E402
 SIDES = (16, 32, 64, 128, 256)  # vertices of a mesh along a side
 COLD = [word for cache in ("mesh", "adjacency", "field", "reply") for word in (f"--{cache}-cache-bytes", "0")]
 STEPS = {"read": 'geodesicd_mesh_duration_seconds_sum{step="read"}',
-         "decode": 'geodesicd_mesh_duration_seconds_sum{step="decode"}',
-         "prepare": 'geodesicd_mesh_duration_seconds_sum{step="prepare"}',
-         "field": 'geodesicd_solve_duration_seconds_sum{method="auto"}'}
+         "decode": 'geodesicd_mesh_duration_seconds_sum{step="decode"}'}
 TICK = 1 / os.sysconf("SC_CLK_TCK")
 
 
@@ -109,6 +107,10 @@ class Samples:
         sizes = sorted(by_size)
         return line_through(sizes, [middle(by_size[size]) for size in sizes])
 
+    def quantiles(self, what):
+        """Of amounts of time, whatever the mesh."""
+        return quantiles([max(amount, 0) for _, amount in self._all[what]])
+
     def of(self, what):
         """All pairs."""
         return self._all[what]
@@ -124,9 +126,7 @@ def measure_cold(server, files, samples, scrape, repeats, pause, random_):
             before = metrics_of(server)
             for _ in range(4):
                 line.ask(question(name, random_.randrange(vertices)))
-                samples.add("computed", vertices, sum(line.stages.values()) - line.stages.get("queue", 0))
-                samples.add("around", vertices, line.took - sum(line.stages.values()))
-                samples.add("encode", vertices, line.stages.get("encode", 0))
+                samples.add("to load", vertices, sum(line.stages.values()) - line.stages.get("queue", 0))
             after = metrics_of(server)
             for step, metric in STEPS.items():
                 samples.add(step, vertices, (after.get(metric, 0) - before.get(metric, 0)) / 4)
@@ -138,7 +138,7 @@ def measure_warm(server, files, samples, scrape, repeats, pause, random_):
     line = Line(server.port, pause)
     for name, vertices in files:
         line.ask(question(name, 0))
-        sources = random_.sample(range(1, vertices), 8 * repeats)
+        sources = random_.sample(range(1, vertices), 6 * repeats)
         for kind in ("cpu warm", "cpu kept"):
             cpu = cpu_of(server)
             for source in sources:
@@ -146,8 +146,26 @@ def measure_warm(server, files, samples, scrape, repeats, pause, random_):
                 if line.kept != (kind == "cpu kept"):
                     raise RuntimeError(f"the reply cache has {name} from {source}: {line.kept}")
                 if line.kept:
-                    samples.add("around", vertices, line.took)
+                    samples.add("around kept", vertices, line.took)
             samples.add(kind, vertices, (cpu_of(server) - cpu - scrape) / len(sources))
+
+
+def measure_in_turn(server, files, samples, kind, repeats, pause, random_):
+    """One mesh after another, as they are asked about: what a processor's caches have is of other meshes,
+    and so each takes longer than when it is asked about several times in a row."""
+    line = Line(server.port, pause)
+    for _ in range(4 * repeats):
+        for name, vertices in random_.sample(files, len(files)):
+            line.ask(question(name, random_.randrange(vertices)))
+            if line.kept:
+                continue
+            if kind == "to prepare":
+                samples.add("prepare", vertices, line.stages["prepare"])
+            else:
+                samples.add("field", vertices, line.stages["solve"])
+                samples.add("encode", vertices, line.stages["encode"])
+            samples.add(kind, vertices, sum(line.stages.values()) - line.stages.get("queue", 0))
+            samples.add("around", vertices, line.took - sum(line.stages.values()))
 
 
 def measure_bytes(server, files, samples):
@@ -173,17 +191,19 @@ def scrape_of(server):
 def fitted(samples):
     """The costs."""
     # A machine that others use, too, is slow at times; but CPU is what was taken, whenever that was.
-    seconds = {step: samples.line(step, lower_quartile) for step in (*STEPS, "encode")}
+    steps = [*STEPS, "prepare", "field", "encode"]
+    seconds = {step: samples.line(step, lower_quartile) for step in steps}
     cpu = {kind: samples.line(f"cpu {kind}", statistics.mean) for kind in ("cold", "warm", "kept")}
-    computed = [(vertices, sum(fixed + each * vertices for fixed, each in seconds.values()))
-                for vertices, _ in samples.of("computed")]
-    spread = [took / line for (_, took), (_, line) in zip(samples.of("computed"), computed)]
+    spread = [took / sum(seconds[step][0] + seconds[step][1] * vertices for step in taken)
+              for kind, taken in (("to load", steps), ("to prepare", steps[2:]), ("to solve", steps[3:]))
+              for vertices, took in samples.of(kind)]
     difference = lambda a, b: tuple(max(x - y, 0.0) for x, y in zip(cpu[a], cpu[b]))  # noqa: E731
     return Costs(seconds=seconds, cpu_seconds={"load": difference("cold", "warm"), "field": cpu["warm"],
                                                "reply": cpu["kept"]},
                  bytes={part: samples.line(f"bytes {part}", max)
                         for part in ("file", "mesh", "adjacency", "field", "reply")},
-                 spread=quantiles(spread), around=quantiles([max(took, 0) for _, took in samples.of("around")]))
+                 spread=quantiles(spread), around=samples.quantiles("around"),
+                 around_kept=samples.quantiles("around kept"))
 
 
 def print_costs(costs):
@@ -192,9 +212,10 @@ def print_costs(costs):
     for kind, unit, scale in (("seconds", "ms", 1e3), ("cpu_seconds", "ms of CPU", 1e3), ("bytes", "KB", 1e-3)):
         for part, (fixed, each) in getattr(costs, kind).items():
             print(f"| {part}, {unit} | {fixed * scale:.3f} | {each * scale * 1e3:.3f} |")
-    middle = len(costs.spread) // 2
+    middle = len(costs.around) // 2
     print(f"\nA computed query takes {costs.spread[1]:.2f} to {costs.spread[-2]:.2f} times what the lines say "
-          f"(2.5 % to 97.5 %), and {costs.around[middle] * 1e3:.2f} ms beside them.")
+          f"(2.5 % to 97.5 %), and {costs.around[middle] * 1e3:.2f} ms beside them; "
+          f"one whose reply is kept, {costs.around_kept[middle] * 1e3:.2f} ms.")
 
 
 def measured(program, folder, sides, repeats, pause, random_, flags=()):
@@ -220,6 +241,10 @@ def measured(program, folder, sides, repeats, pause, random_, flags=()):
     scrape = scrape_of(server)
     measure_bytes(server, files, samples)
     measure_warm(server, files, samples, scrape, repeats, pause, random_)
+    measure_in_turn(server, files, samples, "to solve", repeats, pause, random_)
+    server.stop()
+    server = Service(program, [*store, *COLD[2:]], log)  # but for meshes
+    measure_in_turn(server, files, samples, "to prepare", repeats, pause, random_)
     server.stop()
     return fitted(samples)
 
@@ -229,7 +254,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program")
     parser.add_argument("out")
-    parser.add_argument("--repeats", type=int, default=12, help="of four or eight queries of each kind and mesh")
+    parser.add_argument("--repeats", type=int, default=12, help="of four or six queries of each kind and mesh")
     parser.add_argument("--pause", type=float, default=0.02, help="seconds before each query")
     arguments = parser.parse_args()
     seed = os.environ.get("GEODESICD_SEED") or str(random.randrange(1 << 32))

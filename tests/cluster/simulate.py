@@ -143,11 +143,13 @@ class Fleet:
             count = min(CHUNK, left)
             gaps = self._random.exponential(1 / rate, count).tolist()
             around = drawn_from(self._costs.around, self._random, count).tolist()
+            around_kept = drawn_from(self._costs.around_kept, self._random, count).tolist()
             slowness = drawn_from(self._costs.spread, self._random, count).tolist()
-            for (query, point), gap, beside, slow in zip(self._drawn(count), gaps, around, slowness):
+            for (query, point), gap, beside, beside_kept, slow in zip(self._drawn(count), gaps, around,
+                                                                      around_kept, slowness):
                 yield self._env.timeout(gap)
                 if self.replicas[self._at(point, 0)].knows(query[0]):
-                    self._latencies.append(beside)
+                    self._latencies.append(beside_kept)
                 else:
                     self._env.process(self._answer(query, point, beside, slow))
             left -= count
@@ -226,7 +228,9 @@ def main():
     arguments, settings = parsed()
     costs = read_costs(arguments.costs)
     if arguments.quiet:
-        costs.spread, costs.around = [1, 1], [float(np.median(costs.around))] * 2
+        costs.spread = [1, 1]
+        costs.around = [float(np.median(costs.around))] * 2
+        costs.around_kept = [float(np.median(costs.around_kept))] * 2
     print("| replicas | meshes | queries/s | replies kept | meshes kept | p50 | p99 | refused | busiest replica "
           "| of the store | core-hours used | rented | cost |")
     print("|--:" * 13 + "|")

@@ -44,14 +44,14 @@ COSTS = Costs(seconds={"read": (1e-4, 0), "decode": (1e-3, 1e-6), "prepare": (0,
                        "encode": (0, 0)},
               cpu_seconds={"load": (1e-3, 2e-6), "field": (2e-4, 5e-7), "reply": (1e-4, 0)},
               bytes={"file": (0, 36), "mesh": (0, 70), "adjacency": (0, 370), "field": (0, 4), "reply": (2000, 4)},
-              spread=[1.0, 1.0], around=[0.0, 0.0])
+              spread=[1.0, 1.0], around=[0.0, 0.0], around_kept=[0.0, 0.0])
 
 
 def queued(random_, slots, places, load, count):
     """Mean wait and share of refusals where fields take exponential times with a mean of 1."""
     env = simpy.Environment()
     costs = Costs(seconds={"field": (1, 0), "encode": (0, 0)}, cpu_seconds=COSTS.cpu_seconds, bytes=COSTS.bytes,
-                  spread=[], around=[])
+                  spread=[], around=[], around_kept=[])
     replica = Replica(env, costs, Settings(compute_threads=slots, queue=places, queue_seconds=math.inf))
     replica.prepared.keep("mesh", 0)
     waits, first, refused = [], count // 10, []  # it begins empty
