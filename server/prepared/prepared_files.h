@@ -66,7 +66,7 @@ class PreparedFiles {
 
   // A mesh that was written, or that the bucket has; null if there is none. Reads the whole file;
   // few do so at once, others wait. `stop` is called every few milliseconds while it waits, then
-  // once for each MiB, and once a second while the bucket is silent. Errors: cancelled.
+  // once for each MiB, and every 20 ms while the bucket is asked. Errors: cancelled.
   [[nodiscard]] Result<std::shared_ptr<const Adjacency>> find(const std::string& id,
                                                               const std::function<bool()>& stop);
   // Queues a mesh to be written. It is skipped if nobody else holds it when its turn comes. Does

@@ -30,6 +30,7 @@ constexpr int kMostTries = 3;
 constexpr std::chrono::seconds kRest(6);
 constexpr std::chrono::seconds kConnectTimeout(3);
 constexpr std::chrono::seconds kProbeTimeout(2);
+constexpr int kPoll = 20;  // milliseconds
 constexpr std::uint64_t kSlowestBytesPerSecond = 64 * 1024;
 
 struct FreeList {
@@ -131,8 +132,27 @@ std::size_t write_download(const char* from, std::size_t size, std::size_t count
   return n;
 }
 
-int ask_whether_to_stop(void* user, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
-  return (*static_cast<const std::function<bool()>*>(user))() ? 1 : 0;
+// As curl_easy_perform, but asks `stop` every few milliseconds: libcurl's own callback may come but
+// once a second. The connection is not kept.
+CURLcode perform_until(CURL* handle, const std::function<bool()>& stop) {
+  const std::unique_ptr<CURLM, CURLMcode (*)(CURLM*)> multi(curl_multi_init(), curl_multi_cleanup);
+  if (!multi || curl_multi_add_handle(multi.get(), handle) != CURLM_OK) throw std::bad_alloc();
+  CURLcode code = CURLE_ABORTED_BY_CALLBACK;
+  for (int running = 1; running > 0 && !stop();) {
+    if (curl_multi_perform(multi.get(), &running) != CURLM_OK) {
+      code = CURLE_FAILED_INIT;
+      break;
+    }
+    int left = 0;
+    if (const CURLMsg* const said = curl_multi_info_read(multi.get(), &left)) {
+      code = said->data.result;
+    } else if (curl_multi_poll(multi.get(), nullptr, 0, kPoll, nullptr) != CURLM_OK) {
+      code = CURLE_FAILED_INIT;
+      break;
+    }
+  }
+  curl_multi_remove_handle(multi.get(), handle);
+  return code;
 }
 
 }  // namespace
@@ -346,12 +366,6 @@ S3Client::Attempt S3Client::try_once(CURL* handle, const S3Request& request) con
   const auto longest = request.is_probe
                            ? silence
                            : silence + std::chrono::seconds(bytes / kSlowestBytesPerSecond + 1);
-  if (request.stop) {
-    set(CURLOPT_NOPROGRESS, 0L);
-    set(CURLOPT_XFERINFOFUNCTION, &ask_whether_to_stop);
-    set(CURLOPT_XFERINFODATA,
-        const_cast<void*>(static_cast<const void*>(&request.stop)));  // only called
-  }
   set(CURLOPT_CONNECTTIMEOUT, static_cast<long>(connect.count()));
   set(CURLOPT_LOW_SPEED_LIMIT, 1L);
   set(CURLOPT_LOW_SPEED_TIME, static_cast<long>(silence.count()));
@@ -360,7 +374,7 @@ S3Client::Attempt S3Client::try_once(CURL* handle, const S3Request& request) con
     set(CURLOPT_TIMEOUT_MS, static_cast<long>(request.within.count()));
   }
 
-  CURLcode code = curl_easy_perform(handle);
+  CURLcode code = request.stop ? perform_until(handle, request.stop) : curl_easy_perform(handle);
   if (code == CURLE_WRITE_ERROR && attempt.reply.cut) code = CURLE_OK;
   attempt.curl_code = code;
   attempt.reason = reason[0] != '\0' ? reason.data() : curl_easy_strerror(code);

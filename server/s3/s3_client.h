@@ -45,7 +45,7 @@ struct S3Request {
   std::optional<int> file = std::nullopt;
   // One try, which may take so long; 0: as long as the location and the sizes say.
   std::chrono::milliseconds within{0};
-  std::function<bool()> stop = nullptr;  // called once a second and with each piece of a body
+  std::function<bool()> stop = nullptr;  // called every 20 ms and with each piece of a body
 };
 
 struct S3Reply {
