@@ -1,8 +1,14 @@
 # Writes OUTPUT, the source of server/routes/engine_digest.h: a digest of all that decides which bytes
-# the program answers. ROOT: the tree; BUILD: a text that names compiler and flags.
+# the program answers. ROOT: the tree; BUILD: a text that names compiler, flags, options and
+# libraries.
 set(digests "${BUILD}\n")
-foreach(folder core proto server)
-  file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/${folder}/*.cpp ${ROOT}/${folder}/*.h)
+foreach(folder core proto server cmake .)
+  if(folder STREQUAL .)
+    set(files CMakeLists.txt)
+  else()
+    file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/${folder}/*.cpp ${ROOT}/${folder}/*.h
+         ${ROOT}/${folder}/*.cmake ${ROOT}/${folder}/CMakeLists.txt)
+  endif()
   list(SORT files)
   foreach(file IN LISTS files)
     file(SHA256 ${ROOT}/${file} digest)

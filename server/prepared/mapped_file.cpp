@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace geodesic::server {
@@ -39,17 +40,23 @@ Outcome read_all(int file, std::uint64_t size, const MappedFile::Visit& visit,
 
 }  // namespace
 
+ReadableFile open_to_read(const UniqueFd& directory, const char* name) {
+  UniqueFd file(::openat(directory.get(), name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+  struct stat about {};
+  if (!file || ::fstat(file.get(), &about) != 0) return {};
+  const bool is_ours =
+      S_ISREG(about.st_mode) && about.st_uid == ::geteuid() && (about.st_mode & 0022U) == 0;
+  if (!is_ours) return {};
+  return {std::move(file), static_cast<std::uint64_t>(about.st_size)};
+}
+
 Result<std::shared_ptr<const MappedFile>> MappedFile::open(const UniqueFd& directory,
                                                            const char* name, const Visit& visit,
                                                            const std::function<bool()>& stop) {
-  const UniqueFd file(
-      ::openat(directory.get(), name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
-  struct stat about {};
-  if (!file || ::fstat(file.get(), &about) != 0) return nullptr;
-  const bool is_ours =
-      S_ISREG(about.st_mode) && about.st_uid == ::geteuid() && (about.st_mode & 0022U) == 0;
-  if (!is_ours || about.st_size == 0) return nullptr;
-  const auto size = static_cast<std::size_t>(about.st_size);
+  const ReadableFile opened = open_to_read(directory, name);
+  const UniqueFd& file = opened.descriptor;
+  const auto size = static_cast<std::size_t>(opened.bytes);
+  if (!file || size == 0) return nullptr;
   (void)::posix_fadvise(file.get(), 0, 0, POSIX_FADV_SEQUENTIAL);
   const Outcome outcome = read_all(file.get(), size, visit, stop);
   if (outcome == Outcome::cancelled) return fail(ErrorCode::cancelled, "stopped");

@@ -12,6 +12,13 @@
 
 namespace geodesic::server {
 
+// A file that is open to be read.
+struct ReadableFile {
+  UniqueFd descriptor;  // none: there is no such file, or somebody else could write to it
+  std::uint64_t bytes = 0;
+};
+[[nodiscard]] ReadableFile open_to_read(const UniqueFd& directory, const char* name);
+
 class MappedFile {
  public:
   // What is done with the file's bytes, piece by piece, before it is mapped. `offset`: of the

@@ -4,15 +4,15 @@
 //
 //   PREFIXprepared/<name>
 //
-// All methods may be called from any thread.
+// Each request is tried once and has a time of its own. After one that fails, none is sent for some
+// seconds. All methods may be called from any thread. Errors are those of `S3Client::send`.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <span>
 #include <string>
+#include <utility>
 
 #include "core/base/error.h"
 #include "server/s3/s3_client.h"
@@ -22,19 +22,25 @@ namespace geodesic::server {
 
 class PreparedBucket {
  public:
-  explicit PreparedBucket(S3Location location) : client_(std::move(location)) {}
+  explicit PreparedBucket(S3Location location)
+      : client_(std::move(location), "bucket of prepared meshes") {}
 
-  // How many bytes an object has; nothing if it is not there.
-  [[nodiscard]] Result<std::optional<std::uint64_t>> find(const std::string& name);
-  // Writes an object of so many bytes to an open file. Gives up after as long as preparing the mesh
-  // anew may take, and then everybody does for some seconds. `stop`: as `S3Request` has it.
-  // Errors: cancelled, and those of `S3Client::send`.
-  [[nodiscard]] Result<void> read(const std::string& name, std::uint64_t bytes, int file,
+  // Writes an object to the file that `open_file` names, given how long it is. Says whether there
+  // is one. Gives up after one second, and one more for each 100 MB. `open_file`, `stop`: as
+  // `S3Request` has them. Further errors: store_full if the file was refused; store_failed if the
+  // disk fails.
+  [[nodiscard]] Result<bool> read(const std::string& name,
+                                  const std::function<std::optional<int>(std::uint64_t)>& open_file,
                                   const std::function<bool()>& stop);
-  [[nodiscard]] Result<void> write(const std::string& name, std::span<const std::byte> bytes,
+  // Whether an object is there that has so many bytes, as far as the bucket tells.
+  [[nodiscard]] Result<bool> has(const std::string& name, std::uint64_t bytes,
+                                 const std::function<bool()>& stop);
+  // Writes one from an open file. Gives up after ten seconds, and one more for each 20 MB.
+  [[nodiscard]] Result<void> write(const std::string& name, int file, std::uint64_t bytes,
                                    const std::function<bool()>& stop);
+  // Two seconds at the most.
   [[nodiscard]] Result<void> erase(const std::string& name);
-  // Erases the objects whose names begin so.
+  // Erases the objects whose names begin so. Ten seconds at the most.
   [[nodiscard]] Result<void> erase_all(const std::string& beginning);
 
  private:

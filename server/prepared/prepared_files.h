@@ -10,8 +10,8 @@
 // not used for a week goes too.
 //
 // A bucket may stand behind the directories of many machines. What is not in the directory is
-// fetched from there, and what was written here is uploaded. Whoever may write to the bucket is
-// trusted: the checksum is no signature.
+// fetched from there. What was written here, or is found here, is uploaded unless it is known to be
+// there. Whoever may write to the bucket is trusted: the checksum is no signature.
 //
 // All methods may be called from any thread.
 #pragma once
@@ -22,17 +22,19 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <semaphore>
 #include <string>
 #include <thread>
 
 #include "core/base/error.h"
 #include "core/surface/adjacency.h"
-#include "server/base/unique_fd.h"
 #include "server/prepared/prepared_bucket.h"
+#include "server/prepared/prepared_folder.h"
 
 namespace geodesic::server {
 
@@ -44,14 +46,15 @@ class PreparedFiles {
   };
   struct Stats {
     std::uint64_t found = 0;    // lookups that mapped a file
-    std::uint64_t missing = 0;  // lookups without a file, or with one that cannot be used
-    std::uint64_t damaged = 0;  // lookups that found a damaged file, which is removed
+    std::uint64_t missing = 0;  // lookups without a file that can be used
+    std::uint64_t damaged = 0;  // lookups, of both, that found a damaged file here; it is removed
     std::uint64_t written = 0;
     std::uint64_t not_written = 0;  // for want of room, or because of an error
     std::uint64_t bytes = 0;        // of all files, when they were last counted
     std::uint64_t fetched = 0;      // files that came from the bucket
     std::uint64_t uploaded = 0;
-    std::uint64_t bucket_failed = 0;  // fetches and uploads that failed
+    std::uint64_t bucket_damaged = 0;  // files that came damaged
+    std::uint64_t bucket_failed = 0;   // requests to the bucket that failed
   };
 
   // Makes the directory, and the folder geodesicd-prepared in it, where all files are. `engine`:
@@ -74,55 +77,64 @@ class PreparedFiles {
   void keep(const std::string& id, const std::shared_ptr<const Adjacency>& adjacency);
   // Removes a mesh's file. A system call: cheap.
   void forget(const std::string& id);
-  // Removes a mesh's files, of all builds, in the bucket too. Lists the directory and the bucket.
+  // Removes a mesh's files, of all builds, in the bucket too. Lists the directory and the bucket,
+  // which may take ten seconds.
   void erase(const std::string& id);
 
   [[nodiscard]] Stats stats() const;
-  // Waits until all that was to be written is.
+  // Waits until all that was to be written and uploaded is.
   void wait();
   // Removes what is too old or too much; the thread does it each hour.
-  void tidy() { (void)make_room(0); }
+  void tidy();
 
  private:
   using Held = std::weak_ptr<const Adjacency>;
   struct Wanted {
     std::string id;
     Held adjacency;
+    bool is_here = false;  // it has its file, and is to be uploaded
   };
-
+  struct Fetching {
+    std::string id;
+    bool is_unwanted = false;  // it was removed meanwhile
+  };
   struct Found {
     std::shared_ptr<const Adjacency> adjacency;  // null: there is none
     bool is_damaged = false;                     // there was a file, which is removed
   };
 
-  PreparedFiles(UniqueFd directory, const Limits& limits, std::string engine,
+  PreparedFiles(std::unique_ptr<PreparedFolder> folder, const Limits& limits, std::string engine,
                 std::unique_ptr<PreparedBucket> bucket);
   [[nodiscard]] std::string name_of(const std::string& id) const;
   void write_files();  // the thread
-  void write(const Wanted& wanted);
-  [[nodiscard]] Result<void> write_file(const std::string& id, const std::string& name,
-                                        const Adjacency& adjacency);
+  // Says whether it has a file now.
+  [[nodiscard]] bool write(const Wanted& wanted);
+  [[nodiscard]] Result<void> write_file(const std::string& id, const Adjacency& adjacency);
   // In the directory.
-  [[nodiscard]] Result<Found> find_here(const std::string& id, const std::string& name,
-                                        const std::function<bool()>& stop);
+  [[nodiscard]] Result<Found> find_here(const std::string& id, const std::function<bool()>& stop);
   // Makes a file of what the bucket has, and says whether it did. Errors: cancelled.
   [[nodiscard]] Result<bool> fetch(const std::string& name, const std::function<bool()>& stop);
-  // Writes a file by `fill`, which is given a descriptor, under a name of its own, and renames it.
-  [[nodiscard]] Result<void> make_file(const std::string& name,
-                                       const std::function<Result<void>(int)>& fill);
+  [[nodiscard]] Result<bool> fetch_file(const std::string& name, const std::function<bool()>& stop);
+  [[nodiscard]] Result<std::shared_ptr<const Adjacency>> find_in_bucket(
+      const std::string& id, const std::function<bool()>& stop);
+  // What is in the directory; the second says whether it was not yet there.
   void upload(const std::string& name);
-  // What the bucket could not do.
+  [[nodiscard]] Result<bool> upload_file(const std::string& name);
+  void erase_in_bucket(const std::string& name);
+  // What is known of a name in the bucket: that it is there, and whether it is sound.
+  [[nodiscard]] std::optional<bool> is_sound_in_bucket(const std::string& name) const;
+  void learn(const std::string& name, std::optional<bool> is_sound);
+  // What the bucket could not do, and what the directory could not.
   void count_failure(const Error& error);
-  // Removes files until `bytes` more have room. Returns false if there is not enough.
-  [[nodiscard]] bool make_room(std::uint64_t bytes);
+  void count_not_written(const Error& error);
   void touch_what_is_used();
   void remove(const std::string& name);
-  void report(const std::string& what);
+  void report(std::string& last, const std::string& what);
 
   static constexpr int kReadersAtOnce = 2;
   static constexpr int kFetchersAtOnce = 4;
 
-  const UniqueFd directory_;
+  const std::unique_ptr<PreparedFolder> folder_;
   const Limits limits_;
   const std::string engine_;
   const std::unique_ptr<PreparedBucket> bucket_;  // or null
@@ -132,11 +144,14 @@ class PreparedFiles {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Wanted> wanted_;
-  std::string writing_;               // the mesh that is being written; empty: none
-  bool is_unwanted_ = false;          // it was removed meanwhile
-  std::map<std::string, Held> used_;  // meshes whose files were found or written
+  std::string writing_;                   // the mesh that is being written; empty: none
+  std::atomic<bool> is_unwanted_{false};  // it was removed meanwhile
+  std::list<Fetching> fetching_;
+  std::map<std::string, Held> used_;       // meshes whose files were found or written
+  std::map<std::string, bool> in_bucket_;  // names that are there, and whether they are sound
   Stats stats_;
-  std::string reported_;  // what went wrong last
+  std::string reported_;         // what went wrong last
+  std::string bucket_reported_;  // with the bucket
   std::thread writer_;
 };
 

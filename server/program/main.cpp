@@ -40,11 +40,11 @@
 #include "server/routes/engine_digest.h"
 #include "server/routes/routes.h"
 #include "server/routes/static_files.h"
+#include "server/s3/s3_location.h"
 #include "server/store/job_records.h"
 #include "server/store/mesh_store.h"
 #include "server/store/monitor.h"
 #include "server/store/open_store.h"
-#include "server/s3/s3_location.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
@@ -160,6 +160,11 @@ Result<std::unique_ptr<PreparedFiles>> open_prepared_files(const Config& config)
   if (!config.prepared_bucket.empty()) {
     auto location = parse_s3_url(config.prepared_bucket, process_environment());
     if (!location) return fail(std::move(location.error()));
+    if (location->is_exposed()) {
+      spdlog::warn(
+          "prepared-bucket: what it sends is used as it is, and passes unencrypted: whoever can "
+          "change it takes over this server. Name an https:// endpoint.");
+    }
     bucket = std::make_unique<PreparedBucket>(std::move(*location));
   }
   return PreparedFiles::open(config.prepared,

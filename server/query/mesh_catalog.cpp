@@ -13,6 +13,7 @@
 #include "server/base/sha256.h"
 #include "server/compute/memory.h"
 #include "server/decoder/mesh_form.h"
+#include "server/store/mesh_id.h"
 
 namespace geodesic::server {
 namespace {
@@ -276,8 +277,9 @@ Result<void> MeshCatalog::remove(const std::string& id) {
   meshes_.erase(id);
   prepared_.erase_prefix(id + "/");
   if (!existed) return fail(existed.error());
+  // Of one that is unknown too: what an earlier removal could not reach goes with the next one.
+  if (prepared_files_ != nullptr && is_mesh_id(id)) prepared_files_->erase(id);
   if (!*existed) return unknown_mesh();
-  if (prepared_files_ != nullptr) prepared_files_->erase(id);
   return {};
 }
 

@@ -165,6 +165,7 @@ struct Metrics::Families {
                "Prepared meshes read from and written to the bucket behind them, and what failed");
   Counter& prepared_fetched = prepared_bucket.Add({{"outcome", "read"}});
   Counter& prepared_uploaded = prepared_bucket.Add({{"outcome", "written"}});
+  Counter& prepared_bucket_damaged = prepared_bucket.Add({{"outcome", "damaged"}});
   Counter& prepared_bucket_failed = prepared_bucket.Add({{"outcome", "failed"}});
   Gauge& prepared_bytes = gauge("geodesicd_prepared_bytes", "Bytes of prepared meshes' files");
   Gauge& connections = gauge("geodesicd_connections", "Open connections of the API's listener");

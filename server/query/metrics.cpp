@@ -124,6 +124,7 @@ std::string Metrics::text(const Present& present) {
   follow(f.prepared_not_written, present.prepared.not_written);
   follow(f.prepared_fetched, present.prepared.fetched);
   follow(f.prepared_uploaded, present.prepared.uploaded);
+  follow(f.prepared_bucket_damaged, present.prepared.bucket_damaged);
   follow(f.prepared_bucket_failed, present.prepared.bucket_failed);
   f.prepared_bytes.Set(static_cast<double>(present.prepared.bytes));
   f.connections.Set(static_cast<double>(present.connections));

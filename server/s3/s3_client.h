@@ -1,68 +1,34 @@
-// Requests to a bucket of S3-compatible object storage, signed by libcurl.
+// Requests to a bucket of S3-compatible object storage.
 //
 // A request is tried up to three times: a lost connection or an answer that means
 // "later" (429, 500, 502, 503, 504) is worth another try, after a wait that grows,
 // within the location's timeout. At most 32 requests run at once and as many wait;
 // more are refused at once, and so is any for a few seconds after the storage could
-// not be reached: a storage that is down must not hold every thread of a server.
-//
-// Versions of libcurl differ in how they sign: 7.88 signs path and query as they are,
-// later ones sort and escape them. So both are passed on in the canonical form
-// already: a key has unreserved characters and slashes only (RFC 3986), a query is
-// sorted and escaped, and each of its names has a '='. Nor may a header be empty, and
-// CURLOPT_PATH_AS_IS is refused by 8.14: a prefix has no segments "." and "..".
+// not be reached: a storage that is down must not hold every thread of a server. Nor is
+// one asked that has answered "later" to a request which is tried but once.
 //
 // All methods may be called from any thread.
 #pragma once
 
 #include <chrono>
 #include <condition_variable>
-#include <cstdint>
-#include <functional>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/base/error.h"
 #include "server/s3/s3_location.h"
-
-using CURL = void;
+#include "server/s3/s3_request.h"
+#include "server/s3/s3_transfer.h"
 
 namespace geodesic::server {
 
-struct S3Request {
-  std::string method = "GET";  // GET, HEAD, PUT or DELETE
-  std::string key;  // in the bucket, of letters, digits and - . _ ~ /; empty: the bucket itself
-  std::map<std::string, std::string> query;  // unescaped
-  std::optional<std::string_view> body;      // of a PUT; the bytes outlive the request
-  std::uint64_t max_reply_bytes = 1 << 20;   // a longer body is cut there
-  bool is_probe = false;                     // one short try, even when all else is refused
-  // Where the body of a reply with 2xx is written, from the file's beginning; else `body` has it.
-  std::optional<int> file = std::nullopt;
-  // One try, which may take so long; 0: as long as the location and the sizes say.
-  std::chrono::milliseconds within{0};
-  std::function<bool()> stop = nullptr;  // called every 20 ms and with each piece of a body
-};
-
-struct S3Reply {
-  int status = 0;
-  std::string body;
-  bool cut = false;                             // the body was longer than allowed
-  std::optional<std::uint64_t> content_length;  // as the server has told it
-  std::string entity_tag;                       // a strong one, without its quotes; or empty
-  std::int64_t last_modified = 0;               // seconds since 1970; 0: not told
-};
-
-// What is between the quotes of an entity tag; nothing if it is weak.
-[[nodiscard]] std::string strong_tag(std::string_view text);
-
 class S3Client {
  public:
-  explicit S3Client(S3Location location);
+  // `label`: what the log calls this storage.
+  explicit S3Client(S3Location location, std::string label = "store");
   ~S3Client();
   S3Client(const S3Client&) = delete;
   S3Client& operator=(const S3Client&) = delete;
@@ -79,24 +45,21 @@ class S3Client {
   using Clock = std::chrono::steady_clock;
   class Turn;
 
-  struct Attempt {
-    S3Reply reply;
-    int curl_code = 0;  // CURLE_OK: there was a reply
-    std::string reason;
-  };
-  [[nodiscard]] Attempt try_once(CURL* handle, const S3Request& request) const;
-  [[nodiscard]] Result<S3Reply> send_with(CURL* handle, const S3Request& request);
+  [[nodiscard]] Result<S3Reply> send_with(S3Transfer& transfer, const S3Request& request);
   // Nothing to say while requests may be sent.
   [[nodiscard]] std::optional<std::string> why_resting() const;
   void rest(const std::string& reason);
-  void end_rest();
+  // For a request that was begun then and has had a reply.
+  void end_rest(Clock::time_point begun);
 
   const S3Location location_;
+  const std::string label_;
   mutable std::mutex mutex_;
   std::condition_variable freed_;
-  std::vector<CURL*> idle_;
+  std::vector<std::unique_ptr<S3Transfer>> idle_;
   int running_ = 0;
   int waiting_ = 0;
+  Clock::time_point resting_since_{};
   Clock::time_point resting_until_{};
   std::string resting_because_;
 };

@@ -28,7 +28,8 @@ tl::unexpected<Error> no_bucket() {
 }
 
 Result<ListedPage> list_page(S3Client& client, const char* folder, std::string_view beginning,
-                             std::string_view after, const std::string& token, std::size_t most) {
+                             std::string_view after, const std::string& token, std::size_t most,
+                             std::chrono::milliseconds within) {
   const std::string full = client.location().prefix + folder;
   S3Request request;
   request.query = {{"list-type", "2"},
@@ -37,6 +38,7 @@ Result<ListedPage> list_page(S3Client& client, const char* folder, std::string_v
   if (!after.empty()) request.query.emplace("start-after", full + std::string(after));
   if (!token.empty()) request.query.emplace("continuation-token", token);
   request.max_reply_bytes = kMostListBytes;
+  request.within = within;
   const auto reply = client.send(request);
   if (!reply) return fail(reply.error());
   if (reply->status == 404) return no_bucket();

@@ -1,6 +1,7 @@
 // What is in a folder of a bucket, a page at a time (ListObjectsV2).
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -27,11 +28,13 @@ struct ListedPage {
 };
 
 // A page of what is in a folder, below the location's prefix, and has a name that begins with
-// `beginning` and is greater than `after`; `token`: that of the page; empty: the first. Errors:
-// those of `S3Client::send`; store_failed if there is no such bucket, or if no list comes back.
-[[nodiscard]] Result<ListedPage> list_page(S3Client& client, const char* folder,
-                                           std::string_view beginning, std::string_view after,
-                                           const std::string& token, std::size_t most);
+// `beginning` and is greater than `after`; `token`: that of the page; empty: the first; `within`:
+// as `S3Request` has it. Errors: those of `S3Client::send`; store_failed if there is no such
+// bucket, or if no list comes back.
+[[nodiscard]] Result<ListedPage> list_page(
+    S3Client& client, const char* folder, std::string_view beginning, std::string_view after,
+    const std::string& token, std::size_t most,
+    std::chrono::milliseconds within = std::chrono::milliseconds(0));
 
 // The error that says so.
 [[nodiscard]] tl::unexpected<Error> no_bucket();

@@ -135,6 +135,13 @@ Result<std::string> bucket_url(std::string_view text, const Parameters& paramete
 
 std::string S3Location::name() const { return "s3://" + bucket + "/" + prefix; }
 
+bool S3Location::is_exposed() const {
+  const Url parts = parsed(url);
+  if (!parts || part(parts, CURLUPART_SCHEME) != "http") return false;
+  const std::string host = part(parts, CURLUPART_HOST);
+  return host != "localhost" && host != "[::1]" && !host.starts_with("127.");
+}
+
 bool is_s3_url(std::string_view text) { return text.starts_with("s3://"); }
 
 Result<S3Location> parse_s3_url(std::string_view text, const Environment& environment) {

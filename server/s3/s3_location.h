@@ -33,6 +33,8 @@ struct S3Location {
 
   // For people: s3://BUCKET/PREFIX.
   [[nodiscard]] std::string name() const;
+  // Whether what is sent there passes over a network unencrypted.
+  [[nodiscard]] bool is_exposed() const;
 };
 
 // Whether a store's name is one of object storage.

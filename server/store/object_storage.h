@@ -36,8 +36,8 @@ enum class ObjectKind : std::uint8_t {
   job_reply,  // the reply's body
 };
 
-inline constexpr std::array kJobObjects{ObjectKind::job, ObjectKind::job_body,
-                                        ObjectKind::job_end, ObjectKind::job_reply};
+inline constexpr std::array kJobObjects{ObjectKind::job, ObjectKind::job_body, ObjectKind::job_end,
+                                        ObjectKind::job_reply};
 // No `job` and no `job_end` is larger: who finds one that is need not read it.
 inline constexpr std::uint64_t kMostJobBytes = std::uint64_t{256} << 10;
 
@@ -121,7 +121,8 @@ class ObjectStorage {
   [[nodiscard]] virtual Result<void> erase_job(std::string_view id,
                                                std::span<const ObjectKind> kinds) = 0;
 
-  // Removes what is kept of jobs and was written so long ago; not more of it than takes some seconds.
+  // Removes what is kept of jobs and was written so long ago; not more of it than takes some
+  // seconds.
   [[nodiscard]] virtual Result<void> erase_old_jobs(std::chrono::seconds age) = 0;
 
   // Remembers, if it can, that the mesh was used now.

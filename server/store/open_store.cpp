@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "server/store/directory_storage.h"
 #include "server/s3/s3_location.h"
+#include "server/store/directory_storage.h"
 #include "server/store/s3_storage.h"
 
 namespace geodesic::server {

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "server/base/service_codes.h"
-#include "server/store/mesh_store.h"
 #include "server/s3/s3_list.h"
+#include "server/store/mesh_store.h"
 
 namespace geodesic::server {
 

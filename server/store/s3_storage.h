@@ -15,9 +15,9 @@
 // stored and acknowledged.
 #pragma once
 
-#include "server/store/object_storage.h"
 #include "server/s3/s3_client.h"
 #include "server/s3/s3_location.h"
+#include "server/store/object_storage.h"
 
 namespace geodesic::server {
 

@@ -17,10 +17,10 @@
 #include "proto/wire/input_codes.h"
 #include "server/base/service_codes.h"
 #include "server/base/sha256.h"
-#include "server/store/mesh_store.h"
-#include "server/store/open_store.h"
 #include "server/s3/s3_client.h"
 #include "server/s3/s3_location.h"
+#include "server/store/mesh_store.h"
+#include "server/store/open_store.h"
 
 using namespace geodesic;
 using namespace geodesic::server;

@@ -39,8 +39,9 @@ class FakeS3 {
     std::string query;  // undecoded
     std::string body;
   };
-  // What to do with a call: serve it; answer 403 and do nothing; do it and answer 403.
-  enum class Act : std::uint8_t { serve, refuse, serve_and_refuse };
+  // What to do with a call: serve it; answer 403 and do nothing; do it and answer 403; answer 503
+  // and do nothing; do it and send half of the answer.
+  enum class Act : std::uint8_t { serve, refuse, serve_and_refuse, later, break_off };
 
   FakeS3() : listener_(::socket(AF_INET, SOCK_STREAM, 0)) {
     ::setenv("no_proxy", "*", 1);  // libcurl's, which might have one to go through
@@ -187,12 +188,27 @@ class FakeS3 {
   std::string answer(const Call& call) {
     settle();
     const Act act = script_.before ? script_.before(call) : Act::serve;
-    constexpr std::string_view refused =
-        "HTTP/1.1 403 Forbidden\r\nContent-Length: 0\r\nConnection: close\r\n\r\n";
-    std::string reply = act == Act::refuse ? std::string(refused) : serve(call);
-    if (act != Act::refuse && script_.after) script_.after(call);
+    const bool is_done = act != Act::refuse && act != Act::later;
+    std::string reply = is_done ? serve(call) : std::string();
+    if (is_done && script_.after) script_.after(call);
     settle();
-    return act == Act::serve ? reply : std::string(refused);
+    switch (act) {
+      case Act::serve:
+        break;
+      case Act::break_off:
+        reply.resize(reply.size() - reply.size() / 4);
+        break;
+      case Act::later:
+        return bare("503 Slow Down");
+      case Act::refuse:
+      case Act::serve_and_refuse:
+        return bare("403 Forbidden");
+    }
+    return reply;
+  }
+
+  static std::string bare(const std::string& status) {
+    return "HTTP/1.1 " + status + "\r\nContent-Length: 0\r\nConnection: close\r\n\r\n";
   }
 
   std::string serve(const Call& call) {
