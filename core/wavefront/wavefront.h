@@ -11,6 +11,7 @@
 #include "core/base/cancel.h"
 #include "core/base/error.h"
 #include "core/field/field.h"
+#include "core/field/vertex_buckets.h"
 #include "core/field/vertex_heap.h"
 #include "core/surface/adjacency.h"
 
@@ -19,6 +20,8 @@ namespace geodesic {
 // Memory that a query works in, kept for the next query on the same thread.
 struct WavefrontScratch {
   VertexHeap heap;
+  VertexBuckets buckets;
+  std::vector<std::uint32_t> round;  // out of a bucket
   std::vector<std::uint8_t> is_target;
   std::vector<double> distance;  // of one of several waves; kUnreached between waves
   std::vector<Parents> parents;

@@ -140,14 +140,14 @@ MeshRow measure(const FrontierMesh& mesh, std::size_t source_count) {
     }
   }
   // One after the other, so that a machine that slows down does so for all alike.
-  EdgeDijkstra yardstick(prepared.adjacency());
+  Yardstick yardstick(prepared.adjacency());
   std::vector<double> by_auto;
   std::vector<double> by_upper;
   std::vector<double> yardstick_ms;
   std::vector<double> automatic_ms;
   for (std::size_t round = 0; round < kRounds; ++round) {
     const std::uint32_t source = sources[round % sources.size()];
-    const double y = processor_ms_of([&] { yardstick.run(source); });
+    const double y = yardstick.ms(source);
     const double a = processor_ms_of([&] { (void)automatic(prepared, source); });
     const double u = processor_ms_of([&] { (void)upper(prepared, source); });
     yardstick_ms.push_back(y);

@@ -9,12 +9,15 @@
 #include <memory>
 #include <vector>
 
+#include "tests/bench/edge_dijkstra.h"
 #include "tests/bench/errors.h"
 #include "tests/bench/irregular_plane.h"
 #include "tests/bench/peak_memory.h"
 #include "tests/bench/peer.h"
 #include "tests/bench/prepared.h"
 #include "tests/bench/subjects.h"
+#include "tests/fixtures/random_meshes.h"
+#include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;
 using bench::Errors;
@@ -154,4 +157,27 @@ TEST_CASE("TheBumpyPlaneIsADelaunayTriangulation") {
   for (const Vec3& p : raised.positions) highest = std::max(highest, p.z);
   CHECK(highest > 8);
   CHECK(highest < 13);
+}
+
+TEST_CASE("TheYardstickIsRightInBothOrders") {
+  for (std::uint32_t i = 0; i < 30; ++i) {
+    CAPTURE(i);
+    const bench::Prepared prepared(fixtures::RandomMesh(fixtures::test_seed() + i).soup());
+    const std::uint32_t source = prepared.vertex(0);
+    if (prepared.adjacency().corners(source).empty()) continue;
+    bench::Yardstick yardstick(prepared.adjacency());
+    CHECK(yardstick.ms(source) >= 0);
+    const Field field = prepared.solve(Method::dijkstra);
+    for (std::uint32_t v = 0; v < prepared.mesh().vertex_count(); ++v) {
+      CAPTURE(v);
+      const double ours = yardstick.in_our_order().distance(v);
+      if (ours == kUnreached) {
+        CHECK(yardstick.in_file_order().distance(v) == kUnreached);
+        CHECK(field.distance[v] == kUnreached);
+        continue;
+      }
+      CHECK(yardstick.in_file_order().distance(v) == doctest::Approx(ours).epsilon(1e-12));
+      CHECK(field.distance[v] == doctest::Approx(ours).epsilon(1e-6));
+    }
+  }
 }

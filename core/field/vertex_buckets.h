@@ -14,8 +14,6 @@
 #include <limits>
 #include <vector>
 
-#include "core/mesh/mesh.h"
-
 namespace geodesic {
 
 class VertexBuckets {
@@ -25,10 +23,11 @@ class VertexBuckets {
   void reset(double width) {
     const double per_width = 1 / width;
     per_width_ = width > 0 && std::isfinite(per_width) ? per_width : 0;
-    head_.assign(kRing, kNone);
-    entries_.clear();
+    ring_.resize(kRing);
+    if (in_ring_ != 0) {
+      for (std::vector<std::uint32_t>& bucket : ring_) bucket.clear();
+    }
     beyond_.clear();
-    free_ = kNone;
     now_ = 0;
     in_ring_ = 0;
   }
@@ -43,12 +42,22 @@ class VertexBuckets {
     const bool waits_there = std::isfinite(before) && bucket_of(before) == bucket;
     if (!waits_there) push_into(bucket, vertex);
   }
+  // The same where the vertices of a bucket may be worked on before the bucket has been taken for
+  // the last time: into the bucket that was taken last it comes again, though it may be there.
+  void push_or_again(std::uint32_t vertex, double key, double before) {
+    const std::uint64_t bucket = number(key);
+    if (bucket <= now_) {
+      push_into(now_, vertex);
+    } else if (before == std::numeric_limits<double>::infinity() || number(before) != bucket) {
+      push_into(bucket, vertex);
+    }
+  }
   // Back into the bucket that was taken last.
   void push_back(std::uint32_t vertex) { push_into(now_, vertex); }
   // Whether the bucket that was taken last would hold this key, and whether it has again a
   // vertex in it.
   [[nodiscard]] bool is_now(double key) const { return number(key) == now_; }
-  [[nodiscard]] bool has_more_now() const { return head_[now_ % kRing] != kNone; }
+  [[nodiscard]] bool has_more_now() const { return !ring_[now_ % kRing].empty(); }
   // Whether all vertices left have keys above this one, of another bucket. Not when empty.
   [[nodiscard]] bool is_beyond(double key) {
     go_to_first();
@@ -59,14 +68,13 @@ class VertexBuckets {
   // empty.
   void take(std::vector<std::uint32_t>& taken) {
     go_to_first();
-    std::uint32_t& head = head_[now_ % kRing];
-    while (head != kNone) {
-      const std::uint32_t entry = head;
-      taken.push_back(entries_[entry].vertex);
-      head = entries_[entry].next;
-      entries_[entry].next = free_;
-      free_ = entry;
-      --in_ring_;
+    std::vector<std::uint32_t>& first = ring_[now_ % kRing];
+    in_ring_ -= first.size();
+    if (taken.empty()) {
+      taken.swap(first);
+    } else {
+      taken.insert(taken.end(), first.begin(), first.end());
+      first.clear();
     }
   }
 
@@ -74,10 +82,6 @@ class VertexBuckets {
   static constexpr std::uint64_t kRing = 1024;
   static constexpr double kMostBuckets = 1e18;  // what is beyond shares the last one
 
-  struct Entry {
-    std::uint32_t vertex;
-    std::uint32_t next;  // of the same bucket, or of those that are free
-  };
   struct Beyond {
     std::uint64_t bucket;
     std::uint32_t vertex;
@@ -96,16 +100,7 @@ class VertexBuckets {
       std::push_heap(beyond_.begin(), beyond_.end());
       return;
     }
-    std::uint32_t entry = free_;
-    if (entry == kNone) {
-      entry = static_cast<std::uint32_t>(entries_.size());
-      entries_.push_back({});
-    } else {
-      free_ = entries_[entry].next;
-    }
-    std::uint32_t& head = head_[bucket % kRing];
-    entries_[entry] = {vertex, head};
-    head = entry;
+    ring_[bucket % kRing].push_back(vertex);
     ++in_ring_;
   }
 
@@ -118,16 +113,14 @@ class VertexBuckets {
         beyond_.pop_back();
         push_into(first.bucket, first.vertex);
       }
-      if (head_[now_ % kRing] != kNone) return;
+      if (!ring_[now_ % kRing].empty()) return;
       ++now_;
     }
   }
 
   double per_width_ = 0;
-  std::vector<std::uint32_t> head_;  // of each bucket in the ring, an index into entries_
-  std::vector<Entry> entries_;
+  std::vector<std::vector<std::uint32_t>> ring_;
   std::vector<Beyond> beyond_;  // a heap
-  std::uint32_t free_ = kNone;
   std::uint64_t now_ = 0;  // the first bucket of the ring
   std::size_t in_ring_ = 0;
 };

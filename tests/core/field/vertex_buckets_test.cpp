@@ -1,4 +1,4 @@
-#include "core/back_traced/vertex_buckets.h"
+#include "core/field/vertex_buckets.h"
 
 #include <doctest/doctest.h>
 
