@@ -55,14 +55,11 @@ void Propagation::commit(std::uint32_t e, std::span<Window> fresh, double least)
   }
 }
 
-// Near a source rays may be so short that a window on a long edge is not too narrow for them, and
-// yet narrower than an overlap must be to count. It would lie over others and find a place each
-// time that it comes round, and with the windows that it sends out the lists would grow for ever.
-// Its place on the edge says no more than rounding. Over faces that are lines windows keep their
+// Without those that are as narrow as rounding. Over faces that are lines windows keep their
 // widths, however often they are cut, and come to the same.
 std::span<Window> Propagation::without_narrow(std::span<Window> fresh, double length) const {
   const auto end = std::remove_if(fresh.begin(), fresh.end(), [&](const Window& w) {
-    return !(w.end - w.begin > 4 * tolerance::kTouch * length);
+    return is_within_rounding(w, length);
   });
   return fresh.first(static_cast<std::size_t>(end - fresh.begin()));
 }

@@ -19,10 +19,19 @@ namespace geodesic::exact {
 
 using PseudoSources = std::span<const PseudoSource>;
 
+// Near a source rays may be so short that a window on a long edge is not too narrow for them, and
+// yet narrower than an overlap must be to count. It would lie over others and find a place each
+// time that it comes round, and with the windows that it sends out the lists would grow for ever.
+// Its place on the edge says no more than rounding.
+[[nodiscard]] inline bool is_within_rounding(const Window& window, double length) {
+  return !(window.end - window.begin > 4 * tolerance::kTouch * length);
+}
+
 // Whether the window is too narrow to matter on an edge of this length.
 [[nodiscard]] inline bool too_narrow(const Window& window, double length, double offset) {
   const double rays = window.at_begin - offset + (window.at_end - offset);
-  return !(window.end - window.begin > tolerance::kLeastWidth * std::min(length, rays));
+  return !(window.end - window.begin > tolerance::kLeastWidth * std::min(length, rays)) ||
+         is_within_rounding(window, length);
 }
 
 // Whether two windows are one, cut in two by a vertex that it passed on

@@ -14,11 +14,13 @@
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/mesh/shapes.h"
+#include "tests/bench/family.h"
 #include "tests/bench/frontier.h"
 #include "tests/bench/run_mesh.h"
 
@@ -166,6 +168,12 @@ int main(int argc, char** argv) {
   auto* const only_frontier =
       app.add_flag("--frontier", frontier,
                    "what the engine aims at, cell by cell, with a verdict each; nothing else");
+  std::optional<std::uint32_t> family;
+  std::optional<std::uint32_t> number;
+  auto* const only_family = app.add_option(
+      "--family", family, "meshes drawn from this seed, with a verdict for each aim; nothing else");
+  app.add_option("--number", number, "with --family: only the mesh of this number")
+      ->needs(only_family);
   app.add_option("--mesh", only, "only the meshes of these names");
   app.add_option("FILE", files, "with --frontier: these meshes instead of its own")
       ->check(CLI::ExistingFile)
@@ -178,6 +186,8 @@ int main(int argc, char** argv) {
     bench::print_frontier({quick, files});
     return 0;
   }
+
+  if (family) return bench::print_family({*family, quick, number}) ? 0 : 1;
 
   std::vector<MeshResult> meshes;
   for (const Subject& subject : subjects(quick)) {
