@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "core/back_traced/crowded_edges.h"
-#include "core/field/vertex_buckets.h"
 #include "core/back_traced/visibility_cones.h"
 #include "core/field/field.h"
+#include "core/field/vertex_buckets.h"
 #include "core/surface/face_record.h"
 
 namespace geodesic {

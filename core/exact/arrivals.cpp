@@ -58,9 +58,8 @@ void Propagation::commit(std::uint32_t e, std::span<Window> fresh, double least)
 // Without those that are as narrow as rounding. Over faces that are lines windows keep their
 // widths, however often they are cut, and come to the same.
 std::span<Window> Propagation::without_narrow(std::span<Window> fresh, double length) const {
-  const auto end = std::remove_if(fresh.begin(), fresh.end(), [&](const Window& w) {
-    return is_within_rounding(w, length);
-  });
+  const auto end = std::remove_if(fresh.begin(), fresh.end(),
+                                  [&](const Window& w) { return is_within_rounding(w, length); });
   return fresh.first(static_cast<std::size_t>(end - fresh.begin()));
 }
 

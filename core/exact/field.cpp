@@ -15,6 +15,7 @@ ExactScratch::ExactScratch() : memory(std::make_unique<exact::PropagationMemory>
 ExactScratch::~ExactScratch() = default;
 ExactScratch::ExactScratch(ExactScratch&&) noexcept = default;
 ExactScratch& ExactScratch::operator=(ExactScratch&&) noexcept = default;
+std::size_t ExactScratch::window_bytes() const { return memory->pool.bytes(); }
 
 namespace {
 
@@ -41,6 +42,8 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   }
   Field field = unreached_field(method, sources, vertex_count);
   Poll poll(cancel);
+  scratch.memory->pool.reset(poll);  // before anybody asks for window_bytes()
+  if (poll.stopped()) return fail_stopped(cancel);
   const bool at_vertices = std::all_of(sources.begin(), sources.end(),
                                        [](const Source& s) { return s.point.at_vertex(); });
   // Vertices have the same distances on faces that are better for it.

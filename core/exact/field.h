@@ -25,6 +25,9 @@ struct ExactScratch {
   ExactScratch(ExactScratch&&) noexcept;
   ExactScratch& operator=(ExactScratch&&) noexcept;
 
+  // What the windows of the query take that is being answered; earlier ones have no part in it.
+  [[nodiscard]] std::size_t window_bytes() const;
+
   std::unique_ptr<exact::PropagationMemory> memory;
 };
 

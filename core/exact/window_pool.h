@@ -31,6 +31,7 @@ class WindowPool {
     if (capacity > kSlab) {
       ask_for(std::size_t{capacity} * sizeof(Window));
       auto block = std::make_unique_for_overwrite<Window[]>(capacity);
+      large_bytes_ += std::size_t{capacity} * sizeof(Window);
       Window* windows = block.get();
       large_.emplace(windows, std::move(block));
       return windows;
@@ -50,10 +51,14 @@ class WindowPool {
   void give_back(Window* block, std::uint32_t capacity) {
     if (capacity > kSlab) {
       large_.erase(block);
+      large_bytes_ -= std::size_t{capacity} * sizeof(Window);
     } else if (capacity > 0) {
       waiting_[class_of(capacity)].push_back(block);
     }
   }
+
+  // Of what the blocks handed out since the last reset have needed at once.
+  [[nodiscard]] std::size_t bytes() const { return slab_ * kSlab * sizeof(Window) + large_bytes_; }
 
   // Every block is free again. Keeps the first slabs for the next query and gives the
   // rest back to the system, unless the poll says to stop: hundreds of megabytes take it
@@ -61,6 +66,7 @@ class WindowPool {
   void reset(Poll& poll) {
     for (std::vector<Window*>& waiting : waiting_) waiting.clear();
     large_.clear();
+    large_bytes_ = 0;
     slab_ = 0;
     left_ = 0;
     memory_ = poll.memory();
@@ -105,6 +111,7 @@ class WindowPool {
   std::uint32_t left_ = 0;  // windows never handed out in the last of them
   std::array<std::vector<Window*>, kClasses> waiting_;  // by the capacity
   std::unordered_map<const Window*, std::unique_ptr<Window[]>> large_;
+  std::size_t large_bytes_ = 0;
 };
 
 }  // namespace geodesic::exact

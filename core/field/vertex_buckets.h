@@ -121,7 +121,7 @@ class VertexBuckets {
   double per_width_ = 0;
   std::vector<std::vector<std::uint32_t>> ring_;
   std::vector<Beyond> beyond_;  // a heap
-  std::uint64_t now_ = 0;  // the first bucket of the ring
+  std::uint64_t now_ = 0;       // the first bucket of the ring
   std::size_t in_ring_ = 0;
 };
 

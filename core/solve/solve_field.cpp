@@ -47,25 +47,53 @@ Result<Field> lesser_of_both(Field by_windows, const Adjacency& adjacency,
 
 // Meshes of some thousand faces take some fifty.
 constexpr std::uint64_t kMostQuestions = 100;
+// Without a bound: that takes a second or two.
+constexpr std::uint64_t kMostQuestionsByDefault = 20'000;
+constexpr std::size_t kMostBytesByDefault = std::size_t{256} << 20U;
 
-// An upper bound where no trace comes to a vertex near the way: paths along such are from 1 to
-// 20 % too long, or many times, while the sides of slivers have few windows. Rounded as the other
-// bounds are.
-Result<Field> bound_across_slivers(const Adjacency& adjacency, std::span<const Source> sources,
-                                   const FieldLimits& asked, SolveScratch::Parts& scratch,
-                                   const Cancel& cancel) {
+// Leaves what a field of these limits has of one that went everywhere.
+void restrict_to(const FieldLimits& limits, Field& field) {
+  double farthest = limits.max;
+  if (!limits.targets.empty()) {
+    double last = 0;
+    for (const std::uint32_t v : limits.targets) last = std::max(last, field.distance[v]);
+    farthest = std::min(farthest, last);
+  }
+  if (farthest < kUnreached) field.forget_beyond(farthest);
+}
+
+// Where no trace comes to a vertex near the way. Paths along such are from 1 to 20 % too long, or
+// many times, and what is traced without a bound is off by as much. The sides of slivers have few
+// windows, so these are computed. Rounded as other distances by `auto` are.
+Result<Field> field_across_slivers(Bound bound, const Adjacency& adjacency,
+                                   std::span<const Source> sources, const FieldLimits& asked,
+                                   SolveScratch::Parts& scratch, const Cancel& cancel) {
   FieldLimits limits = asked;
   limits.detail_faces = {};  // windows have no bound of their rounding
   // Of sides of any scale windows may become too many: then traces alone have to do. Counted in
   // questions, so that the answer depends on nothing else.
-  const std::uint64_t most = kMostQuestions + adjacency.mesh().face_count() / 2;
-  std::uint64_t questions = 0;
-  const Cancel bounded([&] { return ++questions > most || cancel.requested(); },
-                       [&](double done) { cancel.report(done); }, cancel.memory());
-  auto field = field_within(0, adjacency, sources, limits, scratch.exact, bounded);
-  if (!field && questions > most && !cancel.requested()) {
-    return back_traced_field(adjacency, sources, limits, Bound::upper, scratch.back_traced, cancel);
+  std::uint64_t most = kMostQuestions + adjacency.mesh().face_count() / 2;
+  if (bound == Bound::none) {
+    most = kMostQuestionsByDefault;
+    // Nor on how far it was asked for.
+    limits.targets = {};
+    limits.max = kUnreached;
+    limits.keep_details = false;
   }
+  std::uint64_t questions = 0;
+  bool is_too_much = false;
+  const auto ask = [&] {
+    is_too_much = is_too_much || ++questions > most ||
+                  (bound == Bound::none && scratch.exact.window_bytes() > kMostBytesByDefault);
+    return is_too_much || cancel.requested();
+  };
+  const Cancel bounded(
+      ask, [&](double done) { cancel.report(done); }, cancel.memory());
+  auto field = field_within(0, adjacency, sources, limits, scratch.exact, bounded);
+  const auto by_traces = [&] {
+    return back_traced_field(adjacency, sources, asked, bound, scratch.back_traced, cancel);
+  };
+  if (!field && is_too_much && !cancel.requested()) return by_traces();
   if (field && !is_even(adjacency)) {
     field = lesser_of_both(std::move(*field), adjacency, sources, limits, scratch, cancel);
   }
@@ -73,11 +101,10 @@ Result<Field> bound_across_slivers(const Adjacency& adjacency, std::span<const S
   Poll poll(cancel);
   const bool is_any_below = raise_to_straight_lines(adjacency.mesh(), *field, poll);
   if (poll.stopped()) return fail_stopped(cancel);
-  if (is_any_below) {
-    return back_traced_field(adjacency, sources, limits, Bound::upper, scratch.back_traced, cancel);
-  }
-  field->distance.round_to_floats(Bound::upper);
-  if (limits.max < kUnreached) field->forget_beyond(limits.max);
+  if (is_any_below && bound == Bound::upper) return by_traces();
+  if (bound == Bound::none) restrict_to(asked, *field);
+  field->distance.round_to_floats(bound);
+  if (asked.max < kUnreached) field->forget_beyond(asked.max);
   field->count_reached();
   return field;
 }
@@ -89,11 +116,13 @@ bool goes_by_windows(Method method, const MethodOptions& options, const Adjacenc
   if (traits_of(method).has_windows) return true;
   if (method != Method::back_traced) return false;
   if (options.error_at_most) return true;
-  if (options.bound != Bound::upper) return false;
+  constexpr std::size_t kOneInBounded = 10;
+  constexpr std::size_t kOneIn = 20;
+  const bool is_upper = options.bound == Bound::upper;
+  if (leads_across_slivers(adjacency, sources, is_upper ? kOneInBounded : kOneIn)) return true;
   // Where sides differ by many powers of ten, few edges can be flipped, and slivers on which
   // straight ways from the source lead along are crossed by those to other vertices.
-  return leads_across_slivers(adjacency, sources) ||
-         (!is_even(adjacency) && is_of_slivers(adjacency.delaunay()));
+  return is_upper && !is_even(adjacency) && is_of_slivers(adjacency.delaunay());
 }
 
 namespace {
@@ -125,7 +154,7 @@ Result<Field> solve(Method method, const MethodOptions& options, const Adjacency
             limits, cancel);
       }
       if (goes_by_windows(method, options, adjacency, sources)) {
-        return bound_across_slivers(adjacency, sources, limits, scratch, cancel);
+        return field_across_slivers(options.bound, adjacency, sources, limits, scratch, cancel);
       }
       return back_traced_field(adjacency, sources, limits, options.bound, scratch.back_traced,
                                cancel);
