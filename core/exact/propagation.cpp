@@ -11,6 +11,9 @@ namespace {
 // So many windows cross faces together, or more where an edge has more.
 constexpr std::size_t kTogether = 256;
 
+// Of fewer windows on an edge joining spares little.
+constexpr std::uint32_t kWorthJoining = 64;
+
 // On an edge of many faces no more than these, or else those of one face.
 constexpr std::size_t kMostTogether = std::size_t{1} << 15U;
 
@@ -151,7 +154,33 @@ void Propagation::set_out(std::uint32_t e) {
     }
   } while (h != edge.first && !cancelled_after(windows.size()));
   for (Window& w : windows) w.propagated = true;
+  if (windows.data() == edge.windows) join_propagated(edge);
   bound_edge(e, farthest + least_gap);
+}
+
+// Over a flat part cut up into long triangles one window comes in hundreds of pieces, one between
+// every two vertices that it passed, at as many different times. Once they have all been passed on
+// they are one again, or each that comes would be compared with all of them.
+void Propagation::join_propagated(Edge& edge) {
+  if (edge.size < kWorthJoining) return;
+  const double gap = tolerance::kLeastGap * edge.length;
+  std::uint32_t last = 0;
+  for (std::uint32_t i = 1; i < edge.size; ++i) {
+    Window& left = edge.windows[last];
+    const Window& right = edge.windows[i];
+    const bool is_one = left.pseudo_source == right.pseudo_source && left.from == right.from &&
+                        right.begin - left.end <= gap &&
+                        is_as_good(left, right.begin, right.end, right.at_begin, right.at_end,
+                                   memory_.pseudo_sources[left.pseudo_source].offset);
+    if (is_one) {
+      left.end = right.end;
+      left.at_end = right.at_end;
+      left.faces = std::max(left.faces, right.faces);
+    } else {
+      edge.windows[++last] = right;
+    }
+  }
+  edge.size = last + 1;
 }
 
 // Those that wait, apart: of an edge that is in a face twice, more may come while they cross.

@@ -212,6 +212,7 @@ class Propagation {
 
   // exact/propagation.cpp: windows set out from their edges.
   void set_out(std::uint32_t e);
+  void join_propagated(Edge& edge);
   [[nodiscard]] std::span<Window> take_waiting(std::span<Window> windows);
   void load_entering(std::span<const Window> windows, Halfedge h);
   void keep_sources_on_line(std::size_t first, double length);

@@ -19,7 +19,7 @@ struct FamilyMesh {
 [[nodiscard]] FamilyMesh surface_of_family(std::uint32_t seed, std::uint32_t number);
 inline constexpr std::uint32_t kSurfaceKinds = 12;
 
-// Machine parts, of 2,000 to 16,000 vertices.
+// Machine parts, of some dozens to 20,000 vertices, closed.
 [[nodiscard]] FamilyMesh part_of_family(std::uint32_t seed, std::uint32_t number);
 inline constexpr std::uint32_t kPartKinds = 12;
 

@@ -7,10 +7,12 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <random>
 #include <vector>
 
 #include "tests/bench/edge_dijkstra.h"
 #include "tests/bench/errors.h"
+#include "tests/bench/family_meshes.h"
 #include "tests/bench/irregular_plane.h"
 #include "tests/bench/peak_memory.h"
 #include "tests/bench/peer.h"
@@ -179,5 +181,40 @@ TEST_CASE("TheYardstickIsRightInBothOrders") {
       CHECK(yardstick.in_file_order().distance(v) == doctest::Approx(ours).epsilon(1e-12));
       CHECK(field.distance[v] == doctest::Approx(ours).epsilon(1e-6));
     }
+  }
+}
+
+TEST_CASE("PartsOfTheFamilyAreClosed") {
+  for (std::uint32_t i = 0; i < 2 * bench::kPartKinds; ++i) {
+    const bench::FamilyMesh part = bench::part_of_family(fixtures::test_seed(), i);
+    CAPTURE(i);
+    CAPTURE(part.kind);
+    const bench::Prepared prepared(part.soup);
+    CHECK(prepared.adjacency().report().edges_boundary == 0);
+  }
+}
+
+TEST_CASE("ExactEndsSoonOnPartsWhoseEdgesAreRounding") {
+  const auto questions_on = [](const bench::Prepared& prepared, std::uint32_t draw) {
+    const Adjacency& adjacency = prepared.adjacency();
+    const std::uint32_t face = draw % prepared.mesh().face_count();
+    const Source source{point_at_vertex(adjacency, adjacency.face(face).vertex[0]), 0};
+    std::uint64_t questions = 0;
+    const std::uint64_t most = 10'000 + 4 * prepared.mesh().face_count();
+    const Cancel bounded([&] { return ++questions > most; });
+    FieldLimits limits;
+    limits.keep_details = false;
+    SolveScratch scratch;
+    return solve_field(Method::exact, {}, adjacency, {&source, 1}, limits, scratch, bounded)
+        .has_value();
+  };
+  // Of 1e-16 each, where three cuts meet: this one took 70 s.
+  const bench::Prepared known(bench::part_of_family(1, 22).soup);
+  CHECK(questions_on(known, std::mt19937(22)()));
+  std::mt19937 random(fixtures::test_seed());
+  for (std::uint32_t i = 0; i < bench::kPartKinds; ++i) {
+    CAPTURE(i);
+    const bench::Prepared prepared(bench::part_of_family(fixtures::test_seed(), i).soup);
+    CHECK(questions_on(prepared, static_cast<std::uint32_t>(random())));
   }
 }
