@@ -70,12 +70,8 @@ class VertexBuckets {
     go_to_first();
     std::vector<std::uint32_t>& first = ring_[now_ % kRing];
     in_ring_ -= first.size();
-    if (taken.empty()) {
-      taken.swap(first);
-    } else {
-      taken.insert(taken.end(), first.begin(), first.end());
-      first.clear();
-    }
+    taken.insert(taken.end(), first.begin(), first.end());
+    first.clear();  // keeps its room, so that the next solve need not allocate
   }
 
  private:

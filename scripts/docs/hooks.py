@@ -80,7 +80,7 @@ def smaller(file):
             height = round(picture.height * WIDEST / picture.width)
             picture = picture.resize((WIDEST, height), Image.Resampling.LANCZOS)
         out = io.BytesIO()
-        picture.save(out, "WEBP", quality=55, method=6)
+        picture.save(out, "WEBP", quality=35, method=6)
         return out.getvalue(), picture.size
 
 
