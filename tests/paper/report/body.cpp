@@ -54,8 +54,9 @@ void body(const Setting& setting) {
   const Field truth = prepared.solve(Method::exact, nose);
   const bench::Errors errors = bench::errors_of(field.distance.values(), truth.distance.values());
 
+  const std::vector<double> distances = field.distance.values();  // the picture looks at them
   proto::PictureContent content;
-  content.values = field.distance.values();
+  content.values = distances;
   content.sources = {body.soup.positions[nose]};
   Table table(setting.folder / "fig8.csv",
               {"body", "vertices", "to", "distance", "path_length", "true_distance", "mean_error",

@@ -170,6 +170,10 @@ def figure_8():
     widest = max(blocks, key=len)
     rows = np.flatnonzero((picture[:, widest] < 0.999).any(axis=(1, 2)))
     picture = picture[rows[0] : rows[-1] + 1, widest[0] : widest[-1] + 1]
+    near = np.mean(picture[..., 2] > picture[..., 0] + 0.1)  # blue
+    far = np.mean(picture[..., 0] > picture[..., 2] + 0.2)  # yellow
+    if min(near, far) < 0.01:
+        raise SystemExit("fig. 8: the body lacks the colours of its distances")
     height, width = picture.shape[:2]
     figure = plt.figure(figsize=(8.6, 7.4 * height / width))
     axes = figure.add_axes((0, 0, 0.86, 1))
