@@ -12,6 +12,10 @@ namespace {
 // Where a nearer window ends to be nearer, to this many bits of its length.
 constexpr int kHalvings = 24;
 
+// In heaps of faces along a line all windows are as near as each other, and would double with each
+// face. Then an edge has more than this many.
+constexpr std::uint32_t kCrowd = 16;
+
 }  // namespace
 
 void SeenWindows::reset(const Adjacency& adjacency, Poll& poll) {
@@ -32,7 +36,8 @@ void SeenWindows::reset(const Adjacency& adjacency, Poll& poll) {
   }
 }
 
-bool SeenWindows::cut_where_nearer(const Seen& seen, Window& window, double base) {
+bool SeenWindows::cut_where_nearer(const Seen& seen, bool may_be_equal, Window& window,
+                                   double base) {
   const double narrow = tolerance::kLeastWidth * base;
   const double begin = std::max(seen.begin, window.begin);
   const double end = std::min(seen.end, window.end);
@@ -42,6 +47,7 @@ bool SeenWindows::cut_where_nearer(const Seen& seen, Window& window, double base
   // them falls behind. Where thin faces meet in a vertex, windows go round it hundreds of times, a
   // little farther each time, but for that end.
   const auto nearer_between = [&](double a, double b) {
+    if (may_be_equal) return as_near_along(seen.x, seen.y, seen.offset, window, a, b);
     return nearer_along(seen.x, seen.y, seen.offset, window, a, b, from_begin && a == window.begin,
                         to_end && b == window.end);
   };
@@ -64,24 +70,53 @@ bool SeenWindows::cut_where_nearer(const Seen& seen, Window& window, double base
   return window.begin < window.end;
 }
 
+// By straight lines within its interval, and from its ends along the edge. In a heap of faces about
+// one vertex there are as many ways to an edge as there are choices of faces, and each is seen
+// where none of the others is, or a little farther on either side. Of two that are as near, the
+// earlier one stays.
+bool SeenWindows::is_no_farther(const Seen& seen, bool may_be_equal, const Window& window) {
+  const auto at = [&](double p) { return seen.offset + length(p - seen.x, seen.y); };
+  const double near = std::max(window.begin - window.x, window.x - window.end);
+  const bool runs_along = window.y <= tolerance::kAlongEdge * near;
+  const auto is_no_farther_at = [&](double p, double end) {
+    const double along = at(end) + std::abs(p - end);
+    return may_be_equal && runs_along ? !clearly_less(window.at(p), along)
+                                      : clearly_less(along, window.at(p));
+  };
+  if (window.end > seen.end && !is_no_farther_at(window.end, seen.end)) return false;
+  if (window.begin < seen.begin && !is_no_farther_at(window.begin, seen.begin)) return false;
+  const double begin = std::max(seen.begin, window.begin);
+  const double end = std::min(seen.end, window.end);
+  if (!(begin < end)) return true;
+  return may_be_equal ? as_near_along(seen.x, seen.y, seen.offset, window, begin, end)
+                      : nearer_along(seen.x, seen.y, seen.offset, window, begin, end, false, false);
+}
+
 bool SeenWindows::trim(Halfedge edge, Window& window, double base, Poll& poll) const {
   const double narrow = tolerance::kLeastWidth * base;
   // Rounding moves by more than kSamePlace what is a million edges away.
   const double same =
       std::max(tolerance::kSamePlace * base, tolerance::kSameDistance * window.least());
+  // Of two that are as near, the earlier one stays. Not where few have come: what is as near as the
+  // way along an edge may be the only one that goes on along the same line.
+  const bool is_crowded = first_[edge] != kNone && windows_[first_[edge]].before > kCrowd;
   for (std::uint32_t i = first_[edge]; i != kNone; i = windows_[i].next) {
     if (poll.cancelled()) return false;
     const Seen& seen = windows_[i];
-    if (i == window.seen || seen.end <= window.begin || seen.begin >= window.end) continue;
+    if (i == window.seen) continue;
+    const bool is_earlier = i < window.seen;
+    const bool may_be_equal = is_earlier && is_crowded;
+    if (is_no_farther(seen, may_be_equal, window)) return false;
+    if (seen.end <= window.begin || seen.begin >= window.end) continue;
     const bool same_place = std::abs(seen.x - window.x) <= same &&
                             std::abs(seen.y - window.y) <= same &&
                             std::abs(seen.offset - window.offset) <= same;
     if (!same_place) {
-      if (!cut_where_nearer(seen, window, base)) return false;
+      if (!cut_where_nearer(seen, may_be_equal, window, base)) return false;
       continue;
     }
     // Of two that see the same, the earlier one does.
-    if (i > window.seen) continue;
+    if (!is_earlier) continue;
     const bool from_begin = seen.begin <= window.begin + narrow;
     const bool to_end = seen.end >= window.end - narrow;
     if (from_begin && to_end) return false;
@@ -96,8 +131,9 @@ bool SeenWindows::enter(Window& window, double base, Poll& poll) {
   window.seen = static_cast<std::uint32_t>(windows_.size());
   if (frame.mirrored) window.mirror(base);
   if (window.branched != 0 && !trim(frame.edge, window, base, poll)) return false;
-  windows_.push_back(
-      {window.begin, window.end, window.x, window.y, window.offset, first_[frame.edge]});
+  const std::uint32_t last = first_[frame.edge];
+  const std::uint32_t before = last == kNone ? 0 : windows_[last].before + 1;
+  windows_.push_back({window.begin, window.end, window.x, window.y, window.offset, last, before});
   first_[frame.edge] = window.seen;
   if (frame.mirrored) window.mirror(base);
   return true;

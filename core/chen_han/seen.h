@@ -38,7 +38,8 @@ class SeenWindows {
     double x;
     double y;
     double offset;
-    std::uint32_t next;  // on the same edge
+    std::uint32_t next;    // on the same edge
+    std::uint32_t before;  // as many as come after that
   };
   // Windows of all faces on an edge, in the frame of one of its halfedges.
   struct Frame {
@@ -48,7 +49,11 @@ class SeenWindows {
   [[nodiscard]] Frame frame_of(Halfedge h) const {
     return {static_cast<Halfedge>(frames_[h] >> 1U), (frames_[h] & 1U) != 0};
   }
-  [[nodiscard]] static bool cut_where_nearer(const Seen& seen, Window& window, double base);
+  [[nodiscard]] static bool cut_where_nearer(const Seen& seen, bool may_be_equal, Window& window,
+                                             double base);
+  // Whether its ways are shorter everywhere in the window, or as long if they may.
+  [[nodiscard]] static bool is_no_farther(const Seen& seen, bool may_be_equal,
+                                          const Window& window);
   [[nodiscard]] bool trim(Halfedge edge, Window& window, double base, Poll& poll) const;
 
   // By halfedge: twice that of its edge's frame, one more if it is mirrored. Looked for in the

@@ -131,6 +131,14 @@ struct SideInterval {
   return a < b - tolerance::kSameDistance * b;
 }
 
+// Where on the edge the difference of a window's distances and those from a place at (x, y) is
+// least or greatest: where both sources are seen in the same direction. There is one such place at
+// most, and none when they are equally deep.
+[[nodiscard]] inline double extremum_along(double x, double y, const Window& window) {
+  const double depth = std::abs(y);
+  return (x * window.y - window.x * depth) / (window.y - depth);
+}
+
 // Whether between two places of the window the way from a place at (x, y), on either side of the
 // edge and with the distance `offset`, is clearly shorter. At one of the two it may be as long, if
 // that is allowed there.
@@ -147,10 +155,7 @@ struct SideInterval {
   const bool at_end = nearer_at(end);
   if (!at_begin && !(may_be_equal_at_begin && at_end && as_near_at(begin))) return false;
   if (!at_end && !(may_be_equal_at_end && at_begin && as_near_at(end))) return false;
-  // The difference of two distances along a line has one extremum at most, where both
-  // sources are seen in the same direction; none when they are equally deep.
-  const double depth = std::abs(y);
-  const double level = (x * window.y - window.x * depth) / (window.y - depth);
+  const double level = extremum_along(x, y, window);
   const bool inside = level > begin && level < end;
   return !inside || nearer_at(level);
 }
@@ -158,6 +163,17 @@ struct SideInterval {
 // Whether it is everywhere in the window.
 [[nodiscard]] inline bool nearer_along(double x, double y, double offset, const Window& window) {
   return nearer_along(x, y, offset, window, window.begin, window.end, false, false);
+}
+
+// Whether it is clearly longer nowhere between the two.
+[[nodiscard]] inline bool as_near_along(double x, double y, double offset, const Window& window,
+                                        double begin, double end) {
+  const auto as_near_at = [&](double p) {
+    return !clearly_less(window.at(p), offset + length(p - x, y));
+  };
+  const double level = extremum_along(x, y, window);
+  const bool inside = level > begin && level < end;
+  return as_near_at(begin) && as_near_at(end) && (!inside || as_near_at(level));
 }
 
 }  // namespace geodesic::chen_han

@@ -265,7 +265,7 @@ void append_merged(std::span<const Window> old, std::span<const Window> fresh,
         high == a.window->end ? a.window->at_end : a.window->at(high, offset_a);
     const double at_high_b =
         high == b.window->end ? b.window->at_end : b.window->at(high, offset_b);
-    const double rounding = tolerance::kSameDistance * std::max(a.at_begin, at_high_a);
+    const double rounding = rounding_of(*a.window, *b.window, std::max(a.at_begin, at_high_a));
     add_nearer({*a.window, *b.window, offset_a, offset_b, low, high, a.at_begin, at_high_a,
                 b.at_begin, at_high_b, rounding},
                pieces);

@@ -34,6 +34,14 @@ using PseudoSources = std::span<const PseudoSource>;
          is_within_rounding(window, length);
 }
 
+// By how much a fresh window must be nearer than an old one to take its place, where that has so
+// much of a distance. One that has crossed more faces from the same pseudo-source has gone round
+// something: where that is thin, rounding alone makes each round seem nearer.
+[[nodiscard]] inline double rounding_of(const Window& old, const Window& fresh, double distance) {
+  const bool goes_round = old.pseudo_source == fresh.pseudo_source && fresh.faces > old.faces;
+  return (goes_round ? tolerance::kWindows : tolerance::kSameDistance) * distance;
+}
+
 // Whether two windows are one, cut in two by a vertex that it passed on
 // one side and on the other.
 [[nodiscard]] inline bool is_continued_by(const Window& left, const Window& right, double offset,

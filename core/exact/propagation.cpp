@@ -120,6 +120,7 @@ void Propagation::set_out(std::uint32_t e) {
   edge.pending = kUnreached;
   const double at_tail = distance_[edge.tail];
   const double at_head = distance_[edge.head];
+  drop_overtaken(edge);
   double farthest = 0;
   double covered = 0;
   const auto gap = [&](double begin, double end) {
@@ -156,6 +157,38 @@ void Propagation::set_out(std::uint32_t e) {
   for (Window& w : windows) w.propagated = true;
   if (windows.data() == edge.windows) join_propagated(edge);
   bound_edge(e, farthest + least_gap);
+}
+
+// In a heap of faces on one line or about one vertex, windows come over one edge by ever more ways,
+// each seen where none of the others is. Nearly all of them are farther than from the end of
+// another one along the edge: what bends there has not come yet. Passed on, they would be as many
+// as there are ways. Those whose rays run along the edge go, too, if they are as far: they are as
+// near as each other.
+void Propagation::drop_overtaken(Edge& edge) {
+  if (edge.size < kWorthJoining) return;
+  const std::span<Window> windows(edge.windows, edge.size);
+  const auto is_overtaken = [](const Window& w, double along, double straight) {
+    const double near = std::max(w.begin - w.x, w.x - w.end);  // negative above the interval
+    const double rounding = tolerance::kSameDistance * straight;
+    return along < straight + (w.y <= tolerance::kAlongEdge * near ? rounding : -rounding);
+  };
+  std::uint32_t left = 0;
+  double along = distance_[edge.tail];  // less the place
+  for (const Window& w : windows) {
+    const bool goes = is_overtaken(w, along + w.end, w.at_end);
+    along = std::min(along, w.at_end - w.end);
+    if (!goes) edge.windows[left++] = w;
+  }
+  std::uint32_t first = left;
+  along = distance_[edge.head] + edge.length;
+  for (std::uint32_t i = left; i-- > 0;) {
+    const Window& w = edge.windows[i];
+    const bool goes = is_overtaken(w, along - w.begin, w.at_begin);
+    along = std::min(along, w.at_begin + w.begin);
+    if (!goes) edge.windows[--first] = w;
+  }
+  std::copy(edge.windows + first, edge.windows + left, edge.windows);
+  edge.size = left - first;
 }
 
 // Over a flat part cut up into long triangles one window comes in hundreds of pieces, one between

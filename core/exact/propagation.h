@@ -212,6 +212,7 @@ class Propagation {
 
   // exact/propagation.cpp: windows set out from their edges.
   void set_out(std::uint32_t e);
+  void drop_overtaken(Edge& edge);
   void join_propagated(Edge& edge);
   [[nodiscard]] std::span<Window> take_waiting(std::span<Window> windows);
   void load_entering(std::span<const Window> windows, Halfedge h);

@@ -40,7 +40,7 @@ Trimming trim(Window& old, Window& fresh, bool fresh_ends, PseudoSources pseudo_
                                     at_high_old,
                                     at_low_fresh,
                                     at_high_fresh,
-                                    tolerance::kSameDistance * std::max(at_low_old, at_high_old)};
+                                    rounding_of(old, fresh, std::max(at_low_old, at_high_old))};
   const double g_low = at_low_fresh - at_low_old;
   const double g_high = at_high_fresh - at_high_old;
   // Whether the window has no more to it than the overlap on the other one's side.

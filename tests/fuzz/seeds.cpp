@@ -166,6 +166,11 @@ std::vector<std::string> mesh_seeds() {
   };
 }
 
+std::vector<std::string> heap_seeds() {
+  // As heaps.cpp reads them: how thin and flat, what faces share, how many of both.
+  return {std::string(8, '\0'), "heap", std::string(16, '\x5a'), std::string(24, '\xff')};
+}
+
 std::vector<std::string> request_seeds() {
   return {
       R"({"from":"v:0","to":{"face":4,"bary":[0.2,0.3,0.5]},"method":"exact","refine":"shortest"})",

@@ -14,6 +14,7 @@ std::span<const Target> targets() {
       Target{"points", fuzz_points, point_seeds},
       Target{"frame", fuzz_frame, frame_seeds},
       Target{"methods", fuzz_methods, mesh_seeds},
+      Target{"heaps", fuzz_heaps, heap_seeds},
       Target{"head", fuzz_head, head_seeds},
       Target{"body", fuzz_body, body_seeds},
       Target{"form", fuzz_form, form_seeds},

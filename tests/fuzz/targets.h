@@ -28,7 +28,7 @@ struct Target {
   std::vector<std::string> (*seeds)();
 };
 
-// By name: gltf, draco, polygons, mesh, requests, points, frame, methods, head, body, form,
+// By name: gltf, draco, polygons, mesh, requests, points, frame, methods, heaps, head, body, form,
 // proxy_header, forwarded.
 [[nodiscard]] std::span<const Target> targets();
 
@@ -38,6 +38,7 @@ void fuzz_requests(Input input);
 void fuzz_points(Input input);
 void fuzz_frame(Input input);
 void fuzz_methods(Input input);
+void fuzz_heaps(Input input);
 void fuzz_head(Input input);
 void fuzz_body(Input input);
 void fuzz_form(Input input);
@@ -49,6 +50,7 @@ void fuzz_forwarded(Input input);
 [[nodiscard]] std::vector<std::string> draco_seeds();
 [[nodiscard]] std::vector<std::string> polygon_seeds();  // OBJ, PLY and STL
 [[nodiscard]] std::vector<std::string> mesh_seeds();
+[[nodiscard]] std::vector<std::string> heap_seeds();
 [[nodiscard]] std::vector<std::string> request_seeds();
 [[nodiscard]] std::vector<std::string> point_seeds();
 [[nodiscard]] std::vector<std::string> frame_seeds();
