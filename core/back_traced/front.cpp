@@ -35,12 +35,14 @@ constexpr std::array<std::uint8_t, 6> kFartherCorner{1, 2, 2, 0, 0, 1};
 
 // Estimates and distances differ by at most the longest side between neighbours. So a vertex is
 // accepted before all that are farther by more than twice that.
-double BackTracedFront::lag() const {
+double BackTracedFront::lag() {
+  if (lag_ < kUnreached) return lag_;
   double longest2 = 0;
   for (const FaceRecord& face : surface_.faces) {
     for (std::uint32_t c = 0; c < 3; ++c) longest2 = std::max(longest2, face.length2(c));
   }
-  return 2 * std::sqrt(longest2);
+  lag_ = 2 * std::sqrt(longest2);
+  return lag_;
 }
 
 void BackTracedFront::see(std::uint32_t vertex, double straight) {

@@ -20,6 +20,7 @@
 #include "core/field/field.h"
 #include "core/surface/adjacency.h"
 #include "core/surface/triangulation.h"
+#include "core/wavefront/waves.h"
 
 namespace geodesic {
 
@@ -37,8 +38,9 @@ class BackTracedFront {
         poll_(poll) {}
 
   // Considers the vertices in the same face as the source, straight from there, and
-  // those that a look around from the source finds visible from it.
-  void start(const SurfacePoint& source);
+  // those that a look around from the source finds visible from it, as far as no other source is
+  // nearer.
+  void start(const SurfacePoint& source, const detail::Worthwhile& worthwhile);
 
   // Accepts the next vertices: they get their distances. False, and none, when there are
   // no more, or only such as are farther than `last` and by more than `lag`.
@@ -54,7 +56,7 @@ class BackTracedFront {
   [[nodiscard]] bool may_improve() const { return scratch_.waiting.has_more_now(); }
 
   // By how much a vertex may come after others that are farther.
-  [[nodiscard]] double lag() const;
+  [[nodiscard]] double lag();
   [[nodiscard]] double distance(std::uint32_t vertex) const { return distance_[vertex]; }
   // The vertex is as if the wave had not come there.
   void forget(std::uint32_t vertex);
@@ -87,8 +89,9 @@ class BackTracedFront {
   BackTracedScratch& scratch_;
   std::span<double> distance_;
   Poll& poll_;
-  Triangulation surface_;  // what this wave goes over
-  double least_gain_ = 0;  // that makes an accepted vertex wait again
+  Triangulation surface_;    // what this wave goes over
+  double lag_ = kUnreached;  // once it was asked for
+  double least_gain_ = 0;    // that makes an accepted vertex wait again
   int rounds_in_bucket_ = 0;
   Vectors vectors_ = best_vectors();
   // Traces that wait for company, and their places in the round.

@@ -42,7 +42,7 @@ double bucket_width(std::span<const FaceRecord> faces) {
 
 }  // namespace
 
-void BackTracedFront::start(const SurfacePoint& source) {
+void BackTracedFront::start(const SurfacePoint& source, const detail::Worthwhile& worthwhile) {
   const auto places = in_all_faces(adjacency_, source);
   // Only the mesh's own faces say where a point inside one is, and what it sees over them. The
   // front goes on from there over the Delaunay triangulation, as from a vertex.
@@ -96,8 +96,10 @@ void BackTracedFront::start(const SurfacePoint& source) {
       see(face.vertex[c], distance_to_corner(adjacency_.mesh(), place, c));
     }
   }
-  look_around(source.at_vertex() ? surface_ : adjacency_.triangulation(), cones, most_faces,
-              [this](std::uint32_t v, double straight) { see(v, straight); });
+  look_around(
+      source.at_vertex() ? surface_ : adjacency_.triangulation(), cones, most_faces,
+      [&](std::uint32_t v, double straight) { return worthwhile.is_nearest(v, straight); },
+      [this](std::uint32_t v, double straight) { see(v, straight); });
 }
 
 }  // namespace geodesic

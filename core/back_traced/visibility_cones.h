@@ -39,11 +39,12 @@ struct VisibilityCone {
 // Tells `see` of every vertex that one of the cones comes to, and how far it is that
 // way: each is the length of a path on the surface. The cones go on as if through a
 // surface without an end, those that have crossed fewer faces first, until they have crossed
-// `most` of them (a cone that crosses none counts as one). Works in the vector it is given, to
-// which no more than two cones for each of those come.
-template <class See>
+// `most` of them (a cone that crosses none counts as one), and not beyond faces for no corner of
+// which `goes_on(vertex, distance)` holds. Works in the vector it is given, to which no more than
+// two cones for each of those come.
+template <class GoesOn, class See>
 void look_around(const Triangulation& surface, std::vector<VisibilityCone>& cones, std::size_t most,
-                 See see) {
+                 GoesOn goes_on, See see) {
   std::size_t crossed = 0;
   for (std::size_t i = 0; i < cones.size() && crossed < most; ++i) {
     const VisibilityCone cone = cones[i];
@@ -65,6 +66,11 @@ void look_around(const Triangulation& surface, std::vector<VisibilityCone>& cone
       const bool within_left = cross(to_apex, cone.left_bound) >= 0;
       const bool within_right = cross(cone.right_bound, to_apex) >= 0;
       const double straight = norm(to_apex);
+      if (!goes_on(face.vertex[apex], straight) &&
+          !goes_on(face.vertex[forward ? c : n], norm(cone.to_right)) &&
+          !goes_on(face.vertex[forward ? n : c], norm(cone.to_left))) {
+        continue;
+      }
       const double farthest = std::max(cone.farthest, straight);
       const double rounding = UnfoldRounding::of_corner(face, farthest);
       if (within_left && within_right) {

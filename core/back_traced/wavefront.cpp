@@ -31,12 +31,12 @@ double reach(const FieldLimits& limits, const Field& field) {
 template <class Accepted>
 Result<void> run_wave(BackTracedFront& front, const Adjacency& adjacency,
                       std::span<const Source> sources, std::uint32_t number,
-                      std::span<const double> earlier, double max, const Detour& detour,
+                      const detail::OtherSources& others, double max, const Detour& detour,
                       RemainingTargets& targets, Poll& poll, Accepted accepted) {
   const Source& source = sources[number];
-  const detail::Worthwhile worthwhile(adjacency, source, earlier, detour);
-  const bool goes_everywhere = earlier.empty() && !detour.is_bounded();
-  front.start(source.point);
+  const detail::Worthwhile worthwhile(adjacency, source, others, detour);
+  const bool goes_everywhere = others.earlier.empty() && !detour.is_bounded();
+  front.start(source.point, worthwhile);
   max -= source.offset;
   const double last = max < kUnreached ? max + front.lag() : max;
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
@@ -81,7 +81,12 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
   visited.clear();
   const auto candidates =
       bound == Bound::upper ? BackTrace::Candidates::paths : BackTrace::Candidates::virtual_sources;
-  Poll poll(cancel);
+  WavefrontScratch of_edges;
+  const auto along_edges = detail::ways_along_edges(adjacency, sources, limits.max, of_edges,
+                                                    cancel.part(0, detail::kWaysAlongEdges));
+  if (!along_edges) return fail(along_edges.error());
+  const Cancel rest = along_edges->empty() ? cancel : cancel.part(detail::kWaysAlongEdges, 1);
+  Poll poll(rest);
   bool is_any_below = false;
   if (sources.size() == 1) {
     BackTracedFront front(adjacency, candidates, scratch, field.distance.doubles(), poll);
@@ -104,11 +109,12 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
         front, limits, field, scratch.is_target,
         [&](std::uint32_t s, double max, RemainingTargets& targets, auto accepted) {
           reached.clear();
-          auto wave = run_wave(front, adjacency, sources, s, field.distance.doubles(), max, {},
-                               targets, poll, [&](std::uint32_t v) {
-                                 reached.push_back(v);
-                                 accepted(v);
-                               });
+          auto wave =
+              run_wave(front, adjacency, sources, s, {field.distance.doubles(), *along_edges}, max,
+                       {}, targets, poll, [&](std::uint32_t v) {
+                         reached.push_back(v);
+                         accepted(v);
+                       });
           is_any_below = raise_to_straight_lines(adjacency.mesh(), sources[s].point, reached,
                                                  scratch.distance, poll) ||
                          is_any_below;

@@ -22,8 +22,12 @@ Result<Field> waves_field(Method method, const Adjacency& adjacency,
   field.sources.assign(sources.begin(), sources.end());
   field.distance.assign(vertex_count, kUnreached);
   field.parents.assign(vertex_count, {});
+  const auto along_edges =
+      ways_along_edges(adjacency, sources, limits.max, scratch, cancel.part(0, kWaysAlongEdges));
+  if (!along_edges) return fail(along_edges.error());
+  const Cancel rest = along_edges->empty() ? cancel : cancel.part(kWaysAlongEdges, 1);
   scratch.heap.reset(vertex_count);
-  Poll poll(cancel);
+  Poll poll(rest);
   // A search for a pair costs what it goes over, not what the mesh has.
   const bool is_search = sources.size() == 1 && limits.detour.is_bounded();
   std::vector<std::uint32_t> visited;
@@ -47,8 +51,9 @@ Result<Field> waves_field(Method method, const Adjacency& adjacency,
     auto waves = run_waves(
         front, limits, field, scratch.is_target,
         [&](std::uint32_t s, double max, RemainingTargets& targets, auto accepted) {
-          return run_wave(front, adjacency, sources[s], s, sources.size(), field.distance.doubles(),
-                          max, {}, targets, scratch.heap, poll, accepted);
+          return run_wave(front, adjacency, sources[s], s, sources.size(),
+                          {field.distance.doubles(), *along_edges}, max, {}, targets, scratch.heap,
+                          poll, accepted);
         },
         [&](std::uint32_t v) {
           front.forget(v);

@@ -32,7 +32,8 @@ struct WavefrontScratch {
 // one was nearer: circles of two sources mean nothing together. No distance is below the
 // straight line in space: what the rule makes less, as across faces without area, is raised to it.
 //
-// O(n log n) for n vertices and one source; with k sources about log k times that.
+// O(n log n) for n vertices, whatever the number of sources: each wave goes little farther than its
+// source is the nearest.
 // With no source everything is unreached. Errors: cancelled.
 [[nodiscard]] Result<Field> wavefront_field(const Adjacency& adjacency,
                                             std::span<const Source> sources,

@@ -18,6 +18,7 @@
 #include "tests/bench/errors.h"
 #include "tests/bench/frontier_meshes.h"
 #include "tests/bench/frontier_pairs.h"
+#include "tests/bench/frontier_sources.h"
 #include "tests/bench/peak_memory.h"
 #include "tests/bench/prepared.h"
 #include "tests/bench/processor_time.h"
@@ -357,6 +358,7 @@ void print_frontier(const FrontierOptions& options) {
   }
   print_vectors();
   print_fields();
+  print_sources(meshes);
 }
 
 }  // namespace geodesic::bench

@@ -2,9 +2,14 @@
 // does.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <random>
+#include <utility>
 #include <vector>
 
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/faces_thrown_together.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/surface.h"
@@ -48,5 +53,44 @@ TEST_CASE("NoDistanceFromSeveralSourcesIsAboveTheWayAlongEdges") {
     const int faces = 20 + static_cast<int>(random() % 80);
     check_not_above_ways_along_edges(random,
                                      Surface(fixtures::faces_thrown_together(random, faces)));
+  }
+}
+
+// Each wave stops where another source is nearer. What it has not seen there is of no use to it.
+TEST_CASE("DistancesFromManySourcesAreTheLeastFromEachAlone") {
+  std::mt19937 random(fixtures::test_seed());
+  TriangleSoup stretched = shapes::terrain(60, 6, random());
+  for (Vec3& p : stretched.positions) p.x *= 4;
+  for (const TriangleSoup& soup : {shapes::terrain(70, 10, random()), std::move(stretched),
+                                   shapes::torus_knot(200, 16, 0.4), shapes::icosphere(4)}) {
+    const Surface surface(soup);
+    const auto vertices = static_cast<std::uint32_t>(surface.mesh().vertex_count());
+    for (const std::size_t count : {3, 12, 60}) {
+      CAPTURE(count);
+      std::vector<Source> sources;
+      for (std::size_t i = 0; i < count; ++i) {
+        const auto v = static_cast<std::uint32_t>(random() % vertices);
+        sources.push_back({point_at_vertex(surface.adjacency(), v), 0});
+      }
+      std::vector<double> least(vertices, kUnreached);
+      for (const Source& source : sources) {
+        const Field alone = surface.field_by(Method::back_traced, {source});
+        for (std::uint32_t v = 0; v < vertices; ++v) {
+          least[v] = std::min(least[v], alone.distance[v]);
+        }
+      }
+      const Field together = surface.field_by(Method::back_traced, sources);
+      double greatest = 0;
+      double sum = 0;
+      for (std::uint32_t v = 0; v < vertices; ++v) {
+        if (least[v] == 0) continue;
+        const double off = std::abs(together.distance[v] / least[v] - 1);
+        greatest = std::max(greatest, off);
+        sum += off;
+      }
+      CAPTURE(greatest);
+      CHECK(sum < 1e-4 * vertices);
+      CHECK(greatest < 0.03);
+    }
   }
 }
