@@ -90,7 +90,7 @@ class BackTracedFront {
   std::span<double> distance_;
   Poll& poll_;
   Triangulation surface_;    // what this wave goes over
-  double lag_ = kUnreached;  // once it was asked for
+  double lag_ = kUnreached;  // until it was asked for
   double least_gain_ = 0;    // that makes an accepted vertex wait again
   int rounds_in_bucket_ = 0;
   Vectors vectors_ = best_vectors();

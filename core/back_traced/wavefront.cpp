@@ -81,11 +81,9 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
   visited.clear();
   const auto candidates =
       bound == Bound::upper ? BackTrace::Candidates::paths : BackTrace::Candidates::virtual_sources;
-  WavefrontScratch of_edges;
-  const auto along_edges = detail::ways_along_edges(adjacency, sources, limits.max, of_edges,
-                                                    cancel.part(0, detail::kWaysAlongEdges));
+  const auto along_edges = detail::ways_along_edges(adjacency, sources, limits.max, cancel);
   if (!along_edges) return fail(along_edges.error());
-  const Cancel rest = along_edges->empty() ? cancel : cancel.part(detail::kWaysAlongEdges, 1);
+  const Cancel rest = detail::after_ways_along_edges(*along_edges, cancel);
   Poll poll(rest);
   bool is_any_below = false;
   if (sources.size() == 1) {

@@ -13,7 +13,7 @@ namespace {
 constexpr int kHalvings = 24;
 
 // In heaps of faces along a line all windows are as near as each other, and would double with each
-// face. Then an edge has more than this many.
+// face. Such an edge has more than this many before the last one.
 constexpr std::uint32_t kCrowd = 16;
 
 }  // namespace
@@ -70,10 +70,10 @@ bool SeenWindows::cut_where_nearer(const Seen& seen, bool may_be_equal, Window& 
   return window.begin < window.end;
 }
 
-// By straight lines within its interval, and from its ends along the edge. In a heap of faces about
-// one vertex there are as many ways to an edge as there are choices of faces, and each is seen
-// where none of the others is, or a little farther on either side. Of two that are as near, the
-// earlier one stays.
+// The ways of `seen` are its straight lines, and outside its interval those from its ends along the
+// edge. In a heap of faces about one vertex there are as many windows on an edge as there are
+// choices of faces, and each is seen where none of the others is, or a little farther on either
+// side.
 bool SeenWindows::is_no_farther(const Seen& seen, bool may_be_equal, const Window& window) {
   const auto at = [&](double p) { return seen.offset + length(p - seen.x, seen.y); };
   const double near = std::max(window.begin - window.x, window.x - window.end);

@@ -39,7 +39,7 @@ class SeenWindows {
     double y;
     double offset;
     std::uint32_t next;    // on the same edge
-    std::uint32_t before;  // as many as come after that
+    std::uint32_t before;  // how many came to that edge before it
   };
   // Windows of all faces on an edge, in the frame of one of its halfedges.
   struct Frame {
@@ -51,7 +51,7 @@ class SeenWindows {
   }
   [[nodiscard]] static bool cut_where_nearer(const Seen& seen, bool may_be_equal, Window& window,
                                              double base);
-  // Whether its ways are shorter everywhere in the window, or as long if they may.
+  // Whether the ways of `seen` are shorter everywhere in the window, or as long if they may be.
   [[nodiscard]] static bool is_no_farther(const Seen& seen, bool may_be_equal,
                                           const Window& window);
   [[nodiscard]] bool trim(Halfedge edge, Window& window, double base, Poll& poll) const;

@@ -11,8 +11,8 @@ namespace {
 // So many windows cross faces together, or more where an edge has more.
 constexpr std::size_t kTogether = 256;
 
-// Of fewer windows on an edge joining spares little.
-constexpr std::uint32_t kWorthJoining = 64;
+// Of fewer windows on an edge, dropping or joining some spares little.
+constexpr std::uint32_t kManyOnEdge = 64;
 
 // On an edge of many faces no more than these, or else those of one face.
 constexpr std::size_t kMostTogether = std::size_t{1} << 15U;
@@ -159,13 +159,13 @@ void Propagation::set_out(std::uint32_t e) {
   bound_edge(e, farthest + least_gap);
 }
 
-// In a heap of faces on one line or about one vertex, windows come over one edge by ever more ways,
-// each seen where none of the others is. Nearly all of them are farther than from the end of
-// another one along the edge: what bends there has not come yet. Passed on, they would be as many
-// as there are ways. Those whose rays run along the edge go, too, if they are as far: they are as
-// near as each other.
+// In a heap of faces on one line or about one vertex, windows come to an edge by ever more ways,
+// each seen where none of the others is. Most of them are farther than the way along the edge from
+// the end of another window: the shorter way bends there, and its own windows have not come yet. If
+// all were passed on, there would be as many as there are ways. A window whose rays run along the
+// edge is dropped even where that way is only as long.
 void Propagation::drop_overtaken(Edge& edge) {
-  if (edge.size < kWorthJoining) return;
+  if (edge.size < kManyOnEdge) return;
   const std::span<Window> windows(edge.windows, edge.size);
   const auto is_overtaken = [](const Window& w, double along, double straight) {
     const double near = std::max(w.begin - w.x, w.x - w.end);  // negative above the interval
@@ -195,7 +195,7 @@ void Propagation::drop_overtaken(Edge& edge) {
 // every two vertices that it passed, at as many different times. Once they have all been passed on
 // they are one again, or each that comes would be compared with all of them.
 void Propagation::join_propagated(Edge& edge) {
-  if (edge.size < kWorthJoining) return;
+  if (edge.size < kManyOnEdge) return;
   const double gap = tolerance::kLeastGap * edge.length;
   std::uint32_t last = 0;
   for (std::uint32_t i = 1; i < edge.size; ++i) {

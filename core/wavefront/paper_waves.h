@@ -22,10 +22,9 @@ Result<Field> waves_field(Method method, const Adjacency& adjacency,
   field.sources.assign(sources.begin(), sources.end());
   field.distance.assign(vertex_count, kUnreached);
   field.parents.assign(vertex_count, {});
-  const auto along_edges =
-      ways_along_edges(adjacency, sources, limits.max, scratch, cancel.part(0, kWaysAlongEdges));
+  const auto along_edges = ways_along_edges(adjacency, sources, limits.max, cancel);
   if (!along_edges) return fail(along_edges.error());
-  const Cancel rest = along_edges->empty() ? cancel : cancel.part(kWaysAlongEdges, 1);
+  const Cancel rest = after_ways_along_edges(*along_edges, cancel);
   scratch.heap.reset(vertex_count);
   Poll poll(rest);
   // A search for a pair costs what it goes over, not what the mesh has.

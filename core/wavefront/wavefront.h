@@ -32,9 +32,9 @@ struct WavefrontScratch {
 // one was nearer: circles of two sources mean nothing together. No distance is below the
 // straight line in space: what the rule makes less, as across faces without area, is raised to it.
 //
-// O(n log n) for n vertices, whatever the number of sources: each wave goes little farther than its
-// source is the nearest.
-// With no source everything is unreached. Errors: cancelled.
+// O(n log n) for n vertices and one source. With k sources that lie apart about twice that, for
+// each wave goes little farther than where its source is the nearest; k times that at worst, where
+// all lie within a few edges. With no source everything is unreached. Errors: cancelled.
 [[nodiscard]] Result<Field> wavefront_field(const Adjacency& adjacency,
                                             std::span<const Source> sources,
                                             const FieldLimits& limits, WavefrontScratch& scratch,

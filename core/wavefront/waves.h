@@ -22,43 +22,13 @@
 #include "core/field/remaining_targets.h"
 #include "core/field/vertex_heap.h"
 #include "core/surface/adjacency.h"
-#include "core/wavefront/edge_dijkstra.h"
+#include "core/wavefront/other_sources.h"
 
 namespace geodesic::detail {
 
-// What a wave is told of the sources beside its own, with their offsets. Empty: nothing.
-struct OtherSources {
-  std::span<const double> earlier;      // by vertex, the distances by the waves before
-  std::span<const double> along_edges;  // and those from any source along edges
-};
-
-// The ways along edges from the nearest of the sources, by vertex; empty for so few that the waves
-// are as quick without. Each wave then goes little farther than its source's own region. Without,
-// the waves of n sources go over the whole surface about log n times. Errors: cancelled.
-[[nodiscard]] inline Result<std::vector<double>> ways_along_edges(const Adjacency& adjacency,
-                                                                  std::span<const Source> sources,
-                                                                  double max,
-                                                                  WavefrontScratch& scratch,
-                                                                  const Cancel& cancel) {
-  constexpr std::size_t kFew = 2;
-  if (sources.size() <= kFew) return {};
-  const std::uint64_t vertex_count = adjacency.mesh().vertex_count();
-  if (!cancel.may_take(vertex_count * (sizeof(double) + sizeof(Parents) + sizeof(std::uint32_t)))) {
-    return fail_stopped(cancel);
-  }
-  FieldLimits limits;
-  limits.max = max;
-  auto field = edge_dijkstra_field(adjacency, sources, limits, scratch, cancel);
-  if (!field) return fail(std::move(field.error()));
-  return std::move(field->distance.doubles());
-}
-
-// The part of a computation's progress that they are.
-inline constexpr double kWaysAlongEdges = 0.2;
-
-// Ways along edges bound a wave on all sides and from its start, so its overlap is wider: of
-// 219,000 distances by auto on rough terrain 0.2 % differ from those of whole waves, by at most 0.3
-// %; with one overlap 0.4 % and 0.6 %.
+// Ways along edges bound a wave on all sides and from its start, so its overlap is wider. With one
+// overlap twice as many distances by `auto` on rough terrain differ from those of whole waves
+// (core_tests prints how many: DistancesFromManySources).
 inline constexpr double kOverlapByEdges = 2;
 
 // Where a wave, whose source starts at zero, goes on from.
@@ -68,17 +38,15 @@ struct Worthwhile {
   std::span<const Vec3> positions;
   // … from those clearly nearer to an earlier source, or to any by the ways along edges; empty for
   // none.
-  std::span<const double> earlier;
-  std::span<const double> along_edges;
+  OtherSources others;
   double offset;   // of this source
   double overlap;  // a vertex just inside this source's region needs its neighbours outside
 
-  Worthwhile(const Adjacency& adjacency, const Source& source, const OtherSources& others,
+  Worthwhile(const Adjacency& adjacency, const Source& source, const OtherSources& beside,
              const Detour& around)
       : detour(around),
         positions(adjacency.mesh().positions()),
-        earlier(others.earlier),
-        along_edges(others.along_edges),
+        others(beside),
         offset(source.offset),
         overlap(3 * adjacency.report().mean_edge) {}
 
@@ -87,10 +55,11 @@ struct Worthwhile {
   }
   // As far as is known: whether no other source is clearly nearer.
   [[nodiscard]] bool is_nearest(std::uint32_t v, double distance) const {
-    if (earlier.empty()) return true;
+    if (others.earlier.empty()) return true;
     const double delayed = distance + offset;
-    if (!(delayed < earlier[v] + overlap)) return false;
-    return along_edges.empty() || delayed < along_edges[v] + kOverlapByEdges * overlap;
+    if (!(delayed < others.earlier[v] + overlap)) return false;
+    return others.along_edges.empty() ||
+           delayed < others.along_edges[v] + kOverlapByEdges * overlap;
   }
 };
 
@@ -109,7 +78,7 @@ struct Worthwhile {
 }
 
 // Runs one source's wave, without the source's offset, of which the rule's virtual
-// sources know nothing. It goes no further where that is not worthwhile, for the `other`
+// sources know nothing. It goes no further where that is not worthwhile, for the other
 // sources or for the detour. Tells every vertex it accepted; others stay unreached.
 // `waves` is how many there are of them, of which this is the one of that number.
 template <class Front, class Accepted>

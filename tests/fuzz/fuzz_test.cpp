@@ -21,7 +21,7 @@ using fixtures::Bytes;
 namespace {
 
 constexpr int kMutations = 8000;
-constexpr int kMutationsOfHeaps = 2000;  // of which each is ten queries
+constexpr int kMutationsOfHeaps = 2000;  // of which each is eleven queries
 
 Input input_of(const Bytes& bytes) {
   return {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
