@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <random>
+#include <semaphore>
 #include <string>
 #include <system_error>
 #include <thread>
@@ -28,6 +29,22 @@ using geodesic::fixtures::test_seed;
 using Clock = std::chrono::steady_clock;
 
 namespace {
+
+// Erases a mesh on a thread of the bucket's. A transfer that this breaks off does not wait for that
+// thread; a test has to, before it lets go of the files.
+class EraseInBetween {
+ public:
+  explicit EraseInBetween(PreparedFiles& files) : files_(files) {}
+  void do_it() {
+    files_.erase(kId);
+    done_.release();
+  }
+  void wait() { REQUIRE(done_.try_acquire_for(std::chrono::seconds(20))); }
+
+ private:
+  PreparedFiles& files_;
+  std::counting_semaphore<> done_{0};
+};
 
 std::unique_ptr<PreparedFiles> opened_on(const TemporaryFolder& folder, const FakeS3& bucket,
                                          char build = '1',
@@ -158,12 +175,14 @@ TEST_CASE("WhatIsDeletedWhileItIsUploadedDoesNotStay") {
   const TemporaryFolder folder;
   const auto files = opened_on(folder, bucket);
   const auto adjacency = prepared(shapes::plane(9, 9));
+  EraseInBetween erase(*files);
   bucket.follow({.before = [&](const FakeS3::Call& call) {
-    if (call.method == "PUT") files->erase(kId);  // nothing is there yet
+    if (call.method == "PUT") erase.do_it();  // nothing is there yet
     return FakeS3::Act::serve;
   }});
   files->keep(kId, adjacency);
   files->wait();
+  erase.wait();
   CHECK(bucket.keys().empty());
   CHECK(count_files(folder) == 0);
 }
@@ -372,10 +391,12 @@ TEST_CASE("WhatGoesWhileItIsFetchedDoesNotComeBack") {
   const TemporaryFolder folder;
   const auto files = opened_on(folder, bucket);
   SUBCASE("the mesh") {
+    EraseInBetween erase(*files);
     bucket.follow({.after = [&](const FakeS3::Call& call) {
-      if (call.method == "GET" && !call.key.empty()) files->erase(kId);
+      if (call.method == "GET" && !call.key.empty()) erase.do_it();
     }});
     check_nothing(files->find(kId, kNeverStop));
+    erase.wait();
     CHECK(bucket.keys().empty());
   }
   SUBCASE("its file, by another server of the directory") {
