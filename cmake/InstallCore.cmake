@@ -7,8 +7,8 @@ include(CMakePackageConfigHelpers)
 # All else in core/ is private, and may change at any time.
 set(GEODESIC_PUBLIC_HEADERS
   # what everything is made of
-  base/cancel.h base/error.h base/memory_budget.h base/shared_array.h base/tolerances.h
-  base/vec3.h
+  base/cancel.h base/error.h base/memory_budget.h base/shared_array.h base/team.h
+  base/tolerances.h base/vec3.h
   # a mesh, prepared once
   mesh/mesh.h mesh/shapes.h mesh/triangle_soup.h
   surface/adjacency.h surface/face_record.h surface/point.h surface/triangulation.h

@@ -1,13 +1,13 @@
 #include "core/back_traced/front.h"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cmath>
-#include <cstring>
+#include <tuple>
 
 #include "core/back_traced/arrive_lanes.h"
-#include "core/base/lane_arithmetic.h"
 #include "core/base/sort_few.h"
+#include "core/base/team.h"
 
 namespace geodesic {
 namespace {
@@ -18,20 +18,53 @@ namespace {
 constexpr double kEarly = 0.5;
 constexpr int kMostRoundsInBucket = 256;
 
-// Corners at a vertex, but for a few vertices: with as many always, no branch depends on
-// how many there are, which nobody could predict.
-constexpr std::size_t kMostCorners = 8;
-
-// A traced distance above its estimate by more than this part of the base edge: the
-// estimate was of two sources, or the trace took the wrong side of something.
-constexpr double kSuspicious = 0.02;
-
-// At corner c, the side to the nearer of the other two corners, and the farther one: at
-// [2c + 1] where the next corner is nearer than the previous one, else at [2c].
-constexpr std::array<std::uint8_t, 6> kNearerSide{2, 0, 0, 1, 1, 2};
-constexpr std::array<std::uint8_t, 6> kFartherCorner{1, 2, 2, 0, 0, 1};
+// Vertices whose numbers differ in so many last bits only are of one domain: they are near each
+// other, and so in memory. Of larger blocks one domain has often more of the front than others, of
+// smaller ones more is handed on.
+unsigned bits_of_block(std::size_t vertices, std::size_t domains) {
+  constexpr std::size_t kBlocksOfDomain = 16;
+  constexpr int kMostBits = 11;
+  const int width = std::bit_width(vertices / (kBlocksOfDomain * domains));
+  return static_cast<unsigned>(std::clamp(width - 1, 0, kMostBits));
+}
 
 }  // namespace
+
+BackTracedFront::BackTracedFront(const Adjacency& adjacency, BackTrace::Candidates candidates,
+                                 BackTracedScratch& scratch, std::span<double> distance,
+                                 std::size_t domains, Poll& poll)
+    : adjacency_(adjacency),
+      candidates_(candidates),
+      scratch_(scratch),
+      distance_(distance),
+      poll_(poll),
+      surface_(adjacency.delaunay()) {
+  // What is told of crowded edges depends on the order in which it is told.
+  const std::size_t count = surface_.is_crowded ? 1 : domains;
+  if (scratch.domains.size() < count) scratch.domains.resize(count);
+  domains_ = std::span(scratch.domains).first(count);
+  bits_of_block_ = bits_of_block(distance.size(), count);
+  for (FrontDomain& domain : domains_) domain.handed_to.resize(count);
+  accepted_ = distance_;
+  if (count > 1) {
+    scratch.distance.assign(distance.begin(), distance.end());
+    accepted_ = scratch.distance;
+  }
+}
+
+std::size_t BackTracedFront::number_of_domain(std::uint32_t vertex) const {
+  // As if at random, for numbers may have a period as the front has: Fibonacci hashing (Knuth,
+  // The Art of Computer Programming 3, section 6.4).
+  const std::uint32_t mixed = (vertex >> bits_of_block_) * 0x9e3779b9U;
+  return static_cast<std::size_t>((std::uint64_t{mixed} * domains_.size()) >> 32U);
+}
+
+template <class Work>
+void BackTracedFront::in_each_domain(Work work) {
+  if (domains_.size() == 1) return work(domains_[0], poll_);
+  run_parts(domains_.size(), poll_,
+            [this, work](std::size_t number, Poll& poll) { work(domains_[number], poll); });
+}
 
 // Estimates and distances differ by at most the longest side between neighbours. So a vertex is
 // accepted before all that are farther by more than twice that.
@@ -47,18 +80,31 @@ double BackTracedFront::lag() {
 
 void BackTracedFront::see(std::uint32_t vertex, double straight) {
   if (!(straight < distance_[vertex])) return;
-  distance_[vertex] = straight;
+  distance_[vertex] = accepted_[vertex] = straight;
   if (surface_.is_crowded) scratch_.crowds.tell(surface_, vertex, straight);
-  lower(vertex, straight, kNone, 0);
+  settle(domain_of(vertex), vertex, {straight, kNone, 0});
 }
 
 // Inlined by force: it is most of what spreading does.
-__attribute__((always_inline)) inline void BackTracedFront::lower(std::uint32_t vertex,
-                                                                  double estimate, Halfedge base,
-                                                                  float crossing) {
+__attribute__((always_inline)) inline void BackTracedFront::lower(FrontDomain& own,
+                                                                  std::uint32_t vertex,
+                                                                  const FrontEstimate& estimate) {
+  const FrontVertex& known = scratch_.vertices[vertex];
+  const double before = std::abs(known.estimate);
+  if (!(estimate.distance < before + least_gain_)) return;
+  if (known.base == kNone && before < kUnreached) [[unlikely]] {
+    own.late.push_back({vertex, estimate});
+    return;
+  }
+  settle(own, vertex, estimate);
+}
+
+__attribute__((always_inline)) inline void BackTracedFront::settle(FrontDomain& own,
+                                                                   std::uint32_t vertex,
+                                                                   const FrontEstimate& given) {
+  const auto& [estimate, base, crossing] = given;
   FrontVertex& known = scratch_.vertices[vertex];
   const double before = std::abs(known.estimate);
-  if (!(estimate < before + least_gain_)) return;
   // Visible from the source, but for those that go on past it, it has its base all the same.
   if (known.base == kNone && base != kNone && before < kUnreached) {
     known.base = base;
@@ -66,62 +112,93 @@ __attribute__((always_inline)) inline void BackTracedFront::lower(std::uint32_t 
   }
   if (known.is_accepted()) {
     // Within a bucket it may have been too early.
-    if (!(estimate < before - least_gain_) || !scratch_.waiting.is_now(before)) return;
+    if (!(estimate < before - least_gain_) || !own.waiting.is_now(before)) return;
     known = {estimate, base, crossing};
-    scratch_.waiting.push_back(vertex);
+    own.waiting.push_back(vertex);
     return;
   }
-  if (!(estimate < before)) return;
+  if (!(estimate < before)) {
+    // Of two that are as far, the same one, whichever came first.
+    if (estimate == before && base < known.base) known = {estimate, base, crossing};
+    return;
+  }
   known = {estimate, base, crossing};
-  scratch_.waiting.push(vertex, estimate, before);
+  own.waiting.push(vertex, estimate, before);
 }
 
-bool BackTracedFront::accept_next(double last) {
-  scratch_.round.clear();
-  while (scratch_.round.empty()) {
-    if (scratch_.waiting.empty()) return false;
-    if (last < kUnreached && scratch_.waiting.is_beyond(last)) return false;
-    take_round();
-  }
-  trace_round();
-  ask_other_faces();
-  // Only now, so that no result depends on which vertices were traced together.
-  for (std::size_t i = 0; i < scratch_.round.size(); ++i) {
-    const std::uint32_t v = scratch_.round[i];
-    distance_[v] = scratch_.best[i];
-    if (surface_.is_crowded) scratch_.crowds.tell(surface_, v, scratch_.best[i]);
-    scratch_.vertices[v].estimate *= -1;
-  }
-  return true;
-}
-
-void BackTracedFront::take_round() {
-  std::vector<std::uint32_t>& round = scratch_.round;
-  scratch_.waiting.take(round);
-  double least = kUnreached;
-  std::size_t count = 0;
-  for (const std::uint32_t v : round) {
+// What comes next in the domain. Those that were accepted by lesser estimates leave.
+void BackTracedFront::look_ahead(FrontDomain& domain) const {
+  domain.next =
+      domain.waiting.first([&](std::uint32_t v) { return !scratch_.vertices[v].is_accepted(); });
+  domain.least = kUnreached;
+  for (const std::uint32_t v : domain.waiting.vertices_of(domain.next)) {
     const FrontVertex& known = scratch_.vertices[v];
-    if (known.is_accepted()) continue;
-    round[count++] = v;
-    least = std::min(least, known.estimate);
+    domain.least = std::min(domain.least, known.estimate);
     __builtin_prefetch(&surface_.corner_begin[v]);
     if (known.base != kNone) __builtin_prefetch(&surface_.faces[face_of(known.base)]);
   }
-  round.resize(count);
-  count = 0;
+}
+
+bool BackTracedFront::accept_next(double last) {
+  if (!has_looked_) {
+    for (FrontDomain& domain : domains_) look_ahead(domain);
+    has_looked_ = true;
+  }
+  for (;;) {
+    std::uint64_t bucket = VertexBuckets::kNoBucket;
+    double least = kUnreached;
+    for (const FrontDomain& domain : domains_) {
+      if (domain.next < bucket) least = kUnreached;
+      bucket = std::min(bucket, domain.next);
+      if (domain.next == bucket) least = std::min(least, domain.least);
+    }
+    if (bucket == VertexBuckets::kNoBucket) return false;
+    if (last < kUnreached && domains_[0].waiting.is_beyond(bucket, last)) return false;
+    if (least < kUnreached) {
+      in_each_domain([this, bucket, least](FrontDomain& domain, Poll& poll) {
+        take_round(domain, bucket, least);
+        trace_round(domain, poll);
+      });
+      break;
+    }
+    // It was too far away to be looked at.
+    for (FrontDomain& domain : domains_) {
+      domain.waiting.go_to(bucket);
+      look_ahead(domain);
+    }
+  }
+  has_looked_ = false;
+  const bool are_any_early =
+      std::any_of(domains_.begin(), domains_.end(),
+                  [](const FrontDomain& domain) { return domain.has_left_early; });
+  rounds_in_bucket_ = are_any_early ? rounds_in_bucket_ + 1 : 0;
+  // Of several, each does so when it spreads.
+  if (domains_.size() == 1) accept_round(domains_[0]);
+  return true;
+}
+
+// The vertices of the bucket that are not too early, ascending.
+void BackTracedFront::take_round(FrontDomain& domain, std::uint64_t bucket, double least) {
+  std::vector<std::uint32_t>& round = domain.round;
+  round.clear();
+  domain.accepted = 0;
+  domain.has_left_early = false;
+  domain.waiting.go_to(bucket);
+  if (domain.next != bucket) return;
+  domain.waiting.take_now(round);
+  std::size_t count = 0;
   for (const std::uint32_t v : round) {
     if (is_early(v, least)) {
-      scratch_.waiting.push_back(v);
+      domain.waiting.push_back(v);
       continue;
     }
     round[count++] = v;
     __builtin_prefetch(surface_.corners(v).data());
   }
-  rounds_in_bucket_ = count < round.size() ? rounds_in_bucket_ + 1 : 0;
+  domain.has_left_early = count < round.size();
+  domain.accepted = count;
   round.resize(count);
-  // So that nothing depends on the order in which they came to wait, and because what is
-  // near in number is near in memory.
+  // What is near in number is near in memory.
   sort_few(round);
 }
 
@@ -133,207 +210,128 @@ bool BackTracedFront::is_early(std::uint32_t vertex, double least) const {
   return after * after > kEarly * kEarly * surface_.faces[face_of(known.base)].shortest2();
 }
 
-void BackTracedFront::trace_round() {
-  const std::vector<std::uint32_t>& round = scratch_.round;
-  scratch_.best.resize(round.size());
-  const std::size_t at_once = std::min(kMostCorners, surface_.all_corners.size());
-  for (std::uint32_t i = 0; i < round.size(); ++i) {
-    if (poll_.cancelled()) break;
-    // For the spread: a few at a time, for many at once would have to queue.
-    const std::size_t begin = std::min<std::size_t>(surface_.corner_begin[round[i]],
-                                                    surface_.all_corners.size() - at_once);
-    for (const std::uint32_t corner : surface_.all_corners.subspan(begin, at_once)) {
-      __builtin_prefetch(&surface_.faces[face_of(corner)]);
-    }
-    const FrontVertex& known = scratch_.vertices[round[i]];
-    double& best = scratch_.best[i];
-    best = distance_[round[i]];
-    if (known.base == kNone) continue;  // straight from the source
-    const bool bends_at_tail = known.crossing == ArrivalLanes::kBendsAtTail;
-    if (!bends_at_tail && known.crossing != ArrivalLanes::kBendsAtHead) {
-      trace(i, known.base, known.crossing, best);
-      continue;
-    }
-    const FaceRecord& face = surface_.faces[face_of(known.base)];
-    const std::uint32_t c = corner_of(known.base);
-    const std::uint32_t n = next_corner(c);
-    const auto length = [&](std::uint32_t side) {
-      return surface_.is_even ? std::sqrt(std::max(face.length2(side), 0.0))
-                              : side_not_below(face, side);
-    };
-    const double by_tail = distance_[face.vertex[c]] + length(previous_corner(c));
-    const double by_head = distance_[face.vertex[n]] + length(n);
-    best = std::min({best, by_tail, by_head});
-    // At a pinched vertex only one end may have a distance.
-    if (!(std::max(by_tail, by_head) < kUnreached)) continue;
-    trace_past_vertex(i, face.vertex[bends_at_tail ? c : n]);
+void BackTracedFront::trace_round(FrontDomain& domain, Poll& poll) {
+  domain.best.resize(domain.round.size());
+  trace_back(state(distance_), domain.round, domain.best, domain.room, poll);
+  if (domains_.size() == 1) return;
+  for (std::size_t i = 0; i < domain.round.size(); ++i) {
+    accepted_[domain.round[i]] = domain.best[i];
   }
-  flush_traces();
 }
 
-// Adds a trace for the vertex at `place` of the round. It ends early where it cannot be less than
-// `best`. The caller gives `best`, because the round's own value depends on which other traces of
-// the vertex are done.
-void BackTracedFront::trace(std::uint32_t place, Halfedge base, double crossing, double best) {
-  traced_[traces_.add(base, crossing, best)] = place;
-  if (traces_.full()) flush_traces();
-}
-
-void BackTracedFront::trace(std::uint32_t place, const TraceStart& start, double best) {
-  traced_[traces_.add(start, best)] = place;
-  if (traces_.full()) flush_traces();
-}
-
-void BackTracedFront::flush_traces() {
-  if (traces_.count == 0) return;
-  trace_lanes(surface_, distance_, candidates_, vectors_, traces_, &scratch_.crowds);
-  for (std::size_t i = 0; i < traces_.count; ++i) {
-    double& best = scratch_.best[traced_[i]];
-    best = std::min(best, traces_.best[i]);
+// Only once all domains have traced, so that no result depends on which vertices were traced
+// together.
+void BackTracedFront::accept_round(FrontDomain& domain) {
+  for (std::size_t i = 0; i < domain.round.size(); ++i) {
+    const std::uint32_t v = domain.round[i];
+    distance_[v] = domain.best[i];
+    if (surface_.is_crowded) scratch_.crowds.tell(surface_, v, domain.best[i]);
+    scratch_.vertices[v].estimate *= -1;
   }
-  traces_.clear();
 }
 
-// A distance above what the front expected needs a second look: every other face whose
-// ends promise a shorter way is asked.
-void BackTracedFront::ask_other_faces() {
-  const std::vector<std::uint32_t>& round = scratch_.round;
-  std::vector<Halfedge>& bases = scratch_.bases;
-  std::vector<BackTracedScratch::Ask>& asks = scratch_.asks;
-  bases.clear();
-  asks.clear();
-  for (std::uint32_t i = 0; i < round.size(); ++i) {
-    if (!is_doubtful(round[i], scratch_.best[i])) continue;
-    for (const std::uint32_t corner : surface_.corners(round[i])) {
-      if (poll_.cancelled()) break;
-      const std::uint32_t n = next_corner(corner_of(corner));
-      const Halfedge base = halfedge(face_of(corner), n);
-      const FaceRecord& face = surface_.faces[face_of(corner)];
-      if (base == scratch_.vertices[round[i]].base) continue;
-      if (!(distance_[face.vertex[n]] + distance_[face.vertex[next_corner(n)]] < kUnreached))
-        continue;
-      bases.push_back(base);
-      asks.push_back({i, scratch_.best[i]});
-    }
-  }
-  arrive_over_bases(bases.size(), [&](std::size_t at, double distance, float crossing) {
-    const bool straight = crossing >= 0 && crossing <= 1;
-    const auto [place, best] = asks[at];
-    if (straight && distance < best) trace(place, bases[at], crossing, best);
-  });
-  flush_traces();
+std::size_t BackTracedFront::accepted_count() const {
+  std::size_t count = 0;
+  for (const FrontDomain& domain : domains_) count += domain.accepted;
+  return count;
 }
 
-bool BackTracedFront::is_doubtful(std::uint32_t vertex, double best) const {
-  const FrontVertex& known = scratch_.vertices[vertex];
-  if (known.base == kNone) return false;
-  const double base2 = surface_.faces[face_of(known.base)].length2(corner_of(known.base));
-  const double above = best - known.estimate;
-  return above > 0 && above * above > kSuspicious * kSuspicious * base2;
-}
-
-template <class Tell>
-void BackTracedFront::arrive_over_bases(std::size_t count, Tell tell) {
-  if (count == 0) return;
-  constexpr std::size_t kLanes = ArrivalLanes::kLanes;
-  std::vector<Halfedge>& bases = scratch_.bases;
-  // Lanes without one of their own do the same as the first, with nobody to see it.
-  bases.resize((count + kLanes - 1) / kLanes * kLanes, bases[0]);
-  std::fill(bases.begin() + static_cast<std::ptrdiff_t>(count), bases.end(), bases[0]);
-  ArrivalLanes arrivals;
-  for (std::size_t first = 0; first < count; first += kLanes) {
-    if (poll_.cancelled()) return;
-    arrive_lanes(surface_.faces, distance_,
-                 std::span<const Halfedge, kLanes>(bases.data() + first, kLanes), vectors_,
-                 arrivals);
-    for (std::size_t i = 0; i < kLanes && first + i < count; ++i) {
-      tell(first + i, arrivals.distance[i], arrivals.crossing[i]);
-    }
-  }
+bool BackTracedFront::may_improve() const {
+  return std::any_of(domains_.begin(), domains_.end(),
+                     [](const FrontDomain& domain) { return domain.waiting.has_more_now(); });
 }
 
 void BackTracedFront::spread() {
-  for (const std::uint32_t v : scratch_.round) {
-    if (adjacency_.is_pinched(v)) spread_along_edges(v);
-  }
-  const std::size_t corners = list_corners();
-  std::vector<Halfedge>& bases = scratch_.bases;
-  bases.resize(corners + ArrivalLanes::kLanes);
-  const FaceRecord* const faces = surface_.faces.data();
-  const double* const distance = distance_.data();
-  const FrontVertex* const vertices = scratch_.vertices.data();
-  Halfedge* next = bases.data();
-  for (std::size_t i = 0; i < corners; ++i) {
-    const std::uint32_t corner = scratch_.corners[i];
-    const FaceRecord& face = faces[face_of(corner)];
-    const std::uint32_t c = corner_of(corner);
-    const double own = distance[face.vertex[c]];
-    const double at_ahead = distance[face.vertex[lanes::kNextCorner[c]]];
-    const double at_behind = distance[face.vertex[lanes::kPreviousCorner[c]]];
-    const double nearer = std::min(at_ahead, at_behind);
-    const double farther = std::max(at_ahead, at_behind);
-    // Without a branch, which nobody could predict.
-    const std::size_t which = 2 * c + static_cast<std::size_t>(at_ahead < at_behind);
-    *next = corner - c + kNearerSide[which];
-    __builtin_prefetch(&vertices[face.vertex[kFartherCorner[which]]]);
-    next += static_cast<std::size_t>((nearer < kUnreached) & (own < farther));
-  }
-  const auto count = static_cast<std::size_t>(next - bases.data());
-  arrive_over_bases(count, [&](std::size_t at, double distance, float crossing) {
-    lower(opposite(bases[at]), distance, bases[at], crossing);
+  in_each_domain([this](FrontDomain& domain, Poll& poll) {
+    if (domains_.size() > 1) accept_round(domain);
+    give_estimates(domain, poll);
   });
+  in_each_domain([this](FrontDomain& domain, Poll&) { take_estimates(domain); });
+  has_looked_ = true;
 }
 
-// The corners at the round's vertices, one after the other; how many there are. Behind
-// them is what nobody asked for.
-std::size_t BackTracedFront::list_corners() {
-  std::vector<std::uint32_t>& corners = scratch_.corners;
-  const std::span<const std::uint32_t> all = surface_.all_corners;
-  std::size_t count = 0;
-  for (const std::uint32_t v : scratch_.round) {
-    const std::size_t begin = surface_.corner_begin[v];
-    const std::size_t at_vertex = surface_.corner_begin[v + 1] - begin;
-    const std::size_t room = count + std::max(at_vertex, kMostCorners);
-    if (corners.size() < room) corners.resize(2 * room);
-    if (at_vertex <= kMostCorners && begin + kMostCorners <= all.size()) [[likely]] {
-      std::memcpy(corners.data() + count, all.data() + begin, kMostCorners * sizeof(std::uint32_t));
-    } else {
-      std::memcpy(corners.data() + count, all.data() + begin, at_vertex * sizeof(std::uint32_t));
-    }
-    count += at_vertex;
+// To the vertices of the domain itself at once.
+void BackTracedFront::give_estimates(FrontDomain& domain, Poll& poll) {
+  for (const std::uint32_t v : domain.round) {
+    if (adjacency_.is_pinched(v)) spread_along_edges(domain, v);
   }
-  return count;
+  const FrontState front = state(accepted_);
+  FrontRoom& room = domain.room;
+  const auto give = [&](std::size_t at, double distance, float crossing) {
+    this->give(domain, {distance, room.bases[at], crossing});
+  };
+  arrive_over_bases(front, list_bases(front, domain.round, room), room, poll, give);
+}
+
+__attribute__((always_inline)) inline void BackTracedFront::give(FrontDomain& from,
+                                                                 const FrontEstimate& estimate) {
+  const std::uint32_t vertex = opposite(surface_, estimate.base);
+  if (domains_.size() > 1) {
+    const std::size_t number = number_of_domain(vertex);
+    if (&domains_[number] != &from) {
+      from.handed_to[number].push_back(estimate);
+      return;
+    }
+  }
+  lower(from, vertex, estimate);
+}
+
+// What others have for the vertices of the domain; and what had to wait until all was there.
+void BackTracedFront::take_estimates(FrontDomain& domain) {
+  const auto number = static_cast<std::size_t>(&domain - domains_.data());
+  for (FrontDomain& other : domains_) {
+    std::vector<FrontEstimate>& handed = other.handed_to[number];
+    for (const FrontEstimate& estimate : handed) {
+      lower(domain, opposite(surface_, estimate.base), estimate);
+    }
+    handed.clear();
+  }
+  std::vector<FrontDomain::Late>& late = domain.late;
+  if (!late.empty()) {
+    std::sort(late.begin(), late.end(), [](const auto& a, const auto& b) {
+      return std::tie(a.vertex, a.estimate.distance, a.estimate.base) <
+             std::tie(b.vertex, b.estimate.distance, b.estimate.base);
+    });
+    for (const auto& [vertex, estimate] : late) settle(domain, vertex, estimate);
+    late.clear();
+  }
+  look_ahead(domain);
 }
 
 // Where faces meet in nothing but the vertex, no triangle beyond it has two accepted
 // ones.
-void BackTracedFront::spread_along_edges(std::uint32_t v) {
+void BackTracedFront::spread_along_edges(FrontDomain& from, std::uint32_t v) {
   for (const std::uint32_t corner : surface_.corners(v)) {
     const FaceRecord& face = surface_.faces[face_of(corner)];
     const std::uint32_t c = corner_of(corner);
     for (const std::uint32_t side : {c, previous_corner(c)}) {
       const std::uint32_t w = side == c ? next_corner(c) : side;
       const std::uint32_t tail = next_corner(w);
-      lower(face.vertex[w], distance_[v] + std::sqrt(std::max(face.length2(side), 0.0)),
-            halfedge(face_of(corner), tail),
-            tail == c ? ArrivalLanes::kBendsAtTail : ArrivalLanes::kBendsAtHead);
+      give(from, {accepted_[v] + std::sqrt(std::max(face.length2(side), 0.0)),
+                  halfedge(face_of(corner), tail),
+                  tail == c ? ArrivalLanes::kBendsAtTail : ArrivalLanes::kBendsAtHead});
     }
   }
 }
 
 void BackTracedFront::forget(std::uint32_t vertex) {
-  distance_[vertex] = kUnreached;
+  distance_[vertex] = accepted_[vertex] = kUnreached;
   scratch_.vertices[vertex] = {};
 }
 
 void BackTracedFront::end() {
-  std::vector<std::uint32_t>& left = scratch_.round;
-  left.clear();
-  while (!scratch_.waiting.empty()) scratch_.waiting.take(left);
-  for (const std::uint32_t v : left) {
-    if (!scratch_.vertices[v].is_accepted()) forget(v);
+  for (FrontDomain& domain : domains_) {
+    std::vector<std::uint32_t>& left = domain.round;
+    left.clear();
+    while (!domain.waiting.empty()) domain.waiting.take(left);
+    for (const std::uint32_t v : left) {
+      if (!scratch_.vertices[v].is_accepted()) forget(v);
+    }
+    for (std::vector<FrontEstimate>& handed : domain.handed_to) handed.clear();
+    domain.late.clear();
   }
   rounds_in_bucket_ = 0;
+  has_looked_ = false;
 }
 
 }  // namespace geodesic

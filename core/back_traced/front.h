@@ -4,17 +4,22 @@
 // part of an edge, are accepted together: first they all get their distances, none of
 // which depends on another, then they all give their neighbours estimates. So what needs
 // arithmetic is done in lanes, and what lies apart in memory is fetched ahead.
+//
+// Where threads help (base/team.h), the vertices are divided among as many FrontDomains, by blocks
+// of numbers that are near each other. Each step of a round is done for all domains at once, and
+// only the domain of a vertex changes what is known of it: estimates for the vertices of another
+// are handed to that one. Of the estimates of one round, those that come first and last are treated
+// alike. So no result depends on how many domains there are.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "core/back_traced/front_part.h"
 #include "core/back_traced/scratch.h"
 #include "core/back_traced/trace.h"
-#include "core/back_traced/trace_lanes.h"
 #include "core/base/cancel.h"
 #include "core/base/vectors.h"
 #include "core/field/field.h"
@@ -29,13 +34,11 @@ class BackTracedFront {
   // Each step leaves off, with nothing whole, when the poll says to stop. `distance` has an entry
   // per vertex, as have the scratch's vertices; they are
   // kUnreached and as constructed wherever this wave has not been.
+  //
+  // `domains`: 1, or into how many the vertices may be divided, at most Team::kMostParts.
   BackTracedFront(const Adjacency& adjacency, BackTrace::Candidates candidates,
-                  BackTracedScratch& scratch, std::span<double> distance, Poll& poll)
-      : adjacency_(adjacency),
-        candidates_(candidates),
-        scratch_(scratch),
-        distance_(distance),
-        poll_(poll) {}
+                  BackTracedScratch& scratch, std::span<double> distance, std::size_t domains,
+                  Poll& poll);
 
   // Considers the vertices in the same face as the source, straight from there, and
   // those that a look around from the source finds visible from it, as far as no other source is
@@ -45,15 +48,26 @@ class BackTracedFront {
   // Accepts the next vertices: they get their distances. False, and none, when there are
   // no more, or only such as are farther than `last` and by more than `lag`.
   [[nodiscard]] bool accept_next(double last);
-  // Those that were accepted last, ascending; whoever is taken out spreads no further.
-  // Among them are some for the second time: those whose estimate was found to be too
-  // large just after they had been accepted.
-  [[nodiscard]] std::vector<std::uint32_t>& accepted() { return scratch_.round; }
+  // How many were accepted last.
+  [[nodiscard]] std::size_t accepted_count() const;
+  // Calls `tell(v)` for each of them. Among them are some for the second time: those whose estimate
+  // was found to be too large just after they had been accepted.
+  template <class Tell>
+  void for_each_accepted(Tell tell) const {
+    for (const FrontDomain& domain : domains_) {
+      for (const std::uint32_t v : domain.round) tell(v);
+    }
+  }
+  // Those for which `is_to_stop(v)` spread no further.
+  template <class Ask>
+  void stop_where(Ask is_to_stop) {
+    for (FrontDomain& domain : domains_) std::erase_if(domain.round, is_to_stop);
+  }
   // Every triangle at those with two accepted vertices gives its third, the farthest, an
   // estimate.
   void spread();
   // Whether one that was accepted may be accepted again.
-  [[nodiscard]] bool may_improve() const { return scratch_.waiting.has_more_now(); }
+  [[nodiscard]] bool may_improve() const;
 
   // By how much a vertex may come after others that are farther.
   [[nodiscard]] double lag();
@@ -65,38 +79,47 @@ class BackTracedFront {
 
  private:
   void see(std::uint32_t vertex, double straight);
-  void lower(std::uint32_t vertex, double estimate, Halfedge base, float crossing);
-  [[nodiscard]] std::size_t list_corners();
-  void spread_along_edges(std::uint32_t vertex);
-  void take_round();
+  void lower(FrontDomain& own, std::uint32_t vertex, const FrontEstimate& estimate);
+  void settle(FrontDomain& own, std::uint32_t vertex, const FrontEstimate& estimate);
+  void look_ahead(FrontDomain& domain) const;
+  void take_round(FrontDomain& domain, std::uint64_t bucket, double least);
   [[nodiscard]] bool is_early(std::uint32_t vertex, double least) const;
-  void trace_round();
-  void ask_other_faces();
-  [[nodiscard]] bool is_doubtful(std::uint32_t vertex, double best) const;
-  void trace(std::uint32_t place, Halfedge base, double crossing, double best);
-  void trace(std::uint32_t place, const TraceStart& start, double best);
-  void trace_past_vertex(std::uint32_t place, std::uint32_t bend);
-  void flush_traces();
-  // The estimates over the first `count` of the scratch's bases, told by their place.
-  template <class Tell>
-  void arrive_over_bases(std::size_t count, Tell tell);
-  [[nodiscard]] std::uint32_t opposite(Halfedge h) const {
-    return surface_.faces[face_of(h)].vertex[previous_corner(corner_of(h))];
+  void trace_round(FrontDomain& domain, Poll& poll);
+  void accept_round(FrontDomain& domain);
+  void give_estimates(FrontDomain& domain, Poll& poll);
+  void give(FrontDomain& from, const FrontEstimate& estimate);
+  void spread_along_edges(FrontDomain& from, std::uint32_t vertex);
+  void take_estimates(FrontDomain& domain);
+
+  [[nodiscard]] std::size_t number_of_domain(std::uint32_t vertex) const;
+  [[nodiscard]] FrontDomain& domain_of(std::uint32_t vertex) {
+    return domains_[domains_.size() == 1 ? 0 : number_of_domain(vertex)];
+  }
+  // Does `work(domain, poll)` for each domain. It captures what Team::run says.
+  template <class Work>
+  void in_each_domain(Work work);
+  [[nodiscard]] FrontState state(std::span<const double> distance) const {
+    return {surface_, distance, scratch_.vertices, scratch_.crowds, candidates_, vectors_};
   }
 
   const Adjacency& adjacency_;
   BackTrace::Candidates candidates_;
   BackTracedScratch& scratch_;
   std::span<double> distance_;
+  // The same with those of the round that is being accepted, whose traces are not to see each
+  // other. Of one domain it is that.
+  std::span<double> accepted_;
   Poll& poll_;
-  Triangulation surface_;    // what this wave goes over
-  double lag_ = kUnreached;  // until it was asked for
-  double least_gain_ = 0;    // that makes an accepted vertex wait again
-  int rounds_in_bucket_ = 0;
+  Triangulation surface_;  // what this wave goes over
+  double least_gain_ = 0;  // that makes an accepted vertex wait again
   Vectors vectors_ = best_vectors();
-  // Traces that wait for company, and their places in the round.
-  TraceLanes traces_;
-  std::array<std::uint32_t, TraceLanes::kLanes> traced_{};
+  std::span<FrontDomain> domains_;  // those of the scratch that are in use
+  unsigned bits_of_block_ = 0;
+
+  // Changed between steps, apart from what is read in them.
+  alignas(64) double lag_ = kUnreached;  // until it was asked for
+  int rounds_in_bucket_ = 0;
+  bool has_looked_ = false;  // at what comes next
 };
 
 }  // namespace geodesic

@@ -46,11 +46,10 @@ void BackTracedFront::start(const SurfacePoint& source, const detail::Worthwhile
   const auto places = in_all_faces(adjacency_, source);
   // Only the mesh's own faces say where a point inside one is, and what it sees over them. The
   // front goes on from there over the Delaunay triangulation, as from a vertex.
-  surface_ = adjacency_.delaunay();
   scratch_.crowds.reset(surface_, poll_);
   const std::size_t most_faces = source.at_vertex() ? kVisibleFaces : kVisibleFacesFromInside;
   const double width = bucket_width(surface_.faces);
-  scratch_.waiting.reset(width);
+  for (FrontDomain& domain : domains_) domain.waiting.reset(width);
   least_gain_ = kLeastGain * width;
   std::vector<VisibilityCone>& cones = scratch_.cones;
   cones.clear();

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/team.h"
 #include "core/base/tolerances.h"
 
 namespace geodesic {
@@ -74,13 +75,27 @@ class EdgeRelaxer {
 
 void relax_edges(const Adjacency& adjacency, double max, Field& field, Poll& poll) {
   EdgeRelaxer relaxer(adjacency, max, true, field);
-  for (const auto& [a, b, c] : adjacency.mesh().faces()) {
-    if (poll.cancelled()) return;
-    // Without a branch each.
-    if ((relaxer.is_above(a, b) | relaxer.is_above(b, c) | relaxer.is_above(c, a)) == 0) continue;
-    relaxer.relax(a, b);
-    relaxer.relax(b, c);
-    relaxer.relax(c, a);
+  // First which faces are to be looked at, which changes nothing: there are few.
+  const std::span<const Triangle> faces = adjacency.mesh().faces();
+  std::vector<std::vector<std::uint32_t>> above(count_ranges(faces.size(), poll));
+  run_in_ranges(faces.size(), poll,
+                [&](std::size_t range, std::size_t begin, std::size_t end, Poll& asked) {
+                  for (std::size_t f = begin; f < end && !asked.cancelled(); ++f) {
+                    const auto& [a, b, c] = faces[f];
+                    // Without a branch each.
+                    const unsigned sides =
+                        relaxer.is_above(a, b) | relaxer.is_above(b, c) | relaxer.is_above(c, a);
+                    if (sides != 0) above[range].push_back(static_cast<std::uint32_t>(f));
+                  }
+                });
+  for (const std::vector<std::uint32_t>& listed : above) {
+    for (const std::uint32_t f : listed) {
+      if (poll.cancelled()) return;
+      const auto& [a, b, c] = faces[f];
+      relaxer.relax(a, b);
+      relaxer.relax(b, c);
+      relaxer.relax(c, a);
+    }
   }
   relaxer.go_on(poll);
 }

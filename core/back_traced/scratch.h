@@ -23,28 +23,63 @@ struct FrontVertex {
   [[nodiscard]] bool is_accepted() const { return std::signbit(estimate); }
 };
 
-// Memory that a query works in, kept for the next query on the same thread.
-struct BackTracedScratch {
+// An estimate for the vertex opposite its base.
+struct FrontEstimate {
+  double distance;
+  Halfedge base;
+  float crossing;
+};
+
+// What a part of a round's vertices is worked on in.
+struct FrontRoom {
   struct Ask {
-    std::uint32_t place;  // in the round
+    std::uint32_t place;  // in the part
     double best;          // before it asked
   };
 
-  VertexBuckets waiting;
+  std::vector<std::uint32_t> corners;
+  std::vector<Halfedge> bases;
+  std::vector<Ask> asks;  // which vertex of the part each of `bases` belongs to
+};
+
+// What a front knows of some of the vertices. On a cache line of its own.
+struct alignas(64) FrontDomain {
+  struct Late {
+    std::uint32_t vertex;
+    FrontEstimate estimate;
+  };
+
+  // What the front asks all domains between two steps. The first bucket that has any vertices, and
+  // the least of their estimates;
+  std::uint64_t next = VertexBuckets::kNoBucket;
+  double least = kUnreached;
+  // how many are accepted together, and whether some of their bucket are not.
+  std::size_t accepted = 0;
+  bool has_left_early = false;
+
+  alignas(64) VertexBuckets waiting;
+  // Those that are accepted together, and their distances.
+  std::vector<std::uint32_t> round;
+  std::vector<double> best;
+  FrontRoom room;
+  // By domain: estimates for its vertices.
+  std::vector<std::vector<FrontEstimate>> handed_to;
+  // For vertices that are visible from the source, which take a base from the least of a round.
+  std::vector<Late> late;
+};
+
+// Memory that a query works in, kept for the next query on the same thread.
+struct BackTracedScratch {
   std::vector<FrontVertex> vertices;
   // Whether all of them are as constructed, as a finished query leaves them.
   bool is_clean = false;
   std::vector<std::uint32_t> visited;
-  std::vector<double> distance;  // of one of several waves; kUnreached between waves
+  // Of one of several waves, kUnreached between waves; or those accepted of one in several domains.
+  std::vector<double> distance;
   std::vector<std::uint8_t> is_target;
   std::vector<VisibilityCone> cones;
   CrowdedEdges crowds;
-  // Of those that are accepted together.
-  std::vector<std::uint32_t> round;
-  std::vector<double> best;
-  std::vector<std::uint32_t> corners;
-  std::vector<Halfedge> bases;
-  std::vector<Ask> asks;  // which vertex of the round each of `bases` belongs to
+  std::vector<FrontDomain> domains;
 };
 
 }  // namespace geodesic

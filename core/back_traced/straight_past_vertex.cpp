@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/back_traced/front.h"
+#include "core/back_traced/part_trace.h"
 #include "core/base/tolerances.h"
 #include "core/base/vec2.h"
 #include "core/surface/unfold_rounding.h"
@@ -26,10 +26,10 @@ bool is_too_thin(const FaceRecord& face) {
 // The way to the vertex seems to bend at the vertex `bend`. On either side of `bend`, the faces
 // round it are unfolded up to the face that the way to `bend` came through. If that way, continued
 // straight, passes `bend` and stays in the first face, a trace along it is added.
-void BackTracedFront::trace_past_vertex(std::uint32_t place, std::uint32_t bend) {
-  const std::uint32_t vertex = scratch_.round[place];
-  double best = scratch_.best[place];
-  const Halfedge bend_base = scratch_.vertices[bend].base;
+void PartTrace::trace_past_vertex(std::uint32_t place, std::uint32_t bend) {
+  const std::uint32_t vertex = part_[place];
+  double best = best_[place];
+  const Halfedge bend_base = front_.vertices[bend].base;
   if (bend_base == kNone) return;  // visible from the source
   const FaceRecord& last = surface_.faces[face_of(bend_base)];
   for (const std::uint32_t corner : surface_.corners(vertex)) {
@@ -95,7 +95,7 @@ void BackTracedFront::trace_past_vertex(std::uint32_t place, std::uint32_t bend)
       edge = halfedge(face_of(across), at_bend ? apex : next_corner(at));
     }
   }
-  scratch_.best[place] = std::min(scratch_.best[place], best);
+  best_[place] = std::min(best_[place], best);
 }
 
 }  // namespace geodesic

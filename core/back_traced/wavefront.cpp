@@ -6,6 +6,7 @@
 
 #include "core/back_traced/front.h"
 #include "core/back_traced/relax_edges.h"
+#include "core/base/team.h"
 #include "core/base/tolerances.h"
 #include "core/field/straight_floor.h"
 #include "core/field/vertex_front.h"
@@ -32,7 +33,7 @@ template <class Accepted>
 Result<void> run_wave(BackTracedFront& front, const Adjacency& adjacency,
                       std::span<const Source> sources, std::uint32_t number,
                       const detail::OtherSources& others, double max, const Detour& detour,
-                      RemainingTargets& targets, Poll& poll, Accepted accepted) {
+                      RemainingTargets& targets, bool is_each_told, Poll& poll, Accepted accepted) {
   const Source& source = sources[number];
   const detail::Worthwhile worthwhile(adjacency, source, others, detour);
   const bool goes_everywhere = others.earlier.empty() && !detour.is_bounded();
@@ -46,14 +47,17 @@ Result<void> run_wave(BackTracedFront& front, const Adjacency& adjacency,
   bool cancelled = false;
   while ((!targets.done() || front.may_improve()) && !cancelled && front.accept_next(last)) {
     if (poll.stopped()) break;
-    for (const std::uint32_t v : front.accepted()) {
-      cancelled = poll.cancelled(std::min(done++, total), total) || cancelled;
-      targets.accept(v);
-      accepted(v);
+    const std::size_t count = front.accepted_count();
+    cancelled = poll.cancelled_after(count, std::min(done, total), total);
+    done += count;
+    if (is_each_told) {
+      front.for_each_accepted([&](std::uint32_t v) {
+        targets.accept(v);
+        accepted(v);
+      });
     }
     if (!goes_everywhere) {
-      std::erase_if(front.accepted(),
-                    [&](std::uint32_t v) { return !worthwhile(v, front.distance(v)); });
+      front.stop_where([&](std::uint32_t v) { return !worthwhile(v, front.distance(v)); });
     }
     front.spread();
   }
@@ -87,10 +91,12 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
   Poll poll(rest);
   bool is_any_below = false;
   if (sources.size() == 1) {
-    BackTracedFront front(adjacency, candidates, scratch, field.distance.doubles(), poll);
+    BackTracedFront front(
+        adjacency, candidates, scratch, field.distance.doubles(),
+        is_search || poll.team() == nullptr ? 1 : poll.team()->parts_for(vertex_count), poll);
     RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
-    auto wave = run_wave(front, adjacency, sources, 0, {}, limits.max, limits.detour, targets, poll,
-                         [&](std::uint32_t v) {
+    auto wave = run_wave(front, adjacency, sources, 0, {}, limits.max, limits.detour, targets,
+                         is_search || !limits.targets.empty(), poll, [&](std::uint32_t v) {
                            if (is_search) visited.push_back(v);
                          });
     if (!wave) return fail(wave.error());
@@ -102,14 +108,14 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
   } else {
     scratch.distance.assign(vertex_count, kUnreached);
     std::vector<std::uint32_t> reached;
-    BackTracedFront front(adjacency, candidates, scratch, scratch.distance, poll);
+    BackTracedFront front(adjacency, candidates, scratch, scratch.distance, 1, poll);
     auto waves = detail::run_waves(
         front, limits, field, scratch.is_target,
         [&](std::uint32_t s, double max, RemainingTargets& targets, auto accepted) {
           reached.clear();
           auto wave =
               run_wave(front, adjacency, sources, s, {field.distance.doubles(), *along_edges}, max,
-                       {}, targets, poll, [&](std::uint32_t v) {
+                       {}, targets, true, poll, [&](std::uint32_t v) {
                          reached.push_back(v);
                          accepted(v);
                        });
@@ -130,7 +136,10 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
   } else {
     relax_edges(adjacency, max, field, poll);
     is_any_below = raise_to_straight_lines(adjacency.mesh(), field, poll) || is_any_below;
-    std::fill(scratch.vertices.begin(), scratch.vertices.end(), FrontVertex{});
+    run_in_ranges(vertex_count, poll, [&](std::size_t, std::size_t begin, std::size_t end, Poll&) {
+      const auto vertices = std::span(scratch.vertices).subspan(begin, end - begin);
+      std::fill(vertices.begin(), vertices.end(), FrontVertex{});
+    });
   }
   if (poll.stopped()) return fail_stopped(cancel);
   scratch.is_clean = true;

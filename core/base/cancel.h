@@ -1,7 +1,7 @@
 // How a running computation learns that its answer is no longer wanted or takes too much
 // memory, and how it tells how far it has come. Core has no clock and no sockets: whoever
 // starts a computation says what ends it (a deadline, a client that hung up, a process that
-// stops, a budget) and who hears of its progress.
+// stops, a budget), who hears of its progress and which threads help it.
 #pragma once
 
 #include <cstdint>
@@ -13,19 +13,24 @@
 
 namespace geodesic {
 
+class Team;
+
 class Cancel {
  public:
   Cancel() = default;  // never
-  // The budget must outlive this; null: any amount.
+  // The budget and the team must outlive this; null: any amount, and nobody.
   explicit Cancel(std::function<bool()> poll, std::function<void(double)> progress = {},
-                  MemoryBudget* memory = nullptr)
-      : poll_(std::move(poll)), progress_(std::move(progress)), memory_(memory) {}
+                  MemoryBudget* memory = nullptr, Team* team = nullptr)
+      : poll_(std::move(poll)), progress_(std::move(progress)), memory_(memory), team_(team) {}
 
   // True once the computation should stop. Asked every few thousand steps, by
   // the computing thread.
   [[nodiscard]] bool requested() const {
     return (memory_ != nullptr && memory_->refusal()) || (poll_ && poll_());
   }
+
+  // Whoever helps the computation (base/team.h), or null.
+  [[nodiscard]] Team* team() const { return team_; }
 
   // The budget of the computation, or null.
   [[nodiscard]] MemoryBudget* memory() const { return memory_; }
@@ -49,7 +54,7 @@ class Cancel {
   // A Cancel for one of several computations. Its progress counts as the part from `begin` to
   // `end` of the whole. This Cancel must outlive it.
   [[nodiscard]] Cancel part(double begin, double end) const {
-    Cancel part(poll_, {}, memory_);
+    Cancel part(poll_, {}, memory_, team_);
     if (progress_) {
       part.progress_ = [this, begin, end](double done) { report(begin + (end - begin) * done); };
     }
@@ -60,6 +65,7 @@ class Cancel {
   std::function<bool()> poll_;
   std::function<void(double)> progress_;
   MemoryBudget* memory_ = nullptr;
+  Team* team_ = nullptr;
 };
 
 // The error of a computation that was told to stop, whatever told it.
@@ -81,6 +87,14 @@ class Poll {
     if (steps >= left_) return ask();
     left_ -= static_cast<std::uint32_t>(steps);
     return stopped_;
+  }
+
+  // The same for a loop that has done `done` of about `total` steps before them.
+  [[nodiscard]] bool cancelled_after(std::uint64_t steps, std::uint64_t done, std::uint64_t total) {
+    if (steps >= left_ && total != 0) {
+      cancel_.report(static_cast<double>(done) / static_cast<double>(total));
+    }
+    return cancelled_after(steps);
   }
 
   // The same in a loop that has done `done` of about `total` steps of its computation. Reports
@@ -107,6 +121,7 @@ class Poll {
     return false;
   }
   [[nodiscard]] MemoryBudget* memory() const { return cancel_.memory(); }
+  [[nodiscard]] Team* team() const { return cancel_.team(); }
   [[nodiscard]] Error why_stopped() const { return cancel_.why_stopped(); }
 
   // Whether it has been told to stop; asks nobody.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/team.h"
 #include "core/base/tolerances.h"
 #include "core/base/vec3.h"
 #include "core/surface/point.h"
@@ -53,46 +54,49 @@ class StraightLines {
     for (const Source& source : field.sources) lines_.emplace_back(mesh, source.point);
   }
 
-  void raise(std::uint32_t v) {
+  // Both say whether any was below by more than rounding.
+  bool raise(std::uint32_t v) const {
     const std::uint32_t number = field_.nearest_source.empty() ? 0 : field_.nearest_source[v];
-    if (number >= lines_.size()) return;  // not reached
+    if (number >= lines_.size()) return false;  // not reached
     const double offset = field_.sources[number].offset;
     double over_surface = distance_[v] - offset;
     const double before = over_surface;
-    is_any_below_ = lines_[number].raise(positions_[v], over_surface) || is_any_below_;
+    const bool is_below = lines_[number].raise(positions_[v], over_surface);
     if (over_surface != before) distance_[v] = offset + over_surface;
+    return is_below;
   }
-  void raise_all(std::uint32_t begin, std::uint32_t end) {
+  bool raise_all(std::uint32_t begin, std::uint32_t end) const {
+    bool is_any_below = false;
     if (lines_.size() != 1 || field_.sources[0].offset != 0) {
-      for (std::uint32_t v = begin; v < end; ++v) raise(v);
-      return;
+      for (std::uint32_t v = begin; v < end; ++v) is_any_below = raise(v) || is_any_below;
+      return is_any_below;
     }
     // The usual case: one source without an offset. Hardly any distance has to be raised.
     for (std::uint32_t v = begin; v < end; ++v) {
       if (distance_[v] * distance_[v] < lines_[0].squared_to(positions_[v])) [[unlikely]]
-        raise(v);
+        is_any_below = raise(v) || is_any_below;
     }
+    return is_any_below;
   }
-  [[nodiscard]] bool is_any_below() const { return is_any_below_; }
 
  private:
   std::span<const Vec3> positions_;
   std::span<double> distance_;
   const Field& field_;
   std::vector<LinesFrom> lines_;
-  bool is_any_below_ = false;
 };
 
 }  // namespace
 
 bool raise_to_straight_lines(const Mesh& mesh, std::span<const std::uint32_t> vertices,
                              Field& field, Poll& poll) {
-  StraightLines lines(mesh, field);
+  const StraightLines lines(mesh, field);
+  bool is_any_below = false;
   for (const std::uint32_t v : vertices) {
     if (poll.cancelled()) break;
-    lines.raise(v);
+    is_any_below = lines.raise(v) || is_any_below;
   }
-  return lines.is_any_below();
+  return is_any_below;
 }
 
 bool raise_to_straight_lines(const Mesh& mesh, const SurfacePoint& source,
@@ -108,12 +112,19 @@ bool raise_to_straight_lines(const Mesh& mesh, const SurfacePoint& source,
 }
 
 bool raise_to_straight_lines(const Mesh& mesh, Field& field, Poll& poll) {
-  StraightLines lines(mesh, field);
-  constexpr std::uint32_t kAtOnce = 4096;
-  for (std::uint32_t v = 0; v < mesh.vertex_count() && !poll.ask(); v += kAtOnce) {
-    lines.raise_all(v, std::min(mesh.vertex_count(), v + kAtOnce));
-  }
-  return lines.is_any_below();
+  const StraightLines lines(mesh, field);
+  constexpr std::size_t kAtOnce = 4096;
+  std::vector<std::uint8_t> is_any_below(count_ranges(mesh.vertex_count(), poll));
+  run_in_ranges(mesh.vertex_count(), poll,
+                [&](std::size_t range, std::size_t begin, std::size_t end, Poll& asked) {
+                  for (std::size_t v = begin; v < end && !asked.ask(); v += kAtOnce) {
+                    if (lines.raise_all(static_cast<std::uint32_t>(v),
+                                        static_cast<std::uint32_t>(std::min(end, v + kAtOnce)))) {
+                      is_any_below[range] = 1;
+                    }
+                  }
+                });
+  return std::any_of(is_any_below.begin(), is_any_below.end(), [](auto any) { return any != 0; });
 }
 
 Result<Field> not_below_straight_lines(const Mesh& mesh, Result<Field> field,

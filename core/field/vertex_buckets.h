@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace geodesic {
@@ -61,17 +62,50 @@ class VertexBuckets {
   // Whether all vertices left have keys above this one, of another bucket. Not when empty.
   [[nodiscard]] bool is_beyond(double key) {
     go_to_first();
-    return key < 0 || now_ > number(key);
+    return is_beyond(now_, key);
+  }
+
+  // Several of these, each for some of the vertices, share one order: the bucket to be taken is the
+  // first of all of them (`first`), to which they all go (`go_to`), and those that have it take it.
+  // So they tell and are told a bucket by its number.
+  static constexpr std::uint64_t kNoBucket = std::numeric_limits<std::uint64_t>::max();
+  // The first bucket that has any vertices after those that are not to be kept have left it;
+  // kNoBucket when there is none. Where it is beyond the ring, its vertices were not looked at.
+  template <class Keep>
+  [[nodiscard]] std::uint64_t first(Keep keep) {
+    for (std::uint64_t bucket = now_; in_ring_ != 0; ++bucket) {
+      std::vector<std::uint32_t>& vertices = ring_[bucket % kRing];
+      if (vertices.empty()) continue;
+      in_ring_ -= std::erase_if(vertices, [&](std::uint32_t vertex) { return !keep(vertex); });
+      if (!vertices.empty()) return bucket;
+    }
+    return beyond_.empty() ? kNoBucket : beyond_.front().bucket;
+  }
+  // The vertices of a bucket that `first` has looked at.
+  [[nodiscard]] std::span<const std::uint32_t> vertices_of(std::uint64_t bucket) const {
+    return bucket < now_ + kRing ? ring_[bucket % kRing] : std::span<const std::uint32_t>();
+  }
+  // No bucket before this one has any vertices.
+  void go_to(std::uint64_t bucket) {
+    now_ = bucket;
+    bring_in();
+  }
+  // Moves the vertices of the bucket that was gone to to the end of `taken`.
+  void take_now(std::vector<std::uint32_t>& taken) {
+    std::vector<std::uint32_t>& vertices = ring_[now_ % kRing];
+    in_ring_ -= vertices.size();
+    taken.insert(taken.end(), vertices.begin(), vertices.end());
+    vertices.clear();  // keeps its room, so that the next solve need not allocate
+  }
+  [[nodiscard]] bool is_beyond(std::uint64_t bucket, double key) const {
+    return key < 0 || bucket > number(key);
   }
 
   // Moves the vertices of the first bucket that has any to the end of `taken`. Not when
   // empty.
   void take(std::vector<std::uint32_t>& taken) {
     go_to_first();
-    std::vector<std::uint32_t>& first = ring_[now_ % kRing];
-    in_ring_ -= first.size();
-    taken.insert(taken.end(), first.begin(), first.end());
-    first.clear();  // keeps its room, so that the next solve need not allocate
+    take_now(taken);
   }
 
  private:
@@ -100,15 +134,20 @@ class VertexBuckets {
     ++in_ring_;
   }
 
+  // What has come within the ring's reach.
+  void bring_in() {
+    while (!beyond_.empty() && beyond_.front().bucket < now_ + kRing) {
+      std::pop_heap(beyond_.begin(), beyond_.end());
+      const Beyond first = beyond_.back();
+      beyond_.pop_back();
+      push_into(first.bucket, first.vertex);
+    }
+  }
+
   void go_to_first() {
     if (in_ring_ == 0) now_ = beyond_.front().bucket;
     for (;;) {
-      while (!beyond_.empty() && beyond_.front().bucket < now_ + kRing) {
-        std::pop_heap(beyond_.begin(), beyond_.end());
-        const Beyond first = beyond_.back();
-        beyond_.pop_back();
-        push_into(first.bucket, first.vertex);
-      }
+      bring_in();
       if (!ring_[now_ % kRing].empty()) return;
       ++now_;
     }

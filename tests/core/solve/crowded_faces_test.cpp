@@ -53,7 +53,9 @@ TEST_CASE("CrowdsAreSolvedInStepsAndMemoryAsOtherSurfaces") {
         // 4096 steps each: some four hundred for each face.
         REQUIRE(field.has_value());
         CHECK(scratch.parts().back_traced.cones.size() <= 3 * 10'000);
-        CHECK(scratch.parts().back_traced.corners.size() <= 64 * kFaces);
+        for (const FrontDomain& domain : scratch.parts().back_traced.domains) {
+          CHECK(domain.room.corners.size() <= 64 * kFaces);
+        }
       }
     }
   }

@@ -1,0 +1,171 @@
+#include "core/back_traced/front_part.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "core/back_traced/part_trace.h"
+#include "core/base/lane_arithmetic.h"
+#include "core/surface/side_not_below.h"
+
+namespace geodesic {
+namespace {
+
+// Corners at a vertex, but for a few vertices: with as many always, no branch depends on
+// how many there are, which nobody could predict.
+constexpr std::size_t kMostCorners = 8;
+
+// A traced distance above its estimate by more than this part of the base edge: the
+// estimate was of two sources, or the trace took the wrong side of something.
+constexpr double kSuspicious = 0.02;
+
+// At corner c, the side to the nearer of the other two corners, and the farther one: at
+// [2c + 1] where the next corner is nearer than the previous one, else at [2c].
+constexpr std::array<std::uint8_t, 6> kNearerSide{2, 0, 0, 1, 1, 2};
+constexpr std::array<std::uint8_t, 6> kFartherCorner{1, 2, 2, 0, 0, 1};
+
+}  // namespace
+
+void trace_back(const FrontState& front, std::span<const std::uint32_t> vertices,
+                std::span<double> best, FrontRoom& room, Poll& poll) {
+  PartTrace trace(front, vertices, best, room, poll);
+  trace.trace_known();
+  trace.ask_other_faces();
+}
+
+void PartTrace::trace_known() {
+  const std::size_t at_once = std::min(kMostCorners, surface_.all_corners.size());
+  for (std::uint32_t i = 0; i < part_.size(); ++i) {
+    if (poll_.cancelled()) break;
+    // For the spread: a few at a time, for many at once would have to queue.
+    const std::size_t begin = std::min<std::size_t>(surface_.corner_begin[part_[i]],
+                                                    surface_.all_corners.size() - at_once);
+    for (const std::uint32_t corner : surface_.all_corners.subspan(begin, at_once)) {
+      __builtin_prefetch(&surface_.faces[face_of(corner)]);
+    }
+    const FrontVertex& known = front_.vertices[part_[i]];
+    double& best = best_[i];
+    best = distance_[part_[i]];
+    if (known.base == kNone) continue;  // straight from the source
+    const bool bends_at_tail = known.crossing == ArrivalLanes::kBendsAtTail;
+    if (!bends_at_tail && known.crossing != ArrivalLanes::kBendsAtHead) {
+      trace(i, known.base, known.crossing, best);
+      continue;
+    }
+    const FaceRecord& face = surface_.faces[face_of(known.base)];
+    const std::uint32_t c = corner_of(known.base);
+    const std::uint32_t n = next_corner(c);
+    const auto length = [&](std::uint32_t side) {
+      return surface_.is_even ? std::sqrt(std::max(face.length2(side), 0.0))
+                              : side_not_below(face, side);
+    };
+    const double by_tail = distance_[face.vertex[c]] + length(previous_corner(c));
+    const double by_head = distance_[face.vertex[n]] + length(n);
+    best = std::min({best, by_tail, by_head});
+    // At a pinched vertex only one end may have a distance.
+    if (!(std::max(by_tail, by_head) < kUnreached)) continue;
+    trace_past_vertex(i, face.vertex[bends_at_tail ? c : n]);
+  }
+  flush();
+}
+
+void PartTrace::flush() {
+  if (traces_.count == 0) return;
+  trace_lanes(surface_, distance_, front_.candidates, front_.vectors, traces_, &front_.crowds);
+  for (std::size_t i = 0; i < traces_.count; ++i) {
+    double& best = best_[traced_[i]];
+    best = std::min(best, traces_.best[i]);
+  }
+  traces_.clear();
+}
+
+void PartTrace::ask_other_faces() {
+  std::vector<Halfedge>& bases = room_.bases;
+  std::vector<FrontRoom::Ask>& asks = room_.asks;
+  bases.clear();
+  asks.clear();
+  for (std::uint32_t i = 0; i < part_.size(); ++i) {
+    if (!is_doubtful(part_[i], best_[i])) continue;
+    for (const std::uint32_t corner : surface_.corners(part_[i])) {
+      if (poll_.cancelled()) break;
+      const std::uint32_t n = next_corner(corner_of(corner));
+      const Halfedge base = halfedge(face_of(corner), n);
+      const FaceRecord& face = surface_.faces[face_of(corner)];
+      if (base == front_.vertices[part_[i]].base) continue;
+      if (!(distance_[face.vertex[n]] + distance_[face.vertex[next_corner(n)]] < kUnreached))
+        continue;
+      bases.push_back(base);
+      asks.push_back({i, best_[i]});
+    }
+  }
+  arrive_over_bases(front_, bases.size(), room_, poll_,
+                    [&](std::size_t at, double distance, float crossing) {
+                      const bool straight = crossing >= 0 && crossing <= 1;
+                      const auto [place, best] = asks[at];
+                      if (straight && distance < best) trace(place, bases[at], crossing, best);
+                    });
+  flush();
+}
+
+bool PartTrace::is_doubtful(std::uint32_t vertex, double best) const {
+  const FrontVertex& known = front_.vertices[vertex];
+  if (known.base == kNone) return false;
+  const double base2 = surface_.faces[face_of(known.base)].length2(corner_of(known.base));
+  const double above = best - known.estimate;
+  return above > 0 && above * above > kSuspicious * kSuspicious * base2;
+}
+
+namespace {
+
+// The corners at the vertices, one after the other; how many there are. Behind them is what
+// nobody asked for.
+std::size_t list_corners(const Triangulation& surface, std::span<const std::uint32_t> vertices,
+                         std::vector<std::uint32_t>& corners) {
+  const std::span<const std::uint32_t> all = surface.all_corners;
+  std::size_t count = 0;
+  for (const std::uint32_t v : vertices) {
+    const std::size_t begin = surface.corner_begin[v];
+    const std::size_t at_vertex = surface.corner_begin[v + 1] - begin;
+    const std::size_t room = count + std::max(at_vertex, kMostCorners);
+    if (corners.size() < room) corners.resize(2 * room);
+    if (at_vertex <= kMostCorners && begin + kMostCorners <= all.size()) [[likely]] {
+      std::memcpy(corners.data() + count, all.data() + begin, kMostCorners * sizeof(std::uint32_t));
+    } else {
+      std::memcpy(corners.data() + count, all.data() + begin, at_vertex * sizeof(std::uint32_t));
+    }
+    count += at_vertex;
+  }
+  return count;
+}
+
+}  // namespace
+
+std::size_t list_bases(const FrontState& front, std::span<const std::uint32_t> vertices,
+                       FrontRoom& room) {
+  const std::size_t corners = list_corners(front.surface, vertices, room.corners);
+  std::vector<Halfedge>& bases = room.bases;
+  bases.resize(corners + ArrivalLanes::kLanes);
+  const FaceRecord* const faces = front.surface.faces.data();
+  const double* const distance = front.distance.data();
+  const FrontVertex* const known = front.vertices.data();
+  Halfedge* next = bases.data();
+  for (std::size_t i = 0; i < corners; ++i) {
+    const std::uint32_t corner = room.corners[i];
+    const FaceRecord& face = faces[face_of(corner)];
+    const std::uint32_t c = corner_of(corner);
+    const double own = distance[face.vertex[c]];
+    const double at_ahead = distance[face.vertex[lanes::kNextCorner[c]]];
+    const double at_behind = distance[face.vertex[lanes::kPreviousCorner[c]]];
+    const double nearer = std::min(at_ahead, at_behind);
+    const double farther = std::max(at_ahead, at_behind);
+    // Without a branch, which nobody could predict.
+    const std::size_t which = 2 * c + static_cast<std::size_t>(at_ahead < at_behind);
+    *next = corner - c + kNearerSide[which];
+    __builtin_prefetch(&known[face.vertex[kFartherCorner[which]]]);
+    next += static_cast<std::size_t>((nearer < kUnreached) & (own < farther));
+  }
+  return static_cast<std::size_t>(next - bases.data());
+}
+
+}  // namespace geodesic

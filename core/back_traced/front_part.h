@@ -1,0 +1,71 @@
+// What is done with the vertices of a round that come one after another: each such part of a round
+// may be done by another thread. A part reads what no part of this step changes, and writes to
+// places of its own.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/back_traced/arrive_lanes.h"
+#include "core/back_traced/scratch.h"
+#include "core/back_traced/trace.h"
+#include "core/base/cancel.h"
+#include "core/base/vectors.h"
+#include "core/surface/triangulation.h"
+
+namespace geodesic {
+
+// A front between two of its steps.
+struct FrontState {
+  const Triangulation& surface;
+  std::span<const double> distance;       // by vertex
+  std::span<const FrontVertex> vertices;  // by vertex
+  const CrowdedEdges& crowds;
+  BackTrace::Candidates candidates;
+  Vectors vectors;
+};
+
+// The distances of these vertices, in `best`: by traces over the bases that the front knows, and
+// where those are longer than the front expected, over every other face whose ends promise a
+// shorter way. Incomplete if the poll says to stop.
+void trace_back(const FrontState& front, std::span<const std::uint32_t> vertices,
+                std::span<double> best, FrontRoom& room, Poll& poll);
+
+// Lists in `room.bases` what has an estimate for its opposite vertex: the base of every triangle at
+// these vertices that has two accepted ones, of which this one is the nearer, opposite its
+// farthest vertex. Returns how many; behind them is what nobody asked for.
+[[nodiscard]] std::size_t list_bases(const FrontState& front,
+                                     std::span<const std::uint32_t> vertices, FrontRoom& room);
+
+// The estimates over the first `count` of the room's bases: `tell(at, distance, crossing)` of
+// each. Not of all if the poll says to stop.
+template <class Tell>
+void arrive_over_bases(const FrontState& front, std::size_t count, FrontRoom& room, Poll& poll,
+                       Tell tell) {
+  if (count == 0) return;
+  constexpr std::size_t kLanes = ArrivalLanes::kLanes;
+  std::vector<Halfedge>& bases = room.bases;
+  // Lanes without one of their own do the same as the first, with nobody to see it.
+  bases.resize((count + kLanes - 1) / kLanes * kLanes, bases[0]);
+  std::fill(bases.begin() + static_cast<std::ptrdiff_t>(count), bases.end(), bases[0]);
+  ArrivalLanes arrivals;
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    if (poll.cancelled()) return;
+    arrive_lanes(front.surface.faces, front.distance,
+                 std::span<const Halfedge, kLanes>(bases.data() + first, kLanes), front.vectors,
+                 arrivals);
+    for (std::size_t i = 0; i < kLanes && first + i < count; ++i) {
+      tell(first + i, arrivals.distance[i], arrivals.crossing[i]);
+    }
+  }
+}
+
+// The vertex that the halfedge's face has besides the halfedge's ends.
+[[nodiscard]] inline std::uint32_t opposite(const Triangulation& surface, Halfedge h) {
+  return surface.faces[face_of(h)].vertex[previous_corner(corner_of(h))];
+}
+
+}  // namespace geodesic
