@@ -18,6 +18,9 @@ namespace {
 constexpr double kEarly = 0.5;
 constexpr int kMostRoundsInBucket = 256;
 
+// A round of so few vertices is soon done, and others are not told.
+constexpr std::size_t kFewTogether = 16;
+
 // Vertices whose numbers differ in so many last bits only are of one domain: they are near each
 // other, and so in memory. Of larger blocks one domain has often more of the front than others, of
 // smaller ones more is handed on.
@@ -62,6 +65,10 @@ std::size_t BackTracedFront::number_of_domain(std::uint32_t vertex) const {
 template <class Work>
 void BackTracedFront::in_each_domain(Work work) {
   if (domains_.size() == 1) return work(domains_[0], poll_);
+  if (is_small_) {
+    for (FrontDomain& domain : domains_) work(domain, poll_);
+    return;
+  }
   run_parts(domains_.size(), poll_,
             [this, work](std::size_t number, Poll& poll) { work(domains_[number], poll); });
 }
@@ -131,7 +138,9 @@ void BackTracedFront::look_ahead(FrontDomain& domain) const {
   domain.next =
       domain.waiting.first([&](std::uint32_t v) { return !scratch_.vertices[v].is_accepted(); });
   domain.least = kUnreached;
-  for (const std::uint32_t v : domain.waiting.vertices_of(domain.next)) {
+  const std::span<const std::uint32_t> vertices = domain.waiting.vertices_of(domain.next);
+  domain.waiting_next = vertices.size();
+  for (const std::uint32_t v : vertices) {
     const FrontVertex& known = scratch_.vertices[v];
     domain.least = std::min(domain.least, known.estimate);
     __builtin_prefetch(&surface_.corner_begin[v]);
@@ -147,11 +156,18 @@ bool BackTracedFront::accept_next(double last) {
   for (;;) {
     std::uint64_t bucket = VertexBuckets::kNoBucket;
     double least = kUnreached;
+    std::size_t count = 0;
     for (const FrontDomain& domain : domains_) {
-      if (domain.next < bucket) least = kUnreached;
-      bucket = std::min(bucket, domain.next);
-      if (domain.next == bucket) least = std::min(least, domain.least);
+      if (domain.next > bucket) continue;
+      if (domain.next < bucket) {
+        bucket = domain.next;
+        least = kUnreached;
+        count = 0;
+      }
+      least = std::min(least, domain.least);
+      count += domain.waiting_next;
     }
+    is_small_ = count < kFewTogether;
     if (bucket == VertexBuckets::kNoBucket) return false;
     if (last < kUnreached && domains_[0].waiting.is_beyond(bucket, last)) return false;
     if (least < kUnreached) {

@@ -120,6 +120,7 @@ class BackTracedFront {
   alignas(64) double lag_ = kUnreached;  // until it was asked for
   int rounds_in_bucket_ = 0;
   bool has_looked_ = false;  // at what comes next
+  bool is_small_ = false;    // the round
 };
 
 }  // namespace geodesic

@@ -49,9 +49,10 @@ struct alignas(64) FrontDomain {
     FrontEstimate estimate;
   };
 
-  // What the front asks all domains between two steps. The first bucket that has any vertices, and
-  // the least of their estimates;
+  // What the front asks all domains between two steps. The first bucket that has any vertices, how
+  // many, and the least of their estimates;
   std::uint64_t next = VertexBuckets::kNoBucket;
+  std::size_t waiting_next = 0;
   double least = kUnreached;
   // how many are accepted together, and whether some of their bucket are not.
   std::size_t accepted = 0;

@@ -32,6 +32,13 @@ class Cancel {
   // Whoever helps the computation (base/team.h), or null.
   [[nodiscard]] Team* team() const { return team_; }
 
+  // The same for a computation that this team helps; null: nobody does. It must outlive that.
+  [[nodiscard]] Cancel helped_by(Team* team) const {
+    Cancel helped = *this;
+    helped.team_ = team;
+    return helped;
+  }
+
   // The budget of the computation, or null.
   [[nodiscard]] MemoryBudget* memory() const { return memory_; }
   // Whether so many bytes more may be taken; if not, the computation should stop.

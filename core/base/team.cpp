@@ -57,6 +57,10 @@ void Team::share(std::uint32_t parts, Poll& poll) {
   const auto step = static_cast<std::uint32_t>(step_.load(std::memory_order_relaxed) >> kHalf) + 1;
   step_.store(std::uint64_t{step} << kHalf | parts, std::memory_order_release);
   if (begin(0, step)) do_part(0, step, poll);
+  // More parts than threads belong to nobody.
+  for (auto part = static_cast<std::uint32_t>(threads_); part < parts; ++part) {
+    if (begin(part, step)) do_part(part, step, poll);
+  }
   for (std::uint32_t part = 0; part < parts; ++part) {
     for (std::uint32_t looks = 1; places_[part].done.load(std::memory_order_acquire) != step;
          ++looks) {
@@ -93,6 +97,7 @@ void Team::help(const std::function<bool()>& leave) {
         if (begin(part, step)) do_part(part, step, poll);
       }
       looks = 0;
+      if (leave()) break;
       continue;
     }
     if (looks % kLooksBetweenQuestions == 0 && leave()) break;

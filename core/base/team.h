@@ -3,10 +3,10 @@
 // Core starts no threads. Whoever calls may give a computation a Team (in its Cancel), and send
 // threads of its own into `help`, at any time and for as long as it likes. The computation divides
 // steps of some microseconds into parts (`run`). Each part is done once, by the computing thread or
-// by one that helps, if possible by the one that did the part of that number in the last step: what
-// it read and wrote is still in that processor's cache. No result may depend on who did what, nor
-// on whether anybody helped. So short are the steps that threads wait for the next one by asking
-// again and again, not by sleeping.
+// by one that helps. Where there are no more parts than threads, that is if possible the one that
+// did the part of that number in the last step: what it read and wrote is still in that processor's
+// cache. No result may depend on who did what, nor on whether anybody helped. So short are the
+// steps that threads wait for the next one by asking again and again, not by sleeping.
 #pragma once
 
 #include <algorithm>
@@ -26,6 +26,8 @@ namespace geodesic {
 class Team {
  public:
   static constexpr std::size_t kMostParts = 64;
+  // On smaller meshes telling other threads what to do takes as long as doing it.
+  static constexpr std::size_t kFewestVertices = 150'000;
 
   // `threads`: how many may be there at once, as far as can be told; the computing thread is one.
   // `fewest_vertices`: computations on meshes of fewer are not divided. There, telling other
@@ -38,8 +40,8 @@ class Team {
   // Nobody may be in `help` any more.
   ~Team() = default;
 
-  // For a thread that helps. Does parts until `leave`, which it asks every few microseconds, says
-  // true, or until `end` was called.
+  // For a thread that helps. Does parts until `leave`, which it asks after each and every few
+  // microseconds, says true, or until `end` was called.
   void help(const std::function<bool()>& leave);
 
   // Sends those that help away, now and in future. Any thread.

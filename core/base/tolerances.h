@@ -151,8 +151,8 @@ inline constexpr double kLeastGap = 1e-9;
 inline constexpr double kNearlyTouch = 1e-6;
 // … and their unfolded sources are nearer to each other than this part of their distance.
 inline constexpr double kNearSource = 1e-6;
-// Of how far a window is from its unfolded source along the edge: where the source is no deeper than
-// this part, all rays of the window run along the edge.
+// Of how far a window is from its unfolded source along the edge: where the source is no deeper
+// than this part, all rays of the window run along the edge.
 inline constexpr double kAlongEdge = 1e-6;
 // Of the distance: unfolded sources that are nearer to each other are one, unfolded over different
 // faces.

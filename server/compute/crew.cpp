@@ -48,7 +48,7 @@ void ComputePool::work_on_parts(Crew& crew, Worker& worker, Lock& lock) {
   const GiveWay give_way = [&] { return gives_way || (gives_way = must_give_way(crew)); };
   while (crew.has_parts()) {
     const std::size_t i = crew.take();
-    if (crew.has_parts()) job_ready_.notify_one();  // another that is idle begins the next
+    if (crew.has_parts()) call_worker();  // another that is idle begins the next
     lock.unlock();
     const Clock::time_point begin = Clock::now();
     Result<void> outcome;

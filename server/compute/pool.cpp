@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <new>
 
+#include "server/base/cores.h"
 #include "server/base/run_guarded.h"
 #include "server/base/service_codes.h"
 #include "server/compute/crew.h"
@@ -13,9 +14,7 @@ namespace geodesic::server {
 
 namespace {
 
-std::size_t slots_or_cores(std::size_t slots) {
-  return slots != 0 ? slots : std::max<std::size_t>(1, std::thread::hardware_concurrency());
-}
+std::size_t slots_or_cores(std::size_t slots) { return slots != 0 ? slots : usable_cores(); }
 
 }  // namespace
 
@@ -69,7 +68,7 @@ Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& c
   if (job->is_finishing) {
     queue_.push_ahead(job);
     note_queue();
-    job_ready_.notify_one();
+    call_worker();
     return {};
   }
   const std::size_t own = queue_.size_of(caller.client);
@@ -132,7 +131,7 @@ Result<void> ComputePool::admit(const std::shared_ptr<Job>& job, const Caller& c
   if (job->is_patient) ++patient_;
   queue_.push(caller.client, job);
   note_queue();
-  job_ready_.notify_one();
+  call_worker();
   return {};
 }
 
@@ -193,11 +192,13 @@ void ComputePool::work(std::size_t slot) {
   Lock lock(mutex_);
   while (true) {
     std::shared_ptr<Crew> crew;
+    Help* helped = nullptr;
     job_ready_.wait(lock, [&] {
       crew = queue_.empty() ? crew_to_help() : nullptr;
-      return draining_ || !queue_.empty() || crew || is_to_forget(worker);
+      helped = queue_.empty() && !crew ? job_to_help() : nullptr;
+      return draining_ || !queue_.empty() || crew || helped || is_to_forget(worker);
     });
-    if (queue_.empty() && !crew) {
+    if (queue_.empty() && !crew && !helped) {
       if (draining_) return;  // and nothing is left
       forget_kept(worker, lock);
       continue;
@@ -205,6 +206,8 @@ void ComputePool::work(std::size_t slot) {
     ++counts_.running;
     if (crew) {
       join_crew(crew, worker, lock);
+    } else if (helped) {
+      help(*helped, worker, lock);
     } else {
       const std::shared_ptr<Job> job = queue_.pop();
       if (job->is_patient) --patient_;
@@ -289,7 +292,7 @@ void ComputePool::drain() {
   {
     const std::lock_guard lock(mutex_);
     draining_ = true;
-    job_ready_.notify_all();
+    call_workers();
     room_.notify_all();
   }
   const std::lock_guard lock(join_mutex_);

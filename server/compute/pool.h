@@ -22,6 +22,9 @@
 // them gives its part back for later, and between parts all look at the queue. So a
 // long table is done by all cores, and delays others no more than a single job.
 //
+// A job may have the slots that nobody waits for help it (`Help`). They wait for its steps without
+// sleeping, and leave it for whatever is to be done otherwise.
+//
 // Each worker has a slot number, so that scratch memory can be kept per worker
 // and used without a lock. What a job allocates counts (compute/memory.h).
 #pragma once
@@ -42,6 +45,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/team.h"
 #include "server/base/caller.h"
 #include "server/base/stage_times.h"
 #include "server/compute/fair_queue.h"
@@ -85,7 +89,7 @@ class ComputePool {
     // finish a request. Their jobs are not sent away either.
   };
 
-  // `slots` 0: as many as the machine has cores.
+  // `slots` 0: as many as there are usable_cores().
   ComputePool(std::size_t slots, const QueueLimits& limits);
   ComputePool(std::size_t slots, std::size_t max_queued)
       : ComputePool(slots, QueueLimits{max_queued, 0, std::chrono::milliseconds(0)}) {}
@@ -164,6 +168,28 @@ class ComputePool {
     }
     return done;
   }
+
+  // Idle slots that help the computation of a job, as long as this lives: the job makes it, on its
+  // worker, and gives the computation its team. They join at once or later, and leave as soon as
+  // anything else is to be done. What they allocate meanwhile counts, but not against the job's own
+  // limit, and no longer than they help: lists of a front, which are small. (compute/help.cpp)
+  class Help {
+   public:
+    explicit Help(ComputePool& pool);
+    ~Help();
+    Help(const Help&) = delete;
+    Help& operator=(const Help&) = delete;
+
+    // Null where no slot is idle at the beginning: then it is not worth to divide anything.
+    [[nodiscard]] Team* team() { return team_ ? &*team_ : nullptr; }
+
+   private:
+    friend class ComputePool;
+    ComputePool& pool_;
+    std::optional<Team> team_;
+    std::size_t inside_ = 0;  // slots; guarded by the pool's mutex
+    std::condition_variable left_;
+  };
 
   // Refuses new jobs (`draining`); those queued or running finish.
   // Returns when all workers have ended. Idempotent.
@@ -253,7 +279,20 @@ class ComputePool {
   [[nodiscard]] bool must_give_way(Crew& crew);
   // Jobs wait, and slots that are free or about to be do not suffice for them.
   [[nodiscard]] bool is_slot_wanted() const {
-    return queue_.size() > counts_.slots - counts_.running + giving_way_;
+    return queue_.size() > counts_.slots - counts_.running + giving_way_ + lent_;
+  }
+  // compute/help.cpp
+  // Whom an idle worker should help; null when there is nobody.
+  [[nodiscard]] Help* job_to_help() const;
+  void help(Help& job, Worker& worker, Lock& lock);
+  // There is something to do for a worker that is idle or helps, or for all of them.
+  void call_worker() {
+    calls_.fetch_add(1, std::memory_order_relaxed);
+    job_ready_.notify_one();
+  }
+  void call_workers() {
+    calls_.fetch_add(1, std::memory_order_relaxed);
+    job_ready_.notify_all();
   }
   // What runs and does not give way.
   [[nodiscard]] std::uint64_t busy() const { return counts_.running - counts_.helping; }
@@ -267,6 +306,9 @@ class ComputePool {
   std::atomic<bool> is_queue_empty_{true};    // to be asked without the mutex
   std::vector<std::shared_ptr<Crew>> crews_;  // that have a slot
   std::size_t giving_way_ = 0;                // slots that will be free in a moment
+  std::vector<Help*> helped_;                 // jobs that idle slots may help
+  std::size_t lent_ = 0;                      // slots that do
+  std::atomic<std::uint64_t> calls_{0};       // of workers: whoever helps leaves at the next one
   std::size_t waiting_for_room_ = 0;          // callers whose jobs were crowded out
   std::condition_variable room_;              // a job has ended, or a slot has forgotten
   std::function<void(Worker&)> forget_;

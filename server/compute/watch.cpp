@@ -78,7 +78,7 @@ Result<void> ComputePool::wait_for_room(std::uint64_t wanted, const Caller& call
   const Clock::time_point latest =
       bounds_wait_of(caller) ? Clock::now() + limits_.wait : Clock::time_point::max();
   ++waiting_for_room_;
-  job_ready_.notify_all();  // idle slots keep memory, too
+  call_workers();  // idle slots keep memory, too
   Result<void> waited;
   while (waited && !draining_ && !has_room_for(wanted)) {
     room_.wait_until(lock, std::min(latest, Clock::now() + kPollInterval));

@@ -45,7 +45,7 @@ struct Config {
 
   std::uint64_t io_threads = 64;
   std::uint64_t max_connections = 10'000;
-  std::uint64_t compute_threads = 0;  // 0: one a core
+  std::uint64_t compute_threads = 0;  // 0: one a core, fewer by a control group's quota
   std::uint64_t queue = 256;
   std::uint64_t queue_per_client = 0;  // 0: no bound
   std::uint64_t queue_seconds = 10;    // 0: no bound

@@ -108,7 +108,8 @@ std::span<const Option> options() {
       Option{"max-connections", Kind::whole_number, &Config::max_connections, "N",
              "Connections at once; more push out who idles longest", 1, 1'000'000},
       Option{"compute-threads", Kind::whole_number, &Config::compute_threads, "N",
-             "Computations that run at once; 0: one a core", 0, kMaxThreads},
+             "Computations that run at once; 0: one a core, fewer by a control group's quota", 0,
+             kMaxThreads},
       Option{"queue", Kind::whole_number, &Config::queue, "N",
              "Computations that may wait; more are answered 503", 0, kMaxQueue, kFollows},
       Option{

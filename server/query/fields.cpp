@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "core/paths/arrive_at_point.h"
 #include "core/paths/trace_path.h"
@@ -97,6 +98,12 @@ bool can_be_searched(const FieldQuestion& question) {
          question.adjacency->mesh().vertex_count() >= kManyVertices;
 }
 
+// Whether slots that are idle may help with the field.
+bool is_for_many_threads(const FieldQuestion& question) {
+  return question.method.which == Method::back_traced && question.sources.size() == 1 &&
+         question.adjacency->mesh().vertex_count() >= Team::kFewestVertices;
+}
+
 // So many searches take less than a field that stops at the last of the targets.
 constexpr std::size_t kFewTargets = 2;
 
@@ -115,8 +122,11 @@ Fields::~Fields() { pool_.observe_want_of_room({}); }
 Result<Field> Fields::solve(const FieldQuestion& question, const FieldLimits& limits,
                             SolveScratch& scratch, const Cancel& cancel, const Caller& caller) {
   const Timed timed(caller, Stage::solve);
+  std::optional<ComputePool::Help> help;
+  if (is_for_many_threads(question)) help.emplace(pool_);
   auto field = solve_field(question.method.which, question.method.options, *question.adjacency,
-                           question.sources, limits, scratch, cancel);
+                           question.sources, limits, scratch,
+                           cancel.helped_by(help ? help->team() : nullptr));
   metrics_.solved(proto::name_of(question.method.which), timed.so_far().count());
   return field;
 }

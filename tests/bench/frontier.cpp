@@ -19,6 +19,7 @@
 #include "tests/bench/frontier_meshes.h"
 #include "tests/bench/frontier_pairs.h"
 #include "tests/bench/frontier_sources.h"
+#include "tests/bench/frontier_threads.h"
 #include "tests/bench/peak_memory.h"
 #include "tests/bench/prepared.h"
 #include "tests/bench/processor_time.h"
@@ -359,6 +360,7 @@ void print_frontier(const FrontierOptions& options) {
   print_vectors();
   print_fields();
   print_sources(meshes);
+  print_threads(meshes);
 }
 
 }  // namespace geodesic::bench

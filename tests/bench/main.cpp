@@ -22,6 +22,8 @@
 #include "core/mesh/shapes.h"
 #include "tests/bench/family.h"
 #include "tests/bench/frontier.h"
+#include "tests/bench/frontier_meshes.h"
+#include "tests/bench/frontier_threads.h"
 #include "tests/bench/run_mesh.h"
 
 using namespace geodesic;
@@ -165,25 +167,34 @@ int main(int argc, char** argv) {
   bench::RunOptions options;
   app.add_flag("--quick", quick,
                "only the meshes from formulas, without those of a million vertices");
-  auto* const only_frontier =
-      app.add_flag("--frontier", frontier,
-                   "what the engine aims at, cell by cell, with a verdict each; nothing else");
+  app.add_flag("--frontier", frontier,
+               "what the engine aims at, cell by cell, with a verdict each; nothing else");
   std::optional<std::uint32_t> family;
   std::optional<std::uint32_t> number;
   auto* const only_family = app.add_option(
       "--family", family, "meshes drawn from this seed, with a verdict for each aim; nothing else");
   app.add_option("--number", number, "with --family: only the mesh of this number")
       ->needs(only_family);
+  bool threads = false;
+  app.add_flag("--threads", threads,
+               "how much sooner a field is there when idle cores help; nothing else");
   app.add_option("--mesh", only, "only the meshes of these names");
-  app.add_option("FILE", files, "with --frontier: these meshes instead of its own")
-      ->check(CLI::ExistingFile)
-      ->needs(only_frontier);
+  app.add_option("FILE", files, "with --frontier or --threads: these meshes instead of its own")
+      ->check(CLI::ExistingFile);
   app.add_option("--peers", options.peers, "folder of the peers' Python environments");
   app.add_option("--json", json_file, "also write the figures to this file, as JSON");
   CLI11_PARSE(app, count, arguments.data());
 
+  if (!files.empty() && !frontier && !threads) {
+    std::cerr << "FILE is for --frontier and --threads\n";
+    return 2;
+  }
   if (frontier) {
     bench::print_frontier({quick, files});
+    return 0;
+  }
+  if (threads) {
+    bench::print_threads(files.empty() ? bench::frontier_meshes(quick) : bench::meshes_of(files));
     return 0;
   }
 
