@@ -171,8 +171,9 @@ bool BackTracedFront::accept_next(double last) {
     if (bucket == VertexBuckets::kNoBucket) return false;
     if (last < kUnreached && domains_[0].waiting.is_beyond(bucket, last)) return false;
     if (least < kUnreached) {
-      in_each_domain([this, bucket, least](FrontDomain& domain, Poll& poll) {
-        take_round(domain, bucket, least);
+      const bool may_leave = rounds_in_bucket_ < kMostRoundsInBucket;
+      in_each_domain([this, bucket, least, may_leave](FrontDomain& domain, Poll& poll) {
+        take_round(domain, bucket, least, may_leave);
         trace_round(domain, poll);
       });
       break;
@@ -193,8 +194,9 @@ bool BackTracedFront::accept_next(double last) {
   return true;
 }
 
-// The vertices of the bucket that are not too early, ascending.
-void BackTracedFront::take_round(FrontDomain& domain, std::uint64_t bucket, double least) {
+// The vertices of the bucket, ascending, without those that are too early if these may be left.
+void BackTracedFront::take_round(FrontDomain& domain, std::uint64_t bucket, double least,
+                                 bool may_leave) {
   std::vector<std::uint32_t>& round = domain.round;
   round.clear();
   domain.accepted = 0;
@@ -204,7 +206,7 @@ void BackTracedFront::take_round(FrontDomain& domain, std::uint64_t bucket, doub
   domain.waiting.take_now(round);
   std::size_t count = 0;
   for (const std::uint32_t v : round) {
-    if (is_early(v, least)) {
+    if (may_leave && is_early(v, least)) {
       domain.waiting.push_back(v);
       continue;
     }
@@ -221,7 +223,7 @@ void BackTracedFront::take_round(FrontDomain& domain, std::uint64_t bucket, doub
 // Whether one of those to be accepted may yet have a say in the estimate of the vertex.
 bool BackTracedFront::is_early(std::uint32_t vertex, double least) const {
   const FrontVertex& known = scratch_.vertices[vertex];
-  if (known.base == kNone || rounds_in_bucket_ == kMostRoundsInBucket) return false;
+  if (known.base == kNone) return false;
   const double after = known.estimate - least;
   return after * after > kEarly * kEarly * surface_.faces[face_of(known.base)].shortest2();
 }

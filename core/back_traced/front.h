@@ -45,8 +45,9 @@ class BackTracedFront {
   // nearer.
   void start(const SurfacePoint& source, const detail::Worthwhile& worthwhile);
 
-  // Accepts the next vertices: they get their distances. False, and none, when there are
-  // no more, or only such as are farther than `last` and by more than `lag`.
+  // Accepts the next vertices: they get their distances, of several domains when they spread.
+  // False, and none, when there are no more, or only such as are farther than `last` and by more
+  // than `lag`.
   [[nodiscard]] bool accept_next(double last);
   // How many were accepted last.
   [[nodiscard]] std::size_t accepted_count() const;
@@ -82,7 +83,7 @@ class BackTracedFront {
   void lower(FrontDomain& own, std::uint32_t vertex, const FrontEstimate& estimate);
   void settle(FrontDomain& own, std::uint32_t vertex, const FrontEstimate& estimate);
   void look_ahead(FrontDomain& domain) const;
-  void take_round(FrontDomain& domain, std::uint64_t bucket, double least);
+  void take_round(FrontDomain& domain, std::uint64_t bucket, double least, bool may_leave);
   [[nodiscard]] bool is_early(std::uint32_t vertex, double least) const;
   void trace_round(FrontDomain& domain, Poll& poll);
   void accept_round(FrontDomain& domain);

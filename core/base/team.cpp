@@ -1,34 +1,54 @@
 #include "core/base/team.h"
 
+#include <chrono>
 #include <thread>
 #include <utility>
 
 namespace geodesic {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr unsigned kHalf = 32;  // bits
 
-// Between two looks at what another thread changes. At first there is no pause, for it would be a
-// large part of a short wait. Who has looked often lets other threads go first: the one that is
+// Of waiting for another thread. At first there is no pause between two looks, for it would be a
+// large part of a short wait. Who has waited long lets other threads go first: the one that is
 // waited for may have no core.
-void pause_after(std::uint32_t looks) {
-  constexpr std::uint32_t kLooksAtOnce = 512;
-  constexpr std::uint32_t kLooks = 1 << 14;
-  if (looks < kLooksAtOnce) return;
-  if (looks % kLooks == 0) {
-    std::this_thread::yield();
-    return;
-  }
+class Wait {
+ public:
+  // Between two looks.
+  void pause() {
+    ++looks_;
+    if (looks_ < kLooksAtOnce) return;
+    if (looks_ % kLooksOfClock == 0 && Clock::now() - begin_ > kLong) is_long_ = true;
+    if (is_long_) {
+      std::this_thread::yield();
+      return;
+    }
 #if defined(__x86_64__) || defined(__i386__)
-  __builtin_ia32_pause();
+    __builtin_ia32_pause();
 #elif defined(__aarch64__)
-  asm volatile("isb");
+    asm volatile("isb");
 #endif
-}
+  }
+  // True now and then, at first after about a microsecond.
+  [[nodiscard]] bool is_to_ask() const { return looks_ % kLooksAtOnce == kLooksAtOnce - 1; }
+  [[nodiscard]] Clock::duration so_far() const { return Clock::now() - begin_; }
 
-constexpr std::uint32_t kLooksBetweenQuestions = 1024;
-// So long the computing thread leaves a part to whoever did it in the last step: a microsecond.
-constexpr std::uint32_t kLooksBeforeOthers = 600;
+ private:
+  static constexpr std::uint32_t kLooksAtOnce = 512;
+  static constexpr std::uint32_t kLooksOfClock = 64;
+  static constexpr std::chrono::microseconds kLong{50};
+
+  Clock::time_point begin_ = Clock::now();
+  std::uint32_t looks_ = 0;
+  bool is_long_ = false;
+};
+
+// A part that takes so much longer than what the computing thread did meanwhile was begun by a
+// thread that has lost its core. After a few of them the computation goes on alone.
+constexpr std::chrono::microseconds kLate{300};
+constexpr int kMostLate = 3;
 
 // In the order in which they were counted, which comes round.
 bool is_before(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b) < 0; }
@@ -54,6 +74,7 @@ void Team::do_part(std::uint32_t part, std::uint32_t step, Poll& poll) noexcept 
 }
 
 void Team::share(std::uint32_t parts, Poll& poll) {
+  const auto begin_of_step = Clock::now();
   const auto step = static_cast<std::uint32_t>(step_.load(std::memory_order_relaxed) >> kHalf) + 1;
   step_.store(std::uint64_t{step} << kHalf | parts, std::memory_order_release);
   if (begin(0, step)) do_part(0, step, poll);
@@ -61,18 +82,21 @@ void Team::share(std::uint32_t parts, Poll& poll) {
   for (auto part = static_cast<std::uint32_t>(threads_); part < parts; ++part) {
     if (begin(part, step)) do_part(part, step, poll);
   }
+  const auto own_time = Clock::now() - begin_of_step;
+  // The first one too: whoever helps may have been quicker.
   for (std::uint32_t part = 0; part < parts; ++part) {
-    for (std::uint32_t looks = 1; places_[part].done.load(std::memory_order_acquire) != step;
-         ++looks) {
-      if (looks > kLooksBeforeOthers && begin(part, step)) {
+    Wait wait;
+    while (places_[part].done.load(std::memory_order_acquire) != step) {
+      wait.pause();
+      if (!wait.is_to_ask()) continue;
+      // It was left to whoever did it in the last step, for a microsecond.
+      if (begin(part, step)) {
         do_part(part, step, poll);
         break;
       }
-      if (looks % kLooksBetweenQuestions == 0 && poll.cancelled()) {
-        is_stopped_.store(true, std::memory_order_relaxed);
-      }
-      pause_after(looks);
+      if (poll.cancelled()) is_stopped_.store(true, std::memory_order_relaxed);
     }
+    if (wait.so_far() > kLate + 2 * own_time && ++late_ == kMostLate) end();
   }
   if (has_thrown_.load(std::memory_order_relaxed)) {
     has_thrown_.store(false, std::memory_order_relaxed);
@@ -86,22 +110,23 @@ void Team::help(const std::function<bool()>& leave) {
   const std::uint32_t own = 1 + came_.fetch_add(1, std::memory_order_relaxed);
   helping_.fetch_add(1, std::memory_order_relaxed);
   std::uint32_t last = 0;  // step that was looked through
-  for (std::uint32_t looks = 1; !is_over_.load(std::memory_order_relaxed); ++looks) {
+  Wait wait;
+  while (!is_over_.load(std::memory_order_relaxed)) {
     const std::uint64_t seen = step_.load(std::memory_order_acquire);
     const auto step = static_cast<std::uint32_t>(seen >> kHalf);
-    if (step != last) {
-      last = step;
-      const auto parts = static_cast<std::uint32_t>(seen);
-      for (std::uint32_t i = 0; i < parts; ++i) {
-        const std::uint32_t part = (own + i) % parts;
-        if (begin(part, step)) do_part(part, step, poll);
-      }
-      looks = 0;
-      if (leave()) break;
+    if (step == last) {
+      if (wait.is_to_ask() && leave()) break;
+      wait.pause();
       continue;
     }
-    if (looks % kLooksBetweenQuestions == 0 && leave()) break;
-    pause_after(looks);
+    last = step;
+    const auto parts = static_cast<std::uint32_t>(seen);
+    for (std::uint32_t i = 0; i < parts; ++i) {
+      const std::uint32_t part = (own + i) % parts;
+      if (begin(part, step)) do_part(part, step, poll);
+    }
+    if (leave()) break;
+    wait = Wait();
   }
   helping_.fetch_sub(1, std::memory_order_relaxed);
 }

@@ -40,8 +40,10 @@ class Team {
   // Nobody may be in `help` any more.
   ~Team() = default;
 
-  // For a thread that helps. Does parts until `leave`, which it asks after each and every few
-  // microseconds, says true, or until `end` was called.
+  // For a thread that helps. Does parts until `leave`, which it asks after each step and every few
+  // microseconds, says true; or until `end` was called, or the computation goes on alone, because
+  // parts were late: where other processes use the processors too, who has begun one may lose its
+  // core.
   void help(const std::function<bool()>& leave);
 
   // Sends those that help away, now and in future. Any thread.
@@ -51,6 +53,9 @@ class Team {
   [[nodiscard]] std::size_t parts_for(std::size_t vertices) const {
     return vertices < fewest_vertices_ ? 1 : threads_;
   }
+
+  // Whether nobody may help any more.
+  [[nodiscard]] bool is_over() const { return is_over_.load(std::memory_order_relaxed); }
 
   // For the computing thread: does `work(part, poll)` for each part from 0 to `parts` - 1, which is
   // at most kMostParts. All are done when it returns. The work asks the poll that it is given: the
@@ -104,6 +109,7 @@ class Team {
   std::atomic<std::uint32_t> came_{0};
   std::atomic<bool> has_thrown_{false};
   std::exception_ptr thrown_;  // by who set `has_thrown_`
+  int late_ = 0;               // parts, as the computing thread counts them
 };
 
 // The same for a computation that may have nobody to help it.

@@ -73,7 +73,7 @@ class VertexBuckets {
   // kNoBucket when there is none. Where it is beyond the ring, its vertices were not looked at.
   template <class Keep>
   [[nodiscard]] std::uint64_t first(Keep keep) {
-    for (std::uint64_t bucket = now_; in_ring_ != 0; ++bucket) {
+    for (std::uint64_t bucket = now_; in_ring_ != 0 && bucket < now_ + kRing; ++bucket) {
       std::vector<std::uint32_t>& vertices = ring_[bucket % kRing];
       if (vertices.empty()) continue;
       in_ring_ -= std::erase_if(vertices, [&](std::uint32_t vertex) { return !keep(vertex); });

@@ -1,5 +1,5 @@
 // Idle slots that help a job which computes.
-#include <algorithm>
+#include <vector>
 
 #include "server/compute/pool.h"
 
@@ -26,10 +26,11 @@ ComputePool::Help::~Help() {
 auto ComputePool::job_to_help() const -> Help* {
   // Idle slots are to forget what they keep.
   if (waiting_for_room_ > 0) return nullptr;
-  const auto least =
-      std::min_element(helped_.begin(), helped_.end(),
-                       [](const Help* a, const Help* b) { return a->inside_ < b->inside_; });
-  return least == helped_.end() ? nullptr : *least;
+  Help* least = nullptr;
+  for (Help* const job : helped_) {
+    if (!job->team_->is_over() && (least == nullptr || job->inside_ < least->inside_)) least = job;
+  }
+  return least;
 }
 
 void ComputePool::help(Help& job, Worker& worker, Lock& lock) {

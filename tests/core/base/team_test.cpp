@@ -108,6 +108,27 @@ TEST_CASE("WhoeverHelpsStopsWithTheComputation") {
   CHECK(poll.stopped());
 }
 
+TEST_CASE("AComputationGoesOnAloneWhereThoseWhoHelpAreLate") {
+  Team team(2);
+  const HelpingThreads helping(team, 1);
+  const Cancel never;
+  Poll poll(never);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!team.is_over() && std::chrono::steady_clock::now() < end) {
+    const auto self = std::this_thread::get_id();
+    team.run(2, poll, [self](std::size_t, Poll&) {
+      if (std::this_thread::get_id() != self) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      }
+    });
+  }
+  CHECK(team.is_over());
+  // All the same it ends.
+  int done = 0;
+  team.run(5, poll, [&done](std::size_t, Poll&) { ++done; });
+  CHECK(done == 5);
+}
+
 TEST_CASE("RangesCoverAllAndFewThingsAreOneRange") {
   Team team(3, 100);
   const Cancel cancel([] { return false; }, {}, nullptr, &team);
