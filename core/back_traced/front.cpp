@@ -47,7 +47,12 @@ BackTracedFront::BackTracedFront(const Adjacency& adjacency, BackTrace::Candidat
   if (scratch.domains.size() < count) scratch.domains.resize(count);
   domains_ = std::span(scratch.domains).first(count);
   bits_of_block_ = bits_of_block(distance.size(), count);
-  for (FrontDomain& domain : domains_) domain.handed_to.resize(count);
+  for (FrontDomain& domain : domains_) {
+    // A query that had no memory left may have left some.
+    for (std::vector<FrontEstimate>& handed : domain.handed_to) handed.clear();
+    domain.handed_to.resize(count);
+    domain.late.clear();
+  }
   accepted_ = distance_;
   if (count > 1) {
     scratch.distance.assign(distance.begin(), distance.end());
