@@ -131,7 +131,9 @@ __attribute__((always_inline)) inline void BackTracedFront::settle(FrontDomain& 
   }
   if (!(estimate < before)) {
     // Of two that are as far, the same one, whichever came first.
-    if (estimate == before && base < known.base) known = {estimate, base, crossing};
+    if (estimate == before && std::tie(base, crossing) < std::tie(known.base, known.crossing)) {
+      known = {estimate, base, crossing};
+    }
     return;
   }
   known = {estimate, base, crossing};
@@ -312,8 +314,8 @@ void BackTracedFront::take_estimates(FrontDomain& domain) {
   std::vector<FrontDomain::Late>& late = domain.late;
   if (!late.empty()) {
     std::sort(late.begin(), late.end(), [](const auto& a, const auto& b) {
-      return std::tie(a.vertex, a.estimate.distance, a.estimate.base) <
-             std::tie(b.vertex, b.estimate.distance, b.estimate.base);
+      return std::tie(a.vertex, a.estimate.distance, a.estimate.base, a.estimate.crossing) <
+             std::tie(b.vertex, b.estimate.distance, b.estimate.base, b.estimate.crossing);
     });
     for (const auto& [vertex, estimate] : late) settle(domain, vertex, estimate);
     late.clear();

@@ -32,7 +32,9 @@ class Wait {
 #endif
   }
   // True now and then, at first after about a microsecond.
-  [[nodiscard]] bool is_to_ask() const { return looks_ % kLooksAtOnce == kLooksAtOnce - 1; }
+  [[nodiscard]] bool is_to_ask() const {
+    return is_long_ || looks_ % kLooksAtOnce == kLooksAtOnce - 1;
+  }
   [[nodiscard]] Clock::duration so_far() const { return Clock::now() - begin_; }
 
  private:
@@ -94,7 +96,7 @@ void Team::share(std::uint32_t parts, Poll& poll) {
         do_part(part, step, poll);
         break;
       }
-      if (poll.cancelled()) is_stopped_.store(true, std::memory_order_relaxed);
+      if (poll.ask()) is_stopped_.store(true, std::memory_order_relaxed);
     }
     if (wait.so_far() > kLate + 2 * own_time && ++late_ == kMostLate) end();
   }

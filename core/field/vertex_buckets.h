@@ -93,8 +93,8 @@ class VertexBuckets {
   // Moves the vertices of the bucket that was gone to to the end of `taken`.
   void take_now(std::vector<std::uint32_t>& taken) {
     std::vector<std::uint32_t>& vertices = ring_[now_ % kRing];
+    taken.insert(taken.end(), vertices.begin(), vertices.end());  // may throw
     in_ring_ -= vertices.size();
-    taken.insert(taken.end(), vertices.begin(), vertices.end());
     vertices.clear();  // keeps its room, so that the next solve need not allocate
   }
   [[nodiscard]] bool is_beyond(std::uint64_t bucket, double key) const {

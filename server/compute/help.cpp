@@ -41,6 +41,8 @@ void ComputePool::help(Help& job, Worker& worker, Lock& lock) {
   lock.unlock();
   // What the job's parts throw is thrown by the job.
   (void)run_counted(worker, [&] {
+    // It is little. The job itself is refused when there is no room.
+    worker.memory->lift_limits();
     job.team_->help([&] { return calls_.load(std::memory_order_relaxed) != calls; });
   });
   lock.lock();

@@ -90,7 +90,7 @@ Result<void> ComputePool::wait_for_room(std::uint64_t wanted, const Caller& call
     }
     lock.lock();
   }
-  --waiting_for_room_;
+  if (--waiting_for_room_ == 0) call_workers();  // slots may help again
   return waited;
 }
 

@@ -101,7 +101,9 @@ bool can_be_searched(const FieldQuestion& question) {
 // Whether slots that are idle may help with the field.
 bool is_for_many_threads(const FieldQuestion& question) {
   return question.method.which == Method::back_traced && question.sources.size() == 1 &&
-         question.adjacency->mesh().vertex_count() >= Team::kFewestVertices;
+         question.adjacency->mesh().vertex_count() >= Team::kFewestVertices &&
+         !goes_by_windows(question.method.which, question.method.options, *question.adjacency,
+                          question.sources);
 }
 
 // So many searches take less than a field that stops at the last of the targets.
