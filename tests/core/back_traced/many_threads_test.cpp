@@ -21,6 +21,28 @@ using fixtures::Surface;
 
 namespace {
 
+// Faces at random among few places, many of which coincide: pinched vertices, and ways as long.
+TriangleSoup among_lattice_points(std::mt19937& random) {
+  TriangleSoup soup;
+  const std::uint32_t places = 2 + random() % 3;
+  const auto place = [&] { return static_cast<double>(random() % places); };
+  for (std::uint32_t i = 6 + random() % 30; i > 0; --i) {
+    soup.positions.push_back({place(), place(), place()});
+  }
+  // A face that has an area, whatever the others have.
+  soup.positions.push_back({-1, 0, 0});
+  soup.positions.push_back({-1, 1, 0});
+  soup.positions.push_back({-2, 0, 1});
+  const auto count = static_cast<std::uint32_t>(soup.positions.size());
+  soup.faces.push_back({count - 3, count - 2, count - 1});
+  for (std::uint32_t i = count / 2 + random() % (2 * count); i > 0; --i) {
+    soup.faces.push_back({static_cast<std::uint32_t>(random() % count),
+                          static_cast<std::uint32_t>(random() % count),
+                          static_cast<std::uint32_t>(random() % count)});
+  }
+  return soup;
+}
+
 struct Question {
   std::vector<Source> sources;
   MethodOptions options;
@@ -110,6 +132,34 @@ TEST_CASE("AFieldHasTheSameBitsOnAnyNumberOfThreads") {
       check_threads(random, fixtures::grown(random, 20 + static_cast<int>(random() % 80)), 1);
       check_threads(random, fixtures::faces_thrown_together(random, 40), 1);
       check_threads(random, fixtures::crumpled(random, 12, 3, 0.3), 1);
+      check_threads(random, among_lattice_points(random), 1);
+    }
+  }
+}
+
+// A pinched vertex gives two estimates over one base, from both of its ends and as far. Which of
+// them is taken decides how a vertex behind it is traced.
+TEST_CASE("OfTwoEstimatesOverOneBaseTheSameIsTakenOnAnyNumberOfThreads") {
+  const Surface surface(TriangleSoup{
+      {{0, 2, 1}, {2, 1, 0}, {1, 2, 0}, {0, 1, 1}, {0, 2, 1},  {0, 0, 1},  {2, 1, 0}, {1, 2, 1},
+       {0, 0, 0}, {2, 0, 0}, {2, 1, 1}, {0, 0, 0}, {2, 2, 0},  {2, 1, 0},  {1, 1, 1}, {1, 2, 0},
+       {1, 1, 1}, {0, 2, 1}, {2, 0, 1}, {2, 2, 1}, {-1, 0, 0}, {-1, 1, 0}, {-2, 0, 1}},
+      {{20, 21, 22}, {12, 3, 14},  {10, 2, 22}, {0, 9, 3},    {16, 14, 10}, {17, 18, 9},
+       {8, 2, 9},    {2, 6, 0},    {11, 7, 19}, {10, 6, 3},   {20, 10, 8},  {11, 17, 15},
+       {15, 8, 10},  {13, 12, 16}, {13, 7, 2},  {0, 0, 3},    {21, 8, 19},  {8, 17, 9},
+       {22, 5, 21},  {13, 19, 20}, {5, 17, 19}, {21, 6, 1},   {1, 3, 11},   {14, 2, 16},
+       {1, 19, 22},  {14, 5, 12},  {9, 16, 9},  {8, 7, 3},    {6, 7, 15},   {14, 11, 8},
+       {8, 4, 2},    {14, 1, 7},   {21, 13, 7}, {13, 14, 20}, {19, 11, 8},  {3, 3, 10},
+       {16, 10, 15}, {2, 19, 17},  {15, 11, 2}, {0, 14, 5},   {16, 18, 13}}});
+  SolveScratch scratch;
+  for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+    CAPTURE(v);
+    const Question question{{{point_at_vertex(surface.adjacency(), v), 0}}, {}, {}, {}};
+    const Field alone = solved(surface, question, nullptr, scratch);
+    for (const std::size_t threads : {2, 3, 5, 16}) {
+      CAPTURE(threads);
+      Team team(threads, 0);
+      check_same(solved(surface, question, &team, scratch), alone);
     }
   }
 }
