@@ -30,9 +30,9 @@ class Team {
   static constexpr std::size_t kFewestVertices = 150'000;
 
   // `threads`: how many may be there at once, as far as can be told; the computing thread is one.
-  // `fewest_vertices`: computations on meshes of fewer are not divided. There, telling other
-  // threads what to do takes as long as doing it; tests want it to happen on small meshes.
-  explicit Team(std::size_t threads, std::size_t fewest_vertices = 40'000)
+  // `fewest_vertices`: computations on meshes of fewer are not divided; tests want it to happen on
+  // small ones.
+  explicit Team(std::size_t threads, std::size_t fewest_vertices = kFewestVertices)
       : threads_(std::clamp(threads, std::size_t{1}, kMostParts)),
         fewest_vertices_(fewest_vertices) {}
   Team(const Team&) = delete;
@@ -61,8 +61,9 @@ class Team {
   // at most kMostParts. All are done when it returns. The work asks the poll that it is given: the
   // computing thread's own or another. If parts throw, so does this, what one of them threw.
   //
-  // Threads wait for each other's memory longer than for a whole step of little work. So the work
-  // is a few values, which lie beside the number of the step: it captures no references to locals.
+  // The work is a few values, which lie beside the number of the step. In steps of microseconds it
+  // captures no references to locals: to wait for each of those from another thread's cache takes
+  // longer than a part.
   template <class Work>
   void run(std::size_t parts, Poll& poll, const Work& work) {
     static_assert(std::is_trivially_copyable_v<Work> && sizeof(Work) <= kMostOfWork);

@@ -129,6 +129,14 @@ TEST_CASE("AComputationGoesOnAloneWhereThoseWhoHelpAreLate") {
   CHECK(done == 5);
 }
 
+TEST_CASE("SmallMeshesAreNotDividedUnlessThatIsAskedFor") {
+  CHECK(Team(8).parts_for(Team::kFewestVertices - 1) == 1);
+  CHECK(Team(8).parts_for(Team::kFewestVertices) == 8);
+  CHECK(Team(1).parts_for(Team::kFewestVertices) == 1);
+  CHECK(Team(1000).parts_for(Team::kFewestVertices) == Team::kMostParts);
+  CHECK(Team(8, 0).parts_for(1) == 8);
+}
+
 TEST_CASE("RangesCoverAllAndFewThingsAreOneRange") {
   Team team(3, 100);
   const Cancel cancel([] { return false; }, {}, nullptr, &team);
