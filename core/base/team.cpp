@@ -12,18 +12,19 @@ using Clock = std::chrono::steady_clock;
 constexpr unsigned kHalf = 32;  // bits
 
 // Of waiting for another thread. At first there is no pause between two looks, for it would be a
-// large part of a short wait. Who has waited long lets other threads go first: the one that is
-// waited for may have no core.
+// large part of a short wait. Who has waited long lets other threads go first, for the one that is
+// waited for may have no core; and after a millisecond, in which a computation has had nothing to
+// divide, sleeps a little at a time.
 class Wait {
  public:
   // Between two looks.
   void pause() {
     ++looks_;
     if (looks_ < kLooksAtOnce) return;
-    if (looks_ % kLooksOfClock == 0 && Clock::now() - begin_ > kLong) is_long_ = true;
+    if (!is_long_ && looks_ % kLooksOfClock == 0) is_long_ = so_far() > kLong;
     if (is_long_) {
-      std::this_thread::yield();
-      return;
+      if (so_far() > kVeryLong) return std::this_thread::sleep_for(kSleep);
+      return std::this_thread::yield();
     }
 #if defined(__x86_64__) || defined(__i386__)
     __builtin_ia32_pause();
@@ -41,6 +42,8 @@ class Wait {
   static constexpr std::uint32_t kLooksAtOnce = 512;
   static constexpr std::uint32_t kLooksOfClock = 64;
   static constexpr std::chrono::microseconds kLong{50};
+  static constexpr std::chrono::microseconds kVeryLong{1000};
+  static constexpr std::chrono::microseconds kSleep{50};
 
   Clock::time_point begin_ = Clock::now();
   std::uint32_t looks_ = 0;
@@ -87,6 +90,7 @@ void Team::share(std::uint32_t parts, Poll& poll) {
   const auto own_time = Clock::now() - begin_of_step;
   // The first one too: whoever helps may have been quicker.
   for (std::uint32_t part = 0; part < parts; ++part) {
+    bool is_own = false;
     Wait wait;
     while (places_[part].done.load(std::memory_order_acquire) != step) {
       wait.pause();
@@ -94,11 +98,12 @@ void Team::share(std::uint32_t parts, Poll& poll) {
       // It was left to whoever did it in the last step, for a microsecond.
       if (begin(part, step)) {
         do_part(part, step, poll);
+        is_own = true;
         break;
       }
       if (poll.ask()) is_stopped_.store(true, std::memory_order_relaxed);
     }
-    if (wait.so_far() > kLate + 2 * own_time && ++late_ == kMostLate) end();
+    if (!is_own && wait.so_far() > kLate + 2 * own_time && ++late_ == kMostLate) end();
   }
   if (has_thrown_.load(std::memory_order_relaxed)) {
     has_thrown_.store(false, std::memory_order_relaxed);

@@ -6,7 +6,8 @@
 // by one that helps. Where there are no more parts than threads, that is if possible the one that
 // did the part of that number in the last step: what it read and wrote is still in that processor's
 // cache. No result may depend on who did what, nor on whether anybody helped. So short are the
-// steps that threads wait for the next one by asking again and again, not by sleeping.
+// steps that threads wait for the next one by asking again and again; only when none has come for a
+// millisecond do they sleep in between.
 #pragma once
 
 #include <algorithm>

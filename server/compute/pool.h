@@ -22,8 +22,8 @@
 // them gives its part back for later, and between parts all look at the queue. So a
 // long table is done by all cores, and delays others no more than a single job.
 //
-// A job may have the slots that nobody waits for help it (`Help`). They wait for its steps without
-// sleeping, and leave it for whatever is to be done otherwise.
+// A job may have the slots that nobody waits for help it (`Help`). They wait for its steps by
+// asking again and again (core/base/team.h), and leave it for whatever else is to be done.
 //
 // Each worker has a slot number, so that scratch memory can be kept per worker
 // and used without a lock. What a job allocates counts (compute/memory.h).
@@ -180,7 +180,7 @@ class ComputePool {
     Help(const Help&) = delete;
     Help& operator=(const Help&) = delete;
 
-    // Null where no slot is idle at the beginning: then it is not worth to divide anything.
+    // Null where no slot is idle at the beginning: then dividing is not worth it.
     [[nodiscard]] Team* team() { return team_ ? &*team_ : nullptr; }
 
    private:
