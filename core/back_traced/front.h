@@ -59,7 +59,8 @@ class BackTracedFront {
       for (const std::uint32_t v : domain.round) tell(v);
     }
   }
-  // Those for which `is_to_stop(v)` spread no further.
+  // Those for which `is_to_stop(v)` spread no further. Only of one domain: of several, the
+  // distances of the round are still to be read.
   template <class Ask>
   void stop_where(Ask is_to_stop) {
     for (FrontDomain& domain : domains_) std::erase_if(domain.round, is_to_stop);

@@ -1,6 +1,6 @@
-// What is done with the vertices of a round that come one after another: each such part of a round
-// may be done by another thread. A part reads what no part of this step changes, and writes to
-// places of its own.
+// What a front does with some of the vertices that it accepts together: computes their distances,
+// and then estimates of their neighbours'. Several threads may do so at once, each with vertices of
+// its own: what is read here no thread changes meanwhile.
 #pragma once
 
 #include <algorithm>

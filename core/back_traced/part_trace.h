@@ -1,4 +1,4 @@
-// The traces of one part of a round (front_part.h).
+// The traces of some vertices of a round, which is what trace_back() of front_part.h does.
 #pragma once
 
 #include <algorithm>

@@ -36,20 +36,41 @@ std::uint64_t sum_in_steps(Team* team, std::uint64_t steps) {
   }
   return std::accumulate(sums.begin(), sums.end(), std::uint64_t{0});
 }
-// Steps with help until that. Where other programs keep those who help from their cores, a
-// computation goes on alone: then it is the next one.
-void go_on_with_help(ComputePool& pool, const std::atomic<bool>& is_done) {
-  const Cancel never;
-  Poll poll(never);
-  while (!is_done) {
+std::uint64_t sum_of(std::uint64_t steps) { return 5 * (steps * (steps - 1) / 2); }
+
+// Computes with help as long as this lives. Where other programs keep those who help from their
+// cores, a computation goes on alone: then it begins another.
+class JobWithHelp {
+ public:
+  explicit JobWithHelp(ComputePool& pool)
+      : thread_([this, &pool] {
+          CHECK(pool.run([&](Worker&) -> Result<int> {
+            while (!is_done_) compute(pool);
+            return 5;
+          }) == 5);
+        }) {}
+  ~JobWithHelp() {
+    is_done_ = true;
+    thread_.join();
+  }
+  JobWithHelp(const JobWithHelp&) = delete;
+  JobWithHelp& operator=(const JobWithHelp&) = delete;
+
+ private:
+  void compute(ComputePool& pool) {
     ComputePool::Help help(pool);
-    if (help.team() == nullptr) std::this_thread::sleep_for(1ms);
-    while (help.team() != nullptr && !help.team()->is_over() && !is_done) {
-      help.team()->run(2, poll, [](std::size_t, Poll&) {});
+    Team* const team = help.team();
+    if (team == nullptr) std::this_thread::sleep_for(1ms);
+    const Cancel never;
+    Poll poll(never);
+    while (team != nullptr && !team->is_over() && !is_done_) {
+      team->run(2, poll, [](std::size_t, Poll&) {});
     }
   }
-}
-std::uint64_t sum_of(std::uint64_t steps) { return 5 * (steps * (steps - 1) / 2); }
+
+  std::atomic<bool> is_done_{false};
+  std::thread thread_;
+};
 
 }  // namespace
 
@@ -85,35 +106,19 @@ TEST_CASE("nobody helps where no slot is idle") {
 
 TEST_CASE("whoever helps leaves for another job at once") {
   ComputePool pool(2, 4);
-  std::atomic<bool> is_done{false};
-  std::thread long_one([&] {
-    CHECK(pool.run([&](Worker&) -> Result<int> {
-      go_on_with_help(pool, is_done);
-      return 5;
-    }) == 5);
-  });
+  const JobWithHelp long_one(pool);
   for (int i = 0; i < 100; ++i) {
     wait_until([&] { return pool.stats().helping == 1; });
     CHECK(pool.run([](Worker&) -> Result<int> { return 7; }) == 7);
   }
-  is_done = true;
-  long_one.join();
 }
 
 TEST_CASE("whoever helps leaves for the parts of a table") {
   ComputePool pool(2, 4);
-  std::atomic<bool> is_done{false};
-  std::thread long_one([&] {
-    CHECK(pool.run([&](Worker&) -> Result<int> {
-      go_on_with_help(pool, is_done);
-      return 5;
-    }) == 5);
-  });
+  const JobWithHelp long_one(pool);
   wait_until([&] { return pool.stats().helping == 1; });
   CHECK(pool.run_each(50, [](Worker&, std::size_t, const GiveWay&) -> Result<void> { return {}; },
                       {}));
-  is_done = true;
-  long_one.join();
 }
 
 TEST_CASE("what a part throws ends the job alone") {
