@@ -51,9 +51,11 @@ class Wait {
 };
 
 // A part that takes so much longer than what the computing thread did meanwhile was begun by a
-// thread that has lost its core. After a few of them the computation goes on alone.
+// thread that has lost its core. After a few of them among so many steps the computation goes on
+// alone.
 constexpr std::chrono::microseconds kLate{300};
 constexpr int kMostLate = 3;
+constexpr std::uint32_t kStepsOfLate = 1024;
 
 // In the order in which they were counted, which comes round.
 bool is_before(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b) < 0; }
@@ -87,6 +89,7 @@ void Team::share(std::uint32_t parts, Poll& poll) {
   for (auto part = static_cast<std::uint32_t>(threads_); part < parts; ++part) {
     if (begin(part, step)) do_part(part, step, poll);
   }
+  if (step % kStepsOfLate == 0) late_ = 0;
   const auto own_time = Clock::now() - begin_of_step;
   // The first one too: whoever helps may have been quicker.
   for (std::uint32_t part = 0; part < parts; ++part) {

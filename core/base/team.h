@@ -111,7 +111,7 @@ class Team {
   std::atomic<std::uint32_t> came_{0};
   std::atomic<bool> has_thrown_{false};
   std::exception_ptr thrown_;  // by who set `has_thrown_`
-  int late_ = 0;               // parts, as the computing thread counts them
+  int late_ = 0;               // parts of the last steps, as the computing thread counts them
 };
 
 // The same for a computation that may have nobody to help it.

@@ -51,6 +51,19 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
+// What it costs to divide a step: of one that does nothing, in microseconds.
+double us_of_empty_step(std::size_t threads) {
+  constexpr int kSteps = 20'000;
+  Team team(threads);
+  const fixtures::HelpingThreads helping(team, threads - 1);
+  std::this_thread::sleep_for(std::chrono::milliseconds(5));  // until they have come
+  const Cancel never;
+  Poll poll(never);
+  const auto begin = Clock::now();
+  for (int step = 0; step < kSteps; ++step) team.run(threads, poll, [](std::size_t, Poll&) {});
+  return std::chrono::duration<double, std::micro>(Clock::now() - begin).count() / kSteps;
+}
+
 void print_row(const FrontierMesh& mesh, const Adjacency& adjacency, std::size_t threads) {
   const std::uint32_t vertices = adjacency.mesh().vertex_count();
   std::mt19937 random(7);
@@ -82,10 +95,10 @@ void print_threads(std::span<const FrontierMesh> meshes) {
   const std::size_t threads = std::max(1U, std::thread::hardware_concurrency());
   std::printf(
       "\n### 12. One field on %zu threads\n\nBy `auto`, on the clock, to the same bits. On meshes "
-      "of fewer than %zu vertices nobody helps.\n\n| mesh | vertices | alone, ms | together | "
-      "times "
-      "as quick | aim, of 2 cores | |\n|---|--:|--:|--:|--:|--:|---|\n",
-      threads, Team::kFewestVertices);
+      "of fewer than %zu vertices nobody helps. A step that does nothing takes %.2f us.\n\n"
+      "| mesh | vertices | alone, ms | together | times as quick | aim, of 2 cores | |\n"
+      "|---|--:|--:|--:|--:|--:|---|\n",
+      threads, Team::kFewestVertices, us_of_empty_step(threads));
   for (const FrontierMesh& mesh : meshes) {
     const Prepared prepared(mesh.soup);
     if (prepared.mesh().vertex_count() < Team::kFewestVertices) continue;
