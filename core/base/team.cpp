@@ -51,11 +51,16 @@ class Wait {
 };
 
 // A part that takes so much longer than what the computing thread did meanwhile was begun by a
-// thread that has lost its core. After a few of them among so many steps the computation goes on
-// alone.
-constexpr std::chrono::microseconds kLate{300};
-constexpr int kMostLate = 3;
-constexpr std::uint32_t kStepsOfLate = 1024;
+// thread that has lost its core. Once the computing thread has waited for such parts for more than
+// this share of what it has worked itself, and for longer than one turn of another process, it goes
+// on alone.
+constexpr std::int64_t kLate = 300'000;    // nanoseconds
+constexpr std::int64_t kTurn = 4'000'000;  // likewise
+constexpr int kShareOfWork = 4;
+
+std::int64_t nanoseconds(Clock::duration time) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(time).count();
+}
 
 // In the order in which they were counted, which comes round.
 bool is_before(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b) < 0; }
@@ -89,8 +94,8 @@ void Team::share(std::uint32_t parts, Poll& poll) {
   for (auto part = static_cast<std::uint32_t>(threads_); part < parts; ++part) {
     if (begin(part, step)) do_part(part, step, poll);
   }
-  if (step % kStepsOfLate == 0) late_ = 0;
-  const auto own_time = Clock::now() - begin_of_step;
+  const std::int64_t own_time = nanoseconds(Clock::now() - begin_of_step);
+  worked_ += own_time;
   // The first one too: whoever helps may have been quicker.
   for (std::uint32_t part = 0; part < parts; ++part) {
     bool is_own = false;
@@ -106,7 +111,11 @@ void Team::share(std::uint32_t parts, Poll& poll) {
       }
       if (poll.ask()) is_stopped_.store(true, std::memory_order_relaxed);
     }
-    if (!is_own && wait.so_far() > kLate + 2 * own_time && ++late_ == kMostLate) end();
+    if (is_own) continue;
+    if (const std::int64_t waited = nanoseconds(wait.so_far()); waited > kLate + 2 * own_time) {
+      waited_ += waited;
+      if (waited_ > kTurn + worked_ / kShareOfWork) end();
+    }
   }
   if (has_thrown_.load(std::memory_order_relaxed)) {
     has_thrown_.store(false, std::memory_order_relaxed);
@@ -131,11 +140,15 @@ void Team::help(const std::function<bool()>& leave) {
     }
     last = step;
     const auto parts = static_cast<std::uint32_t>(seen);
-    for (std::uint32_t i = 0; i < parts; ++i) {
+    bool is_leaving = false;
+    for (std::uint32_t i = 0; i < parts && !is_leaving; ++i) {
       const std::uint32_t part = (own + i) % parts;
-      if (begin(part, step)) do_part(part, step, poll);
+      if (!begin(part, step)) continue;
+      do_part(part, step, poll);
+      // Where there are more parts than threads they may be long.
+      is_leaving = parts > threads_ && leave();
     }
-    if (leave()) break;
+    if (is_leaving || leave()) break;
     wait = Wait();
   }
   helping_.fetch_sub(1, std::memory_order_relaxed);

@@ -111,7 +111,10 @@ class Team {
   std::atomic<std::uint32_t> came_{0};
   std::atomic<bool> has_thrown_{false};
   std::exception_ptr thrown_;  // by who set `has_thrown_`
-  int late_ = 0;               // parts of the last steps, as the computing thread counts them
+  // How long the computing thread has worked in steps that others help with, and waited for late
+  // parts: nanoseconds.
+  std::int64_t worked_ = 0;
+  std::int64_t waited_ = 0;
 };
 
 // The same for a computation that may have nobody to help it.
@@ -137,6 +140,29 @@ void run_in_ranges(std::size_t count, Poll& poll, const Work& work) {
   run_parts(ranges, poll, [count, ranges, &work](std::size_t range, Poll& asked) {
     work(range, range * count / ranges, (range + 1) * count / ranges, asked);
   });
+}
+
+// Things are gone through in blocks of so many where the result must not depend on how many threads
+// there are, though it does on where a block ends: sums, or what is done within a block alone. Some
+// milliseconds each, after which a thread that helps may leave.
+inline constexpr std::size_t kBlock = std::size_t{1} << 15U;
+[[nodiscard]] constexpr std::size_t count_blocks(std::size_t count) {
+  return (count + kBlock - 1) / kBlock;
+}
+
+// `work(block, begin, end, poll)` for the blocks of [0, count), by whoever is there. Not for all if
+// the poll says to stop.
+template <class Work>
+void run_in_blocks(std::size_t count, Poll& poll, const Work& work) {
+  const std::size_t blocks = count_blocks(count);
+  const std::size_t at_once = count_ranges(count, poll);
+  for (std::size_t first = 0; first < blocks && !poll.stopped(); first += at_once) {
+    run_parts(std::min(at_once, blocks - first), poll,
+              [count, first, &work](std::size_t part, Poll& asked) {
+                const std::size_t block = first + part;
+                work(block, block * kBlock, std::min(count, (block + 1) * kBlock), asked);
+              });
+  }
 }
 
 }  // namespace geodesic

@@ -5,8 +5,10 @@
 
 namespace geodesic {
 
+inline constexpr unsigned kHilbertBits = 30;
+
 // Position on the three-dimensional Hilbert curve of the cell (x, y, z) in a
-// grid of 2^10 cells a side: 30 bits.
+// grid of 2^10 cells a side: kHilbertBits bits.
 // After J. Skilling, "Programming the Hilbert curve", AIP Conf. Proc. 707, 2004.
 [[nodiscard]] inline std::uint32_t hilbert_index(std::uint32_t x, std::uint32_t y,
                                                  std::uint32_t z) {

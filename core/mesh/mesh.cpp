@@ -1,8 +1,8 @@
 #include "core/mesh/mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -12,6 +12,7 @@
 
 #include "core/base/polled_fill.h"
 #include "core/base/polled_sort.h"
+#include "core/base/team.h"
 #include "core/base/tolerances.h"
 #include "core/mesh/hilbert_order.h"
 
@@ -61,6 +62,36 @@ Result<void> check_indices(const TriangleSoup& soup, Poll& poll) {
   return {};
 }
 
+// A place on the Hilbert curve, in the upper half, and a source vertex.
+using Keyed = std::uint64_t;
+constexpr unsigned kKeyShift = 32;
+
+// Sorts by places on the curve; those at the same one stay in their order. A radix sort (Knuth, The
+// Art of Computer Programming 3, section 5.2.5), from the last digit to the first.
+void sort_by_place(std::vector<Keyed>& keyed, Poll& poll) {
+  constexpr unsigned kDigitBits = 10;
+  static_assert(kHilbertBits % kDigitBits == 0);
+  std::vector<Keyed> sorted;
+  polled_assign(sorted, keyed.size(), Keyed{0}, poll);
+  for (unsigned shift = kKeyShift; shift < kKeyShift + kHilbertBits; shift += kDigitBits) {
+    if (poll.ask()) return;
+    const auto digit_of = [shift](Keyed key) {
+      return key >> shift & ((std::uint64_t{1} << kDigitBits) - 1);
+    };
+    std::array<std::size_t, (std::size_t{1} << kDigitBits) + 1> begin{};
+    for (const Keyed key : keyed) {
+      if (poll.cancelled()) return;
+      ++begin[digit_of(key) + 1];
+    }
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    for (const Keyed key : keyed) {
+      if (poll.cancelled()) return;
+      sorted[begin[digit_of(key)]++] = key;
+    }
+    keyed.swap(sorted);
+  }
+}
+
 // Source vertices along the Hilbert curve, those at the same position side by
 // side. Ties of the curve are broken by position and number, never by hashing,
 // so that no choice of coordinates makes this slower than a sort.
@@ -71,18 +102,20 @@ std::vector<std::uint32_t> curve_order(const std::vector<Vec3>& positions, const
   const double scale = longest > 0 ? 1023.0 / longest : 0.0;
   const auto cell = [scale](double offset) { return static_cast<std::uint32_t>(offset * scale); };
 
-  std::vector<std::uint64_t> keyed;
-  polled_assign(keyed, positions.size(), std::uint64_t{0}, poll);
-  for (std::size_t i = 0; i < keyed.size() && !poll.cancelled(); ++i) {
-    const Vec3 offset = positions[i] - box.min;
-    const std::uint64_t key = hilbert_index(cell(offset.x), cell(offset.y), cell(offset.z));
-    keyed[i] = (key << 32U) | i;
-  }
+  std::vector<Keyed> keyed;
+  polled_assign(keyed, positions.size(), Keyed{0}, poll);
   if (poll.stopped()) return {};
-  {
-    std::vector<std::uint64_t> spare;
-    polled_sort(keyed, 0, keyed.size(), std::less<>(), spare, poll);
-  }
+  run_in_blocks(
+      keyed.size(), poll, [&](std::size_t, std::size_t begin, std::size_t end, Poll& asked) {
+        for (std::size_t i = begin; i < end && !asked.cancelled(); ++i) {
+          const Vec3 offset = positions[i] - box.min;
+          const std::uint64_t key = hilbert_index(cell(offset.x), cell(offset.y), cell(offset.z));
+          keyed[i] = (key << kKeyShift) | i;
+        }
+      });
+  if (poll.stopped()) return {};
+  sort_by_place(keyed, poll);
+  if (poll.stopped()) return {};
 
   std::vector<std::uint32_t> order;
   polled_assign(order, keyed.size(), std::uint32_t{0}, poll);
@@ -96,7 +129,7 @@ std::vector<std::uint32_t> curve_order(const std::vector<Vec3>& positions, const
   std::vector<std::uint32_t> spare;
   for (std::size_t begin = 0; begin < keyed.size() && !poll.cancelled();) {
     std::size_t end = begin + 1;
-    while (end < keyed.size() && (keyed[end] >> 32U) == (keyed[begin] >> 32U)) ++end;
+    while (end < keyed.size() && keyed[end] >> kKeyShift == keyed[begin] >> kKeyShift) ++end;
     if (end - begin > 1) polled_sort(order, begin, end, by_position, spare, poll);
     begin = end;
   }
@@ -151,10 +184,13 @@ void Building::weld(const TriangleSoup& soup, Weld weld, Poll& poll) {
   const std::size_t count = soup.positions.size();
   std::vector<Vec3> flushed_positions;
   polled_assign(flushed_positions, count, Vec3{}, poll);
-  for (std::size_t i = 0; i < flushed_positions.size() && !poll.cancelled(); ++i) {
-    const Vec3 p = soup.positions[i];
-    flushed_positions[i] = {flushed(p.x), flushed(p.y), flushed(p.z)};
-  }
+  if (poll.stopped()) return;
+  run_in_blocks(count, poll, [&](std::size_t, std::size_t begin, std::size_t end, Poll& asked) {
+    for (std::size_t i = begin; i < end && !asked.cancelled(); ++i) {
+      const Vec3 p = soup.positions[i];
+      flushed_positions[i] = {flushed(p.x), flushed(p.y), flushed(p.z)};
+    }
+  });
   if (poll.stopped()) return;
   const std::vector<std::uint32_t> order = curve_order(flushed_positions, box, poll);
   polled_assign(vertex_of_source, count, kNone, poll);
@@ -185,47 +221,74 @@ void Building::weld(const TriangleSoup& soup, Weld weld, Poll& poll) {
 
 // Faces in the order of their first vertex on the curve (a counting sort).
 void Building::order_faces(const TriangleSoup& soup, Poll& poll) {
-  const auto welded = [&](std::size_t source_face) {
-    const Triangle& t = soup.faces[source_face];
-    return Triangle{vertex_of_source[t[0]], vertex_of_source[t[1]], vertex_of_source[t[2]]};
-  };
   const auto has_surface = [](const Triangle& t) {
     return t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
   };
-  std::vector<std::uint32_t> begin;
-  polled_assign(begin, positions.size() + 1, std::uint32_t{0}, poll);
-  polled_assign(face_of_source, soup.faces.size(), kNone, poll);
-  for (std::size_t f = 0; f < soup.faces.size(); ++f) {
+  std::vector<Triangle> welded;  // by source face
+  polled_assign(welded, soup.faces.size(), Triangle{}, poll);
+  if (poll.stopped()) return;
+  run_in_blocks(
+      welded.size(), poll, [&](std::size_t, std::size_t begin, std::size_t end, Poll& asked) {
+        for (std::size_t f = begin; f < end && !asked.cancelled(); ++f) {
+          const Triangle& t = soup.faces[f];
+          welded[f] = {vertex_of_source[t[0]], vertex_of_source[t[1]], vertex_of_source[t[2]]};
+        }
+      });
+  std::vector<std::uint32_t> next;  // place of the next face whose first vertex this is
+  polled_assign(next, positions.size() + 1, std::uint32_t{0}, poll);
+  polled_assign(face_of_source, welded.size(), kNone, poll);
+  if (poll.stopped()) return;
+  for (std::size_t f = 0; f < welded.size(); ++f) {
     if (poll.cancelled()) return;
-    const Triangle t = welded(f);
+    const Triangle& t = welded[f];
     if (has_surface(t)) {
-      ++begin[std::min({t[0], t[1], t[2]}) + 1];
+      ++next[std::min({t[0], t[1], t[2]}) + 1];
     } else {
       dropped.push_back({static_cast<std::uint32_t>(f), t});
     }
   }
-  for (std::size_t v = 1; v < begin.size(); ++v) begin[v] += begin[v - 1];
-  polled_assign(faces, soup.faces.size() - dropped.size(), Triangle{}, poll);
-  polled_assign(source_of_face, soup.faces.size() - dropped.size(), kNone, poll);
-  for (std::size_t f = 0; f < soup.faces.size(); ++f) {
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  polled_assign(source_of_face, welded.size() - dropped.size(), kNone, poll);
+  if (poll.stopped()) return;
+  for (std::size_t f = 0; f < welded.size(); ++f) {
     if (poll.cancelled()) return;
-    const Triangle t = welded(f);
+    const Triangle& t = welded[f];
     if (!has_surface(t)) continue;
-    const std::uint32_t face = begin[std::min({t[0], t[1], t[2]})]++;
-    faces[face] = t;
+    const std::uint32_t face = next[std::min({t[0], t[1], t[2]})]++;
     source_of_face[face] = static_cast<std::uint32_t>(f);
     face_of_source[f] = face;
   }
+  polled_assign(faces, source_of_face.size(), Triangle{}, poll);
+  if (poll.stopped()) return;
+  run_in_blocks(faces.size(), poll,
+                [&](std::size_t, std::size_t begin, std::size_t end, Poll& asked) {
+                  for (std::size_t f = begin; f < end && !asked.cancelled(); ++f) {
+                    faces[f] = welded[source_of_face[f]];
+                  }
+                });
 }
 
 void Building::measure(Poll& poll) {
-  for (const Triangle& t : faces) {
-    if (poll.cancelled()) return;
-    const Vec3 a = positions[t[0]];
-    const Vec3 b = positions[t[1]];
-    const Vec3 c = positions[t[2]];
-    area += 0.5 * norm(cross(b - a, c - a));
-    if (Mesh::is_without_area(a, b, c)) ++zero_area_faces;
+  struct Measure {
+    double area = 0;
+    std::uint32_t without_area = 0;
+  };
+  std::vector<Measure> measures(count_blocks(faces.size()));
+  run_in_blocks(faces.size(), poll,
+                [&](std::size_t block, std::size_t begin, std::size_t end, Poll& asked) {
+                  Measure measure;
+                  for (std::size_t f = begin; f < end && !asked.cancelled(); ++f) {
+                    const Vec3 a = positions[faces[f][0]];
+                    const Vec3 b = positions[faces[f][1]];
+                    const Vec3 c = positions[faces[f][2]];
+                    measure.area += 0.5 * norm(cross(b - a, c - a));
+                    if (Mesh::is_without_area(a, b, c)) ++measure.without_area;
+                  }
+                  measures[block] = measure;
+                });
+  for (const Measure& measure : measures) {
+    area += measure.area;
+    zero_area_faces += measure.without_area;
   }
 }
 

@@ -1,53 +1,45 @@
 #include "core/surface/adjacency.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
 
-#include "core/base/polled_fill.h"
+#include "core/base/large_array.h"
 #include "core/base/polled_sort.h"
+#include "core/base/team.h"
 #include "core/base/tolerances.h"
 #include "core/surface/corner_lists.h"
+#include "core/surface/count_parts.h"
 #include "core/surface/intrinsic_delaunay.h"
 #include "core/surface/unfold_rounding.h"
 
 namespace geodesic {
 namespace {
 
-// Union by the smaller root, with path halving: enough for counting.
-class DisjointSets {
- public:
-  // Of no use if the poll says to stop.
-  DisjointSets(std::size_t size, Poll& poll) {
-    polled_assign(parent_, size, std::uint32_t{0}, poll);
-    for (std::uint32_t i = 0; i < parent_.size() && !poll.cancelled(); ++i) parent_[i] = i;
-  }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
 // An adjacency that is being built. Each step leaves off when the poll says to stop.
 struct Building {
   void fill_geometry(Poll& poll);
   void fill_corners(Poll& poll);
   void fill_rings(Poll& poll);
+  // What the edges of some vertices, whose smaller ends these are, add to the whole.
+  struct Edges {
+    std::uint64_t count = 0;
+    std::uint64_t boundary = 0;
+    std::uint64_t non_manifold = 0;
+    std::uint64_t duplicate_sides = 0;
+    double length = 0;
+    bool are_crowded = false;
+    bool are_oriented = true;
+  };
+  // Joins the edges whose smaller end is from `from` to `to` - 1.
+  [[nodiscard]] Edges join_edges(std::uint32_t from, std::uint32_t to, Poll& poll);
   void find_pinched_vertices(Poll& poll);
   [[nodiscard]] std::size_t faces_in_first_fan(std::uint32_t vertex, Poll& poll) const;
-  void count_components(Poll& poll);
-  void count_boundary_loops(Poll& poll);
+  void count_parts(Poll& poll);
 
   [[nodiscard]] std::span<const std::uint32_t> corners_at(std::uint32_t vertex) const {
     return {corners.data() + corner_begin[vertex], corner_begin[vertex + 1] - corner_begin[vertex]};
@@ -55,7 +47,7 @@ struct Building {
   [[nodiscard]] Halfedge ring(Halfedge h) const { return faces[face_of(h)].ring[corner_of(h)]; }
 
   const Mesh& mesh;
-  std::vector<FaceRecord> faces = {};
+  LargeArray<FaceRecord> faces = {};
   std::vector<std::uint32_t> corner_begin = {};
   std::vector<std::uint32_t> corners = {};
   std::vector<std::uint64_t> pinched = {};
@@ -70,28 +62,44 @@ struct Building {
 void Building::fill_geometry(Poll& poll) {
   const auto positions = mesh.positions();
   const auto triangles = mesh.faces();
-  polled_assign(faces, triangles.size(), FaceRecord{}, poll);
-  for (std::size_t f = 0; f < faces.size() && !poll.cancelled(); ++f) {
-    const Vec3 a = positions[triangles[f][0]];
-    const Vec3 b = positions[triangles[f][1]];
-    const Vec3 c = positions[triangles[f][2]];
-    const std::array<Vec3, 3> side{b - a, c - b, a - c};
-    FaceRecord& record = faces[f];
-    record.vertex = triangles[f];
-    record.dot = {-dot(side[0], side[2]), -dot(side[1], side[0]), -dot(side[2], side[1])};
-    // The area comes from the two shorter sides: the longest one's rounding would be a
-    // large part of a needle's.
-    const std::uint32_t longest = record.longest_side();
-    record.area2 = norm(cross(side[next_corner(longest)], side[previous_corner(longest)]));
-    const bool is_flat = is_lower_than(tolerance::kFlat, record);
-    has_flat_faces = has_flat_faces || is_flat;
-    has_lines = has_lines || (is_flat && is_line(record));
+  faces = LargeArray<FaceRecord>(triangles.size(), poll);
+  if (poll.stopped()) return;
+  struct Flatness {
+    bool has_flat_faces = false;
+    bool has_lines = false;
+  };
+  std::vector<Flatness> found(count_blocks(faces.size()));
+  run_in_blocks(
+      faces.size(), poll, [&](std::size_t block, std::size_t begin, std::size_t end, Poll& asked) {
+        Flatness flatness;
+        for (std::size_t f = begin; f < end && !asked.cancelled(); ++f) {
+          const Vec3 a = positions[triangles[f][0]];
+          const Vec3 b = positions[triangles[f][1]];
+          const Vec3 c = positions[triangles[f][2]];
+          const std::array<Vec3, 3> side{b - a, c - b, a - c};
+          FaceRecord& record = faces[f];
+          record = {};
+          record.vertex = triangles[f];
+          record.dot = {-dot(side[0], side[2]), -dot(side[1], side[0]), -dot(side[2], side[1])};
+          // The area comes from the two shorter sides: the longest one's rounding would be a
+          // large part of a needle's.
+          const std::uint32_t longest = record.longest_side();
+          record.area2 = norm(cross(side[next_corner(longest)], side[previous_corner(longest)]));
+          const bool is_flat = is_lower_than(tolerance::kFlat, record);
+          flatness.has_flat_faces = flatness.has_flat_faces || is_flat;
+          flatness.has_lines = flatness.has_lines || (is_flat && is_line(record));
+        }
+        found[block] = flatness;
+      });
+  for (const Flatness& flatness : found) {
+    has_flat_faces = has_flat_faces || flatness.has_flat_faces;
+    has_lines = has_lines || flatness.has_lines;
   }
-  is_even = geodesic::is_even(faces, poll);
+  if (!poll.stopped()) is_even = geodesic::is_even(faces.all(), poll);
 }
 
 void Building::fill_corners(Poll& poll) {
-  list_corners(faces, mesh.vertex_count(), corner_begin, corners, poll);
+  list_corners(faces.all(), mesh.vertex_count(), corner_begin, corners, poll);
   if (poll.stopped()) return;
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
     if (corners_at(v).empty()) ++report.vertices_isolated;
@@ -101,6 +109,33 @@ void Building::fill_corners(Poll& poll) {
 // Halfedges are gathered per vertex at their smaller end and sorted by the other
 // end; each run of equal ends is one edge and becomes one ring.
 void Building::fill_rings(Poll& poll) {
+  std::vector<Edges> edges(count_blocks(mesh.vertex_count()));
+  run_in_blocks(mesh.vertex_count(), poll,
+                [&](std::size_t block, std::size_t begin, std::size_t end, Poll& asked) {
+                  edges[block] = join_edges(static_cast<std::uint32_t>(begin),
+                                            static_cast<std::uint32_t>(end), asked);
+                });
+  Edges all;
+  for (const Edges& some : edges) {
+    all.count += some.count;
+    all.boundary += some.boundary;
+    all.non_manifold += some.non_manifold;
+    all.duplicate_sides += some.duplicate_sides;
+    all.length += some.length;
+    all.are_crowded = all.are_crowded || some.are_crowded;
+    all.are_oriented = all.are_oriented && some.are_oriented;
+  }
+  is_crowded = all.are_crowded;
+  is_oriented = all.are_oriented;
+  report.edges = all.count;
+  report.edges_boundary = all.boundary;
+  report.edges_non_manifold = all.non_manifold;
+  // Each duplicate face repeats all three of its sides.
+  report.faces_duplicate = all.duplicate_sides / 3;
+  report.mean_edge = all.length / static_cast<double>(all.count);
+}
+
+Building::Edges Building::join_edges(std::uint32_t from, std::uint32_t to, Poll& poll) {
   struct EdgeSide {
     std::uint32_t far_end;
     std::uint32_t opposite;
@@ -109,14 +144,13 @@ void Building::fill_rings(Poll& poll) {
   const auto earlier = [](const EdgeSide& a, const EdgeSide& b) {
     return std::tie(a.far_end, a.opposite, a.h) < std::tie(b.far_end, b.opposite, b.h);
   };
+  Edges edges;
   std::vector<EdgeSide> sides;
   std::vector<EdgeSide> spare;
-  double total_length = 0;
-  std::uint64_t duplicate_sides = 0;
-  for (std::uint32_t v = 0; v < mesh.vertex_count() && !poll.cancelled(); ++v) {
+  for (std::uint32_t v = from; v < to && !poll.cancelled(); ++v) {
     sides.clear();
     for (const std::uint32_t corner : corners_at(v)) {
-      if (poll.cancelled()) return;
+      if (poll.cancelled()) return edges;
       const std::uint32_t f = face_of(corner);
       const std::uint32_t c = corner_of(corner);
       const std::uint32_t ahead = faces[f].vertex[next_corner(c)];
@@ -125,11 +159,11 @@ void Building::fill_rings(Poll& poll) {
       if (behind > v) sides.push_back({behind, ahead, halfedge(f, previous_corner(c))});
     }
     polled_sort(sides, 0, sides.size(), earlier, spare, poll);
-    if (poll.stopped()) return;
+    if (poll.stopped()) return edges;
     for (std::size_t begin = 0; begin < sides.size();) {
       std::size_t end = begin + 1;
       while (end < sides.size() && sides[end].far_end == sides[begin].far_end) {
-        if (sides[end].opposite == sides[end - 1].opposite) ++duplicate_sides;
+        if (sides[end].opposite == sides[end - 1].opposite) ++edges.duplicate_sides;
         ++end;
       }
       for (std::size_t i = begin; i < end; ++i) {
@@ -137,23 +171,21 @@ void Building::fill_rings(Poll& poll) {
         faces[face_of(h)].ring[corner_of(h)] = sides[i + 1 < end ? i + 1 : begin].h;
       }
       const Halfedge first = sides[begin].h;
-      total_length += std::sqrt(std::max(0.0, faces[face_of(first)].length2(corner_of(first))));
-      ++report.edges;
-      if (end - begin == 1) ++report.edges_boundary;
-      if (end - begin > 2) ++report.edges_non_manifold;
-      is_crowded = is_crowded || end - begin > Triangulation::kCrowd;
+      edges.length += std::sqrt(std::max(0.0, faces[face_of(first)].length2(corner_of(first))));
+      ++edges.count;
+      if (end - begin == 1) ++edges.boundary;
+      if (end - begin > 2) ++edges.non_manifold;
+      edges.are_crowded = edges.are_crowded || end - begin > Triangulation::kCrowd;
       const auto goes_out = [&](std::size_t i) {
         return faces[face_of(sides[i].h)].vertex[corner_of(sides[i].h)] == v;
       };
       if (end - begin > 2 || (end - begin == 2 && goes_out(begin) == goes_out(begin + 1))) {
-        is_oriented = false;
+        edges.are_oriented = false;
       }
       begin = end;
     }
   }
-  // Each duplicate face repeats all three of its sides.
-  report.faces_duplicate = duplicate_sides / 3;
-  report.mean_edge = total_length / static_cast<double>(report.edges);
+  return edges;
 }
 
 // The faces that can be reached from the vertex's first face by crossing edges
@@ -206,69 +238,30 @@ std::size_t Building::faces_in_first_fan(std::uint32_t vertex, Poll& poll) const
 }
 
 void Building::find_pinched_vertices(Poll& poll) {
-  for (std::uint32_t v = 0; v < mesh.vertex_count() && !poll.cancelled(); ++v) {
-    const std::size_t all = corners_at(v).size();
-    if (all < 2 || faces_in_first_fan(v, poll) == all) continue;
-    if (poll.stopped()) return;
-    if (pinched.empty()) pinched.assign(mesh.vertex_count() / 64 + 1, 0);
-    pinched[v / 64] |= std::uint64_t{1} << (v % 64);
-    ++report.vertices_pinched;
+  // A block of vertices has words of its own.
+  constexpr std::size_t kBits = 64;
+  static_assert(kBlock % kBits == 0);
+  pinched.assign(mesh.vertex_count() / kBits + 1, 0);
+  run_in_blocks(
+      mesh.vertex_count(), poll, [&](std::size_t, std::size_t begin, std::size_t end, Poll& asked) {
+        for (auto v = static_cast<std::uint32_t>(begin); v < end && !asked.cancelled(); ++v) {
+          const std::size_t all = corners_at(v).size();
+          if (all < 2 || faces_in_first_fan(v, asked) == all || asked.stopped()) continue;
+          pinched[v / kBits] |= std::uint64_t{1} << (v % kBits);
+        }
+      });
+  for (const std::uint64_t word : pinched) {
+    report.vertices_pinched += static_cast<std::uint64_t>(std::popcount(word));
   }
+  if (report.vertices_pinched == 0) pinched = {};
 }
 
-void Building::count_components(Poll& poll) {
-  DisjointSets sets(mesh.vertex_count(), poll);
-  if (poll.stopped()) return;
-  for (const FaceRecord& record : faces) {
-    if (poll.cancelled()) return;
-    sets.join(record.vertex[0], record.vertex[1]);
-    sets.join(record.vertex[1], record.vertex[2]);
-  }
-  for (std::uint32_t v = 0; v < mesh.vertex_count() && !poll.cancelled(); ++v) {
-    if (!corners_at(v).empty() && sets.find(v) == v) ++report.components;
-  }
-}
-
-// A loop is a cycle of boundary edges, where each is followed by the one that
-// ends the same fan of faces. Turning round a vertex needs no winding: across
-// each inner edge lies one other face. A fan that ends at a non-manifold edge
-// has no successor; its chain counts as a loop of its own.
-void Building::count_boundary_loops(Poll& poll) {
-  if (report.edges_boundary == 0) return;
-  DisjointSets chains(4 * faces.size(), poll);
-  if (poll.stopped()) return;
-  const auto on_boundary = [this](Halfedge h) { return ring(h) == h; };
-  const auto follow = [&](Halfedge boundary, std::uint32_t pivot) {
-    Halfedge h = boundary;
-    while (!poll.cancelled()) {
-      // The other edge at the pivot in the same face.
-      const std::uint32_t f = face_of(h);
-      const std::uint32_t c = corner_of(h);
-      h = faces[f].vertex[c] == pivot ? halfedge(f, previous_corner(c))
-                                      : halfedge(f, next_corner(c));
-      if (on_boundary(h)) {
-        chains.join(boundary, h);
-        return;
-      }
-      const Halfedge across = ring(h);
-      if (ring(across) != h) return;  // non-manifold
-      h = across;
-    }
-  };
-  for (std::uint32_t f = 0; f < faces.size() && !poll.cancelled(); ++f) {
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      const Halfedge h = halfedge(f, c);
-      if (!on_boundary(h)) continue;
-      follow(h, faces[f].vertex[c]);
-      follow(h, faces[f].vertex[next_corner(c)]);
-    }
-  }
-  for (std::uint32_t f = 0; f < faces.size() && !poll.cancelled(); ++f) {
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      const Halfedge h = halfedge(f, c);
-      if (on_boundary(h) && chains.find(h) == h) ++report.boundary_loops;
-    }
-  }
+void Building::count_parts(Poll& poll) {
+  const Triangulation surface{faces.all(), corner_begin, corners};
+  const auto [components, boundary_loops] =
+      geodesic::count_parts(surface, report.edges_boundary, poll);
+  report.components = components;
+  report.boundary_loops = boundary_loops;
 }
 
 Triangulation view_of(const Adjacency::Parts& parts) {
@@ -287,13 +280,12 @@ Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cance
   Poll poll(cancel);
   int done = 0;
   for (const auto step : {&Building::fill_geometry, &Building::fill_corners, &Building::fill_rings,
-                          &Building::find_pinched_vertices, &Building::count_components,
-                          &Building::count_boundary_loops}) {
+                          &Building::find_pinched_vertices, &Building::count_parts}) {
     (building.*step)(poll);
     if (poll.ask()) return fail_stopped(cancel);
-    cancel.report(++done / 7.0);
+    cancel.report(++done / 10.0);
   }
-  Parts parts{.faces = SharedArray(std::move(building.faces)),
+  Parts parts{.faces = std::move(building.faces).share(),
               .corner_begin = SharedArray(std::move(building.corner_begin)),
               .corners = SharedArray(std::move(building.corners)),
               .pinched = SharedArray(std::move(building.pinched)),

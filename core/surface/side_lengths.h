@@ -17,18 +17,23 @@ namespace geodesic {
 // Squared: side c is vertex[c] - vertex[c + 1].
 using SquaredSides = std::array<DoubleDouble, 3>;
 
-// For each face that was asked for: its sides as the mesh has them, until they are set.
+// For each face: its sides as the mesh has them, until they are set. Those of different blocks
+// (base/team.h) may be asked for and set by different threads.
 class SideLengths {
  public:
   SideLengths(std::span<const Vec3> positions, std::size_t face_count, Poll& poll);
 
   [[nodiscard]] SquaredSides squared(std::uint32_t face, const FaceRecord& record) const;
   void set(std::uint32_t face, const SquaredSides& sides);
+  // Whether so many faces more can be set in the block without taking memory.
+  [[nodiscard]] bool has_room(std::size_t block, std::size_t faces) const {
+    return sides_[block].capacity() - sides_[block].size() >= faces;
+  }
 
  private:
   std::span<const Vec3> positions_;
-  std::vector<std::uint32_t> place_;  // of each face in `sides_`; kNone: as in the mesh
-  std::vector<SquaredSides> sides_;
+  std::vector<std::uint32_t> place_;  // of each face in its block's `sides_`; kNone: as in the mesh
+  std::vector<std::vector<SquaredSides>> sides_;
 };
 
 // Two triangles with an edge a - b, and their other corners c and d: squared lengths.

@@ -9,10 +9,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <span>
+#include <vector>
 
 #include "core/base/cancel.h"
+#include "core/base/team.h"
 #include "core/base/tolerances.h"
 #include "core/base/vec2.h"
 #include "core/surface/face_record.h"
@@ -57,19 +60,32 @@ struct UnfoldRounding {
          !(cross(right, left) > tolerance::kWithoutArea * (dot(right, right) + dot(left, left)));
 }
 
-// Computes Triangulation::is_even. False when the poll says to stop.
+// Computes Triangulation::is_even, with whoever helps. Of no use if the poll says to stop.
 [[nodiscard]] inline bool is_even(std::span<const FaceRecord> faces, Poll& poll) {
-  double longest2 = 0;
-  double shortest2 = std::numeric_limits<double>::infinity();
-  for (const FaceRecord& face : faces) {
-    if (poll.cancelled()) return false;
-    const double a = face.length2(0);
-    const double b = face.length2(1);
-    const double c = face.length2(2);
-    longest2 = std::max({longest2, a, b, c});
-    shortest2 = std::min({shortest2, a, b, c});
+  struct Extent {
+    double longest2 = 0;
+    double shortest2 = std::numeric_limits<double>::infinity();
+  };
+  std::vector<Extent> extents(count_blocks(faces.size()));
+  run_in_blocks(faces.size(), poll,
+                [&](std::size_t block, std::size_t begin, std::size_t end, Poll& asked) {
+                  Extent extent;
+                  for (const FaceRecord& face : faces.subspan(begin, end - begin)) {
+                    if (asked.cancelled()) return;
+                    const double a = face.length2(0);
+                    const double b = face.length2(1);
+                    const double c = face.length2(2);
+                    extent.longest2 = std::max({extent.longest2, a, b, c});
+                    extent.shortest2 = std::min({extent.shortest2, a, b, c});
+                  }
+                  extents[block] = extent;
+                });
+  Extent all;
+  for (const Extent& extent : extents) {
+    all.longest2 = std::max(all.longest2, extent.longest2);
+    all.shortest2 = std::min(all.shortest2, extent.shortest2);
   }
-  return longest2 <= tolerance::kMostSpread2 * shortest2;
+  return all.longest2 <= tolerance::kMostSpread2 * all.shortest2;
 }
 
 }  // namespace geodesic

@@ -5,7 +5,8 @@
 
 namespace geodesic::server {
 
-ComputePool::Help::Help(ComputePool& pool) : pool_(pool) {
+ComputePool::Help::Help(ComputePool& pool, bool is_worth_it) : pool_(pool) {
+  if (!is_worth_it) return;
   const Lock lock(pool_.mutex_);
   const std::size_t idle = pool_.counts_.slots - pool_.counts_.running + pool_.lent_;
   if (idle == 0 || !pool_.queue_.empty()) return;

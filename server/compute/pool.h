@@ -175,12 +175,13 @@ class ComputePool {
   // limit, and no longer than they help: lists of a front, which are small. (compute/help.cpp)
   class Help {
    public:
-    explicit Help(ComputePool& pool);
+    // `is_worth_it`: else nobody is asked.
+    explicit Help(ComputePool& pool, bool is_worth_it = true);
     ~Help();
     Help(const Help&) = delete;
     Help& operator=(const Help&) = delete;
 
-    // Null where no slot is idle at the beginning: then dividing is not worth it.
+    // Null where no slot is idle at the beginning, for then dividing is not worth it either.
     [[nodiscard]] Team* team() { return team_ ? &*team_ : nullptr; }
 
    private:

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
-#include <optional>
 
 #include "core/paths/arrive_at_point.h"
 #include "core/paths/trace_path.h"
@@ -124,11 +123,10 @@ Fields::~Fields() { pool_.observe_want_of_room({}); }
 Result<Field> Fields::solve(const FieldQuestion& question, const FieldLimits& limits,
                             SolveScratch& scratch, const Cancel& cancel, const Caller& caller) {
   const Timed timed(caller, Stage::solve);
-  std::optional<ComputePool::Help> help;
-  if (is_for_many_threads(question)) help.emplace(pool_);
+  ComputePool::Help help(pool_, is_for_many_threads(question));
   auto field = solve_field(question.method.which, question.method.options, *question.adjacency,
                            question.sources, limits, scratch,
-                           cancel.helped_by(help ? help->team() : nullptr));
+                           cancel.helped_by(help.team()));
   metrics_.solved(proto::name_of(question.method.which), timed.so_far().count());
   return field;
 }

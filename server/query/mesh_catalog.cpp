@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/team.h"
 #include "core/mesh/weld.h"
 #include "proto/formats/decode_mesh.h"
 #include "proto/mesh/metadata.h"
@@ -43,8 +44,9 @@ Cancel cancel_of(const Caller& caller) {
 }
 
 Result<std::shared_ptr<const Adjacency>> prepare(std::shared_ptr<const Mesh> mesh,
-                                                 const Caller& caller) {
-  auto adjacency = Adjacency::build(std::move(mesh), cancel_of(caller));
+                                                 ComputePool& pool, const Caller& caller) {
+  ComputePool::Help help(pool, mesh->vertex_count() >= Team::kFewestVertices);
+  auto adjacency = Adjacency::build(std::move(mesh), cancel_of(caller).helped_by(help.team()));
   if (!adjacency) return fail(std::move(adjacency.error()));
   return std::make_shared<const Adjacency>(std::move(*adjacency));
 }
@@ -164,7 +166,8 @@ Result<MeshCatalog::Built> MeshCatalog::build(const std::string& bytes,
            std::to_string(*moved) + " vertices were moved onto others within the tolerance."});
     }
   }
-  auto mesh = Mesh::build(decoded->soup, options.weld, cancel_of(rest));
+  ComputePool::Help help(pool_, decoded->soup.positions.size() >= Team::kFewestVertices);
+  auto mesh = Mesh::build(decoded->soup, options.weld, cancel_of(rest).helped_by(help.team()));
   if (!mesh) return fail(std::move(mesh.error()));
   decoded->soup = {};  // the mesh has it all
   return Built{std::move(*decoded), std::make_shared<const Mesh>(std::move(*mesh))};
@@ -191,7 +194,7 @@ Result<MeshCatalog::Described> MeshCatalog::describe(const std::string& id,
                     [&] { return build(bytes, options, caller.part(0, kBuilding)); });
   if (!built) return fail(std::move(built.error()));
   const auto prepared = step("prepare", Stage::prepare, caller,
-                             [&] { return prepare(built->mesh, caller.part(kBuilding, 1)); });
+                             [&] { return prepare(built->mesh, pool_, caller.part(kBuilding, 1)); });
   if (!prepared) return fail(prepared.error());
   auto adjacency = *prepared;
   std::string description =
@@ -362,7 +365,7 @@ Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency_anew(const std::
   auto adjacency = pool_.run(
       [&](Worker&) {
         return step("prepare", Stage::prepare, caller,
-                    [&] { return prepare(std::move(*mesh), caller); });
+                    [&] { return prepare(std::move(*mesh), pool_, caller); });
       },
       caller);
   if (adjacency) keep_prepared(id, *adjacency);

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "core/mesh/shapes.h"
+#include "tests/bench/cold_start.h"
 #include "tests/bench/family.h"
 #include "tests/bench/frontier.h"
 #include "tests/bench/frontier_meshes.h"
@@ -178,6 +179,11 @@ int main(int argc, char** argv) {
   bool threads = false;
   app.add_flag("--threads", threads,
                "how much sooner a field is there when idle cores help; nothing else");
+  std::vector<std::uint64_t> cold;
+  app.add_option(
+      "--cold", cold,
+      "how long the first answer takes, stage by stage, on terrains of so many vertices; "
+      "nothing else");
   app.add_option("--mesh", only, "only the meshes of these names");
   app.add_option("FILE", files, "with --frontier or --threads: these meshes instead of its own")
       ->check(CLI::ExistingFile);
@@ -197,7 +203,10 @@ int main(int argc, char** argv) {
     bench::print_threads(files.empty() ? bench::frontier_meshes(quick) : bench::meshes_of(files));
     return 0;
   }
-
+  if (!cold.empty()) {
+    bench::print_cold_start(cold);
+    return 0;
+  }
   if (family) return bench::print_family({*family, quick, number}) ? 0 : 1;
 
   std::vector<MeshResult> meshes;
