@@ -125,8 +125,7 @@ Result<Field> Fields::solve(const FieldQuestion& question, const FieldLimits& li
   const Timed timed(caller, Stage::solve);
   ComputePool::Help help(pool_, is_for_many_threads(question));
   auto field = solve_field(question.method.which, question.method.options, *question.adjacency,
-                           question.sources, limits, scratch,
-                           cancel.helped_by(help.team()));
+                           question.sources, limits, scratch, cancel.helped_by(help.team()));
   metrics_.solved(proto::name_of(question.method.which), timed.so_far().count());
   return field;
 }

@@ -193,8 +193,9 @@ Result<MeshCatalog::Described> MeshCatalog::describe(const std::string& id,
   auto built = step("decode", Stage::load, caller,
                     [&] { return build(bytes, options, caller.part(0, kBuilding)); });
   if (!built) return fail(std::move(built.error()));
-  const auto prepared = step("prepare", Stage::prepare, caller,
-                             [&] { return prepare(built->mesh, pool_, caller.part(kBuilding, 1)); });
+  const auto prepared = step("prepare", Stage::prepare, caller, [&] {
+    return prepare(built->mesh, pool_, caller.part(kBuilding, 1));
+  });
   if (!prepared) return fail(prepared.error());
   auto adjacency = *prepared;
   std::string description =
