@@ -40,9 +40,8 @@ namespace geodesic {
   return one_in * wide > count;
 }
 
-// Where more than one face in ten, of a sample, is lower than a tenth of its longest side.
-[[nodiscard]] inline bool is_of_slivers(const Triangulation& surface) {
-  constexpr double kLow = 0.1;
+// Where more than one face in ten, of a sample, is lower than that part of its longest side.
+[[nodiscard]] inline bool is_of_slivers(const Triangulation& surface, double low_part = 0.1) {
   constexpr std::size_t kShare = 10;
   constexpr std::size_t kSample = 512;
   const std::size_t step = surface.faces.size() / kSample + 1;
@@ -50,7 +49,7 @@ namespace geodesic {
   std::size_t count = 0;
   for (std::size_t f = 0; f < surface.faces.size(); f += step, ++count) {
     const FaceRecord& face = surface.faces[f];
-    if (!(face.area2 > kLow * face.longest2())) ++low;
+    if (!(face.area2 > low_part * face.longest2())) ++low;
   }
   return kShare * low > count;
 }

@@ -1,6 +1,8 @@
 #include "core/back_traced/wavefront.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -25,6 +27,17 @@ double reach(const FieldLimits& limits, const Field& field) {
     max = std::min(max, farthest);
   }
   return max;
+}
+
+// Those that `from` has; of bounds the lesser ones.
+void take_distances(const Field& from, Bound bound, Field& field) {
+  const std::span<double> distance = field.distance.doubles();
+  for (std::size_t v = 0; v < distance.size(); ++v) {
+    const double other = from.distance[v];
+    if (other == kUnreached || (bound == Bound::upper && !(other < distance[v]))) continue;
+    distance[v] = other;
+    if (!field.nearest_source.empty()) field.nearest_source[v] = from.nearest_source[v];
+  }
 }
 
 // Runs one source's wave, as detail::run_wave does for fronts that accept one vertex
@@ -69,8 +82,8 @@ Result<void> run_wave(BackTracedFront& front, const Adjacency& adjacency,
 }  // namespace
 
 Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Source> sources,
-                                const FieldLimits& asked, Bound bound, BackTracedScratch& scratch,
-                                const Cancel& cancel) {
+                                const FieldLimits& asked, Bound bound, const Field* near,
+                                BackTracedScratch& scratch, const Cancel& cancel) {
   FieldLimits limits = asked;
   limits.max *= 1 + tolerance::kSinglePrecision;
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
@@ -103,6 +116,7 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
     if (sources[0].offset != 0) {
       for (double& d : field.distance.doubles()) d += sources[0].offset;
     }
+    if (near != nullptr) take_distances(*near, bound, field);
     // The front accepts vertices a little out of order.
     if (const double max = reach(limits, field); max < kUnreached) field.forget_beyond(max);
   } else {
@@ -126,6 +140,10 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
         },
         [&](std::uint32_t v) { front.forget(v); });
     if (!waves) return fail(waves.error());
+    if (near != nullptr) {
+      take_distances(*near, bound, field);
+      if (const double max = reach(limits, field); max < kUnreached) field.forget_beyond(max);
+    }
   }
   const double max = reach(limits, field);
   if (is_search) {

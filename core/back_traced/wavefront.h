@@ -27,10 +27,13 @@ namespace geodesic {
 // shortest way along edges, but for rounding: the front goes by doubles, and in the end each is
 // as_float. `parents` stays empty.
 //
+// `near`, or null: where it has distances, from the same sources, these are taken.
+//
 // O(n log n) for n vertices and one source. Errors: cancelled.
 [[nodiscard]] Result<Field> back_traced_field(const Adjacency& adjacency,
                                               std::span<const Source> sources,
                                               const FieldLimits& limits, Bound bound,
-                                              BackTracedScratch& scratch, const Cancel& cancel);
+                                              const Field* near, BackTracedScratch& scratch,
+                                              const Cancel& cancel);
 
 }  // namespace geodesic

@@ -7,6 +7,7 @@
 #include "core/back_traced/slivers.h"
 #include "core/base/tolerances.h"
 #include "core/field/straight_floor.h"
+#include "core/solve/near_sources.h"
 #include "core/solve/scratch_parts.h"
 #include "core/steiner/steiner.h"
 #include "core/wavefront/edge_dijkstra.h"
@@ -19,13 +20,21 @@ bool is_even(const Adjacency& adjacency) {
   return adjacency.triangulation().is_even && adjacency.delaunay().is_even;
 }
 
+Result<Field> traced_field(const Adjacency& adjacency, std::span<const Source> sources,
+                           const FieldLimits& limits, Bound bound, SolveScratch::Parts& scratch,
+                           const Cancel& cancel) {
+  const auto near = field_near_sources(adjacency, sources, bound, scratch.exact, cancel);
+  if (!near) return fail(near.error());
+  return back_traced_field(adjacency, sources, limits, bound, *near ? &**near : nullptr,
+                           scratch.back_traced, cancel);
+}
+
 // Distances by windows, made longer by what rounding may have taken; where ways that were traced
 // are shorter, which keep an account, those. Both with the same limits.
 Result<Field> lesser_of_both(Field by_windows, const Adjacency& adjacency,
                              std::span<const Source> sources, const FieldLimits& limits,
                              SolveScratch::Parts& scratch, const Cancel& cancel) {
-  auto traced =
-      back_traced_field(adjacency, sources, limits, Bound::upper, scratch.back_traced, cancel);
+  auto traced = traced_field(adjacency, sources, limits, Bound::upper, scratch, cancel);
   if (!traced) return traced;
   const auto& box = adjacency.mesh().box();
   const double extent = norm(box.max - box.min);
@@ -91,7 +100,7 @@ Result<Field> field_across_slivers(Bound bound, const Adjacency& adjacency,
       ask, [&](double done) { cancel.report(done); }, cancel.memory());
   auto field = field_within(0, adjacency, sources, limits, scratch.exact, bounded);
   const auto by_traces = [&] {
-    return back_traced_field(adjacency, sources, asked, bound, scratch.back_traced, cancel);
+    return traced_field(adjacency, sources, asked, bound, scratch, cancel);
   };
   if (!field && is_too_much && !cancel.requested()) return by_traces();
   if (field && !is_even(adjacency)) {
@@ -156,8 +165,7 @@ Result<Field> solve(Method method, const MethodOptions& options, const Adjacency
       if (goes_by_windows(method, options, adjacency, sources)) {
         return field_across_slivers(options.bound, adjacency, sources, limits, scratch, cancel);
       }
-      return back_traced_field(adjacency, sources, limits, options.bound, scratch.back_traced,
-                               cancel);
+      return traced_field(adjacency, sources, limits, options.bound, scratch, cancel);
   }
   return fail(ErrorCode::internal, "a method without an implementation");
 }

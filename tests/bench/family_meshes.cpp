@@ -47,14 +47,18 @@ void drop_patches(TriangleSoup& soup, Draw& draw) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }
+  const std::size_t least = soup.faces.size() / 2;
   const std::uint32_t patches = draw.count(1, 12);
   for (std::uint32_t i = 0; i < patches; ++i) {
     const Vec3 centre =
         soup.positions[draw.count(0, static_cast<std::uint32_t>(soup.positions.size()) - 1)];
     const double radius = draw.between(0.02, 0.12) * norm(high - low);
-    std::erase_if(soup.faces, [&](const auto& face) {
+    auto faces = soup.faces;
+    std::erase_if(faces, [&](const auto& face) {
       return distance(soup.positions[face[0]], centre) < radius;
     });
+    // Of a needle a patch may be nearly all.
+    if (faces.size() >= least) soup.faces = std::move(faces);
   }
 }
 

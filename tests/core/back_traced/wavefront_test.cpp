@@ -281,12 +281,12 @@ TEST_CASE("AWaveThatIsCancelledEnds") {
   BackTracedScratch scratch;
   const Source source{surface.at(0), 0};
   const auto cancelled = back_traced_field(surface.adjacency(), {&source, 1}, {}, Bound::none,
-                                           scratch, Cancel([] { return true; }));
+                                           nullptr, scratch, Cancel([] { return true; }));
   REQUIRE_FALSE(cancelled.has_value());
   CHECK(cancelled.error().code == ErrorCode::cancelled);
   // What it leaves behind harms nobody.
-  const auto field =
-      back_traced_field(surface.adjacency(), {&source, 1}, {}, Bound::none, scratch, Cancel());
+  const auto field = back_traced_field(surface.adjacency(), {&source, 1}, {}, Bound::none, nullptr,
+                                       scratch, Cancel());
   REQUIRE(field.has_value());
   CHECK(field->distance == back_traced(surface, {source}).distance);
 }

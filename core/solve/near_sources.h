@@ -1,0 +1,28 @@
+// Distances near the sources, where ways that are traced know least of the surface.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/exact/field.h"
+#include "core/field/field.h"
+#include "core/field/method.h"
+#include "core/surface/adjacency.h"
+
+namespace geodesic {
+
+// On surfaces with many long thin faces: the distances up to some edges' length from the nearest of
+// the sources, by windows; kUnreached beyond. There the sides of faces are as long as the way, and
+// no vertex is near it: traced over a few faces, ways round a needle were up to twice as long as
+// the shortest. With Bound::upper they are longer by what rounding may have taken. Not of vertices
+// so near that rounding is a part of their distance. Nothing on other surfaces, nor where windows
+// become too many. Does not depend on how far a field goes. Errors:
+// cancelled.
+[[nodiscard]] Result<std::optional<Field>> field_near_sources(const Adjacency& adjacency,
+                                                              std::span<const Source> sources,
+                                                              Bound bound, ExactScratch& scratch,
+                                                              const Cancel& cancel);
+
+}  // namespace geodesic

@@ -1,0 +1,125 @@
+// Near the sources, distances by `auto` are exact also where all faces are long and thin.
+#include "core/solve/near_sources.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "core/mesh/shapes.h"
+#include "core/solve/pair_search.h"
+#include "core/solve/solve_field.h"
+#include "tests/fixtures/crumpled_surfaces.h"
+#include "tests/fixtures/surface.h"
+#include "tests/fixtures/test_seed.h"
+
+using namespace geodesic;
+using fixtures::Surface;
+
+namespace {
+
+constexpr double kFloat = 2.5e-7;  // distances by `auto` are floats
+
+TriangleSoup stretched(std::mt19937& random) {
+  TriangleSoup soup = random() % 2 == 0
+                          ? shapes::icosphere(4)
+                          : shapes::terrain(30 + random() % 40, 5 + random() % 40, random());
+  const double factor = std::exp(fixtures::fraction(random) * 3 + 4);  // 55 to 1,100
+  for (Vec3& p : soup.positions) p.x *= factor;
+  return soup;
+}
+
+std::vector<Source> drawn_sources(std::mt19937& random, const Surface& surface) {
+  std::vector<Source> sources;
+  for (std::uint32_t count = random() % 3 == 0 ? 3 : 1; count > 0; --count) {
+    const double offset = random() % 3 == 0 ? fixtures::fraction(random) : 0;
+    if (random() % 2 == 0) {
+      const auto v = static_cast<std::uint32_t>(random() % surface.mesh().vertex_count());
+      sources.push_back({point_at_vertex(surface.adjacency(), v), offset});
+    } else {
+      const auto face = static_cast<std::uint32_t>(random() % surface.mesh().face_count());
+      sources.push_back({{face, {0.5, 0.3, 0.2}, kNone}, offset});
+    }
+  }
+  return sources;
+}
+
+Field solved(const Surface& surface, Method method, Bound bound,
+             const std::vector<Source>& sources) {
+  SolveScratch scratch;
+  MethodOptions options;
+  options.bound = bound;
+  auto field = solve_field(method, options, surface.adjacency(), sources, {}, scratch, Cancel());
+  REQUIRE(field);
+  return std::move(*field);
+}
+
+}  // namespace
+
+TEST_CASE("NearTheSourcesOfStretchedSurfacesDistancesAreExact") {
+  std::mt19937 random(fixtures::test_seed());
+  std::size_t looked_at = 0;
+  for (int i = 0; i < 12; ++i) {
+    CAPTURE(i);
+    const Surface surface(stretched(random));
+    const std::vector<Source> sources = drawn_sources(random, surface);
+    ExactScratch scratch;
+    const auto near =
+        field_near_sources(surface.adjacency(), sources, Bound::none, scratch, Cancel());
+    REQUIRE(near);
+    if (!*near) continue;  // windows were too many
+    const Field exact = solved(surface, Method::exact, Bound::none, sources);
+    const Field automatic = solved(surface, Method::back_traced, Bound::none, sources);
+    const Field upper = solved(surface, Method::back_traced, Bound::upper, sources);
+    for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+      if ((*near)->distance[v] == kUnreached) continue;
+      CAPTURE(v);
+      ++looked_at;
+      CHECK(std::abs(automatic.distance[v] - exact.distance[v]) <= kFloat * exact.distance[v]);
+      CHECK(upper.distance[v] >= exact.distance[v] * (1 - 1e-9));
+      CHECK(upper.distance[v] <= exact.distance[v] * (1 + 2 * kFloat));
+      if (sources.size() > 1) CHECK(automatic.nearest_source[v] != kNone);
+    }
+  }
+  CHECK(looked_at > 0);
+}
+
+TEST_CASE("APairNearTheSourceIsAsFarAsTheFieldSays") {
+  std::mt19937 random(fixtures::test_seed());
+  for (int i = 0; i < 6; ++i) {
+    CAPTURE(i);
+    const Surface surface(stretched(random));
+    const auto v = static_cast<std::uint32_t>(random() % surface.mesh().vertex_count());
+    const Source source{point_at_vertex(surface.adjacency(), v), 0};
+    ExactScratch near_scratch;
+    const auto near =
+        field_near_sources(surface.adjacency(), {&source, 1}, Bound::none, near_scratch, Cancel());
+    REQUIRE(near);
+    if (!*near) continue;
+    const Field field = solved(surface, Method::back_traced, Bound::none, {source});
+    SolveScratch scratch;
+    int pairs = 0;
+    for (std::uint32_t to = 0; to < surface.mesh().vertex_count() && pairs < 10; ++to) {
+      if ((*near)->distance[to] == kUnreached || to == v) continue;
+      ++pairs;
+      CAPTURE(to);
+      const auto pair =
+          pair_search(Method::back_traced, {}, surface.adjacency(), source,
+                      point_at_vertex(surface.adjacency(), to), PairPath::none, scratch, Cancel());
+      REQUIRE(pair);
+      CHECK(std::abs(pair->distance - field.distance[to]) <= kFloat * field.distance[to]);
+    }
+  }
+}
+
+TEST_CASE("WhereFacesAreNotThinNothingIsComputedTwice") {
+  const Surface surface(shapes::terrain(40, 5, 3));
+  const Source source{point_at_vertex(surface.adjacency(), 7), 0};
+  ExactScratch scratch;
+  const auto near =
+      field_near_sources(surface.adjacency(), {&source, 1}, Bound::none, scratch, Cancel());
+  REQUIRE(near);
+  CHECK(!*near);
+}
