@@ -33,7 +33,7 @@ export async function drawViewer(browser, service) {
 const [, script, file] = process.argv;
 if (fileURLToPath(import.meta.url) === script) {
   const service = await new Service().start();
-  const browser = await launch();
+  const browser = await launch({ smooth: true });
   try {
     await writeFile(file, await drawViewer(browser, service));
   } finally {

@@ -36,15 +36,21 @@ fi
 
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-(cd "$viewer" && npm run check && npx vite build --outDir "$folder/dist" --emptyOutDir)
+(cd "$viewer" && npx vite build --outDir "$folder/dist" --emptyOutDir)
 "$make_samples" "$folder/samples" >/dev/null
 
 export GEODESICD=$geodesicd CHROMIUM=$chromium
 export VIEWER_DIST=$folder/dist VIEWER_SAMPLES=$folder/samples VIEWER_SOURCES=$viewer
 if [ -n "${VIEWER_PICTURES:-}" ]; then mkdir -p "$VIEWER_PICTURES"; fi
-# One after the other: each has a browser and a server.
-status=0
-for file in "$here"/viewer/*.test.mjs; do
-  node --test "$file" || status=1
-done
-exit $status
+# Two at a time, as each has a browser and a server that wait for each other; what one says stays together.
+try() { # FILE
+  local said status=0
+  if [ "$1" = types ]; then said=$(cd "$VIEWER_SOURCES" && npm run check 2>&1) || status=1
+  else said=$(node --test "$1" 2>&1) || status=1; fi
+  { flock 9; printf '%s\n' "$said"; } 9<"$VIEWER_SAMPLES"
+  return $status
+}
+export -f try
+# The large ones first, so that none of them is alone at the end.
+{ find "$here/viewer" -name '*.test.mjs' -printf '%s %p\n' | sort -nr | cut -d' ' -f2-; echo types; } |
+  xargs -d '\n' -n 1 -P 2 bash -c 'try "$1"' bash

@@ -2,7 +2,8 @@
 import assert from 'node:assert/strict';
 import { Readable } from 'node:stream';
 import { test } from 'node:test';
-import { newPage, picture, ready, statistics, until } from './browser.mjs';
+import { newPage, picture, ready, until } from './browser.mjs';
+import { statistics } from './pixels.mjs';
 import { proxied } from './proxy.mjs';
 import { served } from './served.mjs';
 import { wavyMesh } from './wavy_mesh.mjs';
@@ -38,7 +39,7 @@ for (const [name, options] of [['light', {}], ['dark', { colorScheme: 'dark' }]]
     await page.goto(`${proxy.url}#mesh=${mesh}`);
     await until(async () => Number(await page.getAttribute('body', 'data-preview')) > 0.3 * FACES, 'faces');
     assert.equal(await page.getAttribute('body', 'data-state'), 'loading');
-    const early = await statistics(browser, await picture(page, `78-arriving-${name}`));
+    const early = statistics(await picture(page, `78-arriving-${name}`));
     assert.ok(early.colours > 10, `${early.colours} colours`);
     // What cannot be picked yet is not.
     await page.mouse.click(430, 380);

@@ -3,7 +3,8 @@
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { test } from 'node:test';
-import { axe, difference, openMesh, pathLength, picture, ready, statistics, until } from './browser.mjs';
+import { axe, openMesh, pathLength, picture, ready, until } from './browser.mjs';
+import { difference, statistics } from './pixels.mjs';
 import { served } from './served.mjs';
 
 const { browser, service } = await served();
@@ -49,10 +50,10 @@ test('dark and light: as the system says, and by the switch', async () => {
   const dark = await picture(page, '41-dark');
   await page.getByRole('button', { name: 'Dark or light' }).click();
   const light = await picture(page, '42-light');
-  assert.ok((await difference(browser, dark, light)) > 0.5);
+  assert.ok(difference(dark, light) > 0.5);
   await page.reload();
   await ready(page);
-  assert.ok((await difference(browser, light, await picture(page, '43-light-again'))) < 0.01, 'the switch is remembered');
+  assert.ok(difference(light, await picture(page, '43-light-again')) < 0.01, 'the switch is remembered');
   await page.context().close();
 });
 
@@ -65,8 +66,8 @@ test('on a phone: a sheet below, fingers place and drag', async () => {
   await page.touchscreen.tap(240, 330);
   const first = await pathLength(page);
   const path = await picture(page, '45-phone-path', ON_PHONE);
-  assert.ok((await difference(browser, clay, path)) > 0.05);
-  assert.ok((await statistics(browser, path)).colourful > 0.05);
+  assert.ok(difference(clay, path) > 0.05);
+  assert.ok(statistics(path).colourful > 0.05);
   // A finger that drags the target, as the browser sends it.
   const finger = await page.context().newCDPSession(page);
   const touch = (type, ...points) =>
@@ -80,7 +81,7 @@ test('on a phone: a sheet below, fingers place and drag', async () => {
   await touch('touchStart', [60, 500 - 200], [330, 300]);
   for (let step = 1; step <= 6; step++) await touch('touchMove', [60 + 12 * step, 300], [330 - 12 * step, 300]);
   await touch('touchEnd');
-  assert.ok((await difference(browser, before, await picture(page, '47-phone-zoomed', ON_PHONE))) > 0.02);
+  assert.ok(difference(before, await picture(page, '47-phone-zoomed', ON_PHONE)) > 0.02);
   assert.equal(await page.locator('.point').count(), 2, 'two fingers place nothing');
   // Everything open, as far as a finger can scroll.
   for (const part of ['Profile', 'Export']) await page.getByText(part, { exact: true }).tap();
@@ -124,7 +125,7 @@ test('who wants no motion sees the field at once', async () => {
   const page = await openMesh(browser, service, plane, '', { reducedMotion: 'reduce' });
   await page.mouse.click(430, 380);
   await page.waitForSelector('.legend:not([hidden])');
-  const seen = await statistics(browser, await picture(page, '49-no-motion'));
+  const seen = statistics(await picture(page, '49-no-motion'));
   assert.ok(seen.colourful > 0.1);
   await page.context().close();
 });

@@ -1,7 +1,8 @@
 // A path of other points than those that are seen is never shown as if it were theirs.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { openMesh, pathLength, picture, settled, shareOf, until } from './browser.mjs';
+import { openMesh, pathLength, picture, settled, until } from './browser.mjs';
+import { shareOf } from './pixels.mjs';
 import { served } from './served.mjs';
 
 const { browser, service } = await served();
@@ -27,7 +28,7 @@ async function heldPage() {
   return page;
 }
 
-const strength = async (page) => shareOf(browser, await settled(page), '#ffffff');
+const strength = async (page) => shareOf(await settled(page), '#ffffff');
 
 const CHANGES = {
   'the target moves': async (page) => { await page.keyboard.press('3'); await page.mouse.click(300, 200); },

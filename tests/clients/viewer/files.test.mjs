@@ -3,7 +3,8 @@ import assert from 'node:assert/strict';
 import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { boxOfWhatIsDrawn, difference, drop, newPage, openMesh, pathLength, picture, ready, statistics, until } from './browser.mjs';
+import { drop, newPage, openMesh, pathLength, picture, ready, until } from './browser.mjs';
+import { boxOfWhatIsDrawn, difference, statistics } from './pixels.mjs';
 import { served } from './served.mjs';
 import { wavyMesh, wavyObj } from './wavy_mesh.mjs';
 
@@ -17,7 +18,7 @@ test('a dropped file is uploaded and shown', async () => {
   await until(async () => (await page.locator('#mesh option:checked').textContent()) === 'waves.glb', 'the file in the list');
   await ready(page);
   const now = await picture(page, '21-dropped');
-  assert.ok((await difference(browser, was, now)) > 0.02);
+  assert.ok(difference(was, now) > 0.02);
   assert.match(await page.textContent('.mesh-part .facts'), /3,600 vertices · 6,962 faces · 1 boundary/);
   // The same again is known by its digest: nothing is sent.
   const asked = page.asked.length;
@@ -147,7 +148,7 @@ test('a broken file is explained, and what was there stays', async () => {
   await picture(page, '23-broken');
   assert.match(await trouble.textContent(), /mesh in this file is broken.*half\.glb/s);
   await trouble.getByRole('button', { name: 'Close this message' }).click();
-  assert.ok((await difference(browser, was, await picture(page, '24-after-broken'))) < 0.001);
+  assert.ok(difference(was, await picture(page, '24-after-broken')) < 0.001);
   assert.equal(await page.locator('#mesh option:checked').textContent().then((text) => text.startsWith('plane')), true);
   // The browser itself reports refused requests; the page has no other fault.
   assert.deepEqual(page.faults.filter((text) => !/Failed to load resource.*(415|422)/.test(text)), []);
@@ -189,7 +190,7 @@ test('a link reproduces the mesh, the points, the method and the view', async ()
   await ready(page);
   assert.equal(await pathLength(page), length);
   const again = await picture(page, '26-reloaded');
-  assert.ok((await difference(browser, seen, again)) < 0.01, `the same view: ${await difference(browser, seen, again)}`);
+  assert.ok(difference(seen, again) < 0.01, `the same view: ${difference(seen, again)}`);
   assert.ok(await page.getByLabel('Fast marching').isChecked());
   assert.ok(await page.getByLabel('Turbo').isChecked());
   assert.ok(await page.getByLabel('Pull the path straight').isChecked());
@@ -198,7 +199,7 @@ test('a link reproduces the mesh, the points, the method and the view', async ()
   await other.goto(link);
   await ready(other);
   assert.equal(await pathLength(other), length);
-  assert.ok((await difference(browser, again, await picture(other, '27-elsewhere'))) < 0.001);
+  assert.ok(difference(again, await picture(other, '27-elsewhere')) < 0.001);
   assert.deepEqual([...page.faults, ...other.faults], []);
   await page.context().close();
   await other.context().close();
@@ -250,12 +251,12 @@ test('everything can be taken along, in the formats that others read', async () 
   const measures = (await saved('Save as CSV')).bytes.toString().trim().split('\n');
   assert.deepEqual(measures[1].split(',').slice(2), ['auto', 'shortest', '1']);
   const png = await saved('View · PNG');
-  const seen = await statistics(browser, png.bytes);
+  const seen = statistics(png.bytes);
   assert.deepEqual([seen.width, seen.height], [1200, 760]);
   assert.ok(seen.colourful > 0.1, 'the field is on the picture');
-  const mesh = await boxOfWhatIsDrawn(browser, png.bytes, { bottom: 640 });
+  const mesh = boxOfWhatIsDrawn(png.bytes, { bottom: 640 });
   assert.ok(Math.abs((mesh.left + mesh.right) / 2 - 600) < 12, `in the middle, not from ${mesh.left} to ${mesh.right}`);
-  const scale = await boxOfWhatIsDrawn(browser, png.bytes, { left: 1030, top: 722, right: 1190, bottom: 740 });
+  const scale = boxOfWhatIsDrawn(png.bytes, { left: 1030, top: 722, right: 1190, bottom: 740 });
   const long = scale.right - scale.left;
   assert.ok(long > 48 && long <= 122, `the scale's bar is ${long} pixels long`);
   const { VIEWER_PICTURES } = process.env;

@@ -2,9 +2,8 @@
 // first picture, a source, a target that is dragged, methods, regions, an arrow, measures.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import {
-  difference, MESH, newPage, openMesh, pathLength, picture, ready, settled, shareOf, statistics, textAt, until,
-} from './browser.mjs';
+import { MESH, newPage, openMesh, pathLength, picture, ready, settled, textAt, until } from './browser.mjs';
+import { difference, shareOf, statistics } from './pixels.mjs';
 import { served } from './served.mjs';
 
 const { browser, service } = await served();
@@ -34,7 +33,7 @@ test('a sample is drawn at once, in clay, and a hint says what to do', async () 
   });
   console.log(`first picture ${took} ms after the page's load, in a browser that has just started`);
   assert.ok(took < 30_000, `${took} ms`);
-  const seen = await statistics(browser, await picture(page, '01-first-picture'));
+  const seen = statistics(await picture(page, '01-first-picture'));
   assert.ok(seen.still < 0.85, 'there is more than the background');
   assert.ok(seen.colourful < 0.001, 'clay has no colour');
   assert.match(await page.textContent('.hint'), /source/);
@@ -48,10 +47,10 @@ test('a click floods the surface with the field, and the legend says what the se
   await page.mouse.click(...KNOT);
   await page.waitForSelector('.legend:not([hidden])');
   const field = await picture(page, '03-field');
-  const seen = await statistics(browser, field);
+  const seen = statistics(field);
   assert.ok(seen.colourful > 0.1, `colourful ${seen.colourful}`);
   assert.ok(seen.colours > 25, `${seen.colours} colours`);
-  assert.ok((await difference(browser, clay, field)) > 0.1);
+  assert.ok(difference(clay, field) > 0.1);
   const [, from] = await until(async () => /from=([\d.,]+)/.exec(page.url()), 'the source in the link');
   const values = await service.field(knot, `from=f:${from}&method=auto`);
   const most = Math.max(...values.filter(Number.isFinite));
@@ -59,10 +58,10 @@ test('a click floods the surface with the field, and the legend says what the se
   // More isolines, other colours: another picture of the same field.
   await page.keyboard.press(']');
   const denser = await picture(page, '04-more-isolines');
-  const apart = await difference(browser, field, denser);
+  const apart = difference(field, denser);
   assert.ok(apart > 0.002 && apart < 0.2, `isolines are lines: ${apart}`);
   await page.keyboard.press('c');
-  assert.ok((await difference(browser, denser, await picture(page, '05-turbo'))) > 0.1);
+  assert.ok(difference(denser, await picture(page, '05-turbo')) > 0.1);
   assert.deepEqual(page.faults, []);
   await page.context().close();
 });
@@ -93,7 +92,7 @@ test('a dragged target takes the path along, and the field is not asked for agai
   assert.ok(paths > 1, `${paths} paths while dragging`);
   assert.equal(most, 1, 'one request in flight');
   assert.equal(page.asked.slice(asked).filter((url) => url.includes('/distance')).length, 0);
-  const apart = await difference(browser, before, after);
+  const apart = difference(before, after);
   assert.ok(apart > 0.002 && apart < 0.2, `the path moved and the field stayed: ${apart}`);
   // The plane's paths are known: as the crow flies.
   await until(async () => {
@@ -147,13 +146,13 @@ test('another method: its time, its error as the server has it, and the overlay'
   const row = page.locator('.compared tr', { hasText: 'Dijkstra' });
   await until(async () => /\d/.test(await row.locator('.time').textContent()), 'the time');
   const dijkstra = await picture(page, '09-dijkstra');
-  const apart = await difference(browser, automatic, dijkstra);
+  const apart = difference(automatic, dijkstra);
   assert.ok(apart > 0.005, `Dijkstra's field is another: ${apart}`);
   await page.getByLabel('Error').check();
   await textAt(page, '.legend h2', (text) => text === 'Error against exact');
   const mean = await textAt(page, '.legend p', (text) => text.startsWith('Mean'));
   const overlay = await picture(page, '10-error');
-  assert.ok((await difference(browser, dijkstra, overlay)) > 0.1);
+  assert.ok(difference(dijkstra, overlay) > 0.1);
   const from = /from=([\d.,]+)/.exec(page.url())[1];
   const [tried, exact] = await Promise.all(
     ['dijkstra', 'exact'].map((method) => service.field(knot, `from=f:${from}&method=${method}`)),
@@ -235,7 +234,7 @@ test('several sources divide the surface, and the path begins at the nearest', a
   const regions = await picture(page, '12-regions');
   // Light changes a colour a little; each covers a good part.
   for (const colour of ['#e8835a', '#4f8fd0', '#e3c04f']) {
-    const share = await shareOf(browser, regions, shaded(colour));
+    const share = shareOf(regions, shaded(colour));
     assert.ok(share > 0.03, `${colour} covers ${share}`);
   }
   await page.keyboard.press('3');
@@ -268,7 +267,7 @@ test('an arrow goes straight ahead, and turns with its head', async () => {
   const said = await textAt(page, '.arrow-part .facts', (text) => text.includes('after'));
   assert.match(said, /full length/);
   const right = await picture(page, '13-straight');
-  const purple = await shareOf(browser, right, '#c77dff');
+  const purple = shareOf(right, '#c77dff');
   assert.ok(purple > 0.0005, `the line is seen: ${purple}`);
   const towards = () => /arrow=[\d.,]+;([-\d.,e]+);/.exec(decodeURIComponent(page.url()))?.[1];
   const before = await until(async () => towards(), 'the arrow in the link');
@@ -280,7 +279,7 @@ test('an arrow goes straight ahead, and turns with its head', async () => {
     return towards() !== before && y > 0.9 && Math.abs(x) < 0.4;
   }, 'the arrow turned: up the page is up the plane');
   const up = await picture(page, '14-straight-turned');
-  assert.ok((await difference(browser, right, up)) > 0.001);
+  assert.ok(difference(right, up) > 0.001);
   // So far that it runs into the boundary.
   await page.locator('#ahead').fill('1000');
   await textAt(page, '.arrow-part .facts', (text) => text.includes('boundary'));
@@ -301,7 +300,7 @@ test('kept paths stay in the list and on the mesh, and come back', async () => {
   await until(async () => (await page.locator('.measures li').count()) === 2, 'two measures');
   assert.deepEqual(await page.locator('.measures .number').allTextContents(), [first, second]);
   const both = await picture(page, '15-measures');
-  assert.ok((await shareOf(browser, both, '#ffe08a')) > 0.0003, 'kept lines are seen');
+  assert.ok(shareOf(both, '#ffe08a') > 0.0003, 'kept lines are seen');
   await page.locator('.measure').first().click();
   await textAt(page, '#length', (text) => text === first);
   await page.getByRole('button', { name: 'Remove measure A' }).click();
@@ -315,7 +314,7 @@ test('without a mouse: keys turn, zoom and place points at the cross', async () 
   await page.locator('body > canvas').focus();
   const before = await settled(page);
   for (const key of ['ArrowRight', 'ArrowUp', '+']) await page.keyboard.press(key);
-  assert.ok((await difference(browser, before, await settled(page))) > 0.01, 'the view moved');
+  assert.ok(difference(before, await settled(page)) > 0.01, 'the view moved');
   await page.keyboard.press('Enter');
   await page.waitForSelector('.legend:not([hidden])');
   assert.ok(await page.locator('.cross').evaluate((cross) => !cross.hidden));

@@ -8,7 +8,7 @@ import { test } from 'node:test';
 import { drop, newPage, openMesh, picture, ready, until } from './browser.mjs';
 import { proxied } from './proxy.mjs';
 import { served } from './served.mjs';
-import { Service } from './service.mjs';
+import { started } from './service.mjs';
 import { wavyMesh, wavyObj } from './wavy_mesh.mjs';
 
 const { browser, service } = await served();
@@ -98,28 +98,24 @@ test('a link may name its mesh; a name that none has, or several, is told', asyn
   await page.context().close();
 });
 
-test('a link may name a mesh that the list is too long to show', async () => {
-  const own = await new Service().start();
-  try {
-    const headers = { 'Content-Type': 'model/obj' };
-    for (let at = 0; at < 210; at++) {
-      const body = `v 0 0 0\nv ${at + 1} 0 0\nv 0 1 0\nf 1 2 3\n`;
-      await own.json(`/v1/meshes?name=many-${at}`, { method: 'POST', body, headers });
-    }
-    const listed = new Set((await own.json('/v1/meshes?limit=200')).meshes.map(({ name }) => name));
-    const beyond = Array.from({ length: 210 }, (_, at) => `many-${at}`).find((name) => !listed.has(name));
-    const page = await newPage(browser);
-    await page.goto(`${own.url}#mesh=${beyond}`);
-    await ready(page);
-    await until(async () => (await page.title()).startsWith(beyond), 'the mesh');
-    await page.goto(`${own.url}#mesh=no-such-name`);
-    await until(async () => /No mesh has this name/.test(await page.locator('.troubles').textContent()), 'told');
-    assert.ok((await page.title()).startsWith(beyond), 'what was there stays');
-    assert.deepEqual(page.faults, []);
-    await page.context().close();
-  } finally {
-    await own.end();
+test('a link may name a mesh that the list is too long to show', async (t) => {
+  const own = await started(t);
+  const headers = { 'Content-Type': 'model/obj' };
+  for (let at = 0; at < 210; at++) {
+    const body = `v 0 0 0\nv ${at + 1} 0 0\nv 0 1 0\nf 1 2 3\n`;
+    await own.json(`/v1/meshes?name=many-${at}`, { method: 'POST', body, headers });
   }
+  const listed = new Set((await own.json('/v1/meshes?limit=200')).meshes.map(({ name }) => name));
+  const beyond = Array.from({ length: 210 }, (_, at) => `many-${at}`).find((name) => !listed.has(name));
+  const page = await newPage(browser);
+  await page.goto(`${own.url}#mesh=${beyond}`);
+  await ready(page);
+  await until(async () => (await page.title()).startsWith(beyond), 'the mesh');
+  await page.goto(`${own.url}#mesh=no-such-name`);
+  await until(async () => /No mesh has this name/.test(await page.locator('.troubles').textContent()), 'told');
+  assert.ok((await page.title()).startsWith(beyond), 'what was there stays');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
 });
 
 test('a mesh is renamed, and loses its name again', async () => {
@@ -153,8 +149,8 @@ test('a mesh is renamed, and loses its name again', async () => {
   await page.context().close();
 });
 
-test('a mesh is deleted after a question, and another is shown; at last none', async () => {
-  const own = await new Service().start();
+test('a mesh is deleted after a question, and another is shown; at last none', async (t) => {
+  const own = await started(t);
   const page = await openMesh(browser, own, await upload(wavyObj(19), '?name=doomed.obj', own));
   await page.mouse.click(430, 380);
   const remove = async (answer) => {
@@ -197,15 +193,14 @@ test('a mesh is deleted after a question, and another is shown; at last none', a
   assert.equal(await chosen(page), 'next.obj');
   assert.deepEqual(page.faults, []);
   await page.context().close();
-  await own.end();
 });
 
-test('who may not delete is told what the server says, and the mesh stays', async () => {
+test('who may not delete is told what the server says, and the mesh stays', async (t) => {
   const made = execFileSync(process.env.GEODESICD, ['--make-token', 'ann', '--scopes', 'read,upload'], { encoding: 'utf8' });
   const [token, line] = made.trim().split('\n');
   const folder = mkdtempSync(join(tmpdir(), 'viewer_'));
   writeFileSync(join(folder, 'tokens'), `${line}\n`);
-  const own = await new Service('--tokens', join(folder, 'tokens')).start();
+  const own = await started(t, '--tokens', join(folder, 'tokens'));
   const page = await newPage(browser);
   await page.goto(own.url);
   await page.getByRole('button', { name: 'Enter a token' }).click();
@@ -219,7 +214,6 @@ test('who may not delete is told what the server says, and the mesh stays', asyn
   assert.match(await page.textContent('.trouble'), /not allowed.*scope 'admin'/is);
   assert.equal(await chosen(page), before);
   await page.context().close();
-  await own.end();
   rmSync(folder, { recursive: true });
 });
 

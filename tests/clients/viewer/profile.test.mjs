@@ -1,7 +1,8 @@
 // The profile of a path: height against distance, with a dot on the mesh where one points.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { difference, openMesh, pathLength, picture, settled, textAt, until } from './browser.mjs';
+import { openMesh, pathLength, picture, settled, textAt, until } from './browser.mjs';
+import { difference } from './pixels.mjs';
 import { served } from './served.mjs';
 
 const { browser, service } = await served();
@@ -26,7 +27,7 @@ test('pointing at the chart shows a dot on the mesh, and pointing at the path on
   const along = Number(told.split(' ')[0]);
   assert.ok(Math.abs(along / length - 0.32) < 0.02, told);
   const dotted = await picture(page, '70-profile');
-  const apart = await difference(browser, bare, dotted);
+  const apart = difference(bare, dotted);
   assert.ok(apart > 0.0001 && apart < 0.01, `a dot on the mesh: ${apart}`);
   await page.mouse.move(30, 30);
   await textAt(page, '#along', (text) => !text.includes('along'));

@@ -2,7 +2,8 @@
 // present mesh and points.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { difference, drop, newPage, openMesh, pathLength, ready, settled, until } from './browser.mjs';
+import { drop, newPage, openMesh, pathLength, ready, settled, until } from './browser.mjs';
+import { difference } from './pixels.mjs';
 import { served } from './served.mjs';
 import { wavyMesh } from './wavy_mesh.mjs';
 
@@ -68,23 +69,6 @@ for (const [how, answer, leave] of [
   });
 }
 
-test('a mesh on its way does not take the place of one that is chosen again', async () => {
-  const page = await openMesh(browser, service, plane);
-  const held = await hold(page, '**/geometry**');
-  await page.selectOption('#mesh', hole);
-  await until(() => held.waiting.length > 0, 'the question for the mesh');
-  await page.selectOption('#mesh', plane);
-  await ready(page);
-  const gone = page.waitForEvent('requestfinished', (request) => request.url().includes(`${hole}/geometry`)).catch(() => undefined);
-  const cancelled = page.waitForEvent('requestfailed', (request) => request.url().includes(`${hole}/geometry`)).catch(() => undefined);
-  held.release();
-  await Promise.race([gone, cancelled]);
-  await page.mouse.click(430, 340);
-  await page.waitForSelector('.legend:not([hidden])');
-  assert.match(await page.title(), /^plane\.glb ·/);
-  await page.context().close();
-});
-
 const legend = (page) => page.evaluate(() => {
   const shown = document.querySelector('.legend');
   return shown && !shown.hidden ? shown.textContent : null;
@@ -101,6 +85,23 @@ async function answered(page, fits, act) {
   await end;
   for (let turns = 0; turns < 5; turns++) await page.evaluate(() => new Promise((go) => setTimeout(go)));
 }
+
+test('a mesh on its way does not take the place of one that is chosen again', async () => {
+  const page = await openMesh(browser, service, plane);
+  const held = await hold(page, '**/geometry**');
+  // The question ends when it is given up, or else when its answer is there.
+  await answered(page, (url) => url.includes(`${hole}/geometry`), async () => {
+    await page.selectOption('#mesh', hole);
+    await until(() => held.waiting.length > 0, 'the question for the mesh');
+    await page.selectOption('#mesh', plane);
+    await ready(page);
+    held.release();
+  });
+  await page.mouse.click(430, 340);
+  await page.waitForSelector('.legend:not([hidden])');
+  assert.match(await page.title(), /^plane\.glb ·/);
+  await page.context().close();
+});
 
 test('undone while its field is on its way, a point takes that field along', async () => {
   const page = await openMesh(browser, service, plane, '&from=9700,0.3,0.3');
@@ -235,7 +236,7 @@ test('regions have crisp borders in whichever order their fields come', async ()
     seen.push(await settled(page));
     await page.context().close();
   }
-  assert.ok((await difference(browser, ...seen)) < 1e-4, 'both pictures are the same');
+  assert.ok(difference(...seen) < 1e-4, 'both pictures are the same');
 });
 
 for (const [what, pattern] of [['methods', '**/v1/methods'], ['list of meshes', /\/v1\/meshes\?/]]) {

@@ -3,7 +3,8 @@ import assert from 'node:assert/strict';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { openMesh, picture, statistics, textAt, until } from './browser.mjs';
+import { openMesh, picture, textAt, until } from './browser.mjs';
+import { statistics } from './pixels.mjs';
 import { served } from './served.mjs';
 
 const { VIEWER_SOURCES } = process.env;
@@ -122,12 +123,12 @@ for (const [name, options] of [['light', {}], ['dark', { colorScheme: 'dark' }]]
     await page.waitForSelector('.legend:not([hidden])');
     await page.getByLabel('Regions').check();
     await textAt(page, '.legend h2', (text) => /^Nearest of \d+$/.test(text));
-    const { colours } = await statistics(browser, await picture(page, `76-regions-300-${name}`));
+    const { colours } = statistics(await picture(page, `76-regions-300-${name}`));
     assert.ok(colours > 60, `${colours} colours`);
     // Beside eight, which have theirs as before.
     await give(lines.split('\n').slice(0, 8).join('\n'));
     await until(async () => (await page.textContent('.legend h2')) === 'Nearest source', 'eight sources');
-    const eight = await statistics(browser, await picture(page, `77-regions-8-${name}`));
+    const eight = statistics(await picture(page, `77-regions-8-${name}`));
     assert.ok(eight.colours < colours);
     assert.deepEqual(page.faults, []);
     await page.context().close();

@@ -5,16 +5,17 @@ import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { difference, launch, newPage, openMesh, pathLength, picture, ready, until } from './browser.mjs';
-import { Service } from './service.mjs';
+import { launch, newPage, openMesh, pathLength, picture, ready, until } from './browser.mjs';
+import { difference } from './pixels.mjs';
+import { started } from './service.mjs';
 import { wavyMesh } from './wavy_mesh.mjs';
 
 let browser;
 before(async () => { browser = await launch(); });
 after(async () => { await browser.close(); });
 
-test('long work shows its progress, can be cancelled, and the field before stays', async () => {
-  const service = await new Service().start();
+test('long work shows its progress, can be cancelled, and the field before stays', async (t) => {
+  const service = await started(t);
   const uploaded = await fetch(`${service.url}v1/meshes`, { method: 'POST', body: wavyMesh(420) });
   const { id } = await uploaded.json();
   const page = await openMesh(browser, service, id);
@@ -32,20 +33,19 @@ test('long work shows its progress, can be cancelled, and the field before stays
   await work.getByRole('button', { name: 'Cancel' }).click();
   await until(async () => (await work.count()) === 0, 'the work is gone from the page');
   await until(async () => (await service.json('/v1/status')).jobs.running === 0, 'and from the server');
-  assert.ok((await difference(browser, was, await picture(page, '32-cancelled'))) < 0.001, 'the field stays');
+  assert.ok(difference(was, await picture(page, '32-cancelled')) < 0.001, 'the field stays');
   assert.ok(await page.getByLabel('Auto').isChecked(), 'and the method is again that of the field');
   assert.deepEqual(page.faults, []);
   await page.context().close();
-  await service.end();
 });
 
 for (const [how, leave] of [
   ['closes the tab', (page) => page.close()],
   ['goes to another page', (page) => page.goto('about:blank')],
 ]) {
-  test(`whoever ${how} leaves no work to the server`, async () => {
+  test(`whoever ${how} leaves no work to the server`, async (t) => {
     // No lease ends it.
-    const service = await new Service('--job-lease-seconds', '80000').start();
+    const service = await started(t, '--job-lease-seconds', '80000');
     const uploaded = await fetch(`${service.url}v1/meshes`, { method: 'POST', body: wavyMesh(420) });
     const { id } = await uploaded.json();
     const page = await openMesh(browser, service, id, '&from=90000,0.3,0.3&method=chen_han');
@@ -57,12 +57,11 @@ for (const [how, leave] of [
     }, 'the job has ended');
     assert.equal(await service.endedJobs('cancelled'), 1, 'because the page asked for it');
     await page.context().close();
-    await service.end();
   });
 }
 
-test('a lost network cancels what was asked for, and it is asked for again', async () => {
-  const service = await new Service().start();
+test('a lost network cancels what was asked for, and it is asked for again', async (t) => {
+  const service = await started(t);
   const uploaded = await fetch(`${service.url}v1/meshes`, { method: 'POST', body: wavyMesh(420) });
   const { id } = await uploaded.json();
   const page = await openMesh(browser, service, id, '&from=90000,0.3,0.3&method=chen_han');
@@ -81,11 +80,10 @@ test('a lost network cancels what was asked for, and it is asked for again', asy
   await page.getByRole('button', { name: 'Cancel' }).click();
   await until(async () => (await running()) === 0, 'and it can be cancelled');
   await page.context().close();
-  await service.end();
 });
 
-test('a server that goes away is waited for, and all goes on when it is back', async () => {
-  const service = await new Service().start();
+test('a server that goes away is waited for, and all goes on when it is back', async (t) => {
+  const service = await started(t);
   const page = await openMesh(browser, service, await service.sample('plane'));
   await page.mouse.click(250, 330);
   await page.waitForSelector('.legend:not([hidden])');
@@ -104,15 +102,13 @@ test('a server that goes away is waited for, and all goes on when it is back', a
   await until(async () => !(await banner.isVisible()), 'the banner is gone');
   const second = await pathLength(page, first);
   assert.notEqual(second, first, 'the path that was wanted has come');
-  assert.ok((await difference(browser, was, await picture(page, '35-server-back'))) > 0.001);
+  assert.ok(difference(was, await picture(page, '35-server-back')) > 0.001);
   assert.deepEqual(page.faults.filter((text) => !/Failed to load resource: net::/.test(text)), []);
   await page.context().close();
-  await service.end();
 });
 
-test('a server that takes a question and says nothing is told, and need not be waited for', async () => {
-  const service = await new Service().start();
-  after(() => service.end());
+test('a server that takes a question and says nothing is told, and need not be waited for', async (t) => {
+  const service = await started(t);
   const page = await openMesh(browser, service, await service.sample('plane'));
   await page.route(/\/distance/, () => undefined); // never answered
   await page.locator('#vertex').fill('0');
@@ -129,13 +125,13 @@ test('a server that takes a question and says nothing is told, and need not be w
   await page.context().close();
 });
 
-test('a server that asks for a token gets one, and the page goes on', async () => {
+test('a server that asks for a token gets one, and the page goes on', async (t) => {
   const made = execFileSync(process.env.GEODESICD, ['--make-token', 'ann', '--scopes', 'read,upload'], { encoding: 'utf8' });
   const [token, line] = made.trim().split('\n');
   const folder = mkdtempSync(join(tmpdir(), 'viewer_'));
   const file = join(folder, 'tokens');
   writeFileSync(file, `${line}\n`);
-  const service = await new Service('--tokens', file).start();
+  const service = await started(t, '--tokens', file);
   const page = await newPage(browser);
   await page.goto(service.url);
   const trouble = page.locator('.trouble');
@@ -151,6 +147,5 @@ test('a server that asks for a token gets one, and the page goes on', async () =
   assert.ok(!page.url().includes(token), 'a token is never in a link');
   assert.deepEqual(page.faults.filter((text) => !/Failed to load resource.*401/.test(text)), []);
   await page.context().close();
-  await service.end();
   rmSync(folder, { recursive: true });
 });

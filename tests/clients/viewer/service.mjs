@@ -38,6 +38,7 @@ export class Service {
 
   /** Without a goodbye, as a power cut would. */
   async stop() {
+    if (this.#process.exitCode !== null || this.#process.signalCode !== null) return;
     const ended = new Promise((resolve) => this.#process.once('exit', resolve));
     this.#process.kill('SIGKILL');
     await ended;
@@ -69,4 +70,11 @@ export class Service {
     const reply = await fetch(new URL(`/v1/meshes/${mesh}/distance?${query}&format=f64`, this.url));
     return new Float64Array(await reply.arrayBuffer());
   }
+}
+
+/** A service for one test, with whose end it ends, however that comes. */
+export async function started(t, ...flags) {
+  const service = await new Service(...flags).start();
+  t.after(() => service.end());
+  return service;
 }

@@ -1,7 +1,8 @@
 // How the mesh stands and is looked at: which axis is up, the whole of it again, its edges.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { difference, drop, openMesh, pathLength, picture, ready, settled, shareOf, statistics, until } from './browser.mjs';
+import { drop, openMesh, pathLength, picture, ready, settled, until } from './browser.mjs';
+import { difference, shareOf, statistics } from './pixels.mjs';
 import { served } from './served.mjs';
 import { wavyMesh, wavyObj } from './wavy_mesh.mjs';
 
@@ -23,7 +24,7 @@ test('glTF is believed that y is up; other formats have a switch, which is remem
   const wall = await picture(page, '60-gltf-y-up');
   await page.getByLabel('Z up').check();
   await until(async () => page.url().includes('up=z'), 'the choice in the link');
-  assert.ok((await difference(browser, wall, await picture(page, '61-gltf-z-up'))) > 0.05);
+  assert.ok(difference(wall, await picture(page, '61-gltf-z-up')) > 0.05);
   await show(page, 'hills.obj', wavyObj(50));
   assert.ok(await page.getByLabel('Z up').isChecked(), 'a guess by the shape: it is low in z');
   await page.getByLabel('Y up').check();
@@ -57,9 +58,9 @@ test('whoever has lost the mesh from sight has it back', async () => {
   await page.mouse.down();
   await page.mouse.move(300, 200, { steps: 6 });
   await page.mouse.up();
-  assert.ok((await difference(browser, first, await settled(page))) > 0.02);
+  assert.ok(difference(first, await settled(page)) > 0.02);
   await page.getByRole('button', { name: 'Reset view' }).click();
-  assert.ok((await difference(browser, first, await settled(page))) < 0.001);
+  assert.ok(difference(first, await settled(page)) < 0.001);
   assert.deepEqual(page.faults, []);
   await page.context().close();
 });
@@ -69,9 +70,9 @@ test('edges, units and a scale', async () => {
   const smooth = await settled(page);
   await page.getByLabel('Edges of the mesh').check();
   const seen = await picture(page, '62-edges');
-  assert.ok((await difference(browser, smooth, seen)) > 0.1, 'edges are seen');
+  assert.ok(difference(smooth, seen) > 0.1, 'edges are seen');
   await page.keyboard.press('e');
-  assert.ok((await difference(browser, smooth, await settled(page))) < 0.001);
+  assert.ok(difference(smooth, await settled(page)) < 0.001);
   assert.match(await page.textContent('.mesh-part .facts'), /99\.00 × 99\.00 × 0 m$/, 'glTF is in metres');
   assert.equal(await page.textContent('.scale'), '20 m');
   // As long as it says: the plane is 99 wide, and fills so many pixels.
@@ -86,7 +87,7 @@ test('edges, units and a scale', async () => {
 test('edges lie below the path', async () => {
   const page = await openMesh(browser, service, plane, '&from=0,0.3,0.3&to=19600,0.3,0.3&ticks=0&lines=0');
   await pathLength(page);
-  const core = async () => shareOf(browser, await settled(page), '#ffffff');
+  const core = async () => shareOf(await settled(page), '#ffffff');
   const bare = await core();
 
   assert.ok(bare > 0.001, 'the path is white');
@@ -101,9 +102,9 @@ test('vertices in no face, be they far away, do not count for the view', async (
   const triangle = 'v 0 0 0\nv 1 0 0\nv 0 1 0\n';
   await show(page, 'alone.obj', `${triangle}f 1 2 3\n`);
   const alone = await settled(page);
-  assert.ok((await statistics(browser, alone)).still < 0.95, 'the triangle is seen');
+  assert.ok(statistics(alone).still < 0.95, 'the triangle is seen');
   await show(page, 'far.obj', `${triangle}v 1e6 -1e7 1e8\nf 1 2 3\n`);
-  assert.ok((await difference(browser, alone, await settled(page))) < 0.001);
+  assert.ok(difference(alone, await settled(page)) < 0.001);
   assert.deepEqual(page.faults, []);
   await page.context().close();
 });
