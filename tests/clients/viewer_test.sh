@@ -52,5 +52,6 @@ try() { # FILE
 }
 export -f try
 # The large ones first, so that none of them is alone at the end.
+# shellcheck disable=SC2016 # the dollar is that of another bash
 { find "$here/viewer" -name '*.test.mjs' -printf '%s %p\n' | sort -nr | cut -d' ' -f2-; echo types; } |
   xargs -d '\n' -n 1 -P 2 bash -c 'try "$1"' bash

@@ -25,22 +25,6 @@ if ! "$root/scripts/build_docs"; then
   echo "skipped: the site's generator cannot be fetched"
   exit 77
 fi
-status=0
-"$here/check_links.py" "$root/build/docs" "$root/proto/openapi.yaml" || status=1
-
-# The Python client as its users install it, in an environment of its own.
-client=$root/build/docs_client
-exec 8>"$client.lock"
-flock 8
-"$client/bin/python" -c 'import httpx, numpy, rich' 2>/dev/null || {
-  /usr/bin/python3 -m venv "$client"
-  "$client/bin/python" -m pip install --quiet --no-input --disable-pip-version-check hatchling==1.33.0
-  "$client/bin/python" -m pip install --quiet --no-input --disable-pip-version-check "$root/clients/python"
-}
-"$client/bin/python" -m pip install --quiet --no-input --disable-pip-version-check --no-deps \
-  --no-build-isolation --force-reinstall "$root/clients/python"
-"$here/run_pages.py" "$(dirname "$geodesicd")" "$client/bin/python" || status=1
-"$here/nginx_config.py" "$(dirname "$geodesicd")" || status=1
 
 # The browser and its tools are the viewer's; the JavaScript client is bundled as it is.
 install() { # FOLDER
@@ -53,8 +37,10 @@ if [ ! "$root/clients/js/src/generated/contract.ts" -nt "$root/proto/openapi.yam
   install "$root/clients/js"
   (cd "$root/clients/js" && npm run --silent generate)
 fi
+client=$root/build/docs_client
 folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
+site=
+trap '[ -z "$site" ] || kill "$site"; rm -rf "$folder"' EXIT
 "$make_samples" "$folder/samples" >/dev/null
 mkdir "$folder/viewer"
 echo '<!doctype html><title>viewer</title>' >"$folder/viewer/index.html"
@@ -62,7 +48,29 @@ export GEODESICD=$geodesicd CHROMIUM=$chromium VIEWER_SOURCES=$root/clients/web/
 export VIEWER_DIST=$folder/viewer VIEWER_SAMPLES=$folder/samples
 export DOCS_SITE=$root/build/docs DOCS_PYTHON=$client/bin/python
 if [ -n "${DOCS_PICTURES:-}" ]; then mkdir -p "$DOCS_PICTURES"; fi
+
+# To look at every page takes about as long as all else together, and waits as often: both at once.
+node --test "$here/site.test.mjs" >"$folder/site.log" 2>&1 &
+site=$!
+status=0
+"$here/check_links.py" "$root/build/docs" "$root/proto/openapi.yaml" || status=1
+
+# The Python client as its users install it, in an environment of its own.
+exec 8>"$client.lock"
+flock 8
+"$client/bin/python" -c 'import httpx, numpy, rich' 2>/dev/null || {
+  /usr/bin/python3 -m venv "$client"
+  "$client/bin/python" -m pip install --quiet --no-input --disable-pip-version-check hatchling==1.33.0
+  "$client/bin/python" -m pip install --quiet --no-input --disable-pip-version-check "$root/clients/python"
+}
+"$client/bin/python" -m pip install --quiet --no-input --disable-pip-version-check --no-deps \
+  --no-build-isolation --force-reinstall "$root/clients/python"
+"$here/run_pages.py" "$(dirname "$geodesicd")" "$client/bin/python" || status=1
+"$here/nginx_config.py" "$(dirname "$geodesicd")" || status=1
 for file in "$here"/*.test.mjs; do
-  node --test "$file" || status=1
+  [ "$file" = "$here/site.test.mjs" ] || node --test "$file" || status=1
 done
+wait "$site" || status=1
+site=
+cat "$folder/site.log"
 exit $status

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { readdir, readFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { after, test } from 'node:test';
+import { after, describe, test } from 'node:test';
 import { axe, launch, newPage, until } from '../clients/viewer/browser.mjs';
 import { Service } from '../clients/viewer/service.mjs';
 import { proxied } from '../clients/viewer/proxy.mjs';
@@ -77,25 +77,28 @@ async function picture(page, path, name) {
   await page.screenshot({ path: join(DOCS_PICTURES, `${called}-${name}.png`) });
 }
 
-for (const [name, options] of [['light', {}], ['dark', { colorScheme: 'dark' }], ['phone', PHONE]]) {
-  test(`all pages, ${name}`, { timeout: 1_200_000 }, async () => {
-    assert.ok(pages.length >= 20, `${pages.length} pages`);
-    const [weights, problems] = [[], []];
-    const page = await counting(options);
-    for (const path of pages) {
-      await open(page, path);
-      await picture(page, path, name);
-      weights.push([path || 'home', page.bytes]);
-      if (page.bytes > MOST_BYTES) problems.push(`${path} has ${page.bytes} bytes`);
-      problems.push(...(await problemsOf(page, path)));
-    }
-    await page.context().close();
-    weights.sort((one, other) => other[1] - one[1]);
-    console.log(`${name}: ${weights.map(([path, bytes]) => `${path} ${Math.round(bytes / 1000)} kB`).join(', ')}`);
-    assert.ok(weights.at(-1)[1] > 10_000, 'bytes are counted');
-    assert.deepEqual(problems, []);
-  });
-}
+// Side by side, as each waits now and then for its network to be quiet.
+describe('all pages', { concurrency: 3 }, () => {
+  for (const [name, options] of [['light', {}], ['dark', { colorScheme: 'dark' }], ['phone', PHONE]]) {
+    test(name, { timeout: 1_200_000 }, async () => {
+      assert.ok(pages.length >= 20, `${pages.length} pages`);
+      const [weights, problems] = [[], []];
+      const page = await counting(options);
+      for (const path of pages) {
+        await open(page, path);
+        await picture(page, path, name);
+        weights.push([path || 'home', page.bytes]);
+        if (page.bytes > MOST_BYTES) problems.push(`${path} has ${page.bytes} bytes`);
+        problems.push(...(await problemsOf(page, path)));
+      }
+      await page.context().close();
+      weights.sort((one, other) => other[1] - one[1]);
+      console.log(`${name}: ${weights.map(([path, bytes]) => `${path} ${Math.round(bytes / 1000)} kB`).join(', ')}`);
+      assert.ok(weights.at(-1)[1] > 10_000, 'bytes are counted');
+      assert.deepEqual(problems, []);
+    });
+  }
+});
 
 test('the search finds words of pages, without another host', async () => {
   const page = await counting();
