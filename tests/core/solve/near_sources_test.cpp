@@ -21,7 +21,6 @@ using fixtures::Surface;
 namespace {
 
 constexpr double kFloat = 2.5e-7;  // distances by `auto` are floats
-constexpr double kMissed = 1e-3;
 
 TriangleSoup stretched(std::mt19937& random) {
   TriangleSoup soup = random() % 2 == 0
@@ -52,7 +51,12 @@ Field solved(const Surface& surface, Method method, Bound bound,
   SolveScratch scratch;
   MethodOptions options;
   options.bound = bound;
-  auto field = solve_field(method, options, surface.adjacency(), sources, {}, scratch, Cancel());
+  // Without details, windows run over the same faces whoever asks. Over other faces another one in
+  // thousands may be missed.
+  FieldLimits limits;
+  limits.keep_details = false;
+  auto field =
+      solve_field(method, options, surface.adjacency(), sources, limits, scratch, Cancel());
   REQUIRE(field);
   return std::move(*field);
 }
@@ -62,7 +66,6 @@ Field solved(const Surface& surface, Method method, Bound bound,
 TEST_CASE("NearTheSourcesOfStretchedSurfacesDistancesAreExact") {
   std::mt19937 random(fixtures::test_seed());
   std::size_t looked_at = 0;
-  std::size_t inexact = 0;
   for (int i = 0; i < 12; ++i) {
     CAPTURE(i);
     const Surface surface(stretched(random));
@@ -80,18 +83,13 @@ TEST_CASE("NearTheSourcesOfStretchedSurfacesDistancesAreExact") {
       CAPTURE(v);
       ++looked_at;
       if (sources.size() > 1) CHECK(automatic.nearest_source[v] != kNone);
-      const double off = std::abs(automatic.distance[v] / exact.distance[v] - 1);
-      const double above = upper.distance[v] / exact.distance[v] - 1;
-      if (!(exact.distance[v] > 0) || (off <= kFloat && above <= 2 * kFloat)) continue;
-      // Windows over other faces: rarely one of either misses the last of a way.
-      ++inexact;
-      CHECK(off <= kMissed);
-      CHECK(above <= kMissed);
-      CHECK(above >= -kMissed);
+      const double d = exact.distance[v];
+      CHECK(std::abs(automatic.distance[v] - d) <= kFloat * d);
+      CHECK(upper.distance[v] >= d);
+      CHECK(upper.distance[v] <= (1 + 2 * kFloat) * d);
     }
   }
   CHECK(looked_at > 0);
-  CHECK(100 * inexact <= looked_at);
 }
 
 TEST_CASE("APairNearTheSourceIsAsFarAsTheFieldSays") {

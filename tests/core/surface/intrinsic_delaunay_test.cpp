@@ -11,6 +11,7 @@
 
 #include "core/mesh/shapes.h"
 #include "tests/fixtures/awkward_meshes.h"
+#include "tests/fixtures/edges_to_flip.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/surface.h"
 
@@ -91,19 +92,6 @@ void check_is_sound(const Surface& surface, const IntrinsicDelaunay& delaunay) {
   CHECK(listed == 3 * cut.faces.size());
 }
 
-std::size_t edges_to_flip(const IntrinsicDelaunay& delaunay) {
-  const Triangulation cut = delaunay.triangulation();
-  std::size_t count = 0;
-  for (std::uint32_t f = 0; f < cut.faces.size(); ++f) {
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      const Halfedge h = halfedge(f, c);
-      if (!IntrinsicDelaunay::can_flip(cut, h)) continue;
-      if (IntrinsicDelaunay::excess(cut, h) < -IntrinsicDelaunay::excess_rounding(cut, h)) ++count;
-    }
-  }
-  return count;
-}
-
 }  // namespace
 
 TEST_CASE("FlipsKeepASurfaceOriented") {
@@ -132,14 +120,14 @@ TEST_CASE("EveryEdgeThatCanBeFlippedIsDelaunay") {
     const IntrinsicDelaunay delaunay = delaunay_of(surface);
     check_is_sound(surface, delaunay);
     CHECK(delaunay.flips() > 0);
-    CHECK(edges_to_flip(delaunay) == 0);
+    CHECK(fixtures::edges_to_flip(delaunay.triangulation()) == 0);
   }
   for (std::uint32_t number = 0; number < 60; ++number) {
     CAPTURE(number);
     const Surface surface(RandomMesh(number).soup());
     const IntrinsicDelaunay delaunay = delaunay_of(surface);
     check_is_sound(surface, delaunay);
-    CHECK(edges_to_flip(delaunay) == 0);
+    CHECK(fixtures::edges_to_flip(delaunay.triangulation()) == 0);
   }
 }
 

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <memory>
 #include <random>
 #include <utility>
@@ -12,8 +11,9 @@
 #include "core/mesh/mesh.h"
 #include "core/mesh/shapes.h"
 #include "core/surface/adjacency.h"
-#include "core/surface/intrinsic_delaunay.h"
+#include "tests/fixtures/edges_to_flip.h"
 #include "tests/fixtures/helping_threads.h"
+#include "tests/fixtures/same_adjacency.h"
 #include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;
@@ -60,72 +60,18 @@ PreparedMesh prepared(const TriangleSoup& soup, Weld weld, Team* team) {
   return {std::move(shared), std::move(*adjacency)};
 }
 
-template <class T>
-bool are_same(const SharedArray<T>& a, const SharedArray<T>& b) {
-  return a.size() == b.size() &&
-         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
-}
-
-void check_same(const Mesh::Parts& a, const Mesh::Parts& b) {
-  CHECK(are_same(a.positions, b.positions));
-  CHECK(are_same(a.faces, b.faces));
-  CHECK(are_same(a.vertex_of_source, b.vertex_of_source));
-  CHECK(are_same(a.source_of_vertex, b.source_of_vertex));
-  CHECK(are_same(a.face_of_source, b.face_of_source));
-  CHECK(are_same(a.source_of_face, b.source_of_face));
-  CHECK(are_same(a.dropped, b.dropped));
-  CHECK(a.zero_area_faces == b.zero_area_faces);
-  CHECK(a.area == b.area);
-}
-
-void check_same(const Adjacency::Parts& a, const Adjacency::Parts& b) {
-  CHECK(are_same(a.faces, b.faces));
-  CHECK(are_same(a.corner_begin, b.corner_begin));
-  CHECK(are_same(a.corners, b.corners));
-  CHECK(are_same(a.pinched, b.pinched));
-  CHECK(a.is_oriented == b.is_oriented);
-  CHECK(a.is_even == b.is_even);
-  CHECK(a.has_flat_faces == b.has_flat_faces);
-  CHECK(a.has_lines == b.has_lines);
-  CHECK(a.is_crowded == b.is_crowded);
-  CHECK(std::memcmp(&a.report, &b.report, sizeof a.report) == 0);
-  REQUIRE((a.delaunay == nullptr) == (b.delaunay == nullptr));
-  if (!a.delaunay) return;
-  CHECK(are_same(a.delaunay->parts().faces, b.delaunay->parts().faces));
-  CHECK(are_same(a.delaunay->parts().corner_begin, b.delaunay->parts().corner_begin));
-  CHECK(are_same(a.delaunay->parts().corners, b.delaunay->parts().corners));
-  CHECK(a.delaunay->parts().is_even == b.delaunay->parts().is_even);
-  CHECK(a.delaunay->flips() == b.delaunay->flips());
-}
-
-// No edge is left that may be flipped and wants to be, where no flip was refused: there are none
-// such on faces that are not thin.
-std::size_t edges_to_flip(const Adjacency& adjacency) {
-  const Triangulation cut = adjacency.delaunay();
-  std::size_t count = 0;
-  for (std::uint32_t f = 0; f < cut.faces.size(); ++f) {
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      const Halfedge h = halfedge(f, c);
-      if (!IntrinsicDelaunay::can_flip(cut, h)) continue;
-      if (IntrinsicDelaunay::excess(cut, h) < -IntrinsicDelaunay::excess_rounding(cut, h)) ++count;
-    }
-  }
-  return count;
-}
-
 void check_threads(std::mt19937& random, const TriangleSoup& soup, bool is_thin) {
   const Weld weld = random() % 2 == 0 ? Weld::by_position : Weld::off;
   const PreparedMesh alone = prepared(soup, weld, nullptr);
   REQUIRE(alone.mesh->face_count() > kBlock);
-  if (!is_thin) CHECK(edges_to_flip(alone.adjacency) == 0);
+  if (!is_thin) CHECK(fixtures::edges_to_flip(alone.adjacency.delaunay()) == 0);
   for (const std::size_t threads : {std::size_t{2}, 3 + random() % 14}) {
     CAPTURE(threads);
     Team team(threads, 0);
     // Fewer, or none, may come than were expected.
     const HelpingThreads helping(team, random() % 3);
     const PreparedMesh together = prepared(soup, weld, &team);
-    check_same(together.mesh->parts(), alone.mesh->parts());
-    check_same(together.adjacency.parts(), alone.adjacency.parts());
+    fixtures::check_same(together.adjacency, alone.adjacency);
   }
 }
 

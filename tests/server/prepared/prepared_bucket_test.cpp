@@ -89,7 +89,7 @@ TEST_CASE("WhatOneMachineHasPreparedAnotherOneFetches") {
     const auto files = opened_on(folder, bucket);
     const auto found = files->find(id, kNeverStop);
     REQUIRE((found && *found));
-    check_same(*adjacency, **found);
+    fixtures::check_same(*adjacency, **found);
     CHECK(files->stats().fetched == 1);
     CHECK(files->stats().found == 1);
     CHECK(files->stats().missing == 0);

@@ -55,10 +55,10 @@ TEST_CASE("APreparedMeshComesBackAsItWas") {
     const auto found = files->find(id, kNeverStop);
     REQUIRE(found);
     REQUIRE(*found);
-    check_same(*adjacency, **found);
+    fixtures::check_same(*adjacency, **found);
     files->erase(id);
     CHECK(count_files(folder) == 0);  // what is mapped stays
-    check_same(*adjacency, **found);
+    fixtures::check_same(*adjacency, **found);
     const auto gone = files->find(id, kNeverStop);
     CHECK((gone && !*gone));
   }
@@ -111,7 +111,7 @@ TEST_CASE("WhatIsDamagedIsNeverUsed") {
   write();  // in its place
   const auto again = files->find(kId, kNeverStop);
   REQUIRE((again && *again));
-  check_same(*adjacency, **again);
+  fixtures::check_same(*adjacency, **again);
 }
 
 TEST_CASE("AnotherBuildAndAnotherMeshAreNotTakenForThisOne") {
@@ -380,7 +380,8 @@ TEST_CASE("ManyMayUseTheFilesAtOnce") {
           const auto mapped = files.find(id, kNeverStop);
           if (!mapped || !*mapped) continue;
           ++found;
-          if (!is_same((*mapped)->parts().faces, meshes[at]->parts().faces)) ++wrong;
+          if (!fixtures::has_same_bytes((*mapped)->parts().faces, meshes[at]->parts().faces))
+            ++wrong;
         }
       }
     });
@@ -394,7 +395,7 @@ TEST_CASE("ManyMayUseTheFilesAtOnce") {
   one->wait();
   const auto last = other->find(std::string(64, 'a'), kNeverStop);
   REQUIRE((last && *last));
-  check_same(*meshes[0], **last);
+  fixtures::check_same(*meshes[0], **last);
   CHECK(one->stats().damaged + other->stats().damaged == 0);
 }
 
