@@ -1,7 +1,6 @@
 #include "core/back_traced/front.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <tuple>
 
@@ -21,16 +20,6 @@ constexpr int kMostRoundsInBucket = 256;
 // A round of so few vertices is soon done, and others are not told.
 constexpr std::size_t kFewTogether = 16;
 
-// Vertices whose numbers differ in so many last bits only are of one domain: they are near each
-// other, and so in memory. Of larger blocks one domain has often more of the front than others, of
-// smaller ones more is handed on.
-unsigned bits_of_block(std::size_t vertices, std::size_t domains) {
-  constexpr std::size_t kBlocksOfDomain = 16;
-  constexpr int kMostBits = 11;
-  const int width = std::bit_width(vertices / (kBlocksOfDomain * domains));
-  return static_cast<unsigned>(std::clamp(width - 1, 0, kMostBits));
-}
-
 }  // namespace
 
 BackTracedFront::BackTracedFront(const Adjacency& adjacency, BackTrace::Candidates candidates,
@@ -46,7 +35,7 @@ BackTracedFront::BackTracedFront(const Adjacency& adjacency, BackTrace::Candidat
   const std::size_t count = surface_.is_crowded ? 1 : domains;
   if (scratch.domains.size() < count) scratch.domains.resize(count);
   domains_ = std::span(scratch.domains).first(count);
-  bits_of_block_ = bits_of_block(distance.size(), count);
+  by_blocks_ = BlockDomains(distance.size(), count);
   for (FrontDomain& domain : domains_) {
     // A query that had no memory left may have left some.
     for (std::vector<FrontEstimate>& handed : domain.handed_to) handed.clear();
@@ -58,13 +47,6 @@ BackTracedFront::BackTracedFront(const Adjacency& adjacency, BackTrace::Candidat
     scratch.distance.assign(distance.begin(), distance.end());
     accepted_ = scratch.distance;
   }
-}
-
-std::size_t BackTracedFront::number_of_domain(std::uint32_t vertex) const {
-  // As if at random, for numbers may have a period as the front has: Fibonacci hashing (Knuth,
-  // The Art of Computer Programming 3, section 6.4).
-  const std::uint32_t mixed = (vertex >> bits_of_block_) * 0x9e3779b9U;
-  return static_cast<std::size_t>((std::uint64_t{mixed} * domains_.size()) >> 32U);
 }
 
 template <class Work>
@@ -292,7 +274,7 @@ __attribute__((always_inline)) inline void BackTracedFront::give(FrontDomain& fr
                                                                  const FrontEstimate& estimate) {
   const std::uint32_t vertex = opposite(surface_, estimate.base);
   if (domains_.size() > 1) {
-    const std::size_t number = number_of_domain(vertex);
+    const std::size_t number = by_blocks_.of(vertex);
     if (&domains_[number] != &from) {
       from.handed_to[number].push_back(estimate);
       return;

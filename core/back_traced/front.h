@@ -20,6 +20,7 @@
 #include "core/back_traced/front_part.h"
 #include "core/back_traced/scratch.h"
 #include "core/back_traced/trace.h"
+#include "core/base/block_domains.h"
 #include "core/base/cancel.h"
 #include "core/base/vectors.h"
 #include "core/field/field.h"
@@ -93,9 +94,8 @@ class BackTracedFront {
   void spread_along_edges(FrontDomain& from, std::uint32_t vertex);
   void take_estimates(FrontDomain& domain);
 
-  [[nodiscard]] std::size_t number_of_domain(std::uint32_t vertex) const;
   [[nodiscard]] FrontDomain& domain_of(std::uint32_t vertex) {
-    return domains_[domains_.size() == 1 ? 0 : number_of_domain(vertex)];
+    return domains_[domains_.size() == 1 ? 0 : by_blocks_.of(vertex)];
   }
   // Does `work(domain, poll)` for each domain. It captures what Team::run says.
   template <class Work>
@@ -116,7 +116,7 @@ class BackTracedFront {
   double least_gain_ = 0;  // that makes an accepted vertex wait again
   Vectors vectors_ = best_vectors();
   std::span<FrontDomain> domains_;  // those of the scratch that are in use
-  unsigned bits_of_block_ = 0;
+  BlockDomains by_blocks_;          // of vertices
 
   // Changed between steps, apart from what is read in them.
   alignas(64) double lag_ = kUnreached;  // until it was asked for

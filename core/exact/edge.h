@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "core/exact/window.h"
 #include "core/field/field.h"
 #include "core/surface/adjacency.h"
+#include "core/windows/window.h"
 
 namespace geodesic::exact {
 

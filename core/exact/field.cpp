@@ -15,7 +15,7 @@ ExactScratch::ExactScratch() : memory(std::make_unique<exact::PropagationMemory>
 ExactScratch::~ExactScratch() = default;
 ExactScratch::ExactScratch(ExactScratch&&) noexcept = default;
 ExactScratch& ExactScratch::operator=(ExactScratch&&) noexcept = default;
-std::size_t ExactScratch::window_bytes() const { return memory->pool.bytes(); }
+std::size_t ExactScratch::window_bytes() const { return memory->window_bytes(); }
 
 namespace {
 
@@ -42,7 +42,9 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   }
   Field field = unreached_field(method, sources, vertex_count);
   Poll poll(cancel);
-  scratch.memory->pool.reset(poll);  // before anybody asks for window_bytes()
+  for (exact::DomainMemory& domain : scratch.memory->domains) {
+    domain.pool.reset(poll, 1);  // before anybody asks for window_bytes()
+  }
   if (poll.stopped()) return fail_stopped(cancel);
   const bool at_vertices = std::all_of(sources.begin(), sources.end(),
                                        [](const Source& s) { return s.point.at_vertex(); });
@@ -72,25 +74,21 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
     }
     return targets.empty();
   };
-  bool stopped = false;
   // A step is some hundred windows over their faces.
   Poll steps(cancel, 16);
   do {
-    while (!(stopped = arrived()) && propagation.step()) {
+    while (!arrived() && propagation.step()) {
       if (poll.stopped() || steps.cancelled(propagation.reached(), vertex_count)) {
         return fail_stopped(cancel);
       }
     }
-  } while (!stopped && propagation.relax_along_edges(poll));
+  } while (!arrived() && propagation.relax_along_edges(poll));
 
   propagation.raise_to_paths(poll);
   // What was not final when the last target was is farther than any of them.
-  double farthest = limits.max;
-  if (stopped) {
-    farthest = 0;
-    for (const std::uint32_t v : limits.targets) farthest = std::max(farthest, field.distance[v]);
-  }
-  field.forget_beyond(farthest);
+  double farthest = limits.targets.empty() ? kUnreached : 0;
+  for (const std::uint32_t v : limits.targets) farthest = std::max(farthest, field.distance[v]);
+  field.forget_beyond(std::min(farthest, limits.max));
   VisibleIntervals intervals;
   if (keep_windows) intervals = propagation.visible_intervals(poll);
   propagation.drop_windows(poll);

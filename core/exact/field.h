@@ -3,6 +3,7 @@
 // "Fast exact and approximate geodesics on meshes", 2005.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -17,6 +18,10 @@ namespace geodesic {
 namespace exact {
 struct PropagationMemory;
 }
+
+// By windows a vertex takes about so many times as long as by other fronts, so threads are of use
+// on meshes as many times smaller.
+inline constexpr std::size_t kTimesAsLongByWindows = 8;
 
 // Memory that a query works in, kept for the next query on the same thread.
 struct ExactScratch {
@@ -49,6 +54,8 @@ struct ExactScratch {
 // rounding.
 //
 // Each of n edges gets O(n) windows at worst, about 14 on scans.
+//
+// A Team in the Cancel may help (base/team.h): to the same bits on any number of threads.
 // Errors: cancelled.
 [[nodiscard]] Result<Field> exact_field(const Adjacency& adjacency, std::span<const Source> sources,
                                         const FieldLimits& limits, ExactScratch& scratch,

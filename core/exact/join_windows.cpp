@@ -1,9 +1,9 @@
-// The third part of a step: what has crossed a face joins the windows on the edge that it comes to.
+// The third part of sending out: what has crossed the side of a face becomes a list for its edge.
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/tolerances.h"
-#include "core/exact/propagation.h"
+#include "core/exact/domain.h"
 
 namespace geodesic::exact {
 namespace {
@@ -13,13 +13,13 @@ constexpr std::size_t kPlainAtOnce = 1024;
 
 }  // namespace
 
-// The propagated windows of a list join what is on their edge.
-void Propagation::arrive(const ListOverSide& list) {
+// The propagated windows of a list, for the edge that they come to.
+void Domain::hand_on(const ListOverSide& list) {
   PropagatedOrder order{list.first, list.last, list.upwards};
-  FreshList fresh{memory_.fresh, 0, kUnreached};
+  FreshList fresh{&memory_.sent_windows, memory_.sent, 0, kUnreached};
   for (;;) {
     const bool is_plain = add_plain(list, order, fresh);
-    if (poll_.stopped()) return;
+    if (poll_->stopped()) return;
     if (order.left() == 0) break;
     if (is_plain) {
       if (cancelled_after(kPlainAtOnce)) return;
@@ -29,19 +29,19 @@ void Propagation::arrive(const ListOverSide& list) {
     // What it overlapped has been taken apart, and room is made anew for those to come.
     if (cancelled_after(memory_.scratch.size() + std::min(order.left(), kPlainAtOnce))) return;
   }
-  commit(list.side.edge, {fresh.list.data(), fresh.size}, fresh.least);
+  hand_list(list.side.edge, 4 * std::uint64_t{list.side.from} + (list.on_right ? 1 : 0), fresh);
 }
 
 // Adds windows in the order on the edge, as long as they can be trimmed to those before:
 // nearly all of them can, and most come whole and meet none but the one before. False at one that
 // cannot; true after some, or the last.
-bool Propagation::add_plain(const ListOverSide& list, PropagatedOrder& order, FreshList& fresh) {
+bool Domain::add_plain(const ListOverSide& list, PropagatedOrder& order, FreshList& fresh) {
   const Side& side = list.side;
   const std::size_t count = std::min(order.left(), kPlainAtOnce);
-  const std::size_t most = fresh.size + count;
-  if (fresh.list.size() < most) {
-    if (!may_hold(fresh.list, most)) return false;
-    fresh.list.resize(most);
+  const std::size_t most = fresh.first + fresh.size + count;
+  if (fresh.list->size() < most) {
+    if (!may_hold(*fresh.list, most)) return false;
+    fresh.list->resize(most);
   }
   const PropagatedWindows& beyond = memory_.beyond[list.on_right];
   const EquidistantPoints& equidistant = memory_.equidistant[list.on_right];
@@ -65,7 +65,7 @@ bool Propagation::add_plain(const ListOverSide& list, PropagatedOrder& order, Fr
   std::size_t i = order.next();
   std::size_t left = count;
   double least = fresh.least;
-  Window* const begin = fresh.list.data();
+  Window* const begin = fresh.list->data() + fresh.first;
   Window* out = begin + fresh.size;
   double reached = out == begin ? -kUnreached : out[-1].end;
   double last_x = out == begin ? 0 : out[-1].x;
@@ -136,11 +136,11 @@ bool Propagation::add_plain(const ListOverSide& list, PropagatedOrder& order, Fr
 
 // Trims the last of the windows from `first` on, which is not counted in yet, to those before
 // it that it overlaps.
-Trimming Propagation::trim_last(Window* first, Window*& last, double length) {
+Trimming Domain::trim_last(Window* first, Window*& last, double length) {
   Window* before = last;
   Trimming trimming = Trimming::old_gone;
   while (trimming == Trimming::old_gone && before != first && before[-1].end > last->begin) {
-    trimming = trim(before[-1], *last, true, memory_.pseudo_sources, length);
+    trimming = trim(before[-1], *last, true, pseudo_sources(), length);
     if (trimming == Trimming::old_gone) --before;
   }
   if (before != last) {
@@ -150,9 +150,9 @@ Trimming Propagation::trim_last(Window* first, Window*& last, double length) {
   return trimming;
 }
 
-// Adds the next window, whatever is the matter with it.
-void Propagation::add_with_care(const ListOverSide& list, PropagatedOrder& order,
-                                FreshList& fresh) {
+// Adds the next window, whatever is the matter with it. From the first such on, a list grows apart
+// from those that are sent already.
+void Domain::add_with_care(const ListOverSide& list, PropagatedOrder& order, FreshList& fresh) {
   const Side& side = list.side;
   const PropagatedWindows& beyond = memory_.beyond[list.on_right];
   const std::size_t i = order.next();
@@ -169,32 +169,63 @@ void Propagation::add_with_care(const ListOverSide& list, PropagatedOrder& order
                 false};
   if (beyond.passes[i] != kWhole && !is_of_use(window, side)) return;
   fresh.least = std::min(fresh.least, window.least(memory_.entering.offset[i]));
-  fresh.list.resize(fresh.size);
+  std::vector<Window>& apart = memory_.fresh;
+  if (fresh.list != &apart) {
+    const auto begin = fresh.list->begin() + static_cast<std::ptrdiff_t>(fresh.first);
+    apart.assign(begin, begin + static_cast<std::ptrdiff_t>(fresh.size));
+    fresh.list = &apart;
+    fresh.first = 0;
+  }
+  apart.resize(fresh.size);
   memory_.scratch.clear();
-  append(fresh.list, window, memory_.pseudo_sources, side.length, memory_.scratch);
-  fresh.size = fresh.list.size();
+  append(apart, window, pseudo_sources(), side.length, memory_.scratch);
+  fresh.size = apart.size();
 }
 
 // A side of a face, for windows counted from the halfedge's tail or from its head.
-Side Propagation::side(Halfedge h, bool from_tail) const {
-  const std::uint32_t e = frames_.edge_of(h);
-  const Edge& edge = edges_[e];
+Side Domain::side(Halfedge h, bool from_tail) const {
+  const std::uint32_t e = frames().edge_of(h);
+  const Edge& edge = state_.edges[e];
   return {h,
           e,
-          frames_.is_reversed(h) == from_tail,
+          frames().is_reversed(h) == from_tail,
           edge.on_boundary(),
           edge.length,
-          distance_[edge.tail],
-          distance_[edge.head],
+          state_.distance[edge.tail],
+          state_.distance[edge.head],
           edge.upper_bound};
 }
 
 // Whether something of a window that comes over a side is nearer than other ways; clips it.
-bool Propagation::is_of_use(Window& window, const Side& side) const {
-  const double offset = memory_.pseudo_sources[window.pseudo_source].offset;
+bool Domain::is_of_use(Window& window, const Side& side) const {
+  const double offset = pseudo_sources()[window.pseudo_source].offset;
   if (!clip_at_ends(window, offset, side.length, side.at_tail, side.at_head)) return false;
   const double least = window.least(offset);
-  return least < side.upper_bound && least <= max_;
+  return least < side.upper_bound && least <= state_.max;
+}
+
+// To the domain of the edge.
+void Domain::hand_list(std::uint32_t e, std::uint64_t order, const FreshList& fresh) {
+  if (fresh.size == 0) return;
+  std::vector<Window>& sent = memory_.sent_windows;
+  if (fresh.list != &sent) {
+    const std::size_t most = memory_.sent + fresh.size;
+    if (sent.size() < most) {
+      if (!may_hold(sent, most)) return;
+      sent.resize(most);
+    }
+    const auto begin = fresh.list->begin() + static_cast<std::ptrdiff_t>(fresh.first);
+    std::copy_n(begin, fresh.size, sent.begin() + static_cast<std::ptrdiff_t>(memory_.sent));
+  }
+  memory_.lists_for[state_.domain_of_edge(e)].push_back(
+      {e, 0, order, memory_.sent, fresh.size, fresh.least});
+  memory_.sent += fresh.size;
+}
+
+// To the domain of the vertex.
+void Domain::hand_way(std::uint32_t v, double distance, const ArrivalAtVertex& arrival) {
+  if (!(distance <= state_.distance[v]) || distance > state_.max) return;
+  memory_.ways_for[state_.domain_of_vertex(v)].push_back({v, distance, arrival});
 }
 
 }  // namespace geodesic::exact

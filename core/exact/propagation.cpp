@@ -3,19 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/team.h"
 #include "core/base/tolerances.h"
+#include "core/exact/field.h"
 
 namespace geodesic::exact {
 namespace {
-
-// So many windows cross faces together, or more where an edge has more.
-constexpr std::size_t kTogether = 256;
-
-// Of fewer windows on an edge, dropping or joining some spares little.
-constexpr std::uint32_t kManyOnEdge = 64;
-
-// On an edge of many faces no more than these, or else those of one face.
-constexpr std::size_t kMostTogether = std::size_t{1} << 15U;
 
 // Behind so many windows on an edge a vertex may become a source. What starts
 // little earlier than it was reached spares few of them, and its own meet the others at more
@@ -28,270 +21,268 @@ std::size_t windows_for_early_source(double tolerance) {
   return static_cast<std::size_t>(std::lround(8 * std::pow(part, 0.22)));
 }
 
+constexpr std::size_t kBytesOfPseudoSource = sizeof(PseudoSource) + sizeof(double);
+
+// A round of fewer windows is soon done, and others are not told.
+constexpr double kFewTogether = 256;
+
+std::size_t count_domains(const Triangulation& surface, std::size_t vertices, const Poll& poll) {
+  // There many windows come to one edge at once, and each has to wait for its turn.
+  if (surface.is_crowded || poll.team() == nullptr) return 1;
+  return poll.team()->parts_for(kTimesAsLongByWindows * vertices);
+}
+
 }  // namespace
+
+// By how much earlier than it was reached a vertex may send out windows on its own; 0
+// where that is not worth the windows: where there are few windows to spare, or soon after an
+// older one. Let p be the part of its distance that it may be
+// early by, all in all: p of a distance is at most p / (1 - p) of that less p of it,
+// which is the tolerance.
+double SharedState::early_by(std::uint32_t v) const {
+  // The least that is worth it, of what it may be in all and of an edge. With less of the
+  // former, most of an older source's windows would be in the way of the new one's.
+  constexpr double kWorthOfAll = 0.05;
+  constexpr double kWorthOfSide = 6e-4;
+  if (!(tolerance > 0) || !memory.arrivals[v].among_many) return 0;
+  const double all = tolerance / (1 + tolerance) * distance[v];
+  const double left = all - memory.allowance[v];
+  return left > kWorthOfAll * all && left > kWorthOfSide * frames().mean_shortest_side() ? left : 0;
+}
+
+std::size_t PropagationMemory::window_bytes() const {
+  std::size_t bytes = 0;
+  for (const DomainMemory& domain : domains) bytes += domain.pool.bytes();
+  return bytes;
+}
 
 Propagation::Propagation(const Adjacency& adjacency, const Triangulation& surface,
                          PropagationMemory& memory, Field& field, double max, double tolerance,
                          bool keep_windows, Poll& poll)
     : adjacency_(adjacency),
       poll_(poll),
-      surface_(surface),
       memory_(memory),
-      frames_(memory.frames),
       field_(field),
-      distance_(field.distance.doubles()),
-      max_(max * (1 + tolerance) * (1 + tolerance)),
-      tolerance_(tolerance),
-      keep_windows_(keep_windows),
-      windows_for_early_source_(windows_for_early_source(tolerance)) {
-  memory.frames.build(adjacency, surface, poll);
+      state_{.memory = memory.shared,
+             .surface = surface,
+             .edges = {},
+             .distance = field.distance.doubles(),
+             .nearest_source = field.nearest_source,
+             .max = max * (1 + tolerance) * (1 + tolerance),
+             .tolerance = tolerance,
+             .windows_for_early_source = windows_for_early_source(tolerance),
+             .by_edges = {},
+             .edges_per_vertex = 1,
+             .keeps_windows = keep_windows} {
+  SharedMemory& shared = memory.shared;
+  shared.frames.build(adjacency, surface, poll);
   if (poll.stopped()) return;
-  memory.pool.reset(poll);
-  if (poll.stopped()) return;
+  state_.edges = shared.frames.edges();
+  const std::size_t vertex_count = adjacency.mesh().vertex_count();
+  const std::size_t count = count_domains(surface, vertex_count, poll);
+  state_.by_edges = BlockDomains(state_.edges.size(), count);
+  state_.edges_per_vertex =
+      static_cast<double>(state_.edges.size()) / static_cast<double>(vertex_count);
+  if (memory.domains.size() < count) memory.domains.resize(count);
   double least = kUnreached;
   for (const Source& source : field.sources) least = std::min(least, source.offset);
-  memory.queue.reset(least, 0.25 * frames_.mean_shortest_side());
-  edges_ = memory.frames.edges();
-  memory.pseudo_sources.clear();
-  memory.offsets.clear();
-  const std::size_t vertex_count = adjacency.mesh().vertex_count();
-  memory.arrivals.assign(vertex_count, {kNone, false, 0});
-  memory.bends.assign(frames_.bends().begin(), frames_.bends().end());
+  for (std::size_t i = 0; i < memory.domains.size(); ++i) {
+    DomainMemory& domain = memory.domains[i];
+    domain.pool.reset(poll, count);
+    if (poll.stopped()) return;
+    if (i >= count) continue;
+    domains_.emplace_back(state_, domain, i)
+        .reset(count, least, 0.25 * shared.frames.mean_shortest_side());
+  }
+  shared.pseudo_sources.clear();
+  shared.offsets.clear();
+  shared.arrivals.assign(vertex_count, {kNone});
+  shared.bends.assign(shared.frames.bends().begin(), shared.frames.bends().end());
   // Mostly, each vertex where paths bend sends out windows once.
   const auto bending = static_cast<std::size_t>(std::count_if(
-      memory.bends.begin(), memory.bends.end(), [](Bends b) { return b != Bends::nowhere; }));
-  memory.pseudo_sources.reserve(bending + field.sources.size());
-  memory.offsets.reserve(bending + field.sources.size());
-  memory.emitted.assign(vertex_count, kUnreached);
-  memory.allowance.assign(tolerance > 0 ? vertex_count : 0, 0);
+      shared.bends.begin(), shared.bends.end(), [](Bends b) { return b != Bends::nowhere; }));
+  shared.pseudo_sources.reserve(bending + field.sources.size());
+  shared.offsets.reserve(bending + field.sources.size());
+  shared.emitted.assign(vertex_count, kUnreached);
+  shared.allowance.assign(tolerance > 0 ? vertex_count : 0, 0);
+  shared.first_list.assign(state_.edges.size(), 0);
 }
 
 void Propagation::keep_windows_of(std::span<const std::uint32_t> faces) {
-  keeps_some_ = true;
-  keep_of_.assign(surface_.faces.size(), false);
-  keep_on_edge_.assign(edges_.size(), false);
+  state_.keeps_some = true;
+  state_.keep_of.assign(state_.surface.faces.size(), false);
+  state_.keep_on.assign(state_.edges.size(), false);
   for (const std::uint32_t f : faces) {
-    keep_of_[f] = true;
-    for (const std::uint32_t e : frames_.face(f).edge) keep_on_edge_[e] = true;
+    state_.keep_of[f] = true;
+    for (const std::uint32_t e : state_.frames().face(f).edge) state_.keep_on[e] = true;
   }
 }
 
 std::uint32_t Propagation::add_pseudo_source(const PseudoSource& pseudo_source) {
-  std::vector<PseudoSource>& all = memory_.pseudo_sources;
-  // What is refused, the computation learns when it polls next.
-  if (all.size() == all.capacity()) (void)poll_.may_take(2 * all.size() * sizeof(PseudoSource));
-  all.push_back(pseudo_source);
-  memory_.offsets.push_back(pseudo_source.offset);
-  return static_cast<std::uint32_t>(all.size() - 1);
+  SharedMemory& shared = memory_.shared;
+  shared.pseudo_sources.push_back(pseudo_source);
+  shared.offsets.push_back(pseudo_source.offset);
+  return static_cast<std::uint32_t>(shared.pseudo_sources.size() - 1);
 }
 
-// What is in one bucket of the queue may be done in any order. So windows are gathered from some
-// edges, and then cross their faces together, each part of the work for all of them: what one
-// list waits for does not keep the others.
-bool Propagation::step() {
-  memory_.entering.size = 0;
-  memory_.over_faces.clear();
-  Waiting next{};
-  if (!memory_.queue.pop(next)) return false;
-  do {
-    switch (next.what) {
-      case Waiting::What::edge:
-        edges_[next.number].queued = kUnreached;
-        set_out(next.number);
-        break;
-      case Waiting::What::vertex:
-        bend_at(next.number);
-        break;
-      case Waiting::What::bounded_edge:
-        let_go(next.number);
-        break;
+template <class Work>
+void Propagation::in_each_domain(bool is_worth_it, Work work) {
+  if (domains_.size() == 1 || !is_worth_it) {
+    for (Domain& domain : domains_) work(domain, poll_);
+    return;
+  }
+  run_parts(domains_.size(), poll_,
+            [this, work](std::size_t number, Poll& poll) { work(domains_[number], poll); });
+}
+
+void Propagation::start(const Source& source, std::uint32_t number) {
+  if (source.offset > state_.max) return;
+  Domain& domain = domains_.front();
+  domain.begin_round(poll_);
+  const std::uint32_t v = source.point.vertex;
+  if (!source.point.at_vertex()) {
+    const std::uint32_t pseudo_source = add_pseudo_source({source.offset, kNone, number});
+    for (const SurfacePoint& place : in_all_faces(adjacency_, source.point)) {
+      if (poll_.cancelled()) return;
+      domain.send_inside(adjacency_.mesh(), place, pseudo_source);
     }
-  } while (memory_.entering.size < kTogether && memory_.queue.pop_near(next));
-  cross_faces();
+  } else if (source.offset < state_.distance[v]) {
+    state_.distance[v] = source.offset;
+    if (!field_.nearest_source.empty()) field_.nearest_source[v] = number;
+    memory_.shared.arrivals[v].corner = kNone;
+    memory_.shared.bends[v] = Bends::everywhere;
+    memory_.shared.emitted[v] = source.offset;
+    domain.send_everywhere(v, add_pseudo_source({source.offset, kNone, number}));
+  }
+  for (Domain& each : domains_) each.take_in(std::span(domains_).first(1), poll_);
+}
+
+bool Propagation::step() {
+  std::uint64_t bucket = BucketQueue::kNever;
+  for (const DomainMemory& domain : used_memory()) {
+    bucket = std::min({bucket, domain.edges_waiting.next(), domain.vertices_waiting.next()});
+  }
+  if (bucket == BucketQueue::kNever) return false;
+  std::size_t waiting = 0;
+  for (DomainMemory& domain : used_memory()) {
+    domain.edges_waiting.go_to(bucket);
+    domain.vertices_waiting.go_to(bucket);
+    waiting += domain.edges_waiting.count_now() + domain.vertices_waiting.count_now();
+  }
+  make_room_for_pseudo_sources();
+  bool is_worth_it = false;
+  if (domains_.size() > 1) {
+    for (DomainMemory& domain : used_memory()) {
+      sent_ += domain.sent;
+      domain.make_ready(poll_);
+    }
+    // As many of an edge as until now.
+    const double windows = static_cast<double>(waiting) * sent_ / std::max(1.0, set_out_);
+    is_worth_it = windows >= kFewTogether;
+    set_out_ += static_cast<double>(waiting);
+  }
+  in_each_domain(is_worth_it, [](Domain& domain, Poll& poll) { domain.send_out(poll); });
+  if (poll_.stopped()) return true;
+  forget_room_for_pseudo_sources();
+  in_each_domain(is_worth_it,
+                 [this](Domain& domain, Poll& poll) { domain.take_in(domains_, poll); });
   return true;
 }
 
-// Propagates the windows that wait on an edge over the faces they did not come from. In the same
-// pass it finds the greatest distance on the edge. A window that arrives later and starts farther
-// than that is nearer nowhere on the edge.
-void Propagation::set_out(std::uint32_t e) {
-  Edge& edge = edges_[e];
-  if (edge.pending == kUnreached) return;
-  edge.pending = kUnreached;
-  const double at_tail = distance_[edge.tail];
-  const double at_head = distance_[edge.head];
-  drop_overtaken(edge);
-  double farthest = 0;
-  double covered = 0;
-  const auto gap = [&](double begin, double end) {
-    farthest = std::max(farthest, std::min(at_tail + end, at_head + (edge.length - begin)));
-  };
-  std::span<Window> windows(edge.windows, edge.size);
-  Halfedge from = kNone;  // of those that wait
-  bool from_one = true;
-  // Less than this is rounding, and no branch worth.
-  const double least_gap = tolerance::kLeastGap * edge.length;
-  for (const Window& w : windows) {
-    if (covered + least_gap < w.begin) gap(covered, w.begin);
-    farthest = std::max(farthest, std::max(w.at_begin, w.at_end));
-    covered = w.end;
-    if (w.propagated) continue;
-    if (from == kNone) from = w.from;
-    from_one &= w.from == from;
+// Room for one of each vertex that waits, by domain. More wait than will be made: some are not
+// nearer than before.
+void Propagation::make_room_for_pseudo_sources() {
+  SharedMemory& shared = memory_.shared;
+  std::size_t size = shared.pseudo_sources.size();
+  for (DomainMemory& domain : used_memory()) {
+    domain.next_pseudo_source = static_cast<std::uint32_t>(size);
+    size += domain.vertices_waiting.count_now();
   }
-  if (covered < edge.length) gap(covered, edge.length);
-  Halfedge h = edge.first;
-  do {
-    // Over a face with the same edges as another one it is as far as over that one. And windows
-    // that pass to and fro between such faces, if thin, would gain by rounding for ever.
-    const bool is_worth_it = (!from_one || h != from) && !frames_.face(face_of(h)).is_copy();
-    if (is_worth_it) load_entering(windows, h);
-    h = h == edge.first ? edge.second : surface_.ring(h);
-    if (h != edge.first && memory_.entering.size > kMostTogether) [[unlikely]] {
-      if (windows.data() == edge.windows) windows = take_waiting(windows);
-      cross_faces();
-      memory_.entering.size = 0;
-      memory_.over_faces.clear();
-    }
-  } while (h != edge.first && !cancelled_after(windows.size()));
-  for (Window& w : windows) w.propagated = true;
-  if (windows.data() == edge.windows) join_propagated(edge);
-  bound_edge(e, farthest + least_gap);
+  // What is refused, the computation learns when it polls next.
+  if (size > shared.pseudo_sources.capacity())
+    (void)poll_.may_take(2 * size * kBytesOfPseudoSource);
+  shared.pseudo_sources.resize(size);
+  shared.offsets.resize(size);
 }
 
-// In a heap of faces on one line or about one vertex, windows come to an edge by ever more ways,
-// each seen where none of the others is. Most of them are farther than the way along the edge from
-// the end of another window: the shorter way bends there, and its own windows have not come yet. If
-// all were passed on, there would be as many as there are ways. A window whose rays run along the
-// edge is dropped even where that way is only as long.
-void Propagation::drop_overtaken(Edge& edge) {
-  if (edge.size < kManyOnEdge) return;
-  const std::span<Window> windows(edge.windows, edge.size);
-  const auto is_overtaken = [](const Window& w, double along, double straight) {
-    const double near = std::max(w.begin - w.x, w.x - w.end);  // negative above the interval
-    const double rounding = tolerance::kSameDistance * straight;
-    return along < straight + (w.y <= tolerance::kAlongEdge * near ? rounding : -rounding);
-  };
-  std::uint32_t left = 0;
-  double along = distance_[edge.tail];  // less the place
-  for (const Window& w : windows) {
-    const bool goes = is_overtaken(w, along + w.end, w.at_end);
-    along = std::min(along, w.at_end - w.end);
-    if (!goes) edge.windows[left++] = w;
-  }
-  std::uint32_t first = left;
-  along = distance_[edge.head] + edge.length;
-  for (std::uint32_t i = left; i-- > 0;) {
-    const Window& w = edge.windows[i];
-    const bool goes = is_overtaken(w, along - w.begin, w.at_begin);
-    along = std::min(along, w.at_begin + w.begin);
-    if (!goes) edge.windows[--first] = w;
-  }
-  std::copy(edge.windows + first, edge.windows + left, edge.windows);
-  edge.size = left - first;
+void Propagation::forget_room_for_pseudo_sources() {
+  const std::uint32_t used = used_memory().back().next_pseudo_source;
+  memory_.shared.pseudo_sources.resize(used);
+  memory_.shared.offsets.resize(used);
 }
 
-// Over a flat part cut up into long triangles one window comes in hundreds of pieces, one between
-// every two vertices that it passed, at as many different times. Once they have all been passed on
-// they are one again, or each that comes would be compared with all of them.
-void Propagation::join_propagated(Edge& edge) {
-  if (edge.size < kManyOnEdge) return;
-  const double gap = tolerance::kLeastGap * edge.length;
-  std::uint32_t last = 0;
-  for (std::uint32_t i = 1; i < edge.size; ++i) {
-    Window& left = edge.windows[last];
-    const Window& right = edge.windows[i];
-    const bool is_one = left.pseudo_source == right.pseudo_source && left.from == right.from &&
-                        right.begin - left.end <= gap &&
-                        is_as_good(left, right.begin, right.end, right.at_begin, right.at_end,
-                                   memory_.pseudo_sources[left.pseudo_source].offset);
-    if (is_one) {
-      left.end = right.end;
-      left.at_end = right.at_end;
-      left.faces = std::max(left.faces, right.faces);
-    } else {
-      edge.windows[++last] = right;
+double Propagation::final_below() const {
+  return memory_.domains.front().edges_waiting.now() / (1 + state_.tolerance);
+}
+
+std::uint64_t Propagation::reached() const {
+  std::uint64_t sum = 0;
+  for (const Domain& domain : domains_) sum += domain.reached();
+  return sum;
+}
+
+std::uint64_t Propagation::propagated() const {
+  std::uint64_t sum = 0;
+  for (const Domain& domain : domains_) sum += domain.propagated();
+  return sum;
+}
+
+void Propagation::raise_to_paths(Poll& poll) {
+  const std::vector<double>& allowance = memory_.shared.allowance;
+  for (std::uint32_t v = 0; v < allowance.size() && !poll.cancelled(); ++v) {
+    state_.distance[v] += allowance[v];
+  }
+}
+
+bool Propagation::relax_along_edges(Poll& poll) {
+  bool any = false;
+  for (std::uint32_t e = 0; e < state_.frames().edges().size() && !poll.cancelled(); ++e) {
+    const Edge& frame = state_.frames().edge(e);
+    for (const auto& [from, to] :
+         {std::pair{frame.tail, frame.head}, std::pair{frame.head, frame.tail}}) {
+      const double distance = state_.distance[from] + frame.length;
+      if (!(distance < state_.distance[to] * (1 - tolerance::kLostWindow)) || distance > state_.max)
+        continue;
+      memory_.shared.bends[to] = Bends::everywhere;
+      domains_[state_.domain_of_vertex(to)].relax(
+          to, distance, {state_.distance[from], from, state_.nearest(from), state_.allowance(from)},
+          {kNone});
+      any = true;
     }
   }
-  edge.size = last + 1;
+  for (Domain& domain : domains_) domain.queue_vertices();
+  return any;
 }
 
-// Those that wait, apart: of an edge that is in a face twice, more may come while they cross.
-std::span<Window> Propagation::take_waiting(std::span<Window> windows) {
-  std::vector<Window>& waiting = memory_.waiting;
-  waiting.clear();
-  if (!may_hold(waiting, windows.size())) return {};
-  waiting.reserve(windows.size());
-  for (Window& w : windows) {
-    if (w.propagated) continue;
-    waiting.push_back(w);
-    w.propagated = true;
-  }
-  return waiting;
+void Propagation::drop_windows(Poll& poll) {
+  for (DomainMemory& domain : memory_.domains) domain.pool.reset(poll, domains_.size());
 }
 
-// The windows on the edge of h that wait and did not come from its face, in its frame. No shortest
-// path crosses a face twice: what has crossed more of them than there are goes round and round,
-// where rounding makes it seem nearer each time, as in rings of needles it may.
-void Propagation::load_entering(std::span<const Window> windows, Halfedge h) {
-  EnteringWindows& entering = memory_.entering;
-  const std::size_t first = entering.size;
-  if (!entering.make_room(first + windows.size(), poll_)) return;
-  const double* const offsets = memory_.offsets.data();
-  double* const begin = entering.begin.data();
-  double* const end = entering.end.data();
-  double* const x = entering.x.data();
-  double* const y = entering.y.data();
-  double* const offset = entering.offset.data();
-  std::uint32_t* const pseudo_source = entering.pseudo_source.data();
-  std::uint32_t* const faces = entering.faces.data();
-  const std::size_t most_faces = surface_.faces.size();
-  std::size_t size = first;
-  if (!frames_.is_reversed(h)) {
-    for (const Window& w : windows) {
-      if (w.propagated || w.from == h || w.faces >= most_faces) continue;
-      begin[size] = w.begin;
-      end[size] = w.end;
-      x[size] = w.x;
-      y[size] = w.y;
-      offset[size] = offsets[w.pseudo_source];
-      faces[size] = w.faces;
-      pseudo_source[size++] = w.pseudo_source;
-    }
-  } else {
-    const double length = frames_.edge(frames_.edge_of(h)).length;
-    for (std::size_t i = windows.size(); i-- > 0;) {
-      const Window& w = windows[i];
-      if (w.propagated || w.from == h || w.faces >= most_faces) continue;
-      begin[size] = length - w.end;
-      end[size] = length - w.begin;
-      x[size] = length - w.x;
-      y[size] = w.y;
-      offset[size] = offsets[w.pseudo_source];
-      faces[size] = w.faces;
-      pseudo_source[size++] = w.pseudo_source;
+VisibleIntervals Propagation::visible_intervals(Poll& poll) const {
+  VisibleIntervals intervals(poll.memory());
+  for (std::uint32_t e = 0; e < state_.edges.size() && !poll.stopped(); ++e) {
+    if (!state_.keeps_windows_on(e)) continue;
+    const Edge& edge = state_.edges[e];
+    const double length = state_.frames().edge(e).length;
+    for (std::uint32_t i = 0; i < edge.size && !poll.cancelled(); ++i) {
+      const Window& w = edge.windows[i];
+      const PseudoSource& pseudo_source = memory_.shared.pseudo_sources[w.pseudo_source];
+      // What a window leads along is the length of a path, as raise_to_paths makes vertices'.
+      const double offset = pseudo_source.offset + pseudo_source.allowance;
+      for (Halfedge h = state_.surface.ring(w.from); h != w.from && !poll.cancelled();
+           h = state_.surface.ring(h)) {
+        if (state_.keeps_some && !state_.keep_of[face_of(h)]) continue;
+        if (state_.frames().is_reversed(h)) {
+          intervals.add(h, {length - w.end, length - w.begin, length - w.x, w.y, offset,
+                            pseudo_source.vertex, pseudo_source.source});
+        } else {
+          intervals.add(
+              h, {w.begin, w.end, w.x, w.y, offset, pseudo_source.vertex, pseudo_source.source});
+        }
+      }
     }
   }
-  entering.size = size;
-  if (frames_.has_flat()) [[unlikely]]
-    keep_sources_on_line(first, frames_.edge(frames_.edge_of(h)).length);
-  if (size > first) memory_.over_faces.push_back({.base = h, .first = first, .last = size});
-}
-
-// What comes out of a vertex in the middle of the edge, which it came to over faces that are lines,
-// fans out at that place. A window that ends there, for on one side of it another one is nearer,
-// has the place in it, so that nothing of the fan is lost between the two.
-void Propagation::keep_sources_on_line(std::size_t first, double length) {
-  EnteringWindows& entering = memory_.entering;
-  for (std::size_t i = first; i < entering.size; ++i) {
-    if (!(entering.y[i] <= tolerance::kOnLine * length)) continue;
-    const double half_width = tolerance::kAtEnd * length;
-    const double x = entering.x[i];
-    if (!(x >= entering.begin[i] - half_width && x <= entering.end[i] + half_width)) continue;
-    entering.y[i] = 0;
-    entering.begin[i] = std::max(std::min(entering.begin[i], x - half_width), 0.0);
-    entering.end[i] = std::min(std::max(entering.end[i], x + half_width), length);
-  }
+  return intervals;
 }
 
 }  // namespace geodesic::exact

@@ -1,5 +1,5 @@
 // What waits to be passed on, in a ring of buckets by distance. Within a bucket
-// first come, first served: exact propagation corrects what it did too early, so an
+// all goes together: exact propagation corrects what it did too early, so an
 // order that is nearly right will do, and costs no heap.
 #pragma once
 
@@ -23,6 +23,8 @@ struct Waiting {
 
 class BucketQueue {
  public:
+  static constexpr std::uint64_t kNever = ~std::uint64_t{0};
+
   // Empties the queue. Keys will be `least` or more; buckets are `width` wide.
   void reset(double least, double width) {
     for (std::vector<Waiting>& bucket : ring_) leave(bucket);
@@ -32,7 +34,6 @@ class BucketQueue {
     least_ = least;
     per_width_ = 1 / width;
     now_ = 0;
-    next_in_bucket_ = 0;
     width_ = width;
   }
 
@@ -46,28 +47,22 @@ class BucketQueue {
     put(waiting, bucket);
   }
 
-  // The next one, false when there is none.
-  [[nodiscard]] bool pop(Waiting& next) {
-    for (;;) {
-      std::vector<Waiting>& bucket = ring_[now_ % kBuckets];
-      if (next_in_bucket_ < bucket.size()) {
-        next = bucket[next_in_bucket_++];
-        return true;
-      }
-      leave(bucket);
-      next_in_bucket_ = 0;
-      occupied_[now_ % kBuckets / 64] &= ~(std::uint64_t{1} << (now_ % 64));
-      if (!advance()) return false;
-    }
+  // The first bucket that holds something, or may; kNever when none does.
+  [[nodiscard]] std::uint64_t next() const { return std::min(next_occupied(), least_later_); }
+  // To that one, or one before it.
+  void go_to(std::uint64_t bucket) {
+    now_ = bucket;
+    if (now_ == least_later_) bring_in_later();
   }
-
-  // The next one of the same bucket, false when there is none: what came last may have left
-  // more there, and may leave more.
-  [[nodiscard]] bool pop_near(Waiting& next) {
-    const std::vector<Waiting>& bucket = ring_[now_ % kBuckets];
-    if (next_in_bucket_ == bucket.size()) return false;
-    next = bucket[next_in_bucket_++];
-    return true;
+  [[nodiscard]] std::size_t count_now() const { return ring_[now_ % kBuckets].size(); }
+  // All that waits in the bucket, in the order in which it came. What comes from now on waits for
+  // the next time.
+  void take(std::vector<Waiting>& taken) {
+    std::vector<Waiting>& bucket = ring_[now_ % kBuckets];
+    taken.clear();
+    std::swap(taken, bucket);
+    leave(bucket);
+    occupied_[now_ % kBuckets / 64] &= ~(std::uint64_t{1} << (now_ % 64));
   }
 
   // No key that comes from now on is less, nor anything that follows from it.
@@ -78,7 +73,6 @@ class BucketQueue {
  private:
   static constexpr std::uint64_t kBuckets = 1024;
   static constexpr std::uint64_t kLast = std::uint64_t{1} << 52U;
-  static constexpr std::uint64_t kNever = ~std::uint64_t{0};
 
   [[nodiscard]] std::uint64_t bucket_of(double key) const {
     const double bucket = (key - least_) * per_width_;
@@ -103,15 +97,6 @@ class BucketQueue {
     }
     ring_[place].push_back(waiting);
     occupied_[place / 64] |= std::uint64_t{1} << (place % 64);
-  }
-
-  // To the next bucket that holds something, or should.
-  bool advance() {
-    const std::uint64_t next = next_occupied();
-    if (next == kNever && later_.empty()) return false;
-    now_ = std::min(next, least_later_);
-    if (now_ == least_later_) bring_in_later();
-    return true;
   }
 
   [[nodiscard]] std::uint64_t next_occupied() const {
@@ -155,7 +140,6 @@ class BucketQueue {
   double width_ = 1;
   double per_width_ = 1;
   std::uint64_t now_ = 0;
-  std::size_t next_in_bucket_ = 0;
 };
 
 }  // namespace geodesic::exact

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/back_traced/slivers.h"
+#include "core/base/team.h"
 #include "core/base/tolerances.h"
 #include "core/field/straight_floor.h"
 #include "core/solve/near_sources.h"
@@ -132,6 +133,18 @@ bool goes_by_windows(Method method, const MethodOptions& options, const Adjacenc
   // Where sides differ by many powers of ten, few edges can be flipped, and slivers on which
   // straight ways from the source lead along are crossed by those to other vertices.
   return is_upper && !is_even(adjacency) && is_of_slivers(adjacency.delaunay());
+}
+
+bool can_be_helped(Method method, const MethodOptions& options, const Adjacency& adjacency,
+                   std::span<const Source> sources) {
+  const std::size_t vertices = adjacency.mesh().vertex_count();
+  const bool is_exact = method == Method::exact;
+  if (is_exact || (method == Method::back_traced && options.error_at_most)) {
+    return kTimesAsLongByWindows * vertices >= Team::kFewestVertices;
+  }
+  // What `auto` computes by windows it may give up, by a count that has to be the same always.
+  return method == Method::back_traced && sources.size() == 1 &&
+         vertices >= Team::kFewestVertices && !goes_by_windows(method, options, adjacency, sources);
 }
 
 namespace {

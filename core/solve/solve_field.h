@@ -18,6 +18,11 @@ namespace geodesic {
 [[nodiscard]] bool goes_by_windows(Method method, const MethodOptions& options,
                                    const Adjacency& adjacency, std::span<const Source> sources);
 
+// Whether a field of these is large enough, and can be divided, so that threads that help
+// (base/team.h) are of use.
+[[nodiscard]] bool can_be_helped(Method method, const MethodOptions& options,
+                                 const Adjacency& adjacency, std::span<const Source> sources);
+
 // The distances from the nearest of the sources by `method`. With no source
 // everything is unreached. What each method promises is said in its own header.
 // Errors: cancelled; value_out_of_range for options that `steiner` cannot use.

@@ -97,12 +97,9 @@ bool can_be_searched(const FieldQuestion& question) {
          question.adjacency->mesh().vertex_count() >= kManyVertices;
 }
 
-// Whether slots that are idle may help with the field.
-bool is_for_many_threads(const FieldQuestion& question) {
-  return question.method.which == Method::back_traced && question.sources.size() == 1 &&
-         question.adjacency->mesh().vertex_count() >= Team::kFewestVertices &&
-         !goes_by_windows(question.method.which, question.method.options, *question.adjacency,
-                          question.sources);
+bool can_be_helped(const FieldQuestion& question) {
+  return geodesic::can_be_helped(question.method.which, question.method.options,
+                                 *question.adjacency, question.sources);
 }
 
 // So many searches take less than a field that stops at the last of the targets.
@@ -123,7 +120,7 @@ Fields::~Fields() { pool_.observe_want_of_room({}); }
 Result<Field> Fields::solve(const FieldQuestion& question, const FieldLimits& limits,
                             SolveScratch& scratch, const Cancel& cancel, const Caller& caller) {
   const Timed timed(caller, Stage::solve);
-  ComputePool::Help help(pool_, is_for_many_threads(question));
+  ComputePool::Help help(pool_, can_be_helped(question));
   auto field = solve_field(question.method.which, question.method.options, *question.adjacency,
                            question.sources, limits, scratch, cancel.helped_by(help.team()));
   metrics_.solved(proto::name_of(question.method.which), timed.so_far().count());
@@ -163,8 +160,10 @@ bool Fields::is_to_be_searched(const FieldQuestion& question, Details details) {
 Result<Pair> Fields::search(const FieldQuestion& question, const SurfacePoint& to, PairPath path,
                             SolveScratch& scratch, const Cancel& cancel, const Caller& caller) {
   const Timed timed(caller, Stage::search);
+  // By other methods it is soon done.
+  ComputePool::Help help(pool_, question.method.which == Method::exact && can_be_helped(question));
   return pair_search(question.method.which, question.method.options, *question.adjacency,
-                     question.sources.front(), to, path, scratch, cancel);
+                     question.sources.front(), to, path, scratch, cancel.helped_by(help.team()));
 }
 
 Result<PointDistances> Fields::at_points(const FieldQuestion& question,

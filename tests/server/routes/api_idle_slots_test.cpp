@@ -27,7 +27,8 @@ TEST_CASE("a reply is the same whether idle slots help or there are none") {
   Service helped(helped_folder.path(), {}, 3);
   const std::string base = "/v1/meshes/" + alone.upload(glb);
   REQUIRE(helped.upload(glb) == base.substr(std::string("/v1/meshes/").size()));
-  for (const char* rest : {"", "&bound=upper", "&max=90", "&at=v:77&at=v:12345&at=v:99999"}) {
+  for (const char* rest : {"", "&bound=upper", "&max=90", "&at=v:77&at=v:12345&at=v:99999",
+                           "&method=exact&max=60", "&tolerance=0.01&max=60"}) {
     CAPTURE(rest);
     const std::string target =
         base + "/distance?format=frame&from=v:" + std::to_string(random() % (kSide * kSide)) + rest;

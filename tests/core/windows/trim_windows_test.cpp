@@ -1,5 +1,5 @@
 // Lists of windows trimmed together, against the envelope of all that is in them.
-#include "core/exact/trim_windows.h"
+#include "core/windows/trim_windows.h"
 
 #include <doctest/doctest.h>
 
@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "core/exact/envelope.h"
+#include "core/windows/envelope.h"
 #include "tests/fixtures/windows.h"
 
 using namespace geodesic;

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/base/tolerances.h"
-#include "core/exact/window.h"
+#include "core/windows/window.h"
 
 namespace geodesic::exact {
 

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <span>
 
-#include "core/exact/envelope.h"
-#include "core/exact/window.h"
+#include "core/windows/envelope.h"
+#include "core/windows/window.h"
 
 namespace geodesic::exact {
 

@@ -1,6 +1,6 @@
 // Lists of windows over a face: against the plane they are drawn in, and the same bits
 // from every kind of vectors.
-#include "core/exact/propagate_lanes.h"
+#include "core/windows/propagate_lanes.h"
 
 #include <doctest/doctest.h>
 
@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/base/vec2.h"
-#include "core/exact/envelope.h"
 #include "core/field/field.h"
+#include "core/windows/envelope.h"
 
 using namespace geodesic;
 using namespace geodesic::exact;

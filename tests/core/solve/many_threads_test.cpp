@@ -6,12 +6,14 @@
 #include <vector>
 
 #include "core/base/team.h"
+#include "core/field/window_table.h"
 #include "core/mesh/shapes.h"
 #include "core/solve/solve_field.h"
 #include "tests/fixtures/crumpled_surfaces.h"
 #include "tests/fixtures/faces_thrown_together.h"
 #include "tests/fixtures/helping_threads.h"
 #include "tests/fixtures/random_meshes.h"
+#include "tests/fixtures/same_adjacency.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 
@@ -44,6 +46,7 @@ TriangleSoup among_lattice_points(std::mt19937& random) {
 }
 
 struct Question {
+  Method method = Method::back_traced;
   std::vector<Source> sources;
   MethodOptions options;
   FieldLimits limits;
@@ -52,6 +55,14 @@ struct Question {
 
 Question drawn(std::mt19937& random, const Surface& surface, double reach) {
   Question question;
+  if (random() % 2 == 0) {
+    question.method = Method::exact;
+  } else if (random() % 2 == 0) {
+    question.options.error_at_most = random() % 2 == 0 ? 1e-2 : 1e-4;
+  } else if (random() % 2 == 0) {
+    question.options.bound = Bound::upper;
+  }
+  question.limits.keep_details = random() % 3 != 0;
   const std::size_t count = random() % 4 == 0 ? 2 + random() % 3 : 1;
   const std::uint32_t vertices = surface.mesh().vertex_count();
   for (std::size_t i = 0; i < count; ++i) {
@@ -63,7 +74,6 @@ Question drawn(std::mt19937& random, const Surface& surface, double reach) {
       question.sources.push_back({point_at_vertex(surface.adjacency(), v), 0.01 * (random() % 2)});
     }
   }
-  if (random() % 3 == 0) question.options.bound = Bound::upper;
   if (random() % 4 == 0) question.limits.max = reach * fixtures::fraction(random);
   if (random() % 4 == 0) {
     for (int i = 0; i < 3; ++i) question.targets.push_back(random() % vertices);
@@ -75,13 +85,13 @@ Field solved(const Surface& surface, const Question& question, Team* team, Solve
   FieldLimits limits = question.limits;
   limits.targets = question.targets;
   const Cancel cancel([] { return false; }, {}, nullptr, team);
-  auto field = solve_field(Method::back_traced, question.options, surface.adjacency(),
-                           question.sources, limits, scratch, cancel);
+  auto field = solve_field(question.method, question.options, surface.adjacency(), question.sources,
+                           limits, scratch, cancel);
   REQUIRE(field);
   return std::move(*field);
 }
 
-void check_same(const Field& field, const Field& alone) {
+void check_same(const Field& field, const Field& alone, std::uint32_t face_count) {
   const auto distances = field.distance.values();
   const auto expected = alone.distance.values();
   REQUIRE(distances.size() == expected.size());
@@ -92,6 +102,15 @@ void check_same(const Field& field, const Field& alone) {
   CHECK(different == 0);
   CHECK(field.nearest_source == alone.nearest_source);
   CHECK(field.reached == alone.reached);
+  REQUIRE((field.windows == nullptr) == (alone.windows == nullptr));
+  if (!field.windows) return;
+  REQUIRE(field.windows->size() == alone.windows->size());
+  std::size_t different_lists = 0;
+  for (std::uint32_t h = 0; h < 4 * face_count; ++h) {
+    if (!fixtures::has_same_bytes(field.windows->into(h), alone.windows->into(h)))
+      ++different_lists;
+  }
+  CHECK(different_lists == 0);
 }
 
 void check_threads(std::mt19937& random, const TriangleSoup& soup, int questions) {
@@ -106,7 +125,7 @@ void check_threads(std::mt19937& random, const TriangleSoup& soup, int questions
       Team team(threads, 0);
       // Fewer, or none, may come than were expected.
       const HelpingThreads helping(team, random() % 3);
-      check_same(solved(surface, question, &team, scratch), alone);
+      check_same(solved(surface, question, &team, scratch), alone, surface.mesh().face_count());
     }
   }
 }
@@ -117,6 +136,7 @@ TEST_CASE("AFieldHasTheSameBitsOnAnyNumberOfThreads") {
   std::mt19937 random(fixtures::test_seed());
   SUBCASE("of surfaces like scans") {
     check_threads(random, shapes::terrain(60, 12, random()), 4);
+    check_threads(random, shapes::terrain(150, 12, random()), 2);
     check_threads(random, shapes::icosphere(4), 4);
     check_threads(random, fixtures::dented_ball(random, 4), 4);
     check_threads(random, shapes::shuffled(shapes::torus_knot(120, 12, 0.3), random()), 4);
@@ -154,12 +174,13 @@ TEST_CASE("OfTwoEstimatesOverOneBaseTheSameIsTakenOnAnyNumberOfThreads") {
   SolveScratch scratch;
   for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
     CAPTURE(v);
-    const Question question{{{point_at_vertex(surface.adjacency(), v), 0}}, {}, {}, {}};
+    const Question question{
+        Method::back_traced, {{point_at_vertex(surface.adjacency(), v), 0}}, {}, {}, {}};
     const Field alone = solved(surface, question, nullptr, scratch);
     for (const std::size_t threads : {2, 3, 5, 16}) {
       CAPTURE(threads);
       Team team(threads, 0);
-      check_same(solved(surface, question, &team, scratch), alone);
+      check_same(solved(surface, question, &team, scratch), alone, surface.mesh().face_count());
     }
   }
 }
@@ -168,17 +189,21 @@ TEST_CASE("AFieldOfManyThreadsThatIsCancelledLeavesNothingBehind") {
   std::mt19937 random(fixtures::test_seed());
   const Surface surface(shapes::terrain(80, 10, random()));
   SolveScratch scratch;
-  const Question question{{{point_at_vertex(surface.adjacency(), 7), 0}}, {}, {}, {}};
+  Question question{
+      Method::back_traced, {{point_at_vertex(surface.adjacency(), 7), 0}}, {}, {}, {}};
+  SUBCASE("by auto") {}
+  SUBCASE("by windows") { question.method = Method::exact; }
   const Field alone = solved(surface, question, nullptr, scratch);
   for (int i = 0; i < 20; ++i) {
     Team team(3, 0);
     const HelpingThreads helping(team, 2);
     int left = static_cast<int>(random() % 5);
     const Cancel cancel([&] { return left-- <= 0; }, {}, nullptr, &team);
-    const auto field = solve_field(Method::back_traced, {}, surface.adjacency(), question.sources,
-                                   {}, scratch, cancel);
+    const auto field = solve_field(question.method, {}, surface.adjacency(), question.sources, {},
+                                   scratch, cancel);
     if (!field) CHECK(field.error().code == ErrorCode::cancelled);
     Team next(2, 0);
-    check_same(solved(surface, question, i % 2 == 0 ? nullptr : &next, scratch), alone);
+    check_same(solved(surface, question, i % 2 == 0 ? nullptr : &next, scratch), alone,
+               surface.mesh().face_count());
   }
 }

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/base/cancel.h"
-#include "core/exact/window.h"
+#include "core/windows/window.h"
 
 namespace geodesic::exact {
 
@@ -27,9 +27,9 @@ class WindowPool {
   }
 
   // A block of `capacity` windows, a value of capacity_for; not initialised.
-  [[nodiscard]] Window* take(std::uint32_t capacity) {
+  [[nodiscard]] Window* take(std::uint32_t capacity, Poll& poll) {
     if (capacity > kSlab) {
-      ask_for(std::size_t{capacity} * sizeof(Window));
+      (void)poll.may_take(std::size_t{capacity} * sizeof(Window));
       auto block = std::make_unique_for_overwrite<Window[]>(capacity);
       large_bytes_ += std::size_t{capacity} * sizeof(Window);
       Window* windows = block.get();
@@ -42,7 +42,7 @@ class WindowPool {
       waiting.pop_back();
       return block;
     }
-    if (left_ < capacity) new_slab();
+    if (left_ < capacity) new_slab(poll);
     Window* block = slabs_[slab_ - 1].get() + (kSlab - left_);
     left_ -= capacity;
     return block;
@@ -60,17 +60,26 @@ class WindowPool {
   // Of what the blocks handed out since the last reset have needed at once.
   [[nodiscard]] std::size_t bytes() const { return slab_ * kSlab * sizeof(Window) + large_bytes_; }
 
-  // Every block is free again. Keeps the first slabs for the next query and gives the
-  // rest back to the system, unless the poll says to stop: hundreds of megabytes take it
-  // longer than a cancelled query may.
-  void reset(Poll& poll) {
+  // Slabs for what may soon be asked for, so that the computing thread takes them and not one that
+  // helps it, whose memory nobody counts.
+  void make_ready(Poll& poll) {
+    if (slabs_.size() - slab_ >= kSlabsAhead / 2) return;
+    if (!poll.may_take(kSlabsAhead * kSlab * sizeof(Window))) return;
+    for (std::size_t i = 0; i < kSlabsAhead; ++i) {
+      slabs_.push_back(std::make_unique_for_overwrite<Window[]>(kSlab));
+    }
+  }
+
+  // Every block is free again. Keeps the first slabs for the next query, of one pool of so many,
+  // and gives the rest back to the system, unless the poll says to stop: hundreds of megabytes take
+  // it longer than a cancelled query may.
+  void reset(Poll& poll, std::size_t pools) {
     for (std::vector<Window*>& waiting : waiting_) waiting.clear();
     large_.clear();
     large_bytes_ = 0;
     slab_ = 0;
     left_ = 0;
-    memory_ = poll.memory();
-    while (slabs_.size() > kKeptSlabs && !poll.ask()) slabs_.pop_back();
+    while (slabs_.size() * pools > kKeptSlabs && !poll.ask()) slabs_.pop_back();
   }
 
  private:
@@ -78,10 +87,6 @@ class WindowPool {
   static constexpr std::size_t kKeptSlabs = 64;  // 16 MB
   static constexpr std::size_t kClasses = 26;    // up to a slab
   static constexpr std::size_t kSlabsAhead = 16;
-
-  void ask_for(std::size_t bytes) {
-    if (memory_ != nullptr) (void)memory_->may_take(bytes);
-  }
 
   [[nodiscard]] static std::size_t class_of(std::uint32_t capacity) {
     const auto power = static_cast<std::size_t>(std::bit_width(capacity)) - 1;
@@ -91,21 +96,20 @@ class WindowPool {
   }
 
   // What is left of the old slab is cut into blocks.
-  void new_slab() {
+  void new_slab(Poll& poll) {
     while (left_ > 0) {
       const std::uint32_t capacity = std::bit_floor(left_);
       waiting_[class_of(capacity)].push_back(slabs_[slab_ - 1].get() + (kSlab - left_));
       left_ -= capacity;
     }
     if (slab_ == slabs_.size()) {
-      ask_for(kSlabsAhead * kSlab * sizeof(Window));
+      (void)poll.may_take(kSlabsAhead * kSlab * sizeof(Window));
       slabs_.push_back(std::make_unique_for_overwrite<Window[]>(kSlab));
     }
     ++slab_;
     left_ = kSlab;
   }
 
-  MemoryBudget* memory_ = nullptr;  // of the query that it was reset for
   std::vector<std::unique_ptr<Window[]>> slabs_;
   std::size_t slab_ = 0;    // slabs in use
   std::uint32_t left_ = 0;  // windows never handed out in the last of them

@@ -1,4 +1,4 @@
-#include "core/exact/window_comparison.h"
+#include "core/windows/window_comparison.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "core/exact/envelope.h"
+#include "core/windows/envelope.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/tolerances.h"
-#include "core/exact/window_comparison.h"
+#include "core/windows/window_comparison.h"
 
 namespace geodesic::exact {
 namespace {

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "core/base/vec2.h"
-#include "core/exact/envelope.h"
 #include "core/exact/queue.h"
-#include "core/exact/window_pool.h"
 #include "core/field/field.h"
+#include "core/windows/envelope.h"
+#include "core/windows/window_pool.h"
 
 using namespace geodesic;
 using namespace geodesic::exact;
@@ -163,19 +163,26 @@ TEST_CASE("TheQueueServesByBucketsInOrder") {
       left.push_back(key);
     };
     for (int i = 0; i < 200; ++i) push(5 + spread * std::pow(fraction(random), 6));
-    Waiting next{};
+    std::vector<Waiting> taken;
     int pushed = 200;
-    while (queue.pop(next)) {
-      const double least = *std::min_element(left.begin(), left.end());
-      // Within a bucket any order, beyond 2^52 buckets too.
-      if (least < 1e15) {
-        CHECK(next.key <= least + 0.5 + 1e-9 * least);
-        CHECK(queue.now() <= least);
-      }
-      left.erase(std::find(left.begin(), left.end(), next.key));
-      if (pushed < 1000) {
-        push(next.key + spread * std::pow(fraction(random), 6));
-        ++pushed;
+    for (std::uint64_t next = queue.next(); next != BucketQueue::kNever; next = queue.next()) {
+      queue.go_to(next);
+      const std::size_t count = queue.count_now();
+      queue.take(taken);
+      CHECK(taken.size() == count);
+      CHECK(queue.count_now() == 0);
+      for (const Waiting& waiting : taken) {
+        const double least = *std::min_element(left.begin(), left.end());
+        // Within a bucket any order, beyond 2^52 buckets too.
+        if (least < 1e15) {
+          CHECK(waiting.key <= least + 0.5 + 1e-9 * least);
+          CHECK(queue.now() <= least);
+        }
+        left.erase(std::find(left.begin(), left.end(), waiting.key));
+        if (pushed < 1000) {
+          push(waiting.key + spread * std::pow(fraction(random), 6));
+          ++pushed;
+        }
       }
     }
     CHECK(left.empty());
@@ -201,7 +208,7 @@ TEST_CASE("ThePoolHandsOutBlocksThatDoNotOverlap") {
                                                                  : 20U);
         const std::uint32_t capacity = WindowPool::capacity_for(size);
         REQUIRE(capacity >= size);
-        blocks.push_back({pool.take(capacity), capacity, i});
+        blocks.push_back({pool.take(capacity, poll), capacity, i});
         for (std::uint32_t w = 0; w < capacity; ++w) blocks.back().windows[w].pseudo_source = i;
       } else {
         std::swap(blocks[random() % blocks.size()], blocks.back());
@@ -215,7 +222,7 @@ TEST_CASE("ThePoolHandsOutBlocksThatDoNotOverlap") {
         blocks.pop_back();
       }
     }
-    pool.reset(poll);
+    pool.reset(poll, 1);
   }
 }
 
@@ -227,13 +234,15 @@ TEST_CASE("ThePoolGivesMemoryBackInPiecesAndLeavesOffWhenToldTo") {
   const Cancel cancel([&] { return ++asked > patience; });
   const auto fill = [&] {
     std::vector<Window*> blocks;
-    for (int i = 0; i < 400; ++i) blocks.push_back(pool.take(4096));
+    const Cancel never;
+    Poll poll(never);
+    for (int i = 0; i < 400; ++i) blocks.push_back(pool.take(4096, poll));
     for (std::uint32_t i = 0; i < 400; ++i) blocks[i][4095].pseudo_source = i;
     for (std::uint32_t i = 0; i < 400; ++i) REQUIRE(blocks[i][4095].pseudo_source == i);
   };
   fill();
   Poll impatient(cancel);
-  pool.reset(impatient);
+  pool.reset(impatient, 1);
   CHECK(impatient.stopped());
   CHECK(asked == 4);
   // Nothing is lost with what was not given back.
@@ -241,11 +250,11 @@ TEST_CASE("ThePoolGivesMemoryBackInPiecesAndLeavesOffWhenToldTo") {
   patience = 1'000'000;
   asked = 0;
   Poll patient(cancel);
-  pool.reset(patient);
+  pool.reset(patient, 1);
   CHECK(!patient.stopped());
   CHECK(asked > 300);
   asked = 0;
-  pool.reset(patient);
+  pool.reset(patient, 1);
   CHECK(asked == 0);
   fill();
 }

@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "core/base/vectors.h"
-#include "core/exact/window_columns.h"
+#include "core/windows/window_columns.h"
 
 namespace geodesic::exact {
 

@@ -1,9 +1,9 @@
-#include "core/exact/trim_windows.h"
+#include "core/windows/trim_windows.h"
 
 #include <algorithm>
 
 #include "core/base/tolerances.h"
-#include "core/exact/window_comparison.h"
+#include "core/windows/window_comparison.h"
 
 namespace geodesic::exact {
 namespace {

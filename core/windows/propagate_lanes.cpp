@@ -1,4 +1,4 @@
-#include "core/exact/propagate_lanes.h"
+#include "core/windows/propagate_lanes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 
 #include "core/base/lane_arithmetic.h"
 #include "core/base/tolerances.h"
-#include "core/exact/envelope.h"
 #include "core/field/field.h"
+#include "core/windows/envelope.h"
 
 namespace geodesic::exact {
 namespace {

@@ -1,5 +1,5 @@
 // Windows on their way over a face, taken apart into columns, so that several are
-// computed at a time (exact/propagate_lanes.h). Columns are as long as needed and a little
+// computed at a time (windows/propagate_lanes.h). Columns are as long as needed and a little
 // longer: lanes work on four numbers whether they are wanted or not.
 #pragma once
 

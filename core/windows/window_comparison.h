@@ -1,7 +1,7 @@
 // Two windows over one interval of an edge: which of them is nearer, and where that changes.
 #pragma once
 
-#include "core/exact/window.h"
+#include "core/windows/window.h"
 
 namespace geodesic::exact {
 
