@@ -20,16 +20,16 @@ using Before = Parents;
 
 class EdgePath {
  public:
-  EdgePath(const Adjacency& adjacency, const SurfacePoint& from, const SurfacePoint& to,
-           WavefrontScratch& scratch)
+  // `edges`: the mesh's own, or those of its Delaunay triangulation.
+  EdgePath(const Adjacency& adjacency, const Triangulation& edges, const SurfacePoint& from,
+           const SurfacePoint& to, WavefrontScratch& scratch)
       : adjacency_(adjacency),
+        edges_(edges),
         positions_(adjacency.mesh().positions()),
         from_(from),
         to_(to),
         start_(position_of(adjacency.mesh(), from)),
         goal_(position_of(adjacency.mesh(), to)),
-        is_oriented_(adjacency.triangulation().is_oriented),
-        is_even_(adjacency.triangulation().is_even),
         heap_(scratch.heap),
         distance_(scratch.distance),
         before_(scratch.parents) {
@@ -38,8 +38,16 @@ class EdgePath {
     before_.resize(positions_.size());
   }
 
-  // A vertex comes out of the heap once, and each face at it is looked at once then.
+  // The path, of the mesh's own edges.
   Result<std::optional<Path>> find(const Cancel& cancel) {
+    const auto length = find_length(cancel);
+    if (!length) return fail(length.error());
+    if (!*length) return std::nullopt;
+    return assemble();
+  }
+
+  // A vertex comes out of the heap once, and each face at it is looked at once then.
+  Result<std::optional<double>> find_length(const Cancel& cancel) {
     Poll poll(cancel);
     list_ends(poll);
     start(poll);
@@ -50,7 +58,7 @@ class EdgePath {
     }
     if (poll.stopped()) return fail_stopped(cancel);
     if (length_ == kUnreached) return std::nullopt;
-    return assemble();
+    return length_;
   }
 
  private:
@@ -82,22 +90,24 @@ class EdgePath {
 
   void spread_from(std::uint32_t v, Poll& poll) {
     if (poll.cancelled()) return;
-    for (const std::uint32_t corner : adjacency_.corners(v)) {
+    for (const std::uint32_t corner : edges_.corners(v)) {
       if (poll.cancelled()) return;
-      const FaceRecord& face = adjacency_.face(face_of(corner));
+      const FaceRecord& face = edges_.faces[face_of(corner)];
       const std::uint32_t c = corner_of(corner);
       const std::uint32_t behind = previous_corner(c);
       spread_along(v, corner, face.vertex[next_corner(c)], face.length2(c));
       // Else it is the next one in the face beyond.
-      if (is_oriented_ && face.ring[behind] != halfedge(face_of(corner), behind)) continue;
+      if (edges_.is_oriented && face.ring[behind] != halfedge(face_of(corner), behind)) continue;
       spread_along(v, corner, face.vertex[behind], face.length2(behind));
     }
   }
 
   void spread_along(std::uint32_t v, std::uint32_t corner, std::uint32_t w, double length2) {
     if (heap_.accepted(w)) return;
-    const double length = is_even_ ? std::sqrt(std::max(length2, 0.0))
-                                   : geodesic::distance(positions_[v], positions_[w]);
+    // Else rounding may leave nothing of a face's short side. Of an edge that is not the mesh's own
+    // it is less than the length, and what is looked for is only a guess.
+    const double length = edges_.is_even ? std::sqrt(std::max(length2, 0.0))
+                                         : geodesic::distance(positions_[v], positions_[w]);
     lower(w, distance_[v] + length, {v, face_of(corner)});
   }
 
@@ -161,13 +171,12 @@ class EdgePath {
   }
 
   const Adjacency& adjacency_;
+  const Triangulation edges_;
   std::span<const Vec3> positions_;
   const SurfacePoint& from_;
   const SurfacePoint& to_;
   const Vec3 start_;
   const Vec3 goal_;
-  const bool is_oriented_;
-  const bool is_even_;  // else rounding may leave nothing of a face's short side
   VertexHeap& heap_;
   std::vector<double>& distance_;
   std::vector<Before>& before_;
@@ -183,7 +192,15 @@ class EdgePath {
 Result<std::optional<Path>> edge_path(const Adjacency& adjacency, const SurfacePoint& from,
                                       const SurfacePoint& to, WavefrontScratch& scratch,
                                       const Cancel& cancel) {
-  return EdgePath(adjacency, from, to, scratch).find(cancel);
+  return EdgePath(adjacency, adjacency.triangulation(), from, to, scratch).find(cancel);
+}
+
+Result<std::optional<double>> delaunay_edge_distance(const Adjacency& adjacency,
+                                                     const SurfacePoint& from,
+                                                     const SurfacePoint& to,
+                                                     WavefrontScratch& scratch,
+                                                     const Cancel& cancel) {
+  return EdgePath(adjacency, adjacency.delaunay(), from, to, scratch).find_length(cancel);
 }
 
 }  // namespace geodesic

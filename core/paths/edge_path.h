@@ -27,4 +27,13 @@ inline constexpr double kWeightOfTheRest = 1.4;
                                                     WavefrontScratch& scratch,
                                                     const Cancel& cancel);
 
+// How long a way is that is found likewise along the edges of the intrinsic Delaunay triangulation:
+// more evenly above the shortest over the surface where the mesh's faces are long and thin. Errors:
+// cancelled.
+[[nodiscard]] Result<std::optional<double>> delaunay_edge_distance(const Adjacency& adjacency,
+                                                                   const SurfacePoint& from,
+                                                                   const SurfacePoint& to,
+                                                                   WavefrontScratch& scratch,
+                                                                   const Cancel& cancel);
+
 }  // namespace geodesic

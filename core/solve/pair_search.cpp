@@ -54,10 +54,8 @@ constexpr double kMostOfTheSurface = 0.9;
 
 // About how many vertices a way of that length may lead by, from a sample of them: their
 // order follows a curve through space, so one in so many is anywhere.
-double vertices_within(const Mesh& mesh, const Path& guess, double longest) {
+double vertices_within(const Mesh& mesh, Vec3 from, Vec3 to, double longest) {
   constexpr std::uint32_t kSample = 1000;
-  const Vec3 from = guess.points.front().position;
-  const Vec3 to = guess.points.back().position;
   const std::uint32_t step = mesh.vertex_count() / kSample + 1;
   std::uint32_t within = 0;
   for (std::uint32_t v = 0; v < mesh.vertex_count(); v += step) {
@@ -68,8 +66,8 @@ double vertices_within(const Mesh& mesh, const Path& guess, double longest) {
 }
 
 // Whether that is most of the surface.
-bool is_most_within(const Mesh& mesh, const Path& guess, double longest) {
-  return vertices_within(mesh, guess, longest) > kMostOfTheSurface * mesh.vertex_count();
+bool is_most_within(const Mesh& mesh, Vec3 from, Vec3 to, double longest) {
+  return vertices_within(mesh, from, to, longest) > kMostOfTheSurface * mesh.vertex_count();
 }
 
 class PairSearch {
@@ -133,11 +131,13 @@ class PairSearch {
     const auto shorter = shorten_path(adjacency, guess, cancel_);
     if (!shorter) return fail(shorter.error());
     const double longest = (1 + tolerance::kSamePath) * shorter->length;
+    const Vec3 start = guess.points.front().position;
+    const Vec3 goal = guess.points.back().position;
     if (method_ == Method::exact &&
-        vertices_within(adjacency.mesh(), guess, longest) > kManyForWindows) {
+        vertices_within(adjacency.mesh(), start, goal, longest) > kManyForWindows) {
       return exact_pair(adjacency, from, to, with_path(), scratch_.parts().exact, cancel_);
     }
-    if (is_most_within(adjacency.mesh(), guess, longest)) {
+    if (is_most_within(adjacency.mesh(), start, goal, longest)) {
       return by_field(adjacency, from, to, kUnreached);
     }
     const auto patch = SurfacePatch::cut(adjacency, from.point, to, longest, cancel_);
@@ -151,18 +151,21 @@ class PairSearch {
 
   // Within wider and wider margins, until the result is well inside.
   Result<Pair> in_margins(const Adjacency& adjacency, const Source& from, const SurfacePoint& to,
-                          const Path& guess) {
-    double margin =
-        kMarginPart * guess.length + margin_edges(method_) * adjacency.report().mean_edge;
-    double longest = guess.length / kAlongEdges;
+                          double guess) {
+    const Vec3 start = position_of(adjacency.mesh(), from.point);
+    const Vec3 goal = position_of(adjacency.mesh(), to);
+    double margin = kMarginPart * guess + margin_edges(method_) * adjacency.report().mean_edge;
+    double longest = guess / kAlongEdges;
+    bool is_way = false;  // of that length or a shorter one
     // The margin doubles until what is within is most of the surface.
-    while (!is_most_within(adjacency.mesh(), guess, longest + margin)) {
+    while (!is_most_within(adjacency.mesh(), start, goal, longest + margin)) {
       // A field may be too small to ask on its own.
       if (cancel_.requested()) return fail_stopped(cancel_);
       auto pair = by_field(adjacency, from, to, longest + margin);
       if (!pair || pair->distance - from.offset <= longest + margin / 2) return pair;
-      if (longest == guess.length) margin *= 2;
-      longest = guess.length;
+      if (is_way) margin *= 2;
+      is_way = true;
+      longest = std::min(guess, pair->distance - from.offset);
     }
     return by_field(adjacency, from, to, kUnreached);
   }
@@ -195,19 +198,32 @@ Result<Pair> pair_search(Method method, const MethodOptions& options, const Adja
   if (!searches_pairs(method) || by_windows) {
     return search.by_field(adjacency, from, to, kUnreached);
   }
-  const auto guess = edge_path(adjacency, from.point, to, scratch.parts().wavefront, cancel);
+  WavefrontScratch& along_edges = scratch.parts().wavefront;
+  // A search may be too small to ask or tell on its own.
+  const auto begins = [&] {
+    cancel.report(kPathAlongEdges);
+    return !cancel.requested();
+  };
+  // Where the mesh's faces are long and thin, the Delaunay triangulation's edges say more of the
+  // length. But fronts over the mesh's own faces then need more of a margin than they have.
+  if (method == Method::back_traced) {
+    const auto length = delaunay_edge_distance(adjacency, from.point, to, along_edges, cancel);
+    if (!length) return fail(length.error());
+    if (!*length) return Pair{};
+    return begins() ? search.in_margins(adjacency, from, to, **length) : fail_stopped(cancel);
+  }
+  const auto guess = edge_path(adjacency, from.point, to, along_edges, cancel);
   if (!guess) return fail(guess.error());
   if (!*guess) return Pair{};
-  // A search may be too small to ask or tell on its own.
-  cancel.report(kPathAlongEdges);
-  if (cancel.requested()) return fail_stopped(cancel);
+  if (!begins()) return fail_stopped(cancel);
   if (is_exact(method)) {
     return search.straightened(adjacency, search.in_patch(adjacency, from, to, **guess));
   }
+  const double length = (*guess)->length;
   if (method == Method::dijkstra) {
-    return search.by_field(adjacency, from, to, (1 + tolerance::kSamePath) * (*guess)->length);
+    return search.by_field(adjacency, from, to, (1 + tolerance::kSamePath) * length);
   }
-  return search.in_margins(adjacency, from, to, **guess);
+  return search.in_margins(adjacency, from, to, length);
 }
 
 }  // namespace geodesic

@@ -283,6 +283,43 @@ int polls_of(const Compute& compute) {
 
 // Windows go no farther than the target. A search for fronts takes a path along edges, and then
 // a margin round it of which windows know nothing: the whole surface.
+// However long and thin the mesh's faces are: by its own edges the way is up to 2.5 times as long.
+TEST_CASE("AlongDelaunayEdgesAWayIsLittleLongerThanTheShortest") {
+  std::mt19937 random(fixtures::test_seed());
+  for (int i = 0; i < 6; ++i) {
+    CAPTURE(i);
+    TriangleSoup soup = shapes::terrain(60, 8, random());
+    const double factor = 1 + random() % 30;
+    for (Vec3& p : soup.positions) p.x *= factor;
+    const Surface surface(soup);
+    WavefrontScratch scratch;
+    const SurfacePoint from = any_point(surface, random);
+    const Field exact = surface.field_by(Method::exact, {Source{from, 0}});
+    for (int k = 0; k < 20; ++k) {
+      const auto v = static_cast<std::uint32_t>(random() % surface.mesh().vertex_count());
+      const double d = exact.distance[v];
+      if (d < 10 * surface.adjacency().report().mean_edge) continue;
+      const SurfacePoint to = point_at_vertex(surface.adjacency(), v);
+      const auto length = delaunay_edge_distance(surface.adjacency(), from, to, scratch, Cancel());
+      REQUIRE(length);
+      REQUIRE(*length);
+      CHECK(**length >= d * (1 - 1e-9));
+      CHECK(**length <= 1.6 * d);
+    }
+  }
+  // Where there is no way there is no length.
+  TriangleSoup apart = shapes::plane(4, 4);
+  const auto count = static_cast<std::uint32_t>(apart.positions.size());
+  apart.positions.insert(apart.positions.end(), {{50, 0, 0}, {51, 0, 0}, {50, 1, 0}});
+  apart.faces.push_back({count, count + 1, count + 2});
+  const Surface surface(apart);
+  WavefrontScratch scratch;
+  const auto none = delaunay_edge_distance(surface.adjacency(), surface.at(0), surface.at(count),
+                                           scratch, Cancel());
+  REQUIRE(none);
+  CHECK(!*none);
+}
+
 TEST_CASE("WindowsGoNoFartherThanANearTarget") {
   struct Case {
     std::string name;
