@@ -1,6 +1,7 @@
 #include "core/base/team.h"
 
 #include <chrono>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -117,6 +118,12 @@ void Team::share(std::uint32_t parts, Poll& poll) {
       if (waited_ > kTurn + worked_ / kShareOfWork) end();
     }
   }
+  // The budget is asked by the computing thread alone: after the step, for all that they have
+  // taken.
+  if (const std::uint64_t taken = taken_.load(std::memory_order_relaxed); taken > asked_for_) {
+    asked_for_ = taken;
+    (void)poll.may_take(taken);
+  }
   if (has_thrown_.load(std::memory_order_relaxed)) {
     has_thrown_.store(false, std::memory_order_relaxed);
     std::rethrow_exception(std::exchange(thrown_, nullptr));
@@ -124,7 +131,12 @@ void Team::share(std::uint32_t parts, Poll& poll) {
 }
 
 void Team::help(const std::function<bool()>& leave) {
-  const Cancel stopped([this] { return is_stopped_.load(std::memory_order_relaxed); });
+  MemoryBudget counting([this](std::uint64_t bytes) -> std::optional<Error> {
+    taken_.fetch_add(bytes, std::memory_order_relaxed);
+    return std::nullopt;
+  });
+  const Cancel stopped([this] { return is_stopped_.load(std::memory_order_relaxed); }, {},
+                       &counting);
   Poll poll(stopped);
   const std::uint32_t own = 1 + came_.fetch_add(1, std::memory_order_relaxed);
   helping_.fetch_add(1, std::memory_order_relaxed);

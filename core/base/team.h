@@ -60,7 +60,8 @@ class Team {
 
   // For the computing thread: does `work(part, poll)` for each part from 0 to `parts` - 1, which is
   // at most kMostParts. All are done when it returns. The work asks the poll that it is given: the
-  // computing thread's own or another. If parts throw, so does this, what one of them threw.
+  // computing thread's own or another, and that one for memory: what it grants others is asked for
+  // when all parts are done. If parts throw, so does this, what one of them threw.
   //
   // The work is a few values, which lie beside the number of the step. In steps of microseconds it
   // captures no references to locals: to wait for each of those from another thread's cache takes
@@ -110,7 +111,9 @@ class Team {
   std::atomic<std::uint32_t> helping_{0};
   std::atomic<std::uint32_t> came_{0};
   std::atomic<bool> has_thrown_{false};
-  std::exception_ptr thrown_;  // by who set `has_thrown_`
+  std::exception_ptr thrown_;            // by who set `has_thrown_`
+  std::atomic<std::uint64_t> taken_{0};  // bytes, by those that helped
+  std::uint64_t asked_for_ = 0;          // of these
   // How long the computing thread has worked in steps that others help with, and waited for late
   // parts: nanoseconds.
   std::int64_t worked_ = 0;

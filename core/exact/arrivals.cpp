@@ -17,7 +17,7 @@ void Domain::take_lists(std::span<Domain> all) {
   for (Domain& other : all) {
     DomainMemory& from = other.memory_;
     for (HandedList& list : from.lists_for[number_]) {
-      coming.push_back({&list, from.sent_windows.data() + list.first});
+      add(coming, ComingList{&list, from.sent_windows.data() + list.first});
     }
   }
   std::vector<std::uint32_t>& first_list = state_.memory.first_list;
@@ -166,8 +166,10 @@ void Domain::relax(std::uint32_t v, double distance, const PseudoSource& pseudo_
   SharedMemory& shared = state_.memory;
   double& known = state_.distance[v];
   ArrivalAtVertex& known_arrival = shared.arrivals[v];
-  const bool is_as_near = distance == known && state_.is_before(arrival, known_arrival);
-  if (!(distance < known || is_as_near) || distance > state_.max) return;
+  // Unless the vertex has sent out windows as what it is.
+  const bool is_preferred =
+      distance == known && distance < shared.emitted[v] && state_.is_before(arrival, known_arrival);
+  if (!(distance < known || is_preferred) || distance > state_.max) return;
   if (known == kUnreached) ++reached_;
   known = distance;
   known_arrival = arrival;
@@ -177,7 +179,8 @@ void Domain::relax(std::uint32_t v, double distance, const PseudoSource& pseudo_
   if (shared.bends[v] != Bends::nowhere || is_early) memory_.shorter.push_back(v);
 }
 
-// By their last distances: what waits must not depend on the order of ways either.
+// By their last distances, for the order in which ways come depends on the domains. A vertex that
+// came nearer twice may wait twice in the same bucket, and sends out windows once.
 void Domain::queue_vertices() {
   const SharedMemory& shared = state_.memory;
   for (const std::uint32_t v : memory_.shorter) {

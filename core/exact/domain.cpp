@@ -12,21 +12,26 @@ constexpr std::size_t kTogether = 256;
 void Domain::reset(std::size_t domains, double least, double width) {
   memory_.edges_waiting.reset(least, width);
   memory_.vertices_waiting.reset(least, width);
+  // A query that was stopped may have left some.
   memory_.bounds.clear();
   memory_.early.clear();
   memory_.shorter.clear();
-  // A query that was stopped may have left some.
   memory_.entering.size = 0;
   memory_.over_faces.clear();
   memory_.lists_for.resize(domains);
   memory_.ways_for.resize(domains);
+  forget_sent();
+}
+
+void Domain::forget_sent() {
+  memory_.sent = 0;
+  for (std::vector<HandedList>& lists : memory_.lists_for) lists.clear();
+  for (std::vector<HandedWay>& ways : memory_.ways_for) ways.clear();
 }
 
 void Domain::begin_round(Poll& poll) {
   poll_ = &poll;
-  memory_.sent = 0;
-  for (std::vector<HandedList>& lists : memory_.lists_for) lists.clear();
-  for (std::vector<HandedWay>& ways : memory_.ways_for) ways.clear();
+  forget_sent();
 }
 
 void Domain::send_out(Poll& poll) {
@@ -35,16 +40,17 @@ void Domain::send_out(Poll& poll) {
   for (const Waiting& next : memory_.taken) bend_at(next.number);
   memory_.edges_waiting.take(memory_.taken);
   for (const Waiting& next : memory_.taken) {
-    if (next.what == Waiting::What::bounded_edge) {
-      let_go(next.number);
-    } else {
-      state_.edges[next.number].queued = kUnreached;
-      set_out(next.number);
-    }
+    if (next.what != Waiting::What::edge) continue;
+    state_.edges[next.number].queued = kUnreached;
+    set_out(next.number);
     if (memory_.entering.size >= kTogether) cross_faces();
     if (poll.stopped()) return;
   }
   if (memory_.entering.size > 0) cross_faces();
+  // After all, for in what order they wait depends on what else has waited in the domain.
+  for (const Waiting& next : memory_.taken) {
+    if (next.what == Waiting::What::bounded_edge) let_go(next.number);
+  }
 }
 
 void Domain::take_in(std::span<Domain> all, Poll& poll) {

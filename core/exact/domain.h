@@ -5,12 +5,13 @@
 // A round has two halves. In the first, windows of the domain's edges that wait, and windows out of
 // its vertices, cross the faces beyond (send_out). What comes of that is kept by whose it will be:
 // lists of windows for edges, and ways to vertices. In the second, each domain takes in what all
-// have for its edges and vertices (take_in). In the first half nobody sees what others do in it;
-// in the second, what comes to one edge or vertex is taken in an order that does not depend on who
-// sends it. So the result does not depend on how many domains there are, nor on what thread works
-// on which.
+// have for its edges and vertices (take_in). In the first half nobody sees what others do in it. In
+// the second, the lists that come to one edge are taken in by an order of their own, and of the
+// ways to a vertex the least is, whoever sent it. So the result does not depend on how many domains
+// there are, nor on what thread works on which.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -161,20 +162,21 @@ struct alignas(128) DomainMemory {
 
   // Room for what the next round may need, as the last one did, so that the computing thread takes
   // it: what a thread that helps takes is not counted as the computation's.
-  void make_ready(Poll& poll) {
-    pool.make_ready(poll);
+  void make_ready(std::size_t domains, Poll& poll) {
+    pool.make_ready(domains, poll);
     const std::size_t wanted = 2 * sent;
     if (sent_windows.size() >= wanted || !poll.may_take(wanted * sizeof(Window))) return;
     sent_windows.resize(wanted);
   }
 };
 
-class Domain {
+// On cache lines of its own, too.
+class alignas(128) Domain {
  public:
   Domain(SharedState& state, DomainMemory& memory, std::size_t number)
       : state_(state), memory_(memory), number_(number) {}
 
-  // Nothing waits, nothing is on its way, of so many domains. Keys will be `least` or more; see
+  // Nothing waits, nothing was sent, of so many domains. Keys will be `least` or more; see
   // BucketQueue.
   void reset(std::size_t domains, double least, double width);
 
@@ -210,8 +212,15 @@ class Domain {
   // Whether a list may have room for so many.
   template <class T>
   [[nodiscard]] bool may_hold(const std::vector<T>& list, std::size_t count) {
-    return count <= list.capacity() || poll_->may_take(count * sizeof(T));
+    return count <= list.capacity() ||
+           poll_->may_take(std::max(count, 2 * list.capacity()) * sizeof(T));
   }
+  // What is refused is left out: the computation stops.
+  template <class T>
+  void add(std::vector<T>& list, const T& value) {
+    if (may_hold(list, list.size() + 1)) list.push_back(value);
+  }
+  void forget_sent();
 
   // exact/set_out.cpp: windows set out from their edges.
   void set_out(std::uint32_t e);

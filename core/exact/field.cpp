@@ -27,7 +27,7 @@ std::uint64_t least_bytes(const Adjacency& adjacency, bool keep_windows) {
       sizeof(double) + sizeof(exact::ArrivalAtVertex) + sizeof(exact::Bends) + sizeof(double);
   const std::uint64_t of_edge = sizeof(exact::Window) + sizeof(VisibleIntervals::Entry);
   return adjacency.mesh().vertex_count() * of_vertex +
-         (keep_windows ? adjacency.report().edges * of_edge : 0);
+         adjacency.report().edges * (sizeof(std::uint32_t) + (keep_windows ? of_edge : 0));
 }
 
 Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
@@ -43,7 +43,8 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   Field field = unreached_field(method, sources, vertex_count);
   Poll poll(cancel);
   for (exact::DomainMemory& domain : scratch.memory->domains) {
-    domain.pool.reset(poll, 1);  // before anybody asks for window_bytes()
+    // Before anybody asks for window_bytes().
+    domain.pool.reset(poll, scratch.memory->domains.size());
   }
   if (poll.stopped()) return fail_stopped(cancel);
   const bool at_vertices = std::all_of(sources.begin(), sources.end(),

@@ -217,15 +217,15 @@ void Domain::hand_list(std::uint32_t e, std::uint64_t order, const FreshList& fr
     const auto begin = fresh.list->begin() + static_cast<std::ptrdiff_t>(fresh.first);
     std::copy_n(begin, fresh.size, sent.begin() + static_cast<std::ptrdiff_t>(memory_.sent));
   }
-  memory_.lists_for[state_.domain_of_edge(e)].push_back(
-      {e, 0, order, memory_.sent, fresh.size, fresh.least});
+  add(memory_.lists_for[state_.domain_of_edge(e)],
+      HandedList{e, 0, order, memory_.sent, fresh.size, fresh.least});
   memory_.sent += fresh.size;
 }
 
 // To the domain of the vertex.
 void Domain::hand_way(std::uint32_t v, double distance, const ArrivalAtVertex& arrival) {
   if (!(distance <= state_.distance[v]) || distance > state_.max) return;
-  memory_.ways_for[state_.domain_of_vertex(v)].push_back({v, distance, arrival});
+  add(memory_.ways_for[state_.domain_of_vertex(v)], HandedWay{v, distance, arrival});
 }
 
 }  // namespace geodesic::exact

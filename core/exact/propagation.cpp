@@ -27,7 +27,7 @@ constexpr std::size_t kBytesOfPseudoSource = sizeof(PseudoSource) + sizeof(doubl
 constexpr double kFewTogether = 256;
 
 std::size_t count_domains(const Triangulation& surface, std::size_t vertices, const Poll& poll) {
-  // There many windows come to one edge at once, and each has to wait for its turn.
+  // Of faces that many share an edge, its domain alone would take in what they all send.
   if (surface.is_crowded || poll.team() == nullptr) return 1;
   return poll.team()->parts_for(kTimesAsLongByWindows * vertices);
 }
@@ -88,7 +88,7 @@ Propagation::Propagation(const Adjacency& adjacency, const Triangulation& surfac
   for (const Source& source : field.sources) least = std::min(least, source.offset);
   for (std::size_t i = 0; i < memory.domains.size(); ++i) {
     DomainMemory& domain = memory.domains[i];
-    domain.pool.reset(poll, count);
+    domain.pool.reset(poll, memory.domains.size());
     if (poll.stopped()) return;
     if (i >= count) continue;
     domains_.emplace_back(state_, domain, i)
@@ -174,9 +174,9 @@ bool Propagation::step() {
   if (domains_.size() > 1) {
     for (DomainMemory& domain : used_memory()) {
       sent_ += domain.sent;
-      domain.make_ready(poll_);
+      domain.make_ready(domains_.size(), poll_);
     }
-    // As many of an edge as until now.
+    // As many windows of each that waits as there were until now.
     const double windows = static_cast<double>(waiting) * sent_ / std::max(1.0, set_out_);
     is_worth_it = windows >= kFewTogether;
     set_out_ += static_cast<double>(waiting);
@@ -255,7 +255,7 @@ bool Propagation::relax_along_edges(Poll& poll) {
 }
 
 void Propagation::drop_windows(Poll& poll) {
-  for (DomainMemory& domain : memory_.domains) domain.pool.reset(poll, domains_.size());
+  for (DomainMemory& domain : memory_.domains) domain.pool.reset(poll, memory_.domains.size());
 }
 
 VisibleIntervals Propagation::visible_intervals(Poll& poll) const {

@@ -8,14 +8,15 @@
 //     corner goes on over both of the other sides: shortest paths do not cross, so
 //     those to its left only go left and those to its right only go right.
 //
-// Every distance here is the length of a real way from a source, so cutting off
-// what is farther than another distance is always right, in whatever order.
+// Every distance here is the length of a real way from a source (with a tolerance: from one of more
+// sources, see below), so cutting off what is farther than another distance is always right, in
+// whatever order.
 //
 // With a tolerance, distances are those of a field with more sources than there are: a
 // vertex that is reached may become one, starting a little earlier than it was reached
 // (bend_at). What its windows then outrun are the many narrow ones that came past it on
 // both sides. More sources only lower a field, so it is never above the true one; and
-// `allowance` says by how much it may be below: a distance and what it is above there make
+// `allowance` says by how much it may be below: a vertex's distance and its allowance add up to
 // the length of a real path. A vertex becomes a source only as far as that sum stays within
 // the tolerance.
 #pragma once
@@ -125,7 +126,7 @@ class Propagation {
   Field& field_;
   SharedState state_;
   std::vector<Domain> domains_;
-  // Windows so far, and edges that they set out from.
+  // Windows that were sent so far, and edges and vertices that waited to send them.
   double sent_ = 0;
   double set_out_ = 0;
 };

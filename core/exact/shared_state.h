@@ -1,6 +1,7 @@
-// What all domains of a propagation know (domain.h). While they send windows out, each reads all of
-// it and changes nothing but its own edges' lists; while they take them in, each changes what is
-// known of its own edges and vertices, and reads of others nothing that is changed then.
+// What the domains of a propagation share (domain.h). While they send windows out, distances,
+// arrivals and upper bounds stay as they are; each domain changes only the lists of its own edges,
+// when its own vertices last sent out windows, and the pseudo-sources that it makes. While they
+// take in, each changes what is known of its own edges and vertices, and reads nothing of others'.
 #pragma once
 
 #include <cstddef>

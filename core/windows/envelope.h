@@ -106,6 +106,7 @@ inline void append(std::vector<Window>& list, const Window& window, PseudoSource
     if (is_continued_by(list.back(), window, pseudo_sources[window.pseudo_source].offset, length)) {
       list.back().end = window.end;
       list.back().at_end = window.at_end;
+      list.back().faces = std::max(list.back().faces, window.faces);
       return;
     }
   }

@@ -4,6 +4,7 @@
 // asked for slabs a few ahead: what it refuses, the computation learns when it polls next.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -61,11 +62,12 @@ class WindowPool {
   [[nodiscard]] std::size_t bytes() const { return slab_ * kSlab * sizeof(Window) + large_bytes_; }
 
   // Slabs for what may soon be asked for, so that the computing thread takes them and not one that
-  // helps it, whose memory nobody counts.
-  void make_ready(Poll& poll) {
-    if (slabs_.size() - slab_ >= kSlabsAhead / 2) return;
-    if (!poll.may_take(kSlabsAhead * kSlab * sizeof(Window))) return;
-    for (std::size_t i = 0; i < kSlabsAhead; ++i) {
+  // helps it, whose memory is asked for afterwards. Of one pool of so many.
+  void make_ready(std::size_t pools, Poll& poll) {
+    const std::size_t ahead = std::max<std::size_t>(2, kSlabsAhead / pools);
+    if (slabs_.size() - slab_ >= ahead / 2) return;
+    if (!poll.may_take(ahead * kSlab * sizeof(Window))) return;
+    for (std::size_t i = 0; i < ahead; ++i) {
       slabs_.push_back(std::make_unique_for_overwrite<Window[]>(kSlab));
     }
   }

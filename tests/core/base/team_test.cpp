@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <random>
 #include <stdexcept>
 #include <string>
@@ -127,6 +128,29 @@ TEST_CASE("AComputationGoesOnAloneWhereThoseWhoHelpAreLate") {
   int done = 0;
   team.run(5, poll, [&done](std::size_t, Poll&) { ++done; });
   CHECK(done == 5);
+}
+
+TEST_CASE("WhatThoseWhoHelpTakeIsAskedForWhenTheStepIsDone") {
+  constexpr std::uint64_t kBytes = 1000;
+  Team team(2);
+  const HelpingThreads helping(team, 1);
+  std::uint64_t most = 0;
+  MemoryBudget budget([&most](std::uint64_t bytes) -> std::optional<Error> {
+    most = std::max(most, bytes);
+    return bytes > 5 * kBytes ? std::optional(Error{ErrorCode::internal, "enough", {}, {}, {}})
+                              : std::nullopt;
+  });
+  const Cancel cancel([] { return false; }, {}, &budget);
+  Poll poll(cancel);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  const auto self = std::this_thread::get_id();
+  while (!poll.stopped() && std::chrono::steady_clock::now() < end) {
+    team.run(2, poll, [self](std::size_t, Poll& asked) {
+      if (std::this_thread::get_id() != self) CHECK(asked.may_take(kBytes));
+    });
+  }
+  CHECK(poll.stopped());
+  CHECK(most == 6 * kBytes);
 }
 
 TEST_CASE("SmallMeshesAreNotDividedUnlessThatIsAskedFor") {

@@ -1,6 +1,7 @@
 // One field on several threads: the same bits, however many there are.
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <random>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "tests/fixtures/crumpled_surfaces.h"
 #include "tests/fixtures/faces_thrown_together.h"
 #include "tests/fixtures/helping_threads.h"
+#include "tests/fixtures/mixed_scales.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/same_adjacency.h"
 #include "tests/fixtures/surface.h"
@@ -144,6 +146,16 @@ TEST_CASE("AFieldHasTheSameBitsOnAnyNumberOfThreads") {
   SUBCASE("of planes, where many ways are as short") {
     check_threads(random, shapes::plane(50, 40), 4);
     check_threads(random, shapes::icosphere(3), 4);
+  }
+  SUBCASE("with edges hundreds of times as long as others") {
+    for (int i = 0; i < 10; ++i) {
+      CAPTURE(i);
+      TriangleSoup soup = shapes::terrain(60, 8, random());
+      fixtures::pull_together(soup, random, 1e-3, 0.5);
+      check_threads(random, soup, 2);
+      check_threads(
+          random, fixtures::star(random, 60, std::exp(12 * fixtures::fraction(random)), false), 2);
+    }
   }
   SUBCASE("of awkward ones") {
     for (int i = 0; i < 60; ++i) {
