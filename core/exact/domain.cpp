@@ -36,8 +36,8 @@ void Domain::begin_round(Poll& poll) {
 
 void Domain::send_out(Poll& poll) {
   begin_round(poll);
-  memory_.vertices_waiting.take(memory_.taken);
-  for (const Waiting& next : memory_.taken) bend_at(next.number);
+  memory_.vertices_waiting.take(memory_.taken_vertices);
+  for (const Waiting& next : memory_.taken_vertices) bend_at(next.number);
   memory_.edges_waiting.take(memory_.taken);
   for (const Waiting& next : memory_.taken) {
     if (next.what != Waiting::What::edge) continue;

@@ -131,6 +131,8 @@ struct alignas(128) DomainMemory {
   WindowPool pool;  // of the edges' windows
   BucketQueue edges_waiting;
   BucketQueue vertices_waiting;
+  // Each queue's, whose memory goes back there.
+  std::vector<Waiting> taken_vertices;
   std::vector<Waiting> taken;
   // The next pseudo-source that the domain may make: there is room for one for each vertex that
   // waits.

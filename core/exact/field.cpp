@@ -30,6 +30,20 @@ std::uint64_t least_bytes(const Adjacency& adjacency, bool keep_windows) {
          adjacency.report().edges * (sizeof(std::uint32_t) + (keep_windows ? of_edge : 0));
 }
 
+Triangulation surface_for(const Adjacency& adjacency, std::span<const Source> sources,
+                          bool keep_windows, Poll& poll) {
+  const bool at_vertices = std::all_of(sources.begin(), sources.end(),
+                                       [](const Source& s) { return s.point.at_vertex(); });
+  // Vertices have the same distances on faces that are better for it.
+  return keep_windows || !at_vertices ? adjacency.triangulation()
+                                      : exact::surface_for_windows(adjacency, sources, poll);
+}
+
+void forget_windows(ExactScratch& scratch, Poll& poll) {
+  std::vector<exact::DomainMemory>& domains = scratch.memory->domains;
+  for (exact::DomainMemory& domain : domains) domain.pool.reset(poll, domains.size());
+}
+
 Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
                                std::span<const Source> sources, double tolerance, bool keep_windows,
                                const FieldLimits& limits, ExactScratch& scratch,
@@ -42,17 +56,9 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   }
   Field field = unreached_field(method, sources, vertex_count);
   Poll poll(cancel);
-  for (exact::DomainMemory& domain : scratch.memory->domains) {
-    // Before anybody asks for window_bytes().
-    domain.pool.reset(poll, scratch.memory->domains.size());
-  }
+  forget_windows(scratch, poll);  // before anybody asks for window_bytes()
   if (poll.stopped()) return fail_stopped(cancel);
-  const bool at_vertices = std::all_of(sources.begin(), sources.end(),
-                                       [](const Source& s) { return s.point.at_vertex(); });
-  // Vertices have the same distances on faces that are better for it.
-  const bool on_mesh = keep_windows || !at_vertices;
-  const Triangulation surface =
-      on_mesh ? adjacency.triangulation() : exact::surface_for_windows(adjacency, sources, poll);
+  const Triangulation surface = surface_for(adjacency, sources, keep_windows, poll);
   exact::Propagation propagation(adjacency, surface, *scratch.memory, field, limits.max, tolerance,
                                  keep_windows, poll);
   if (poll.stopped()) return fail_stopped(cancel);
@@ -109,6 +115,16 @@ Result<Field> exact_field(const Adjacency& adjacency, std::span<const Source> so
   auto field = field_by_windows(Method::exact, adjacency, sources, 0, limits.keep_details, limits,
                                 scratch, cancel);
   return not_below_straight_lines(adjacency.mesh(), std::move(field), limits, cancel);
+}
+
+Result<void> make_ready_for_windows(const Adjacency& adjacency, std::span<const Source> sources,
+                                    ExactScratch& scratch, const Cancel& cancel) {
+  Poll poll(cancel);
+  forget_windows(scratch, poll);
+  const Triangulation surface = surface_for(adjacency, sources, false, poll);
+  if (!poll.stopped()) scratch.memory->shared.frames.build(adjacency, surface, poll);
+  if (poll.stopped()) return fail_stopped(cancel);
+  return {};
 }
 
 Result<Field> field_within(double tolerance, const Adjacency& adjacency,

@@ -61,6 +61,13 @@ struct ExactScratch {
                                         const FieldLimits& limits, ExactScratch& scratch,
                                         const Cancel& cancel);
 
+// Builds in the scratch what field_within needs of the surface without details, so that after this
+// it asks the Cancel as often whatever the scratch was used for before: for who counts questions.
+// Errors: cancelled.
+[[nodiscard]] Result<void> make_ready_for_windows(const Adjacency& adjacency,
+                                                  std::span<const Source> sources,
+                                                  ExactScratch& scratch, const Cancel& cancel);
+
 // The same, but a distance may be above that of the shortest path by at most the part
 // `tolerance` of it, from 0, exact, to 1. Each is the length of a path on the surface. Where
 // the surface is rough or round, this costs a fraction: narrow windows that went past

@@ -60,6 +60,7 @@ class BucketQueue {
   void take(std::vector<Waiting>& taken) {
     std::vector<Waiting>& bucket = ring_[now_ % kBuckets];
     taken.clear();
+    if (bucket.empty()) return;
     std::swap(taken, bucket);
     leave(bucket);
     occupied_[now_ % kBuckets / 64] &= ~(std::uint64_t{1} << (now_ % 64));

@@ -18,6 +18,8 @@ constexpr double kEdges = 2;
 constexpr double kMostVertices = 1000;
 // Of faces so low, of their longest side: on scans stretched 8 times hardly anything is gained.
 constexpr double kLow = 0.05;
+// On larger meshes what is needed of all edges takes as long as a field.
+constexpr std::uint32_t kMostVerticesOfMesh = 250'000;
 // Some milliseconds. Counted in questions, so that the answer depends on nothing else.
 constexpr std::uint64_t kMostQuestions = 500;
 
@@ -29,6 +31,9 @@ Result<std::optional<Field>> field_near_sources(const Adjacency& adjacency,
   const Triangulation surface = adjacency.triangulation();
   // Where many faces meet in an edge, few windows take long.
   if (sources.empty() || surface.is_crowded || !is_of_slivers(surface, kLow)) return std::nullopt;
+  if (adjacency.mesh().vertex_count() > kMostVerticesOfMesh) return std::nullopt;
+  const auto ready = make_ready_for_windows(adjacency, sources, scratch, cancel);
+  if (!ready) return fail(ready.error());
   std::uint64_t questions = 0;
   bool is_too_much = false;
   const Cancel bounded(

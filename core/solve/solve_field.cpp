@@ -90,6 +90,8 @@ Result<Field> field_across_slivers(Bound bound, const Adjacency& adjacency,
     limits.max = kUnreached;
     limits.keep_details = false;
   }
+  const auto ready = make_ready_for_windows(adjacency, sources, scratch.exact, cancel);
+  if (!ready) return fail(ready.error());
   std::uint64_t questions = 0;
   bool is_too_much = false;
   const auto ask = [&] {

@@ -120,6 +120,37 @@ TEST_CASE("APairNearTheSourceIsAsFarAsTheFieldSays") {
   }
 }
 
+// How often windows ask whether to go on decides whether they are too many.
+TEST_CASE("HowOftenWindowsAskDoesNotDependOnEarlierQueries") {
+  std::mt19937 random(fixtures::test_seed());
+  const Surface before(shapes::icosphere(5));
+  for (int i = 0; i < 6; ++i) {
+    CAPTURE(i);
+    const Surface surface(stretched(random));
+    const std::vector<Source> sources = drawn_sources(random, surface);
+    const auto count_questions = [&](ExactScratch& scratch) {
+      REQUIRE(make_ready_for_windows(surface.adjacency(), sources, scratch, Cancel()));
+      std::uint64_t questions = 0;
+      const Cancel counted([&questions] {
+        ++questions;
+        return false;
+      });
+      FieldLimits limits;
+      limits.keep_details = false;
+      REQUIRE(field_within(0, surface.adjacency(), sources, limits, scratch, counted));
+      return questions;
+    };
+    ExactScratch fresh;
+    ExactScratch used;
+    const Source source{point_at_vertex(before.adjacency(), 0), 0};
+    REQUIRE(exact_field(before.adjacency(), {&source, 1}, {}, used, Cancel()));
+    const std::uint64_t expected = count_questions(fresh);
+    CHECK(expected > 0);
+    CHECK(count_questions(fresh) == expected);
+    CHECK(count_questions(used) == expected);
+  }
+}
+
 TEST_CASE("WhereFacesAreNotThinNothingIsComputedTwice") {
   const Surface surface(shapes::terrain(40, 5, 3));
   const Source source{point_at_vertex(surface.adjacency(), 7), 0};
