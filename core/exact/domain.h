@@ -143,7 +143,7 @@ struct alignas(128) DomainMemory {
   // By the side: left and right.
   std::array<PropagatedWindows, 2> beyond;
   std::array<EquidistantPoints, 2> equidistant;
-  std::vector<Window> fresh;  // windows that come to an edge
+  std::vector<Window> fresh;  // a list that is not plain, until it is sent
   std::vector<Window> scratch;
   std::vector<FanFace> fan;
 
@@ -163,7 +163,7 @@ struct alignas(128) DomainMemory {
   std::vector<ComingList> sorting;
 
   // Room for what the next round may need, as the last one did, so that the computing thread takes
-  // it: what a thread that helps takes is not counted as the computation's.
+  // it: what a thread that helps takes is asked for only after the step.
   void make_ready(std::size_t domains, Poll& poll) {
     pool.make_ready(domains, poll);
     const std::size_t wanted = 2 * sent;

@@ -156,7 +156,7 @@ class PairSearch {
     const Vec3 goal = position_of(adjacency.mesh(), to);
     double margin = kMarginPart * guess + margin_edges(method_) * adjacency.report().mean_edge;
     double longest = guess / kAlongEdges;
-    bool is_way = false;  // of that length or a shorter one
+    bool is_way = false;  // whether `longest` is the length of a way
     // The margin doubles until what is within is most of the surface.
     while (!is_most_within(adjacency.mesh(), start, goal, longest + margin)) {
       // A field may be too small to ask on its own.

@@ -283,7 +283,7 @@ int polls_of(const Compute& compute) {
 
 // Windows go no farther than the target. A search for fronts takes a path along edges, and then
 // a margin round it of which windows know nothing: the whole surface.
-// However long and thin the mesh's faces are: by its own edges the way is up to 2.5 times as long.
+// However long and thin the mesh's faces are.
 TEST_CASE("AlongDelaunayEdgesAWayIsLittleLongerThanTheShortest") {
   std::mt19937 random(fixtures::test_seed());
   for (int i = 0; i < 6; ++i) {
