@@ -17,6 +17,15 @@ constexpr int kLarge = 4 << 20;
 
 }  // namespace
 
+void trim_heaps() {
+  // glibc sets up its heaps at the first call that any thread makes, and does not guard that: it
+  // counts on a program that allocates before it starts threads. AddressSanitizer allocates
+  // elsewhere, so that this may be the first call. Two first calls at once end the process.
+  static std::once_flag first;
+  std::call_once(first, [] { ::malloc_trim(0); });
+  ::malloc_trim(0);
+}
+
 MemoryTrimmer::MemoryTrimmer(std::chrono::milliseconds interval) {
   (void)::mallopt(M_MMAP_THRESHOLD, kLarge);
   (void)::mallopt(M_TRIM_THRESHOLD, kLarge);
@@ -42,7 +51,7 @@ void MemoryTrimmer::trim_if_worked() {
   const double worked = now - trimmed_;
   // What little was done after the last trim may have freed a mesh: it is seen to at rest.
   if (worked < kWork && !(rests && worked >= kIdle)) return;
-  ::malloc_trim(0);
+  trim_heaps();
   looked_ = trimmed_ = process_usage().cpu_seconds;  // the trim is no work
 }
 

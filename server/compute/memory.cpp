@@ -14,7 +14,7 @@ thread_local JobMemory* job_here = nullptr;
 constexpr std::int64_t kStep = std::int64_t{1} << 20;
 // A refused job may exceed its limit by so many bytes, to end in order.
 constexpr std::uint64_t kToEnd = std::uint64_t{32} << 20;
-// Returning less than this to the system is not worth a malloc_trim.
+// Returning less than this to the system is not worth trim_heaps().
 constexpr std::int64_t kMuch = std::int64_t{64} << 20;
 
 std::uint64_t not_negative(std::int64_t bytes) {

@@ -1,11 +1,10 @@
 #include "server/compute/pool.h"
 
-#include <malloc.h>
-
 #include <algorithm>
 #include <new>
 
 #include "server/base/cores.h"
+#include "server/base/memory_trimmer.h"
 #include "server/base/run_guarded.h"
 #include "server/base/service_codes.h"
 #include "server/compute/crew.h"
@@ -217,7 +216,7 @@ void ComputePool::work(std::size_t slot) {
     if (worker.has_freed_much) {
       worker.has_freed_much = false;
       lock.unlock();
-      ::malloc_trim(0);  // the C library would keep it for the next job like this one
+      trim_heaps();  // the C library would keep it for the next job like this one
       lock.lock();
     }
     --counts_.running;
@@ -234,7 +233,7 @@ void ComputePool::forget_kept(Worker& worker, Lock& lock) {
     forget_(worker);
     worker.memory->keep(0);
   });
-  ::malloc_trim(0);
+  trim_heaps();
   lock.lock();
   --forgetting_;
   worker.has_freed_much = false;
