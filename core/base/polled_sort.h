@@ -9,12 +9,12 @@
 
 namespace geodesic {
 
-// As std::sort(values.begin() + begin, values.begin() + end, before), and in no more
-// than n log n steps whatever the values; in no order if the poll says to stop.
+// As std::sort(values.begin() + begin, values.begin() + end, before) on a vector or a span of T,
+// and in no more than n log n steps whatever the values; in no order if the poll says to stop.
 // Runs that a core sorts in a millisecond are sorted by the library, then merged in
 // pairs through `spare`, which grows as needed.
-template <class T, class Before>
-void polled_sort(std::vector<T>& values, std::size_t begin, std::size_t end, Before before,
+template <class Values, class T, class Before>
+void polled_sort(Values& values, std::size_t begin, std::size_t end, Before before,
                  std::vector<T>& spare, Poll& poll) {
   constexpr std::size_t kRun = 8192;
   const std::size_t count = end - begin;
@@ -43,7 +43,7 @@ void polled_sort(std::vector<T>& values, std::size_t begin, std::size_t end, Bef
     std::swap(from, to);
   }
   if (from == spare.data()) {
-    std::copy(from, from + count, values.begin() + static_cast<std::ptrdiff_t>(begin));
+    std::copy(from, from + count, values.data() + begin);
   }
 }
 

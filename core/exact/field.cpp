@@ -96,13 +96,10 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   double farthest = limits.targets.empty() ? kUnreached : 0;
   for (const std::uint32_t v : limits.targets) farthest = std::max(farthest, field.distance[v]);
   field.forget_beyond(std::min(farthest, limits.max));
-  VisibleIntervals intervals;
-  if (keep_windows) intervals = propagation.visible_intervals(poll);
-  propagation.drop_windows(poll);
   if (keep_windows) {
-    field.windows =
-        std::make_shared<const WindowTable>(adjacency.faces().size(), std::move(intervals), poll);
+    field.windows = std::make_shared<const WindowTable>(propagation.visible_intervals(poll));
   }
+  propagation.drop_windows(poll);
   if (poll.stopped()) return fail_stopped(cancel);
   field.count_reached();
   return field;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/large_array.h"
+#include "core/base/polled_fill.h"
 #include "core/base/team.h"
 #include "core/base/tolerances.h"
 #include "core/exact/field.h"
@@ -258,31 +260,53 @@ void Propagation::drop_windows(Poll& poll) {
   for (DomainMemory& domain : memory_.domains) domain.pool.reset(poll, memory_.domains.size());
 }
 
-VisibleIntervals Propagation::visible_intervals(Poll& poll) const {
-  VisibleIntervals intervals(poll.memory());
-  for (std::uint32_t e = 0; e < state_.edges.size() && !poll.stopped(); ++e) {
-    if (!state_.keeps_windows_on(e)) continue;
-    const Edge& edge = state_.edges[e];
-    const double length = state_.frames().edge(e).length;
-    for (std::uint32_t i = 0; i < edge.size && !poll.cancelled(); ++i) {
-      const Window& w = edge.windows[i];
-      const PseudoSource& pseudo_source = memory_.shared.pseudo_sources[w.pseudo_source];
-      // What a window leads along is the length of a path, as raise_to_paths makes vertices'.
-      const double offset = pseudo_source.offset + pseudo_source.allowance;
-      for (Halfedge h = state_.surface.ring(w.from); h != w.from && !poll.cancelled();
-           h = state_.surface.ring(h)) {
-        if (state_.keeps_some && !state_.keep_of[face_of(h)]) continue;
-        if (state_.frames().is_reversed(h)) {
-          intervals.add(h, {length - w.end, length - w.begin, length - w.x, w.y, offset,
-                            pseudo_source.vertex, pseudo_source.source});
-        } else {
-          intervals.add(
-              h, {w.begin, w.end, w.x, w.y, offset, pseudo_source.vertex, pseudo_source.source});
-        }
-      }
-    }
+WindowTable Propagation::visible_intervals(Poll& poll) const {
+  constexpr std::size_t kAhead = 4;  // edges whose windows are fetched before their turn
+  const std::span<const FaceRecord> faces = state_.surface.faces;
+  const auto keeps = [&](std::uint32_t f) { return !state_.keeps_some || state_.keep_of[f]; };
+  // At most: a window sees into every face at its edge but the one that it came over.
+  std::uint64_t room = 0;
+  for (std::uint32_t f = 0; f < faces.size() && !poll.cancelled(); ++f) {
+    if (!keeps(f)) continue;
+    for (const std::uint32_t e : state_.frames().face(f).edge) room += state_.edges[e].size;
   }
-  return intervals;
+  for (std::uint32_t e = 0; e < state_.edges.size() && !poll.cancelled(); ++e) {
+    if (!state_.keeps_some) room -= state_.edges[e].size;
+  }
+  std::vector<WindowTable::Part> parts;
+  polled_assign(parts, 4 * faces.size(), WindowTable::Part{}, poll);
+  LargeArray<VisibleInterval> intervals(room, poll);
+  std::uint64_t count = 0;
+  for (std::uint32_t e = 0; e < state_.edges.size() && !poll.cancelled(); ++e) {
+    if (e + kAhead < state_.edges.size()) __builtin_prefetch(state_.edges[e + kAhead].windows);
+    const Edge& edge = state_.edges[e];
+    if (edge.size == 0 || !state_.keeps_windows_on(e)) continue;
+    Halfedge h = edge.first;
+    do {
+      if (keeps(face_of(h))) {
+        const std::uint64_t begin = count;
+        for (std::uint32_t i = 0; i < edge.size; ++i) {
+          const Window& w = edge.windows[state_.frames().is_reversed(h) ? edge.size - 1 - i : i];
+          if (w.from != h) intervals[count++] = visible_interval(w, edge, h);
+        }
+        parts[h] = {begin, count - begin};
+      }
+      h = state_.surface.ring(h);
+    } while (h != edge.first && !poll.cancelled_after(edge.size));
+  }
+  return {std::move(parts), std::move(intervals)};
+}
+
+// A window of the edge, as the face of one of its halfedges has it.
+VisibleInterval Propagation::visible_interval(const Window& w, const Edge& edge, Halfedge h) const {
+  const PseudoSource& pseudo_source = memory_.shared.pseudo_sources[w.pseudo_source];
+  // What a window leads along is the length of a path, as raise_to_paths makes vertices'.
+  const double offset = pseudo_source.offset + pseudo_source.allowance;
+  if (state_.frames().is_reversed(h)) {
+    return {edge.length - w.end,  edge.length - w.begin, edge.length - w.x, w.y, offset,
+            pseudo_source.vertex, pseudo_source.source};
+  }
+  return {w.begin, w.end, w.x, w.y, offset, pseudo_source.vertex, pseudo_source.source};
 }
 
 }  // namespace geodesic::exact

@@ -96,8 +96,8 @@ class Propagation {
   void raise_to_paths(Poll& poll);
 
   // The windows left, for each face that they see into and that has all of its own; with a
-  // tolerance their ways are raised to paths, too. Not all of them if the poll says to stop.
-  [[nodiscard]] VisibleIntervals visible_intervals(Poll& poll) const;
+  // tolerance their ways are raised to paths, too. Of no use if the poll says to stop.
+  [[nodiscard]] WindowTable visible_intervals(Poll& poll) const;
 
   // Gives the windows' memory back: the last thing to do. Not all if the poll says to stop.
   void drop_windows(Poll& poll);
@@ -115,6 +115,8 @@ class Propagation {
   [[nodiscard]] std::span<DomainMemory> used_memory() {
     return std::span(memory_.domains).first(domains_.size());
   }
+  [[nodiscard]] VisibleInterval visible_interval(const Window& w, const Edge& edge,
+                                                 Halfedge h) const;
   // Does `work(domain, poll)` for each domain, by whoever is there where that is worth it. It
   // captures what Team::run says.
   template <class Work>

@@ -14,35 +14,38 @@ constexpr std::size_t kWindowsAStep = 16;
 }  // namespace
 
 WindowTable::WindowTable(std::size_t face_count, VisibleIntervals windows, Poll& poll) {
-  const std::size_t count = windows.size();
-  polled_assign(begin_, 4 * face_count + 1, std::uint64_t{0}, poll);
-  polled_assign(windows_, count, VisibleInterval{}, poll);
+  polled_assign(parts_, 4 * face_count, Part{}, poll);
+  windows_ = LargeArray<VisibleInterval>(windows.size(), poll);
   if (poll.stopped()) return;
-  // First where those of each halfedge end. Filled in backwards, that becomes where
-  // they begin, and they keep their order.
   windows.for_each([&](const VisibleIntervals::Entry& entry) {
-    ++begin_[entry.first];
+    ++parts_[entry.first].count;
     return !poll.cancelled();
   });
-  for (std::size_t h = 1; h < begin_.size() && !poll.cancelled(); ++h) begin_[h] += begin_[h - 1];
-  if (poll.stopped()) return;
+  // First where those of each halfedge end. Filled in backwards, that becomes where
+  // they begin, and they keep their order.
+  std::uint64_t end = 0;
+  for (Part& part : parts_) {
+    if (poll.cancelled()) return;
+    part.begin = end += part.count;
+  }
   windows.take_backwards([&](const VisibleIntervals::Entry& entry) {
-    windows_[--begin_[entry.first]] = entry.second;
+    windows_[--parts_[entry.first].begin] = entry.second;
     return !poll.cancelled();
   });
   std::vector<VisibleInterval> spare;
-  for (std::size_t h = 0; h + 1 < begin_.size(); ++h) {
-    if (poll.cancelled_after(1 + (begin_[h + 1] - begin_[h]) / kWindowsAStep)) return;
+  std::span<VisibleInterval> sorted = windows_.all();
+  for (const auto& [begin, count] : parts_) {
+    if (poll.cancelled_after(1 + count / kWindowsAStep)) return;
     polled_sort(
-        windows_, begin_[h], begin_[h + 1],
+        sorted, begin, begin + count,
         [](const VisibleInterval& a, const VisibleInterval& b) { return a.begin < b.begin; }, spare,
         poll);
   }
 }
 
 std::size_t WindowTable::bytes() const {
-  return sizeof(WindowTable) + begin_.capacity() * sizeof(std::uint64_t) +
-         windows_.capacity() * sizeof(VisibleInterval);
+  return sizeof(WindowTable) + parts_.capacity() * sizeof(Part) +
+         windows_.size() * sizeof(VisibleInterval);
 }
 
 }  // namespace geodesic

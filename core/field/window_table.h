@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/cancel.h"
+#include "core/base/large_array.h"
 #include "core/surface/adjacency.h"
 
 namespace geodesic {
@@ -98,19 +99,28 @@ class VisibleIntervals {
 
 class WindowTable {
  public:
+  // Where a halfedge's windows are among all of them.
+  struct Part {
+    std::uint64_t begin = 0;
+    std::uint64_t count = 0;
+  };
+
   // Sorts them by halfedge and then by `begin`. Of no use if the poll says to stop.
   WindowTable(std::size_t face_count, VisibleIntervals windows, Poll& poll);
+  // Of windows that are sorted by `begin` within each halfedge's part.
+  WindowTable(std::vector<Part> parts, LargeArray<VisibleInterval> windows)
+      : parts_(std::move(parts)), windows_(std::move(windows)) {}
 
   // The windows into a halfedge's face.
   [[nodiscard]] std::span<const VisibleInterval> into(Halfedge h) const {
-    return {windows_.data() + begin_[h], begin_[h + 1] - begin_[h]};
+    return windows_.all().subspan(parts_[h].begin, parts_[h].count);
   }
   [[nodiscard]] std::size_t size() const { return windows_.size(); }
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  std::vector<std::uint64_t> begin_;  // 4 * face_count + 1, by halfedge
-  std::vector<VisibleInterval> windows_;
+  std::vector<Part> parts_;  // 4 * face_count, by halfedge
+  LargeArray<VisibleInterval> windows_;
 };
 
 }  // namespace geodesic

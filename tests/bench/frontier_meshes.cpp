@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <utility>
 
 #include "core/mesh/shapes.h"
@@ -13,11 +14,15 @@
 namespace geodesic::bench {
 namespace {
 
-constexpr Aim kScan{2e-4, 2, 25};
-constexpr Aim kSphere{2e-4, 2, 50};
-constexpr Aim kStretched{3e-4, 2.5, 25};
-constexpr Aim kBumpy{5e-4, 3, 25};
-constexpr Aim kSlivers{2e-3, 3, 50};
+constexpr double kNoAim = std::numeric_limits<double>::infinity();
+constexpr Aim kScan{1e-4, 1e-3, 3e-3, 1.5, 6, 15};
+// Half of what `exact` took before.
+constexpr Aim kSphere{1e-4, 1e-3, 3e-3, 1.5, 6, 110};
+// As on any surface of a family (family.h).
+constexpr Aim kAwkward{5e-4, kNoAim, 1e-2, 4, 6, 60};
+// 0.6 and 0.4 of it.
+constexpr Aim kBumpy{1e-4, 1e-3, 3e-3, 1.5, 6, 37};
+constexpr Aim kSmooth{1e-4, 1e-3, 3e-3, 1.5, 6, 122};
 
 // As steep whatever its size; the paper's wavefront is 0.7 % off on a million vertices.
 TriangleSoup bumpy_plane(std::uint32_t count) {
@@ -29,15 +34,15 @@ TriangleSoup bumpy_plane(std::uint32_t count) {
 std::vector<FrontierMesh> frontier_meshes(bool quick) {
   std::vector<FrontierMesh> meshes;
   for (Subject& scan : scanned_subjects()) {
-    FrontierMesh stretch{scan.title + ", stretched", stretched(scan.soup, 8), kStretched};
+    FrontierMesh stretch{scan.title + ", stretched", stretched(scan.soup, 8), kAwkward};
     meshes.push_back({scan.title, std::move(scan.soup), kScan, true});
     meshes.push_back(std::move(stretch));
   }
   meshes.push_back({"icosphere of 163,842", shapes::icosphere(7), kSphere});
   meshes.push_back({"bumpy plane of 90,000", bumpy_plane(90'000), kBumpy});
-  meshes.push_back({"terrain of 90,000", shapes::terrain(300, 20, 1), kBumpy});
+  meshes.push_back({"terrain of 90,000", shapes::terrain(300, 20, 1), kScan});
   // 0.003 by 0.5: 160 times as long as wide.
-  meshes.push_back({"cylinder of slivers", cylinder(2000, 20, 10), kSlivers});
+  meshes.push_back({"cylinder of slivers", cylinder(2000, 20, 10), kAwkward});
   const Holes holes = holes_of_the_paper(Scale::full);
   meshes.push_back(
       {"plane with holes", shapes::plane_with_holes(holes.side, holes.side, holes.three), kScan});
@@ -53,7 +58,7 @@ std::vector<FrontierMesh> frontier_meshes(bool quick) {
   meshes.push_back(std::move(million));
   meshes.push_back(std::move(other));
   // Smoother: a line from the source meets few bends, and an edge has more windows.
-  meshes.push_back({"terrain of 1,000,000", shapes::terrain(1000, 20, 1), kBumpy, false, true});
+  meshes.push_back({"terrain of 1,000,000", shapes::terrain(1000, 20, 1), kSmooth, false, true});
   return meshes;
 }
 

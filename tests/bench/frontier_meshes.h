@@ -9,9 +9,13 @@
 
 namespace geodesic::bench {
 
+// At most so much.
 struct Aim {
   double mean;            // of the default's relative error
+  double p999;            // its 99.9th percentile; infinite: no aim
+  double max;             // the largest
   double over_yardstick;  // of the default's time
+  double upper;           // of the time for `bound=upper`
   double exact;           // of exact's time
 };
 

@@ -15,7 +15,8 @@
 namespace geodesic::bench {
 namespace {
 
-constexpr double kMostOfAField = 0.25;
+constexpr double kMostOfAField = 0.25;   // at the median
+constexpr double kMostOfASlowOne = 0.6;  // at the 90th percentile
 
 struct PairMethod {
   Method method;
@@ -74,9 +75,10 @@ void print_row(const FrontierMesh& mesh, const Prepared& prepared, const PairMet
   }
   std::sort(ratios.begin(), ratios.end());
   const double median = ratios[ratios.size() / 2];
-  std::printf("| %s | %s | %.0f %% | %.0f %% | %s | %zu of %zu | %.0e | %s |\n", mesh.title.c_str(),
-              by.name, 100 * median, 100 * ratios[ratios.size() * 9 / 10],
-              median <= kMostOfAField ? "yes" : "**no**", same, pairs, worst,
+  const double slow = ratios[ratios.size() * 9 / 10];
+  std::printf("| %s | %s | %.0f %% | %s | %.0f %% | %s | %zu of %zu | %.0e | %s |\n",
+              mesh.title.c_str(), by.name, 100 * median, median <= kMostOfAField ? "yes" : "**no**",
+              100 * slow, slow <= kMostOfASlowOne ? "yes" : "**no**", same, pairs, worst,
               worst <= by.off ? "yes" : "**no**");
   std::fflush(stdout);
 }
@@ -85,9 +87,10 @@ void print_row(const FrontierMesh& mesh, const Prepared& prepared, const PairMet
 
 void print_pairs(const std::vector<FrontierMesh>& meshes, bool quick) {
   std::puts(
-      "\n### 6. One pair, of a whole field's time\n\n| mesh | method | median | 90th percentile | "
-      "at most 25 % | with the same bits | else off by | the same answer "
-      "|\n|---|---|--:|--:|---|--:|--:|---|");
+      "\n### 6. One pair, of a whole field's time\n\n| mesh | method | median | at most 25 % | "
+      "90th "
+      "percentile | at most 60 % | with the same bits | else off by | the same answer "
+      "|\n|---|---|--:|---|--:|---|--:|--:|---|");
   for (const FrontierMesh& mesh : meshes) {
     if (mesh.large) continue;
     const Prepared prepared(mesh.soup);

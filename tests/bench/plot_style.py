@@ -90,8 +90,8 @@ def place_labels(axes, points):
         taken.append(words_of(best))
 
 
-def draw_error_against_time(rows, path, title, others=()):
-    """rows: (method, mesh, time over dijkstra, mean relative error). A large dot is a
+def draw_error_against_time(rows, path, title, others=(), yardstick="dijkstra's"):
+    """rows: (method, mesh, time in those of the yardstick, mean relative error). A large dot is a
     method's medians over the meshes, a small one a single mesh. `others` are
     drawn as squares: the methods that are not ours."""
     figure, axes = plt.subplots(figsize=(9, 6.2))
@@ -119,7 +119,7 @@ def draw_error_against_time(rows, path, title, others=()):
     axes.text(0.01, 45 * ROUNDING, "exact up to rounding", va="top", color="0.4", fontsize=9,
               transform=axes.get_yaxis_transform())
     axes.xaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
-    axes.set_xlabel("time, as a multiple of dijkstra's in the same run")
+    axes.set_xlabel(f"time, as a multiple of {yardstick} in the same run")
     axes.set_ylabel("mean relative error, %")
     axes.grid(True, which="major", color="0.9", lw=0.6)
     axes.set_axisbelow(True)

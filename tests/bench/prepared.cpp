@@ -22,9 +22,9 @@ Prepared::Prepared(const TriangleSoup& soup) {
 }
 
 Field Prepared::solve(Method method, std::uint32_t source_vertex, SolveScratch& scratch,
-                      const MethodOptions& options) const {
+                      const MethodOptions& options, const FieldLimits& limits) const {
   const Source source = source_at(source_vertex);
-  auto field = solve_field(method, options, *adjacency_, {&source, 1}, {}, scratch, Cancel());
+  auto field = solve_field(method, options, *adjacency_, {&source, 1}, limits, scratch, Cancel());
   if (!field) give_up(std::string(proto::name_of(method)) + ": " + field.error().detail);
   return std::move(*field);
 }

@@ -35,7 +35,8 @@ class Prepared {
 
   // A method's distances from a source vertex. Gives up when the method fails.
   [[nodiscard]] Field solve(Method method, std::uint32_t source_vertex, SolveScratch& scratch,
-                            const MethodOptions& options = {}) const;
+                            const MethodOptions& options = {},
+                            const FieldLimits& limits = {}) const;
   [[nodiscard]] Field solve(Method method, std::uint32_t source_vertex = 0) const {
     SolveScratch scratch;
     return solve(method, source_vertex, scratch);

@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -386,11 +387,12 @@ TEST_CASE("PreparationsAskAsOften") {
   CHECK(index.asked >= face_count() / kMost);
 }
 
-// What is left on the edges is sorted after the last vertex is final.
+// What is left on the edges is read into a table after the last vertex is final; `chen_han` sorts
+// it, too.
 TEST_CASE("WhatComesAfterTheLastVertexAsksAsOften") {
   constexpr std::size_t kMost = 4096;
-  for (const auto& [method, max] :
-       {std::pair{Method::exact, 60.0}, std::pair{Method::chen_han, 40.0}}) {
+  for (const auto& [method, max, times] :
+       {std::tuple{Method::exact, 60.0, 2U}, {Method::chen_han, 40.0, 3U}}) {
     Listener whole;
     SolveScratch scratch;
     FieldLimits limits;
@@ -401,7 +403,7 @@ TEST_CASE("WhatComesAfterTheLastVertexAsksAsOften") {
     REQUIRE(field);
     REQUIRE(field->windows);
     const std::size_t after = whole.asked - whole.asked_before.back();
-    CHECK(after >= (3 * field->windows->size() + 4 * face_count()) / kMost - 1);
+    CHECK(after >= (times * field->windows->size() + 4 * face_count()) / kMost - 1);
   }
 }
 
