@@ -19,15 +19,18 @@ std::size_t ExactScratch::window_bytes() const { return memory->window_bytes(); 
 
 namespace {
 
-// What a whole field takes at the least besides edges and faces, which ask for themselves: of a
-// vertex its distance and what is known of its ways; of an edge, where windows are kept, one in
-// the front's memory and one on either side in the table.
-std::uint64_t least_bytes(const Adjacency& adjacency, bool keep_windows) {
+// What a whole field takes on a surface of one piece, besides edges and faces, which ask for
+// themselves: of a vertex its distance and what is known of its ways; where windows are kept, at
+// least one on each edge between faces, in the front's memory and in the table.
+std::uint64_t expected_bytes(const Adjacency& adjacency, bool keep_windows) {
   const std::uint64_t of_vertex =
       sizeof(double) + sizeof(exact::ArrivalAtVertex) + sizeof(exact::Bends) + sizeof(double);
-  const std::uint64_t of_edge = sizeof(exact::Window) + sizeof(VisibleIntervals::Entry);
-  return adjacency.mesh().vertex_count() * of_vertex +
-         adjacency.report().edges * (sizeof(std::uint32_t) + (keep_windows ? of_edge : 0));
+  const TopologyReport& report = adjacency.report();
+  const std::uint64_t of_windows =
+      (report.edges - report.edges_boundary) * (sizeof(exact::Window) + sizeof(VisibleInterval)) +
+      4 * adjacency.faces().size() * sizeof(WindowTable::Part);
+  return adjacency.mesh().vertex_count() * of_vertex + report.edges * sizeof(std::uint32_t) +
+         (keep_windows ? of_windows : 0);
 }
 
 Triangulation surface_for(const Adjacency& adjacency, std::span<const Source> sources,
@@ -51,7 +54,7 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   const std::size_t vertex_count = adjacency.mesh().vertex_count();
   const bool is_whole = limits.targets.empty() && limits.max == kUnreached;
   const bool keeps_all = keep_windows && limits.detail_faces.empty();
-  if (is_whole && !cancel.may_take(least_bytes(adjacency, keeps_all))) {
+  if (is_whole && !cancel.may_take(expected_bytes(adjacency, keeps_all))) {
     return fail_stopped(cancel);
   }
   Field field = unreached_field(method, sources, vertex_count);
@@ -97,7 +100,7 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   for (const std::uint32_t v : limits.targets) farthest = std::max(farthest, field.distance[v]);
   field.forget_beyond(std::min(farthest, limits.max));
   if (keep_windows) {
-    field.windows = std::make_shared<const WindowTable>(propagation.visible_intervals(poll));
+    field.windows = std::make_shared<const WindowTable>(propagation.window_table(poll));
   }
   propagation.drop_windows(poll);
   if (poll.stopped()) return fail_stopped(cancel);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 #include "core/base/large_array.h"
 #include "core/base/polled_fill.h"
@@ -260,31 +261,36 @@ void Propagation::drop_windows(Poll& poll) {
   for (DomainMemory& domain : memory_.domains) domain.pool.reset(poll, memory_.domains.size());
 }
 
-WindowTable Propagation::visible_intervals(Poll& poll) const {
+WindowTable Propagation::window_table(Poll& poll) const {
   constexpr std::size_t kAhead = 4;  // edges whose windows are fetched before their turn
   const std::span<const FaceRecord> faces = state_.surface.faces;
   const auto keeps = [&](std::uint32_t f) { return !state_.keeps_some || state_.keep_of[f]; };
-  // At most: a window sees into every face at its edge but the one that it came over.
+  // Room for all, and some more where only some faces keep theirs: a window sees into every face at
+  // its edge but the one that it came over.
   std::uint64_t room = 0;
   for (std::uint32_t f = 0; f < faces.size() && !poll.cancelled(); ++f) {
     if (!keeps(f)) continue;
     for (const std::uint32_t e : state_.frames().face(f).edge) room += state_.edges[e].size;
   }
-  for (std::uint32_t e = 0; e < state_.edges.size() && !poll.cancelled(); ++e) {
-    if (!state_.keeps_some) room -= state_.edges[e].size;
+  if (!state_.keeps_some) {
+    for (std::uint32_t e = 0; e < state_.edges.size() && !poll.cancelled(); ++e) {
+      room -= state_.edges[e].size;
+    }
   }
+  if (!poll.stopped() && room > WindowTable::kMostWindows) throw std::bad_alloc();
   std::vector<WindowTable::Part> parts;
   polled_assign(parts, 4 * faces.size(), WindowTable::Part{}, poll);
   LargeArray<VisibleInterval> intervals(room, poll);
-  std::uint64_t count = 0;
+  std::uint32_t count = 0;
   for (std::uint32_t e = 0; e < state_.edges.size() && !poll.cancelled(); ++e) {
+    if (!state_.keeps_windows_on(e)) continue;
     if (e + kAhead < state_.edges.size()) __builtin_prefetch(state_.edges[e + kAhead].windows);
     const Edge& edge = state_.edges[e];
-    if (edge.size == 0 || !state_.keeps_windows_on(e)) continue;
+    if (edge.size == 0) continue;
     Halfedge h = edge.first;
     do {
       if (keeps(face_of(h))) {
-        const std::uint64_t begin = count;
+        const std::uint32_t begin = count;
         for (std::uint32_t i = 0; i < edge.size; ++i) {
           const Window& w = edge.windows[state_.frames().is_reversed(h) ? edge.size - 1 - i : i];
           if (w.from != h) intervals[count++] = visible_interval(w, edge, h);

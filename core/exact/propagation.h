@@ -95,9 +95,10 @@ class Propagation {
   // most that part. The last thing to ask. Incomplete if the poll says to stop.
   void raise_to_paths(Poll& poll);
 
-  // The windows left, for each face that they see into and that has all of its own; with a
-  // tolerance their ways are raised to paths, too. Of no use if the poll says to stop.
-  [[nodiscard]] WindowTable visible_intervals(Poll& poll) const;
+  // The windows left on the edges, by the halfedges into whose faces they see: of all faces, or of
+  // those that keep theirs. With a tolerance their ways are raised to paths, too. Of no use if the
+  // poll says to stop.
+  [[nodiscard]] WindowTable window_table(Poll& poll) const;
 
   // Gives the windows' memory back: the last thing to do. Not all if the poll says to stop.
   void drop_windows(Poll& poll);

@@ -1,6 +1,8 @@
 #include "core/field/window_table.h"
 
 #include <algorithm>
+#include <new>
+#include <span>
 
 #include "core/base/polled_fill.h"
 #include "core/base/polled_sort.h"
@@ -14,6 +16,7 @@ constexpr std::size_t kWindowsAStep = 16;
 }  // namespace
 
 WindowTable::WindowTable(std::size_t face_count, VisibleIntervals windows, Poll& poll) {
+  if (windows.size() > kMostWindows) throw std::bad_alloc();
   polled_assign(parts_, 4 * face_count, Part{}, poll);
   windows_ = LargeArray<VisibleInterval>(windows.size(), poll);
   if (poll.stopped()) return;
@@ -23,7 +26,7 @@ WindowTable::WindowTable(std::size_t face_count, VisibleIntervals windows, Poll&
   });
   // First where those of each halfedge end. Filled in backwards, that becomes where
   // they begin, and they keep their order.
-  std::uint64_t end = 0;
+  std::uint32_t end = 0;
   for (Part& part : parts_) {
     if (poll.cancelled()) return;
     part.begin = end += part.count;
@@ -33,11 +36,11 @@ WindowTable::WindowTable(std::size_t face_count, VisibleIntervals windows, Poll&
     return !poll.cancelled();
   });
   std::vector<VisibleInterval> spare;
-  std::span<VisibleInterval> sorted = windows_.all();
+  std::span<VisibleInterval> all = windows_.all();
   for (const auto& [begin, count] : parts_) {
     if (poll.cancelled_after(1 + count / kWindowsAStep)) return;
     polled_sort(
-        sorted, begin, begin + count,
+        all, begin, std::size_t{begin} + count,
         [](const VisibleInterval& a, const VisibleInterval& b) { return a.begin < b.begin; }, spare,
         poll);
   }

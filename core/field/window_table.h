@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -99,15 +100,17 @@ class VisibleIntervals {
 
 class WindowTable {
  public:
-  // Where a halfedge's windows are among all of them.
+  // Where a halfedge's windows are among all of them, of which there are no more than numbers.
   struct Part {
-    std::uint64_t begin = 0;
-    std::uint64_t count = 0;
+    std::uint32_t begin = 0;
+    std::uint32_t count = 0;
   };
+  static constexpr std::uint64_t kMostWindows = std::numeric_limits<std::uint32_t>::max();
 
-  // Sorts them by halfedge and then by `begin`. Of no use if the poll says to stop.
+  // Sorts them by halfedge and then by `begin`. Of no use if the poll says to stop. Throws
+  // std::bad_alloc if there are more than kMostWindows.
   WindowTable(std::size_t face_count, VisibleIntervals windows, Poll& poll);
-  // Of windows that are sorted by `begin` within each halfedge's part.
+  // Of windows that are there already; not all of them need be in a part.
   WindowTable(std::vector<Part> parts, LargeArray<VisibleInterval> windows)
       : parts_(std::move(parts)), windows_(std::move(windows)) {}
 

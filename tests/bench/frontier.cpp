@@ -369,7 +369,7 @@ void print_frontier(const FrontierOptions& options) {
       "|\n|---|--:|--:|--:|--:|--:|---|");
   for (std::size_t i = 0; i < meshes.size(); ++i) print_within(meshes[i], rows[i]);
   std::puts(
-      "\n### 4 and 5. `exact`, and preparing\n\n| mesh | exact, y | aim | | MB | million vertices: "
+      "\n### 4 and 5. `exact`, and preparing\n\n| mesh | exact, y | aim | | MB | large: "
       "below 400 | weld, connect, order and cut, y | at most 6 | bytes a vertex | at most 200 "
       "|\n|---|--:|--:|---|--:|---|--:|---|--:|---|");
   for (std::size_t i = 0; i < meshes.size(); ++i) print_exact(meshes[i], rows[i]);

@@ -328,7 +328,7 @@ TEST_CASE("WindowsWithinATolerancePromiseAsVerticesDo") {
       }
     } while (propagation.relax_along_edges(poll));
     propagation.raise_to_paths(poll);
-    field.windows = std::make_shared<const WindowTable>(propagation.visible_intervals(poll));
+    field.windows = std::make_shared<const WindowTable>(propagation.window_table(poll));
     for (int i = 0; i < 30; ++i) {
       const SurfacePoint to = random_point(surface, random);
       const Truth truth = truly.at(to);
