@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "proto/encode/encode_mesh.h"
 #include "proto/encode/glb_drawing.h"
@@ -56,9 +57,14 @@ class GlbWriter {
     json primitive{{"mode", static_cast<int>(part.mode)}};
     primitive["attributes"]["POSITION"] = add_positions(part.positions);
     if (!part.colours.empty()) primitive["attributes"]["COLOR_0"] = add_colours(part.colours);
+    if (!part.texture.empty()) {
+      primitive["attributes"]["TEXCOORD_0"] = add_texture_coordinates(part.texture);
+    }
     if (!part.indices.empty()) primitive["indices"] = add_indices(part.indices);
     if (!part.colours.empty() || part.mode == GlbPart::Mode::line_strip) {
       primitive["material"] = unlit_material();
+    } else if (!part.texture.empty()) {
+      primitive["material"] = textured_material();
     }
     const std::size_t mesh = document_["meshes"].size();
     document_["meshes"].push_back({{"name", part.name}, {"primitives", json::array({primitive})}});
@@ -141,6 +147,18 @@ class GlbWriter {
                          {"type", "VEC4"}});
   }
 
+  std::size_t add_texture_coordinates(const std::vector<std::array<float, 2>>& coordinates) {
+    const std::size_t begin = binary_.size();
+    for (const auto& [u, v] : coordinates) {
+      if (is_stopped()) break;
+      append_u32(binary_, bits_of(u));
+      append_u32(binary_, bits_of(v));
+    }
+    return add_accessor(
+        begin, kArrayBuffer,
+        {{"componentType", kFloat}, {"count", coordinates.size()}, {"type", "VEC2"}});
+  }
+
   std::size_t add_indices(const std::vector<std::uint32_t>& indices) {
     const std::size_t begin = binary_.size();
     for (const std::uint32_t index : indices) {
@@ -152,20 +170,30 @@ class GlbWriter {
         {{"componentType", kUnsignedInt}, {"count", indices.size()}, {"type", "SCALAR"}});
   }
 
-  int unlit_material() {
-    if (!document_.contains("materials")) {
-      document_["extensionsUsed"] = {"KHR_materials_unlit"};
-      document_["materials"] = json::array(
-          {{{"name", "unlit"},
-            {"doubleSided", true},
-            {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 1}}, {"metallicFactor", 0}}},
-            {"extensions", {{"KHR_materials_unlit", json::object()}}}}});
+  std::size_t unlit_material() {
+    document_["extensionsUsed"] = {"KHR_materials_unlit"};
+    return add_material(
+        unlit_, {{"name", "unlit"}, {"extensions", {{"KHR_materials_unlit", json::object()}}}});
+  }
+
+  // Without a material, readers drop texture coordinates.
+  std::size_t textured_material() { return add_material(textured_, {{"name", "textured"}}); }
+
+  // White on both sides; its number, once it is there.
+  std::size_t add_material(std::optional<std::size_t>& number, json material) {
+    if (!number) {
+      number = document_["materials"].size();
+      material["doubleSided"] = true;
+      material["pbrMetallicRoughness"] = {{"baseColorFactor", {1, 1, 1, 1}}, {"metallicFactor", 0}};
+      document_["materials"].push_back(std::move(material));
     }
-    return 0;
+    return *number;
   }
 
   [[nodiscard]] bool is_stopped() { return poll_ != nullptr && poll_->cancelled(); }
 
+  std::optional<std::size_t> unlit_;
+  std::optional<std::size_t> textured_;
   Poll* poll_;  // may be null
   json document_;
   std::vector<std::byte> binary_;
@@ -184,7 +212,7 @@ std::vector<std::byte> encode_glb_parts(std::span<const GlbPart> parts, Poll* po
 }
 
 std::vector<std::byte> encode_glb(const TriangleSoup& soup, const std::string& name) {
-  GlbPart part{name, GlbPart::Mode::triangles, {}, {}, {}};
+  GlbPart part{name, GlbPart::Mode::triangles, {}, {}, {}, {}};
   if (!soup.faces.empty()) {
     part.positions = soup.positions;
     part.indices.reserve(3 * soup.faces.size());

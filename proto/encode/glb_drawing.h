@@ -20,9 +20,10 @@ struct GlbPart {
 
   std::string name;
   Mode mode = Mode::triangles;
-  std::vector<Vec3> positions;         // stored as float32
-  std::vector<std::uint32_t> indices;  // empty: the positions in their order
-  std::vector<Colour> colours;         // one per position, sRGB; empty: none
+  std::vector<Vec3> positions;                // stored as float32
+  std::vector<std::uint32_t> indices;         // empty: the positions in their order
+  std::vector<Colour> colours;                // one per position, sRGB; empty: none
+  std::vector<std::array<float, 2>> texture;  // coordinates, one pair per position; empty: none
 };
 
 // A valid glTF 2.0 binary with a node for each part; a part without positions is a

@@ -39,6 +39,16 @@ void append_distances(std::string& out, std::span<const double> distances, int d
   out += ']';
 }
 
+void append_wholes(std::string& out, std::span<const std::uint32_t> values, Poll* poll) {
+  out += '[';
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (is_stopped(poll)) break;
+    if (i > 0) out += ',';
+    out += std::to_string(values[i]);
+  }
+  out += ']';
+}
+
 void append_xyz(std::string& out, Vec3 p, int digits) {
   append_numbers(out, std::array{p.x, p.y, p.z}, digits);
 }
@@ -277,6 +287,38 @@ std::string to_json(const TraceReply& reply, int digits, Poll* poll) {
   append_xyz(out, reply.direction_at_end, digits);
   out += ",\"points\":";
   append_path_points(out, reply.points, digits, poll);
+  append_warnings(out, reply.warnings);
+  out += '}';
+  return out;
+}
+
+std::string to_json(const LogmapReply& reply, int digits, Poll* poll) {
+  std::string out = opening(reply.mesh);
+  append_method(out, reply.method);
+  out += ",\"from\":";
+  append_point(out, reply.from, digits);
+  out += ",\"angle\":";
+  append_number(out, reply.angle, digits);
+  out += ",\"radius\":";
+  append_number(out, reply.radius, digits);
+  out += ",\"total_angle\":";
+  append_number(out, reply.total_angle, digits);
+  out += reply.all_round ? ",\"all_round\":true" : ",\"all_round\":false";
+  out += ",\"vertices\":";
+  append_wholes(out, reply.vertices, poll);
+  out += ",\"distances\":";
+  append_numbers(out, reply.distances, digits, poll);
+  out += ",\"angles\":";
+  append_numbers(out, reply.angles, digits, poll);
+  out += ",\"straight\":";
+  append_wholes(out, reply.straight, poll);
+  out += ",\"coordinates\":[";
+  for (std::size_t i = 0; i < reply.coordinates.size(); ++i) {
+    if (is_stopped(poll)) break;
+    if (i > 0) out += ',';
+    append_numbers(out, reply.coordinates[i], digits);
+  }
+  out += ']';
   append_warnings(out, reply.warnings);
   out += '}';
   return out;

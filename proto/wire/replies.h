@@ -115,6 +115,23 @@ struct TraceReply {
   Warnings warnings;
 };
 
+struct LogmapReply {
+  std::string mesh;
+  Method method = Method::wavefront;
+  ResolvedPoint from;
+  double angle = 0;        // of the x axis
+  double radius = 0;       // that was asked for, or the greatest distance
+  double total_angle = 0;  // of all directions at the point
+  bool all_round = true;   // whether no boundary is in the way
+  // For each source vertex that has a place, ascending:
+  std::vector<std::uint32_t> vertices;
+  std::vector<double> distances;
+  std::vector<double> angles;                      // as TraceRequest has them
+  std::vector<std::uint32_t> straight;             // 1: going straight ahead leads there; or 0
+  std::vector<std::array<double, 2>> coordinates;  // mesh units
+  Warnings warnings;
+};
+
 struct NearestReply {
   std::string mesh;
   std::vector<ResolvedPoint> points;
@@ -128,6 +145,7 @@ struct NearestReply {
 [[nodiscard]] std::string to_json(const IsolinesReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const SamplesReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const TraceReply& reply, int digits, Poll* poll = nullptr);
+[[nodiscard]] std::string to_json(const LogmapReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const NearestReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string methods_json();
 

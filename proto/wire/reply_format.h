@@ -35,6 +35,7 @@ inline constexpr Format kPathFormats[] = {Format::json,  Format::f32, Format::f6
                                           Format::frame, Format::glb, Format::png};
 // Several arrays of several types.
 inline constexpr Format kJsonOrFrame[] = {Format::json, Format::frame};
+inline constexpr Format kArraysOrSurface[] = {Format::json, Format::frame, Format::glb};
 inline constexpr Format kJsonOrLines[] = {Format::json, Format::glb};
 inline constexpr Format kGeometryFormats[] = {Format::glb, Format::frame};
 

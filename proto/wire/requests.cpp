@@ -284,6 +284,20 @@ Result<void> parse_request(Parameters& parameters, TraceRequest& request) {
   return {};
 }
 
+Result<void> parse_request(Parameters& parameters, LogmapRequest& request) {
+  if (auto ok = read_point(parameters, "from", request.from); !ok) return ok;
+  const auto angle = parameters.number("angle");
+  if (!angle) return fail(angle.error());
+  request.angle = angle->value_or(0);
+  const auto radius = parameters.number("radius");
+  if (!radius) return fail(radius.error());
+  if (*radius && !(**radius > 0)) {
+    return fail(ErrorCode::value_out_of_range, "a radius is above 0", "radius");
+  }
+  request.radius = *radius;
+  return read_method(parameters, Purpose::paths, request.method);
+}
+
 Result<void> parse_request(Parameters& parameters, NearestRequest& request) {
   if (auto ok = read_points(parameters, "point", kMaxPoints, request.points); !ok) return ok;
   if (request.points.empty()) return missing("point");

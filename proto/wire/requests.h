@@ -73,6 +73,13 @@ struct TraceRequest {
   double length = 0;                 // mesh units, not negative
 };
 
+struct LogmapRequest {
+  PointRequest from;
+  double angle = 0;              // of the direction that becomes the x axis, radians
+  std::optional<double> radius;  // mesh units, above 0
+  MethodChoice method;
+};
+
 struct NearestRequest {
   std::vector<PointRequest> points;
 };
@@ -83,6 +90,7 @@ struct NearestRequest {
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, IsolinesRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, SamplesRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, TraceRequest& request);
+[[nodiscard]] Result<void> parse_request(Parameters& parameters, LogmapRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, NearestRequest& request);
 
 // The formats that a query can be answered in.
@@ -101,6 +109,9 @@ struct NearestRequest {
 [[nodiscard]] inline std::span<const Format> formats_of(const SamplesRequest&) { return kJsonOnly; }
 [[nodiscard]] inline std::span<const Format> formats_of(const TraceRequest&) {
   return kPathFormats;
+}
+[[nodiscard]] inline std::span<const Format> formats_of(const LogmapRequest&) {
+  return kArraysOrSurface;
 }
 [[nodiscard]] inline std::span<const Format> formats_of(const NearestRequest&) { return kJsonOnly; }
 

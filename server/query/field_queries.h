@@ -63,6 +63,10 @@ class FieldQueries {
   [[nodiscard]] Result<Answered<proto::TraceReply>> answer(const std::string& mesh,
                                                            const proto::TraceRequest& request,
                                                            const Caller& caller);
+  // Errors: value_out_of_range (from: where directions have no angle).
+  [[nodiscard]] Result<Answered<proto::LogmapReply>> answer(const std::string& mesh,
+                                                            const proto::LogmapRequest& request,
+                                                            const Caller& caller);
   [[nodiscard]] Result<Answered<proto::NearestReply>> answer(const std::string& mesh,
                                                              const proto::NearestRequest& request,
                                                              const Caller& caller);

@@ -1,5 +1,7 @@
 #include "server/reply/draw_reply.h"
 
+#include <algorithm>
+#include <array>
 #include <span>
 #include <string>
 #include <string_view>
@@ -140,6 +142,38 @@ Result<HttpResponse> draw(const Answered<proto::TraceReply>& answer,
   auto response = draw_line(answer.adjacency->mesh(), "trace", reply.points, reply.from.xyz,
                             {reply.to.xyz}, format, cancel);
   if (response) response->set_header("Geo-Length", header_number(reply.length));
+  return response;
+}
+
+Result<HttpResponse> draw(const Answered<proto::LogmapReply>& answer, const proto::ReplyFormat&,
+                          const Cancel& cancel) {
+  const Mesh& mesh = answer.adjacency->mesh();
+  const proto::LogmapReply& reply = answer.reply;
+  Poll poll(cancel);
+  std::vector<std::uint32_t> place;  // by source vertex, among those of the reply
+  polled_assign(place, mesh.source_vertex_count(), kNone, poll);
+  GlbPart part;
+  part.name = "logmap";
+  for (std::uint32_t i = 0; i < reply.vertices.size(); ++i) {
+    if (poll.cancelled()) return fail_stopped(poll);
+    const std::uint32_t v = reply.vertices[i];
+    place[v] = i;
+    part.positions.push_back(mesh.positions()[mesh.vertex_of_source()[v]]);
+    const auto [x, y] = reply.coordinates[i];
+    const double size = 2 * (reply.radius > 0 ? reply.radius : 1);
+    part.texture.push_back(
+        {static_cast<float>(0.5 + x / size), static_cast<float>(0.5 - y / size)});
+  }
+  for (const Triangle& face : mesh.faces()) {
+    if (poll.cancelled()) return fail_stopped(poll);
+    std::array<std::uint32_t, 3> corners{};
+    for (std::size_t c = 0; c < 3; ++c) corners[c] = place[mesh.source_of_vertex(face[c])];
+    if (std::find(corners.begin(), corners.end(), kNone) != corners.end()) continue;
+    part.indices.insert(part.indices.end(), corners.begin(), corners.end());
+  }
+  if (part.indices.empty()) part.positions.clear();
+  Result<HttpResponse> response = glb_reply({part}, poll);
+  if (response) add_cache_header(*response, answer.cache_hit);
   return response;
 }
 

@@ -25,6 +25,11 @@ namespace geodesic::server {
                                         const proto::ReplyFormat& format, const Cancel& cancel);
 [[nodiscard]] Result<HttpResponse> draw(const Answered<proto::TraceReply>& answer,
                                         const proto::ReplyFormat& format, const Cancel& cancel);
+// GLB: the faces whose corners all have a place, with these as texture coordinates: the square
+// [0, 1]^2 is that about the circle of the reply's radius, its middle the point, u to the right and
+// v down.
+[[nodiscard]] Result<HttpResponse> draw(const Answered<proto::LogmapReply>& answer,
+                                        const proto::ReplyFormat& format, const Cancel& cancel);
 // GLB: a line strip for each isoline.
 [[nodiscard]] Result<HttpResponse> draw(const Answered<proto::IsolinesReply>& answer,
                                         const proto::ReplyFormat& format, const Cancel& cancel);

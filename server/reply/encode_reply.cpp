@@ -201,6 +201,30 @@ Result<HttpResponse> encode(Answered<proto::TableReply> answer, const proto::Rep
   return whole(std::move(response), answer.cache_hit, poll);
 }
 
+Result<HttpResponse> encode(Answered<proto::LogmapReply> answer, const proto::ReplyFormat& format,
+                            const Cancel& cancel) {
+  Poll poll(cancel);
+  proto::LogmapReply& reply = answer.reply;
+  if (format.format == Format::json) {
+    return whole(encode_as_json(reply, format, poll), answer.cache_hit, poll);
+  }
+  const std::uint64_t count = reply.vertices.size();
+  Numbers coordinates{{}, {count, 2}};
+  coordinates.values.reserve(2 * count);
+  for (const auto& [x, y] : std::exchange(reply.coordinates, {})) {
+    if (poll.cancelled()) break;
+    coordinates.values.insert(coordinates.values.end(), {x, y});
+  }
+  std::vector<Array> arrays{u32_array("vertices", std::exchange(reply.vertices, {}), poll)};
+  arrays.push_back(f64_array("distances", {std::exchange(reply.distances, {}), {count}}, poll));
+  arrays.push_back(f64_array("angles", {std::exchange(reply.angles, {}), {count}}, poll));
+  arrays.push_back(u32_array("straight", std::exchange(reply.straight, {}), poll));
+  arrays.push_back(f64_array("coordinates", coordinates, poll));
+  return whole(frame_reply(reply, {"vertices", "distances", "angles", "straight", "coordinates"},
+                           arrays, poll),
+               answer.cache_hit, poll);
+}
+
 Result<HttpResponse> encode(Answered<proto::IsolinesReply> answer, const proto::ReplyFormat& format,
                             const Cancel& cancel) {
   Poll poll(cancel);

@@ -40,6 +40,8 @@ struct ReplySize {
                                 const proto::ReplyFormat& format);
 [[nodiscard]] ReplySize size_of(const Answered<proto::SamplesReply>& answer,
                                 const proto::ReplyFormat& format);
+[[nodiscard]] ReplySize size_of(const Answered<proto::LogmapReply>& answer,
+                                const proto::ReplyFormat& format);
 [[nodiscard]] ReplySize size_of(const Answered<proto::NearestReply>& answer,
                                 const proto::ReplyFormat& format);
 
@@ -55,6 +57,8 @@ struct ReplySize {
 [[nodiscard]] Result<HttpResponse> encode(Answered<proto::TraceReply> answer,
                                           const proto::ReplyFormat& format, const Cancel& cancel);
 [[nodiscard]] Result<HttpResponse> encode(Answered<proto::TableReply> answer,
+                                          const proto::ReplyFormat& format, const Cancel& cancel);
+[[nodiscard]] Result<HttpResponse> encode(Answered<proto::LogmapReply> answer,
                                           const proto::ReplyFormat& format, const Cancel& cancel);
 
 // These have no array, and are always JSON.

@@ -76,6 +76,10 @@ ReplySize size_of(const Answered<proto::SamplesReply>& answer, const proto::Repl
                  format);
 }
 
+ReplySize size_of(const Answered<proto::LogmapReply>& answer, const proto::ReplyFormat& format) {
+  return size_by(answer.numbers + kNumbersOfPoint, answer, format);
+}
+
 ReplySize size_of(const Answered<proto::NearestReply>& answer, const proto::ReplyFormat& format) {
   return size_by(kNumbersOfPoint * answer.reply.points.size(), answer, format);
 }

@@ -19,8 +19,8 @@
 namespace geodesic::server {
 
 // The queries on a mesh, by the last segment of their paths.
-inline constexpr std::array<std::string_view, 7> kQueries{"distance", "path",  "table",  "isolines",
-                                                          "samples",  "trace", "nearest"};
+inline constexpr std::array<std::string_view, 8> kQueries{"distance", "path",  "table",  "isolines",
+                                                          "samples",  "trace", "logmap", "nearest"};
 
 // Lines of a batch, each of which is answered.
 inline constexpr std::size_t kMaxBatchLines = 100'000;

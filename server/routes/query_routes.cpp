@@ -224,6 +224,7 @@ Result<HttpResponse> Routes::answer_any_query(const Query& query) {
       {"isolines", &Routes::answer_query<proto::IsolinesRequest>},
       {"samples", &Routes::answer_query<proto::SamplesRequest>},
       {"trace", &Routes::answer_query<proto::TraceRequest>},
+      {"logmap", &Routes::answer_query<proto::LogmapRequest>},
       {"nearest", &Routes::answer_query<proto::NearestRequest>},
   }};
   static_assert(std::ranges::equal(kRows, kQueries, {}, &Row::name), "a row for each query");

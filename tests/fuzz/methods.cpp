@@ -9,6 +9,7 @@
 
 #include "core/paths/trace_path.h"
 #include "core/solve/solve_field.h"
+#include "core/straighten/log_map.h"
 #include "tests/fuzz/small_soup.h"
 
 namespace geodesic::fuzz {
@@ -23,6 +24,23 @@ Field field_of(Method method, const Adjacency& adjacency, const Source& source) 
   auto field = solve_field(method, {}, adjacency, {&source, 1}, {}, scratch, Cancel());
   expect(field.has_value(), "every mesh has a field");
   return std::move(*field);
+}
+
+// Each vertex that a path leads to has its place, unless the faces at the source are no fan.
+void check_log_map(const Adjacency& adjacency, const Field& exact, const SurfacePoint& from,
+                   double slack) {
+  const auto map = log_map(adjacency, exact, from, kUnreached, Cancel());
+  if (!map) {
+    expect(map.error().code == ErrorCode::value_out_of_range, "only a point without a fan");
+    return;
+  }
+  expect(map->entries.size() == exact.reached, "a place for each vertex that is reached");
+  const double least = map->all_round ? 0 : -map->total_angle;
+  for (const LogMap::Entry& entry : map->entries) {
+    const double d = exact.distance[entry.vertex];
+    expect(entry.distance >= d * (1 - kRounding) - slack, "no path is shorter than the shortest");
+    expect(entry.angle >= least && entry.angle <= map->total_angle, "an angle round the point");
+  }
 }
 
 }  // namespace
@@ -57,6 +75,7 @@ void fuzz_methods(Input input) {
     expect(path && *path, "what is reached has a path");
     expect(std::abs((*path)->length - d) <= kRounding * d + slack, "as long as its distance");
   }
+  check_log_map(adjacency, exact, source.point, slack);
   for (const Method method :
        {Method::wavefront, Method::novotni, Method::fast_marching, Method::steiner}) {
     const Field field = field_of(method, adjacency, source);

@@ -1,0 +1,128 @@
+#include "core/straighten/directions_at.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/straighten/flat_face.h"
+#include "core/straighten/vertex_fan.h"
+
+namespace geodesic {
+namespace {
+
+constexpr double kAllRound = 2 * std::numbers::pi;
+
+Result<void> no_fan() {
+  return fail(
+      ErrorCode::value_out_of_range,
+      "the faces at the point do not lie side by side round it, so directions have no angle",
+      "from");
+}
+
+double in_turn(double angle, double total) {
+  if (angle < 0) angle += total;
+  if (angle >= total) angle -= total;
+  return std::max(angle, 0.0);
+}
+
+}  // namespace
+
+Result<DirectionsAt> DirectionsAt::of(const Adjacency& adjacency, const SurfacePoint& from,
+                                      const Cancel& cancel) {
+  if (from.face == kNone) {
+    return fail(ErrorCode::value_out_of_range, "the point is at a vertex of no face", "from");
+  }
+  DirectionsAt directions(adjacency, from);
+  Result<void> made;
+  if (from.at_vertex()) {
+    Poll poll(cancel);
+    made = directions.turn_round_vertex(poll);
+    if (poll.stopped()) return fail_stopped(poll);
+  } else {
+    directions.total_ = kAllRound;
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      if (from.bary[previous_corner(c)] == 0) made = directions.look_across_edge(c);
+    }
+  }
+  if (!made) return fail(std::move(made.error()));
+  return directions;
+}
+
+Result<void> DirectionsAt::look_across_edge(std::uint32_t side) {
+  across_ = side;
+  const Halfedge out = halfedge(from_.face, side);
+  const Halfedge in = adjacency_->ring(out);
+  if (in == out) {
+    all_round_ = false;
+    total_ = std::numbers::pi;
+  }
+  return adjacency_->ring(in) == out ? Result<void>() : no_fan();
+}
+
+Result<void> DirectionsAt::turn_round_vertex(Poll& poll) {
+  const auto corners = adjacency_->corners(from_.vertex);
+  if (auto turned = turn(corners.front(), false, poll); !turned) return turned;
+  if (!all_round_) {
+    const Halfedge across = adjacency_->ring(corners.front());
+    if (adjacency_->ring(across) != corners.front()) return no_fan();
+    if (across != corners.front()) {
+      if (auto turned = turn(across, true, poll); !turned) return turned;
+    }
+  }
+  if (poll.stopped()) return {};
+  if (sectors_.size() != corners.size()) return no_fan();  // there is another fan
+  for (const Sector& sector : sectors_) total_ += sector.size;
+  std::sort(sectors_.begin(), sectors_.end(),
+            [](const Sector& a, const Sector& b) { return a.face < b.face; });
+  return {};
+}
+
+Result<void> DirectionsAt::turn(Halfedge side, bool is_backward, Poll& poll) {
+  const std::uint32_t vertex = from_.vertex;
+  const Halfedge first = side;
+  double turned = 0;
+  do {
+    if (poll.cancelled()) return {};
+    const std::uint32_t f = face_of(side);
+    const std::uint32_t c = corner_at(*adjacency_, f, vertex);
+    const double size = corner_angle(adjacency_->face(f), c);
+    sectors_.push_back({f, c, turned, size, side == halfedge(f, c), is_backward});
+    turned += size;
+    const Halfedge other = other_side_at(*adjacency_, side, vertex);
+    side = adjacency_->ring(other);
+    if (adjacency_->ring(side) != other) return no_fan();
+    if (side == other) {
+      all_round_ = false;
+      return {};
+    }
+  } while (side != first);
+  return {};
+}
+
+double DirectionsAt::angle_of(std::uint32_t face, Vec3 direction) const {
+  const Mesh& mesh = adjacency_->mesh();
+  if (from_.at_vertex()) {
+    const auto sector =
+        std::lower_bound(sectors_.begin(), sectors_.end(), face,
+                         [](const Sector& s, std::uint32_t f) { return s.face < f; });
+    const auto [along, inward] = FlatFace(mesh, halfedge(face, sector->corner)).axes(mesh);
+    const double to_next =
+        std::clamp(std::atan2(dot(direction, inward), dot(direction, along)), 0.0, sector->size);
+    const double angle = sector->begin + (sector->from_next ? to_next : sector->size - to_next);
+    if (!all_round_) return sector->is_backward ? -angle : angle;
+    return in_turn(angle, total_);
+  }
+  if (face == from_.face) {
+    const auto [along, inward] = FlatFace(mesh, halfedge(face, 0)).axes(mesh);
+    const double angle = std::atan2(dot(direction, inward), dot(direction, along));
+    return all_round_ ? in_turn(angle, total_) : angle;
+  }
+  // In the face beyond the edge, laid into the plane of the point's own.
+  const FlatFace flat(mesh, halfedge(from_.face, 0));
+  const Vec3 edge = FlatFace(mesh, halfedge(from_.face, across_)).axes(mesh).first;
+  const Vec2 side = flat.edges[across_];
+  const double away = std::atan2(norm(cross(edge, direction)), dot(edge, direction));
+  return in_turn(std::atan2(side.y, side.x) - away + kAllRound, kAllRound);
+}
+
+}  // namespace geodesic

@@ -1,0 +1,47 @@
+// The surface round a point laid into the plane that touches it there: at each vertex the distance
+// from the point, and the direction in which the shortest path to the vertex leaves it. This is
+// the logarithmic map, the inverse of going straight ahead (straightest_geodesic.h) as far as
+// shortest paths are straight: do Carmo, "Riemannian Geometry", 1992, chapter 3; on meshes
+// Schmidt, Grimm and Wyvill, "Interactive decal compositing with discrete exponential maps", 2006.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/base/vec2.h"
+#include "core/field/field.h"
+#include "core/straighten/refine_path.h"
+#include "core/surface/adjacency.h"
+#include "core/surface/point.h"
+
+namespace geodesic {
+
+struct LogMap {
+  struct Entry {
+    std::uint32_t vertex;
+    double distance;  // the length of the path, mesh units
+    double angle;     // radians, as straightest_geodesic_at_angle has them; 0 at the point itself
+    // The path comes to no other vertex, nor to an edge of three faces: going straight ahead leads
+    // there.
+    bool is_straight;
+  };
+  double total_angle = 0;      // of all directions at the point
+  bool all_round = true;       // whether no boundary is in the way
+  std::vector<Entry> entries;  // by vertex
+
+  // In the plane, mesh units: the x axis is the direction of that angle, and y is to the left of
+  // it. Round a vertex whose angles do not add up to a full turn, they are spread or pressed
+  // together to make one; at a boundary only if they are more.
+  [[nodiscard]] Vec2 coordinates(const Entry& entry, double x_axis = 0) const;
+  [[nodiscard]] std::uint64_t bytes() const { return entries.capacity() * sizeof(Entry); }
+};
+
+// Of the vertices at most `radius` away by the field, which is of `from` alone and without an
+// offset, with details, and has all vertices to two edges beyond the radius. A refined
+// path for each, by path_through. Errors: those of DirectionsAt; cancelled.
+[[nodiscard]] Result<LogMap> log_map(const Adjacency& adjacency, const Field& field,
+                                     const SurfacePoint& from, double radius, const Cancel& cancel);
+
+}  // namespace geodesic

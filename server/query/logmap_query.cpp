@@ -1,0 +1,81 @@
+// The surface round a point laid into the plane.
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/straighten/log_map.h"
+#include "core/surface/longest_edge.h"
+#include "server/base/timed.h"
+#include "server/query/field_queries.h"
+#include "server/query/place.h"
+
+namespace geodesic::server {
+namespace {
+
+// The part of the time that the field takes, before the paths.
+constexpr double kFieldOfLogmap = 0.2;
+// Its own, its distance, its angle, two coordinates, and whether the way is straight.
+constexpr std::uint64_t kNumbersOfVertex = 6;
+
+// What the map says of the engine's vertices, in the client's numbers.
+void take_over(const LogMap& map, const Mesh& mesh, proto::LogmapReply& reply) {
+  const auto is_before = [](const LogMap::Entry& e, std::uint32_t v) { return e.vertex < v; };
+  for (std::uint32_t v = 0; v < mesh.source_vertex_count(); ++v) {
+    const std::uint32_t vertex = mesh.vertex_of_source()[v];
+    const auto entry = std::lower_bound(map.entries.begin(), map.entries.end(), vertex, is_before);
+    if (entry == map.entries.end() || entry->vertex != vertex) continue;
+    const Vec2 at = map.coordinates(*entry, reply.angle);
+    reply.vertices.push_back(v);
+    reply.distances.push_back(entry->distance);
+    reply.angles.push_back(entry->angle);
+    reply.straight.push_back(entry->is_straight ? 1 : 0);
+    reply.coordinates.push_back({at.x, at.y});
+  }
+}
+
+}  // namespace
+
+Result<Answered<proto::LogmapReply>> FieldQueries::answer(const std::string& mesh,
+                                                          const proto::LogmapRequest& request,
+                                                          const Caller& caller) {
+  const auto place = find(mesh, request.method, caller);
+  if (!place) return fail(place.error());
+  Answered<proto::LogmapReply> answer;
+  answer.adjacency = place->adjacency();
+  proto::LogmapReply& reply = answer.reply;
+  reply.mesh = mesh;
+  reply.method = request.method.which;
+  reply.angle = request.angle;
+  const auto from = place->point(request.from, reply.from, reply.warnings);
+  if (!from) return fail(from.error());
+  FieldQuestion question{mesh, place->adjacency(), request.method, {{*from, 0}}};
+  // A path to a vertex at the radius may need the vertices just beyond it.
+  const double radius = request.radius.value_or(kUnreached);
+  question.max = radius + 2 * longest_edge(*place->adjacency());
+  const auto field = fields_.whole(question, Details::kept, caller.part(0, kFieldOfLogmap));
+  if (!field) return fail(field.error());
+  answer.cache_hit = field->hit;
+  auto found = fields_.compute(
+      [&](SolveScratch&, const Cancel& cancel) {
+        const Timed tracing(caller, Stage::trace);
+        return log_map(*place->adjacency(), *field->value, *from, radius, cancel);
+      },
+      caller.part(kFieldOfLogmap, 1));
+  if (!found) return fail(std::move(found.error()));
+  reply.total_angle = found->total_angle;
+  reply.all_round = found->all_round;
+  for (const LogMap::Entry& entry : found->entries) {
+    reply.radius = std::max(reply.radius, entry.distance);
+  }
+  if (request.radius) reply.radius = *request.radius;
+  answer.numbers = kNumbersOfVertex * found->entries.size();
+  const auto map = std::make_shared<const LogMap>(std::move(*found));
+  answer.complete = [map, adjacency = place->adjacency()](proto::LogmapReply& to) {
+    take_over(*map, adjacency->mesh(), to);
+  };
+  return answer;
+}
+
+}  // namespace geodesic::server

@@ -1,0 +1,229 @@
+#include "core/straighten/log_map.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "core/mesh/shapes.h"
+#include "tests/fixtures/random_meshes.h"
+#include "tests/fixtures/straightest.h"
+#include "tests/fixtures/surface.h"
+#include "tests/fixtures/test_seed.h"
+
+using namespace geodesic;
+using fixtures::size_of;
+using fixtures::Surface;
+using fixtures::test_seed;
+using std::numbers::pi;
+
+namespace {
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+Result<LogMap> map_of(const Surface& surface, const SurfacePoint& from, Method method,
+                      double radius = kFar) {
+  const Field field = surface.field_by(method, {{from, 0}});
+  return log_map(surface.adjacency(), field, from, radius, Cancel());
+}
+
+Vec3 position(const Surface& surface, std::uint32_t vertex) {
+  return surface.mesh().positions()[vertex];
+}
+
+// A point at a vertex, inside a face, or on a side, in turn.
+SurfacePoint some_point(const Surface& surface, std::mt19937& random, std::uint32_t kind) {
+  const auto f = static_cast<std::uint32_t>(random() % surface.mesh().face_count());
+  const double a = 0.1 + 0.8 * (random() / 4294967296.0);
+  if (kind % 3 == 0) {
+    return point_at_vertex(surface.adjacency(), surface.adjacency().face(f).vertex[0]);
+  }
+  if (kind % 3 == 1) return point_on_face(surface.adjacency(), f, {a / 2, 1 - a, a / 2});
+  return point_on_face(surface.adjacency(), f, {a, 1 - a, 0});
+}
+
+// Going straight ahead by an entry's angle for its distance leads to its vertex.
+void check_leads_back(const Surface& surface, const SurfacePoint& from, const LogMap& map,
+                      double within) {
+  for (const LogMap::Entry& entry : map.entries) {
+    if (!entry.is_straight) continue;
+    CAPTURE(entry.vertex);
+    CAPTURE(entry.angle);
+    const auto ahead = straightest_geodesic_at_angle(surface.adjacency(), from, entry.angle,
+                                                     entry.distance, Cancel());
+    REQUIRE(ahead.has_value());
+    const double off =
+        distance(fixtures::end_of(*ahead), position(surface, entry.vertex)) / size_of(surface);
+    CHECK(off <= within);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("InThePlaneTheMapIsThePlane") {
+  std::mt19937 random(test_seed());
+  for (std::uint32_t kind = 0; kind < 30; ++kind) {
+    CAPTURE(kind);
+    TriangleSoup soup = shapes::plane(9, 7);
+    for (Vec3& p : soup.positions) {
+      p.x += 0.3 * (random() / 4294967296.0);
+      p.y += 0.3 * (random() / 4294967296.0);
+    }
+    const Surface surface(soup);
+    const SurfacePoint from = some_point(surface, random, kind);
+    const auto map = map_of(surface, from, Method::exact);
+    REQUIRE(map.has_value());
+    check_leads_back(surface, from, *map, 1e-9);
+    // Any two of those that see the point are as far from each other as in space. The outline is
+    // not convex, so some do not see it.
+    for (std::size_t i = 1; i < map->entries.size(); ++i) {
+      const auto& a = map->entries[i];
+      const auto& b = map->entries[random() % i];
+      const Vec3 source = position_of(surface.mesh(), from);
+      const auto sees = [&](const LogMap::Entry& e) {
+        return std::abs(e.distance - distance(source, position(surface, e.vertex))) < 1e-12;
+      };
+      if (!sees(a) || !sees(b)) continue;
+      const double there = distance(position(surface, a.vertex), position(surface, b.vertex));
+      CHECK(norm(map->coordinates(a) - map->coordinates(b)) ==
+            doctest::Approx(there).epsilon(1e-9));
+    }
+  }
+}
+
+TEST_CASE("GoingStraightAheadIsTheInverseOnAnySurface") {
+  std::mt19937 random(test_seed());
+  std::size_t straight = 0;
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    const auto number = static_cast<std::uint32_t>(random());
+    CAPTURE(number);
+    const Surface surface(fixtures::RandomMesh(number).soup());
+    const SurfacePoint from = some_point(surface, random, i);
+    const auto map = map_of(surface, from, Method::exact);
+    if (!map) {
+      CHECK(map.error().parameter == "from");
+      continue;
+    }
+    straight += static_cast<std::size_t>(std::count_if(
+        map->entries.begin(), map->entries.end(), [](const auto& e) { return e.is_straight; }));
+    check_leads_back(surface, from, *map, 1e-6);
+  }
+  CHECK(straight > 500);
+}
+
+TEST_CASE("WithinARadiusThereAreTheVerticesWithinIt") {
+  const Surface surface(shapes::icosphere(3));
+  const SurfacePoint from = surface.at(17);
+  for (const Method method : {Method::exact, Method::back_traced, Method::wavefront}) {
+    const Field field = surface.field_by(method, {{from, 0}});
+    const auto map = log_map(surface.adjacency(), field, from, 0.7, Cancel());
+    REQUIRE(map.has_value());
+    std::uint32_t within = 0;
+    for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+      if (field.distance[v] <= 0.7) ++within;
+    }
+    CHECK(map->entries.size() == within);
+    for (const LogMap::Entry& entry : map->entries) {
+      CHECK(entry.distance == doctest::Approx(field.distance[entry.vertex]).epsilon(0.02));
+    }
+    check_leads_back(surface, from, *map, 1e-6);
+  }
+}
+
+// The sphere about its pole: azimuths are the angles, whatever the method.
+TEST_CASE("OnASphereAnglesAreAzimuths") {
+  const Surface surface(shapes::icosphere(5));
+  const SurfacePoint from = surface.at(0);
+  const Vec3 pole = position(surface, from.vertex);
+  const auto map = map_of(surface, from, Method::back_traced, 1.0);
+  REQUIRE(map.has_value());
+  CHECK(map->all_round);
+  const auto azimuth = [&](std::uint32_t v, Vec3 x) {
+    const Vec3 p = position(surface, v);
+    const Vec3 flat = p - dot(p, pole) * pole;
+    return std::atan2(dot(cross(x, flat), pole), dot(x, flat));
+  };
+  Vec3 x{};
+  for (const LogMap::Entry& entry : map->entries) {
+    if (entry.distance > 0.9 && std::abs(entry.angle) < 0.02) {
+      const Vec3 p = position(surface, entry.vertex);
+      const Vec3 flat = p - dot(p, pole) * pole;
+      x = (1 / norm(flat)) * flat;
+    }
+  }
+  REQUIRE(norm(x) > 0);
+  for (const LogMap::Entry& entry : map->entries) {
+    if (entry.distance < 0.1) continue;
+    const Vec2 at = map->coordinates(entry);
+    double off = std::atan2(at.y, at.x) - azimuth(entry.vertex, x);
+    off -= 2 * pi * std::round(off / (2 * pi));
+    CHECK(std::abs(off) < 0.03);
+  }
+}
+
+// Six faces of 40 degrees about the apex: a full turn there is 240 degrees.
+TEST_CASE("RoundTheApexOfAConeAnglesAreSpread") {
+  constexpr std::uint32_t kSides = 6;
+  const double side = 40 * pi / 180;
+  const double base = std::sin(side / 2) / std::sin(pi / kSides);
+  TriangleSoup soup;
+  soup.positions.push_back({0, 0, std::sqrt(1 - base * base)});
+  for (std::uint32_t i = 0; i < kSides; ++i) {
+    const double u = 2 * pi * i / kSides;
+    soup.positions.push_back({base * std::cos(u), base * std::sin(u), 0});
+    soup.faces.push_back({0, 1 + i, 1 + (i + 1) % kSides});
+  }
+  const Surface surface(soup);
+  const auto map = map_of(surface, surface.at(0), Method::exact);
+  REQUIRE(map.has_value());
+  CHECK(map->total_angle == doctest::Approx(kSides * side));
+  REQUIRE(map->entries.size() == kSides + 1);
+  std::vector<double> turns;
+  for (const LogMap::Entry& entry : map->entries) {
+    if (entry.distance == 0) continue;
+    CHECK(entry.distance == doctest::Approx(1));
+    const Vec2 at = map->coordinates(entry);
+    CHECK(norm(at) == doctest::Approx(1));
+    turns.push_back(std::atan2(at.y, at.x));
+  }
+  std::sort(turns.begin(), turns.end());
+  for (std::size_t i = 1; i < turns.size(); ++i) {
+    CHECK(turns[i] - turns[i - 1] == doctest::Approx(2 * pi / kSides));
+  }
+}
+
+TEST_CASE("WhereFacesAreNoFanThereIsNoMap") {
+  // Three faces at the edge from 0 to 1.
+  TriangleSoup book;
+  book.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}};
+  book.faces = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
+  const Surface surface(book);
+  const SurfacePoint on_edge = surface.on(0, {0.5, 0.5, 0});
+  for (const SurfacePoint& from : {surface.at(0), on_edge}) {
+    const auto map = map_of(surface, from, Method::exact);
+    REQUIRE_FALSE(map.has_value());
+    CHECK(map.error().code == ErrorCode::value_out_of_range);
+    CHECK(map.error().parameter == "from");
+  }
+  CHECK(map_of(surface, surface.on(1, {0.2, 0.3, 0.5}), Method::exact).has_value());
+  // Two faces that meet in a vertex alone.
+  TriangleSoup bow = book;
+  bow.faces = {{0, 1, 2}, {0, 3, 4}};
+  CHECK_FALSE(map_of(Surface(bow), Surface(bow).at(0), Method::exact).has_value());
+}
+
+TEST_CASE("AMapIsStoppedInTheMiddle") {
+  const Surface surface(shapes::icosphere(4));
+  const SurfacePoint from = surface.at(3);
+  const Field field = surface.field_by(Method::exact, {{from, 0}});
+  std::size_t asked = 0;
+  const Cancel counting([&] { return ++asked > 20; });
+  const auto map = log_map(surface.adjacency(), field, from, kFar, counting);
+  REQUIRE_FALSE(map.has_value());
+  CHECK(map.error().code == ErrorCode::cancelled);
+}
