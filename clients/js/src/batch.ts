@@ -15,6 +15,7 @@ interface Taken {
   isolines: queries.IsolinesQuery;
   samples: queries.SamplesQuery;
   trace: queries.TraceQuery;
+  logmap: queries.LogmapQuery & { precision?: number };
   nearest: queries.NearestQuery;
 }
 
@@ -25,6 +26,7 @@ interface Given {
   isolines: Schemas['IsolinesReply'];
   samples: Schemas['SamplesReply'];
   trace: Schemas['TraceReply'];
+  logmap: Schemas['LogmapReply'];
   nearest: Schemas['NearestReply'];
 }
 

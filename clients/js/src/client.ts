@@ -190,6 +190,11 @@ export class GeodesicClient {
     return this.#run(planOf(id, { query: 'trace', ...query }, options));
   }
 
+  /** The surface round a point, laid into the plane: for decals and patterns about it. */
+  logmap(id: string, query: queries.LogmapQuery, options: QueryOptions = {}): Promise<queries.Logmap> {
+    return this.#run(planOf(id, { query: 'logmap', ...query }, options));
+  }
+
   /** Vertices spread evenly, by farthest-point sampling. */
   samples(
     id: string,
@@ -213,7 +218,10 @@ export class GeodesicClient {
     return this.#run(planOf(id, { query: 'picture', ...query }, options));
   }
 
-  /** A GLB: a field as a coloured mesh, lines as line strips, or the geometry itself. */
+  /**
+   * A GLB: a field as a coloured mesh, lines as line strips, a map's faces with texture
+   * coordinates, or the geometry itself.
+   */
   glb(id: string, query: queries.GlbQuery, options: QueryOptions = {}): Promise<ArrayBuffer> {
     return this.#run(planOf(id, { query: 'glb', ...query }, options));
   }

@@ -117,6 +117,10 @@ const PLANS: Record<keyof Queries, Planner> = {
     call: queryCall(id, 'table', { ...parameters, format: 'frame' }, options),
     read: replies.tableOf,
   }),
+  logmap: (id, parameters, options) => ({
+    call: queryCall(id, 'logmap', { ...parameters, format: 'frame' }, options),
+    read: replies.logmapOf,
+  }),
   picture: (id, { of, ...parameters }, options) => ({
     call: queryCall(id, String(of), { ...parameters, format: 'png' }, options),
     read: replies.blobOf,

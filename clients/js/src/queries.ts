@@ -84,6 +84,16 @@ export interface TraceQuery extends InDigits {
   length: number;
 }
 
+export interface LogmapQuery extends ByMethod {
+  from: Point;
+  /** What is farther has no place; without it all has one that a path leads to. */
+  radius?: number;
+  /** The direction that becomes the x axis, radians, as `trace` has them; 0 without it. */
+  angle?: number;
+  /** Only with the method `steiner`. */
+  tolerance?: Schemas['Tolerance'];
+}
+
 export interface SamplesQuery extends ByMethod, WithinTolerance, InDigits {
   count: number;
   from?: OneOrMore<Source>;
@@ -114,6 +124,7 @@ export type GlbQuery =
       | Of<'path', PathQuery>
       | Of<'isolines', IsolinesQuery>
       | Of<'trace', TraceQuery>
+      | Of<'logmap', LogmapQuery>
     ) & { colormap?: Schemas['ColourMap'] });
 
 type Bare =
@@ -125,7 +136,11 @@ export type ArrayFormat = 'f32' | 'f64' | 'u16' | 'npy';
 /** A query whose reply is one bare array; `u16` is for `distance` and `table` only. */
 export type ArrayQuery = Bare & { format: ArrayFormat };
 /** A query whose reply is a frame. */
-export type FrameQuery = Bare | Of<'distance', DistanceQuery & { at?: OneOrMore<Point> }> | { of: 'geometry' };
+export type FrameQuery =
+  | Bare
+  | Of<'distance', DistanceQuery & { at?: OneOrMore<Point> }>
+  | Of<'logmap', LogmapQuery>
+  | { of: 'geometry' };
 
 /** Milliseconds that the server spent in each stage, of those that took any. */
 export type Timing = Partial<
@@ -178,6 +193,31 @@ export interface Table extends Told {
   distances: Float64Array;
 }
 
+/** The surface round a point, laid into the plane: a place for each of `vertices`. */
+export interface Logmap extends Told {
+  mesh: string;
+  method: Method;
+  from: ResolvedPoint;
+  /** Of the x axis, radians, as `trace` has them. */
+  angle: number;
+  /** The one asked for, or else the greatest distance. Mesh units. */
+  radius: number;
+  /** Of all directions at the point, radians. */
+  total_angle: number;
+  /** Whether no boundary is in the way at the point. */
+  all_round: boolean;
+  /** The source vertices that have a place, ascending. */
+  vertices: Uint32Array;
+  /** The lengths of their paths. Mesh units. */
+  distances: Float64Array;
+  /** Those at which the paths leave the point, radians, as `trace` has them. */
+  angles: Float64Array;
+  /** 1 where `trace` by the angle and the distance leads to the vertex, else 0. */
+  straight: Uint32Array;
+  /** x and y of each, y to the left of x. Mesh units. */
+  coordinates: Float64Array;
+}
+
 /** What the server computes on, in source-vertex and source-face order. */
 export interface Geometry<P extends Precision = 'f32'> {
   /** x, y, z of each vertex, in mesh units. */
@@ -195,6 +235,7 @@ export interface Queries {
   isolines: { takes: IsolinesQuery; gives: Isolines };
   nearest: { takes: NearestQuery; gives: Nearest };
   trace: { takes: TraceQuery; gives: Trace };
+  logmap: { takes: LogmapQuery; gives: Logmap };
   samples: { takes: SamplesQuery; gives: Samples };
   picture: { takes: PictureQuery; gives: Blob };
   glb: { takes: GlbQuery; gives: ArrayBuffer };

@@ -3,7 +3,7 @@ import { countOf, viewAs, type Shaped } from './arrays.js';
 import type { Method, ResolvedPoint } from './contract.js';
 import { decodeFrame, type Frame } from './frame.js';
 import { decodeNpy } from './npy.js';
-import type { Field, Floats, Geometry, Precision, Table, Timing, Told } from './queries.js';
+import type { Field, Floats, Geometry, Logmap, Precision, Table, Timing, Told } from './queries.js';
 import type { Reply } from './transport.js';
 
 /** A bare array with what its headers say. */
@@ -83,6 +83,25 @@ export function tableOf(reply: Reply): Table {
     rows: header['rows'] as ResolvedPoint[],
     columns: header['columns'] as ResolvedPoint[],
     distances: arrays['distances'] as Float64Array,
+    ...told(reply, header),
+  };
+}
+
+export function logmapOf(reply: Reply): Logmap {
+  const { header, arrays } = decodeFrame(reply.body);
+  return {
+    mesh: header['mesh'] as string,
+    method: header['method'] as Method,
+    from: header['from'] as ResolvedPoint,
+    angle: header['angle'] as number,
+    radius: header['radius'] as number,
+    total_angle: header['total_angle'] as number,
+    all_round: header['all_round'] as boolean,
+    vertices: arrays['vertices'] as Uint32Array,
+    distances: arrays['distances'] as Float64Array,
+    angles: arrays['angles'] as Float64Array,
+    straight: arrays['straight'] as Uint32Array,
+    coordinates: arrays['coordinates'] as Float64Array,
     ...told(reply, header),
   };
 }

@@ -1,5 +1,6 @@
 /**
- * For pages that draw with three.js: a field onto a geometry, a path and isolines as lines.
+ * For pages that draw with three.js: a field onto a geometry, a path and isolines as lines, a
+ * map of the surface round a point as a decal.
  * Positions are those of the server's geometry, in mesh units.
  */
 import {
@@ -14,6 +15,7 @@ import {
 } from 'three';
 import { colourAt, type ColourMap } from './colour_maps.js';
 import type { Isoline, MeshPart, Xyz } from './contract.js';
+import type { Logmap } from './queries.js';
 
 type Values = Float32Array | Float64Array | Uint32Array | Uint16Array;
 
@@ -148,4 +150,68 @@ export function isolinesToSegments(
   geometry.setAttribute('position', new BufferAttribute(new Float32Array(positions), 3));
   geometry.setAttribute('level', new BufferAttribute(new Float32Array(levels), 1));
   return new LineSegments(geometry, material);
+}
+
+/** What of the map a texture covers, and what of the mesh the geometry is. */
+export interface Decal {
+  /** The side of the texture's square, mesh units; without it twice the map's radius. */
+  size?: number;
+  /** The one part of the mesh that the geometry is of; without it the geometry is of all. */
+  part?: MeshPart;
+}
+
+/**
+ * The faces of which all corners have a place in the map, as a geometry for a textured material.
+ * In its `uv` the point is at 0.5, 0.5, u grows along the map's x axis and v along its y axis; a
+ * vertex without a place has -1, -1, and no face. The other attributes are the geometry's own, which
+ * stays as it is. Throws RangeError if the geometry has not all vertices of the map or the part.
+ */
+export function logmapToDecal(
+  geometry: BufferGeometry,
+  map: Pick<Logmap, 'radius' | 'vertices' | 'coordinates'>,
+  { size = 2 * map.radius, part }: Decal = {},
+): BufferGeometry {
+  const uv = decalCoordinates(geometry, map, size || 1, part);
+  const decal = new BufferGeometry();
+  for (const [name, attribute] of Object.entries(geometry.attributes)) decal.setAttribute(name, attribute);
+  decal.setAttribute('uv', uv.attribute);
+  decal.setIndex(facesWithin(geometry, uv.placed));
+  return decal;
+}
+
+/** The decal's `uv`, and by vertex whether it has a place. */
+function decalCoordinates(
+  geometry: BufferGeometry,
+  { vertices, coordinates }: Pick<Logmap, 'vertices' | 'coordinates'>,
+  size: number,
+  part: MeshPart | undefined,
+): { attribute: BufferAttribute; placed: boolean[] } {
+  const count = geometry.getAttribute('position')?.count ?? 0;
+  if (part && part.vertex_count !== count) {
+    throw new RangeError(`a part of ${part.vertex_count} vertices for a geometry of ${count}`);
+  }
+  const attribute = new BufferAttribute(new Float32Array(2 * count).fill(-1), 2);
+  const placed = new Array<boolean>(count).fill(false);
+  vertices.forEach((source, index) => {
+    const vertex = source - (part?.first_vertex ?? 0);
+    if (vertex < 0 || vertex >= count) {
+      if (part) return;
+      throw new RangeError(`vertex ${source} of a map for a geometry of ${count} vertices`);
+    }
+    attribute.setXY(vertex, 0.5 + coordinates[2 * index]! / size, 0.5 + coordinates[2 * index + 1]! / size);
+    placed[vertex] = true;
+  });
+  return { attribute, placed };
+}
+
+/** The corners of the faces that have only such vertices; a geometry without an index has three a face. */
+function facesWithin(geometry: BufferGeometry, wanted: readonly boolean[]): number[] {
+  const { index } = geometry;
+  const count = index?.count ?? wanted.length;
+  const corners: number[] = [];
+  for (let first = 0; first + 2 < count; first += 3) {
+    const face = [first, first + 1, first + 2].map((corner) => index?.getX(corner) ?? corner);
+    if (face.every((vertex) => wanted[vertex])) corners.push(...face);
+  }
+  return corners;
 }

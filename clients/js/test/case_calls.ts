@@ -123,6 +123,7 @@ async function natural(
     case 'isolines':
     case 'nearest':
     case 'trace':
+    case 'logmap':
     case 'samples':
       return shaped(name, await client[name](id, parameters, options));
     default:
@@ -141,6 +142,12 @@ function shaped(name: string, value: Loose): Outcome {
     const { distances, ...json } = value;
     const shape = [json.rows.length, json.columns.length];
     return { json, arrays: { distances: plain(distances, shape) } };
+  }
+  if (name === 'logmap') {
+    const { vertices, distances, angles, straight, coordinates, ...json } = value;
+    const lists = Object.entries({ vertices, distances, angles, straight });
+    const arrays = Object.fromEntries(lists.map(([key, list]) => [key, plain(list, [list.length])]));
+    return { json, arrays: { ...arrays, coordinates: plain(coordinates, [coordinates.length / 2, 2]) } };
   }
   return { json: value };
 }

@@ -17,6 +17,7 @@ export const checks: {
   isolines: Same<keyof client.IsolinesQuery, Names<Schemas['IsolinesRequest']>>;
   nearest: Same<keyof client.NearestQuery, Names<Schemas['NearestRequest']>>;
   trace: Same<keyof client.TraceQuery, Names<Schemas['TraceRequest']>>;
+  logmap: Same<keyof client.LogmapQuery | 'precision', Names<Schemas['LogmapRequest']>>;
   samples: Same<keyof client.SamplesQuery, Names<Schemas['SamplesRequest']>>;
   drawing: Same<keyof client.Drawing, Extract<keyof Schemas['DistanceRequest'], keyof client.Drawing>>;
   formats: Same<client.ArrayFormat | 'json' | 'frame' | 'glb' | 'png', Schemas['Format']>;
@@ -27,6 +28,7 @@ export const checks: {
   isolines: true,
   nearest: true,
   trace: true,
+  logmap: true,
   samples: true,
   drawing: true,
   formats: true,

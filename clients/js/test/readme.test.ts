@@ -51,6 +51,7 @@ const LAST = [
   /^2 10000$/,
   /^true 0\.14142135\d*$/,
   /^2 0,10000$/,
+  /^113 226 0\.5$/,
 ];
 
 test('the README has a snippet for each expectation', () => {

@@ -10,7 +10,7 @@ import numpy as np
 
 import geodesicd
 
-QUERIES = ("distance", "path", "table", "isolines", "nearest", "trace", "samples")
+QUERIES = ("distance", "path", "table", "isolines", "nearest", "trace", "logmap", "samples")
 
 
 class Outcome(NamedTuple):
@@ -113,7 +113,7 @@ class Call:
         name, too: both have to say the same."""
         chosen = arguments.pop("format", None)
         natural = "json"
-        if (name == "distance" and "at" not in arguments) or name == "table":
+        if (name == "distance" and "at" not in arguments) or name in ("table", "logmap"):
             natural = "frame"
         answer = self.subject.query(
             name, arguments, format=chosen or natural, progress=self.progress
@@ -144,6 +144,8 @@ class Call:
             return mesh.nearest(arguments.pop("point"), **arguments)
         if name == "trace":
             return mesh.trace(start, **arguments)
+        if name == "logmap":
+            return mesh.logmap(start, **arguments)
         return mesh.isolines(start, **arguments)
 
 
@@ -177,6 +179,12 @@ def agrees(value: Any, answer: geodesicd.Answer, name: str) -> None:
             assert [v.face for v in value.via] == [v["face"] for v in document["via"]]
         else:
             assert value.direction_at_end.tolist() == document["direction_at_end"]
+    elif isinstance(value, geodesicd.Logmap):
+        for key in ("vertices", "distances", "angles", "straight", "coordinates"):
+            np.testing.assert_array_equal(getattr(value, key), answer.arrays[key])
+        for key in ("angle", "radius", "total_angle", "all_round", "method"):
+            assert getattr(value, key) == document[key]
+        assert value.source.xyz.tolist() == document["from"]["xyz"]
     elif isinstance(value, geodesicd.Samples):
         assert value.vertices.tolist() == [s["vertex"] for s in document["samples"]]
         told_radii = [np.inf if s["radius"] is None else s["radius"] for s in document["samples"]]

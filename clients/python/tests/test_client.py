@@ -286,4 +286,6 @@ def test_what_comes_back_says_what_it_is(plane: geodesicd.Mesh, client: geodesic
         repr(trace)
         == f"<Trace {trace.length:g} long, {len(trace.points)} points, ends by {trace.end}>"
     )
+    around = plane.logmap(5050, 2)
+    assert repr(around) == f"<Logmap {len(around)} vertices within 2, {around.method}>"
     assert repr(client) == f"<Client of {client.url}>"

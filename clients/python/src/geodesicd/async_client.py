@@ -70,6 +70,7 @@ class AsyncMesh(Metadata):
     isolines = _query(queries.isolines)
     samples = _query(queries.samples)
     trace = _query(queries.trace)
+    logmap = _query(queries.logmap)
     nearest = _query(queries.nearest)
     picture = _query(queries.picture)
     batch = _query(batches.batch)

@@ -82,6 +82,7 @@ class Mesh(Metadata):
     isolines = _query(queries.isolines)
     samples = _query(queries.samples)
     trace = _query(queries.trace)
+    logmap = _query(queries.logmap)
     nearest = _query(queries.nearest)
     picture = _query(queries.picture)
     batch = _query(batches.batch)

@@ -196,6 +196,16 @@ def _parser() -> argparse.ArgumentParser:
     exactness(table)
     _connection(table)
 
+    from . import logmap_command
+
+    logmap = command(
+        "logmap", "MESH --from POINT", logmap_command.run, "Lay the surface round a point flat."
+    )
+    _query(logmap, several=False)
+    logmap_command.arguments(logmap)
+    exactness(logmap)
+    _connection(logmap)
+
     plot = command("plot", "MESH --from POINT", _plot, "Draw a field with isolines and a path.")
     _query(plot)
     plot.add_argument("--to", metavar="POINT", help="draw the path there from the first source")
@@ -416,7 +426,7 @@ def _distance(options: argparse.Namespace) -> int:
     if options.output.suffix == ".csv":
         _save_csv(options.output, "index,distance", map(str, range(len(field))), numbers(field))
     else:
-        _require(options.output, (".npy",))
+        require(options.output, (".npy",))
         np.save(options.output, field)
     reached = field[np.isfinite(field)]
     farthest = f", the farthest {reached.max():.6g}" if len(reached) else ""
@@ -429,7 +439,8 @@ def _save_csv(file: Path, header: str, *columns: Iterable[str]) -> None:
     file.write_text("\n".join([header, *lines]) + "\n", encoding="utf-8")
 
 
-def _require(file: Path, endings: tuple[str, ...]) -> None:
+def require(file: Path, endings: tuple[str, ...]) -> None:
+    """ValueError: the file's name ends otherwise."""
     if file.suffix not in endings:
         raise ValueError(f"{file} should end with {' or '.join(endings)}")
 
@@ -437,7 +448,7 @@ def _require(file: Path, endings: tuple[str, ...]) -> None:
 def _path(options: argparse.Namespace) -> int:
     endings = (".csv", ".npy", ".json", ".glb")
     if options.output is not None:
-        _require(options.output, endings)
+        require(options.output, endings)
     source, target, via = point(options.sources), point(options.to), points(options.via)
     asked: dict[str, Any] = {"refine": options.refine, **exactness_of(options)}
     with mesh_of(options) as mesh, bar("path") as progress:

@@ -29,6 +29,7 @@ from .results import (
     Geometry,
     Isoline,
     LabelledDistances,
+    Logmap,
     Path,
     Samples,
     SurfacePoint,
@@ -273,6 +274,49 @@ def trace(
     return ask(encode(mesh, "trace", parameters), wire.trace_of_frame, progress)
 
 
+def logmap(
+    mesh: str,
+    point: PointLike,
+    radius: float | None = None,
+    *,
+    angle: float = 0.0,
+    method: str | None = None,
+    points_per_edge: int | None = None,
+    bound: str | None = None,
+    tolerance: float | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[Logmap]:
+    """The logarithmic map: the surface round a point, laid into the plane, for decals, texture
+    coordinates and patterns. :meth:`trace` by an angle and a length is its inverse, as far as the
+    shortest paths are straight. Beyond the nearest point to which two shortest paths lead,
+    neighbours may lie far apart. Round a vertex whose angles do not add up to a full turn, they
+    are spread evenly over one.
+
+    Args:
+        radius: vertices that are farther have no place, mesh units; without it all have one that
+            a path leads to.
+        angle: the direction that becomes the x axis, radians, as :meth:`trace` has them.
+        tolerance: for ``method="steiner"`` only, relative.
+
+    Raises:
+        GeodesicError: also ``value_out_of_range`` with the parameter ``from``, where directions
+            have no angle: where more than two faces meet, or faces in a vertex alone.
+    """
+    parameters = {
+        "from": point_of(point),
+        "radius": as_bound(radius),
+        "angle": angle,
+        "method": method,
+        "points_per_edge": points_per_edge,
+        "bound": bound,
+        "tolerance": tolerance,
+        "deadline_ms": milliseconds(deadline),
+        "format": "frame",
+    }
+    return ask(encode(mesh, "logmap", parameters), wire.logmap_of_frame, progress)
+
+
 def nearest(
     mesh: str,
     points: PointsLike,
@@ -352,7 +396,7 @@ def query(
 
     Args:
         name: ``"distance"``, ``"path"``, ``"table"``, ``"isolines"``, ``"samples"``,
-            ``"trace"`` or ``"nearest"``.
+            ``"trace"``, ``"logmap"`` or ``"nearest"``.
         parameters: by the contract's names, such as ``{"from": 0, "to": [9, (1, 2, 3)]}``.
         format: ``"json"``, ``"f32"``, ``"f64"``, ``"u16"``, ``"npy"``, ``"frame"``, ``"glb"``
             or ``"png"``.

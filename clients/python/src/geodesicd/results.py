@@ -183,6 +183,46 @@ class Samples:
         return f"<Samples {len(self)} vertices, covering radius {self.covering_radius:g}>"
 
 
+@dataclass(frozen=True, eq=False)
+class Logmap:
+    """The surface round ``source``, laid into the plane that touches it there: an entry for each
+    vertex that has a place, ascending.
+
+    Attributes:
+        vertices: (n,) int64, source vertices.
+        distances: (n,) float64, the lengths of the shortest paths to them, mesh units.
+        angles: (n,) float64, those at which these paths leave the point, radians, as
+            ``mesh.trace`` has them; 0 for a vertex at the point itself.
+        straight: (n,) bool, whether ``mesh.trace`` by that angle and distance leads to the vertex:
+            where its path passes no other vertex, and no edge with more than two faces.
+        coordinates: (n, 2) float64, in the plane, mesh units; y is to the left of x.
+        angle: of the x axis, radians.
+        radius: the one asked for, or else the greatest distance, mesh units.
+        total_angle: of all directions at the point, radians; 2 pi inside a face.
+        all_round: whether no boundary is in the way at the point.
+        source: the point asked for, as found on the surface.
+        method: how distances were computed.
+    """
+
+    vertices: Index
+    distances: Float64
+    angles: Float64
+    straight: NDArray[np.bool_]
+    coordinates: Float64
+    angle: float
+    radius: float
+    total_angle: float
+    all_round: bool
+    source: SurfacePoint
+    method: str
+
+    def __len__(self) -> int:
+        return len(self.vertices)
+
+    def __repr__(self) -> str:
+        return f"<Logmap {len(self)} vertices within {self.radius:g}, {self.method}>"
+
+
 class Geometry(NamedTuple):
     """What the server computes on, in the numbering of the file.
 

@@ -22,6 +22,7 @@ from .results import (
     Index,
     Isoline,
     LabelledDistances,
+    Logmap,
     Path,
     Samples,
     SurfacePoint,
@@ -200,6 +201,24 @@ def trace_of_frame(reply: Reply) -> Trace:
         direction_at_end=np.array(document["direction_at_end"], dtype=np.float64),
         source=surface_point(document["from"]),
         target=surface_point(document["to"]),
+    )
+
+
+def logmap_of_frame(reply: Reply) -> Logmap:
+    """The surface round a point in the plane, from its frame."""
+    document, arrays = frame(reply.body)
+    return Logmap(
+        vertices=arrays["vertices"].astype(np.int64),
+        distances=arrays["distances"],
+        angles=arrays["angles"],
+        straight=arrays["straight"].astype(np.bool_),
+        coordinates=arrays["coordinates"],
+        angle=float(document["angle"]),
+        radius=float(document["radius"]),
+        total_angle=float(document["total_angle"]),
+        all_round=bool(document["all_round"]),
+        source=surface_point(document["from"]),
+        method=document["method"],
     )
 
 

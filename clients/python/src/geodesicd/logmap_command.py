@@ -1,0 +1,88 @@
+"""``geodesic logmap``: the surface round a point laid into the plane, as a file or as CSV."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .commands import bar, exactness_of, mesh_of, people, point, require
+from .digits import number, numbers, short
+from .encoding import as_bound, milliseconds
+from .results import Logmap
+
+_ENDINGS = (".csv", ".npz", ".json", ".glb")
+# What files have, by the names of the contract.
+_NAMES = (
+    "angle", "radius", "total_angle", "all_round",
+    "vertices", "distances", "angles", "straight", "coordinates",
+)  # fmt: skip
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the arguments that are this command's own."""
+    parser.add_argument("--radius", type=float, metavar="N", help="farther has no place")
+    parser.add_argument(
+        "--angle", type=float, default=0.0, metavar="A", help="of the x axis, radians (%(default)s)"
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE",
+        help=".csv, .npz, .json or .glb; else printed as CSV",
+    )  # fmt: skip
+
+
+def run(options: argparse.Namespace) -> int:
+    """Runs the command; its exit status."""
+    file: Path | None = options.output
+    if file is not None:
+        require(file, _ENDINGS)
+    asked: dict[str, Any] = {"radius": as_bound(options.radius), "angle": options.angle}
+    asked |= exactness_of(options)
+    source = point(options.sources)
+    with mesh_of(options) as mesh, bar("logmap") as progress:
+        if file is not None and file.suffix == ".glb":
+            asked |= {"from": source, "deadline_ms": milliseconds(asked.pop("deadline"))}
+            answer = mesh.query("logmap", asked, format="glb", progress=progress)
+            file.write_bytes(answer.data)
+            told = str(file)
+        else:
+            found = mesh.logmap(source, progress=progress, **asked)
+            told = f"{file}: {len(found):,} of {mesh.vertices:,} vertices have a place"
+    if file is None:
+        print("\n".join(_rows(found)))
+        return 0
+    if file.suffix != ".glb":
+        _save(file, found)
+    people.print(told, markup=False, soft_wrap=True)
+    return 0
+
+
+def _rows(found: Logmap) -> Iterator[str]:
+    """The lines of its CSV."""
+    yield "vertex,distance,angle,straight,x,y"
+    columns = (found.distances, found.angles, found.straight, *found.coordinates.T)
+    vertices = map(str, found.vertices.tolist())
+    yield from map(",".join, zip(vertices, *map(numbers, columns), strict=True))
+
+
+def _save(file: Path, found: Logmap) -> None:
+    if file.suffix == ".csv":
+        file.write_text("\n".join(_rows(found)) + "\n", encoding="utf-8")
+    elif file.suffix == ".npz":
+        np.savez(file, **{name: getattr(found, name) for name in _NAMES})
+    elif file.suffix == ".json":
+        document = {name: _plain(getattr(found, name)) for name in _NAMES}
+        file.write_text(json.dumps(document) + "\n", encoding="utf-8")
+
+
+def _plain(value: Any) -> Any:
+    """As the contract's JSON has it, in as few digits as say it."""
+    if isinstance(value, bool):
+        return value
+    if isinstance(value, float):
+        return float(number(value))
+    return short(value).tolist() if value.dtype == np.float64 else value.astype(int).tolist()
