@@ -99,12 +99,13 @@ Result<void> DirectionsAt::turn(Halfedge side, bool is_backward, Poll& poll) {
   return {};
 }
 
-double DirectionsAt::angle_of(std::uint32_t face, Vec3 direction) const {
+std::optional<double> DirectionsAt::angle_of(std::uint32_t face, Vec3 direction) const {
   const Mesh& mesh = adjacency_->mesh();
   if (from_.at_vertex()) {
     const auto sector =
         std::lower_bound(sectors_.begin(), sectors_.end(), face,
                          [](const Sector& s, std::uint32_t f) { return s.face < f; });
+    if (sector == sectors_.end() || sector->face != face) return std::nullopt;
     const auto [along, inward] = FlatFace(mesh, halfedge(face, sector->corner)).axes(mesh);
     const double to_next =
         std::clamp(std::atan2(dot(direction, inward), dot(direction, along)), 0.0, sector->size);
@@ -116,6 +117,9 @@ double DirectionsAt::angle_of(std::uint32_t face, Vec3 direction) const {
     const auto [along, inward] = FlatFace(mesh, halfedge(face, 0)).axes(mesh);
     const double angle = std::atan2(dot(direction, inward), dot(direction, along));
     return all_round_ ? in_turn(angle, total_) : angle;
+  }
+  if (across_ == kNone || face != face_of(adjacency_->ring(halfedge(from_.face, across_)))) {
+    return std::nullopt;
   }
   // In the face beyond the edge, laid into the plane of the point's own.
   const FlatFace flat(mesh, halfedge(from_.face, 0));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/base/cancel.h"
@@ -21,8 +22,9 @@ class DirectionsAt {
                                                const Cancel& cancel);
 
   // Of a vector in the plane of a face at the point, of any length but zero. In radians: from 0 to
-  // below `total` if directions go all round; if not, between the two edges of the boundary.
-  [[nodiscard]] double angle_of(std::uint32_t face, Vec3 direction) const;
+  // below `total` if directions go all round; if not, between the two edges of the boundary. None
+  // if the face is not at the point.
+  [[nodiscard]] std::optional<double> angle_of(std::uint32_t face, Vec3 direction) const;
 
   // The sum of the angles of all faces there: 2 pi inside a face.
   [[nodiscard]] double total() const { return total_; }

@@ -37,8 +37,9 @@ bool is_straight(const Adjacency& adjacency, const Path& path) {
 
 Vec2 LogMap::coordinates(const Entry& entry, double x_axis) const {
   constexpr double kFullTurn = 2 * std::numbers::pi;
-  const double scale = all_round || total_angle > kFullTurn ? kFullTurn / total_angle : 1;
-  const double angle = scale * (entry.angle - x_axis);
+  constexpr double kHardlyAny = 1e-9;  // of faces that are lines
+  const bool fills_a_turn = (all_round && total_angle > kHardlyAny) || total_angle > kFullTurn;
+  const double angle = (fills_a_turn ? kFullTurn / total_angle : 1) * (entry.angle - x_axis);
   return {entry.distance * std::cos(angle), entry.distance * std::sin(angle)};
 }
 
@@ -72,9 +73,10 @@ Result<LogMap> log_map(const Adjacency& adjacency, const Field& field, const Sur
       continue;
     }
     const Vec3 direction = points[first + 1].position - points[first].position;
-    map.entries.push_back({v, (*path)->length,
-                           directions->angle_of(points[first].point.face, direction),
-                           is_straight(adjacency, **path)});
+    // Past edges without a length, a way may set out in a face that is not at the point.
+    const auto angle = directions->angle_of(points[first].point.face, direction);
+    map.entries.push_back({v, (*path)->length, angle.value_or(0),
+                           angle.has_value() && is_straight(adjacency, **path)});
   }
   return map;
 }

@@ -22,7 +22,9 @@ struct LogMap {
   struct Entry {
     std::uint32_t vertex;
     double distance;  // the length of the path, mesh units
-    double angle;     // radians, as straightest_geodesic_at_angle has them; 0 at the point itself
+    // Radians, as straightest_geodesic_at_angle has them; 0 at the point itself, and where edges
+    // without a length leave no direction.
+    double angle;
     // The path comes to no other vertex, nor to an edge of three faces: going straight ahead leads
     // there.
     bool is_straight;

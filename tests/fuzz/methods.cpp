@@ -40,6 +40,9 @@ void check_log_map(const Adjacency& adjacency, const Field& exact, const Surface
     const double d = exact.distance[entry.vertex];
     expect(entry.distance >= d * (1 - kRounding) - slack, "no path is shorter than the shortest");
     expect(entry.angle >= least && entry.angle <= map->total_angle, "an angle round the point");
+    const Vec2 at = map->coordinates(entry, 0.5);
+    expect(std::abs(norm(at) - entry.distance) <= kRounding * entry.distance,
+           "a place so far away");
   }
 }
 

@@ -217,6 +217,24 @@ TEST_CASE("WhereFacesAreNoFanThereIsNoMap") {
   CHECK_FALSE(map_of(Surface(bow), Surface(bow).at(0), Method::exact).has_value());
 }
 
+// As the apex of a fan of needles that are lines within rounding, a vertex has hardly any angle.
+TEST_CASE("WhereThereIsNoAnglePlacesAreNumbers") {
+  TriangleSoup soup;
+  soup.positions = {{0, 0, 0}};
+  for (int i = 0; i < 4; ++i) {
+    soup.positions.push_back({1.0 + i, i * 1e-13, i % 2 * 1e-13});
+    soup.faces.push_back({0, 1U + static_cast<unsigned>(i), 1U + static_cast<unsigned>(i + 1) % 4});
+  }
+  const Surface surface(soup);
+  const auto map = map_of(surface, surface.at(0), Method::exact);
+  REQUIRE(map.has_value());
+  CHECK(map->entries.size() == 5);
+  for (const LogMap::Entry& entry : map->entries) {
+    const Vec2 at = map->coordinates(entry, 1);
+    CHECK(norm(at) == doctest::Approx(entry.distance));
+  }
+}
+
 TEST_CASE("AMapIsStoppedInTheMiddle") {
   const Surface surface(shapes::icosphere(4));
   const SurfacePoint from = surface.at(3);
