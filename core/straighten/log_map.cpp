@@ -50,8 +50,8 @@ Result<LogMap> log_map(const Adjacency& adjacency, const Field& field, const Sur
   LogMap map;
   map.total_angle = directions->total();
   map.all_round = directions->all_round();
-  // A path takes as long as some dozen steps elsewhere, and asks by itself where it is long.
-  Poll poll(cancel, 16);
+  // A path takes as long as a thousand steps elsewhere, and asks by itself where it is long.
+  Poll poll(cancel, 4);
   const std::uint32_t vertex_count = adjacency.mesh().vertex_count();
   std::uint64_t count = 0;
   for (std::uint32_t v = 0; v < vertex_count; ++v) {

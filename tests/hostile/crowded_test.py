@@ -215,10 +215,12 @@ def questions(chance, vertices, faces, method):
     found.append(("table", {"from": spots[0], "to": many}))
     found.append(("distance", {"from": spots[1], "at": many}))
     found.append(("distance", {"from": many, "at": spots, "labels": 1}))
+    found.append(("logmap", {"from": spots[0], "radius": 0.5}))
+    found.append(("logmap", {"from": spots[1]}))
     chance.shuffle(found)
-    # A path has no tolerance.
+    # Paths have no tolerance.
     return [(query, {**method, **asked}) for query, asked in found
-            if query != "path" or "tolerance" not in method]  # fmt: skip
+            if query not in ("path", "logmap") or "tolerance" not in method]  # fmt: skip
 
 
 def plain_questions(chance, vertices, faces):
@@ -266,7 +268,7 @@ class Crowd:
         if status == 200:
             return
         problem = json.loads(body)
-        no_such_way = query == "trace" and problem["code"] == "value_out_of_range"
+        no_such_way = query in ("trace", "logmap") and problem["code"] == "value_out_of_range"
         if status == 422 and (no_such_way or problem["code"] in NO_ANSWER):
             return
         # Clients that ask at once are in each other's way, and all come from one address.

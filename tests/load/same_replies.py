@@ -49,6 +49,7 @@ def systematic(vertices):
                            + urllib.parse.urlencode(asked))
     yield "/samples?count=5"
     yield "/trace?from=f:0,0.3,0.3&angle=1&length=1"
+    yield "/logmap?from=f:0,0.3,0.3&radius=3"
 
 
 DEADLINE = re.compile(r'(deadline_ms"?[=:] ?)\d+')

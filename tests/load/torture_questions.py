@@ -85,6 +85,12 @@ def parameters_of(chance, mesh, query):
         if chance.random() < 0.4:
             asked["refine"] = "shortest"
         return asked, ["json", "json", "json", "f32", "f64", "glb"]
+    if query == "logmap":
+        asked |= {"from": point_of(chance, mesh), "radius": size * 10 ** chance.uniform(-2, 0)}
+        asked.pop("tolerance", None)
+        if chance.random() < 0.3:
+            asked["angle"] = chance.uniform(-7, 7)
+        return asked, ["json", "frame", "glb"]
     if query == "samples":
         asked["count"] = chance.choice([1, 3, 10])
         if chance.random() < 0.3:
@@ -112,7 +118,8 @@ def parameters_of(chance, mesh, query):
     return asked, ["json", "json", "glb"]
 
 
-QUERIES = ["distance"] * 4 + ["path"] * 4 + ["table", "isolines", "samples", "trace", "trace", "nearest"]
+QUERIES = ["distance"] * 4 + ["path"] * 4
+QUERIES += ["table", "isolines", "samples", "trace", "trace", "logmap", "nearest"]
 
 
 def question_about(chance, mesh):
