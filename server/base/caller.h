@@ -2,6 +2,7 @@
 // to stop early. Made by the HTTP edge, passed down by reference.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <concepts>
 #include <functional>
@@ -62,7 +63,7 @@ struct Caller {
     Caller part = *this;
     if (progress) {
       part.progress = [whole = progress, begin, end](double done) {
-        whole(begin + (end - begin) * done);
+        whole(std::min(begin + (end - begin) * done, end));
       };
     }
     return part;

@@ -58,7 +58,9 @@ class JointCaller {
     const double further = std::max(0.0, done - done_[number]);
     done_[number] += further;
     sum_ += further;
-    if (caller_.progress) caller_.progress(sum_ / static_cast<double>(done_.size()));
+    // The sum of many small steps may be rounded up.
+    const double all = std::min(sum_ / static_cast<double>(done_.size()), 1.0);
+    if (caller_.progress) caller_.progress(all);
   }
   void end(std::size_t number, bool hit) {
     tell(number, 1);
