@@ -20,9 +20,10 @@ Result<void> no_fan() {
 }
 
 double in_turn(double angle, double total) {
+  if (!(total > 0)) return 0;  // of faces that are lines
+  angle = std::fmod(angle, total);
   if (angle < 0) angle += total;
-  if (angle >= total) angle -= total;
-  return std::max(angle, 0.0);
+  return angle < total ? angle : 0;
 }
 
 }  // namespace
@@ -107,8 +108,8 @@ std::optional<double> DirectionsAt::angle_of(std::uint32_t face, Vec3 direction)
                          [](const Sector& s, std::uint32_t f) { return s.face < f; });
     if (sector == sectors_.end() || sector->face != face) return std::nullopt;
     const auto [along, inward] = FlatFace(mesh, halfedge(face, sector->corner)).axes(mesh);
-    const double to_next =
-        std::clamp(std::atan2(dot(direction, inward), dot(direction, along)), 0.0, sector->size);
+    double to_next = std::atan2(dot(direction, inward), dot(direction, along));
+    if (!all_round_) to_next = std::clamp(to_next, 0.0, sector->size);  // as rounded
     const double angle = sector->begin + (sector->from_next ? to_next : sector->size - to_next);
     if (!all_round_) return sector->is_backward ? -angle : angle;
     return in_turn(angle, total_);
@@ -118,15 +119,16 @@ std::optional<double> DirectionsAt::angle_of(std::uint32_t face, Vec3 direction)
     const double angle = std::atan2(dot(direction, inward), dot(direction, along));
     return all_round_ ? in_turn(angle, total_) : angle;
   }
-  if (across_ == kNone || face != face_of(adjacency_->ring(halfedge(from_.face, across_)))) {
-    return std::nullopt;
-  }
+  const Halfedge beyond =
+      across_ == kNone ? kNone : adjacency_->ring(halfedge(from_.face, across_));
+  if (across_ == kNone || face != face_of(beyond)) return std::nullopt;
   // In the face beyond the edge, laid into the plane of the point's own.
   const FlatFace flat(mesh, halfedge(from_.face, 0));
   const Vec3 edge = FlatFace(mesh, halfedge(from_.face, across_)).axes(mesh).first;
+  const Vec3 outward = FlatFace(mesh, beyond).axes(mesh).second;
   const Vec2 side = flat.edges[across_];
-  const double away = std::atan2(norm(cross(edge, direction)), dot(edge, direction));
-  return in_turn(std::atan2(side.y, side.x) - away + kAllRound, kAllRound);
+  const double away = std::atan2(dot(direction, outward), dot(direction, edge));
+  return in_turn(std::atan2(side.y, side.x) - away, kAllRound);
 }
 
 }  // namespace geodesic

@@ -48,12 +48,17 @@ Result<Answered<proto::LogmapReply>> FieldQueries::answer(const std::string& mes
   reply.mesh = mesh;
   reply.method = request.method.which;
   reply.angle = request.angle;
-  const auto from = place->point(request.from, reply.from, reply.warnings);
+  auto from = place->point(request.from, reply.from, reply.warnings);
   if (!from) return fail(from.error());
+  *from = off_near_edges(*place->adjacency(), *from);
+  const proto::ResolvedPoint found_there = reply_point(place->mesh(), *from);
+  reply.from.vertex = found_there.vertex;
+  reply.from.face = found_there.face;
+  reply.from.bary = found_there.bary;
   FieldQuestion question{mesh, place->adjacency(), request.method, {{*from, 0}}};
   // A path to a vertex at the radius may need the vertices just beyond it.
   const double radius = request.radius.value_or(kUnreached);
-  question.max = radius + 2 * longest_edge(*place->adjacency());
+  question.max = kFieldBeyondRadius * radius + 2 * longest_edge(*place->adjacency());
   const auto field = fields_.whole(question, Details::kept, caller.part(0, kFieldOfLogmap));
   if (!field) return fail(field.error());
   answer.cache_hit = field->hit;

@@ -96,6 +96,41 @@ TEST_CASE("InThePlaneTheMapIsThePlane") {
   }
 }
 
+// A first segment of 1e-16 says nothing of a direction.
+TEST_CASE("APointWithinRoundingOfAnEdgeOrAVertexHasAMap") {
+  std::mt19937 random(test_seed());
+  const auto unit = [&] { return random() / 4294967296.0; };
+  for (int i = 0; i < 60; ++i) {
+    TriangleSoup soup = shapes::plane(8, 8);
+    const double a = 7 * unit();
+    const double b = 7 * unit();
+    for (Vec3& p : soup.positions) {  // turned in space
+      const Vec3 q{std::cos(a) * p.x - std::sin(a) * p.y, std::sin(a) * p.x + std::cos(a) * p.y, 0};
+      p = {q.x, std::cos(b) * q.y, std::sin(b) * q.y};
+    }
+    const Surface surface(soup);
+    const auto f = static_cast<std::uint32_t>(random() % surface.mesh().face_count());
+    const double small = std::pow(10.0, -17 + 13 * unit());
+    const double other = random() % 2 == 0 ? small * unit() : unit();
+    const SurfacePoint from = off_near_edges(
+        surface.adjacency(),
+        point_on_face(surface.adjacency(), f, {1 - small - other * (1 - small), other, small}));
+    CAPTURE(small);
+    CAPTURE(other);
+    CAPTURE(f);
+    const auto map = map_of(surface, from, random() % 2 == 0 ? Method::exact : Method::back_traced);
+    REQUIRE(map.has_value());
+    check_leads_back(surface, from, *map, 1e-6);
+    for (std::size_t k = 1; k < map->entries.size(); ++k) {
+      const auto& one = map->entries[k];
+      const auto& two = map->entries[random() % k];
+      const double there = distance(position(surface, one.vertex), position(surface, two.vertex));
+      // A path that passes the vertex closely may lead to it, and so be turned a little.
+      CHECK(std::abs(norm(map->coordinates(one) - map->coordinates(two)) - there) < 1e-3);
+    }
+  }
+}
+
 TEST_CASE("GoingStraightAheadIsTheInverseOnAnySurface") {
   std::mt19937 random(test_seed());
   std::size_t straight = 0;
@@ -123,11 +158,14 @@ TEST_CASE("WithinARadiusThereAreTheVerticesWithinIt") {
     const Field field = surface.field_by(method, {{from, 0}});
     const auto map = log_map(surface.adjacency(), field, from, 0.7, Cancel());
     REQUIRE(map.has_value());
-    std::uint32_t within = 0;
-    for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
-      if (field.distance[v] <= 0.7) ++within;
+    std::vector<bool> has_place(surface.mesh().vertex_count());
+    for (const LogMap::Entry& entry : map->entries) {
+      has_place[entry.vertex] = true;
+      CHECK(entry.distance <= 0.7);
     }
-    CHECK(map->entries.size() == within);
+    for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+      if (field.distance[v] < 0.68) CHECK(has_place[v]);
+    }
     for (const LogMap::Entry& entry : map->entries) {
       CHECK(entry.distance == doctest::Approx(field.distance[entry.vertex]).epsilon(0.02));
     }
@@ -233,6 +271,21 @@ TEST_CASE("WhereThereIsNoAnglePlacesAreNumbers") {
     const Vec2 at = map->coordinates(entry, 1);
     CHECK(norm(at) == doctest::Approx(entry.distance));
   }
+}
+
+TEST_CASE("AnAxisOfManyTurnsIsAnAxis") {
+  const Surface surface(shapes::plane(5, 5));
+  const auto map = map_of(surface, surface.at(12), Method::exact);
+  REQUIRE(map.has_value());
+  for (const double turns : {1.0, -3.0, 1e9}) {
+    for (const LogMap::Entry& entry : map->entries) {
+      const Vec2 off = map->coordinates(entry, 0.5 + turns * 2 * pi) - map->coordinates(entry, 0.5);
+      CHECK(norm(off) < 1e-5);
+    }
+  }
+  // Far from each other, whatever such an angle means.
+  CHECK(norm(map->coordinates(map->entries[7], 1e17) - map->coordinates(map->entries[11], 1e17)) >
+        0.5);
 }
 
 TEST_CASE("AMapIsStoppedInTheMiddle") {
