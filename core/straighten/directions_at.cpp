@@ -62,6 +62,8 @@ Result<void> DirectionsAt::look_across_edge(std::uint32_t side) {
 
 Result<void> DirectionsAt::turn_round_vertex(Poll& poll) {
   const auto corners = adjacency_->corners(from_.vertex);
+  if (!poll.may_take(corners.size() * sizeof(Sector))) return {};
+  sectors_.reserve(corners.size());
   if (auto turned = turn(corners.front(), false, poll); !turned) return turned;
   if (!all_round_) {
     const Halfedge across = adjacency_->ring(corners.front());

@@ -97,7 +97,7 @@ Vec2 LogMap::coordinates(const Entry& entry, double x_axis) const {
   return {entry.distance * std::cos(angle), entry.distance * std::sin(angle)};
 }
 
-SurfacePoint off_near_edges(const Adjacency& adjacency, const SurfacePoint& point) {
+SurfacePoint snap_to_edges(const Adjacency& adjacency, const SurfacePoint& point) {
   constexpr double kNear = 1e-6;
   if (point.at_vertex() || point.face == kNone) return point;
   std::array<double, 3> bary = point.bary;
@@ -116,17 +116,20 @@ Result<LogMap> log_map(const Adjacency& adjacency, const Field& field, const Sur
   map.all_round = directions->all_round();
   // A path takes as long as a thousand steps elsewhere, and asks by itself where it is long.
   Poll poll(cancel, 4);
+  Poll looking(cancel);  // at vertices that are too far
   const std::uint32_t vertex_count = adjacency.mesh().vertex_count();
   // Distances may be above those of the paths by as much as these are refined.
   const double most = radius * kFieldBeyondRadius;
   std::uint64_t count = 0;
-  for (std::uint32_t v = 0; v < vertex_count; ++v) {
+  for (std::uint32_t v = 0; v < vertex_count && !looking.cancelled(); ++v) {
     if (field.distance[v] <= most && field.distance[v] != kUnreached) ++count;
   }
+  if (looking.stopped()) return fail_stopped(looking);
   if (!poll.may_take(count * sizeof(LogMap::Entry))) return fail_stopped(poll);
   map.entries.reserve(count);
   Departures departures(adjacency);
   for (std::uint32_t v = 0; v < vertex_count; ++v) {
+    if (looking.cancelled()) return fail_stopped(looking);
     if (!(field.distance[v] <= most) || field.distance[v] == kUnreached) continue;
     if (poll.cancelled(map.entries.size(), count)) return fail_stopped(poll);
     const auto path =

@@ -40,15 +40,15 @@ struct LogMap {
   [[nodiscard]] std::uint64_t bytes() const { return entries.capacity() * sizeof(Entry); }
 };
 
-// The same point, or the edge or the vertex that it is within 1e-6 of a face's size of: too near
-// for a path past it to say in which direction it set out.
-[[nodiscard]] SurfacePoint off_near_edges(const Adjacency& adjacency, const SurfacePoint& point);
+// The point itself; or, within 1e-6 of a face's size of an edge or a vertex, that of the edge or
+// the vertex: a path past them does not say in which direction it set out.
+[[nodiscard]] SurfacePoint snap_to_edges(const Adjacency& adjacency, const SurfacePoint& point);
 
 // How much farther away than by its path a vertex may be by the field, and still have its place.
 inline constexpr double kFieldBeyondRadius = 1.1;
 
 // Of the vertices that a path no longer than `radius` leads to, by the field, which is of `from`
-// alone, off_near_edges, and without an offset, with details, and has all vertices to two edges
+// alone, snapped to edges, and without an offset, with details, and has all vertices to two edges
 // beyond kFieldBeyondRadius times the radius. A refined path for each, by path_through. Errors:
 // those of DirectionsAt; cancelled.
 [[nodiscard]] Result<LogMap> log_map(const Adjacency& adjacency, const Field& field,

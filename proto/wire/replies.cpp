@@ -39,12 +39,13 @@ void append_distances(std::string& out, std::span<const double> distances, int d
   out += ']';
 }
 
+// kNone as null.
 void append_wholes(std::string& out, std::span<const std::uint32_t> values, Poll* poll) {
   out += '[';
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (is_stopped(poll)) break;
     if (i > 0) out += ',';
-    out += std::to_string(values[i]);
+    out += values[i] == kNone ? "null" : std::to_string(values[i]);
   }
   out += ']';
 }
@@ -112,16 +113,6 @@ void append_path_points(std::string& out, const std::vector<PathReplyPoint>& poi
 // Mesh ids are hexadecimal and method names are ours: neither needs escaping.
 std::string opening(const std::string& mesh) { return "{\"mesh\":\"" + mesh + "\""; }
 
-void append_labels(std::string& out, const std::vector<std::uint32_t>& labels, Poll* poll) {
-  out += '[';
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    if (is_stopped(poll)) break;
-    if (i > 0) out += ',';
-    out += labels[i] == kNone ? "null" : std::to_string(labels[i]);
-  }
-  out += ']';
-}
-
 // The sentences are ours, and need no escaping.
 void append_warnings(std::string& out, const Warnings& warnings) {
   if (warnings.empty()) return;
@@ -162,7 +153,7 @@ std::string to_json(const DistanceReply& reply, int digits, Poll* poll) {
   append_distances(out, reply.distances, digits, reply.short_digits, reply.bound, poll);
   if (reply.labels) {
     out += ",\"labels\":";
-    append_labels(out, *reply.labels, poll);
+    append_wholes(out, *reply.labels, poll);
   }
   append_warnings(out, reply.warnings);
   out += '}';

@@ -19,6 +19,21 @@ constexpr double kFieldOfLogmap = 0.2;
 // Its own, its distance, its angle, two coordinates, and whether the way is straight.
 constexpr std::uint64_t kNumbersOfVertex = 6;
 
+// How many vertices of the client have a place: copies of a vertex have the same.
+std::uint64_t count_places(const LogMap& map, const Mesh& mesh, Poll& poll) {
+  std::vector<bool> has_place(mesh.vertex_count());
+  for (const LogMap::Entry& entry : map.entries) {
+    if (poll.cancelled()) break;
+    has_place[entry.vertex] = true;
+  }
+  std::uint64_t count = 0;
+  for (const std::uint32_t vertex : mesh.vertex_of_source()) {
+    if (poll.cancelled()) break;
+    if (has_place[vertex]) ++count;
+  }
+  return count;
+}
+
 // What the map says of the engine's vertices, in the client's numbers.
 void take_over(const LogMap& map, const Mesh& mesh, proto::LogmapReply& reply) {
   const auto is_before = [](const LogMap::Entry& e, std::uint32_t v) { return e.vertex < v; };
@@ -50,7 +65,7 @@ Result<Answered<proto::LogmapReply>> FieldQueries::answer(const std::string& mes
   reply.angle = request.angle;
   auto from = place->point(request.from, reply.from, reply.warnings);
   if (!from) return fail(from.error());
-  *from = off_near_edges(*place->adjacency(), *from);
+  *from = snap_to_edges(*place->adjacency(), *from);
   const proto::ResolvedPoint found_there = reply_point(place->mesh(), *from);
   reply.from.vertex = found_there.vertex;
   reply.from.face = found_there.face;
@@ -63,9 +78,13 @@ Result<Answered<proto::LogmapReply>> FieldQueries::answer(const std::string& mes
   if (!field) return fail(field.error());
   answer.cache_hit = field->hit;
   auto found = fields_.compute(
-      [&](SolveScratch&, const Cancel& cancel) {
+      [&](SolveScratch&, const Cancel& cancel) -> Result<LogMap> {
         const Timed tracing(caller, Stage::trace);
-        return log_map(*place->adjacency(), *field->value, *from, radius, cancel);
+        auto map = log_map(*place->adjacency(), *field->value, *from, radius, cancel);
+        Poll poll(cancel);
+        if (map) answer.numbers = kNumbersOfVertex * count_places(*map, place->mesh(), poll);
+        if (poll.stopped()) return fail_stopped(poll);
+        return map;
       },
       caller.part(kFieldOfLogmap, 1));
   if (!found) return fail(std::move(found.error()));
@@ -75,7 +94,6 @@ Result<Answered<proto::LogmapReply>> FieldQueries::answer(const std::string& mes
     reply.radius = std::max(reply.radius, entry.distance);
   }
   if (request.radius) reply.radius = *request.radius;
-  answer.numbers = kNumbersOfVertex * found->entries.size();
   const auto map = std::make_shared<const LogMap>(std::move(*found));
   answer.complete = [map, adjacency = place->adjacency()](proto::LogmapReply& to) {
     take_over(*map, adjacency->mesh(), to);

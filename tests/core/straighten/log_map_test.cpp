@@ -113,7 +113,7 @@ TEST_CASE("APointWithinRoundingOfAnEdgeOrAVertexHasAMap") {
     const auto f = static_cast<std::uint32_t>(random() % surface.mesh().face_count());
     const double small = std::pow(10.0, -17 + 13 * unit());
     const double other = random() % 2 == 0 ? small * unit() : unit();
-    const SurfacePoint from = off_near_edges(
+    const SurfacePoint from = snap_to_edges(
         surface.adjacency(),
         point_on_face(surface.adjacency(), f, {1 - small - other * (1 - small), other, small}));
     CAPTURE(small);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -12,12 +13,6 @@ using namespace geodesic;
 using namespace geodesic::server;
 using namespace geodesic::server::test;
 
-namespace {
-
-constexpr double kFlatPi = 3.14159265358979323846;
-
-}  // namespace
-
 // The plane has a vertex at each whole x below 12 and y below 10.
 TEST_CASE("TheMapOfAPlaneIsThePlaneTurned") {
   PlaneService plane;
@@ -26,7 +21,7 @@ TEST_CASE("TheMapOfAPlaneIsThePlaneTurned") {
   CHECK(reply["method"] == "auto");
   CHECK(reply["from"]["vertex"] == 53);
   CHECK(reply["angle"] == 0);
-  CHECK(reply["total_angle"] == doctest::Approx(2 * kFlatPi));
+  CHECK(reply["total_angle"] == doctest::Approx(2 * std::numbers::pi));
   CHECK(reply["all_round"] == true);
   REQUIRE(reply["vertices"].size() == 120);
   CHECK(reply["radius"] == doctest::Approx(std::hypot(6, 5)));
