@@ -96,10 +96,13 @@ class Poll {
     return stopped_;
   }
 
-  // The same for a loop that has done `done` of about `total` steps before them.
+  // The same for a loop that has done `done` of about `total` steps before them. It reports as often
+  // as it would ask alone, though it may be others that share this Poll who ask.
   [[nodiscard]] bool cancelled_after(std::uint64_t steps, std::uint64_t done, std::uint64_t total) {
-    if (steps >= left_ && total != 0) {
+    untold_ += steps;
+    if (untold_ >= steps_between_ && total != 0) {
       cancel_.report(static_cast<double>(done) / static_cast<double>(total));
+      untold_ = 0;
     }
     return cancelled_after(steps);
   }
@@ -138,6 +141,7 @@ class Poll {
   const Cancel& cancel_;
   std::uint32_t steps_between_;
   std::uint32_t left_;
+  std::uint64_t untold_ = 0;
   bool stopped_ = false;
 };
 
