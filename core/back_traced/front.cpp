@@ -22,11 +22,11 @@ constexpr std::size_t kFewTogether = 16;
 
 }  // namespace
 
-BackTracedFront::BackTracedFront(const Adjacency& adjacency, BackTrace::Candidates candidates,
+BackTracedFront::BackTracedFront(const Adjacency& adjacency, BackTrace::Rule rule,
                                  BackTracedScratch& scratch, std::span<double> distance,
                                  std::size_t domains, Poll& poll)
     : adjacency_(adjacency),
-      candidates_(candidates),
+      rule_(rule),
       scratch_(scratch),
       distance_(distance),
       poll_(poll),

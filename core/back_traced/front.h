@@ -37,9 +37,8 @@ class BackTracedFront {
   // kUnreached and as constructed wherever this wave has not been.
   //
   // `domains`: 1, or into how many the vertices may be divided, at most Team::kMostParts.
-  BackTracedFront(const Adjacency& adjacency, BackTrace::Candidates candidates,
-                  BackTracedScratch& scratch, std::span<double> distance, std::size_t domains,
-                  Poll& poll);
+  BackTracedFront(const Adjacency& adjacency, BackTrace::Rule rule, BackTracedScratch& scratch,
+                  std::span<double> distance, std::size_t domains, Poll& poll);
 
   // Considers the vertices in the same face as the source, straight from there, and
   // those that a look around from the source finds visible from it, as far as no other source is
@@ -101,11 +100,11 @@ class BackTracedFront {
   template <class Work>
   void in_each_domain(Work work);
   [[nodiscard]] FrontState state(std::span<const double> distance) const {
-    return {surface_, distance, scratch_.vertices, scratch_.crowds, candidates_, vectors_};
+    return {surface_, distance, scratch_.vertices, scratch_.crowds, rule_, vectors_};
   }
 
   const Adjacency& adjacency_;
-  BackTrace::Candidates candidates_;
+  BackTrace::Rule rule_;
   BackTracedScratch& scratch_;
   std::span<double> distance_;
   // The same with those of the round that is being accepted, whose traces are not to see each

@@ -72,7 +72,7 @@ void PartTrace::trace_known() {
 
 void PartTrace::flush() {
   if (traces_.count == 0) return;
-  trace_lanes(surface_, distance_, front_.candidates, front_.vectors, traces_, &front_.crowds);
+  trace_lanes(surface_, distance_, front_.rule, front_.vectors, traces_, &front_.crowds);
   for (std::size_t i = 0; i < traces_.count; ++i) {
     double& best = best_[traced_[i]];
     best = std::min(best, traces_.best[i]);

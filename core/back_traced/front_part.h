@@ -24,7 +24,7 @@ struct FrontState {
   std::span<const double> distance;       // by vertex
   std::span<const FrontVertex> vertices;  // by vertex
   const CrowdedEdges& crowds;
-  BackTrace::Candidates candidates;
+  BackTrace::Rule rule;
   Vectors vectors;
 };
 

@@ -66,10 +66,20 @@ class BackTrace {
   // slivers, no vertex is near the way there either.
   enum class Reach : std::uint8_t { near, far };
 
+  // Where a surface bends much from vertex to vertex, more faces are worth their time: distances
+  // some steps back are wrong by more there.
+  enum class Depth : std::uint8_t { usual, deep };
+
+  struct Rule {
+    Candidates candidates;
+    Depth depth = Depth::usual;
+  };
+
   // At most so many faces are unfolded.
-  [[nodiscard]] static constexpr int most_faces(Candidates candidates, Reach reach) {
-    if (reach == Reach::near) return candidates == Candidates::paths ? 15 : 10;
-    return candidates == Candidates::paths ? 48 : 30;
+  [[nodiscard]] static constexpr int most_faces(Rule rule, Reach reach) {
+    if (rule.depth == Depth::deep) return reach == Reach::near ? 24 : 72;
+    if (reach == Reach::near) return rule.candidates == Candidates::paths ? 15 : 10;
+    return rule.candidates == Candidates::paths ? 48 : 30;
   }
   // The shares between which a trace is unsure.
   struct Shares {
@@ -84,9 +94,9 @@ class BackTrace {
 
   // `distance` has an entry per vertex, kUnreached where there is none yet. Both must outlive
   // this object, as must what it knows of crowded edges.
-  BackTrace(const Triangulation& surface, std::span<const double> distance, Candidates candidates,
+  BackTrace(const Triangulation& surface, std::span<const double> distance, Rule rule,
             const CrowdedEdges* crowds = nullptr)
-      : surface_(surface), distance_(distance), candidates_(candidates), crowds_(crowds) {}
+      : surface_(surface), distance_(distance), rule_(rule), crowds_(crowds) {}
 
   // The least of `best`, of the ways along both sides of the face of `base` to the vertex
   // opposite it, and of what the trace from there finds, over the base at `crossing`: 0 at
@@ -190,14 +200,14 @@ class BackTrace {
       straight = straight_to_virtual_source(trace, best);
     }
     // Of a virtual source no account is kept: how far it is off depends on both distances.
-    return !kCareful && candidates_ == Candidates::virtual_sources ? std::min(best, straight)
-                                                                   : best;
+    return !kCareful && rule_.candidates == Candidates::virtual_sources ? std::min(best, straight)
+                                                                        : best;
   }
 
   // Goes on over the faces; the least of `best` and the ways past their vertices.
   template <bool kCareful>
   [[nodiscard]] double look_back(Trace& t, Reach reach, double best, Spread& spread) const {
-    for (const int most = most_faces(candidates_, reach); t.faces < most; ++t.faces) {
+    for (const int most = most_faces(rule_, reach); t.faces < most; ++t.faces) {
       if (t.across == t.edge) {
         t.ends = Ends::at_border;
         return best;
@@ -304,7 +314,7 @@ class BackTrace {
     const Vec2 source{t.right.x + along * base.x + down * base.y,
                       t.right.y + along * base.y - down * base.x};
     const double straight = norm(source);
-    if (candidates_ == Candidates::paths) return straight;
+    if (rule_.candidates == Candidates::paths) return straight;
     const bool is_visible = cross(source, t.left_bound) >= 0 && cross(t.right_bound, source) >= 0;
     if (!is_visible) return kUnreached;
     // No wave came over the first edge: its ends were reached by two that meet there.
@@ -314,7 +324,7 @@ class BackTrace {
   }
 
   [[nodiscard]] bool is_unsure(const Trace& t, double straight, double best) const {
-    const Shares shares = unsure(candidates_);
+    const Shares shares = unsure(rule_.candidates);
     const double away = norm(t.right);
     return straight + shares.least * away < best && best < straight + shares.most * away;
   }
@@ -337,7 +347,7 @@ class BackTrace {
 
   Triangulation surface_;
   std::span<const double> distance_;
-  Candidates candidates_;
+  Rule rule_;
   const CrowdedEdges* crowds_;
 };
 

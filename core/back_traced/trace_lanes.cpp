@@ -216,7 +216,7 @@ struct Task {
   bool is_oriented;
   bool is_even;
   bool has_lines;
-  BackTrace::Candidates candidates;
+  BackTrace::Rule rule;
   const CrowdedEdges* crowds;
 };
 
@@ -226,7 +226,7 @@ template <std::size_t kWide, bool kOriented, bool kEven>
 GEODESIC_LANES_INLINE std::uint32_t trace(const Task& task, TraceLanes& traces) {
   using Lanes = lanes::Lanes<kWide>;
   constexpr std::size_t kParts = TraceLanes::kLanes / kWide;
-  const auto [faces, distance, is_oriented, is_even, has_lines, candidates, crowds] = task;
+  const auto [faces, distance, is_oriented, is_even, has_lines, rule, crowds] = task;
   const std::size_t parts = (traces.count + kWide - 1) / kWide;
   TraceLaneState<kWide> states[kParts];
   std::size_t part_of[kParts];
@@ -242,7 +242,7 @@ GEODESIC_LANES_INLINE std::uint32_t trace(const Task& task, TraceLanes& traces) 
   int step = 0;
   for (const auto reach : {BackTrace::Reach::near, BackTrace::Reach::far}) {
     Ahead<kWide> ahead{};
-    for (const int most = BackTrace::most_faces(candidates, reach); step < most; ++step) {
+    for (const int most = BackTrace::most_faces(rule, reach); step < most; ++step) {
       typename Lanes::Flags going = {};
       for (std::size_t i = 0; i < count; ++i) {
         TraceLaneState<kWide>& s = states[part_of[i]];
@@ -257,7 +257,7 @@ GEODESIC_LANES_INLINE std::uint32_t trace(const Task& task, TraceLanes& traces) 
     for (std::size_t i = 0; i < count; ++i) {
       TraceLaneState<kWide>& s = states[part_of[i]];
       typename Lanes::Flags unsure;
-      meet_circles<kWide>(candidates, reach, s, unsure);
+      meet_circles<kWide>(rule.candidates, reach, s, unsure);
       s.alive &= unsure;
       if (Lanes::any(s.alive)) part_of[unsure_parts++] = part_of[i];
     }
@@ -313,14 +313,14 @@ __attribute__((target("avx512f,avx512vl,avx512dq"))) std::uint32_t trace_avx512(
 }  // namespace
 
 void trace_lanes(const Triangulation& surface, std::span<const double> distance,
-                 BackTrace::Candidates candidates, Vectors vectors, TraceLanes& traces,
+                 BackTrace::Rule rule, Vectors vectors, TraceLanes& traces,
                  const CrowdedEdges* crowds) {
   const Task task{surface.faces.data(),
                   distance.data(),
                   surface.is_oriented,
                   surface.is_even,
                   surface.has_lines,
-                  candidates,
+                  rule,
                   crowds};
   std::uint32_t wide = 0;
 #ifdef __x86_64__
@@ -337,7 +337,7 @@ void trace_lanes(const Triangulation& surface, std::span<const double> distance,
 #endif
   if (wide == 0) [[likely]]
     return;
-  const BackTrace one(surface, distance, candidates, crowds);
+  const BackTrace one(surface, distance, rule, crowds);
   for (std::size_t i = 0; i < traces.count; ++i) {
     if (((wide >> i) & 1U) == 0) continue;
     double& best = traces.best[i];

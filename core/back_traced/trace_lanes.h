@@ -53,7 +53,7 @@ struct TraceLanes {
 // Lowers `best` of every lane as BackTrace::over does, or BackTrace::least, for a source at
 // a vertex.
 void trace_lanes(const Triangulation& surface, std::span<const double> distance,
-                 BackTrace::Candidates candidates, Vectors vectors, TraceLanes& lanes,
+                 BackTrace::Rule rule, Vectors vectors, TraceLanes& lanes,
                  const CrowdedEdges* crowds = nullptr);
 
 }  // namespace geodesic

@@ -18,6 +18,13 @@
 namespace geodesic {
 namespace {
 
+// Coarse meshes bend more from vertex to vertex than fine ones of the same shape. On them it takes
+// a millisecond at most.
+bool looks_deep(const Adjacency& adjacency) {
+  constexpr std::uint32_t kFewVertices = 20'000;
+  return adjacency.is_rough() || adjacency.mesh().vertex_count() <= kFewVertices;
+}
+
 // The farthest that a field with these limits goes.
 double reach(const FieldLimits& limits, const Field& field) {
   double max = limits.max;
@@ -96,8 +103,9 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
   const bool is_search = sources.size() == 1 && limits.detour.is_bounded();
   std::vector<std::uint32_t>& visited = scratch.visited;
   visited.clear();
-  const auto candidates =
-      bound == Bound::upper ? BackTrace::Candidates::paths : BackTrace::Candidates::virtual_sources;
+  const BackTrace::Rule rule{
+      bound == Bound::upper ? BackTrace::Candidates::paths : BackTrace::Candidates::virtual_sources,
+      looks_deep(adjacency) ? BackTrace::Depth::deep : BackTrace::Depth::usual};
   const auto along_edges = detail::ways_along_edges(adjacency, sources, limits.max, cancel);
   if (!along_edges) return fail(along_edges.error());
   const Cancel rest = detail::after_ways_along_edges(*along_edges, cancel);
@@ -105,7 +113,7 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
   bool is_any_below = false;
   if (sources.size() == 1) {
     BackTracedFront front(
-        adjacency, candidates, scratch, field.distance.doubles(),
+        adjacency, rule, scratch, field.distance.doubles(),
         is_search || poll.team() == nullptr ? 1 : poll.team()->parts_for(vertex_count), poll);
     RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
     auto wave = run_wave(front, adjacency, sources, 0, {}, limits.max, limits.detour, targets,
@@ -122,7 +130,7 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
   } else {
     scratch.distance.assign(vertex_count, kUnreached);
     std::vector<std::uint32_t> reached;
-    BackTracedFront front(adjacency, candidates, scratch, scratch.distance, 1, poll);
+    BackTracedFront front(adjacency, rule, scratch, scratch.distance, 1, poll);
     auto waves = detail::run_waves(
         front, limits, field, scratch.is_target,
         [&](std::uint32_t s, double max, RemainingTargets& targets, auto accepted) {

@@ -12,15 +12,16 @@
 namespace geodesic {
 namespace {
 
-// So many mean edges, but not so far that there are more than so many vertices, as they are spread
-// on the surface.
-constexpr double kEdges = 2;
+// So many mean edges, but not so far that there are more than so many vertices about each source
+// and about all of them, as they are spread on the surface.
+constexpr double kEdges = 12;
 constexpr double kMostVertices = 1000;
+constexpr double kMostVerticesOfAll = 4000;
 // Of faces so low, of their longest side: on scans stretched 8 times hardly anything is gained.
 constexpr double kLow = 0.05;
 // On larger meshes what is needed of all edges takes as long as a field.
 constexpr std::uint32_t kMostVerticesOfMesh = 250'000;
-// Some milliseconds. Counted in questions, so that the answer depends on nothing else.
+// Some milliseconds a source. Counted in questions, so that the answer depends on nothing else.
 constexpr std::uint64_t kMostQuestions = 500;
 
 }  // namespace
@@ -30,7 +31,8 @@ Result<std::optional<Field>> field_near_sources(const Adjacency& adjacency,
                                                 ExactScratch& scratch, const Cancel& cancel) {
   const Triangulation surface = adjacency.triangulation();
   // Where many faces meet in an edge, few windows take long.
-  if (sources.empty() || surface.is_crowded || !is_of_slivers(surface, kLow)) return std::nullopt;
+  if (sources.empty() || surface.is_crowded) return std::nullopt;
+  if (!adjacency.is_rough() && !is_of_slivers(surface, kLow)) return std::nullopt;
   if (adjacency.mesh().vertex_count() > kMostVerticesOfMesh) return std::nullopt;
   const auto ready = make_ready_for_windows(adjacency, sources, scratch, cancel);
   if (!ready) return fail(ready.error());
@@ -47,7 +49,9 @@ Result<std::optional<Field>> field_near_sources(const Adjacency& adjacency,
   for (const Source& source : sources) least_offset = std::min(least_offset, source.offset);
   FieldLimits limits;
   const Mesh& mesh = adjacency.mesh();
-  const double most_area = mesh.area() * kMostVertices / mesh.vertex_count();
+  const double most_vertices =
+      std::min(kMostVertices, kMostVerticesOfAll / static_cast<double>(sources.size()));
+  const double most_area = mesh.area() * most_vertices / mesh.vertex_count();
   limits.max = least_offset + std::min(kEdges * adjacency.report().mean_edge,
                                        std::sqrt(most_area / std::numbers::pi));
   limits.keep_details = false;

@@ -13,10 +13,11 @@
 
 namespace geodesic {
 
-// On surfaces with many long thin faces: the distances up to some edges' length from the nearest of
-// the sources, by windows; kUnreached beyond. There the sides of faces are as long as the way, and
-// no vertex is near it: traced over a few faces, ways round a needle were up to twice as long as
-// the shortest. With Bound::upper they are longer by what rounding may have taken. Not of vertices
+// On rough surfaces (core/surface/roughness.h) and on those with many long thin faces: the distances
+// up to some edges' length from the nearest of the sources, by windows; kUnreached beyond. There the
+// sides of faces are as long as the way, and no vertex is near it: traced over a few faces, ways
+// round a needle were up to twice as long as the shortest. What is wrong there is wrong in all ways
+// that lead on from there. With Bound::upper they are longer by what rounding may have taken. Not of vertices
 // so near that rounding is a part of their distance. Nothing on other surfaces, nor where windows
 // become too many. Does not depend on how far a field goes. Errors:
 // cancelled.

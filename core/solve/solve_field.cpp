@@ -55,11 +55,9 @@ Result<Field> lesser_of_both(Field by_windows, const Adjacency& adjacency,
   return by_windows;
 }
 
-// Meshes of some thousand faces take some fifty.
-constexpr std::uint64_t kMostQuestions = 100;
-// Without a bound: that takes a second or two.
-constexpr std::uint64_t kMostQuestionsByDefault = 20'000;
-constexpr std::size_t kMostBytesByDefault = std::size_t{256} << 20U;
+// Meshes of some thousand faces take some fifty; so many take some seconds.
+constexpr std::uint64_t kMostQuestions = 60'000;
+constexpr std::size_t kMostBytes = std::size_t{256} << 20U;
 
 // Leaves what a field of these limits has of one that went everywhere.
 void restrict_to(const FieldLimits& limits, Field& field) {
@@ -78,25 +76,18 @@ void restrict_to(const FieldLimits& limits, Field& field) {
 Result<Field> field_across_slivers(Bound bound, const Adjacency& adjacency,
                                    std::span<const Source> sources, const FieldLimits& asked,
                                    SolveScratch::Parts& scratch, const Cancel& cancel) {
-  FieldLimits limits = asked;
-  limits.detail_faces = {};  // windows have no bound of their rounding
   // Of sides of any scale windows may become too many: then traces alone have to do. Counted in
-  // questions, so that the answer depends on nothing else.
-  std::uint64_t most = kMostQuestions + adjacency.mesh().face_count() / 2;
-  if (bound == Bound::none) {
-    most = kMostQuestionsByDefault;
-    // Nor on how far it was asked for.
-    limits.targets = {};
-    limits.max = kUnreached;
-    limits.keep_details = false;
-  }
+  // questions, and always of the whole field, so that the answer depends on nothing else. Windows
+  // have no bound of their rounding, so no details are kept.
+  FieldLimits limits;
+  limits.keep_details = false;
   const auto ready = make_ready_for_windows(adjacency, sources, scratch.exact, cancel);
   if (!ready) return fail(ready.error());
   std::uint64_t questions = 0;
   bool is_too_much = false;
   const auto ask = [&] {
-    is_too_much = is_too_much || ++questions > most ||
-                  (bound == Bound::none && scratch.exact.window_bytes() > kMostBytesByDefault);
+    is_too_much =
+        is_too_much || ++questions > kMostQuestions || scratch.exact.window_bytes() > kMostBytes;
     return is_too_much || cancel.requested();
   };
   const Cancel bounded(
@@ -114,7 +105,7 @@ Result<Field> field_across_slivers(Bound bound, const Adjacency& adjacency,
   const bool is_any_below = raise_to_straight_lines(adjacency.mesh(), *field, poll);
   if (poll.stopped()) return fail_stopped(cancel);
   if (is_any_below && bound == Bound::upper) return by_traces();
-  if (bound == Bound::none) restrict_to(asked, *field);
+  restrict_to(asked, *field);
   field->distance.round_to_floats(bound);
   if (asked.max < kUnreached) field->forget_beyond(asked.max);
   field->count_reached();
@@ -128,13 +119,19 @@ bool goes_by_windows(Method method, const MethodOptions& options, const Adjacenc
   if (traits_of(method).has_windows) return true;
   if (method != Method::back_traced) return false;
   if (options.error_at_most) return true;
-  constexpr std::size_t kOneInBounded = 10;
+  // Few faces as long as the surface, as the flat sides of machine parts: no vertex is near ways
+  // across them. On larger meshes windows would take a second, and such faces are mostly a floor.
+  constexpr std::uint32_t kMostVerticesOfPart = 20'000;
+  if (adjacency.has_large_faces() && adjacency.mesh().vertex_count() <= kMostVerticesOfPart &&
+      !adjacency.triangulation().is_crowded) {
+    return true;
+  }
   constexpr std::size_t kOneIn = 20;
-  const bool is_upper = options.bound == Bound::upper;
-  if (leads_across_slivers(adjacency, sources, is_upper ? kOneInBounded : kOneIn)) return true;
+  if (leads_across_slivers(adjacency, sources, kOneIn)) return true;
   // Where sides differ by many powers of ten, few edges can be flipped, and slivers on which
   // straight ways from the source lead along are crossed by those to other vertices.
-  return is_upper && !is_even(adjacency) && is_of_slivers(adjacency.delaunay());
+  return options.bound == Bound::upper && !is_even(adjacency) &&
+         is_of_slivers(adjacency.delaunay());
 }
 
 bool can_be_helped(Method method, const MethodOptions& options, const Adjacency& adjacency,

@@ -15,6 +15,7 @@
 #include "core/surface/corner_lists.h"
 #include "core/surface/count_parts.h"
 #include "core/surface/intrinsic_delaunay.h"
+#include "core/surface/roughness.h"
 #include "core/surface/unfold_rounding.h"
 
 namespace geodesic {
@@ -37,6 +38,7 @@ struct Building {
   };
   // Joins the edges whose smaller end is from `from` to `to` - 1.
   [[nodiscard]] Edges join_edges(std::uint32_t from, std::uint32_t to, Poll& poll);
+  void ask_roughness(Poll& poll);
   void find_pinched_vertices(Poll& poll);
   [[nodiscard]] std::size_t faces_in_first_fan(std::uint32_t vertex, Poll& poll) const;
   void count_parts(Poll& poll);
@@ -56,6 +58,8 @@ struct Building {
   bool has_flat_faces = false;
   bool has_lines = false;
   bool is_crowded = false;
+  bool is_rough = false;
+  bool has_large_faces = false;
   TopologyReport report = {};
 };
 
@@ -64,14 +68,18 @@ void Building::fill_geometry(Poll& poll) {
   const auto triangles = mesh.faces();
   faces = LargeArray<FaceRecord>(triangles.size(), poll);
   if (poll.stopped()) return;
-  struct Flatness {
+  struct Shapes {
     bool has_flat_faces = false;
     bool has_lines = false;
+    double large_area2 = 0;  // twice the area of large faces
   };
-  std::vector<Flatness> found(count_blocks(faces.size()));
+  std::vector<Shapes> found(count_blocks(faces.size()));
+  constexpr double kLargeSide = 0.2;  // of the box's diagonal
+  constexpr double kLargeShare = 0.05;
+  const double large = kLargeSide * norm(mesh.box().max - mesh.box().min);
   run_in_blocks(
       faces.size(), poll, [&](std::size_t block, std::size_t begin, std::size_t end, Poll& asked) {
-        Flatness flatness;
+        Shapes shapes;
         for (std::size_t f = begin; f < end && !asked.cancelled(); ++f) {
           const Vec3 a = positions[triangles[f][0]];
           const Vec3 b = positions[triangles[f][1]];
@@ -86,15 +94,19 @@ void Building::fill_geometry(Poll& poll) {
           const std::uint32_t longest = record.longest_side();
           record.area2 = norm(cross(side[next_corner(longest)], side[previous_corner(longest)]));
           const bool is_flat = is_lower_than(tolerance::kFlat, record);
-          flatness.has_flat_faces = flatness.has_flat_faces || is_flat;
-          flatness.has_lines = flatness.has_lines || (is_flat && is_line(record));
+          shapes.has_flat_faces = shapes.has_flat_faces || is_flat;
+          shapes.has_lines = shapes.has_lines || (is_flat && is_line(record));
+          if (record.length2(longest) > large * large) shapes.large_area2 += record.area2;
         }
-        found[block] = flatness;
+        found[block] = shapes;
       });
-  for (const Flatness& flatness : found) {
-    has_flat_faces = has_flat_faces || flatness.has_flat_faces;
-    has_lines = has_lines || flatness.has_lines;
+  double large_area2 = 0;
+  for (const Shapes& shapes : found) {
+    has_flat_faces = has_flat_faces || shapes.has_flat_faces;
+    has_lines = has_lines || shapes.has_lines;
+    large_area2 += shapes.large_area2;
   }
+  has_large_faces = large_area2 > kLargeShare * 2 * mesh.area();
   if (!poll.stopped()) is_even = geodesic::is_even(faces.all(), poll);
 }
 
@@ -188,6 +200,10 @@ Building::Edges Building::join_edges(std::uint32_t from, std::uint32_t to, Poll&
   return edges;
 }
 
+void Building::ask_roughness(Poll&) {
+  is_rough = geodesic::is_rough(faces.all(), mesh.positions());
+}
+
 // The faces that can be reached from the vertex's first face by crossing edges
 // that end in the vertex.
 std::size_t Building::faces_in_first_fan(std::uint32_t vertex, Poll& poll) const {
@@ -279,8 +295,9 @@ Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cance
   Building building{*mesh};
   Poll poll(cancel);
   int done = 0;
-  for (const auto step : {&Building::fill_geometry, &Building::fill_corners, &Building::fill_rings,
-                          &Building::find_pinched_vertices, &Building::count_parts}) {
+  for (const auto step :
+       {&Building::fill_geometry, &Building::fill_corners, &Building::fill_rings,
+        &Building::ask_roughness, &Building::find_pinched_vertices, &Building::count_parts}) {
     (building.*step)(poll);
     if (poll.ask()) return fail_stopped(cancel);
     cancel.report(++done / 10.0);
@@ -294,6 +311,8 @@ Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cance
               .has_flat_faces = building.has_flat_faces,
               .has_lines = building.has_lines,
               .is_crowded = building.is_crowded,
+              .is_rough = building.is_rough,
+              .has_large_faces = building.has_large_faces,
               .delaunay = nullptr,
               .report = building.report};
   auto delaunay = IntrinsicDelaunay::build(view_of(parts), mesh->positions(), cancel);

@@ -59,6 +59,8 @@ class Adjacency {
     bool has_flat_faces = false;
     bool has_lines = false;
     bool is_crowded = false;
+    bool is_rough = false;         // roughness.h
+    bool has_large_faces = false;  // see the member function
     std::shared_ptr<const IntrinsicDelaunay> delaunay;  // null when no edge was flipped
     TopologyReport report;
   };
@@ -88,6 +90,12 @@ class Adjacency {
   // computed from triangle to triangle: the same where nothing was to be improved.
   [[nodiscard]] Triangulation triangulation() const;
   [[nodiscard]] Triangulation delaunay() const;
+
+  // Whether the surface bends much from face to face (roughness.h).
+  [[nodiscard]] bool is_rough() const { return parts_.is_rough; }
+  // Whether more than a twentieth of the area is in faces longer than a fifth of the mesh's box,
+  // as the flat sides of machine parts are.
+  [[nodiscard]] bool has_large_faces() const { return parts_.has_large_faces; }
 
   // Whether the faces at a vertex fall into parts that share no edge there, as in
   // a bowtie.

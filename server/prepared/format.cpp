@@ -35,7 +35,8 @@ struct Numbers {
   TopologyReport report;
   std::uint64_t flips;
   // 0 or 1.
-  std::uint8_t is_oriented, is_even, has_flat_faces, has_lines, is_crowded;
+  std::uint8_t is_oriented, is_even, has_flat_faces, has_lines, is_crowded, is_rough,
+      has_large_faces;
   std::uint8_t has_delaunay, delaunay_is_oriented, delaunay_is_crowded, delaunay_is_even,
       delaunay_has_flat_faces;
 };
@@ -61,7 +62,8 @@ void each_array(MeshParts& of_mesh, SurfaceParts& of_surface, DelaunayParts& of_
   [[maybe_unused]] auto& [positions, triangles, vertex_of_source, source_of_vertex, face_of_source,
                           source_of_face, dropped, zero_area_faces, box, area] = of_mesh;
   [[maybe_unused]] auto& [faces, corner_begin, corners, pinched, is_oriented, is_even,
-                          has_flat_faces, has_lines, is_crowded, delaunay, report] = of_surface;
+                          has_flat_faces, has_lines, is_crowded, is_rough, has_large_faces,
+                          delaunay, report] = of_surface;
   [[maybe_unused]] auto& [other_faces, other_corner_begin, other_corners, other_is_oriented,
                           other_is_crowded, other_is_even, other_has_flat_faces, flips] =
       of_delaunay;
@@ -129,6 +131,8 @@ Head head_of(const PreparedName& name, const Adjacency& adjacency) {
   numbers.has_flat_faces = surface.has_flat_faces;
   numbers.has_lines = surface.has_lines;
   numbers.is_crowded = surface.is_crowded;
+  numbers.is_rough = surface.is_rough;
+  numbers.has_large_faces = surface.has_large_faces;
   numbers.has_delaunay = surface.delaunay != nullptr;
   numbers.delaunay_is_oriented = delaunay.is_oriented;
   numbers.delaunay_is_crowded = delaunay.is_crowded;
@@ -270,6 +274,8 @@ std::shared_ptr<const Adjacency> read_prepared(std::span<const std::byte> bytes,
   surface.has_flat_faces = numbers.has_flat_faces != 0;
   surface.has_lines = numbers.has_lines != 0;
   surface.is_crowded = numbers.is_crowded != 0;
+  surface.is_rough = numbers.is_rough != 0;
+  surface.has_large_faces = numbers.has_large_faces != 0;
   delaunay.flips = numbers.flips;
   delaunay.is_oriented = numbers.delaunay_is_oriented != 0;
   delaunay.is_crowded = numbers.delaunay_is_crowded != 0;

@@ -107,9 +107,12 @@ void check_lanes(const Surface& surface, RandomMesh& random, std::uint32_t sourc
     const std::vector<Start> starts = starts_on(faces, field.distance.doubles(), random);
     (faces.is_oriented ? counts.oriented : counts.others) += starts.size();
     counts.compared += check_arrivals(faces, field.distance.doubles(), starts);
-    for (const auto candidates :
-         {BackTrace::Candidates::paths, BackTrace::Candidates::virtual_sources}) {
-      const BackTrace one(faces, field.distance.doubles(), candidates);
+    using enum BackTrace::Candidates;
+    using enum BackTrace::Depth;
+    for (const BackTrace::Rule rule :
+         {BackTrace::Rule{paths, usual}, BackTrace::Rule{virtual_sources, usual},
+          BackTrace::Rule{paths, deep}, BackTrace::Rule{virtual_sources, deep}}) {
+      const BackTrace one(faces, field.distance.doubles(), rule);
       for (std::size_t first = 0; first < starts.size();) {
         const std::size_t count =
             std::min<std::size_t>(1 + random.below(TraceLanes::kLanes), starts.size() - first);
@@ -126,7 +129,7 @@ void check_lanes(const Surface& surface, RandomMesh& random, std::uint32_t sourc
             }
           }
           const TraceLanes before = lanes;
-          trace_lanes(faces, field.distance.doubles(), candidates, vectors, lanes);
+          trace_lanes(faces, field.distance.doubles(), rule, vectors, lanes);
           for (std::size_t i = 0; i < count; ++i) {
             const Start& start = starts[first + i];
             const double alone = before.begins_elsewhere(i)

@@ -132,8 +132,6 @@ TEST_CASE("AComputationGoesOnAloneWhereThoseWhoHelpAreLate") {
 
 TEST_CASE("WhatThoseWhoHelpTakeIsAskedForWhenTheStepIsDone") {
   constexpr std::uint64_t kBytes = 1000;
-  Team team(2);
-  const HelpingThreads helping(team, 1);
   std::uint64_t most = 0;
   MemoryBudget budget([&most](std::uint64_t bytes) -> std::optional<Error> {
     most = std::max(most, bytes);
@@ -145,9 +143,15 @@ TEST_CASE("WhatThoseWhoHelpTakeIsAskedForWhenTheStepIsDone") {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   const auto self = std::this_thread::get_id();
   while (!poll.stopped() && std::chrono::steady_clock::now() < end) {
-    team.run(2, poll, [self](std::size_t, Poll& asked) {
-      if (std::this_thread::get_id() != self) CHECK(asked.may_take(kBytes));
-    });
+    // On a busy machine those who help are late and let go: then another team begins anew.
+    most = 0;
+    Team team(2);
+    const HelpingThreads helping(team, 1);
+    while (!poll.stopped() && !team.is_over() && std::chrono::steady_clock::now() < end) {
+      team.run(2, poll, [self](std::size_t, Poll& asked) {
+        if (std::this_thread::get_id() != self) CHECK(asked.may_take(kBytes));
+      });
+    }
   }
   CHECK(poll.stopped());
   CHECK(most == 6 * kBytes);

@@ -1,4 +1,5 @@
-// Near the sources, distances by `auto` are exact also where all faces are long and thin.
+// Near the sources, distances by `auto` are exact also where all faces are long and thin, or where
+// the surface is rough.
 #include "core/solve/near_sources.h"
 
 #include <doctest/doctest.h>
@@ -21,6 +22,17 @@ using fixtures::Surface;
 namespace {
 
 constexpr double kFloat = 2.5e-7;  // distances by `auto` are floats
+
+// Each vertex moved by up to half an edge and more.
+TriangleSoup crumpled(std::mt19937& random) {
+  const std::uint32_t side = 40 + random() % 40;
+  TriangleSoup soup = shapes::plane(side, side);
+  for (Vec3& p : soup.positions) {
+    p = {p.x + 0.4 * fixtures::fraction(random), p.y + 0.4 * fixtures::fraction(random),
+         p.z + 0.8 * fixtures::fraction(random)};
+  }
+  return soup;
+}
 
 TriangleSoup stretched(std::mt19937& random) {
   TriangleSoup soup = random() % 2 == 0
@@ -63,12 +75,14 @@ Field solved(const Surface& surface, Method method, Bound bound,
 
 }  // namespace
 
-TEST_CASE("NearTheSourcesOfStretchedSurfacesDistancesAreExact") {
+TEST_CASE("NearTheSourcesOfRoughAndStretchedSurfacesDistancesAreExact") {
   std::mt19937 random(fixtures::test_seed());
   std::size_t looked_at = 0;
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < 16; ++i) {
     CAPTURE(i);
-    const Surface surface(stretched(random));
+    const bool is_rough = i % 4 == 0;
+    const Surface surface(is_rough ? crumpled(random) : stretched(random));
+    if (is_rough) CHECK(surface.adjacency().is_rough());
     const std::vector<Source> sources = drawn_sources(random, surface);
     ExactScratch scratch;
     const auto near =

@@ -246,26 +246,6 @@ TEST_CASE("AnEdgePathIsNotMuchLongerThanTheShortest") {
 
 namespace {
 
-// A tube whose sides are as long as it and whose faces are slivers across the way round it.
-TriangleSoup tube_of_slivers(std::uint32_t round, std::uint32_t rows, double row_height) {
-  TriangleSoup soup;
-  for (std::uint32_t i = 0; i < rows; ++i) {
-    for (std::uint32_t j = 0; j < round; ++j) {
-      const double angle = 2 * std::acos(-1.0) * j / round;
-      soup.positions.push_back({std::cos(angle), std::sin(angle), row_height * i});
-    }
-  }
-  for (std::uint32_t i = 0; i + 1 < rows; ++i) {
-    for (std::uint32_t j = 0; j < round; ++j) {
-      const std::uint32_t a = i * round + j;
-      const std::uint32_t b = i * round + (j + 1) % round;
-      soup.faces.push_back({a, b, b + round});
-      soup.faces.push_back({a, b + round, a + round});
-    }
-  }
-  return soup;
-}
-
 // How often a computation has asked whether to go on, which it does once in so many steps: work
 // without a clock.
 template <class Compute>
@@ -333,8 +313,6 @@ TEST_CASE("WindowsGoNoFartherThanANearTarget") {
     cases.push_back({"tolerance", shapes::terrain(120, 6, 1), {}, 120, 3});
     cases.back().options.error_at_most = tolerance;
   }
-  cases.push_back({"slivers", tube_of_slivers(800, 20, 0.5), {}, 800, 6});
-  cases.back().options.bound = Bound::upper;
   std::mt19937 random(fixtures::test_seed());
   for (const Case& each : cases) {
     CAPTURE(each.name);

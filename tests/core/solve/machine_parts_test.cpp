@@ -1,0 +1,96 @@
+// On machine parts of few large and many thin faces `auto` is as `exact`, with and without a bound.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "core/solve/solve_field.h"
+#include "tests/fixtures/crumpled_surfaces.h"
+#include "tests/fixtures/surface.h"
+#include "tests/fixtures/test_seed.h"
+
+using namespace geodesic;
+using fixtures::Surface;
+
+namespace {
+
+constexpr double kFloat = 2.5e-7;  // distances by `auto` are floats
+
+// A star's outline, drawn out of its plane: sides of long thin faces, and caps of triangles from
+// corner to corner, few of them large.
+TriangleSoup shaft(std::mt19937& random) {
+  const std::uint32_t tips = 5 + random() % 30;
+  const std::uint32_t between = 1 + random() % 8;
+  const double inner = 0.4 + 0.5 * fixtures::fraction(random);
+  const double height = 0.1 + 2 * fixtures::fraction(random);
+  const std::uint32_t around = 2 * tips * between;
+  TriangleSoup soup;
+  for (const double z : {0.0, height}) {
+    for (std::uint32_t i = 0; i < around; ++i) {
+      const std::uint32_t corner = i / between;
+      const double part = static_cast<double>(i % between) / between;
+      const auto at = [&](std::uint32_t k) {
+        const double angle = std::numbers::pi * k / tips;
+        const double radius = k % 2 == 0 ? 1 : inner;
+        return Vec3{radius * std::cos(angle), radius * std::sin(angle), z};
+      };
+      soup.positions.push_back((1 - part) * at(corner) + part * at(corner + 1));
+    }
+  }
+  for (std::uint32_t i = 0; i < around; ++i) {
+    const std::uint32_t next = (i + 1) % around;
+    soup.faces.push_back({i, next, around + next});
+    soup.faces.push_back({i, around + next, around + i});
+  }
+  for (const std::uint32_t first : {0U, around}) {
+    // The points of a tip to the tip, the polygon of inner corners from one of them.
+    const auto corner = [&](std::uint32_t k) { return first + (k % (2 * tips)) * between; };
+    for (std::uint32_t k = 1; k < 2 * tips; k += 2) {
+      const std::uint32_t end = corner(k + 2);
+      for (std::uint32_t i = 0; i < 2 * between; ++i) {
+        const std::uint32_t a = first + (k * between + i) % around;
+        const std::uint32_t b = first + (k * between + i + 1) % around;
+        if (b != end) soup.faces.push_back({a, b, end});
+      }
+      if (k >= 3 && k + 2 < 2 * tips + 1) soup.faces.push_back({corner(1), corner(k), end});
+    }
+  }
+  return soup;
+}
+
+}  // namespace
+
+TEST_CASE("OnMachinePartsOfLargeFacesAutoIsExact") {
+  std::mt19937 random(fixtures::test_seed());
+  for (int i = 0; i < 8; ++i) {
+    CAPTURE(i);
+    const Surface surface(shaft(random));
+    CHECK(surface.adjacency().has_large_faces());
+    const auto v = static_cast<std::uint32_t>(random() % surface.mesh().vertex_count());
+    const std::vector<Source> sources{{point_at_vertex(surface.adjacency(), v), 0}};
+    const auto solved = [&](Method method, Bound bound) {
+      SolveScratch scratch;
+      MethodOptions options;
+      options.bound = bound;
+      FieldLimits limits;
+      limits.keep_details = false;
+      auto field =
+          solve_field(method, options, surface.adjacency(), sources, limits, scratch, Cancel());
+      REQUIRE(field);
+      return std::move(*field);
+    };
+    const Field exact = solved(Method::exact, Bound::none);
+    const Field automatic = solved(Method::back_traced, Bound::none);
+    const Field upper = solved(Method::back_traced, Bound::upper);
+    for (std::uint32_t w = 0; w < surface.mesh().vertex_count(); ++w) {
+      CAPTURE(w);
+      const double d = exact.distance[w];
+      CHECK(std::abs(automatic.distance[w] - d) <= kFloat * d);
+      CHECK(upper.distance[w] >= d);
+      CHECK(upper.distance[w] <= (1 + 2 * kFloat) * d);
+    }
+  }
+}
