@@ -67,6 +67,7 @@ Result<GltfContainer> open_glb(std::span<const std::byte> bytes) {
     if (chunk == 0 && type != kJsonChunk) {
       return fail(ErrorCode::mesh_invalid, "GLB chunk 0 is not the JSON chunk.");
     }
+    if (type == kJsonChunk || type == kBinaryChunk) container.others_at = at;
     if (chunk == 0) {
       container.json = as_text(content);
       // Padding is to be spaces; some exporters write zeros.

@@ -16,6 +16,7 @@ struct GltfContainer {
   std::string_view json;
   std::span<const std::byte> binary;  // the BIN chunk; empty when there is none
   bool has_binary = false;
+  std::size_t others_at = 0;       // where in a GLB the chunks of others begin, which are ignored
   std::size_t trailing_bytes = 0;  // after the length that the header gives
 };
 

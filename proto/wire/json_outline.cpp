@@ -1,5 +1,6 @@
 #include "proto/wire/json_outline.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
@@ -21,9 +22,10 @@ class NameReader final : public nlohmann::json_sax<json> {
   bool start_array(std::size_t /*elements*/) override { return open(); }
   bool end_array() override { return close(); }
   bool key(string_t& name) override {
-    if (!outline_.repeated_name && !levels_.back().insert(name).second) {
+    if (!levels_.back().insert(name).second && !outline_.repeated_name) {
       outline_.repeated_name = name;
     }
+    outline_.most_members = std::max(outline_.most_members, levels_.back().size());
     return true;
   }
 

@@ -14,6 +14,7 @@ namespace geodesic::proto {
 struct JsonOutline {
   std::optional<std::string> repeated_name;  // the first one
   bool is_too_deep = false;                  // more than `most_levels` arrays and objects nested
+  std::size_t most_members = 0;              // of one object
 };
 
 // Reads the text up to its end, or to where it is too deep or no JSON. Keeps nothing of it but the

@@ -25,7 +25,9 @@ constexpr FormatName kNames[] = {{Format::json, "json", "application/json"},
                                  {Format::npy, "npy", "application/x-npy"},
                                  {Format::frame, "frame", "application/vnd.geodesic.frame"},
                                  {Format::glb, "glb", "model/gltf-binary"},
-                                 {Format::png, "png", "image/png"}};
+                                 {Format::png, "png", "image/png"},
+                                 // Its reply has the type of the file that was uploaded.
+                                 {Format::annotated, "annotated", "model/gltf-binary"}};
 
 const FormatName& row_of(Format format) { return kNames[static_cast<std::size_t>(format)]; }
 
@@ -162,6 +164,39 @@ Result<void> read_colours(Parameters& parameters, PictureOptions& picture) {
   return {};
 }
 
+// A name of one's own begins with an underscore, says glTF 2.0, section 3.7.2.1; that it is of
+// these characters lets every reader take it for a name of its own language.
+bool is_attribute_name(std::string_view name) {
+  constexpr std::size_t kLongest = 64;
+  return name.size() >= 2 && name.size() <= kLongest && name.front() == '_' &&
+         std::all_of(name.begin(), name.end(), [](char c) {
+           return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||
+                  c == '_';
+         });
+}
+
+Result<void> read_attribute(Parameters& parameters, const char* parameter, std::string& name) {
+  auto given = parameters.text(parameter);
+  if (!given) return fail(given.error());
+  if (!*given) return {};
+  if (!is_attribute_name(**given)) {
+    return fail(ErrorCode::value_out_of_range,
+                "an attribute of one's own is called by an underscore and 1 to 63 letters, digits "
+                "and underscores, such as _HEAT",
+                parameter);
+  }
+  name = std::move(**given);
+  return {};
+}
+
+Result<void> read_attributes(Parameters& parameters, ReplyFormat& reply) {
+  if (auto read = read_attribute(parameters, "attribute", reply.attribute); !read) return read;
+  const auto labels = parameters.flag("labels");
+  if (!labels) return fail(labels.error());
+  if (!labels->value_or(false)) return {};
+  return read_attribute(parameters, "label_attribute", reply.label_attribute);
+}
+
 }  // namespace
 
 std::string_view name_of(Format format) { return row_of(format).name; }
@@ -182,6 +217,9 @@ Result<ReplyFormat> parse_format(Parameters& parameters, const std::string* acce
   }
   if (*format == Format::png || *format == Format::glb) {
     if (auto read = read_colours(parameters, reply.picture); !read) return fail(read.error());
+  }
+  if (*format == Format::annotated) {
+    if (auto read = read_attributes(parameters, reply); !read) return fail(read.error());
   }
   return reply;
 }

@@ -12,7 +12,8 @@
 
 namespace geodesic::proto {
 
-enum class Format : std::uint8_t { json, f32, f64, u16, npy, frame, glb, png };
+// `annotated`: the file that was uploaded, with the numbers as attributes of its vertices.
+enum class Format : std::uint8_t { json, f32, f64, u16, npy, frame, glb, png, annotated };
 
 // What `format=` calls it, and its media type.
 [[nodiscard]] std::string_view name_of(Format format);
@@ -22,27 +23,33 @@ struct ReplyFormat {
   Format format = Format::json;
   int precision = 0;       // significant digits in JSON; 0: as many as the value has
   PictureOptions picture;  // of a PNG; of a GLB the colours
+  // Of an annotated file: what its attributes are called; empty: by the query's own name.
+  std::string attribute;
+  std::string label_attribute;
 };
 
 // What the replies of a kind can be had as.
 inline constexpr Format kJsonOnly[] = {Format::json};
-inline constexpr Format kFieldFormats[] = {Format::json, Format::f32,   Format::f64, Format::u16,
-                                           Format::npy,  Format::frame, Format::glb, Format::png};
+inline constexpr Format kFieldFormats[] = {Format::json, Format::f32, Format::f64,
+                                           Format::u16,  Format::npy, Format::frame,
+                                           Format::glb,  Format::png, Format::annotated};
 // Numbers that belong to no whole surface.
 inline constexpr Format kArrayFormats[] = {Format::json, Format::f32, Format::f64,
                                            Format::u16,  Format::npy, Format::frame};
 inline constexpr Format kPathFormats[] = {Format::json,  Format::f32, Format::f64, Format::npy,
                                           Format::frame, Format::glb, Format::png};
 // Several arrays of several types.
-inline constexpr Format kJsonOrFrame[] = {Format::json, Format::frame};
-inline constexpr Format kArraysOrSurface[] = {Format::json, Format::frame, Format::glb};
+inline constexpr Format kLabelFormats[] = {Format::json, Format::frame, Format::annotated};
+inline constexpr Format kArraysOrSurface[] = {Format::json, Format::frame, Format::glb,
+                                              Format::annotated};
 inline constexpr Format kJsonOrLines[] = {Format::json, Format::glb};
 inline constexpr Format kGeometryFormats[] = {Format::glb, Format::frame};
 
 // From `format=`, else from an Accept header (null: none), among what is offered, the
 // first of which is the default. By RFC 9110, section 12.5.1: the highest quality
 // wins, the most specific range decides, ties go to the one offered first. JSON reads
-// `precision`, PNG `width`, `height`, `view`, `colormap` and `stripes`, GLB `colormap`.
+// `precision`, PNG `width`, `height`, `view`, `colormap` and `stripes`, GLB `colormap`,
+// an annotated file `attribute` and, where labels are wanted, `label_attribute`.
 // Errors: not_acceptable (naming what decided), bad_syntax, value_out_of_range.
 [[nodiscard]] Result<ReplyFormat> parse_format(Parameters& parameters, const std::string* accept,
                                                std::span<const Format> offered);

@@ -129,10 +129,11 @@ void optional(Archive& archive, Value& value) {
   }
 }
 
-// A part, a finding and a text take no less than their counts and numbers do.
+// A part, a finding, a text and an attribute take no less than their counts and numbers do.
 constexpr std::size_t kLeastOfPart = 8 * sizeof(std::uint64_t);
 constexpr std::size_t kLeastOfFinding = 4 * sizeof(std::uint64_t);
 constexpr std::size_t kLeastOfText = sizeof(std::uint64_t);
+constexpr std::size_t kLeastOfAttribute = 2 * sizeof(std::uint64_t);
 
 template <class Archive, class Part>
 void part_fields(Archive& archive, Part& part) {
@@ -180,7 +181,7 @@ constexpr std::array kCodes{
     ErrorCode::value_out_of_range, ErrorCode::unsupported,        ErrorCode::cancelled,
     ErrorCode::internal,           InputCode::bad_syntax,         InputCode::unknown_parameter,
     InputCode::format_unknown,     InputCode::extension_required, InputCode::external_uri,
-    ServiceCode::overloaded,
+    InputCode::not_acceptable,     ServiceCode::overloaded,
 };
 
 template <class Archive, class Code>
@@ -228,6 +229,13 @@ void option_fields(Archive& archive, Options& options) {
 template <class Archive, class Order>
 void order_fields(Archive& archive, Order& order) {
   array(archive, order.boundary);
+  std::uint64_t attributes = order.attributes.size();
+  field(archive, attributes);
+  archive.resize(order.attributes, attributes, kLeastOfAttribute);
+  for (auto& attribute : order.attributes) {
+    array(archive, attribute.name);
+    field(archive, attribute.components);
+  }
   field(archive, order.limits.max_vertices);
   field(archive, order.limits.max_faces);
   field(archive, order.limits.max_nodes);
@@ -243,7 +251,9 @@ void order_fields(Archive& archive, Order& order) {
 // What a frame says first that it holds.
 constexpr std::uint64_t kError = 0;
 template <class Content>
-constexpr std::uint64_t kKind = std::is_same_v<Content, proto::DecodedMesh> ? 1 : 2;
+constexpr std::uint64_t kKind = std::is_same_v<Content, proto::DecodedMesh> ? 1
+                                : std::is_same_v<Content, FormFile>         ? 2
+                                                                            : 3;
 
 template <class Archive, class Mesh>
 requires std::is_same_v<std::remove_const_t<Mesh>, proto::DecodedMesh>
@@ -254,6 +264,14 @@ requires std::is_same_v<std::remove_const_t<File>, FormFile>
 void content_fields(Archive& archive, File& file) {
   array(archive, file.name);
   array(archive, file.bytes);
+}
+
+template <class Archive, class Annotation>
+requires std::is_same_v<std::remove_const_t<Annotation>, proto::GltfAnnotation>
+void content_fields(Archive& archive, Annotation& annotation) {
+  array(archive, annotation.json);
+  field(archive, annotation.values_at);
+  array(archive, annotation.runs);
 }
 
 template <class Archive, class Content>
@@ -270,6 +288,7 @@ void frame_fields(Archive& archive, const Result<Content>& answer) {
 // A format without a name is a number that no decoder of ours writes.
 bool is_known(const proto::DecodedMesh& mesh) { return !proto::name_of(mesh.format).empty(); }
 bool is_known(const FormFile& /*file*/) { return true; }
+bool is_known(const proto::GltfAnnotation& /*annotation*/) { return true; }
 
 }  // namespace
 
@@ -323,9 +342,13 @@ std::optional<Result<Content>> read_frame(std::span<const std::byte> frame, cons
 
 template std::size_t frame_size(const Decoded&);
 template std::size_t frame_size(const Result<FormFile>&);
+template std::size_t frame_size(const Result<proto::GltfAnnotation>&);
 template void write_frame(const Decoded&, std::span<std::byte>);
 template void write_frame(const Result<FormFile>&, std::span<std::byte>);
+template void write_frame(const Result<proto::GltfAnnotation>&, std::span<std::byte>);
 template std::optional<Decoded> read_frame(std::span<const std::byte>, const Cancel&);
 template std::optional<Result<FormFile>> read_frame(std::span<const std::byte>, const Cancel&);
+template std::optional<Result<proto::GltfAnnotation>> read_frame(std::span<const std::byte>,
+                                                                 const Cancel&);
 
 }  // namespace geodesic::server

@@ -1,7 +1,7 @@
 // What goes between the server and a process that decodes for it: the order, and the
-// decoded mesh, the file found in a form, or the error, as flat bytes. Both ends are the same
-// program on the same machine, so numbers are as they are in memory; but whoever reads a frame
-// takes none of it on trust.
+// decoded mesh, the file found in a form, what is to change in a glTF file, or the error, as flat
+// bytes. Both ends are the same program on the same machine, so numbers are as they are in memory;
+// but whoever reads a frame takes none of it on trust.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,11 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/cancel.h"
 #include "core/base/error.h"
+#include "proto/gltf_file/annotation.h"
 #include "proto/mesh/decoded_mesh.h"
 #include "proto/wire/import_options.h"
 #include "server/decoder/mesh_form.h"
@@ -21,6 +23,8 @@ namespace geodesic::server {
 
 struct DecodeOrder {
   std::string boundary;  // of the form in which the file is to be found; empty: decode it
+  // To be added to a glTF file; empty: decode it.
+  std::vector<proto::VertexAttribute> attributes;
   proto::DecodeLimits limits;
   proto::ImportOptions options;
   std::uint64_t file_bytes = 0;
@@ -33,7 +37,7 @@ struct DecodeOrder {
 
 using Decoded = Result<proto::DecodedMesh>;
 
-// `Content` is a proto::DecodedMesh or a FormFile.
+// `Content` is a proto::DecodedMesh, a FormFile or a proto::GltfAnnotation.
 template <class Content>
 [[nodiscard]] std::size_t frame_size(const Result<Content>& answer);
 // `frame` has just that size.

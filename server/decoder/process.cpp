@@ -19,6 +19,7 @@
 
 #include "core/mesh/shapes.h"
 #include "proto/encode/encode_mesh.h"
+#include "proto/gltf/annotate.h"
 #include "server/decoder/confine_process.h"
 #include "server/decoder/decoded_frame.h"
 #include "server/decoder/local_message.h"
@@ -92,7 +93,11 @@ void serve(const LocalMessage& message, Decode& decode, const Confinement& confi
     return;
   }
   using Bytes = std::span<const std::byte>;
-  if (order->boundary.empty()) {
+  if (!order->attributes.empty()) {
+    answer(*order, file, frame, reply, [&](Bytes bytes) {
+      return proto::annotate_gltf(bytes, order->limits, order->options, order->attributes);
+    });
+  } else if (order->boundary.empty()) {
     answer(*order, file, frame, reply,
            [&](Bytes bytes) { return decode(bytes, order->limits, order->options); });
   } else {

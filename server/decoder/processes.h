@@ -16,8 +16,10 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "core/base/error.h"
+#include "proto/gltf_file/annotation.h"
 #include "proto/mesh/decoded_mesh.h"
 #include "server/base/caller.h"
 #include "server/base/unique_fd.h"
@@ -35,7 +37,7 @@ class DecoderProcesses {
   struct Stats {
     std::uint64_t running = 0;
     // Since the start, by how they ended.
-    std::uint64_t decoded = 0;    // or found in its form
+    std::uint64_t decoded = 0;    // or found in its form, or to be annotated
     std::uint64_t refused = 0;    // the file has a fault
     std::uint64_t crashed = 0;    // the decoder ended without an answer
     std::uint64_t overtime = 0;   // it took too long
@@ -62,6 +64,11 @@ class DecoderProcesses {
   [[nodiscard]] Result<FormFile> file_of_form(std::string_view body, std::string_view boundary,
                                               const proto::DecodeLimits& limits,
                                               const Caller& caller);
+
+  // Does what proto::annotate_gltf does, with the same further errors.
+  [[nodiscard]] Result<proto::GltfAnnotation> annotation(
+      std::string_view bytes, const std::vector<proto::VertexAttribute>& attributes,
+      const proto::DecodeLimits& limits, const proto::ImportOptions& options, const Caller& caller);
 
   [[nodiscard]] Stats stats() const;
 

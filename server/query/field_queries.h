@@ -19,6 +19,7 @@
 #include "server/query/fields.h"
 #include "server/query/mesh_catalog.h"
 #include "server/query/resolve_point.h"
+#include "server/query/uploaded_gltf.h"
 
 namespace geodesic::server {
 
@@ -33,6 +34,8 @@ struct Answered {
   // may be done. `numbers` are those that come then.
   std::function<void(Reply&)> complete;
   std::uint64_t numbers = 0;
+  // The file that the numbers are to be written into, where they are.
+  std::shared_ptr<const UploadedGltf> upload;
 };
 
 // All methods may be called from any thread but a compute worker. Errors besides

@@ -8,6 +8,7 @@
 #include "core/base/team.h"
 #include "core/mesh/weld.h"
 #include "proto/formats/decode_mesh.h"
+#include "proto/gltf/annotate.h"
 #include "proto/mesh/metadata.h"
 #include "proto/wire/input_codes.h"
 #include "server/base/service_codes.h"
@@ -275,6 +276,25 @@ Result<std::string> MeshCatalog::described_anew(const std::string& id, const Cal
 }
 
 Result<std::string> MeshCatalog::source(const std::string& id) { return store_.get_source(id); }
+
+Result<UploadedGltf> MeshCatalog::uploaded_gltf(
+    const std::string& id, const std::vector<proto::VertexAttribute>& attributes,
+    const Caller& caller) {
+  auto bytes = store_.get_source(id);
+  if (!bytes) return fail(std::move(bytes.error()));
+  const auto options = options_of(id);
+  if (!options) return fail(options.error());
+  auto annotation = pool_.run(
+      [&](Worker&) {
+        const auto limits = decode_limits_.get();
+        return decoders_ != nullptr
+                   ? decoders_->annotation(*bytes, attributes, *limits, *options, caller)
+                   : proto::annotate_gltf(as_bytes(*bytes), *limits, *options, attributes);
+      },
+      caller);
+  if (!annotation) return fail(std::move(annotation.error()));
+  return UploadedGltf{std::move(*bytes), std::move(*annotation), nullptr};
+}
 
 Result<void> MeshCatalog::remove(const std::string& id) {
   const auto existed = store_.remove(id);

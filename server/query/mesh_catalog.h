@@ -26,6 +26,7 @@
 #include "core/locate/closest_point.h"
 #include "core/mesh/mesh.h"
 #include "core/surface/adjacency.h"
+#include "proto/gltf_file/annotation.h"
 #include "proto/mesh/decoded_mesh.h"
 #include "proto/wire/import_options.h"
 #include "server/base/caller.h"
@@ -36,6 +37,7 @@
 #include "server/decoder/processes.h"
 #include "server/prepared/prepared_files.h"
 #include "server/query/metrics.h"
+#include "server/query/uploaded_gltf.h"
 #include "server/store/mesh_store.h"
 
 namespace geodesic::server {
@@ -83,6 +85,11 @@ class MeshCatalog {
   [[nodiscard]] Result<std::string> metadata(const std::string& id, const Caller& caller);
   // The uploaded bytes. Errors: mesh_unknown and the store's.
   [[nodiscard]] Result<std::string> source(const std::string& id);
+  // The bytes of a GLB or glTF file, and how they get these attributes. Errors besides: those of
+  // proto::annotate_gltf; overloaded, draining, cancelled.
+  [[nodiscard]] Result<UploadedGltf> uploaded_gltf(
+      const std::string& id, const std::vector<proto::VertexAttribute>& attributes,
+      const Caller& caller);
   // The same as a file; null where they cannot be had as one. Errors besides: cancelled.
   [[nodiscard]] Result<std::shared_ptr<const ReplyFile>> source_file(const std::string& id,
                                                                      const Caller& caller) {

@@ -33,6 +33,10 @@ ReplySize size_by(std::uint64_t numbers, const Answered<Reply>& answer,
       return {numbers, numbers * (kBinary + 3 * 24) +
                            std::uint64_t{100} * mesh.source_vertex_count() +
                            std::uint64_t{36} * mesh.face_count() + kRest};
+    case Format::annotated:
+      // Three floats a vertex at most, and the doubles that they are made of.
+      return {numbers, numbers * kBinary + std::uint64_t{3 * 12} * mesh.source_vertex_count() +
+                           answer.upload->bytes_to_write(3) + kRest};
     default:
       return {numbers, numbers * kBinary + kRest};
   }

@@ -19,6 +19,7 @@
 #include "server/http/cross_origin.h"
 #include "server/http/entity_tag.h"
 #include "server/http/finish_reply.h"
+#include "server/reply/annotate_reply.h"
 #include "server/reply/draw_reply.h"
 #include "server/reply/encode_reply.h"
 #include "server/routes/call.h"
@@ -69,12 +70,17 @@ bool is_large(const ReplySize& size) {
   return size.numbers > kManyNumbers || size.bytes > kManyBytes;
 }
 
-// An answer in numbers, or drawn.
+// An answer in numbers, drawn, or in its file.
 template <class Reply>
 Result<HttpResponse> make_reply(Answered<Reply> answer, const proto::ReplyFormat& format,
                                 const Cancel& cancel) {
   if constexpr (requires { draw(answer, format, cancel); }) {
     if (is_drawing(format.format)) return draw(answer, format, cancel);
+  }
+  if constexpr (requires { annotate(std::move(answer), format, cancel); }) {
+    if (format.format == proto::Format::annotated) {
+      return annotate(std::move(answer), format, cancel);
+    }
   }
   return encode(std::move(answer), format, cancel);
 }
@@ -124,6 +130,18 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
   if (auto known = query.parameters.check_all_known(); !known) {
     return fail(std::move(known.error()));
   }
+  std::vector<proto::VertexAttribute> attributes;
+  std::uint64_t file_bytes = 0;
+  if constexpr (requires { attributes_of(request, *format); }) {
+    if (format->format == proto::Format::annotated) {
+      auto named = attributes_of(request, *format);
+      if (!named) return fail(std::move(named.error()));
+      attributes = std::move(*named);
+      const auto bytes = bytes_of_gltf(query, *caller);
+      if (!bytes) return fail(bytes.error());
+      file_bytes = *bytes;
+    }
+  }
   const std::string identity =
       query.reader != nullptr ? identity_of(query, format->format) : std::string();
   const std::string tag = identity.empty() ? "" : tag_of(request, identity);
@@ -132,6 +150,11 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
   }
   auto answer = queries_.answer(query.mesh, request, *caller);
   if (!answer) return fail(std::move(answer.error()));
+  if (!attributes.empty()) {
+    auto upload = upload_to_annotate(query, attributes, file_bytes, caller->finishing());
+    if (!upload) return fail(std::move(upload.error()));
+    answer->upload = std::move(*upload);
+  }
   const ReplySize size = size_of(*answer, *format);
   const auto make = [&](const Cancel& cancel) -> Result<HttpResponse> {
     const Timed encoding(*caller, Stage::encode);

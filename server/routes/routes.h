@@ -131,6 +131,13 @@ class Routes {
   template <class Request>
   [[nodiscard]] Result<HttpResponse> answer_query(const Query& query);
   [[nodiscard]] Result<HttpResponse> answer_any_query(const Query& query);
+  // How large the file is that a mesh is of. Errors: mesh_unknown; not_acceptable where it is no
+  // glTF.
+  [[nodiscard]] Result<std::uint64_t> bytes_of_gltf(const Query& query, const Caller& caller);
+  // Errors: those of MeshCatalog::uploaded_gltf and of ReplyBudget::reserve.
+  [[nodiscard]] Result<std::shared_ptr<const UploadedGltf>> upload_to_annotate(
+      const Query& query, const std::vector<proto::VertexAttribute>& attributes,
+      std::uint64_t file_bytes, const Caller& caller);
   [[nodiscard]] std::string query_cache_policy() const;
   // The memory for a body's JSON while it is taken apart; null where that is little.
   [[nodiscard]] Result<std::shared_ptr<ReplyBudget::Share>> memory_for_json(std::size_t bytes,

@@ -40,7 +40,10 @@ TYPES = {
     "frame": "application/vnd.geodesic.frame",
     "glb": "model/gltf-binary",
     "png": "image/png",
+    "annotated": "model/gltf-binary",
 }
+# What only a mesh that was uploaded as one has; the plane is a GLB.
+OF_OTHER_FILES = {"model/gltf+json"}
 
 # (status or code, operation or None for all) -> where it is tested instead.
 UNREACHED = {
@@ -117,6 +120,19 @@ def walk_examples(walk, server, plane):
         walk_formats(walk, server, operation, value)
 
 
+def walk_annotated(walk, server, operation):
+    """A mesh that was uploaded as a .gltf comes back as one, with a name of one's own in it."""
+    uploaded = server.ask("POST", "/v1/meshes", bodies.NEEDLE)
+    path = f"/v1/meshes/{json.loads(uploaded.body)['id']}/" + operation.path.rsplit("/", 1)[1]
+    asked = {"from": "v:0", "format": "annotated", "attribute": "_HEAT"}
+    if operation.method == "GET":
+        reply = walk.ask_for(200, server, operation, path + "?" + urllib.parse.urlencode(asked))
+    else:
+        reply = walk.ask_for(200, server, operation, path, asked)
+    if b'"_HEAT"' not in reply.body:
+        walk.fail(f"{operation.id}: no attribute of the name that was asked for")
+
+
 def walk_formats(walk, server, operation, value):
     """Each format that `format` lists, and each type by Accept."""
     described = operation.responses["200"].get("content", {})
@@ -132,9 +148,11 @@ def walk_formats(walk, server, operation, value):
     if isinstance(value, dict) and len(described) > 1:
         # Some formats are for whole fields only.
         least = {k: v for k, v in value.items() if k not in ("at", "format")}
-        for kind in described:
+        for kind in set(described) - OF_OTHER_FILES:
             walk.ask_for(200, server, operation, operation.target(), least, {"Accept": kind})
     if formats or isinstance(value, dict):
+        if operation.path.endswith(("/distance", "/logmap")):
+            walk_annotated(walk, server, operation)
         missing = set(described) - walk.types[operation.id]
         if missing:
             walk.fail(f"{operation.id}: never answered with {missing}")

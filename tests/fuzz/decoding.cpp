@@ -1,17 +1,48 @@
 // Bytes of a file, to a prepared mesh.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <new>
+#include <span>
 #include <utility>
 
 #include "core/mesh/mesh.h"
 #include "core/surface/adjacency.h"
 #include "proto/formats/decode_mesh.h"
+#include "proto/gltf/annotate.h"
+#include "proto/gltf_file/container.h"
+#include "proto/gltf_file/parse.h"
 #include "proto/mesh/metadata.h"
 #include "tests/fuzz/targets.h"
 
 namespace geodesic::fuzz {
+namespace {
+
+// A glTF file that can be read can be annotated, or there is a reason; and then it can be read
+// again.
+void check_annotation(std::span<const std::byte> bytes, const proto::DecodeLimits& limits,
+                      const proto::DecodedMesh& decoded) {
+  if (decoded.format != proto::MeshFormat::glb && decoded.format != proto::MeshFormat::gltf) return;
+  const auto annotation =
+      proto::annotate_gltf(bytes, limits, {}, {{"_GEODESIC_DISTANCE", 1}, {"_SOURCE", 3}});
+  if (!annotation) {
+    expect(annotation.error().parameter == "format" || annotation.error().parameter == "attribute",
+           "what cannot be annotated has a way out");
+    return;
+  }
+  std::uint64_t next = 0;
+  for (const proto::VertexRun& run : annotation->runs) {
+    expect(run.first >= next && run.count > 0, "primitives come in the order of vertices");
+    next = run.first + run.count;
+  }
+  expect(next <= decoded.soup.positions.size(), "values are those of the mesh");
+  expect(proto::check_json_shape(annotation->json, limits).has_value() &&
+             proto::parse_gltf(annotation->json, limits).has_value(),
+         "what was annotated can be read");
+}
+
+}  // namespace
 
 void fuzz_decoding(Input input) {
   proto::DecodeLimits limits;
@@ -34,6 +65,7 @@ void fuzz_decoding(Input input) {
                part.first_face + part.face_count <= soup.faces.size(),
            "parts are within the mesh");
   }
+  check_annotation(std::as_bytes(input), limits, *decoded);
   auto mesh = Mesh::build(soup);
   if (!mesh) {
     expect(mesh.error().code == ErrorCode::mesh_invalid, "a decoded mesh is checked");

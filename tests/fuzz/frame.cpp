@@ -12,6 +12,7 @@ void fuzz_frame(Input input) {
   const auto bytes = std::as_bytes(input);
   (void)server::read_order({reinterpret_cast<const char*>(input.data()), input.size()});
   (void)server::read_frame<server::FormFile>(bytes);
+  (void)server::read_frame<proto::GltfAnnotation>(bytes);
   const auto read = server::read_frame(bytes);
   if (!read) return;
   // What was taken for a frame is one: written anew it is the same, to the byte.

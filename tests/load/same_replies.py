@@ -50,6 +50,7 @@ def systematic(vertices):
     yield "/samples?count=5"
     yield "/trace?from=f:0,0.3,0.3&angle=1&length=1"
     yield "/logmap?from=f:0,0.3,0.3&radius=3"
+    yield "/distance?from=v:0&labels=1&format=annotated"
 
 
 DEADLINE = re.compile(r'(deadline_ms"?[=:] ?)\d+')

@@ -105,7 +105,7 @@ def parameters_of(chance, mesh, query):
         if chance.random() < 0.15:
             asked["labels"] = 1
         formats = ["json", "f32", "f64", "npy", "frame", "u16"]
-        return asked, formats if "at" in asked else formats + ["png", "glb"]
+        return asked, formats if "at" in asked else formats + ["png", "glb", "annotated"]
     if query == "table":
         asked["from"] = some(chance, mesh, 4)
         if chance.random() < 0.7:
@@ -228,4 +228,4 @@ def is_same(question, ours, theirs):
         width = struct.calcsize(code)
         return are_near(*(struct.unpack(f"<{len(r.body) // width}{code}", r.body) for r in (ours, theirs)))
     # Other forms of the same numbers: they are compared where they are numbers.
-    return len(ours.body) > 0 and question.format in ("png", "glb", "npy", "frame", "u16", "f32", "f64")
+    return len(ours.body) > 0 and question.format in ("png", "glb", "annotated", "npy", "frame", "u16", "f32", "f64")

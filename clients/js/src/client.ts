@@ -226,6 +226,19 @@ export class GeodesicClient {
     return this.#run(planOf(id, { query: 'glb', ...query }, options));
   }
 
+  /**
+   * The `.glb` or `.gltf` that was uploaded, with a field, its labels or a map as attributes of its
+   * vertices (`_GEODESIC_DISTANCE`, `_GEODESIC_SOURCE`, `_GEODESIC_LOGMAP`, or names of your own)
+   * and all else as it was.
+   */
+  annotated(
+    id: string,
+    query: queries.AnnotatedQuery,
+    options: QueryOptions = {},
+  ): Promise<ArrayBuffer> {
+    return this.#run(planOf(id, { query: 'annotated', ...query }, options));
+  }
+
   /** A query's reply as a bare array: half the bytes of a field, but nothing about its sources. */
   async array(
     id: string,

@@ -129,6 +129,10 @@ const PLANS: Record<keyof Queries, Planner> = {
     call: queryCall(id, String(of), { ...parameters, format: 'glb' }, options),
     read: (reply) => reply.body,
   }),
+  annotated: (id, { of, ...parameters }, options) => ({
+    call: queryCall(id, String(of), { ...parameters, format: 'annotated' }, options),
+    read: (reply) => reply.body,
+  }),
   prepare: (id, _parameters, options) => preparePlan(id, options),
 };
 

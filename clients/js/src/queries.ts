@@ -127,6 +127,12 @@ export type GlbQuery =
       | Of<'logmap', LogmapQuery>
     ) & { colormap?: Schemas['ColourMap'] });
 
+/** What goes into the file that was uploaded, and what it is called there. */
+export type AnnotatedQuery = { attribute?: Schemas['AttributeName'] } & (
+  | (Of<'distance', DistanceQuery> & { label_attribute?: Schemas['AttributeName'] })
+  | Of<'logmap', LogmapQuery>
+);
+
 type Bare =
   | Of<'distance', FieldQuery & { at?: OneOrMore<Point> }>
   | Of<'path', PathQuery>
@@ -239,6 +245,7 @@ export interface Queries {
   samples: { takes: SamplesQuery; gives: Samples };
   picture: { takes: PictureQuery; gives: Blob };
   glb: { takes: GlbQuery; gives: ArrayBuffer };
+  annotated: { takes: AnnotatedQuery; gives: ArrayBuffer };
   prepare: { takes: object; gives: Schemas['Mesh'] };
 }
 

@@ -70,6 +70,10 @@ export async function carryOut(
     if (!job) return ofBlob(await client.picture(id, ask, options));
     return ofBlob(await client.job<'picture'>(id, { query: 'picture', ...ask }));
   }
+  if (format === 'annotated') {
+    const file = await client.annotated(id, { of: call, ...parameters } as Loose, options);
+    return { bytes: { data: new Uint8Array(file) } };
+  }
   if (format === 'glb') {
     const glb = await client.glb(id, { of: call, ...parameters } as Loose, options);
     return { bytes: { data: new Uint8Array(glb) } };

@@ -7,7 +7,7 @@ import type { Schemas } from 'geodesicd-client';
 
 type Same<A, B> = [A] extends [B] ? ([B] extends [A] ? true : false) : false;
 /** In options, in the choice of a method, or in drawings instead. */
-type Elsewhere = 'format' | 'deadline_ms' | keyof client.Drawing;
+type Elsewhere = 'format' | 'deadline_ms' | 'attribute' | 'label_attribute' | keyof client.Drawing;
 type Names<Request> = Exclude<keyof Request, Elsewhere>;
 
 export const checks: {
@@ -21,6 +21,7 @@ export const checks: {
   samples: Same<keyof client.SamplesQuery, Names<Schemas['SamplesRequest']>>;
   drawing: Same<keyof client.Drawing, Extract<keyof Schemas['DistanceRequest'], keyof client.Drawing>>;
   formats: Same<client.ArrayFormat | 'json' | 'frame' | 'glb' | 'png', Schemas['Format']>;
+  fields: Same<Schemas['Format'] | 'annotated', Schemas['FieldFormat']>;
 } = {
   distance: true,
   path: true,
@@ -32,4 +33,5 @@ export const checks: {
   samples: true,
   drawing: true,
   formats: true,
+  fields: true,
 };

@@ -21,6 +21,7 @@
 
 #include "core/mesh/shapes.h"
 #include "proto/encode/encode_mesh.h"
+#include "proto/gltf/annotate.h"
 #include "server/base/service_codes.h"
 #include "server/decoder/confine_process.h"
 #include "server/decoder/decoded_frame.h"
@@ -104,6 +105,24 @@ TEST_CASE("AFileIsDecodedAsInThisProcess") {
   CHECK(frame_of(there) == frame_of(here));
   CHECK(processes->stats().decoded == 1);
   CHECK(processes->stats().running == 0);
+}
+
+TEST_CASE("AFileIsAnnotatedAsInThisProcess") {
+  const auto processes = started(short_limits());
+  const std::string file = knot_file();
+  const std::vector<proto::VertexAttribute> attributes{{"_A", 1}, {"_B", 3}};
+  const auto there = processes->annotation(file, attributes, {}, {}, {});
+  const auto here = proto::annotate_gltf(
+      {reinterpret_cast<const std::byte*>(file.data()), file.size()}, {}, {}, attributes);
+  REQUIRE(there);
+  REQUIRE(here);
+  CHECK(there->json == here->json);
+  CHECK(there->values_at == here->values_at);
+  CHECK(there->runs == here->runs);
+  CHECK(there->runs == std::vector<proto::VertexRun>{{0, 4000}});
+  const auto refused = processes->annotation("no mesh", attributes, {}, {}, {});
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::mesh_invalid);
 }
 
 TEST_CASE("AFilesFaultIsToldAsInThisProcess") {

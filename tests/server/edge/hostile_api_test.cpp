@@ -96,7 +96,9 @@ struct Query {
   std::vector<const char*> parameters;
 };
 const std::vector<Query> queries{
-    {"distance", "from=v:0", {"from", "method", "max", "at", "labels", "precision", "format"}},
+    {"distance",
+     "from=v:0",
+     {"from", "method", "max", "at", "labels", "precision", "format", "attribute"}},
     {"path", "from=v:0&to=v:1", {"from", "to", "via", "method", "refine", "precision", "format"}},
     {"table", "from=v:0", {"from", "to", "method", "max", "format"}},
     {"isolines", "from=v:0&count=2", {"from", "levels", "step", "count", "method", "format"}},

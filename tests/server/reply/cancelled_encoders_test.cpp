@@ -15,6 +15,7 @@
 #include "core/surface/adjacency.h"
 #include "proto/encode/encode_geometry.h"
 #include "server/http/gzip.h"
+#include "server/reply/annotate_reply.h"
 #include "server/reply/draw_reply.h"
 #include "server/reply/encode_reply.h"
 
@@ -73,6 +74,16 @@ Answered<proto::DistanceReply> distances_of(std::shared_ptr<const Adjacency> adj
   answer.reply.labels.emplace(answer.reply.distances.size(), 0);
   answer.adjacency = std::move(adjacency);
   return answer;
+}
+
+// A document with its values in it.
+std::shared_ptr<const UploadedGltf> upload_of(std::uint64_t vertices) {
+  UploadedGltf upload;
+  upload.bytes = "{}";
+  upload.annotation.json = "{}";
+  upload.annotation.values_at = 1;
+  upload.annotation.runs = {{0, vertices}};
+  return std::make_shared<const UploadedGltf>(std::move(upload));
 }
 
 // To and fro over a square.
@@ -168,6 +179,25 @@ std::vector<Case> encoders() {
                      return outcome(draw(isolines_of(n), in(Format::glb), cancel));
                    },
                    5'000});
+  cases.push_back({"distances in their file",
+                   [](std::size_t n, const Cancel& cancel) {
+                     auto answer = distances_of(plane_of(n));
+                     answer.upload = upload_of(answer.reply.distances.size());
+                     return outcome(annotate(std::move(answer), in(Format::annotated), cancel));
+                   },
+                   kNumbers});
+  cases.push_back({"a map in its file",
+                   [](std::size_t n, const Cancel& cancel) {
+                     Answered<proto::LogmapReply> answer{};
+                     answer.adjacency = plane_of(n);
+                     const std::uint32_t count = answer.adjacency->mesh().source_vertex_count();
+                     answer.reply.distances.assign(count, 1.25);
+                     answer.reply.coordinates.assign(count, {0.75, 1});
+                     for (std::uint32_t v = 0; v < count; ++v) answer.reply.vertices.push_back(v);
+                     answer.upload = upload_of(count);
+                     return outcome(annotate(std::move(answer), in(Format::annotated), cancel));
+                   },
+                   kNumbers});
   cases.push_back({"faces in one place as PNG",
                    [](std::size_t n, const Cancel& cancel) {
                      return outcome(draw(distances_of(heap_of(n)), in(Format::png), cancel));

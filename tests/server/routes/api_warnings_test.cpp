@@ -85,7 +85,8 @@ TEST_CASE("AWarningCountsTheFarPointsOfEachParameter") {
 
 TEST_CASE("WarningsComeInEveryFormatAndFromTheCacheAndFromJobs") {
   PlaneService plane;
-  for (const std::string format : {"json", "f32", "f64", "u16", "npy", "frame", "glb", "png"}) {
+  for (const std::string format :
+       {"json", "f32", "f64", "u16", "npy", "frame", "glb", "png", "annotated"}) {
     CAPTURE(format);
     const std::string target = plane.base + "/distance?from=p:1,1,7&format=" + format;
     const std::string said = header_of(plane.service.get(target), "Geo-Warnings");

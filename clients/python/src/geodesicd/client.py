@@ -85,6 +85,7 @@ class Mesh(Metadata):
     logmap = _query(queries.logmap)
     nearest = _query(queries.nearest)
     picture = _query(queries.picture)
+    annotated = _query(queries.annotated)
     batch = _query(batches.batch)
     query = _query(queries.query)
     geometry = _query(queries.geometry)

@@ -23,6 +23,7 @@ from rich.text import Text
 from . import __version__
 from .client import Client, Mesh
 from .digits import number, numbers, short
+from .encoding import milliseconds
 from .errors import GeodesicError, GeodesicWarning, NotFound, printable
 from .local_server import find_server, serve, shared_folder
 from .lookup import mesh_id, reading_text, short_ids
@@ -166,6 +167,7 @@ def _parser() -> argparse.ArgumentParser:
     distance.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help="a .npy file, or .csv; else printed"
     )
+    into(distance)
     exactness(distance)
     _connection(distance)
 
@@ -285,6 +287,29 @@ def exactness_of(options: argparse.Namespace) -> dict[str, Any]:
     """What :func:`exactness` added, as the queries take it."""
     names = ("method", "tolerance", "bound", "points_per_edge", "deadline")
     return {name: getattr(options, name) for name in names if hasattr(options, name)}
+
+
+def into(parser: argparse.ArgumentParser) -> None:
+    """How to have the mesh's own file with the answer in it."""
+    parser.add_argument(
+        "--into", type=Path, metavar="FILE", help="the mesh's .glb or .gltf with it as an attribute"
+    )
+    parser.add_argument("--attribute", metavar="NAME", help="of --into: what to call it, as _HEAT")
+
+
+def save_annotated(
+    options: argparse.Namespace, mesh: Mesh, query: str, asked: dict[str, Any], progress: Any
+) -> int:
+    """Writes the file that :func:`into` asks for; ``asked`` is in the contract's words."""
+    file: Path = options.into
+    require(file, (".glb", ".gltf"))
+    if file.suffix != f".{mesh.format}" and mesh.format in ("glb", "gltf"):
+        raise ValueError(f"{file} should end with .{mesh.format}, as the mesh's own file")
+    parameters = {**asked, "attribute": options.attribute}
+    answer = mesh.query(query, parameters, format="annotated", progress=progress)
+    file.write_bytes(answer.data)
+    people.print(str(file), markup=False, soft_wrap=True)
+    return 0
 
 
 def connect(options: argparse.Namespace) -> Client:
@@ -416,6 +441,12 @@ def _distance(options: argparse.Namespace) -> int:
     with mesh_of(options) as mesh, bar("distances") as progress:
         asked: dict[str, Any] = {"max": options.max, "progress": progress, **exactness_of(options)}
         sources = points(options.sources)
+        if options.into is not None:
+            if options.at or options.output is not None:
+                raise ValueError("--into has the whole field, and is a file of its own")
+            asked = {"max": options.max, **exactness_of(options), "from": sources}
+            asked["deadline_ms"] = milliseconds(asked.pop("deadline"))
+            return save_annotated(options, mesh, "distance", asked, progress)
         if options.at:
             field = mesh.distance_at(sources, points(options.at), **asked)
         else:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from .commands import bar, exactness_of, mesh_of, people, point, require
+from .commands import bar, exactness_of, into, mesh_of, people, point, require, save_annotated
 from .digits import number, numbers, short
 from .encoding import as_bound, milliseconds
 from .results import Logmap
@@ -33,6 +33,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "-o", "--output", type=Path, metavar="FILE",
         help=".csv, .npz, .json or .glb; else printed as CSV",
     )  # fmt: skip
+    into(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -44,6 +45,11 @@ def run(options: argparse.Namespace) -> int:
     asked |= exactness_of(options)
     source = point(options.sources)
     with mesh_of(options) as mesh, bar("logmap") as progress:
+        if options.into is not None:
+            if file is not None:
+                raise ValueError("--into is a file of its own")
+            asked |= {"from": source, "deadline_ms": milliseconds(asked.pop("deadline"))}
+            return save_annotated(options, mesh, "logmap", asked, progress)
         if file is not None and file.suffix == ".glb":
             asked |= {"from": source, "deadline_ms": milliseconds(asked.pop("deadline"))}
             answer = mesh.query("logmap", asked, format="glb", progress=progress)

@@ -384,6 +384,47 @@ def picture(
     return ask(encode(mesh, query, parameters), lambda reply: bytes(reply.body), progress)
 
 
+def annotated(
+    mesh: str,
+    sources: PointsLike,
+    *,
+    attribute: str | None = None,
+    labels: bool = False,
+    label_attribute: str | None = None,
+    max: float | None = None,
+    method: str | None = None,
+    points_per_edge: int | None = None,
+    bound: str | None = None,
+    tolerance: float | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[bytes]:
+    """The .glb or .gltf that was uploaded, with the distance field of the sources as an attribute
+    of its vertices and all else as it was. What is not reached has -1.
+
+    Args:
+        attribute: what it is called there, beginning with an underscore; without it
+            ``_GEODESIC_DISTANCE``. The file must not have an attribute of that name.
+        labels: with a second attribute, the place in ``sources`` of each vertex's nearest one.
+        label_attribute: what that is called; without it ``_GEODESIC_SOURCE``.
+        max: what is farther counts as unreached; mesh units.
+    """
+    parameters = {
+        "from": points_of(sources),
+        "max": as_bound(max),
+        "labels": labels or None,
+        "method": method,
+        "points_per_edge": points_per_edge,
+        "bound": bound,
+        "tolerance": tolerance,
+        "attribute": attribute,
+        "label_attribute": label_attribute,
+        "deadline_ms": milliseconds(deadline),
+        "format": "annotated",
+    }
+    return ask(encode(mesh, "distance", parameters), lambda reply: bytes(reply.body), progress)
+
+
 def query(
     mesh: str,
     name: str,
@@ -398,8 +439,8 @@ def query(
         name: ``"distance"``, ``"path"``, ``"table"``, ``"isolines"``, ``"samples"``,
             ``"trace"``, ``"logmap"`` or ``"nearest"``.
         parameters: by the contract's names, such as ``{"from": 0, "to": [9, (1, 2, 3)]}``.
-        format: ``"json"``, ``"f32"``, ``"f64"``, ``"u16"``, ``"npy"``, ``"frame"``, ``"glb"``
-            or ``"png"``.
+        format: ``"json"``, ``"f32"``, ``"f64"``, ``"u16"``, ``"npy"``, ``"frame"``, ``"glb"``,
+            ``"png"`` or ``"annotated"``.
     """
     given = {**as_points(parameters), "format": format}
     return ask(encode(mesh, name, given), lambda reply: wire.answer(reply, format), progress)

@@ -266,7 +266,7 @@ class Answer:
     Attributes:
         document: the JSON, also of a frame; None if there is none.
         arrays: a frame's by name, lengths in mesh units; ``"array"`` of a bare one, as it came.
-        data: the body of a picture or a .glb file, else empty.
+        data: the body of a picture, or of a .glb or .gltf file, else empty.
         media_type: the reply's.
         max: the greatest finite distance of a bare array of distances, mesh units, else None.
     """

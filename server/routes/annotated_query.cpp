@@ -1,0 +1,37 @@
+// Queries whose numbers go into the file that was uploaded.
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "proto/wire/input_codes.h"
+#include "server/routes/routes.h"
+
+namespace geodesic::server {
+
+// Before anything is computed.
+Result<std::uint64_t> Routes::bytes_of_gltf(const Query& query, const Caller& caller) {
+  const auto metadata = catalog_.metadata(query.mesh, caller);
+  if (!metadata) return fail(metadata.error());
+  const auto description = nlohmann::ordered_json::parse(*metadata, nullptr, false);
+  const std::string format = description.value("format", "");
+  if (format == "glb" || format == "gltf") return description.value("bytes", std::uint64_t{0});
+  return fail(InputCode::not_acceptable,
+              "only a .glb or .gltf can be had back annotated, and this mesh was uploaded as ." +
+                  format + "; format=glb makes a file of it",
+              "format");
+}
+
+Result<std::shared_ptr<const UploadedGltf>> Routes::upload_to_annotate(
+    const Query& query, const std::vector<proto::VertexAttribute>& attributes,
+    std::uint64_t file_bytes, const Caller& caller) {
+  // The file, once more for who takes it apart, and the document that comes of it.
+  constexpr std::uint64_t kTimes = 4;
+  auto reserved = reply_budget_.reserve(kTimes * file_bytes, caller.client);
+  if (!reserved) return fail(std::move(reserved.error()));
+  auto upload = catalog_.uploaded_gltf(query.mesh, attributes, caller);
+  if (!upload) return fail(std::move(upload.error()));
+  (*reserved)->shrink(upload->bytes.size() + upload->annotation.json.size());
+  upload->reserved = std::move(*reserved);
+  return std::make_shared<const UploadedGltf>(std::move(*upload));
+}
+
+}  // namespace geodesic::server
