@@ -148,11 +148,7 @@ class LineWalker {
     std::uint32_t low = face.vertex[corner_of(h)];
     std::uint32_t high = face.vertex[next_corner(corner_of(h))];
     if (above(low)) std::swap(low, high);
-    const auto positions = adjacency_.mesh().positions();
-    const double rise = field_.distance[high] - field_.distance[low];
-    const double part = (level_ - field_.distance[low]) / rise;
-    if (part == 1) return positions[high];
-    return positions[low] + part * (positions[high] - positions[low]);
+    return crossing_of(adjacency_.mesh(), field_, level_, low, high);
   }
 
   // Goes on across `side`, adding the crossings after it. Whether it came round to
@@ -196,13 +192,21 @@ class LineWalker {
 
 }  // namespace
 
-Result<std::vector<Isoline>> isolines(const Adjacency& adjacency, const Field& field,
-                                      std::span<const double> levels, std::uint64_t max_segments,
-                                      const Cancel& cancel) {
+Vec3 crossing_of(const Mesh& mesh, const Field& field, double level, std::uint32_t low,
+                 std::uint32_t high) {
+  const auto positions = mesh.positions();
+  const double rise = field.distance[high] - field.distance[low];
+  const double part = (level - field.distance[low]) / rise;
+  if (part == 1) return positions[high];
+  return positions[low] + part * (positions[high] - positions[low]);
+}
+
+Result<void> each_isoline(const Adjacency& adjacency, const Field& field,
+                          std::span<const double> levels, std::uint64_t max_segments,
+                          const std::function<void(Isoline&&)>& take, const Cancel& cancel) {
   Poll poll(cancel);
   const auto crossed = crossed_faces(adjacency, field, levels, max_segments, poll);
   if (!crossed) return fail(crossed.error());
-  std::vector<Isoline> lines;
   LineWalker walker(adjacency, field, poll);
   const std::uint64_t segments = crossed->face.size();
   std::uint64_t seen = 2 * segments;
@@ -215,9 +219,20 @@ Result<std::vector<Isoline>> isolines(const Adjacency& adjacency, const Field& f
       if (walker.passed(face)) continue;
       Isoline line = walker.line_through(face);
       if (poll.stopped()) return fail_stopped(poll);
-      if (line.points.size() > 1) lines.push_back(std::move(line));
+      if (line.points.size() > 1) take(std::move(line));
     }
   }
+  return {};
+}
+
+Result<std::vector<Isoline>> isolines(const Adjacency& adjacency, const Field& field,
+                                      std::span<const double> levels, std::uint64_t max_segments,
+                                      const Cancel& cancel) {
+  std::vector<Isoline> lines;
+  auto found = each_isoline(
+      adjacency, field, levels, max_segments,
+      [&](Isoline&& line) { lines.push_back(std::move(line)); }, cancel);
+  if (!found) return fail(std::move(found.error()));
   return lines;
 }
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -24,6 +25,11 @@ struct Isoline {
   std::vector<Vec3> points;  // at least two, and no two in a row are equal
 };
 
+// Where a level is on the edge from the vertex below it to the one that is not: the same from
+// whichever face it is asked.
+[[nodiscard]] Vec3 crossing_of(const Mesh& mesh, const Field& field, double level,
+                               std::uint32_t low, std::uint32_t high);
+
 // The lines of all `levels`, which must ascend, each once: by level, and of one
 // level by the number of the first face they cross.
 //
@@ -38,5 +44,11 @@ struct Isoline {
                                                     std::span<const double> levels,
                                                     std::uint64_t max_segments,
                                                     const Cancel& cancel);
+
+// The same lines, handed on one after the other instead of kept. Errors: those of `isolines`.
+[[nodiscard]] Result<void> each_isoline(const Adjacency& adjacency, const Field& field,
+                                        std::span<const double> levels, std::uint64_t max_segments,
+                                        const std::function<void(Isoline&&)>& take,
+                                        const Cancel& cancel);
 
 }  // namespace geodesic

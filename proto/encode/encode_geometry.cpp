@@ -64,9 +64,13 @@ Result<std::string> geometry_glb(const Mesh& mesh, Poll& poll) {
   if (bytes > kMostBytes) {
     return fail(ErrorCode::unsupported, "a GLB is below 4 GiB; a frame has any size", "format");
   }
-  const GlbPart part{
-      "geometry", GlbPart::Mode::triangles, positions_of(mesh, poll), triangles_of(mesh, poll), {},
-      {}};
+  const GlbPart part{"geometry",
+                     GlbPart::Mode::triangles,
+                     positions_of(mesh, poll),
+                     triangles_of(mesh, poll),
+                     {},
+                     {},
+                     {}};
   const std::vector<std::byte> glb = encode_glb_parts(std::span(&part, 1), &poll);
   if (poll.stopped()) return fail_stopped(poll);
   return std::string(reinterpret_cast<const char*>(glb.data()), glb.size());

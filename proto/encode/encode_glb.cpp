@@ -52,6 +52,7 @@ class GlbWriter {
     const std::size_t node = document_["scenes"][0]["nodes"].size();
     document_["scenes"][0]["nodes"].push_back(node);
     document_["nodes"][node]["name"] = part.name;
+    for (const auto& [name, value] : part.extras) document_["nodes"][node]["extras"][name] = value;
     // glTF allows no empty accessor: without positions there is only the node.
     if (part.positions.empty()) return;
     json primitive{{"mode", static_cast<int>(part.mode)}};
@@ -212,7 +213,7 @@ std::vector<std::byte> encode_glb_parts(std::span<const GlbPart> parts, Poll* po
 }
 
 std::vector<std::byte> encode_glb(const TriangleSoup& soup, const std::string& name) {
-  GlbPart part{name, GlbPart::Mode::triangles, {}, {}, {}, {}};
+  GlbPart part{name, GlbPart::Mode::triangles, {}, {}, {}, {}, {}};
   if (!soup.faces.empty()) {
     part.positions = soup.positions;
     part.indices.reserve(3 * soup.faces.size());

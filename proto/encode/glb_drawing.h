@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/cancel.h"
@@ -24,6 +25,7 @@ struct GlbPart {
   std::vector<std::uint32_t> indices;         // empty: the positions in their order
   std::vector<Colour> colours;                // one per position, sRGB; empty: none
   std::vector<std::array<float, 2>> texture;  // coordinates, one pair per position; empty: none
+  std::vector<std::pair<std::string, double>> extras;  // of the node: numbers by name
 };
 
 // A valid glTF 2.0 binary with a node for each part; a part without positions is a

@@ -19,5 +19,9 @@ inline constexpr std::size_t kMaxLevels = 10'000;
 // Some 60 MB of JSON.
 inline constexpr std::uint64_t kMaxIsolineSegments = 1'000'000;
 inline constexpr std::uint64_t kMaxSamples = 10'000;
+// Of the discs of one measure.
+inline constexpr std::size_t kMaxRadii = 1000;
+// Of an extent, one after the other.
+inline constexpr std::uint64_t kMaxFields = 10'000;
 
 }  // namespace geodesic::proto

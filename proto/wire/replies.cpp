@@ -263,6 +263,73 @@ std::string to_json(const SamplesReply& reply, int digits, Poll* poll) {
   return out;
 }
 
+std::string to_json(const MeasureReply& reply, int digits, Poll* poll) {
+  std::string out = opening(reply.mesh);
+  append_method(out, reply.method);
+  out += ",\"from\":";
+  append_points(out, reply.from, digits, poll);
+  out += ",\"area\":";
+  append_number(out, reply.area, digits);
+  out += ",\"mean\":";
+  append_number(out, reply.mean, digits);
+  out += ",\"max\":";
+  append_bound(out, reply.max.value_or(std::numeric_limits<double>::infinity()), digits,
+               reply.bound);
+  out += ",\"farthest\":";
+  append_whole(out, reply.farthest);
+  out += ",\"discs\":[";
+  bool first = true;
+  for (const Disc& disc : reply.discs) {
+    if (is_stopped(poll)) break;
+    out += first ? "{\"radius\":" : ",{\"radius\":";
+    first = false;
+    append_number(out, disc.radius, digits);
+    out += ",\"area\":";
+    append_number(out, disc.area, digits);
+    out += ",\"mean\":";
+    append_number(out, disc.mean, digits);
+    out += ",\"perimeter\":";
+    append_number(out, disc.perimeter, digits);
+    out += ",\"boundary\":";
+    append_number(out, disc.boundary, digits);
+    out += ",\"lines\":" + std::to_string(disc.lines);
+    out += ",\"vertices\":" + std::to_string(disc.vertices);
+    out += ",\"euler\":" + std::to_string(disc.euler);
+    out += disc.is_whole ? ",\"whole\":true}" : ",\"whole\":false}";
+  }
+  out += ']';
+  append_warnings(out, reply.warnings);
+  out += '}';
+  return out;
+}
+
+std::string to_json(const ExtentReply& reply, int digits, Poll* /*poll*/) {
+  std::string out = opening(reply.mesh);
+  append_method(out, reply.method);
+  out += ",\"of\":\"";
+  out += name_of(reply.of);
+  out += "\",\"value\":";
+  append_number(out, reply.value, digits);
+  out += ",\"lower\":";
+  append_number(out, reply.lower, digits);
+  out += ",\"upper\":";
+  append_number(out, reply.upper, digits);
+  out += ",\"confidence\":";
+  append_number(out, reply.confidence);
+  out += reply.is_exact ? ",\"exact\":true,\"vertices\":[" : ",\"exact\":false,\"vertices\":[";
+  bool first = true;
+  for (const ExtentReply::Vertex& vertex : reply.vertices) {
+    out += first ? "{\"vertex\":" : ",{\"vertex\":";
+    first = false;
+    out += std::to_string(vertex.vertex) + ",\"xyz\":";
+    append_xyz(out, vertex.xyz, digits);
+    out += '}';
+  }
+  out += "],\"fields\":" + std::to_string(reply.fields);
+  out += ",\"part_vertices\":" + std::to_string(reply.part_vertices) + '}';
+  return out;
+}
+
 std::string to_json(const TraceReply& reply, int digits, Poll* poll) {
   std::string out = opening(reply.mesh);
   out.reserve(reply.points.size() * 160 + 1024);

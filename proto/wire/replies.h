@@ -10,7 +10,9 @@
 
 #include "core/base/cancel.h"
 #include "core/base/vec3.h"
+#include "core/paths/discs.h"
 #include "core/paths/isolines.h"
+#include "core/paths/strips.h"
 #include "proto/wire/methods.h"
 #include "proto/wire/requests.h"
 
@@ -104,6 +106,40 @@ struct SamplesReply {
   Warnings warnings;
 };
 
+struct MeasureReply {
+  std::string mesh;
+  Method method = Method::wavefront;
+  std::vector<ResolvedPoint> from;
+  // Of the surface that is reached, or as far as was asked for:
+  double area = 0;
+  double mean = 0;                        // of the distance over it
+  std::optional<double> max;              // the greatest distance of a vertex
+  std::optional<std::uint64_t> farthest;  // the source vertex that has it
+  std::vector<Disc> discs;                // by radius
+  Bound bound = Bound::none;              // upper: `max` is rounded up where digits are cut
+  std::vector<Strip> strips;              // of a drawing alone
+  double reach = 0;                       // where the last strip ends
+  Warnings warnings;
+};
+
+struct ExtentReply {
+  struct Vertex {
+    std::uint64_t vertex = 0;  // source vertex
+    Vec3 xyz;
+  };
+  std::string mesh;
+  Method method = Method::wavefront;
+  ExtentRequest::Of of = ExtentRequest::Of::diameter;
+  double value = 0;       // mesh units
+  double lower = 0;       // the true one is not below
+  double upper = 0;       // nor above; infinite: nothing is known
+  double confidence = 1;  // with which that is so
+  bool is_exact = false;
+  std::vector<Vertex> vertices;     // two of a diameter, one of a centre or a median
+  std::uint64_t fields = 0;         // that were computed
+  std::uint64_t part_vertices = 0;  // of the part that was measured, copies counted once
+};
+
 struct TraceReply {
   std::string mesh;
   ResolvedPoint from;
@@ -144,6 +180,8 @@ struct NearestReply {
 [[nodiscard]] std::string to_json(const TableReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const IsolinesReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const SamplesReply& reply, int digits, Poll* poll = nullptr);
+[[nodiscard]] std::string to_json(const MeasureReply& reply, int digits, Poll* poll = nullptr);
+[[nodiscard]] std::string to_json(const ExtentReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const TraceReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const LogmapReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const NearestReply& reply, int digits, Poll* poll = nullptr);

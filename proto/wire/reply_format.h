@@ -42,6 +42,7 @@ inline constexpr Format kPathFormats[] = {Format::json,  Format::f32, Format::f6
 inline constexpr Format kLabelFormats[] = {Format::json, Format::frame, Format::annotated};
 inline constexpr Format kArraysOrSurface[] = {Format::json, Format::frame, Format::glb,
                                               Format::annotated};
+inline constexpr Format kJsonOrSurface[] = {Format::json, Format::glb};
 inline constexpr Format kJsonOrLines[] = {Format::json, Format::glb};
 inline constexpr Format kGeometryFormats[] = {Format::glb, Format::frame};
 

@@ -1,6 +1,7 @@
 #include "proto/wire/requests.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <string_view>
@@ -161,12 +162,15 @@ Result<void> read_refine(Parameters& parameters, Refine& refine) {
   return {};
 }
 
+// By ExtentRequest::Of.
+constexpr std::array<std::string_view, 4> kExtentNames{"diameter", "center", "median", "mean"};
+
 // Ascending, each once.
-Result<void> check_levels(std::vector<double>& levels) {
+Result<void> check_levels(std::vector<double>& levels, const std::string& parameter) {
   for (std::size_t i = 0; i < levels.size(); ++i) {
     if (levels[i] < 0) {
       return fail(ErrorCode::value_out_of_range, "a distance is not negative",
-                  "levels[" + std::to_string(i) + "]");
+                  parameter + "[" + std::to_string(i) + "]");
     }
   }
   std::sort(levels.begin(), levels.end());
@@ -193,7 +197,7 @@ Result<void> read_levels(Parameters& parameters, IsolinesRequest& request) {
     return fail(InputCode::bad_syntax, "only one of levels, step and count", "step");
   }
   if (by_levels) {
-    if (auto usable = check_levels(*levels); !usable) return usable;
+    if (auto usable = check_levels(*levels, "levels"); !usable) return usable;
     request.levels = std::move(*levels);
   } else if (*step) {
     if (!(**step > 0)) return fail(ErrorCode::value_out_of_range, "a step is above 0", "step");
@@ -207,6 +211,10 @@ Result<void> read_levels(Parameters& parameters, IsolinesRequest& request) {
 }
 
 }  // namespace
+
+std::string_view name_of(ExtentRequest::Of of) {
+  return kExtentNames[static_cast<std::size_t>(of)];
+}
 
 Result<void> parse_request(Parameters& parameters, DistanceRequest& request) {
   if (auto ok = read_sources(parameters, request.from); !ok) return ok;
@@ -254,6 +262,43 @@ Result<void> parse_request(Parameters& parameters, SamplesRequest& request) {
   if (auto ok = check_count(**count, kMaxSamples, "count"); !ok) return ok;
   request.count = **count;
   if (auto ok = read_sources(parameters, request.from); !ok) return ok;
+  return read_method(parameters, Purpose::distances, request.method);
+}
+
+Result<void> parse_request(Parameters& parameters, MeasureRequest& request) {
+  if (auto ok = read_sources(parameters, request.from); !ok) return ok;
+  if (request.from.empty()) return missing("from");
+  if (auto few = check_count(parameters.count("radii"), kMaxRadii, "radii"); !few) return few;
+  auto radii = parameters.numbers("radii");
+  if (!radii) return fail(std::move(radii.error()));
+  if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
+  if (auto ok = read_max(parameters, request.max); !ok) return ok;
+  for (std::size_t i = 0; request.max && i < radii->size(); ++i) {
+    if ((*radii)[i] <= *request.max) continue;
+    return fail(ErrorCode::value_out_of_range, "the distances end before this, at max",
+                "radii[" + std::to_string(i) + "]");
+  }
+  if (auto usable = check_levels(*radii, "radii"); !usable) return usable;
+  request.radii = std::move(*radii);
+  return {};
+}
+
+Result<void> parse_request(Parameters& parameters, ExtentRequest& request) {
+  const auto of = parameters.text("of");
+  if (!of) return fail(of.error());
+  if (!*of) return missing("of");
+  const auto name = std::find(kExtentNames.begin(), kExtentNames.end(), **of);
+  if (name == kExtentNames.end()) {
+    return fail(InputCode::bad_syntax, "of is diameter, center, median or mean", "of");
+  }
+  request.of = static_cast<ExtentRequest::Of>(name - kExtentNames.begin());
+  const auto fields = parameters.whole("fields");
+  if (!fields) return fail(fields.error());
+  request.fields = fields->value_or(request.fields);
+  if (request.fields < 1) {
+    return fail(ErrorCode::value_out_of_range, "there is at least one field", "fields");
+  }
+  if (auto ok = check_count(request.fields, kMaxFields, "fields"); !ok) return ok;
   return read_method(parameters, Purpose::distances, request.method);
 }
 

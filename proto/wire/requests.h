@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -67,6 +68,20 @@ struct SamplesRequest {
   MethodChoice method;
 };
 
+struct MeasureRequest {
+  std::vector<PointRequest> from;
+  std::vector<double> radii;  // mesh units; ascending, each once
+  MethodChoice method;
+  std::optional<double> max;  // no radius is greater
+};
+
+struct ExtentRequest {
+  enum class Of : std::uint8_t { diameter, center, median, mean };
+  Of of = Of::diameter;
+  std::uint64_t fields = 100;  // that may be computed
+  MethodChoice method;
+};
+
 struct TraceRequest {
   PointRequest from;
   std::variant<Vec3, double> ahead;  // a vector in space, or an angle in radians
@@ -84,11 +99,16 @@ struct NearestRequest {
   std::vector<PointRequest> points;
 };
 
+// As clients write it.
+[[nodiscard]] std::string_view name_of(ExtentRequest::Of of);
+
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, DistanceRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, PathRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, TableRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, IsolinesRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, SamplesRequest& request);
+[[nodiscard]] Result<void> parse_request(Parameters& parameters, MeasureRequest& request);
+[[nodiscard]] Result<void> parse_request(Parameters& parameters, ExtentRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, TraceRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, LogmapRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, NearestRequest& request);
@@ -107,6 +127,10 @@ struct NearestRequest {
   return kJsonOrLines;
 }
 [[nodiscard]] inline std::span<const Format> formats_of(const SamplesRequest&) { return kJsonOnly; }
+[[nodiscard]] inline std::span<const Format> formats_of(const MeasureRequest&) {
+  return kJsonOrSurface;
+}
+[[nodiscard]] inline std::span<const Format> formats_of(const ExtentRequest&) { return kJsonOnly; }
 [[nodiscard]] inline std::span<const Format> formats_of(const TraceRequest&) {
   return kPathFormats;
 }

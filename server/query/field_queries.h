@@ -36,6 +36,9 @@ struct Answered {
   std::uint64_t numbers = 0;
   // The file that the numbers are to be written into, where they are.
   std::shared_ptr<const UploadedGltf> upload;
+  // The same for what only a drawing has: to be called, if set, before the reply is drawn.
+  std::function<Result<void>(Reply&, const Cancel&)> complete_drawing;
+  std::uint64_t drawn_numbers = 0;
 };
 
 // All methods may be called from any thread but a compute worker. Errors besides
@@ -62,6 +65,13 @@ class FieldQueries {
   [[nodiscard]] Result<Answered<proto::SamplesReply>> answer(const std::string& mesh,
                                                              const proto::SamplesRequest& request,
                                                              const Caller& caller);
+  // Errors of its drawing: too_large (crossings of faces by the radii).
+  [[nodiscard]] Result<Answered<proto::MeasureReply>> answer(const std::string& mesh,
+                                                             const proto::MeasureRequest& request,
+                                                             const Caller& caller);
+  [[nodiscard]] Result<Answered<proto::ExtentReply>> answer(const std::string& mesh,
+                                                            const proto::ExtentRequest& request,
+                                                            const Caller& caller);
   // Errors: value_out_of_range (direction, angle), too_large (length).
   [[nodiscard]] Result<Answered<proto::TraceReply>> answer(const std::string& mesh,
                                                            const proto::TraceRequest& request,

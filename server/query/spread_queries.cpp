@@ -1,10 +1,11 @@
-// Queries about how distances spread over the whole surface: isolines and samples.
+// Queries about how distances spread over the whole surface: isolines, samples and extents.
 #include <algorithm>
 #include <limits>
 #include <utility>
 #include <variant>
 
 #include "core/paths/isolines.h"
+#include "core/solve/extent.h"
 #include "core/solve/farthest_points.h"
 #include "core/surface/longest_edge.h"
 #include "proto/wire/query_limits.h"
@@ -44,6 +45,20 @@ Result<std::vector<double>> levels_within(const Levels& asked, double max) {
     levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
   }
   return levels;
+}
+
+ExtentOf measure_of(proto::ExtentRequest::Of of) {
+  switch (of) {
+    case proto::ExtentRequest::Of::diameter:
+      return ExtentOf::diameter;
+    case proto::ExtentRequest::Of::center:
+      return ExtentOf::center;
+    case proto::ExtentRequest::Of::median:
+      return ExtentOf::median;
+    case proto::ExtentRequest::Of::mean:
+      break;
+  }
+  return ExtentOf::mean;
 }
 
 }  // namespace
@@ -115,6 +130,39 @@ Result<Answered<proto::SamplesReply>> FieldQueries::answer(const std::string& me
   for (const FarthestPoint& point : found->points) {
     reply.samples.push_back({place->mesh().source_of_vertex(point.vertex),
                              place->mesh().positions()[point.vertex], point.radius});
+  }
+  return answer;
+}
+
+Result<Answered<proto::ExtentReply>> FieldQueries::answer(const std::string& mesh,
+                                                          const proto::ExtentRequest& request,
+                                                          const Caller& caller) {
+  const auto place = find(mesh, request.method, caller);
+  if (!place) return fail(place.error());
+  Answered<proto::ExtentReply> answer;
+  answer.adjacency = place->adjacency();
+  proto::ExtentReply& reply = answer.reply;
+  reply.mesh = mesh;
+  reply.method = request.method.which;
+  reply.of = request.of;
+  const auto found = fields_.compute(
+      [&](SolveScratch& scratch, const Cancel& cancel) {
+        return extent(measure_of(request.of), request.method.which, request.method.options,
+                      *place->adjacency(), request.fields, scratch, cancel);
+      },
+      caller);
+  if (!found) return fail(found.error());
+  reply.value = found->value;
+  reply.lower = found->lower;
+  reply.upper = found->upper;
+  constexpr double kConfidenceOfMean = 0.95;
+  reply.confidence =
+      request.of == proto::ExtentRequest::Of::mean && !found->is_exact ? kConfidenceOfMean : 1;
+  reply.is_exact = found->is_exact;
+  reply.fields = found->fields;
+  reply.part_vertices = found->part_vertices;
+  for (const std::uint32_t v : found->vertices) {
+    reply.vertices.push_back({place->mesh().source_of_vertex(v), place->mesh().positions()[v]});
   }
   return answer;
 }

@@ -177,6 +177,36 @@ Result<HttpResponse> draw(const Answered<proto::LogmapReply>& answer, const prot
   return response;
 }
 
+Result<HttpResponse> draw(const Answered<proto::MeasureReply>& answer,
+                          const proto::ReplyFormat& format, const Cancel& cancel) {
+  const proto::MeasureReply& reply = answer.reply;
+  Poll poll(cancel);
+  std::vector<GlbPart> parts;
+  parts.reserve(reply.strips.size());
+  for (const Strip& strip : reply.strips) {
+    GlbPart part;
+    part.name = "strip " + header_number(strip.begin) + " to " + header_number(strip.end);
+    part.extras = {{"from", strip.begin}, {"to", strip.end}, {"area", strip.area}};
+    // Without a face there is nothing to see, and positions alone would be points.
+    if (!strip.faces.empty()) {
+      polled_copy(part.positions, std::span(strip.positions), poll);
+      part.indices.reserve(3 * strip.faces.size());
+      for (const auto& face : strip.faces) {
+        if (poll.cancelled()) return fail_stopped(poll);
+        part.indices.insert(part.indices.end(), face.begin(), face.end());
+      }
+      const double middle = (strip.begin + strip.end) / 2 / reply.reach;
+      polled_assign(part.colours, part.positions.size(),
+                    proto::colour_at(format.picture.colour_map, middle), poll);
+    }
+    if (poll.cancelled()) return fail_stopped(poll);
+    parts.push_back(std::move(part));
+  }
+  Result<HttpResponse> response = glb_reply(parts, poll);
+  if (response) add_cache_header(*response, answer.cache_hit);
+  return response;
+}
+
 Result<HttpResponse> draw(const Answered<proto::IsolinesReply>& answer, const proto::ReplyFormat&,
                           const Cancel& cancel) {
   Poll poll(cancel);

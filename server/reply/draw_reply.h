@@ -30,6 +30,10 @@ namespace geodesic::server {
 // v down.
 [[nodiscard]] Result<HttpResponse> draw(const Answered<proto::LogmapReply>& answer,
                                         const proto::ReplyFormat& format, const Cancel& cancel);
+// GLB: a node for each strip of the surface between two radii that follow each other, coloured by
+// the distance halfway, with its area.
+[[nodiscard]] Result<HttpResponse> draw(const Answered<proto::MeasureReply>& answer,
+                                        const proto::ReplyFormat& format, const Cancel& cancel);
 // GLB: a line strip for each isoline.
 [[nodiscard]] Result<HttpResponse> draw(const Answered<proto::IsolinesReply>& answer,
                                         const proto::ReplyFormat& format, const Cancel& cancel);

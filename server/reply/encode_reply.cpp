@@ -237,6 +237,18 @@ Result<HttpResponse> encode(Answered<proto::SamplesReply> answer, const proto::R
   return whole(encode_as_json(answer.reply, format, poll), answer.cache_hit, poll);
 }
 
+Result<HttpResponse> encode(Answered<proto::MeasureReply> answer, const proto::ReplyFormat& format,
+                            const Cancel& cancel) {
+  Poll poll(cancel);
+  return whole(encode_as_json(answer.reply, format, poll), answer.cache_hit, poll);
+}
+
+Result<HttpResponse> encode(Answered<proto::ExtentReply> answer, const proto::ReplyFormat& format,
+                            const Cancel& cancel) {
+  Poll poll(cancel);
+  return whole(encode_as_json(answer.reply, format, poll), answer.cache_hit, poll);
+}
+
 Result<HttpResponse> encode(Answered<proto::NearestReply> answer, const proto::ReplyFormat& format,
                             const Cancel& cancel) {
   Poll poll(cancel);

@@ -40,6 +40,10 @@ struct ReplySize {
                                 const proto::ReplyFormat& format);
 [[nodiscard]] ReplySize size_of(const Answered<proto::SamplesReply>& answer,
                                 const proto::ReplyFormat& format);
+[[nodiscard]] ReplySize size_of(const Answered<proto::MeasureReply>& answer,
+                                const proto::ReplyFormat& format);
+[[nodiscard]] ReplySize size_of(const Answered<proto::ExtentReply>& answer,
+                                const proto::ReplyFormat& format);
 [[nodiscard]] ReplySize size_of(const Answered<proto::LogmapReply>& answer,
                                 const proto::ReplyFormat& format);
 [[nodiscard]] ReplySize size_of(const Answered<proto::NearestReply>& answer,
@@ -65,6 +69,10 @@ struct ReplySize {
 [[nodiscard]] Result<HttpResponse> encode(Answered<proto::IsolinesReply> answer,
                                           const proto::ReplyFormat& format, const Cancel& cancel);
 [[nodiscard]] Result<HttpResponse> encode(Answered<proto::SamplesReply> answer,
+                                          const proto::ReplyFormat& format, const Cancel& cancel);
+[[nodiscard]] Result<HttpResponse> encode(Answered<proto::MeasureReply> answer,
+                                          const proto::ReplyFormat& format, const Cancel& cancel);
+[[nodiscard]] Result<HttpResponse> encode(Answered<proto::ExtentReply> answer,
                                           const proto::ReplyFormat& format, const Cancel& cancel);
 [[nodiscard]] Result<HttpResponse> encode(Answered<proto::NearestReply> answer,
                                           const proto::ReplyFormat& format, const Cancel& cancel);

@@ -80,6 +80,18 @@ ReplySize size_of(const Answered<proto::SamplesReply>& answer, const proto::Repl
                  format);
 }
 
+ReplySize size_of(const Answered<proto::MeasureReply>& answer, const proto::ReplyFormat& format) {
+  constexpr std::uint64_t kNumbersOfDisc = 9;
+  const std::uint64_t drawn = format.format == Format::glb ? answer.drawn_numbers : 0;
+  return size_by(drawn + kNumbersOfDisc * answer.reply.discs.size() +
+                     kNumbersOfPoint * answer.reply.from.size(),
+                 answer, format);
+}
+
+ReplySize size_of(const Answered<proto::ExtentReply>& answer, const proto::ReplyFormat& format) {
+  return size_by(kNumbersOfPoint * answer.reply.vertices.size(), answer, format);
+}
+
 ReplySize size_of(const Answered<proto::LogmapReply>& answer, const proto::ReplyFormat& format) {
   return size_by(answer.numbers + kNumbersOfPoint, answer, format);
 }

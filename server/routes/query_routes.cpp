@@ -166,6 +166,10 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
       share = std::move(*reserved);
     }
     if (answer->complete) answer->complete(answer->reply);
+    if (answer->complete_drawing && is_drawing(format->format)) {
+      auto completed = answer->complete_drawing(answer->reply, cancel);
+      if (!completed) return fail(std::move(completed.error()));
+    }
     const std::string warnings = warnings_header(answer->reply);
     auto made = make_reply(std::move(*answer), *format, cancel);
     if (!made) return made;
@@ -246,6 +250,8 @@ Result<HttpResponse> Routes::answer_any_query(const Query& query) {
       {"table", &Routes::answer_query<proto::TableRequest>},
       {"isolines", &Routes::answer_query<proto::IsolinesRequest>},
       {"samples", &Routes::answer_query<proto::SamplesRequest>},
+      {"measure", &Routes::answer_query<proto::MeasureRequest>},
+      {"extent", &Routes::answer_query<proto::ExtentRequest>},
       {"trace", &Routes::answer_query<proto::TraceRequest>},
       {"logmap", &Routes::answer_query<proto::LogmapRequest>},
       {"nearest", &Routes::answer_query<proto::NearestRequest>},

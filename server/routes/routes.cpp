@@ -297,6 +297,8 @@ HttpResponse Routes::status() {
         {"max_levels", proto::kMaxLevels},
         {"max_isoline_segments", proto::kMaxIsolineSegments},
         {"max_samples", proto::kMaxSamples},
+        {"max_radii", proto::kMaxRadii},
+        {"max_fields", proto::kMaxFields},
         {"max_batch_lines", kMaxBatchLines},
         {"reply_memory_bytes", config->reply_memory_bytes},
         {"max_jobs", config->max_jobs},

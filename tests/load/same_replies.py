@@ -49,6 +49,9 @@ def systematic(vertices):
                            + urllib.parse.urlencode(asked))
     yield "/samples?count=5"
     yield "/trace?from=f:0,0.3,0.3&angle=1&length=1"
+    yield "/measure?from=f:0,0.3,0.3&radii=1&radii=3"
+    yield "/extent?of=center&fields=5"
+    yield "/extent?of=mean&fields=3"
     yield "/logmap?from=f:0,0.3,0.3&radius=3"
     yield "/distance?from=v:0&labels=1&format=annotated"
 

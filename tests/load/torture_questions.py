@@ -91,6 +91,14 @@ def parameters_of(chance, mesh, query):
         if chance.random() < 0.3:
             asked["angle"] = chance.uniform(-7, 7)
         return asked, ["json", "frame", "glb"]
+    if query == "measure":
+        asked["from"] = some(chance, mesh, 3)
+        asked["radii"] = [size * 10 ** chance.uniform(-2, 0) for _ in range(chance.choice([0, 1, 5]))]
+        return asked, ["json", "json", "glb"]
+    if query == "extent":
+        asked |= {"of": chance.choice(["diameter", "center", "median", "mean"])}
+        asked["fields"] = chance.choice([1, 3, 8])
+        return asked, ["json"]
     if query == "samples":
         asked["count"] = chance.choice([1, 3, 10])
         if chance.random() < 0.3:
@@ -119,7 +127,7 @@ def parameters_of(chance, mesh, query):
 
 
 QUERIES = ["distance"] * 4 + ["path"] * 4
-QUERIES += ["table", "isolines", "samples", "trace", "trace", "logmap", "nearest"]
+QUERIES += ["table", "isolines", "samples", "measure", "extent", "trace", "trace", "logmap", "nearest"]
 
 
 def question_about(chance, mesh):

@@ -14,6 +14,8 @@ interface Taken {
   table: queries.TableQuery & { precision?: number };
   isolines: queries.IsolinesQuery;
   samples: queries.SamplesQuery;
+  measure: queries.MeasureQuery;
+  extent: queries.ExtentQuery;
   trace: queries.TraceQuery;
   logmap: queries.LogmapQuery & { precision?: number };
   nearest: queries.NearestQuery;
@@ -25,6 +27,8 @@ interface Given {
   table: Schemas['TableReply'];
   isolines: Schemas['IsolinesReply'];
   samples: Schemas['SamplesReply'];
+  measure: Schemas['MeasureReply'];
+  extent: Schemas['ExtentReply'];
   trace: Schemas['TraceReply'];
   logmap: Schemas['LogmapReply'];
   nearest: Schemas['NearestReply'];

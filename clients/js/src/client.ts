@@ -195,6 +195,20 @@ export class GeodesicClient {
     return this.#run(planOf(id, { query: 'logmap', ...query }, options));
   }
 
+  /** What geodesic discs measure: areas, outlines, the greatest distance and the mean. */
+  measure(
+    id: string,
+    query: queries.MeasureQuery,
+    options: QueryOptions = {},
+  ): Promise<queries.Measure> {
+    return this.#run(planOf(id, { query: 'measure', ...query }, options));
+  }
+
+  /** How large the surface is, or where its middle is, with bounds. */
+  extent(id: string, query: queries.ExtentQuery, options: QueryOptions = {}): Promise<queries.Extent> {
+    return this.#run(planOf(id, { query: 'extent', ...query }, options));
+  }
+
   /** Vertices spread evenly, by farthest-point sampling. */
   samples(
     id: string,
@@ -219,8 +233,8 @@ export class GeodesicClient {
   }
 
   /**
-   * A GLB: a field as a coloured mesh, lines as line strips, a map's faces with texture
-   * coordinates, or the geometry itself.
+   * A GLB: a field as a coloured mesh, lines as line strips, strips between
+   * the radii of discs, a map's faces with texture coordinates, or the geometry itself.
    */
   glb(id: string, query: queries.GlbQuery, options: QueryOptions = {}): Promise<ArrayBuffer> {
     return this.#run(planOf(id, { query: 'glb', ...query }, options));

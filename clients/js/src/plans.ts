@@ -113,6 +113,8 @@ const PLANS: Record<keyof Queries, Planner> = {
   nearest: json('nearest'),
   trace: json('trace'),
   samples: json('samples'),
+  measure: json('measure'),
+  extent: json('extent'),
   table: (id, parameters, options) => ({
     call: queryCall(id, 'table', { ...parameters, format: 'frame' }, options),
     read: replies.tableOf,

@@ -94,6 +94,20 @@ export interface LogmapQuery extends ByMethod {
   tolerance?: Schemas['Tolerance'];
 }
 
+export interface MeasureQuery extends ByMethod, WithinTolerance, InDigits {
+  from: OneOrMore<Source>;
+  /** Of the discs. Mesh units. */
+  radii?: OneOrMore<number>;
+  /** What is farther is not measured. Mesh units. */
+  max?: number;
+}
+
+export interface ExtentQuery extends ByMethod, WithinTolerance, InDigits {
+  of: Schemas['ExtentOf'];
+  /** How many fields may be computed; 100 without it. */
+  fields?: number;
+}
+
 export interface SamplesQuery extends ByMethod, WithinTolerance, InDigits {
   count: number;
   from?: OneOrMore<Source>;
@@ -123,6 +137,7 @@ export type GlbQuery =
       | Of<'distance', FieldQuery>
       | Of<'path', PathQuery>
       | Of<'isolines', IsolinesQuery>
+      | Of<'measure', MeasureQuery>
       | Of<'trace', TraceQuery>
       | Of<'logmap', LogmapQuery>
     ) & { colormap?: Schemas['ColourMap'] });
@@ -187,6 +202,8 @@ export type Isolines = Schemas['IsolinesReply'] & Told;
 export type Nearest = Schemas['NearestReply'] & Told;
 export type Trace = Schemas['TraceReply'] & Told;
 export type Samples = Schemas['SamplesReply'] & Told;
+export type Measure = Schemas['MeasureReply'] & Told;
+export type Extent = Schemas['ExtentReply'] & Told;
 export type { Isoline, PathPoint, Sample };
 
 /** Distances from each row's point to each column's, row after row; +Infinity where unreached. */
@@ -243,6 +260,8 @@ export interface Queries {
   trace: { takes: TraceQuery; gives: Trace };
   logmap: { takes: LogmapQuery; gives: Logmap };
   samples: { takes: SamplesQuery; gives: Samples };
+  measure: { takes: MeasureQuery; gives: Measure };
+  extent: { takes: ExtentQuery; gives: Extent };
   picture: { takes: PictureQuery; gives: Blob };
   glb: { takes: GlbQuery; gives: ArrayBuffer };
   annotated: { takes: AnnotatedQuery; gives: ArrayBuffer };

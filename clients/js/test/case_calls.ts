@@ -129,6 +129,8 @@ async function natural(
     case 'trace':
     case 'logmap':
     case 'samples':
+    case 'measure':
+    case 'extent':
       return shaped(name, await client[name](id, parameters, options));
     default:
       throw new Error(`the table has a call that is not known: ${name}`);

@@ -18,6 +18,8 @@ export const checks: {
   nearest: Same<keyof client.NearestQuery, Names<Schemas['NearestRequest']>>;
   trace: Same<keyof client.TraceQuery, Names<Schemas['TraceRequest']>>;
   logmap: Same<keyof client.LogmapQuery | 'precision', Names<Schemas['LogmapRequest']>>;
+  measure: Same<keyof client.MeasureQuery, Names<Schemas['MeasureRequest']>>;
+  extent: Same<keyof client.ExtentQuery, Names<Schemas['ExtentRequest']>>;
   samples: Same<keyof client.SamplesQuery, Names<Schemas['SamplesRequest']>>;
   drawing: Same<keyof client.Drawing, Extract<keyof Schemas['DistanceRequest'], keyof client.Drawing>>;
   formats: Same<client.ArrayFormat | 'json' | 'frame' | 'glb' | 'png', Schemas['Format']>;
@@ -30,6 +32,8 @@ export const checks: {
   nearest: true,
   trace: true,
   logmap: true,
+  measure: true,
+  extent: true,
   samples: true,
   drawing: true,
   formats: true,

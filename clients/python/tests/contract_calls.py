@@ -10,7 +10,10 @@ import numpy as np
 
 import geodesicd
 
-QUERIES = ("distance", "path", "table", "isolines", "nearest", "trace", "logmap", "samples")
+QUERIES = (
+    "distance", "path", "table", "isolines", "nearest", "trace", "logmap", "samples", "measure",
+    "extent",
+)  # fmt: skip
 
 
 class Outcome(NamedTuple):
@@ -144,6 +147,10 @@ class Call:
             return mesh.nearest(arguments.pop("point"), **arguments)
         if name == "trace":
             return mesh.trace(start, **arguments)
+        if name == "extent":
+            return mesh.extent(arguments.pop("of"), **arguments)
+        if name == "measure":
+            return mesh.measure(start, **arguments)
         if name == "logmap":
             return mesh.logmap(start, **arguments)
         return mesh.isolines(start, **arguments)
@@ -189,6 +196,16 @@ def agrees(value: Any, answer: geodesicd.Answer, name: str) -> None:
         assert value.vertices.tolist() == [s["vertex"] for s in document["samples"]]
         told_radii = [np.inf if s["radius"] is None else s["radius"] for s in document["samples"]]
         assert value.radii.tolist() == told_radii
+    elif name == "extent":
+        for key in ("of", "value", "lower", "confidence", "exact", "fields", "part_vertices"):
+            assert getattr(value, key) == document[key]
+        assert value.vertices.tolist() == [v["vertex"] for v in document["vertices"]]
+    elif name == "measure":
+        told = document["discs"]
+        assert (value.area, value.mean) == (document["area"], document["mean"])
+        assert (value.max, value.farthest) == (document["max"], document["farthest"])
+        for mine, its in (("radii", "radius"), ("areas", "area"), ("perimeters", "perimeter")):
+            assert getattr(value, mine).tolist() == [disc[its] for disc in told]
     elif name == "isolines":
         assert len(value) == len(document["isolines"])
         for line, told in zip(value, document["isolines"], strict=True):

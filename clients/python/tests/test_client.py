@@ -286,6 +286,8 @@ def test_what_comes_back_says_what_it_is(plane: geodesicd.Mesh, client: geodesic
         repr(trace)
         == f"<Trace {trace.length:g} long, {len(trace.points)} points, ends by {trace.end}>"
     )
+    assert repr(plane.measure(5050, 2)).startswith("<Measure 1 discs")
+    assert repr(plane.extent("mean", fields=2)).startswith("<Extent: mean ")
     around = plane.logmap(5050, 2)
     assert repr(around) == f"<Logmap {len(around)} vertices within 2, {around.method}>"
     assert repr(client) == f"<Client of {client.url}>"

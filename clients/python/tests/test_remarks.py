@@ -33,6 +33,7 @@ ASKING: dict[str, Callable[[geodesicd.Mesh, Any], Any]] = {
     "isolines": lambda mesh, point: mesh.isolines([point], count=2),
     "samples": lambda mesh, point: mesh.samples(3, covered=[point]),
     "trace": lambda mesh, point: mesh.trace(point, 5, direction=(1, 0, 0)),
+    "measure": lambda mesh, point: mesh.measure([point], [1, 2]),
     "logmap": lambda mesh, point: mesh.logmap(point, 3),
     "query": lambda mesh, point: mesh.query("distance", {"from": point}, format="u16"),
     "picture": lambda mesh, point: mesh.picture([point]),

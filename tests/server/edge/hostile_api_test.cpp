@@ -103,6 +103,8 @@ const std::vector<Query> queries{
     {"table", "from=v:0", {"from", "to", "method", "max", "format"}},
     {"isolines", "from=v:0&count=2", {"from", "levels", "step", "count", "method", "format"}},
     {"samples", "count=3", {"count", "from", "format"}},
+    {"measure", "from=v:0&radii=2", {"from", "radii", "method", "max", "precision", "format"}},
+    {"extent", "of=center&fields=3", {"of", "fields", "method", "precision", "format"}},
     {"logmap", "from=v:0", {"from", "radius", "angle", "method", "precision", "format"}},
     {"nearest", "point=p:1,0,0", {"point", "format"}},
 };

@@ -69,6 +69,8 @@ class AsyncMesh(Metadata):
     table = _query(tables.table)
     isolines = _query(queries.isolines)
     samples = _query(queries.samples)
+    measure = _query(queries.measure)
+    extent = _query(queries.extent)
     trace = _query(queries.trace)
     logmap = _query(queries.logmap)
     nearest = _query(queries.nearest)

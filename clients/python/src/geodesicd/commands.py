@@ -198,7 +198,26 @@ def _parser() -> argparse.ArgumentParser:
     exactness(table)
     _connection(table)
 
-    from . import logmap_command
+    from . import extent_command, logmap_command, measure_command
+
+    measure = command(
+        "measure", "MESH --from POINT", measure_command.run, "Measure discs: areas and outlines."
+    )
+    _query(measure)
+    measure_command.arguments(measure)
+    exactness(measure)
+    _connection(measure)
+
+    extent = command(
+        "extent",
+        "MESH --of MEASURE",
+        extent_command.run,
+        "Tell the diameter, or where the middle is.",
+    )
+    extent.add_argument("mesh", metavar="MESH", help=f"a file, or {_ON_SERVER}")
+    extent_command.arguments(extent)
+    exactness(extent)
+    _connection(extent)
 
     logmap = command(
         "logmap", "MESH --from POINT", logmap_command.run, "Lay the surface round a point flat."

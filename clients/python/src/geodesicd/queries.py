@@ -25,11 +25,13 @@ from .pieces import in_pieces
 from .points import Point, PointLike, PointsLike, Triple, point_of, points_of, triple
 from .results import (
     Answer,
+    Extent,
     FloatArray,
     Geometry,
     Isoline,
     LabelledDistances,
     Logmap,
+    Measure,
     Path,
     Samples,
     SurfacePoint,
@@ -250,6 +252,70 @@ def samples(
     return ask(encode(mesh, "samples", parameters), wire.samples_of_json, progress)
 
 
+def measure(
+    mesh: str,
+    sources: PointsLike,
+    radii: float | Sequence[float] | FloatArray = (),
+    *,
+    max: float | None = None,
+    method: str | None = None,
+    points_per_edge: int | None = None,
+    bound: str | None = None,
+    tolerance: float | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[Measure]:
+    """What geodesic discs measure: for each of the ``radii`` (mesh units) the area, the outline
+    and the topology of all that is no farther from the nearest source; and of the whole field the
+    greatest distance and the mean. Inside faces the distance is linear, as for :meth:`isolines`:
+    against smooth discs the measures are off by the square of the edges' length over the radius.
+    Nothing is measured, nor computed, beyond ``max``."""
+    parameters = {
+        "from": points_of(sources),
+        "radii": np.atleast_1d(np.asarray(radii, dtype=np.float64)).tolist(),
+        "max": as_bound(max),
+        "method": method,
+        "points_per_edge": points_per_edge,
+        "bound": bound,
+        "tolerance": tolerance,
+        "deadline_ms": milliseconds(deadline),
+    }
+    return ask(encode(mesh, "measure", parameters), wire.measure_of_json, progress)
+
+
+def extent(
+    mesh: str,
+    of: str,
+    *,
+    fields: int | None = None,
+    method: str | None = None,
+    points_per_edge: int | None = None,
+    bound: str | None = None,
+    tolerance: float | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[Extent]:
+    """How large the surface is, or where its middle is, from at most ``fields`` distance fields
+    (100 without it), with what the true value is not below and not above. By ``method="exact"``
+    few of them often leave no doubt.
+
+    Args:
+        of: ``"diameter"``, the greatest distance between two vertices; ``"center"``, the vertex
+            from which the greatest distance is least; ``"median"``, the one from which the mean
+            distance over the surface is least; ``"mean"``, the mean distance of two points.
+    """
+    parameters = {
+        "of": of,
+        "fields": fields,
+        "method": method,
+        "points_per_edge": points_per_edge,
+        "bound": bound,
+        "tolerance": tolerance,
+        "deadline_ms": milliseconds(deadline),
+    }
+    return ask(encode(mesh, "extent", parameters), wire.extent_of_json, progress)
+
+
 def trace(
     mesh: str,
     start: PointLike,
@@ -437,7 +503,7 @@ def query(
 
     Args:
         name: ``"distance"``, ``"path"``, ``"table"``, ``"isolines"``, ``"samples"``,
-            ``"trace"``, ``"logmap"`` or ``"nearest"``.
+            ``"measure"``, ``"extent"``, ``"trace"``, ``"logmap"`` or ``"nearest"``.
         parameters: by the contract's names, such as ``{"from": 0, "to": [9, (1, 2, 3)]}``.
         format: ``"json"``, ``"f32"``, ``"f64"``, ``"u16"``, ``"npy"``, ``"frame"``, ``"glb"``,
             ``"png"`` or ``"annotated"``.

@@ -184,6 +184,80 @@ class Samples:
 
 
 @dataclass(frozen=True, eq=False)
+class Measure:
+    """What geodesic discs measure, one for each radius, ascending; and the whole field.
+
+    Attributes:
+        area: of the surface that is reached, or no farther than ``max``, mesh units squared.
+        mean: of the distance over that area, mesh units.
+        max: the greatest distance of a vertex, mesh units.
+        farthest: the source vertex that has it.
+        radii: (k,) float64, mesh units.
+        areas: (k,) float64, mesh units squared.
+        means: (k,) float64, of the distance over the disc; 0 where that has no area.
+        perimeters: (k,) float64, the lengths of the isolines at the radii.
+        boundaries: (k,) float64, the length of the surface's own boundary inside the disc.
+        lines: (k,) int64, how many isolines there are at the radius.
+        vertices: (k,) int64, how many source vertices are in the disc.
+        euler: (k,) int64, Euler characteristics: 1 of a disc that folds over nowhere, 0 of a ring.
+        whole: (k,) bool, whether every vertex that is in a face is in the disc.
+    """
+
+    area: float
+    mean: float
+    max: float
+    farthest: int | None
+    radii: Float64
+    areas: Float64
+    means: Float64
+    perimeters: Float64
+    boundaries: Float64
+    lines: Index
+    vertices: Index
+    euler: Index
+    whole: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.radii)
+
+    def __repr__(self) -> str:
+        return f"<Measure {len(self)} discs, {self.max:g} to the farthest vertex>"
+
+
+@dataclass(frozen=True, eq=False)
+class Extent:
+    """How large a surface is, or where its middle is: of its part with most vertices.
+
+    Attributes:
+        of: ``"diameter"``, ``"center"``, ``"median"`` or ``"mean"``.
+        value: the best that was found, mesh units.
+        lower: the true one is not below.
+        upper: the true one is not above; infinite where nothing is known of that.
+        confidence: with which these two hold; 0.95 of a mean that is estimated, else 1.
+        exact: whether the value is that of all vertices.
+        vertices: (2,), (1,) or (0,) int64, the diameter's ends, or the one in the middle.
+        points: (2, 3), (1, 3) or (0, 3) float64, where they are, mesh units.
+        fields: how many were computed.
+        part_vertices: how many vertices the part has; those at one position are one.
+    """
+
+    of: str
+    value: float
+    lower: float
+    upper: float
+    confidence: float
+    exact: bool
+    vertices: Index
+    points: Float64
+    fields: int
+    part_vertices: int
+
+    def __repr__(self) -> str:
+        how = "exactly" if self.exact else f"from {self.lower:g} to {self.upper:g}"
+        return f"<Extent: {self.of} {self.value:g}, {how}>"
+
+
+@dataclass(frozen=True, eq=False)
 class Logmap:
     """The surface round ``source``, laid into the plane that touches it there: an entry for each
     vertex that has a place, ascending.

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from .results import (
     Answer,
+    Extent,
     Float64,
     FloatArray,
     Geometry,
@@ -23,6 +24,7 @@ from .results import (
     Isoline,
     LabelledDistances,
     Logmap,
+    Measure,
     Path,
     Samples,
     SurfacePoint,
@@ -256,6 +258,48 @@ def samples_of_json(reply: Reply) -> Samples:
         points=np.array([sample["xyz"] for sample in samples], dtype=np.float64).reshape(-1, 3),
         radii=np.array([_length(sample["radius"]) for sample in samples], dtype=np.float64),
         covering_radius=_length(document["covering_radius"]),
+    )
+
+
+def measure_of_json(reply: Reply) -> Measure:
+    """The measures of discs."""
+    document = reply.json()
+
+    def column(name: str, kind: Any) -> Any:
+        return np.array([disc[name] for disc in document["discs"]], dtype=kind)
+
+    return Measure(
+        area=float(document["area"]),
+        mean=float(document["mean"]),
+        max=_length(document["max"]),
+        farthest=document["farthest"],
+        radii=column("radius", np.float64),
+        areas=column("area", np.float64),
+        means=column("mean", np.float64),
+        perimeters=column("perimeter", np.float64),
+        boundaries=column("boundary", np.float64),
+        lines=column("lines", np.int64),
+        vertices=column("vertices", np.int64),
+        euler=column("euler", np.int64),
+        whole=column("whole", np.bool_),
+    )
+
+
+def extent_of_json(reply: Reply) -> Extent:
+    """An extent with its bounds."""
+    document = reply.json()
+    vertices = document["vertices"]
+    return Extent(
+        of=document["of"],
+        value=float(document["value"]),
+        lower=float(document["lower"]),
+        upper=_length(document["upper"]),
+        confidence=float(document["confidence"]),
+        exact=bool(document["exact"]),
+        vertices=np.array([vertex["vertex"] for vertex in vertices], dtype=np.int64),
+        points=np.array([vertex["xyz"] for vertex in vertices], dtype=np.float64).reshape(-1, 3),
+        fields=int(document["fields"]),
+        part_vertices=int(document["part_vertices"]),
     )
 
 
