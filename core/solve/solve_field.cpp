@@ -55,7 +55,10 @@ Result<Field> lesser_of_both(Field by_windows, const Adjacency& adjacency,
   return by_windows;
 }
 
-// Meshes of some thousand faces take some fifty; so many take some seconds.
+// Most parts take one question for four vertices, the worst of some hundred two for each. More than
+// the most of all take some seconds.
+constexpr std::uint64_t kQuestionsOfAny = 1000;
+constexpr std::uint64_t kQuestionsOfVertex = 4;
 constexpr std::uint64_t kMostQuestions = 60'000;
 constexpr std::size_t kMostBytes = std::size_t{256} << 20U;
 
@@ -83,11 +86,12 @@ Result<Field> field_across_slivers(Bound bound, const Adjacency& adjacency,
   limits.keep_details = false;
   const auto ready = make_ready_for_windows(adjacency, sources, scratch.exact, cancel);
   if (!ready) return fail(ready.error());
+  const std::uint64_t most = std::min(
+      kQuestionsOfAny + kQuestionsOfVertex * adjacency.mesh().vertex_count(), kMostQuestions);
   std::uint64_t questions = 0;
   bool is_too_much = false;
   const auto ask = [&] {
-    is_too_much =
-        is_too_much || ++questions > kMostQuestions || scratch.exact.window_bytes() > kMostBytes;
+    is_too_much = is_too_much || ++questions > most || scratch.exact.window_bytes() > kMostBytes;
     return is_too_much || cancel.requested();
   };
   const Cancel bounded(
