@@ -1,6 +1,7 @@
 #include "core/solve/extent.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -16,8 +17,19 @@ namespace {
 
 // Bounds that are as near as this are equal: what rounding leaves of sums.
 constexpr double kRounding = 1e-9;
-// Of a normal distribution, so many deviations to either side are 95 %.
-constexpr double kDeviations = 1.959963984540054;
+// So many deviations of the mean of a sample to either side are 95 %: Student's t for one draw
+// fewer. From eleven degrees of freedom on by Fisher's expansion about the normal distribution
+// (Abramowitz and Stegun 1964, 26.7.5), off by less than 1e-3.
+double deviations_of(std::uint64_t draws) {
+  constexpr std::array<double, 10> kFew{12.706, 4.303, 3.182, 2.776, 2.571,
+                                        2.447,  2.365, 2.306, 2.262, 2.228};
+  constexpr double z = 1.959963984540054;
+  const std::uint64_t freedom = draws - 1;
+  if (freedom <= kFew.size()) return kFew[freedom - 1];
+  const auto n = static_cast<double>(freedom);
+  return z + (z * z * z + z) / (4 * n) +
+         (5 * std::pow(z, 5) + 16 * z * z * z + 3 * z) / (96 * n * n);
+}
 
 bool is_metric(Method method) {
   return method == Method::exact || method == Method::chen_han || method == Method::dijkstra ||
@@ -265,14 +277,14 @@ class Draw {
   std::discrete_distribution<std::size_t> chances_;
 };
 
-Result<Extent> bounded(ExtentOf what, Survey& survey, Surveyor& surveyor, std::uint64_t fields,
-                       bool metric) {
-  // Where the mean is small is told by vertices that are spread by chance.
+Result<Extent> bounded(ExtentOf what, Survey& survey, Surveyor& surveyor, bool metric) {
+  // Where the mean is small is told by vertices that are spread by chance. One in two is: which
+  // they are does not depend on how many fields there may be, so that more are never worse.
   Draw draw(survey);
-  const std::uint64_t drawn = what == ExtentOf::median ? fields / 2 : 0;
   Extent found;
   while (surveyor.has_left()) {
-    std::size_t place = survey.count_done() < drawn ? draw.next() : next_place(what, survey);
+    const bool is_drawn = what == ExtentOf::median && survey.count_done() % 2 == 0;
+    std::size_t place = is_drawn ? draw.next() : next_place(what, survey);
     if (survey.is_done(place)) place = next_place(what, survey);
     if (auto computed = surveyor.compute(place); !computed) return fail(computed.error());
     found = survey.found(what);
@@ -312,13 +324,16 @@ Result<Extent> mean_of(Survey& survey, Surveyor& surveyor, std::uint64_t fields)
   const auto count = static_cast<double>(drawn);
   found.value = sum / count;
   found.fields = survey.count_done();
-  // Of one draw nothing is known of how they scatter.
-  const double deviation =
-      drawn > 1
-          ? std::sqrt(std::max(0.0, squares / count - found.value * found.value) / (count - 1))
-          : std::numeric_limits<double>::infinity();
-  found.lower = std::max(0.0, found.value - kDeviations * deviation);
-  found.upper = found.value + kDeviations * deviation;
+  const double variance = std::max(0.0, squares / count - found.value * found.value);
+  // Of one vertex, however often it was drawn, nothing is known of how they scatter; nor of several
+  // that are as far in the middle as each other, but for rounding.
+  if (found.fields < 2 || !(variance > kRounding * kRounding * found.value * found.value)) {
+    found.upper = std::numeric_limits<double>::infinity();
+    return found;
+  }
+  const double margin = deviations_of(drawn) * std::sqrt(variance / (count - 1));
+  found.lower = std::max(0.0, found.value - margin);
+  found.upper = found.value + margin;
   return found;
 }
 
@@ -338,7 +353,7 @@ Result<Extent> extent(ExtentOf what, Method method, const MethodOptions& options
   fields = std::max<std::uint64_t>(1, fields);
   Surveyor surveyor(method, options, adjacency, fields, scratch, cancel, survey);
   if (what == ExtentOf::mean) return mean_of(survey, surveyor, fields);
-  return bounded(what, survey, surveyor, fields, is_metric(method));
+  return bounded(what, survey, surveyor, is_metric(method));
 }
 
 }  // namespace geodesic

@@ -1,5 +1,6 @@
 #include "proto/gltf/annotate.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -116,6 +117,11 @@ class Annotating {
         is_kept[mesh] = true;
         continue;
       }
+      if (has_pointers()) {
+        return cannot_hold(
+            "nodes share a mesh, and the file animates by KHR_animation_pointer, which would not "
+            "reach the copies of it that they need; the other formats have the values");
+      }
       ordered_json& meshes = document_["meshes"];
       const auto [text, is_new] = text_of_mesh.emplace(mesh, 0);
       if (is_new) text->second = compact_text(meshes[mesh]).size();
@@ -131,6 +137,13 @@ class Annotating {
       document_["nodes"][node]["mesh"] = mesh;
     }
     return {};
+  }
+
+  // Whether animations name what they move by its place in the document.
+  [[nodiscard]] bool has_pointers() const {
+    const auto used = document_.find("extensionsUsed");
+    return used != document_.end() && used->is_array() &&
+           std::find(used->begin(), used->end(), "KHR_animation_pointer") != used->end();
   }
 
   // Room for the values: at the end of the binary chunk if the first buffer is that, else in a

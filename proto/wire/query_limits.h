@@ -22,6 +22,6 @@ inline constexpr std::uint64_t kMaxSamples = 10'000;
 // Of the discs of one measure.
 inline constexpr std::size_t kMaxRadii = 1000;
 // Of an extent, one after the other.
-inline constexpr std::uint64_t kMaxFields = 10'000;
+inline constexpr std::uint64_t kMaxFields = 1'000;
 
 }  // namespace geodesic::proto

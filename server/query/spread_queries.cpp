@@ -9,6 +9,7 @@
 #include "core/solve/farthest_points.h"
 #include "core/surface/longest_edge.h"
 #include "proto/wire/query_limits.h"
+#include "server/base/timed.h"
 #include "server/query/field_queries.h"
 #include "server/query/place.h"
 
@@ -147,6 +148,7 @@ Result<Answered<proto::ExtentReply>> FieldQueries::answer(const std::string& mes
   reply.of = request.of;
   const auto found = fields_.compute(
       [&](SolveScratch& scratch, const Cancel& cancel) {
+        const Timed solving(caller, Stage::solve);
         return extent(measure_of(request.of), request.method.which, request.method.options,
                       *place->adjacency(), request.fields, scratch, cancel);
       },

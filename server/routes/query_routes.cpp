@@ -173,6 +173,11 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
     const std::string warnings = warnings_header(answer->reply);
     auto made = make_reply(std::move(*answer), *format, cancel);
     if (!made) return made;
+    if (!attributes.empty() && made->body && made->body->size() > config_->max_body_bytes) {
+      return fail_limit(InputCode::not_acceptable,
+                        "with the values in it, the file could not be uploaded again",
+                        config_->max_body_bytes, made->body->size(), "format");
+    }
     if (!warnings.empty()) made->set_header("Geo-Warnings", warnings);
     if (!identity.empty()) {
       made->set_header("ETag", tag);

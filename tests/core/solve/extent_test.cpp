@@ -212,6 +212,38 @@ TEST_CASE("OfTwentyIntervalsAboutNineteenHaveTheMean") {
   CHECK(inside >= kSurfaces * 3 / 4);
 }
 
+TEST_CASE("OfFewDrawsTheIntervalIsWideOrHasNoEnd") {
+  std::mt19937 random(test_seed());
+  constexpr int kSurfaces = 80;
+  for (const std::uint64_t fields : {2, 3, 5}) {
+    CAPTURE(fields);
+    int inside = 0;
+    for (int i = 0; i < kSurfaces; ++i) {
+      const Surface surface(shapes::terrain(9, 4, static_cast<std::uint32_t>(random())));
+      const double truth = extent_of(surface, ExtentOf::mean, kAll, Method::dijkstra).value;
+      const Extent found = extent_of(surface, ExtentOf::mean, fields, Method::dijkstra);
+      if (found.fields < 2) CHECK(found.upper == std::numeric_limits<double>::infinity());
+      if (found.lower <= truth && truth <= found.upper) ++inside;
+    }
+    // By the normal distribution it would be two in three with two fields.
+    CHECK(inside >= kSurfaces * 3 / 4);
+  }
+}
+
+TEST_CASE("MoreFieldsAreNeverWorseForTheMiddle") {
+  std::mt19937 random(test_seed());
+  for (int i = 0; i < 6; ++i) {
+    const Surface surface(shapes::terrain(20, 8, static_cast<std::uint32_t>(random())));
+    double last = std::numeric_limits<double>::infinity();
+    for (const std::uint64_t fields : {1, 2, 3, 5, 8, 13, 40, 100}) {
+      CAPTURE(fields);
+      const Extent found = extent_of(surface, ExtentOf::median, fields, Method::dijkstra);
+      CHECK(found.value <= last);
+      last = found.value;
+    }
+  }
+}
+
 TEST_CASE("OfSeveralPartsTheOneWithMostVerticesIsMeasured") {
   TriangleSoup soup = shapes::plane(30, 2);
   const TriangleSoup other = shapes::plane(9, 9);

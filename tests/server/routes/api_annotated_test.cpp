@@ -399,6 +399,42 @@ TEST_CASE("TheMemoryForAnAnnotatedFileIsAskedForAndGivenBack") {
   CHECK(body_of(plane.service.get("/v1/status"))["replies"]["bytes"] == 0);
 }
 
+TEST_CASE("AFileThatCouldNotBeUploadedAgainIsRefused") {
+  const TemporaryFolder folder;
+  const std::string glb = glb_of(shapes::plane(40, 40));
+  Config config;
+  config.max_body_bytes = glb.size() + 100;
+  Service narrow(folder.path(), config);
+  const std::string path = "/v1/meshes/" + narrow.upload(glb) + "/distance?from=v:0&format=";
+  CHECK(narrow.get(path + "f32").status == 200);
+  const HttpResponse refused = narrow.get(path + "annotated");
+  check_problem(refused, 406, "not_acceptable", "format");
+  CHECK(body_of(refused)["limit"] == config.max_body_bytes);
+}
+
+TEST_CASE("WhereAnimationsNameMeshesNoneIsCopied") {
+  const TemporaryFolder folder;
+  Service service(folder.path());
+  for (const bool is_shared : {true, false}) {
+    CAPTURE(is_shared);
+    const std::string id = service.upload(
+        R"({"asset":{"version":"2.0"},"extensionsUsed":["KHR_animation_pointer"],"scenes":[{"nodes":[0,1]}],
+      "nodes":[{"mesh":0},{)" +
+        std::string(is_shared ? R"("mesh":0,)" : "") + R"("translation":[1,0,0]}],
+      "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+      "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+      "bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,
+      "uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
+    const HttpResponse reply =
+        service.get("/v1/meshes/" + id + "/distance?from=v:0&format=annotated");
+    if (is_shared) {
+      check_problem(reply, 406, "not_acceptable", "format");
+    } else {
+      CHECK(reply.status == 200);
+    }
+  }
+}
+
 TEST_CASE("WhatCannotBeAnnotatedIsRefused") {
   PlaneService plane;
   plane.check_refused("/distance?from=v:0&at=v:1&format=annotated", 406, "not_acceptable",
