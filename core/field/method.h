@@ -26,6 +26,8 @@ struct MethodTraits {
   // These distances are approximate, and nothing else is there to go by: they may lead a path
   // astray, or to nowhere. It goes along edges then.
   bool may_lead_astray = false;
+  // They are a metric: from a to b it is as far as from b to a, and no farther than by way of c.
+  bool are_metric = false;
   // They can keep windows (`Field::windows`), by which a point inside a face has its distance.
   bool has_windows = false;
   // They can keep the points that are added to edges (`Field::edge_points`), for the same end.
@@ -40,16 +42,17 @@ struct MethodTraits {
   switch (method) {
     case Method::wavefront:
     case Method::novotni:
-    case Method::dijkstra:
       return {.has_parents = true};
+    case Method::dijkstra:
+      return {.has_parents = true, .are_metric = true};
     case Method::fast_marching:
     case Method::back_traced:
       return {.may_lead_astray = true};
     case Method::steiner:
-      return {.has_edge_points = true};
+      return {.are_metric = true, .has_edge_points = true};
     case Method::exact:
     case Method::chen_han:
-      return {.has_windows = true};
+      return {.are_metric = true, .has_windows = true};
   }
   return {};
 }

@@ -4,14 +4,10 @@
 #include <cstddef>
 #include <utility>
 
+#include "core/paths/faces_by_level.h"
+
 namespace geodesic {
 namespace {
-
-// Which levels cross a face: the numbers from `first` up to `last`.
-struct LevelRange {
-  std::size_t first = 0;
-  std::size_t last = 0;
-};
 
 LevelRange levels_across(const FaceRecord& face, const VertexDistances& distance,
                          std::span<const double> levels) {
@@ -27,60 +23,28 @@ LevelRange levels_across(const FaceRecord& face, const VertexDistances& distance
           static_cast<std::size_t>(last - levels.begin())};
 }
 
-// For every level the faces that it crosses, ascending.
-struct CrossedFaces {
-  std::vector<std::size_t> begin;  // one more than there are levels
-  std::vector<std::uint32_t> face;
-
-  [[nodiscard]] std::span<const std::uint32_t> of(std::size_t level) const {
-    return {face.data() + begin[level], begin[level + 1] - begin[level]};
-  }
-};
-
-Result<CrossedFaces> crossed_faces(const Adjacency& adjacency, const Field& field,
+Result<FacesByLevel> crossed_faces(const Adjacency& adjacency, const Field& field,
                                    std::span<const double> levels, std::uint64_t max_segments,
                                    Poll& poll) {
-  // First the change of the count from level to level, then its running sum.
-  std::vector<std::int64_t> change(levels.size() + 1, 0);
-  std::uint64_t segments = 0;
   // Two passes over the faces, and one over what they found.
-  const std::uint64_t face_count = adjacency.faces().size();
+  const std::uint64_t total = 3 * std::uint64_t{adjacency.faces().size()};
   std::uint64_t seen = 0;
-  for (const FaceRecord& face : adjacency.faces()) {
-    if (poll.cancelled(seen++, 3 * face_count)) {
-      return fail_stopped(poll);
-    }
-    const LevelRange range = levels_across(face, field.distance, levels);
-    ++change[range.first];
-    --change[range.last];
-    segments += range.last - range.first;
-  }
-  if (segments > max_segments) {
-    return fail_limit(ErrorCode::too_large, "the isolines have too many segments", max_segments,
-                      segments);
-  }
-  // A segment has its face, and a point on a line that may have grown by doubling.
-  if (!poll.may_take(segments * (sizeof(std::uint32_t) + 2 * sizeof(Vec3)))) {
-    return fail_stopped(poll);
-  }
-  CrossedFaces crossed;
-  crossed.begin.assign(levels.size() + 1, 0);
-  std::int64_t count = 0;
-  for (std::size_t level = 0; level < levels.size(); ++level) {
-    count += change[level];
-    crossed.begin[level + 1] = crossed.begin[level] + static_cast<std::size_t>(count);
-  }
-  crossed.face.resize(segments);
-  std::vector<std::size_t> fill(crossed.begin.begin(), crossed.begin.end() - 1);
-  for (std::uint32_t f = 0; f < adjacency.faces().size(); ++f) {
-    if (poll.cancelled(seen++, 3 * face_count)) {
-      return fail_stopped(poll);
-    }
-    const LevelRange range = levels_across(adjacency.face(f), field.distance, levels);
-    for (std::size_t level = range.first; level < range.last; ++level) {
-      crossed.face[fill[level]++] = f;
-    }
-  }
+  auto crossed = list_by_level(
+      adjacency, levels.size(),
+      [&](const FaceRecord& face) { return levels_across(face, field.distance, levels); },
+      [&](std::uint64_t segments) -> Result<void> {
+        if (segments > max_segments) {
+          return fail_limit(ErrorCode::too_large, "the isolines have too many segments",
+                            max_segments, segments);
+        }
+        // A segment has its face, and a point on a line that may have grown by doubling.
+        if (!poll.may_take(segments * (sizeof(std::uint32_t) + 2 * sizeof(Vec3)))) {
+          return fail_stopped(poll);
+        }
+        return {};
+      },
+      [&](std::size_t entries) { return poll.cancelled_after(1 + entries, seen++, total); }, poll);
+  if (poll.stopped()) return fail_stopped(poll);
   return crossed;
 }
 

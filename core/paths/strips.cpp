@@ -6,24 +6,14 @@
 #include <utility>
 
 #include "core/base/polled_fill.h"
+#include "core/paths/faces_by_level.h"
 #include "core/paths/isolines.h"
 
 namespace geodesic {
 namespace {
 
-// For every strip the faces that have a part in it, ascending.
-struct FacesOfStrips {
-  std::vector<std::uint64_t> begin;  // one more than there are strips
-  std::vector<std::uint32_t> face;
-};
-
-struct StripRange {
-  std::size_t first = 0;
-  std::size_t last = 0;  // one beyond
-};
-
 // Strip i is between levels i and i + 1.
-StripRange strips_of(const FaceRecord& face, const VertexDistances& distance,
+LevelRange strips_of(const FaceRecord& face, const VertexDistances& distance,
                      std::span<const double> levels) {
   const double a = distance[face.vertex[0]];
   const double b = distance[face.vertex[1]];
@@ -42,35 +32,18 @@ StripRange strips_of(const FaceRecord& face, const VertexDistances& distance,
     first = first > 0 && levels[first] == least ? first - 1 : first;
     last = first + 1;
   }
-  return first < last ? StripRange{first, std::min(last, strips)} : StripRange{};
+  return first < last ? LevelRange{first, std::min(last, strips)} : LevelRange{};
 }
 
-// Whether it came to the end.
-bool gather(const Adjacency& adjacency, const Field& field, std::span<const double> levels,
-            FacesOfStrips& found, Poll& poll) {
-  const std::size_t strips = levels.size() - 1;
-  std::vector<std::int64_t> change(strips + 1, 0);
-  for (const FaceRecord& face : adjacency.faces()) {
-    if (poll.cancelled()) return false;
-    const StripRange range = strips_of(face, field.distance, levels);
-    ++change[range.first];
-    --change[range.last];
-  }
-  found.begin.assign(strips + 1, 0);
-  std::int64_t count = 0;
-  for (std::size_t i = 0; i < strips; ++i) {
-    count += change[i];
-    found.begin[i + 1] = found.begin[i] + static_cast<std::uint64_t>(count);
-  }
-  polled_assign(found.face, found.begin.back(), 0U, poll);
-  if (poll.stopped()) return false;
-  std::vector<std::uint64_t> fill(found.begin.begin(), found.begin.end() - 1);
-  for (std::uint32_t f = 0; f < adjacency.faces().size(); ++f) {
-    const StripRange range = strips_of(adjacency.face(f), field.distance, levels);
-    if (poll.cancelled_after(1 + range.last - range.first)) return false;
-    for (std::size_t i = range.first; i < range.last; ++i) found.face[fill[i]++] = f;
-  }
-  return true;
+Result<FacesByLevel> faces_of_strips(const Adjacency& adjacency, const Field& field,
+                                     std::span<const double> levels, Poll& poll) {
+  auto found = list_by_level(
+      adjacency, levels.size() - 1,
+      [&](const FaceRecord& face) { return strips_of(face, field.distance, levels); },
+      [](std::uint64_t) -> Result<void> { return {}; },
+      [&](std::size_t entries) { return poll.cancelled_after(1 + entries); }, poll);
+  if (poll.stopped()) return fail_stopped(poll);
+  return found;
 }
 
 // A corner of what is cut out of a face: a vertex, or where a level crosses an edge.
@@ -93,8 +66,11 @@ class StripCutter {
     Strip strip;
     strip.begin = begin;
     strip.end = end;
-    // A face, cut twice, is five corners and three triangles. Half of a vertex's faces are its own.
-    constexpr std::uint64_t kBytes = 3 * sizeof(strip.faces[0]) + 5 * sizeof(Vec3);
+    // A face, cut twice, is five corners and three triangles, and its crossings, two that are its
+    // own, are known by their edges: each with two pointers in a table.
+    constexpr std::uint64_t kCrossing = sizeof(std::pair<std::uint64_t, std::uint32_t>);
+    constexpr std::uint64_t kBytes =
+        3 * sizeof(strip.faces[0]) + 5 * sizeof(Vec3) + 2 * (kCrossing + 2 * sizeof(void*));
     if (!poll_.may_take(faces.size() * kBytes)) return strip;
     for (const std::uint32_t f : faces) {
       if (poll_.cancelled()) return strip;
@@ -182,14 +158,12 @@ Result<std::vector<Strip>> cut_strips(const Adjacency& adjacency, const Field& f
   std::vector<Strip> strips;
   if (levels.size() < 2) return strips;
   Poll poll(cancel);
-  FacesOfStrips faces;
-  if (!gather(adjacency, field, levels, faces, poll)) return fail_stopped(poll);
+  const auto faces = faces_of_strips(adjacency, field, levels, poll);
+  if (!faces) return fail(faces.error());
   StripCutter cutter(adjacency, field, poll);
   for (std::size_t i = 0; i + 1 < levels.size(); ++i) {
-    if (poll.cancelled(faces.begin[i], faces.face.size())) return fail_stopped(poll);
-    const std::span<const std::uint32_t> all = faces.face;
-    strips.push_back(cutter.cut(levels[i], levels[i + 1],
-                                all.subspan(faces.begin[i], faces.begin[i + 1] - faces.begin[i])));
+    if (poll.cancelled(faces->begin[i], faces->face.size())) return fail_stopped(poll);
+    strips.push_back(cutter.cut(levels[i], levels[i + 1], faces->of(i)));
     if (poll.stopped()) return fail_stopped(poll);
   }
   return strips;

@@ -38,10 +38,10 @@ struct Extent {
 };
 
 // At most `fields` fields are computed, at least one. By methods whose distances are no metric
-// (all but `exact`, `chen_han`, `dijkstra` and `steiner`) bounds are as uncertain as distances
-// are, and a value counts as exact only with the fields of all vertices. A mean is estimated from
-// vertices drawn at random, by the area about them; the same ones each time.
-// Errors: cancelled; those of solve_field.
+// (MethodTraits) bounds are as uncertain as distances are, and a value counts as exact only with
+// the fields of all vertices. A mean is estimated from vertices drawn at random, by the area about
+// them; the same ones each time. `upper` is infinite where the draws say nothing of it. Errors:
+// cancelled; those of solve_field.
 [[nodiscard]] Result<Extent> extent(ExtentOf what, Method method, const MethodOptions& options,
                                     const Adjacency& adjacency, std::uint64_t fields,
                                     SolveScratch& scratch, const Cancel& cancel);

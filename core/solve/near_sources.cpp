@@ -21,7 +21,7 @@ constexpr double kMostVerticesOfAll = 4000;
 constexpr double kLow = 0.05;
 // On larger meshes what is needed of all edges takes as long as a field.
 constexpr std::uint32_t kMostVerticesOfMesh = 250'000;
-// Some milliseconds a source. Counted in questions, so that the answer depends on nothing else.
+// Some milliseconds. Counted in questions, so that the answer depends on nothing else.
 constexpr std::uint64_t kMostQuestions = 500;
 
 }  // namespace

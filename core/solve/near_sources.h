@@ -13,14 +13,17 @@
 
 namespace geodesic {
 
-// On rough surfaces (core/surface/roughness.h) and on those with many long thin faces: the distances
-// up to some edges' length from the nearest of the sources, by windows; kUnreached beyond. There the
-// sides of faces are as long as the way, and no vertex is near it: traced over a few faces, ways
-// round a needle were up to twice as long as the shortest. What is wrong there is wrong in all ways
-// that lead on from there. With Bound::upper they are longer by what rounding may have taken. Not of vertices
-// so near that rounding is a part of their distance. Nothing on other surfaces, nor where windows
-// become too many. Does not depend on how far a field goes. Errors:
-// cancelled.
+// On rough surfaces (core/surface/roughness.h) and on those with many long thin faces: the
+// distances up to some edges' length from the nearest of the sources, by windows; kUnreached
+// beyond.
+//
+// There the sides of faces are as long as the way, and no vertex is near it: traced over a few
+// faces, ways round a needle were up to twice as long as the shortest. An error there is in all
+// distances farther on whose ways lead past it.
+//
+// With Bound::upper distances are longer by what rounding may have taken. Vertices so near that
+// rounding is a part of their distance have none. Nothing on other surfaces, nor where windows
+// become too many. Does not depend on how far a field goes. Errors: cancelled.
 [[nodiscard]] Result<std::optional<Field>> field_near_sources(const Adjacency& adjacency,
                                                               std::span<const Source> sources,
                                                               Bound bound, ExactScratch& scratch,

@@ -38,7 +38,6 @@ struct Building {
   };
   // Joins the edges whose smaller end is from `from` to `to` - 1.
   [[nodiscard]] Edges join_edges(std::uint32_t from, std::uint32_t to, Poll& poll);
-  void ask_roughness(Poll& poll);
   void find_pinched_vertices(Poll& poll);
   [[nodiscard]] std::size_t faces_in_first_fan(std::uint32_t vertex, Poll& poll) const;
   void count_parts(Poll& poll);
@@ -58,7 +57,6 @@ struct Building {
   bool has_flat_faces = false;
   bool has_lines = false;
   bool is_crowded = false;
-  bool is_rough = false;
   bool has_large_faces = false;
   TopologyReport report = {};
 };
@@ -200,10 +198,6 @@ Building::Edges Building::join_edges(std::uint32_t from, std::uint32_t to, Poll&
   return edges;
 }
 
-void Building::ask_roughness(Poll&) {
-  is_rough = geodesic::is_rough(faces.all(), mesh.positions());
-}
-
 // The faces that can be reached from the vertex's first face by crossing edges
 // that end in the vertex.
 std::size_t Building::faces_in_first_fan(std::uint32_t vertex, Poll& poll) const {
@@ -295,13 +289,13 @@ Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cance
   Building building{*mesh};
   Poll poll(cancel);
   int done = 0;
-  for (const auto step :
-       {&Building::fill_geometry, &Building::fill_corners, &Building::fill_rings,
-        &Building::ask_roughness, &Building::find_pinched_vertices, &Building::count_parts}) {
+  for (const auto step : {&Building::fill_geometry, &Building::fill_corners, &Building::fill_rings,
+                          &Building::find_pinched_vertices, &Building::count_parts}) {
     (building.*step)(poll);
     if (poll.ask()) return fail_stopped(cancel);
     cancel.report(++done / 10.0);
   }
+  const bool is_rough = geodesic::is_rough(building.faces.all(), mesh->positions());
   Parts parts{.faces = std::move(building.faces).share(),
               .corner_begin = SharedArray(std::move(building.corner_begin)),
               .corners = SharedArray(std::move(building.corners)),
@@ -311,7 +305,7 @@ Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cance
               .has_flat_faces = building.has_flat_faces,
               .has_lines = building.has_lines,
               .is_crowded = building.is_crowded,
-              .is_rough = building.is_rough,
+              .is_rough = is_rough,
               .has_large_faces = building.has_large_faces,
               .delaunay = nullptr,
               .report = building.report};

@@ -59,8 +59,8 @@ class Adjacency {
     bool has_flat_faces = false;
     bool has_lines = false;
     bool is_crowded = false;
-    bool is_rough = false;         // roughness.h
-    bool has_large_faces = false;  // see the member function
+    bool is_rough = false;                              // roughness.h
+    bool has_large_faces = false;                       // see the member function
     std::shared_ptr<const IntrinsicDelaunay> delaunay;  // null when no edge was flipped
     TopologyReport report;
   };

@@ -10,9 +10,8 @@
 namespace geodesic {
 
 // Whether at more than one inner edge in five, of a sample of 4096, the two faces' planes differ by
-// more than 15 degrees. On scans it is one in six to one in fifty. `faces` have their rings;
-// positions are by vertex. Edges between faces without area, and of more than two faces, do not
-// count. O(1).
+// more than 15 degrees. `faces` have their rings; positions are by vertex. Edges between faces
+// without area, and of more than two faces, do not count. O(1).
 [[nodiscard]] bool is_rough(std::span<const FaceRecord> faces, std::span<const Vec3> positions);
 
 }  // namespace geodesic
