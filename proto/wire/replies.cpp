@@ -26,6 +26,14 @@ void append_numbers(std::string& out, const Values& values, int digits, Poll* po
   out += ']';
 }
 
+// After another member.
+void append_member(std::string& out, const char* name, double value, int digits = 0) {
+  out += ",\"";
+  out += name;
+  out += "\":";
+  append_number(out, value, digits);
+}
+
 void append_distances(std::string& out, std::span<const double> distances, int digits,
                       bool short_digits, Bound bound, Poll* poll) {
   out += '[';
@@ -76,11 +84,9 @@ void append_point(std::string& out, const ResolvedPoint& point, int digits) {
   append_place(out, point.face, point.bary, digits);
   out += ",\"xyz\":";
   append_xyz(out, point.xyz, digits);
-  out += ",\"snap_distance\":";
-  append_number(out, point.snap_distance, digits);
+  append_member(out, "snap_distance", point.snap_distance, digits);
   if (point.ray_distance) {
-    out += ",\"ray_distance\":";
-    append_number(out, *point.ray_distance, digits);
+    append_member(out, "ray_distance", *point.ray_distance, digits);
   }
   out += '}';
 }
@@ -212,8 +218,7 @@ std::string to_json(const IsolinesReply& reply, int digits, Poll* poll) {
   append_method(out, reply.method);
   out += ",\"from\":";
   append_points(out, reply.from, digits, poll);
-  out += ",\"max\":";
-  append_number(out, reply.max.value_or(std::numeric_limits<double>::infinity()), digits);
+  append_member(out, "max", reply.max.value_or(std::numeric_limits<double>::infinity()), digits);
   out += ",\"levels\":";
   append_numbers(out, reply.levels, digits, poll);
   out += ",\"isolines\":[";
@@ -268,10 +273,8 @@ std::string to_json(const MeasureReply& reply, int digits, Poll* poll) {
   append_method(out, reply.method);
   out += ",\"from\":";
   append_points(out, reply.from, digits, poll);
-  out += ",\"area\":";
-  append_number(out, reply.area, digits);
-  out += ",\"mean\":";
-  append_number(out, reply.mean, digits);
+  append_member(out, "area", reply.area, digits);
+  append_member(out, "mean", reply.mean, digits);
   out += ",\"max\":";
   append_bound(out, reply.max.value_or(std::numeric_limits<double>::infinity()), digits,
                reply.bound);
@@ -284,14 +287,10 @@ std::string to_json(const MeasureReply& reply, int digits, Poll* poll) {
     out += first ? "{\"radius\":" : ",{\"radius\":";
     first = false;
     append_number(out, disc.radius, digits);
-    out += ",\"area\":";
-    append_number(out, disc.area, digits);
-    out += ",\"mean\":";
-    append_number(out, disc.mean, digits);
-    out += ",\"perimeter\":";
-    append_number(out, disc.perimeter, digits);
-    out += ",\"boundary\":";
-    append_number(out, disc.boundary, digits);
+    append_member(out, "area", disc.area, digits);
+    append_member(out, "mean", disc.mean, digits);
+    append_member(out, "perimeter", disc.perimeter, digits);
+    append_member(out, "boundary", disc.boundary, digits);
     out += ",\"lines\":" + std::to_string(disc.lines);
     out += ",\"vertices\":" + std::to_string(disc.vertices);
     out += ",\"euler\":" + std::to_string(disc.euler);
@@ -308,14 +307,11 @@ std::string to_json(const ExtentReply& reply, int digits, Poll* /*poll*/) {
   append_method(out, reply.method);
   out += ",\"of\":\"";
   out += name_of(reply.of);
-  out += "\",\"value\":";
-  append_number(out, reply.value, digits);
-  out += ",\"lower\":";
-  append_number(out, reply.lower, digits);
-  out += ",\"upper\":";
-  append_number(out, reply.upper, digits);
-  out += ",\"confidence\":";
-  append_number(out, reply.confidence);
+  out += '"';
+  append_member(out, "value", reply.value, digits);
+  append_member(out, "lower", reply.lower, digits);
+  append_member(out, "upper", reply.upper, digits);
+  append_member(out, "confidence", reply.confidence);
   out += reply.is_exact ? ",\"exact\":true,\"vertices\":[" : ",\"exact\":false,\"vertices\":[";
   bool first = true;
   for (const ExtentReply::Vertex& vertex : reply.vertices) {
@@ -337,8 +333,7 @@ std::string to_json(const TraceReply& reply, int digits, Poll* poll) {
   append_point(out, reply.from, digits);
   out += ",\"to\":";
   append_point(out, reply.to, digits);
-  out += ",\"length\":";
-  append_number(out, reply.length, digits);
+  append_member(out, "length", reply.length, digits);
   out += ",\"end\":\"";
   out += reply.end;
   out += "\",\"direction_at_end\":";
@@ -355,12 +350,9 @@ std::string to_json(const LogmapReply& reply, int digits, Poll* poll) {
   append_method(out, reply.method);
   out += ",\"from\":";
   append_point(out, reply.from, digits);
-  out += ",\"angle\":";
-  append_number(out, reply.angle, digits);
-  out += ",\"radius\":";
-  append_number(out, reply.radius, digits);
-  out += ",\"total_angle\":";
-  append_number(out, reply.total_angle, digits);
+  append_member(out, "angle", reply.angle, digits);
+  append_member(out, "radius", reply.radius, digits);
+  append_member(out, "total_angle", reply.total_angle, digits);
   out += reply.all_round ? ",\"all_round\":true" : ",\"all_round\":false";
   out += ",\"vertices\":";
   append_wholes(out, reply.vertices, poll);

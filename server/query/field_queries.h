@@ -34,11 +34,11 @@ struct Answered {
   // may be done. `numbers` are those that come then.
   std::function<void(Reply&)> complete;
   std::uint64_t numbers = 0;
-  // The file that the numbers are to be written into, where they are.
-  std::shared_ptr<const UploadedGltf> upload;
   // The same for what only a drawing has: to be called, if set, before the reply is drawn.
   std::function<Result<void>(Reply&, const Cancel&)> complete_drawing;
   std::uint64_t drawn_numbers = 0;
+  // The file that the numbers are to be written into, where they are.
+  std::shared_ptr<const UploadedGltf> upload;
 };
 
 // All methods may be called from any thread but a compute worker. Errors besides

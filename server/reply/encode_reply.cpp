@@ -129,6 +129,14 @@ HttpResponse encode_line(Reply reply, const proto::ReplyFormat& format, bool has
   return response;
 }
 
+// Of replies that are JSON and nothing else.
+template <class Reply>
+Result<HttpResponse> json_alone(const Answered<Reply>& answer, const proto::ReplyFormat& format,
+                                const Cancel& cancel) {
+  Poll poll(cancel);
+  return whole(encode_as_json(answer.reply, format, poll), answer.cache_hit, poll);
+}
+
 }  // namespace
 
 std::string header_number(double value) {
@@ -227,32 +235,27 @@ Result<HttpResponse> encode(Answered<proto::LogmapReply> answer, const proto::Re
 
 Result<HttpResponse> encode(Answered<proto::IsolinesReply> answer, const proto::ReplyFormat& format,
                             const Cancel& cancel) {
-  Poll poll(cancel);
-  return whole(encode_as_json(answer.reply, format, poll), answer.cache_hit, poll);
+  return json_alone(answer, format, cancel);
 }
 
 Result<HttpResponse> encode(Answered<proto::SamplesReply> answer, const proto::ReplyFormat& format,
                             const Cancel& cancel) {
-  Poll poll(cancel);
-  return whole(encode_as_json(answer.reply, format, poll), answer.cache_hit, poll);
+  return json_alone(answer, format, cancel);
 }
 
 Result<HttpResponse> encode(Answered<proto::MeasureReply> answer, const proto::ReplyFormat& format,
                             const Cancel& cancel) {
-  Poll poll(cancel);
-  return whole(encode_as_json(answer.reply, format, poll), answer.cache_hit, poll);
+  return json_alone(answer, format, cancel);
 }
 
 Result<HttpResponse> encode(Answered<proto::ExtentReply> answer, const proto::ReplyFormat& format,
                             const Cancel& cancel) {
-  Poll poll(cancel);
-  return whole(encode_as_json(answer.reply, format, poll), answer.cache_hit, poll);
+  return json_alone(answer, format, cancel);
 }
 
 Result<HttpResponse> encode(Answered<proto::NearestReply> answer, const proto::ReplyFormat& format,
                             const Cancel& cancel) {
-  Poll poll(cancel);
-  return whole(encode_as_json(answer.reply, format, poll), answer.cache_hit, poll);
+  return json_alone(answer, format, cancel);
 }
 
 }  // namespace geodesic::server
