@@ -10,6 +10,7 @@
 #include "proto/formats/decode_mesh.h"
 #include "tests/bench/prepared.h"
 #include "tests/fixtures/among_squares.h"
+#include "tests/fixtures/tube.h"
 #include "tests/paper/real_meshes.h"
 
 namespace geodesic::bench {
@@ -20,22 +21,7 @@ constexpr double kNotKnown = std::numeric_limits<double>::infinity();
 }  // namespace
 
 TriangleSoup cylinder(std::uint32_t around, std::uint32_t along, double length) {
-  TriangleSoup soup;
-  for (std::uint32_t j = 0; j < along; ++j) {
-    for (std::uint32_t i = 0; i < around; ++i) {
-      const double angle = 2 * std::numbers::pi * i / around;
-      soup.positions.push_back({std::cos(angle), std::sin(angle), length * j / (along - 1)});
-    }
-  }
-  for (std::uint32_t j = 0; j + 1 < along; ++j) {
-    for (std::uint32_t i = 0; i < around; ++i) {
-      const std::uint32_t a = j * around + i;
-      const std::uint32_t b = j * around + (i + 1) % around;
-      soup.faces.push_back({a, b, b + around});
-      soup.faces.push_back({a, b + around, a + around});
-    }
-  }
-  return soup;
+  return fixtures::tube(around, length, along - 1);
 }
 
 TriangleSoup stretched(TriangleSoup soup, double factor) {

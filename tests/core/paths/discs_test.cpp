@@ -19,6 +19,7 @@
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
+#include "tests/fixtures/tube.h"
 
 using namespace geodesic;
 using fixtures::Surface;
@@ -182,26 +183,6 @@ void check_discs(const Surface& surface, const Field& field, std::mt19937& rando
   }
 }
 
-// `columns` around the z axis at radius 1, `rows` squares as high as they are wide.
-TriangleSoup cylinder(std::uint32_t columns, std::uint32_t rows) {
-  TriangleSoup soup;
-  const double side = 2 * pi / columns;
-  for (std::uint32_t j = 0; j <= rows; ++j) {
-    for (std::uint32_t i = 0; i < columns; ++i) {
-      soup.positions.push_back({std::cos(i * side), std::sin(i * side), j * side});
-    }
-  }
-  for (std::uint32_t j = 0; j < rows; ++j) {
-    for (std::uint32_t i = 0; i < columns; ++i) {
-      const std::uint32_t a = j * columns + i;
-      const std::uint32_t b = j * columns + (i + 1) % columns;
-      soup.faces.push_back({a, b, b + columns});
-      soup.faces.push_back({a, b + columns, a + columns});
-    }
-  }
-  return soup;
-}
-
 }  // namespace
 
 TEST_CASE("DiscsOfAPlaneAreThoseOfEuclidAndTheErrorFallsWithTheSquareOfTheEdges") {
@@ -263,7 +244,7 @@ TEST_CASE("DiscsOfASphereAreCaps") {
 TEST_CASE("DiscsOfACylinderAreThoseOfItsUnrolledBand") {
   const std::uint32_t columns = 120;
   const std::uint32_t rows = 200;
-  const Surface surface(cylinder(columns, rows));
+  const Surface surface(fixtures::tube(columns, rows * 2 * pi / columns, rows));
   const Field field = surface.field_by(Method::exact, {Source{surface.at(columns * rows / 2), 0}});
   const auto discs = discs_of(surface, field, {1, 3, 4, 6});
   const double height = rows * 2 * pi / columns / 2;  // above the source, and below

@@ -7,17 +7,17 @@
 #include <random>
 #include <vector>
 
-#include "core/solve/solve_field.h"
 #include "tests/fixtures/crumpled_surfaces.h"
+#include "tests/fixtures/solved.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;
+using fixtures::kFloat;
+using fixtures::solved;
 using fixtures::Surface;
 
 namespace {
-
-constexpr double kFloat = 2.5e-7;  // distances by `auto` are floats
 
 // A star's outline, drawn out of its plane: sides of long thin faces, and caps of triangles from
 // corner to corner, few of them large.
@@ -71,20 +71,9 @@ TEST_CASE("OnMachinePartsOfLargeFacesAutoIsExact") {
     CHECK(surface.adjacency().has_large_faces());
     const auto v = static_cast<std::uint32_t>(random() % surface.mesh().vertex_count());
     const std::vector<Source> sources{{point_at_vertex(surface.adjacency(), v), 0}};
-    const auto solved = [&](Method method, Bound bound) {
-      SolveScratch scratch;
-      MethodOptions options;
-      options.bound = bound;
-      FieldLimits limits;
-      limits.keep_details = false;
-      auto field =
-          solve_field(method, options, surface.adjacency(), sources, limits, scratch, Cancel());
-      REQUIRE(field);
-      return std::move(*field);
-    };
-    const Field exact = solved(Method::exact, Bound::none);
-    const Field automatic = solved(Method::back_traced, Bound::none);
-    const Field upper = solved(Method::back_traced, Bound::upper);
+    const Field exact = solved(surface, Method::exact, Bound::none, sources);
+    const Field automatic = solved(surface, Method::back_traced, Bound::none, sources);
+    const Field upper = solved(surface, Method::back_traced, Bound::upper, sources);
     for (std::uint32_t w = 0; w < surface.mesh().vertex_count(); ++w) {
       CAPTURE(w);
       const double d = exact.distance[w];

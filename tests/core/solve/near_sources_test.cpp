@@ -13,15 +13,16 @@
 #include "core/solve/pair_search.h"
 #include "core/solve/solve_field.h"
 #include "tests/fixtures/crumpled_surfaces.h"
+#include "tests/fixtures/solved.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;
+using fixtures::kFloat;
+using fixtures::solved;
 using fixtures::Surface;
 
 namespace {
-
-constexpr double kFloat = 2.5e-7;  // distances by `auto` are floats
 
 // Each vertex moved by up to half an edge and more.
 TriangleSoup crumpled(std::mt19937& random) {
@@ -56,21 +57,6 @@ std::vector<Source> drawn_sources(std::mt19937& random, const Surface& surface) 
     }
   }
   return sources;
-}
-
-Field solved(const Surface& surface, Method method, Bound bound,
-             const std::vector<Source>& sources) {
-  SolveScratch scratch;
-  MethodOptions options;
-  options.bound = bound;
-  // Without details, windows run over the same faces whoever asks. Over other faces another one in
-  // thousands may be missed.
-  FieldLimits limits;
-  limits.keep_details = false;
-  auto field =
-      solve_field(method, options, surface.adjacency(), sources, limits, scratch, Cancel());
-  REQUIRE(field);
-  return std::move(*field);
 }
 
 }  // namespace

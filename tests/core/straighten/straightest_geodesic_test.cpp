@@ -11,6 +11,7 @@
 #include "core/mesh/shapes.h"
 #include "tests/fixtures/straightest.h"
 #include "tests/fixtures/surface.h"
+#include "tests/fixtures/tube.h"
 
 using namespace geodesic;
 using fixtures::End;
@@ -25,22 +26,7 @@ namespace {
 
 // A prism of `around` sides without lids, of circumradius 1: row j at the height j.
 TriangleSoup prism(std::uint32_t around, std::uint32_t rows) {
-  TriangleSoup soup;
-  for (std::uint32_t j = 0; j < rows; ++j) {
-    for (std::uint32_t i = 0; i < around; ++i) {
-      const double u = 2 * pi * i / around;
-      soup.positions.push_back({std::cos(u), std::sin(u), double(j)});
-    }
-  }
-  for (std::uint32_t j = 0; j + 1 < rows; ++j) {
-    for (std::uint32_t i = 0; i < around; ++i) {
-      const std::uint32_t a = j * around + i;
-      const std::uint32_t b = j * around + (i + 1) % around;
-      soup.faces.push_back({a, b, b + around});
-      soup.faces.push_back({a, b + around, a + around});
-    }
-  }
-  return soup;
+  return fixtures::tube(around, rows - 1, rows - 1);
 }
 
 // The cube [0, 1]^3; vertex number x + 2 y + 4 z.
