@@ -7,56 +7,31 @@ ground lies within a distance.
 SERVER is the address of one that has the sample meshes (`make run`). Needs numpy and matplotlib.
 """
 
-import io
-import json
-import pathlib
 import sys
-import urllib.request
 
 import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import PolyCollection
-from PIL import Image
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+from page_pictures import Glb, get, get_json, light_on, sample_at, save
+
 PLACE = "p:90,0,-90"  # the middle of the terrain
 RADII = (40, 80, 120, 160)  # mesh units
 
 
-def fetch(address):
-    """The bytes at an address."""
-    with urllib.request.urlopen(address) as reply:
-        return reply.read()
-
-
 def strips_of(glb):
     """Of each node (m, 3, 3) its triangles' corners."""
-    length = int.from_bytes(glb[12:16], "little")
-    document = json.loads(glb[20 : 20 + length])
-
-    def array(index, dtype):
-        accessor = document["accessors"][index]
-        width = {"VEC3": 3, "SCALAR": 1}[accessor["type"]]
-        begin = 28 + length + document["bufferViews"][accessor["bufferView"]]["byteOffset"]
-        return np.frombuffer(glb, dtype, width * accessor["count"], begin).reshape(-1, 3)
-
-    for node in document["nodes"]:
-        primitive = document["meshes"][node["mesh"]]["primitives"][0]
-        positions = array(primitive["attributes"]["POSITION"], "<f4")
-        yield positions[array(primitive["indices"], "<u4")]
+    for node in glb.document["nodes"]:
+        primitive = glb.document["meshes"][node["mesh"]]["primitives"][0]
+        yield glb.accessor(primitive["attributes"]["POSITION"])[glb.triangles(primitive)]
 
 
 def draw_strips(axes, strips):
     """The strips from above, shaded by their slopes."""
     colours = matplotlib.colormaps["viridis"](np.linspace(0, 1, len(RADII) + 1))[:, :3]
     for corners, colour in zip(strips, colours):
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        normals /= np.linalg.norm(normals, axis=1, keepdims=True) + 1e-30
-        light = 0.35 + 0.65 * np.abs(normals @ np.array([-0.5, 0.75, -0.43]))
-        shades = np.minimum(colour * light[:, None], 1)
+        shades = colour * light_on(corners, (-0.5, 0.75, -0.43), 0.35, 0.65)
         axes.add_collection(
             PolyCollection(corners[:, :, ::2], facecolors=shades, edgecolors=shades, lw=0.2)
         )
@@ -84,18 +59,13 @@ def draw_areas(axes, discs):
 
 def main():
     """Both panels."""
-    server = sys.argv[1].rstrip("/")
-    meshes = json.loads(fetch(f"{server}/v1/meshes"))["meshes"]
-    terrain = next(m["id"] for m in meshes if m.get("name") == "terrain.glb")
-    asked = f"{server}/v1/meshes/{terrain}/measure?from={PLACE}&method=exact"
-    strips = strips_of(fetch(asked + "&format=glb" + "".join(f"&radii={r}" for r in RADII)))
+    asked = sample_at(sys.argv[1], "terrain.glb") + f"/measure?from={PLACE}&method=exact"
+    strips = strips_of(Glb(get(asked + "&format=glb" + "".join(f"&radii={r}" for r in RADII))))
     radii = "".join(f"&radii={r}" for r in range(2, 201, 2))
     figure = plt.figure(figsize=(9, 4.1))
     draw_strips(figure.add_axes((0, 0.02, 0.45, 0.96)), strips)
-    draw_areas(figure.add_axes((0.56, 0.14, 0.42, 0.82)), json.loads(fetch(asked + radii))["discs"])
-    picture = io.BytesIO()
-    figure.savefig(picture, dpi=90, facecolor="white")
-    Image.open(picture).convert("RGB").quantize(200).save(ROOT / "docs" / "discs.png", optimize=True)
+    draw_areas(figure.add_axes((0.56, 0.14, 0.42, 0.82)), get_json(asked + radii)["discs"])
+    save(figure, "discs.png", 200)
 
 
 if __name__ == "__main__":

@@ -7,53 +7,28 @@ bounds of both close in from field to field.
 SERVER is the address of one that has the sample meshes (`make run`). Needs numpy and matplotlib.
 """
 
-import io
-import json
-import pathlib
 import sys
-import urllib.request
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from PIL import Image
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+from page_pictures import geometry_of, get_json, sample_at, save
+
 ORANGE, BLUE = "#D55E00", "#0072B2"
 FIELDS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32)
 
 
-def get(address):
-    """The JSON at an address."""
-    with urllib.request.urlopen(address) as reply:
-        return json.load(reply)
-
-
-def triangles_of(address):
-    """Triangles (m, 3) and positions (n, 3) of a mesh, out of its frame."""
-    with urllib.request.urlopen(address + "/geometry?format=frame") as reply:
-        frame = reply.read()
-    size = int.from_bytes(frame[8:12], "little")
-    arrays = {}
-    for told in json.loads(frame[24 : 24 + size])["arrays"]:
-        flat = np.frombuffer(frame, told["dtype"], int(np.prod(told["shape"])), told["offset"])
-        arrays[told["name"]] = flat.reshape(told["shape"])
-    return arrays["triangles"].astype(int), arrays["positions"]
-
-
 def draw_map(axes, address):
     """From above: the distance from the centre, and the diameter's path."""
-    triangles, positions = triangles_of(address)
-    center = get(f"{address}/extent?of=center&method=exact")
-    diameter = get(f"{address}/extent?of=diameter&method=exact")
+    positions, triangles = geometry_of(address)
+    center = get_json(f"{address}/extent?of=center&method=exact")
+    diameter = get_json(f"{address}/extent?of=diameter&method=exact")
     x, z = positions[:, 0], -positions[:, 2]
-    distances = get(f"{address}/distance?from=v:{center['vertices'][0]['vertex']}")["distances"]
+    distances = get_json(f"{address}/distance?from=v:{center['vertices'][0]['vertex']}")["distances"]
     levels = np.arange(0, max(distances) + 20, 20)
     axes.tricontourf(x, z, triangles, distances, levels, cmap="viridis")
     one, other = (end["vertex"] for end in diameter["vertices"])
-    path = np.array([p["xyz"] for p in get(f"{address}/path?from=v:{one}&to=v:{other}")["points"]])
+    path = np.array([p["xyz"] for p in get_json(f"{address}/path?from=v:{one}&to=v:{other}")["points"]])
     axes.plot(path[:, 0], -path[:, 2], color="white", lw=2)
     spot = center["vertices"][0]["xyz"]
     axes.plot(spot[0], -spot[2], "o", color=ORANGE, mec="white", ms=8)
@@ -64,7 +39,7 @@ def draw_map(axes, address):
 def draw_bounds(axes, address):
     """The bounds over the number of fields."""
     for of, colour, name in (("diameter", BLUE, "diameter"), ("center", ORANGE, "from the centre")):
-        found = [get(f"{address}/extent?of={of}&method=exact&fields={n}") for n in FIELDS]
+        found = [get_json(f"{address}/extent?of={of}&method=exact&fields={n}") for n in FIELDS]
         lower, upper = ([f[key] for f in found] for key in ("lower", "upper"))
         axes.fill_between(FIELDS, lower, upper, color=colour, alpha=0.25, lw=0)
         axes.plot(FIELDS, [f["value"] for f in found], ".-", color=colour, label=name)
@@ -80,16 +55,11 @@ def draw_bounds(axes, address):
 
 def main():
     """Both panels."""
-    server = sys.argv[1].rstrip("/")
-    meshes = get(f"{server}/v1/meshes")["meshes"]
-    terrain = next(m["id"] for m in meshes if m.get("name") == "terrain.glb")
-    address = f"{server}/v1/meshes/{terrain}"
+    address = sample_at(sys.argv[1], "terrain.glb")
     figure = plt.figure(figsize=(9, 4.1))
     draw_map(figure.add_axes((0, 0.02, 0.45, 0.96)), address)
     draw_bounds(figure.add_axes((0.55, 0.14, 0.43, 0.82)), address)
-    picture = io.BytesIO()
-    figure.savefig(picture, dpi=90, facecolor="white")
-    Image.open(picture).convert("RGB").quantize(64).save(ROOT / "docs" / "extent.png", optimize=True)
+    save(figure, "extent.png")
 
 
 if __name__ == "__main__":

@@ -6,46 +6,17 @@
 SERVER is the address of one that has the sample meshes (`make run`). Needs numpy and matplotlib.
 """
 
-import io
-import json
-import pathlib
 import sys
-import urllib.request
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
-from PIL import Image
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+from page_pictures import geometry_of, get_json, light_on, sample_at, save, show_from_above
+
 SQUARES = 8  # of the texture, across
 RADIUS = 0.7  # mesh units
 INK, PAPER, SURFACE = np.array([0.0, 0.28, 0.45]), np.array([1.0, 0.93, 0.72]), np.array([0.75] * 3)
-
-
-def get(address):
-    """The JSON at an address."""
-    with urllib.request.urlopen(address) as reply:
-        return json.load(reply)
-
-
-def geometry_of(address):
-    """Positions (n, 3) and triangles (m, 3) of a mesh, out of its frame."""
-    with urllib.request.urlopen(address + "/geometry?format=frame") as reply:
-        frame = reply.read()
-    size = int.from_bytes(frame[8:12], "little")
-    arrays = {a["name"]: a for a in json.loads(frame[24 : 24 + size])["arrays"]}
-
-    def array(name):
-        told = arrays[name]
-        return np.frombuffer(frame, told["dtype"], int(np.prod(told["shape"])), told["offset"]).reshape(
-            told["shape"]
-        )
-
-    return array("positions"), array("triangles").astype(int)
 
 
 def split(triangles, values, times):
@@ -77,19 +48,12 @@ def draw_surface(axes, positions, triangles, place):
     colours = np.where(np.isnan(colours), SURFACE, colours)
     faces = np.concatenate([positions[triangles[~near]], fine[:, :, :3]])
     colours = np.concatenate([np.tile(SURFACE, ((~near).sum(), 1)), colours])
-    normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True) + 1e-30
-    light = 0.5 + 0.5 * np.abs(normals @ np.array([0.25, 0.35, 0.9]))
+    shown = colours * light_on(faces, (0.25, 0.35, 0.9), 0.5, 0.5)
     axes.add_collection3d(
-        Poly3DCollection(faces, facecolors=colours * np.minimum(light, 1)[:, None], edgecolors="none", lw=0, antialiased=False)
+        Poly3DCollection(faces, facecolors=shown, edgecolors="none", lw=0, antialiased=False)
     )
     middle = np.nanmean(positions[~np.isnan(place).any(1)], axis=0)
-    for set_limits, at in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle):
-        set_limits(at - 1, at + 1)
-    axes.view_init(90, -90)
-    axes.set_proj_type("ortho")
-    axes.set_axis_off()
-    axes.set_box_aspect((1, 1, 1), zoom=1.5)
+    show_from_above(axes, middle, (1, 1, 1), 1.5)
 
 
 def draw_plane(axes, triangles, place):
@@ -109,20 +73,15 @@ def draw_plane(axes, triangles, place):
 
 def main():
     """Both panels."""
-    server = sys.argv[1].rstrip("/")
-    meshes = get(f"{server}/v1/meshes")["meshes"]
-    knot = next(m["id"] for m in meshes if m.get("name") == "torus_knot.glb")
-    address = f"{server}/v1/meshes/{knot}"
+    address = sample_at(sys.argv[1], "torus_knot.glb")
     positions, triangles = geometry_of(address)
-    told = get(f"{address}/logmap?from=ray:0.8,-0.6,9,0,0,-1&radius={1.5 * RADIUS}&method=exact")
+    told = get_json(f"{address}/logmap?from=ray:0.8,-0.6,9,0,0,-1&radius={1.5 * RADIUS}&method=exact")
     place = np.full((len(positions), 2), np.nan)
     place[told["vertices"]] = 0.5 + np.array(told["coordinates"]) / (2 * RADIUS)
     figure = plt.figure(figsize=(9, 4.3))
     draw_surface(figure.add_axes((0, 0, 0.5, 1), projection="3d"), positions, triangles, place)
     draw_plane(figure.add_axes((0.52, 0.04, 0.46, 0.92)), triangles, place)
-    picture = io.BytesIO()
-    figure.savefig(picture, dpi=90, facecolor="white")
-    Image.open(picture).convert("RGB").quantize(64).save(ROOT / "docs" / "log_map.png", optimize=True)
+    save(figure, "log_map.png")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,96 @@
+"""What the scripts that draw the documentation's pictures share: the server's sample meshes and its
+replies, light on faces, and small PNG files."""
+
+import io
+import json
+import pathlib
+import urllib.request
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from PIL import Image
+
+DOCS = pathlib.Path(__file__).resolve().parent.parent / "docs"
+_WIDTHS = {"SCALAR": 1, "VEC3": 3}
+_TYPES = {5123: "<u2", 5125: "<u4", 5126: "<f4"}
+
+
+def get(address):
+    """The bytes at an address."""
+    with urllib.request.urlopen(address) as reply:
+        return reply.read()
+
+
+def get_json(address):
+    """The JSON at an address."""
+    return json.loads(get(address))
+
+
+def sample_at(server, name):
+    """The address of a sample mesh."""
+    server = server.rstrip("/")
+    meshes = get_json(f"{server}/v1/meshes")["meshes"]
+    return f"{server}/v1/meshes/" + next(m["id"] for m in meshes if m.get("name") == name)
+
+
+def geometry_of(address):
+    """Positions (n, 3) and triangles (m, 3) of a mesh, out of its frame."""
+    frame = get(address + "/geometry?format=frame")
+    size = int.from_bytes(frame[8:12], "little")
+    arrays = {}
+    for told in json.loads(frame[24 : 24 + size])["arrays"]:
+        flat = np.frombuffer(frame, told["dtype"], int(np.prod(told["shape"])), told["offset"])
+        arrays[told["name"]] = flat.reshape(told["shape"])
+    return arrays["positions"], arrays["triangles"].astype(int)
+
+
+class Glb:
+    """A binary glTF whose accessors are tightly packed."""
+
+    def __init__(self, glb):
+        size = int.from_bytes(glb[12:16], "little")
+        self.document = json.loads(glb[20 : 20 + size])
+        self._binary = glb[28 + size :]
+
+    def accessor(self, index):
+        """Its elements, a row each."""
+        accessor = self.document["accessors"][index]
+        view = self.document["bufferViews"][accessor["bufferView"]]
+        width = _WIDTHS[accessor["type"]]
+        start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+        kind = _TYPES[accessor["componentType"]]
+        flat = np.frombuffer(self._binary, kind, accessor["count"] * width, start)
+        return flat.reshape(-1, width)
+
+    def triangles(self, primitive):
+        """The vertices of a primitive's triangles (m, 3)."""
+        return self.accessor(primitive["indices"]).reshape(-1, 3).astype(int)
+
+
+def light_on(corners, towards, least, more):
+    """Of faces (m, 3, 3) a factor each (m, 1): `least` where light grazes them, and `more` of how
+    far they face it, from either side."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True) + 1e-30
+    return np.minimum(least + more * np.abs(normals @ np.array(towards)), 1)[:, None]
+
+
+def show_from_above(axes, middle, reach, zoom):
+    """A view of 3D axes along z, of `reach` about `middle` on each axis."""
+    for set_limits, at, size in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, reach):
+        set_limits(at - size, at + size)
+    axes.view_init(90, -90)
+    axes.set_proj_type("ortho")
+    axes.set_axis_off()
+    axes.set_box_aspect(tuple(reach), zoom=zoom)
+
+
+def save(figure, name, colours=64):
+    """As docs/NAME, in few colours."""
+    picture = io.BytesIO()
+    figure.savefig(picture, dpi=90, facecolor="white")
+    plt.close(figure)
+    Image.open(picture).convert("RGB").quantize(colours).save(DOCS / name, optimize=True)
