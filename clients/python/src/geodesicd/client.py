@@ -31,7 +31,7 @@ import httpx
 import numpy as np
 from numpy.typing import DTypeLike
 
-from . import batches, connection, exports, lookup, queries, service, tables
+from . import batches, connection, exports, lookup, queries, service, spreads, tables
 from .errors import GeodesicError, error_of
 from .flows import Flow, Progress, Request, Retries, Send, Step, Watch, with_retries
 from .mesh_input import body_of, warn_of_rounding
@@ -79,10 +79,10 @@ class Mesh(Metadata):
     path = _query(queries.path)
     paths = _query(batches.paths)
     table = _query(tables.table)
-    isolines = _query(queries.isolines)
-    samples = _query(queries.samples)
-    measure = _query(queries.measure)
-    extent = _query(queries.extent)
+    isolines = _query(spreads.isolines)
+    samples = _query(spreads.samples)
+    measure = _query(spreads.measure)
+    extent = _query(spreads.extent)
     trace = _query(queries.trace)
     logmap = _query(queries.logmap)
     nearest = _query(queries.nearest)

@@ -10,29 +10,43 @@ import os
 import signal
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Unpack, cast
+from typing import Any, cast
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from . import __version__
 from .client import Client, Mesh
+from .command_line import (
+    ON_SERVER,
+    Parser,
+    bar,
+    connect,
+    connection,
+    exactness,
+    exactness_of,
+    into,
+    mesh_and_sources,
+    mesh_of,
+    people,
+    point,
+    points,
+    require,
+    results,
+    save_annotated,
+    save_csv,
+    sent,
+)
 from .digits import number, numbers, short
 from .encoding import milliseconds
-from .errors import GeodesicError, GeodesicWarning, NotFound, printable
+from .errors import GeodesicError, GeodesicWarning, printable
 from .local_server import find_server, serve, shared_folder
 from .lookup import mesh_id, reading_text, short_ids
-from .progress import progress_bar
 from .service import Reading
-
-# Results go to standard output, for pipes; everything else is for people.
-people = Console(stderr=True)
-results = Console(highlight=False, soft_wrap=True)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -60,9 +74,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
 
 
-_ON_SERVER = "a mesh's name, its id, or how that begins"
-
-
 @contextmanager
 def _warnings_for_people() -> Iterator[None]:
     """The server's remarks on answers as sentences on standard error, each once."""
@@ -78,41 +89,6 @@ def _warnings_for_people() -> Iterator[None]:
         warnings.simplefilter("always", GeodesicWarning)
         warnings.showwarning = show
         yield
-
-
-class _Layout(argparse.HelpFormatter):
-    """A line for each argument: so all fit into a screen of 24 lines of 80 letters."""
-
-    def __init__(self, prog: str) -> None:
-        super().__init__(prog, max_help_position=23, width=80)
-
-    def _format_action_invocation(self, action: argparse.Action) -> str:
-        if not action.option_strings or action.nargs == 0:
-            return super()._format_action_invocation(action)
-        name = action.metavar or action.dest.upper()
-        return f"{', '.join(action.option_strings)} {name}"
-
-
-class Parser(argparse.ArgumentParser):
-    """One whose help has one list, of what has to be given first."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__(**options, formatter_class=_Layout, add_help=False)
-        self.add_argument("-h", "--help", action="help", help=argparse.SUPPRESS)
-
-    def format_help(self) -> str:
-        """As argparse calls it."""
-        layout = self._get_formatter()
-        layout.add_usage(self.usage, [], [])
-        layout.add_text(self.description)
-        layout.start_section(None)
-        for action in sorted(self._actions, key=lambda one: bool(one.option_strings)):
-            if isinstance(action, argparse._SubParsersAction):
-                layout.add_arguments(action._choices_actions)
-            else:
-                layout.add_argument(action)
-        layout.end_section()
-        return layout.format_help()
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -143,25 +119,25 @@ def _parser() -> argparse.ArgumentParser:
     upload.add_argument("--weld", metavar="DISTANCE", help='join vertices so near; "off": none')
     upload.add_argument("--up", choices="xyz", metavar="AXIS", help="in the file: x, y or z")
     upload.add_argument("--scale", type=float, metavar="N", help="multiply all positions by this")
-    _connection(upload)
+    connection(upload)
 
     listing = command("list", "", _list, "List the server's meshes.")
     listing.add_argument("--json", action="store_true", help="all metadata, as JSON")
-    _connection(listing)
+    connection(listing)
 
     rename = command("rename", "MESH NAME", _rename, "Give a mesh another name.")
-    rename.add_argument("mesh", metavar="MESH", help=_ON_SERVER)
+    rename.add_argument("mesh", metavar="MESH", help=ON_SERVER)
     rename.add_argument("name", metavar="NAME", help='at most 200 bytes; "" takes the name away')
-    _connection(rename)
+    connection(rename)
 
     delete = command("delete", "MESH...", _delete, "Delete meshes from the server.")
-    delete.add_argument("mesh", nargs="+", metavar="MESH", help=_ON_SERVER)
-    _connection(delete)
+    delete.add_argument("mesh", nargs="+", metavar="MESH", help=ON_SERVER)
+    connection(delete)
 
     distance = command(
         "distance", "MESH --from POINT", _distance, "Save a distance field, or print distances."
     )
-    _query(distance)
+    mesh_and_sources(distance)
     distance.add_argument("--at", action="append", default=[], metavar="POINT", help="only there")
     distance.add_argument("--max", type=float, metavar="N", help="farther is unreached")
     distance.add_argument(
@@ -169,12 +145,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     into(distance)
     exactness(distance)
-    _connection(distance)
+    connection(distance)
 
     path = command(
         "path", "MESH --from POINT --to POINT", _path, "Find the shortest path between two points."
     )
-    _query(path, several=False)
+    mesh_and_sources(path, several=False)
     path.add_argument("--to", required=True, metavar="POINT", help="where it ends")
     path.add_argument("--via", action="append", default=[], metavar="POINT", help="on the way")
     path.add_argument(
@@ -189,24 +165,24 @@ def _parser() -> argparse.ArgumentParser:
         help=".csv, .npy, .json or .glb",
     )
     exactness(path)
-    _connection(path)
+    connection(path)
 
     table = command("table", "MESH --from POINT", _table, "Print distances among points, as CSV.")
-    _query(table)
+    mesh_and_sources(table)
     table.add_argument("--to", action="append", metavar="POINT", help="a column; else the rows")
     table.add_argument("--max", type=float, metavar="N", help="farther is unreached")
     exactness(table)
-    _connection(table)
+    connection(table)
 
     from . import extent_command, logmap_command, measure_command
 
     measure = command(
         "measure", "MESH --from POINT", measure_command.run, "Measure discs: areas and outlines."
     )
-    _query(measure)
+    mesh_and_sources(measure)
     measure_command.arguments(measure)
     exactness(measure)
-    _connection(measure)
+    connection(measure)
 
     extent = command(
         "extent",
@@ -214,21 +190,21 @@ def _parser() -> argparse.ArgumentParser:
         extent_command.run,
         "Tell the diameter, or where the middle is.",
     )
-    extent.add_argument("mesh", metavar="MESH", help=f"a file, or {_ON_SERVER}")
+    extent.add_argument("mesh", metavar="MESH", help=f"a file, or {ON_SERVER}")
     extent_command.arguments(extent)
     exactness(extent)
-    _connection(extent)
+    connection(extent)
 
     logmap = command(
         "logmap", "MESH --from POINT", logmap_command.run, "Lay the surface round a point flat."
     )
-    _query(logmap, several=False)
+    mesh_and_sources(logmap, several=False)
     logmap_command.arguments(logmap)
     exactness(logmap)
-    _connection(logmap)
+    connection(logmap)
 
     plot = command("plot", "MESH --from POINT", _plot, "Draw a field with isolines and a path.")
-    _query(plot)
+    mesh_and_sources(plot)
     plot.add_argument("--to", metavar="POINT", help="draw the path there from the first source")
     plot.add_argument("--via", action="append", default=[], metavar="POINT", help="on the way")
     plot.add_argument(
@@ -239,7 +215,7 @@ def _parser() -> argparse.ArgumentParser:
     plot.add_argument("--up", choices=["y", "z"], default="y", metavar="AXIS", help="y or z")
     plot.add_argument("--colormap", default="viridis", metavar="NAME", help="one of matplotlib's")
     exactness(plot, points_per_edge=False)
-    _connection(plot)
+    connection(plot)
 
     from . import map_command
 
@@ -268,118 +244,6 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _connection(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--url", help="the server; else $GEODESICD_URL, or 127.0.0.1:8080")
-    parser.add_argument("--token", help="else $GEODESICD_TOKEN")
-
-
-def _query(parser: argparse.ArgumentParser, several: bool = True) -> None:
-    parser.add_argument("mesh", metavar="MESH", help=f"a file, or {_ON_SERVER}")
-    parser.add_argument(
-        "--from",
-        dest="sources",
-        action="append" if several else "store",
-        required=True,
-        metavar="POINT",
-        help="12, p:X,Y,Z, f:FACE,W0,W1 or ray:X,Y,Z,DX,DY,DZ" + (", …" if several else ""),
-    )
-
-
-def exactness(parser: argparse.ArgumentParser, points_per_edge: bool = True) -> None:
-    """How distances are computed: alike for all queries."""
-    parser.add_argument(
-        "--method", metavar="NAME", help="auto, exact, …; else the server's default"
-    )
-    parser.add_argument(
-        "--tolerance",
-        type=float,
-        metavar="T",
-        help="auto: largest relative error",
-    )
-    parser.add_argument("--bound", metavar="WHICH", help="auto: upper, never below the truth")
-    if points_per_edge:
-        parser.add_argument("--points-per-edge", type=int, metavar="N", help="of steiner")
-        parser.add_argument("--deadline", type=float, metavar="SECONDS", help="give up then")
-
-
-def exactness_of(options: argparse.Namespace) -> dict[str, Any]:
-    """What :func:`exactness` added, as the queries take it."""
-    names = ("method", "tolerance", "bound", "points_per_edge", "deadline")
-    return {name: getattr(options, name) for name in names if hasattr(options, name)}
-
-
-def into(parser: argparse.ArgumentParser) -> None:
-    """How to have the mesh's own file with the answer in it."""
-    parser.add_argument(
-        "--into", type=Path, metavar="FILE", help="the mesh's .glb or .gltf with it as an attribute"
-    )
-    parser.add_argument("--attribute", metavar="NAME", help="of --into: what to call it, as _HEAT")
-
-
-def save_annotated(
-    options: argparse.Namespace, mesh: Mesh, query: str, asked: dict[str, Any], progress: Any
-) -> int:
-    """Writes the file that :func:`into` asks for; ``asked`` is in the contract's words."""
-    file: Path = options.into
-    require(file, (".glb", ".gltf"))
-    if file.suffix != f".{mesh.format}" and mesh.format in ("glb", "gltf"):
-        raise ValueError(f"{file} should end with .{mesh.format}, as the mesh's own file")
-    parameters = {**asked, "attribute": options.attribute}
-    answer = mesh.query(query, parameters, format="annotated", progress=progress)
-    file.write_bytes(answer.data)
-    people.print(str(file), markup=False, soft_wrap=True)
-    return 0
-
-
-def connect(options: argparse.Namespace) -> Client:
-    """A client as the options say."""
-    return Client(options.url, token=options.token or os.environ.get("GEODESICD_TOKEN"))
-
-
-def bar(what: str) -> AbstractContextManager[Callable[[float], None]]:
-    """A progress bar, on a terminal only; a function that moves it, from 0 to 1."""
-    return progress_bar(what, people)
-
-
-def _sent(client: Client, file: Path, name: str | None = None, **reading: Unpack[Reading]) -> Mesh:
-    """A file's mesh."""
-    with bar(f"uploading {printable(file.name)}") as progress:
-        return client.upload(file, name=name, progress=progress, **reading)
-
-
-def _mesh(client: Client, text: str) -> Mesh:
-    """The mesh of a file, or one on the server by what it is called there.
-
-    Raises:
-        ValueError: neither is there, or several meshes are called so.
-    """
-    if Path(text).is_file():
-        return _sent(client, Path(text))
-    try:
-        return client.mesh(text)
-    except NotFound as error:
-        raise ValueError(
-            f"there is no file {text}, and {error.detail}. 'geodesic list' tells what is there"
-        ) from None
-
-
-@contextmanager
-def mesh_of(options: argparse.Namespace) -> Iterator[Mesh]:
-    """The mesh that the options name, on a connection that is closed at the end."""
-    with connect(options) as client:
-        yield _mesh(client, options.mesh)
-
-
-def point(text: str) -> int | str:
-    """A point as it is written on a command line: a number is a vertex."""
-    return int(text) if text.isdigit() else text
-
-
-def points(texts: Sequence[str]) -> list[Any]:
-    """Several of them."""
-    return [point(text) for text in texts]
-
-
 def _upload(options: argparse.Namespace) -> int:
     asked = {name: getattr(options, name) for name in Reading.__annotations__}
     reading = cast(Reading, {name: value for name, value in asked.items() if value is not None})
@@ -387,7 +251,7 @@ def _upload(options: argparse.Namespace) -> int:
         raise ValueError("--name is for one file")
     with connect(options) as client:
         for file in options.file:
-            mesh = _sent(client, file, options.name, **reading)
+            mesh = sent(client, file, options.name, **reading)
             for warning in mesh.warnings:
                 people.print(printable(f"{file}: {warning}"), style="yellow", markup=False)
             if options.name and mesh.name != options.name:
@@ -474,7 +338,7 @@ def _distance(options: argparse.Namespace) -> int:
         print("\n".join(numbers(field)))
         return 0
     if options.output.suffix == ".csv":
-        _save_csv(options.output, "index,distance", map(str, range(len(field))), numbers(field))
+        save_csv(options.output, "index,distance", map(str, range(len(field))), numbers(field))
     else:
         require(options.output, (".npy",))
         np.save(options.output, field)
@@ -482,17 +346,6 @@ def _distance(options: argparse.Namespace) -> int:
     farthest = f", the farthest {reached.max():.6g}" if len(reached) else ""
     people.print(f"{options.output}: {len(reached):,} of {len(field):,} reached{farthest}")
     return 0
-
-
-def _save_csv(file: Path, header: str, *columns: Iterable[str]) -> None:
-    lines = (",".join(row) for row in zip(*columns, strict=True))
-    file.write_text("\n".join([header, *lines]) + "\n", encoding="utf-8")
-
-
-def require(file: Path, endings: tuple[str, ...]) -> None:
-    """ValueError: the file's name ends otherwise."""
-    if file.suffix not in endings:
-        raise ValueError(f"{file} should end with {' or '.join(endings)}")
 
 
 def _path(options: argparse.Namespace) -> int:
@@ -520,7 +373,7 @@ def _save_path(file: Path, path: Any) -> None:
     if file.suffix == ".csv":
         columns = [numbers(axis) for axis in path.points.T]
         faces = map(str, path.faces.tolist())
-        _save_csv(file, "x,y,z,face,along", *columns, faces, numbers(path.along))
+        save_csv(file, "x,y,z,face,along", *columns, faces, numbers(path.along))
     elif file.suffix == ".npy":
         np.save(file, path.points)
     elif file.suffix == ".json":
@@ -599,7 +452,7 @@ def _serve(options: argparse.Namespace) -> int:
         url = server.start()
         with Client(url) as client:
             for file in options.file:
-                print(f"{_sent(client, file).id}  {file}", file=sys.stderr)
+                print(f"{sent(client, file).id}  {file}", file=sys.stderr)
         print(f"listening on {url}", flush=True)
         return server.wait()
     finally:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from .commands import bar, exactness_of, mesh_of
+from .command_line import bar, exactness_of, mesh_of
 from .digits import numbers
 
 _MEASURES = ("diameter", "center", "median", "mean")

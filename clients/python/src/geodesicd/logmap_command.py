@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from .commands import bar, exactness_of, into, mesh_of, people, point, require, save_annotated
+from .command_line import bar, exactness_of, into, mesh_of, people, point, require, save_annotated
 from .digits import number, numbers, short
 from .encoding import as_bound, milliseconds
 from .results import Logmap

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .commands import Parser, bar, exactness, exactness_of, people, point, points
+from .command_line import Parser, bar, exactness, exactness_of, people, point, points
 from .errors import printable
 
 if TYPE_CHECKING:

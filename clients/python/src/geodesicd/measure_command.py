@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from .commands import bar, exactness_of, mesh_of, people, points, require
+from .command_line import bar, exactness_of, mesh_of, people, points, require
 from .digits import number, numbers
 from .encoding import as_bound, milliseconds
 from .results import Measure

@@ -308,3 +308,8 @@ def points_of(value: PointsLike) -> list[Point]:
     if isinstance(value, Sequence) and not isinstance(value, str):
         return [point_of(cast("PointLike", one)) for one in value]
     return [point_of(cast("PointLike", value))]
+
+
+def some_points_of(value: PointsLike) -> list[Point]:
+    """The same of points of which there may be none."""
+    return [] if isinstance(value, tuple) and not value else points_of(value)

@@ -1,5 +1,6 @@
-"""Every query on a mesh: its parameters as a request, and how its reply is read. The first
-parameter of each is the mesh's id; the methods of ``Mesh`` and ``AsyncMesh`` are made of these.
+"""Queries on a mesh: their parameters as requests, and how their replies are read. More of them
+are in ``spreads.py``, ``tables.py`` and ``batches.py``. The first parameter of each is the mesh's
+id; the methods of ``Mesh`` and ``AsyncMesh`` are made of these.
 
 All take ``method`` (how distances are computed; ``client.methods()`` lists them; without it, the
 server's default), ``points_per_edge`` (for ``method="steiner"`` only), ``bound`` (for
@@ -12,28 +13,33 @@ as :mod:`geodesicd.points` says.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import DTypeLike
 
 from . import wire
-from .encoding import as_bound, as_points, encode, format_of, milliseconds
+from .encoding import as_bound, as_points, computed_by, encode, format_of, milliseconds
 from .flows import Flow, Progress, Request, ask
 from .pieces import in_pieces
-from .points import Point, PointLike, PointsLike, Triple, point_of, points_of, triple
+from .points import (
+    Point,
+    PointLike,
+    PointsLike,
+    Triple,
+    point_of,
+    points_of,
+    some_points_of,
+    triple,
+)
 from .results import (
     Answer,
-    Extent,
     FloatArray,
     Geometry,
-    Isoline,
     LabelledDistances,
     Logmap,
-    Measure,
     Path,
-    Samples,
     SurfacePoint,
     Trace,
 )
@@ -69,11 +75,7 @@ def distance(
     parameters = {
         "from": points_of(sources),
         "max": as_bound(max),
-        "method": method,
-        "points_per_edge": points_per_edge,
-        "bound": bound,
-        "tolerance": tolerance,
-        "deadline_ms": milliseconds(deadline),
+        **computed_by(method, points_per_edge, bound, tolerance, deadline),
         "format": "u16" if quantised else format_of(dtype),
     }
     return ask(encode(mesh, "distance", parameters), wire.array, progress)
@@ -102,11 +104,7 @@ def regions(
         "from": points_of(sources),
         "max": as_bound(max),
         "labels": True,
-        "method": method,
-        "points_per_edge": points_per_edge,
-        "bound": bound,
-        "tolerance": tolerance,
-        "deadline_ms": milliseconds(deadline),
+        **computed_by(method, points_per_edge, bound, tolerance, deadline),
         "format": "frame",
     }
     return ask(encode(mesh, "distance", parameters), wire.labelled_of_frame, progress)
@@ -177,143 +175,13 @@ def path(
     """
     parameters = {
         "from": point_of(source),
-        "via": _via(via),
+        "via": some_points_of(via),
         "to": point_of(target),
         "refine": refine,
-        "method": method,
-        "points_per_edge": points_per_edge,
-        "bound": bound,
-        "tolerance": tolerance,
-        "deadline_ms": milliseconds(deadline),
+        **computed_by(method, points_per_edge, bound, tolerance, deadline),
         "format": "frame",
     }
     return ask(encode(mesh, "path", parameters), wire.path_of_frame, progress)
-
-
-def _via(via: PointsLike) -> list[Point]:
-    return [] if isinstance(via, tuple) and not via else points_of(via)
-
-
-def isolines(
-    mesh: str,
-    sources: PointsLike,
-    *,
-    levels: Sequence[float] | FloatArray | None = None,
-    step: float | None = None,
-    count: int | None = None,
-    max: float | None = None,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
-) -> Flow[list[Isoline]]:
-    """Lines of equal distance, ascending by level. Exactly one of ``levels`` (mesh units),
-    ``step`` (mesh units) and ``count`` says which levels; ``max`` is the farthest."""
-    parameters = {
-        "from": points_of(sources),
-        "levels": None if levels is None else list(levels),
-        "step": step,
-        "count": count,
-        "max": as_bound(max),
-        "method": method,
-        "points_per_edge": points_per_edge,
-        "bound": bound,
-        "tolerance": tolerance,
-        "deadline_ms": milliseconds(deadline),
-    }
-    return ask(encode(mesh, "isolines", parameters), wire.isolines_of_json, progress)
-
-
-def samples(
-    mesh: str,
-    count: int,
-    *,
-    covered: PointsLike = (),
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
-) -> Flow[Samples]:
-    """Farthest-point sampling: ``count`` vertices, each the farthest from all before it and
-    from the ``covered`` points."""
-    parameters = {
-        "count": count,
-        "from": _via(covered),
-        "method": method,
-        "points_per_edge": points_per_edge,
-        "bound": bound,
-        "tolerance": tolerance,
-        "deadline_ms": milliseconds(deadline),
-    }
-    return ask(encode(mesh, "samples", parameters), wire.samples_of_json, progress)
-
-
-def measure(
-    mesh: str,
-    sources: PointsLike,
-    radii: float | Sequence[float] | FloatArray = (),
-    *,
-    max: float | None = None,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
-) -> Flow[Measure]:
-    """What geodesic discs measure: for each of the ``radii`` (mesh units) the area, the outline
-    and the topology of all that is no farther from the nearest source; and of the whole field the
-    greatest distance and the mean. Inside faces the distance is linear, as for :meth:`isolines`:
-    against smooth discs the measures are off by the square of the edges' length over the radius.
-    Nothing is measured, nor computed, beyond ``max``."""
-    parameters = {
-        "from": points_of(sources),
-        "radii": np.atleast_1d(np.asarray(radii, dtype=np.float64)).tolist(),
-        "max": as_bound(max),
-        "method": method,
-        "points_per_edge": points_per_edge,
-        "bound": bound,
-        "tolerance": tolerance,
-        "deadline_ms": milliseconds(deadline),
-    }
-    return ask(encode(mesh, "measure", parameters), wire.measure_of_json, progress)
-
-
-def extent(
-    mesh: str,
-    of: str,
-    *,
-    fields: int | None = None,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
-) -> Flow[Extent]:
-    """How large the surface is, or where its middle is, from at most ``fields`` distance fields
-    (100 without it), with what the true value is not below and not above. By ``method="exact"``
-    few of them often leave no doubt.
-
-    Args:
-        of: ``"diameter"``, the greatest distance between two vertices; ``"center"``, the vertex
-            from which the greatest distance is least; ``"median"``, the one from which the mean
-            distance over the surface is least; ``"mean"``, the mean distance of two points.
-    """
-    parameters = {
-        "of": of,
-        "fields": fields,
-        "method": method,
-        "points_per_edge": points_per_edge,
-        "bound": bound,
-        "tolerance": tolerance,
-        "deadline_ms": milliseconds(deadline),
-    }
-    return ask(encode(mesh, "extent", parameters), wire.extent_of_json, progress)
 
 
 def trace(
@@ -373,11 +241,7 @@ def logmap(
         "from": point_of(point),
         "radius": as_bound(radius),
         "angle": angle,
-        "method": method,
-        "points_per_edge": points_per_edge,
-        "bound": bound,
-        "tolerance": tolerance,
-        "deadline_ms": milliseconds(deadline),
+        **computed_by(method, points_per_edge, bound, tolerance, deadline),
         "format": "frame",
     }
     return ask(encode(mesh, "logmap", parameters), wire.logmap_of_frame, progress)
@@ -446,7 +310,7 @@ def picture(
         if len(parameters["from"]) != 1:
             raise ValueError("a path has one source")
         parameters["from"] = parameters["from"][0]
-        parameters.update(to=point_of(target), via=_via(via), refine=refine)
+        parameters.update(to=point_of(target), via=some_points_of(via), refine=refine)
     return ask(encode(mesh, query, parameters), lambda reply: bytes(reply.body), progress)
 
 
@@ -479,13 +343,9 @@ def annotated(
         "from": points_of(sources),
         "max": as_bound(max),
         "labels": labels or None,
-        "method": method,
-        "points_per_edge": points_per_edge,
-        "bound": bound,
-        "tolerance": tolerance,
+        **computed_by(method, points_per_edge, bound, tolerance, deadline),
         "attribute": attribute,
         "label_attribute": label_attribute,
-        "deadline_ms": milliseconds(deadline),
         "format": "annotated",
     }
     return ask(encode(mesh, "distance", parameters), lambda reply: bytes(reply.body), progress)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from . import pieces, wire
-from .encoding import as_bound, encode, format_of, milliseconds
+from .encoding import as_bound, computed_by, encode, format_of, milliseconds
 from .errors import GeodesicError
 from .flows import Flow, Progress, ask, part_of
 from .points import Point, PointsLike, points_of
@@ -49,11 +49,7 @@ def table(
     columns = rows if targets is None else points_of(targets)
     parameters = {
         "max": as_bound(max),
-        "method": method,
-        "points_per_edge": points_per_edge,
-        "bound": bound,
-        "tolerance": tolerance,
-        "deadline_ms": milliseconds(deadline),
+        **computed_by(method, points_per_edge, bound, tolerance, deadline),
         "format": format_of(dtype),
     }
     limits = pieces.LIMITS

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import queries, tables
+from .. import queries, spreads, tables
 from ..client import Mesh
 from ..encoding import as_bound
 from ..points import point_of, points_of
@@ -68,7 +68,7 @@ _QUESTIONS: dict[str, tuple[Callable[..., Any], Callable[[Mesh, Mapping[str, Any
     "distance_at": (queries.distance_at, _distance_at),
     "table": (tables.table, _table),
     "path": (queries.path, _path),
-    "samples": (queries.samples, _samples),
+    "samples": (spreads.samples, _samples),
 }
 _ONE_POINT = ("source", "target")
 _POINTS = ("sources", "targets", "at", "via", "covered")

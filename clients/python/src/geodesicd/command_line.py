@@ -1,0 +1,186 @@
+"""What the commands of ``geodesic`` share: how their arguments are told, how points, meshes and
+files are named by them."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+from typing import Any, Unpack
+
+from rich.console import Console
+
+from .client import Client, Mesh
+from .errors import NotFound, printable
+from .progress import progress_bar
+from .service import Reading
+
+# Results go to standard output, for pipes; everything else is for people.
+people = Console(stderr=True)
+results = Console(highlight=False, soft_wrap=True)
+
+
+ON_SERVER = "a mesh's name, its id, or how that begins"
+
+
+class _Layout(argparse.HelpFormatter):
+    """A line for each argument: so all fit into a screen of 24 lines of 80 letters."""
+
+    def __init__(self, prog: str) -> None:
+        super().__init__(prog, max_help_position=23, width=80)
+
+    def _format_action_invocation(self, action: argparse.Action) -> str:
+        if not action.option_strings or action.nargs == 0:
+            return super()._format_action_invocation(action)
+        name = action.metavar or action.dest.upper()
+        return f"{', '.join(action.option_strings)} {name}"
+
+
+class Parser(argparse.ArgumentParser):
+    """One whose help has one list, of what has to be given first."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options, formatter_class=_Layout, add_help=False)
+        self.add_argument("-h", "--help", action="help", help=argparse.SUPPRESS)
+
+    def format_help(self) -> str:
+        """As argparse calls it."""
+        layout = self._get_formatter()
+        layout.add_usage(self.usage, [], [])
+        layout.add_text(self.description)
+        layout.start_section(None)
+        for action in sorted(self._actions, key=lambda one: bool(one.option_strings)):
+            if isinstance(action, argparse._SubParsersAction):
+                layout.add_arguments(action._choices_actions)
+            else:
+                layout.add_argument(action)
+        layout.end_section()
+        return layout.format_help()
+
+
+def connection(parser: argparse.ArgumentParser) -> None:
+    """Which server, and who asks."""
+    parser.add_argument("--url", help="the server; else $GEODESICD_URL, or 127.0.0.1:8080")
+    parser.add_argument("--token", help="else $GEODESICD_TOKEN")
+
+
+def mesh_and_sources(parser: argparse.ArgumentParser, several: bool = True) -> None:
+    """What most queries are about."""
+    parser.add_argument("mesh", metavar="MESH", help=f"a file, or {ON_SERVER}")
+    parser.add_argument(
+        "--from",
+        dest="sources",
+        action="append" if several else "store",
+        required=True,
+        metavar="POINT",
+        help="12, p:X,Y,Z, f:FACE,W0,W1 or ray:X,Y,Z,DX,DY,DZ" + (", …" if several else ""),
+    )
+
+
+def exactness(parser: argparse.ArgumentParser, points_per_edge: bool = True) -> None:
+    """How distances are computed: alike for all queries."""
+    parser.add_argument(
+        "--method", metavar="NAME", help="auto, exact, …; else the server's default"
+    )
+    parser.add_argument(
+        "--tolerance",
+        type=float,
+        metavar="T",
+        help="auto: largest relative error",
+    )
+    parser.add_argument("--bound", metavar="WHICH", help="auto: upper, never below the truth")
+    if points_per_edge:
+        parser.add_argument("--points-per-edge", type=int, metavar="N", help="of steiner")
+        parser.add_argument("--deadline", type=float, metavar="SECONDS", help="give up then")
+
+
+def exactness_of(options: argparse.Namespace) -> dict[str, Any]:
+    """What :func:`exactness` added, as the queries take it."""
+    names = ("method", "tolerance", "bound", "points_per_edge", "deadline")
+    return {name: getattr(options, name) for name in names if hasattr(options, name)}
+
+
+def into(parser: argparse.ArgumentParser) -> None:
+    """How to have the mesh's own file with the answer in it."""
+    parser.add_argument(
+        "--into", type=Path, metavar="FILE", help="the mesh's .glb or .gltf with it as an attribute"
+    )
+    parser.add_argument("--attribute", metavar="NAME", help="of --into: what to call it, as _HEAT")
+
+
+def save_annotated(
+    options: argparse.Namespace, mesh: Mesh, query: str, asked: dict[str, Any], progress: Any
+) -> int:
+    """Writes the file that :func:`into` asks for; ``asked`` is in the contract's words."""
+    file: Path = options.into
+    require(file, (".glb", ".gltf"))
+    if file.suffix != f".{mesh.format}" and mesh.format in ("glb", "gltf"):
+        raise ValueError(f"{file} should end with .{mesh.format}, as the mesh's own file")
+    parameters = {**asked, "attribute": options.attribute}
+    answer = mesh.query(query, parameters, format="annotated", progress=progress)
+    file.write_bytes(answer.data)
+    people.print(str(file), markup=False, soft_wrap=True)
+    return 0
+
+
+def connect(options: argparse.Namespace) -> Client:
+    """A client as the options say."""
+    return Client(options.url, token=options.token or os.environ.get("GEODESICD_TOKEN"))
+
+
+def bar(what: str) -> AbstractContextManager[Callable[[float], None]]:
+    """A progress bar, on a terminal only; a function that moves it, from 0 to 1."""
+    return progress_bar(what, people)
+
+
+def sent(client: Client, file: Path, name: str | None = None, **reading: Unpack[Reading]) -> Mesh:
+    """A file's mesh."""
+    with bar(f"uploading {printable(file.name)}") as progress:
+        return client.upload(file, name=name, progress=progress, **reading)
+
+
+def _named(client: Client, text: str) -> Mesh:
+    """The mesh of a file, or one on the server by what it is called there.
+
+    Raises:
+        ValueError: neither is there, or several meshes are called so.
+    """
+    if Path(text).is_file():
+        return sent(client, Path(text))
+    try:
+        return client.mesh(text)
+    except NotFound as error:
+        raise ValueError(
+            f"there is no file {text}, and {error.detail}. 'geodesic list' tells what is there"
+        ) from None
+
+
+@contextmanager
+def mesh_of(options: argparse.Namespace) -> Iterator[Mesh]:
+    """The mesh that the options name, on a connection that is closed at the end."""
+    with connect(options) as client:
+        yield _named(client, options.mesh)
+
+
+def point(text: str) -> int | str:
+    """A point as it is written on a command line: a number is a vertex."""
+    return int(text) if text.isdigit() else text
+
+
+def points(texts: Sequence[str]) -> list[Any]:
+    """Several of them."""
+    return [point(text) for text in texts]
+
+
+def save_csv(file: Path, header: str, *columns: Iterable[str]) -> None:
+    """A row for each element of the columns, which are as long as each other."""
+    lines = (",".join(row) for row in zip(*columns, strict=True))
+    file.write_text("\n".join([header, *lines]) + "\n", encoding="utf-8")
+
+
+def require(file: Path, endings: tuple[str, ...]) -> None:
+    """ValueError: the file's name ends otherwise."""
+    if file.suffix not in endings:
+        raise ValueError(f"{file} should end with {' or '.join(endings)}")
