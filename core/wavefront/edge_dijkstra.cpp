@@ -53,6 +53,7 @@ class EdgeDijkstra {
         buckets_.take(round);
         for (std::size_t i = 0; i < round.size(); ++i) {
           const std::uint32_t v = round[i];
+          if (i + kAhead < round.size()) expect(round[i + kAhead]);
           // It was settled from an earlier bucket, after it had come to this one.
           if (!buckets_.is_now(distance_[v])) continue;
           if (is_stopped()) return fail_stopped(poll_);
@@ -78,6 +79,16 @@ class EdgeDijkstra {
  private:
   static constexpr std::uint64_t kSettledAtLeast = 1000;
   static constexpr std::size_t kAtOnce = 16;  // corners of a vertex
+
+  static constexpr std::size_t kAhead = 4;  // vertices whose faces are fetched before their turn
+
+  // Inlined by force: GCC takes out calls of functions that do nothing but fetch.
+  __attribute__((always_inline)) void expect(std::uint32_t v) const {
+    const std::span<const std::uint32_t> corners = adjacency_.corners(v);
+    for (const std::uint32_t corner : corners.first(left(corners, 0))) {
+      __builtin_prefetch(&faces_[face_of(corner)]);
+    }
+  }
 
   bool is_stopped() { return poll_.cancelled(settled_, distance_.size()); }
 
@@ -189,7 +200,11 @@ class EdgeDijkstra {
         if (here < before && parents.first != kNone && v < parents.first) parents = {v, v};
         continue;
       }
-      if (before == kUnreached) ++reached_;
+      if (before == kUnreached) {
+        ++reached_;
+        // Long before its turn: to find its faces, their list is waited for.
+        __builtin_prefetch(adjacency_.corners(w).data());
+      }
       distance[w] = d[i];
       parents_[w] = {v, v};
       push(w, d[i], before);

@@ -216,6 +216,8 @@ class FastMarching {
 
   void lower(std::uint32_t v, double d, std::uint32_t source) {
     if (!(d < distance_[v])) return;
+    // Long before it is accepted: to find its faces, their list is waited for.
+    if (distance_[v] == kUnreached) __builtin_prefetch(adjacency_.corners(v).data());
     distance_[v] = d;
     if (!field_.nearest_source.empty()) field_.nearest_source[v] = source;
     heap_.push_or_lower(v, d);

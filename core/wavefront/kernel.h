@@ -118,6 +118,8 @@ class Wavefront {
 
   void lower(std::uint32_t v, double d, Parents parents) {
     if (!(d < distance_[v])) return;
+    // Long before it is accepted: to find its faces, their list is waited for.
+    if (distance_[v] == kUnreached) __builtin_prefetch(adjacency_.corners(v).data());
     distance_[v] = d;
     parents_[v] = parents;
     queue_.push_or_lower(v, d);
