@@ -18,6 +18,7 @@
 #include "tests/bench/errors.h"
 #include "tests/bench/frontier_meshes.h"
 #include "tests/bench/frontier_pairs.h"
+#include "tests/bench/frontier_queries.h"
 #include "tests/bench/frontier_sources.h"
 #include "tests/bench/frontier_threads.h"
 #include "tests/bench/peak_memory.h"
@@ -390,6 +391,7 @@ void print_frontier(const FrontierOptions& options) {
   print_vectors();
   print_fields();
   print_sources(meshes);
+  print_queries(meshes);
   print_threads(meshes);
 }
 

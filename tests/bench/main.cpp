@@ -24,6 +24,7 @@
 #include "tests/bench/family.h"
 #include "tests/bench/frontier.h"
 #include "tests/bench/frontier_meshes.h"
+#include "tests/bench/frontier_queries.h"
 #include "tests/bench/frontier_threads.h"
 #include "tests/bench/run_mesh.h"
 
@@ -179,24 +180,33 @@ int main(int argc, char** argv) {
   bool threads = false;
   app.add_flag("--threads", threads,
                "how much sooner a field is there when idle cores help; nothing else");
+  bool queries = false;
+  app.add_flag("--queries", queries,
+               "what the queries that follow from fields cost, and how far off they are; "
+               "nothing else");
   std::vector<std::uint64_t> cold;
   app.add_option(
       "--cold", cold,
       "how long the first answer takes, stage by stage, on terrains of so many vertices; "
       "nothing else");
   app.add_option("--mesh", only, "only the meshes of these names");
-  app.add_option("FILE", files, "with --frontier or --threads: these meshes instead of its own")
+  app.add_option("FILE", files,
+                 "with --frontier, --threads or --queries: these meshes instead of its own")
       ->check(CLI::ExistingFile);
   app.add_option("--peers", options.peers, "folder of the peers' Python environments");
   app.add_option("--json", json_file, "also write the figures to this file, as JSON");
   CLI11_PARSE(app, count, arguments.data());
 
-  if (!files.empty() && !frontier && !threads) {
-    std::cerr << "FILE is for --frontier and --threads\n";
+  if (!files.empty() && !frontier && !threads && !queries) {
+    std::cerr << "FILE is for --frontier, --threads and --queries\n";
     return 2;
   }
   if (frontier) {
     bench::print_frontier({quick, files});
+    return 0;
+  }
+  if (queries) {
+    bench::print_queries(files.empty() ? bench::frontier_meshes(true) : bench::meshes_of(files));
     return 0;
   }
   if (threads) {

@@ -1,0 +1,154 @@
+#include "tests/bench/frontier_queries.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/paths/discs.h"
+#include "core/solve/extent.h"
+#include "core/solve/solve_field.h"
+#include "core/straighten/log_map.h"
+#include "core/straighten/straightest_geodesic.h"
+#include "core/surface/longest_edge.h"
+#include "tests/bench/edge_dijkstra.h"
+#include "tests/bench/prepared.h"
+#include "tests/bench/processor_time.h"
+
+namespace geodesic::bench {
+namespace {
+
+template <class Value>
+Value take(Result<Value> result) {
+  if (!result) give_up(result.error().detail);
+  return std::move(*result);
+}
+
+struct Figures {
+  double ms = 0;
+  double off = 0;  // relative
+};
+
+// The mesh of a row, and what all queries need of it.
+class Asked {
+ public:
+  Asked(const Prepared& prepared, const FrontierMesh& mesh)
+      : prepared_(prepared), source_(prepared.source_at(mesh.first_source)) {
+    for (const double d : field(Method::exact, kUnreached, false).distance.values()) {
+      if (d < kUnreached) farthest_ = std::max(farthest_, d);
+    }
+  }
+
+  [[nodiscard]] const Adjacency& adjacency() const { return prepared_.adjacency(); }
+  [[nodiscard]] const Source& source() const { return source_; }
+  [[nodiscard]] double farthest() const { return farthest_; }
+  [[nodiscard]] SolveScratch& scratch() { return scratch_; }
+
+  [[nodiscard]] Field field(Method method, double max, bool keep_details) {
+    FieldLimits limits;
+    limits.max = max;
+    limits.keep_details = keep_details;
+    return take(solve_field(method, {}, adjacency(), {&source_, 1}, limits, scratch_, Cancel()));
+  }
+
+ private:
+  const Prepared& prepared_;
+  Source source_;
+  double farthest_ = 0;
+  SolveScratch scratch_;
+};
+
+// Off by: areas, from those that distances by `exact` give.
+Figures discs(Asked& asked) {
+  constexpr std::size_t kRadii = 16;
+  std::vector<double> radii;
+  for (std::size_t i = 1; i <= kRadii; ++i) {
+    radii.push_back(asked.farthest() * static_cast<double>(i) / kRadii);
+  }
+  const auto measure = [&](Method method) {
+    return take(
+        measure_discs(asked.adjacency(), asked.field(method, kUnreached, false), radii, Cancel()));
+  };
+  Discs found;
+  Figures figures;
+  figures.ms = processor_ms_of([&] { found = measure(Method::back_traced); });
+  const Discs true_ones = measure(Method::exact);
+  for (std::size_t i = 0; i < kRadii; ++i) {
+    const double area = true_ones.discs[i].area;
+    if (area > 0) figures.off = std::max(figures.off, std::abs(found.discs[i].area / area - 1));
+  }
+  return figures;
+}
+
+// Off by: where one comes straight ahead by a vertex's direction and distance, of the radius.
+Figures log_maps(Asked& asked) {
+  constexpr std::size_t kTried = 500;
+  const Adjacency& adjacency = asked.adjacency();
+  const SurfacePoint& from = asked.source().point;
+  const double radius = 0.1 * asked.farthest();
+  const double max = kFieldBeyondRadius * radius + 2 * longest_edge(adjacency);
+  LogMap map;
+  Figures figures;
+  figures.ms = processor_ms_of([&] {
+    const Field field = asked.field(Method::back_traced, max, true);
+    map = take(log_map(adjacency, field, from, radius, Cancel()));
+  });
+  const std::size_t step = map.entries.size() / kTried + 1;
+  for (std::size_t i = 0; i < map.entries.size(); i += step) {
+    const LogMap::Entry& entry = map.entries[i];
+    if (!entry.is_straight) continue;
+    const StraightestGeodesic way =
+        take(straightest_geodesic_at_angle(adjacency, from, entry.angle, entry.distance, Cancel()));
+    const double miss =
+        distance(way.path.points.back().position, adjacency.mesh().positions()[entry.vertex]);
+    figures.off = std::max(figures.off, miss / radius);
+  }
+  return figures;
+}
+
+// Off by: how much longer it may be than what was found, by the bounds.
+Figures diameters(Asked& asked) {
+  constexpr std::uint64_t kFields = 20;
+  Extent found;
+  Figures figures;
+  figures.ms = processor_ms_of([&] {
+    found = take(extent(ExtentOf::diameter, Method::back_traced, {}, asked.adjacency(), kFields,
+                        asked.scratch(), Cancel()));
+  });
+  figures.off = found.upper / found.value - 1;
+  return figures;
+}
+
+}  // namespace
+
+void print_queries(std::span<const FrontierMesh> meshes) {
+  using Query = Figures (*)(Asked&);
+  const std::array<std::pair<const char*, Query>, 3> queries{{
+      {"16 discs | areas, against `exact`", discs},
+      {"a log map to a tenth of the farthest | going there straight, of the radius", log_maps},
+      {"the diameter by 20 fields | its bounds", diameters},
+  }};
+  std::puts(
+      "\n### 12. Queries that follow from fields\n\nBy `auto`, their fields included.\n\n"
+      "| mesh | query | off by | at the most | y |\n|---|---|---|--:|--:|");
+  for (const FrontierMesh& mesh : meshes) {
+    if (mesh.large) continue;
+    const Prepared prepared(mesh.soup);
+    Asked asked(prepared, mesh);
+    Yardstick yardstick(prepared.adjacency());
+    for (const auto& [title, query] : queries) {
+      (void)query(asked);  // once for what the memory it works in costs
+      const double y = yardstick.ms(prepared.vertex(mesh.first_source));
+      const Figures figures = query(asked);
+      std::printf("| %s | %s | %.2g %% | %.1f |\n", mesh.title.c_str(), title, 100 * figures.off,
+                  figures.ms / y);
+      std::fflush(stdout);
+    }
+  }
+}
+
+}  // namespace geodesic::bench
