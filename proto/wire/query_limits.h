@@ -21,6 +21,8 @@ inline constexpr std::uint64_t kMaxIsolineSegments = 1'000'000;
 inline constexpr std::uint64_t kMaxSamples = 10'000;
 // Of the discs of one measure.
 inline constexpr std::size_t kMaxRadii = 1000;
+// Of Lloyd's relaxation, each with a field of each site.
+inline constexpr std::uint64_t kMaxRelax = 100;
 // Of an extent, one after the other.
 inline constexpr std::uint64_t kMaxFields = 1'000;
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <utility>
 
 #include "proto/wire/number.h"
 
@@ -112,6 +113,20 @@ void append_path_points(std::string& out, const std::vector<PathReplyPoint>& poi
     out += ',';
     append_place(out, points[i].face, points[i].bary, digits);
     out += '}';
+  }
+  out += ']';
+}
+
+// Of a line on the surface, after another member.
+void append_line(std::string& out, bool closed, double length, const std::vector<Vec3>& points,
+                 int digits, Poll* poll) {
+  out += closed ? ",\"closed\":true,\"length\":" : ",\"closed\":false,\"length\":";
+  append_number(out, length, digits);
+  out += ",\"points\":[";
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (is_stopped(poll)) break;
+    if (i > 0) out += ',';
+    append_xyz(out, points[i], digits);
   }
   out += ']';
 }
@@ -228,15 +243,8 @@ std::string to_json(const IsolinesReply& reply, int digits, Poll* poll) {
     out += first ? "{\"level\":" : ",{\"level\":";
     first = false;
     append_number(out, line.level, digits);
-    out += line.closed ? ",\"closed\":true,\"length\":" : ",\"closed\":false,\"length\":";
-    append_number(out, line.length, digits);
-    out += ",\"points\":[";
-    for (std::size_t i = 0; i < line.points.size(); ++i) {
-      if (is_stopped(poll)) break;
-      if (i > 0) out += ',';
-      append_xyz(out, line.points[i], digits);
-    }
-    out += "]}";
+    append_line(out, line.closed, line.length, line.points, digits, poll);
+    out += '}';
   }
   out += ']';
   append_warnings(out, reply.warnings);
@@ -323,6 +331,64 @@ std::string to_json(const ExtentReply& reply, int digits, Poll* /*poll*/) {
   }
   out += "],\"fields\":" + std::to_string(reply.fields);
   out += ",\"part_vertices\":" + std::to_string(reply.part_vertices) + '}';
+  return out;
+}
+
+std::string to_json(const VoronoiReply& reply, int digits, Poll* poll) {
+  std::string out = opening(reply.mesh);
+  append_method(out, reply.method);
+  out += ",\"from\":";
+  append_points(out, reply.from, digits, poll);
+  out += ",\"relax\":" + std::to_string(reply.relax);
+  out += ",\"cells\":[";
+  const char* before = "{\"site\":";
+  for (const VoronoiReply::Cell& cell : reply.cells) {
+    if (is_stopped(poll)) break;
+    out += std::exchange(before, ",{\"site\":");
+    append_point(out, cell.site, digits);
+    append_member(out, "area", cell.area, digits);
+    append_member(out, "perimeter", cell.perimeter, digits);
+    append_member(out, "boundary", cell.boundary, digits);
+    out += ",\"vertices\":" + std::to_string(cell.vertices) + ",\"centroid\":";
+    if (cell.centroid) {
+      append_point(out, *cell.centroid, digits);
+    } else {
+      out += "null";
+    }
+    out += '}';
+  }
+  out += "],\"neighbors\":[";
+  before = "{\"cells\":";
+  for (const NeighbourCells& pair : reply.neighbours) {
+    if (is_stopped(poll)) break;
+    out += std::exchange(before, ",{\"cells\":");
+    append_wholes(out, pair.sites, poll);
+    append_member(out, "length", pair.length, digits);
+    out += '}';
+  }
+  out += "],\"bisectors\":[";
+  before = "{\"cells\":";
+  for (const Bisector& line : reply.bisectors) {
+    if (is_stopped(poll)) break;
+    out += std::exchange(before, ",{\"cells\":");
+    append_wholes(out, line.sites, poll);
+    append_line(out, line.closed, line.length, line.points, digits, poll);
+    out += '}';
+  }
+  out += "],\"triangles\":[";
+  before = "{\"cells\":";
+  for (const VoronoiReply::Triangle& triangle : reply.triangles) {
+    if (is_stopped(poll)) break;
+    out += std::exchange(before, ",{\"cells\":");
+    append_wholes(out, triangle.cells, poll);
+    append_member(out, "distance", triangle.distance, digits);
+    out += ",\"point\":";
+    append_point(out, triangle.point, digits);
+    out += '}';
+  }
+  out += ']';
+  append_warnings(out, reply.warnings);
+  out += '}';
   return out;
 }
 

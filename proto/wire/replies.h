@@ -13,6 +13,8 @@
 #include "core/paths/discs.h"
 #include "core/paths/isolines.h"
 #include "core/paths/strips.h"
+#include "core/voronoi/bisectors.h"
+#include "core/voronoi/voronoi.h"
 #include "proto/wire/methods.h"
 #include "proto/wire/requests.h"
 
@@ -140,6 +142,37 @@ struct ExtentReply {
   std::uint64_t part_vertices = 0;  // of the part that was measured, copies counted once
 };
 
+// Cells are called by the numbers of their sites in `from`.
+struct VoronoiReply {
+  struct Cell {
+    ResolvedPoint site;  // where relaxing left it
+    double area = 0;     // lengths and areas in mesh units
+    double perimeter = 0;
+    double boundary = 0;
+    std::uint64_t vertices = 0;             // source vertices
+    std::optional<ResolvedPoint> centroid;  // none of a cell without area
+  };
+  struct Triangle {
+    std::array<std::uint32_t, 3> cells{};
+    ResolvedPoint point;  // where they meet
+    double distance = 0;  // of that from the three sites
+  };
+  std::string mesh;
+  Method method = Method::wavefront;
+  std::vector<ResolvedPoint> from;
+  std::uint64_t relax = 0;
+  std::vector<Cell> cells;
+  std::vector<NeighbourCells> neighbours;
+  std::vector<Bisector> bisectors;
+  std::vector<Triangle> triangles;
+  // Of a drawing alone: which part of it; triangles of each cell, corner after corner; and of a
+  // picture the distances of the mesh's vertices.
+  VoronoiRequest::Part part = VoronoiRequest::Part::cells;
+  std::vector<std::vector<Vec3>> drawn_cells;
+  std::vector<double> distances;
+  Warnings warnings;
+};
+
 struct TraceReply {
   std::string mesh;
   ResolvedPoint from;
@@ -182,6 +215,7 @@ struct NearestReply {
 [[nodiscard]] std::string to_json(const SamplesReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const MeasureReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const ExtentReply& reply, int digits, Poll* poll = nullptr);
+[[nodiscard]] std::string to_json(const VoronoiReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const TraceReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const LogmapReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const NearestReply& reply, int digits, Poll* poll = nullptr);

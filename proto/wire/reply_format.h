@@ -44,6 +44,8 @@ inline constexpr Format kArraysOrSurface[] = {Format::json, Format::frame, Forma
                                               Format::annotated};
 inline constexpr Format kJsonOrSurface[] = {Format::json, Format::glb};
 inline constexpr Format kJsonOrLines[] = {Format::json, Format::glb};
+inline constexpr Format kSurfaceOnly[] = {Format::glb};
+inline constexpr Format kJsonOrPictures[] = {Format::json, Format::glb, Format::png};
 inline constexpr Format kGeometryFormats[] = {Format::glb, Format::frame};
 
 // From `format=`, else from an Accept header (null: none), among what is offered, the

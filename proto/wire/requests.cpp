@@ -165,6 +165,9 @@ Result<void> read_refine(Parameters& parameters, Refine& refine) {
 // By ExtentRequest::Of.
 constexpr std::array<std::string_view, 4> kExtentNames{"diameter", "center", "median", "mean"};
 
+// By VoronoiRequest::Part.
+constexpr std::array<std::string_view, 3> kVoronoiParts{"cells", "bisectors", "delaunay"};
+
 // Ascending, each once.
 Result<void> check_levels(std::vector<double>& levels, const std::string& parameter) {
   for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -299,6 +302,25 @@ Result<void> parse_request(Parameters& parameters, ExtentRequest& request) {
     return fail(ErrorCode::value_out_of_range, "there is at least one field", "fields");
   }
   if (auto ok = check_count(request.fields, kMaxFields, "fields"); !ok) return ok;
+  return read_method(parameters, Purpose::distances, request.method);
+}
+
+Result<void> parse_request(Parameters& parameters, VoronoiRequest& request) {
+  if (auto ok = read_sources(parameters, request.from); !ok) return ok;
+  if (request.from.empty()) return missing("from");
+  const auto relax = parameters.whole("relax");
+  if (!relax) return fail(relax.error());
+  request.relax = relax->value_or(0);
+  if (auto ok = check_count(request.relax, kMaxRelax, "relax"); !ok) return ok;
+  const auto part = parameters.text("part");
+  if (!part) return fail(part.error());
+  if (*part) {
+    const auto name = std::find(kVoronoiParts.begin(), kVoronoiParts.end(), **part);
+    if (name == kVoronoiParts.end()) {
+      return fail(InputCode::bad_syntax, "part is cells, bisectors or delaunay", "part");
+    }
+    request.part = static_cast<VoronoiRequest::Part>(name - kVoronoiParts.begin());
+  }
   return read_method(parameters, Purpose::distances, request.method);
 }
 

@@ -82,6 +82,14 @@ struct ExtentRequest {
   MethodChoice method;
 };
 
+struct VoronoiRequest {
+  enum class Part : std::uint8_t { cells, bisectors, delaunay };
+  std::vector<PointRequest> from;  // the sites
+  std::uint64_t relax = 0;         // rounds
+  std::optional<Part> part;        // that a GLB is to show; none: cells
+  MethodChoice method;
+};
+
 struct TraceRequest {
   PointRequest from;
   std::variant<Vec3, double> ahead;  // a vector in space, or an angle in radians
@@ -109,6 +117,7 @@ struct NearestRequest {
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, SamplesRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, MeasureRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, ExtentRequest& request);
+[[nodiscard]] Result<void> parse_request(Parameters& parameters, VoronoiRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, TraceRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, LogmapRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, NearestRequest& request);
@@ -131,6 +140,10 @@ struct NearestRequest {
   return kJsonOrSurface;
 }
 [[nodiscard]] inline std::span<const Format> formats_of(const ExtentRequest&) { return kJsonOnly; }
+[[nodiscard]] inline std::span<const Format> formats_of(const VoronoiRequest& request) {
+  if (request.part) return kSurfaceOnly;
+  return kJsonOrPictures;
+}
 [[nodiscard]] inline std::span<const Format> formats_of(const TraceRequest&) {
   return kPathFormats;
 }

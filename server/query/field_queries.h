@@ -72,6 +72,10 @@ class FieldQueries {
   [[nodiscard]] Result<Answered<proto::ExtentReply>> answer(const std::string& mesh,
                                                             const proto::ExtentRequest& request,
                                                             const Caller& caller);
+  // Errors: too_large (segments of bisectors).
+  [[nodiscard]] Result<Answered<proto::VoronoiReply>> answer(const std::string& mesh,
+                                                             const proto::VoronoiRequest& request,
+                                                             const Caller& caller);
   // Errors: value_out_of_range (direction, angle), too_large (length).
   [[nodiscard]] Result<Answered<proto::TraceReply>> answer(const std::string& mesh,
                                                            const proto::TraceRequest& request,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 #include <string>
 #include <string_view>
@@ -84,6 +85,16 @@ GlbPart line(std::string name, std::vector<Vec3> positions) {
   return part;
 }
 
+// The points of an isoline or a bisector, back to the first if it is closed; of no use if the poll
+// says to stop.
+template <class Line>
+std::vector<Vec3> whole_line(const Line& line, Poll& poll) {
+  std::vector<Vec3> points;
+  polled_copy(points, std::span(line.points), poll);
+  if (line.closed && !poll.stopped()) points.push_back(points.front());
+  return points;
+}
+
 Result<HttpResponse> draw_line(const Mesh& mesh, const char* name,
                                const std::vector<proto::PathReplyPoint>& points, Vec3 start,
                                std::vector<Vec3> targets, const proto::ReplyFormat& format,
@@ -96,6 +107,53 @@ Result<HttpResponse> draw_line(const Mesh& mesh, const char* name,
   content.sources = {start};
   content.targets = std::move(targets);
   return png_reply(mesh, content, format.picture, cancel, poll);
+}
+
+// So that neighbours, whose numbers are often near each other, differ: multiples of the golden
+// section are spread evenly over the circle.
+proto::Colour colour_of_cell(proto::ColourMap map, std::size_t cell) {
+  constexpr double kGoldenSection = 0.6180339887498949;
+  const double turns = kGoldenSection * static_cast<double>(cell);
+  return proto::colour_at(map, turns - std::floor(turns));
+}
+
+GlbPart delaunay_part(const proto::VoronoiReply& reply) {
+  GlbPart part;
+  part.name = "delaunay";
+  for (const auto& triangle : reply.triangles) {
+    part.indices.insert(part.indices.end(), triangle.cells.begin(), triangle.cells.end());
+  }
+  if (part.indices.empty()) return part;
+  for (const auto& cell : reply.cells) part.positions.push_back(cell.site.xyz);
+  return part;
+}
+
+// Of no use if the poll says to stop.
+std::vector<GlbPart> parts_of(const proto::VoronoiReply& reply, proto::ColourMap map, Poll& poll) {
+  using Part = proto::VoronoiRequest::Part;
+  std::vector<GlbPart> parts;
+  if (reply.part == Part::delaunay) {
+    parts.push_back(delaunay_part(reply));
+  } else if (reply.part == Part::bisectors) {
+    for (const Bisector& bisector : reply.bisectors) {
+      const auto [a, b] = bisector.sites;
+      parts.push_back(line("bisector " + std::to_string(a) + " " + std::to_string(b),
+                           whole_line(bisector, poll)));
+      parts.back().extras = {{"length", bisector.length}};
+      if (poll.cancelled()) break;
+    }
+  } else {
+    for (std::size_t i = 0; i < reply.drawn_cells.size(); ++i) {
+      GlbPart part;
+      part.name = "cell " + std::to_string(i);
+      part.extras = {{"cell", static_cast<double>(i)}, {"area", reply.cells[i].area}};
+      polled_copy(part.positions, std::span(reply.drawn_cells[i]), poll);
+      polled_assign(part.colours, part.positions.size(), colour_of_cell(map, i), poll);
+      parts.push_back(std::move(part));
+      if (poll.cancelled()) break;
+    }
+  }
+  return parts;
 }
 
 }  // namespace
@@ -207,17 +265,34 @@ Result<HttpResponse> draw(const Answered<proto::MeasureReply>& answer,
   return response;
 }
 
+Result<HttpResponse> draw(const Answered<proto::VoronoiReply>& answer,
+                          const proto::ReplyFormat& format, const Cancel& cancel) {
+  const proto::VoronoiReply& reply = answer.reply;
+  Poll poll(cancel);
+  Result<HttpResponse> response;
+  if (format.format == Format::png) {
+    proto::PictureContent content;
+    content.values = reply.distances;
+    for (const Bisector& bisector : reply.bisectors) {
+      content.lines.push_back(whole_line(bisector, poll));
+    }
+    for (const auto& cell : reply.cells) content.sources.push_back(cell.site.xyz);
+    response = png_reply(answer.adjacency->mesh(), content, format.picture, cancel, poll);
+  } else {
+    response = glb_reply(parts_of(reply, format.picture.colour_map, poll), poll);
+  }
+  if (response) add_cache_header(*response, answer.cache_hit);
+  return response;
+}
+
 Result<HttpResponse> draw(const Answered<proto::IsolinesReply>& answer, const proto::ReplyFormat&,
                           const Cancel& cancel) {
   Poll poll(cancel);
   std::vector<GlbPart> parts;
   parts.reserve(answer.reply.isolines.size());
   for (const Isoline& isoline : answer.reply.isolines) {
-    std::vector<Vec3> points;
-    polled_copy(points, std::span(isoline.points), poll);
+    parts.push_back(line("level " + header_number(isoline.level), whole_line(isoline, poll)));
     if (poll.cancelled()) return fail_stopped(poll);
-    if (isoline.closed) points.push_back(points.front());
-    parts.push_back(line("level " + header_number(isoline.level), std::move(points)));
   }
   Result<HttpResponse> response = glb_reply(parts, poll);
   if (response) add_cache_header(*response, answer.cache_hit);

@@ -253,6 +253,11 @@ Result<HttpResponse> encode(Answered<proto::ExtentReply> answer, const proto::Re
   return json_alone(answer, format, cancel);
 }
 
+Result<HttpResponse> encode(Answered<proto::VoronoiReply> answer, const proto::ReplyFormat& format,
+                            const Cancel& cancel) {
+  return json_alone(answer, format, cancel);
+}
+
 Result<HttpResponse> encode(Answered<proto::NearestReply> answer, const proto::ReplyFormat& format,
                             const Cancel& cancel) {
   return json_alone(answer, format, cancel);

@@ -44,6 +44,8 @@ struct ReplySize {
                                 const proto::ReplyFormat& format);
 [[nodiscard]] ReplySize size_of(const Answered<proto::ExtentReply>& answer,
                                 const proto::ReplyFormat& format);
+[[nodiscard]] ReplySize size_of(const Answered<proto::VoronoiReply>& answer,
+                                const proto::ReplyFormat& format);
 [[nodiscard]] ReplySize size_of(const Answered<proto::LogmapReply>& answer,
                                 const proto::ReplyFormat& format);
 [[nodiscard]] ReplySize size_of(const Answered<proto::NearestReply>& answer,
@@ -73,6 +75,8 @@ struct ReplySize {
 [[nodiscard]] Result<HttpResponse> encode(Answered<proto::MeasureReply> answer,
                                           const proto::ReplyFormat& format, const Cancel& cancel);
 [[nodiscard]] Result<HttpResponse> encode(Answered<proto::ExtentReply> answer,
+                                          const proto::ReplyFormat& format, const Cancel& cancel);
+[[nodiscard]] Result<HttpResponse> encode(Answered<proto::VoronoiReply> answer,
                                           const proto::ReplyFormat& format, const Cancel& cancel);
 [[nodiscard]] Result<HttpResponse> encode(Answered<proto::NearestReply> answer,
                                           const proto::ReplyFormat& format, const Cancel& cancel);

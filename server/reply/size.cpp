@@ -92,6 +92,16 @@ ReplySize size_of(const Answered<proto::ExtentReply>& answer, const proto::Reply
   return size_by(kNumbersOfPoint * answer.reply.vertices.size(), answer, format);
 }
 
+ReplySize size_of(const Answered<proto::VoronoiReply>& answer, const proto::ReplyFormat& format) {
+  const proto::VoronoiReply& reply = answer.reply;
+  // A cell has its site and its centroid, and a triangle its point.
+  std::uint64_t numbers = (3 * reply.cells.size() + 2 * reply.triangles.size()) * kNumbersOfPoint +
+                          3 * reply.neighbours.size();
+  for (const Bisector& line : reply.bisectors) numbers += 5 + 3 * line.points.size();
+  if (format.format == Format::glb) numbers += answer.drawn_numbers;
+  return size_by(numbers, answer, format);
+}
+
 ReplySize size_of(const Answered<proto::LogmapReply>& answer, const proto::ReplyFormat& format) {
   return size_by(answer.numbers + kNumbersOfPoint, answer, format);
 }

@@ -257,6 +257,7 @@ Result<HttpResponse> Routes::answer_any_query(const Query& query) {
       {"samples", &Routes::answer_query<proto::SamplesRequest>},
       {"measure", &Routes::answer_query<proto::MeasureRequest>},
       {"extent", &Routes::answer_query<proto::ExtentRequest>},
+      {"voronoi", &Routes::answer_query<proto::VoronoiRequest>},
       {"trace", &Routes::answer_query<proto::TraceRequest>},
       {"logmap", &Routes::answer_query<proto::LogmapRequest>},
       {"nearest", &Routes::answer_query<proto::NearestRequest>},

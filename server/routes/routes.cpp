@@ -299,6 +299,7 @@ HttpResponse Routes::status() {
         {"max_samples", proto::kMaxSamples},
         {"max_radii", proto::kMaxRadii},
         {"max_fields", proto::kMaxFields},
+        {"max_relax", proto::kMaxRelax},
         {"max_batch_lines", kMaxBatchLines},
         {"reply_memory_bytes", config->reply_memory_bytes},
         {"max_jobs", config->max_jobs},

@@ -1,6 +1,7 @@
 // All methods on a tiny mesh, held against one another: two exact ones that share
 // nothing, and what each of the others promises.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "core/paths/trace_path.h"
 #include "core/solve/solve_field.h"
 #include "core/straighten/log_map.h"
+#include "core/voronoi/voronoi.h"
 #include "tests/fuzz/small_soup.h"
 
 namespace geodesic::fuzz {
@@ -46,6 +48,28 @@ void check_log_map(const Adjacency& adjacency, const Field& exact, const Surface
   }
 }
 
+// The cells of two sites and of one of them again add up to the surface that they reach.
+void check_cells(const Adjacency& adjacency, const SurfacePoint& from) {
+  const std::array<Source, 3> sites{{{from, 0}, {point_at_vertex(adjacency, 0), 0}, {from, 0}}};
+  SolveScratch scratch;
+  const auto field = solve_field(Method::exact, {}, adjacency, sites, {}, scratch, Cancel());
+  expect(field.has_value(), "every mesh has a field");
+  const auto found = voronoi(Method::exact, {}, adjacency, *field, 1'000'000, scratch, Cancel());
+  expect(found.has_value(), "every mesh has cells");
+  double reached = 0;
+  for (const FaceRecord& face : adjacency.faces()) {
+    const bool is_reached = std::all_of(face.vertex.begin(), face.vertex.end(),
+                                        [&](auto v) { return field->distance[v] != kUnreached; });
+    if (is_reached) reached += face.area2 / 2;
+  }
+  double sum = 0;
+  for (const VoronoiCell& cell : found->cells) sum += cell.area;
+  expect(std::abs(sum - reached) <= kRounding * reached, "cells add up to the surface");
+  for (const Bisector& line : found->bisectors.lines) {
+    expect(line.points.size() > 1 && std::isfinite(line.length), "a line has two points");
+  }
+}
+
 }  // namespace
 
 void fuzz_methods(Input input) {
@@ -79,6 +103,7 @@ void fuzz_methods(Input input) {
     expect(std::abs((*path)->length - d) <= kRounding * d + slack, "as long as its distance");
   }
   check_log_map(adjacency, exact, source.point, slack);
+  check_cells(adjacency, source.point);
   for (const Method method :
        {Method::wavefront, Method::novotni, Method::fast_marching, Method::steiner}) {
     const Field field = field_of(method, adjacency, source);

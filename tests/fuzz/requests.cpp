@@ -61,6 +61,7 @@ void parse_all(const auto& parameters_of) {
   parse<proto::TraceRequest>(parameters_of);
   parse<proto::MeasureRequest>(parameters_of);
   parse<proto::ExtentRequest>(parameters_of);
+  parse<proto::VoronoiRequest>(parameters_of);
   parse<proto::LogmapRequest>(parameters_of);
   parse<proto::NearestRequest>(parameters_of);
 }

@@ -217,6 +217,7 @@ def questions(chance, vertices, faces, method):
     found.append(("distance", {"from": many, "at": spots, "labels": 1}))
     found.append(("measure", {"from": spots[1], "radii": [0.1, 0.5, 1]}))
     found.append(("extent", {"of": "diameter", "fields": 4}))
+    found.append(("voronoi", {"from": spots, "relax": 1}))
     found.append(("logmap", {"from": spots[0], "radius": 0.5}))
     found.append(("logmap", {"from": spots[1]}))
     chance.shuffle(found)

@@ -52,6 +52,8 @@ def systematic(vertices):
     yield "/measure?from=f:0,0.3,0.3&radii=1&radii=3"
     yield "/extent?of=center&fields=5"
     yield "/extent?of=mean&fields=3"
+    yield "/voronoi?from=f:0,0.3,0.3&from=v:5&from=v:9&relax=2"
+    yield "/voronoi?from=v:5&from=v:9&part=cells"
     yield "/logmap?from=f:0,0.3,0.3&radius=3"
     yield "/distance?from=v:0&labels=1&format=annotated"
 

@@ -99,6 +99,11 @@ def parameters_of(chance, mesh, query):
         asked |= {"of": chance.choice(["diameter", "center", "median", "mean"])}
         asked["fields"] = chance.choice([1, 3, 8])
         return asked, ["json"]
+    if query == "voronoi":
+        asked["from"] = some(chance, mesh, chance.choice([1, 2, 5, 12]))
+        if chance.random() < 0.3:
+            asked["relax"] = chance.choice([1, 3])
+        return asked, ["json", "json", "glb", "png"]
     if query == "samples":
         asked["count"] = chance.choice([1, 3, 10])
         if chance.random() < 0.3:
@@ -127,7 +132,8 @@ def parameters_of(chance, mesh, query):
 
 
 QUERIES = ["distance"] * 4 + ["path"] * 4
-QUERIES += ["table", "isolines", "samples", "measure", "extent", "trace", "trace", "logmap", "nearest"]
+QUERIES += ["table", "isolines", "samples", "measure", "extent", "voronoi"]
+QUERIES += ["trace", "trace", "logmap", "nearest"]
 
 
 def question_about(chance, mesh):

@@ -16,6 +16,7 @@ interface Taken {
   samples: queries.SamplesQuery;
   measure: queries.MeasureQuery;
   extent: queries.ExtentQuery;
+  voronoi: queries.VoronoiQuery;
   trace: queries.TraceQuery;
   logmap: queries.LogmapQuery & { precision?: number };
   nearest: queries.NearestQuery;
@@ -29,6 +30,7 @@ interface Given {
   samples: Schemas['SamplesReply'];
   measure: Schemas['MeasureReply'];
   extent: Schemas['ExtentReply'];
+  voronoi: Schemas['VoronoiReply'];
   trace: Schemas['TraceReply'];
   logmap: Schemas['LogmapReply'];
   nearest: Schemas['NearestReply'];

@@ -209,6 +209,15 @@ export class GeodesicClient {
     return this.#run(planOf(id, { query: 'extent', ...query }, options));
   }
 
+  /** The cells of the nearest of some sites, their bisectors, and the triangles between sites. */
+  voronoi(
+    id: string,
+    query: queries.VoronoiQuery,
+    options: QueryOptions = {},
+  ): Promise<queries.Voronoi> {
+    return this.#run(planOf(id, { query: 'voronoi', ...query }, options));
+  }
+
   /** Vertices spread evenly, by farthest-point sampling. */
   samples(
     id: string,
@@ -234,7 +243,8 @@ export class GeodesicClient {
 
   /**
    * A GLB: a field as a coloured mesh, lines as line strips, strips between
-   * the radii of discs, a map's faces with texture coordinates, or the geometry itself.
+   * the radii of discs, a Voronoi diagram's cells, bisectors or triangles, a map's faces with
+   * texture coordinates, or the geometry itself.
    */
   glb(id: string, query: queries.GlbQuery, options: QueryOptions = {}): Promise<ArrayBuffer> {
     return this.#run(planOf(id, { query: 'glb', ...query }, options));

@@ -115,6 +115,7 @@ const PLANS: Record<keyof Queries, Planner> = {
   samples: json('samples'),
   measure: json('measure'),
   extent: json('extent'),
+  voronoi: json('voronoi'),
   table: (id, parameters, options) => ({
     call: queryCall(id, 'table', { ...parameters, format: 'frame' }, options),
     read: replies.tableOf,

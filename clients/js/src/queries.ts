@@ -108,6 +108,13 @@ export interface ExtentQuery extends ByMethod, WithinTolerance, InDigits {
   fields?: number;
 }
 
+export interface VoronoiQuery extends ByMethod, WithinTolerance, InDigits {
+  /** The sites. */
+  from: OneOrMore<Source>;
+  /** Rounds of Lloyd's algorithm, each of which moves the sites to their cells' centroids. */
+  relax?: number;
+}
+
 export interface SamplesQuery extends ByMethod, WithinTolerance, InDigits {
   count: number;
   from?: OneOrMore<Source>;
@@ -129,7 +136,12 @@ type Of<Name extends string, Query> = { of: Name } & Omit<Query, 'precision'>;
 type FieldQuery = Omit<DistanceQuery, 'labels'>;
 
 export type PictureQuery = Drawing &
-  (Of<'distance', FieldQuery> | Of<'path', PathQuery> | Of<'trace', TraceQuery>);
+  (
+    | Of<'distance', FieldQuery>
+    | Of<'path', PathQuery>
+    | Of<'voronoi', VoronoiQuery>
+    | Of<'trace', TraceQuery>
+  );
 
 export type GlbQuery =
   | { of: 'geometry' }
@@ -138,6 +150,7 @@ export type GlbQuery =
       | Of<'path', PathQuery>
       | Of<'isolines', IsolinesQuery>
       | Of<'measure', MeasureQuery>
+      | Of<'voronoi', VoronoiQuery & { part?: Schemas['VoronoiPart'] }>
       | Of<'trace', TraceQuery>
       | Of<'logmap', LogmapQuery>
     ) & { colormap?: Schemas['ColourMap'] });
@@ -204,6 +217,7 @@ export type Trace = Schemas['TraceReply'] & Told;
 export type Samples = Schemas['SamplesReply'] & Told;
 export type Measure = Schemas['MeasureReply'] & Told;
 export type Extent = Schemas['ExtentReply'] & Told;
+export type Voronoi = Schemas['VoronoiReply'] & Told;
 export type { Isoline, PathPoint, Sample };
 
 /** Distances from each row's point to each column's, row after row; +Infinity where unreached. */
@@ -262,6 +276,7 @@ export interface Queries {
   samples: { takes: SamplesQuery; gives: Samples };
   measure: { takes: MeasureQuery; gives: Measure };
   extent: { takes: ExtentQuery; gives: Extent };
+  voronoi: { takes: VoronoiQuery; gives: Voronoi };
   picture: { takes: PictureQuery; gives: Blob };
   glb: { takes: GlbQuery; gives: ArrayBuffer };
   annotated: { takes: AnnotatedQuery; gives: ArrayBuffer };

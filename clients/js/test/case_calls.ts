@@ -131,6 +131,7 @@ async function natural(
     case 'samples':
     case 'measure':
     case 'extent':
+    case 'voronoi':
       return shaped(name, await client[name](id, parameters, options));
     default:
       throw new Error(`the table has a call that is not known: ${name}`);

@@ -20,6 +20,7 @@ export const checks: {
   logmap: Same<keyof client.LogmapQuery | 'precision', Names<Schemas['LogmapRequest']>>;
   measure: Same<keyof client.MeasureQuery, Names<Schemas['MeasureRequest']>>;
   extent: Same<keyof client.ExtentQuery, Names<Schemas['ExtentRequest']>>;
+  voronoi: Same<keyof client.VoronoiQuery | 'part', Names<Schemas['VoronoiRequest']>>;
   samples: Same<keyof client.SamplesQuery, Names<Schemas['SamplesRequest']>>;
   drawing: Same<keyof client.Drawing, Extract<keyof Schemas['DistanceRequest'], keyof client.Drawing>>;
   formats: Same<client.ArrayFormat | 'json' | 'frame' | 'glb' | 'png', Schemas['Format']>;
@@ -34,6 +35,7 @@ export const checks: {
   logmap: true,
   measure: true,
   extent: true,
+  voronoi: true,
   samples: true,
   drawing: true,
   formats: true,

@@ -14,7 +14,7 @@ function warning(sentences: readonly string[], inBody: boolean): GeodesicClient 
   const warned: typeof fetch = async (input, init) => {
     const reply = await fetch(input, init);
     const headers = new Headers(reply.headers);
-    if (sentences.length && /\/(distance|path|table|isolines|nearest|trace|logmap|samples|measure)\b/.test(String(input))) {
+    if (sentences.length && /\/(distance|path|table|isolines|nearest|trace|logmap|samples|measure|voronoi)\b/.test(String(input))) {
       headers.set('Geo-Warnings', sentences.join('; '));
     }
     const isJson = headers.get('Content-Type')?.startsWith('application/json');
@@ -40,6 +40,7 @@ const WAYS: Record<string, (by: GeodesicClient) => Promise<{ warnings: string[] 
   'a map, by a frame': (by) => by.logmap(plane, { from: 50, radius: 3 }),
   samples: (by) => by.samples(plane, { count: 3 }),
   measures: (by) => by.measure(plane, { from: 0, radii: [3, 5] }),
+  cells: (by) => by.voronoi(plane, { from: [0, 99] }),
   'a query by POST': (by) => by.path(plane, { from: { xyz: [0, 0, 1], max_snap: 2 }, to: 9 }),
 };
 

@@ -12,7 +12,7 @@ import geodesicd
 
 QUERIES = (
     "distance", "path", "table", "isolines", "nearest", "trace", "logmap", "samples", "measure",
-    "extent",
+    "extent", "voronoi",
 )  # fmt: skip
 
 
@@ -151,6 +151,8 @@ class Call:
             return mesh.extent(arguments.pop("of"), **arguments)
         if name == "measure":
             return mesh.measure(start, **arguments)
+        if name == "voronoi":
+            return mesh.voronoi(start, **arguments)
         if name == "logmap":
             return mesh.logmap(start, **arguments)
         return mesh.isolines(start, **arguments)
@@ -200,6 +202,17 @@ def agrees(value: Any, answer: geodesicd.Answer, name: str) -> None:
         for key in ("of", "value", "lower", "confidence", "exact", "fields", "part_vertices"):
             assert getattr(value, key) == document[key]
         assert value.vertices.tolist() == [v["vertex"] for v in document["vertices"]]
+    elif name == "voronoi":
+        assert value.areas.tolist() == [cell["area"] for cell in document["cells"]]
+        assert value.vertices.tolist() == [cell["vertices"] for cell in document["cells"]]
+        assert value.points.tolist() == [cell["site"]["xyz"] for cell in document["cells"]]
+        assert value.neighbors.tolist() == [pair["cells"] for pair in document["neighbors"]]
+        assert value.lengths.tolist() == [pair["length"] for pair in document["neighbors"]]
+        assert value.triangles.tolist() == [row["cells"] for row in document["triangles"]]
+        assert value.corners.tolist() == [row["point"]["xyz"] for row in document["triangles"]]
+        assert [line.points.tolist() for line in value.bisectors] == [
+            line["points"] for line in document["bisectors"]
+        ]
     elif name == "measure":
         told = document["discs"]
         assert (value.area, value.mean) == (document["area"], document["mean"])

@@ -288,6 +288,9 @@ def test_what_comes_back_says_what_it_is(plane: geodesicd.Mesh, client: geodesic
     )
     assert repr(plane.measure(5050, 2)).startswith("<Measure 1 discs")
     assert repr(plane.extent("mean", fields=2)).startswith("<Extent: mean ")
+    cells = plane.voronoi([0, 99, 9900])
+    assert repr(cells) == "<Voronoi 3 cells, 1 triangles>"
+    assert repr(cells.bisectors[0]).startswith("<Bisector of (0, 1), open, ")
     around = plane.logmap(5050, 2)
     assert repr(around) == f"<Logmap {len(around)} vertices within 2, {around.method}>"
     assert repr(client) == f"<Client of {client.url}>"

@@ -102,7 +102,10 @@ def areas_of_glb(data: bytes) -> dict[str, tuple[float, float]]:
     for node in document["nodes"]:
         (primitive,) = document["meshes"][node["mesh"]]["primitives"]
         positions = array(primitive["attributes"]["POSITION"], "<f4").astype(float)
-        a, b, c = positions[array(primitive["indices"], "<u4")].transpose(1, 0, 2)
+        corners = positions
+        if "indices" in primitive:
+            corners = positions[array(primitive["indices"], "<u4").ravel()]
+        a, b, c = corners.reshape(-1, 3, 3).transpose(1, 0, 2)
         area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
         found[node["name"]] = (node["extras"]["area"], float(area))
     return found

@@ -34,6 +34,7 @@ ASKING: dict[str, Callable[[geodesicd.Mesh, Any], Any]] = {
     "samples": lambda mesh, point: mesh.samples(3, covered=[point]),
     "trace": lambda mesh, point: mesh.trace(point, 5, direction=(1, 0, 0)),
     "measure": lambda mesh, point: mesh.measure([point], [1, 2]),
+    "voronoi": lambda mesh, point: mesh.voronoi([point, 0]),
     "logmap": lambda mesh, point: mesh.logmap(point, 3),
     "query": lambda mesh, point: mesh.query("distance", {"from": point}, format="u16"),
     "picture": lambda mesh, point: mesh.picture([point]),

@@ -110,5 +110,6 @@ TEST_CASE("LimitsCanBeRead") {
   CHECK(limits["max_isoline_segments"] == 1'000'000);
   CHECK(limits["max_samples"] == 10'000);
   CHECK(limits["max_radii"] == 1000);
+  CHECK(limits["max_relax"] == 100);
   CHECK(limits["max_fields"] == 1'000);
 }

@@ -35,6 +35,7 @@ from .progress import progress_bar
 from .results import (
     Answer,
     BatchReply,
+    Bisector,
     Extent,
     Geometry,
     Isoline,
@@ -45,6 +46,7 @@ from .results import (
     Samples,
     SurfacePoint,
     Trace,
+    Voronoi,
 )
 
 __version__ = "0.1.0"
@@ -54,6 +56,7 @@ __all__ = [
     "AsyncClient",
     "AsyncMesh",
     "BatchReply",
+    "Bisector",
     "Client",
     "ConnectionFailed",
     "DeadlineExceeded",
@@ -86,6 +89,7 @@ __all__ = [
     "SurfacePoint",
     "Trace",
     "Vertex",
+    "Voronoi",
     "Xyz",
     "connect",
     "glb_bytes",

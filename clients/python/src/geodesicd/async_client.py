@@ -71,6 +71,7 @@ class AsyncMesh(Metadata):
     samples = _query(spreads.samples)
     measure = _query(spreads.measure)
     extent = _query(spreads.extent)
+    voronoi = _query(spreads.voronoi)
     trace = _query(queries.trace)
     logmap = _query(queries.logmap)
     nearest = _query(queries.nearest)

@@ -174,7 +174,7 @@ def _parser() -> argparse.ArgumentParser:
     exactness(table)
     connection(table)
 
-    from . import extent_command, logmap_command, measure_command
+    from . import extent_command, logmap_command, measure_command, voronoi_command
 
     measure = command(
         "measure", "MESH --from POINT", measure_command.run, "Measure discs: areas and outlines."
@@ -194,6 +194,14 @@ def _parser() -> argparse.ArgumentParser:
     extent_command.arguments(extent)
     exactness(extent)
     connection(extent)
+
+    voronoi = command(
+        "voronoi", "MESH --from POINT", voronoi_command.run, "Divide the surface among sites."
+    )
+    mesh_and_sources(voronoi)
+    voronoi_command.arguments(voronoi)
+    exactness(voronoi)
+    connection(voronoi)
 
     logmap = command(
         "logmap", "MESH --from POINT", logmap_command.run, "Lay the surface round a point flat."

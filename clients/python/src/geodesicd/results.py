@@ -56,13 +56,13 @@ class _Line:
         """As a ``trimesh.path.Path3D``. ImportError: trimesh is not installed."""
         from .exports import line_to_trimesh
 
-        return line_to_trimesh(cast("Path | Trace | Isoline", self))
+        return line_to_trimesh(cast("Path | Trace | Isoline | Bisector", self))
 
     def to_pyvista(self) -> Any:
         """As a ``pyvista.PolyData`` of one polyline. ImportError: PyVista is not installed."""
         from .exports import line_to_pyvista
 
-        return line_to_pyvista(cast("Path | Trace | Isoline", self))
+        return line_to_pyvista(cast("Path | Trace | Isoline | Bisector", self))
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,8 +129,22 @@ class Trace(_Line):
         return f"<Trace {self.length:g} long, {len(self.points)} points, ends by {self.end}>"
 
 
+class _Loop(_Line):
+    """A line that may come back to its first point."""
+
+    closed: bool
+    points: Float64
+
+    @property
+    def polyline(self) -> Float64:
+        """(n or n + 1, 3) the points, with the first once more at the end of a closed line."""
+        if self.closed:
+            return np.concatenate([self.points, self.points[:1]])
+        return self.points
+
+
 @dataclass(frozen=True, eq=False)
-class Isoline(_Line):
+class Isoline(_Loop):
     """A line on which the distance is ``level``.
 
     Attributes:
@@ -150,13 +164,6 @@ class Isoline(_Line):
         return (
             f"<Isoline at {self.level:g}, {kind}, {self.length:g} long, {len(self.points)} points>"
         )
-
-    @property
-    def polyline(self) -> Float64:
-        """(n or n + 1, 3) the points, with the first once more at the end of a closed line."""
-        if self.closed:
-            return np.concatenate([self.points, self.points[:1]])
-        return self.points
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,6 +262,70 @@ class Extent:
     def __repr__(self) -> str:
         how = "exactly" if self.exact else f"from {self.lower:g} to {self.upper:g}"
         return f"<Extent: {self.of} {self.value:g}, {how}>"
+
+
+@dataclass(frozen=True, eq=False)
+class Bisector(_Loop):
+    """A line as far from the sites of two cells.
+
+    Attributes:
+        cells: their numbers, ascending.
+        closed: whether one more segment leads from the last point to the first.
+        length: mesh units, that segment included.
+        points: (n, 3) float64, the first not repeated.
+    """
+
+    cells: tuple[int, int]
+    closed: bool
+    length: float
+    points: Float64
+
+    def __repr__(self) -> str:
+        kind = "closed" if self.closed else "open"
+        return f"<Bisector of {self.cells}, {kind}, {self.length:g} long>"
+
+
+@dataclass(frozen=True, eq=False)
+class Voronoi:
+    """The cells of the nearest of k sites, called by the places of these among those asked for;
+    and the triangles between sites whose cells meet.
+
+    Attributes:
+        sites: the k sites, where relaxing left them; points again for other queries.
+        points: (k, 3) float64, where they are, mesh units.
+        areas: (k,) float64, mesh units squared; 0 of a cell that has nothing.
+        perimeters: (k,) float64, the lengths of each cell's bisectors, mesh units.
+        boundaries: (k,) float64, the length of the surface's own boundary in the cell.
+        vertices: (k,) int64, how many source vertices are in the cell.
+        centroids: (k, 3) float64, the point of each cell that is nearest to its mean position; NaN
+            of a cell without area.
+        neighbors: (n, 2) int64, cells with a common bisector.
+        lengths: (n,) float64, how long that is, mesh units.
+        bisectors: as lines on the surface.
+        triangles: (t, 3) int64, the geodesic Delaunay triangulation of the sites.
+        corners: (t, 3) float64, where the cells of each triangle meet.
+        distances: (t,) float64, of that from the three sites, mesh units.
+    """
+
+    sites: list[SurfacePoint]
+    points: Float64
+    areas: Float64
+    perimeters: Float64
+    boundaries: Float64
+    vertices: Index
+    centroids: Float64
+    neighbors: Index
+    lengths: Float64
+    bisectors: list[Bisector]
+    triangles: Index
+    corners: Float64
+    distances: Float64
+
+    def __len__(self) -> int:
+        return len(self.sites)
+
+    def __repr__(self) -> str:
+        return f"<Voronoi {len(self)} cells, {len(self.triangles)} triangles>"
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,5 @@
-"""Queries about how distances spread over the whole surface: isolines, samples, discs and extents.
+"""Queries about how distances spread over the whole surface: isolines, samples, discs, extents
+and cells.
 The same holds of them as of those of :mod:`geodesicd.queries`."""
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from . import wire
 from .encoding import as_bound, computed_by, encode
 from .flows import Flow, Progress, ask
 from .points import PointsLike, points_of, some_points_of
-from .results import Extent, FloatArray, Isoline, Measure, Samples
+from .results import Extent, FloatArray, Isoline, Measure, Samples, Voronoi
 
 
 def isolines(
@@ -118,3 +119,33 @@ def extent(
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
     }
     return ask(encode(mesh, "extent", parameters), wire.extent_of_json, progress)
+
+
+def voronoi(
+    mesh: str,
+    sites: PointsLike,
+    *,
+    relax: int | None = None,
+    method: str | None = None,
+    points_per_edge: int | None = None,
+    bound: str | None = None,
+    tolerance: float | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[Voronoi]:
+    """The geodesic Voronoi diagram of some sites: for each the area, outline and centroid of what
+    is nearer to it than to the others; the bisectors between cells as lines on the surface; and
+    the geodesic Delaunay triangulation, a triangle for each three cells that meet. Areas add up to
+    the surface that any site reaches. A cell need hold no vertex. By ``method="exact"``, where the
+    surface can be laid flat, bisectors are right to rounding.
+
+    Args:
+        relax: rounds of Lloyd's algorithm before, each of which moves the sites to the centroids
+            of their cells: they spread evenly.
+    """
+    parameters = {
+        "from": points_of(sites),
+        "relax": relax,
+        **computed_by(method, points_per_edge, bound, tolerance, deadline),
+    }
+    return ask(encode(mesh, "voronoi", parameters), wire.voronoi_of_json, progress)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from .results import (
     Answer,
+    Bisector,
     Extent,
     Float64,
     FloatArray,
@@ -29,6 +30,7 @@ from .results import (
     Samples,
     SurfacePoint,
     Trace,
+    Voronoi,
 )
 
 _NONE = 0xFFFFFFFF  # in frames: no face, no label
@@ -300,6 +302,40 @@ def extent_of_json(reply: Reply) -> Extent:
         points=np.array([vertex["xyz"] for vertex in vertices], dtype=np.float64).reshape(-1, 3),
         fields=int(document["fields"]),
         part_vertices=int(document["part_vertices"]),
+    )
+
+
+def voronoi_of_json(reply: Reply) -> Voronoi:
+    """Cells, bisectors and triangles."""
+    document = reply.json()
+    cells, pairs, triangles = document["cells"], document["neighbors"], document["triangles"]
+
+    def column(rows: list[Any], name: str, kind: Any = np.float64) -> Any:
+        return np.array([row[name] for row in rows], dtype=kind)
+
+    nowhere = {"xyz": [math.nan] * 3}
+    return Voronoi(
+        sites=[surface_point(cell["site"]) for cell in cells],
+        points=column([cell["site"] for cell in cells], "xyz").reshape(-1, 3),
+        areas=column(cells, "area"),
+        perimeters=column(cells, "perimeter"),
+        boundaries=column(cells, "boundary"),
+        vertices=column(cells, "vertices", np.int64),
+        centroids=column([cell["centroid"] or nowhere for cell in cells], "xyz").reshape(-1, 3),
+        neighbors=column(pairs, "cells", np.int64).reshape(-1, 2),
+        lengths=column(pairs, "length"),
+        bisectors=[
+            Bisector(
+                cells=(int(line["cells"][0]), int(line["cells"][1])),
+                closed=bool(line["closed"]),
+                length=float(line["length"]),
+                points=np.array(line["points"], dtype=np.float64),
+            )
+            for line in document["bisectors"]
+        ],
+        triangles=column(triangles, "cells", np.int64).reshape(-1, 3),
+        corners=column([row["point"] for row in triangles], "xyz").reshape(-1, 3),
+        distances=column(triangles, "distance"),
     )
 
 

@@ -1,0 +1,138 @@
+// The cells of the nearest of some sites.
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/voronoi/voronoi.h"
+#include "proto/wire/query_limits.h"
+#include "server/base/timed.h"
+#include "server/query/field_queries.h"
+#include "server/query/place.h"
+#include "server/query/resolve_point.h"
+
+namespace geodesic::server {
+namespace {
+
+// The part of the time that the field of all sites takes, before those of each.
+constexpr double kFieldOfVoronoi = 0.2;
+
+void tell_cells(Voronoi&& found, const Mesh& mesh, const std::vector<Source>& sites,
+                proto::VoronoiReply& reply) {
+  reply.cells.clear();  // it may be run again
+  reply.triangles.clear();
+  for (std::size_t i = 0; i < found.cells.size(); ++i) {
+    const VoronoiCell& cell = found.cells[i];
+    auto& told = reply.cells.emplace_back();
+    told.site = reply_point(mesh, sites[i].point);
+    told.area = cell.area;
+    told.perimeter = cell.perimeter;
+    told.boundary = cell.boundary;
+    told.vertices = cell.vertices;
+    if (!cell.is_empty()) told.centroid = reply_point(mesh, cell.centroid);
+  }
+  for (const VoronoiVertex& vertex : found.bisectors.vertices) {
+    reply.triangles.push_back({vertex.sites, reply_point(mesh, vertex.point), vertex.distance});
+  }
+  reply.neighbours = std::move(found.neighbours);
+  reply.bisectors = std::move(found.bisectors.lines);
+}
+
+// What a drawing of the cells has, and a picture.
+Result<void> cut_cells(const Adjacency& adjacency, const NearSites& near, const Field& field,
+                       std::uint64_t most_triangles, proto::VoronoiReply& reply,
+                       const Cancel& cancel) {
+  constexpr std::uint64_t kCorners = 3 * sizeof(Vec3);
+  // Lists may have grown by doubling.
+  if (!cancel.may_take(2 * kCorners * most_triangles + field.distance.size() * sizeof(double))) {
+    return fail_stopped(cancel);
+  }
+  reply.drawn_cells.assign(reply.cells.size(), {});
+  auto cut = each_cell_triangle(
+      adjacency, near,
+      [&](std::uint32_t site, const std::array<Vec3, 3>& corners) {
+        auto& cell = reply.drawn_cells[site];
+        cell.insert(cell.end(), corners.begin(), corners.end());
+      },
+      cancel);
+  if (!cut) return cut;
+  Poll poll(cancel);
+  reply.distances.clear();
+  reply.distances.reserve(field.distance.size());
+  for (std::uint32_t v = 0; v < field.distance.size(); ++v) {
+    if (poll.cancelled()) return fail_stopped(poll);
+    reply.distances.push_back(field.distance[v]);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Answered<proto::VoronoiReply>> FieldQueries::answer(const std::string& mesh,
+                                                           const proto::VoronoiRequest& request,
+                                                           const Caller& caller) {
+  const auto place = find(mesh, request.method, caller);
+  if (!place) return fail(place.error());
+  Answered<proto::VoronoiReply> answer;
+  const auto adjacency = place->adjacency();
+  answer.adjacency = adjacency;
+  proto::VoronoiReply& reply = answer.reply;
+  reply.mesh = mesh;
+  reply.method = request.method.which;
+  reply.relax = request.relax;
+  reply.part = request.part.value_or(proto::VoronoiRequest::Part::cells);
+  auto sites = place->sources(request.from, reply.from, reply.warnings);
+  if (!sites) return fail(std::move(sites.error()));
+  // Each round takes as long as the cells at the end.
+  const double relaxing =
+      static_cast<double>(request.relax) / static_cast<double>(request.relax + 1);
+  const Method method = request.method.which;
+  const MethodOptions& options = request.method.options;
+  if (request.relax > 0) {
+    auto relaxed = fields_.compute(
+        [&](SolveScratch& scratch, const Cancel& cancel) {
+          const Timed solving(caller, Stage::solve);
+          return relax_sites(method, options, *adjacency, *sites, request.relax, scratch, cancel);
+        },
+        caller.part(0, relaxing));
+    if (!relaxed) return fail(std::move(relaxed.error()));
+    sites = std::move(*relaxed);
+  }
+  const double with_field = relaxing + (1 - relaxing) * kFieldOfVoronoi;
+  const Caller rest = caller.part(relaxing, with_field);
+  const auto field = fields_.whole({mesh, adjacency, request.method, *sites}, Details::none,
+                                   request.relax > 0 ? rest.finishing() : rest);
+  if (!field) return fail(field.error());
+  answer.cache_hit = field->hit;
+  const Caller last = caller.part(with_field, 1);
+  struct Found {
+    std::shared_ptr<const NearSites> near;
+    std::uint64_t segments = 0;
+  };
+  auto found = fields_.compute(
+      [&](SolveScratch& scratch, const Cancel& cancel) -> Result<Found> {
+        const Timed solving(caller, Stage::solve);
+        auto cells = voronoi(method, options, *adjacency, *field->value, proto::kMaxIsolineSegments,
+                             scratch, cancel);
+        if (!cells) return fail(std::move(cells.error()));
+        Found kept{cells->near, cells->bisectors.segments};
+        tell_cells(std::move(*cells), adjacency->mesh(), *sites, reply);
+        return kept;
+      },
+      field->hit&& request.relax == 0 ? last : last.finishing());
+  if (!found) {
+    if (found.error().code == ErrorCode::too_large) found.error().parameter = "from";
+    return fail(std::move(found.error()));
+  }
+  if (reply.part != proto::VoronoiRequest::Part::cells) return answer;
+  // A bisector through a part of a face makes two triangles more.
+  const std::uint64_t triangles = adjacency->mesh().face_count() + 2 * found->segments;
+  constexpr std::uint64_t kNumbersOfTriangle = 3;
+  answer.drawn_numbers = kNumbersOfTriangle * triangles;
+  answer.complete_drawing = [adjacency, near = found->near, kept = field->value, triangles](
+                                proto::VoronoiReply& to, const Cancel& cancel) {
+    return cut_cells(*adjacency, *near, *kept, triangles, to, cancel);
+  };
+  return answer;
+}
+
+}  // namespace geodesic::server
