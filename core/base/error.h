@@ -34,6 +34,7 @@ class ErrorCode {
   static const ErrorCode index_out_of_range;  // a vertex or face that the mesh does not have
   static const ErrorCode value_out_of_range;  // a number outside its domain
   static const ErrorCode no_hit;              // a ray misses the surface
+  static const ErrorCode no_loop;             // no closed curve where one was asked for
   static const ErrorCode unsupported;         // valid, but not offered by this version
   static const ErrorCode cancelled;           // whoever asked does not want the answer any more
   static const ErrorCode internal;            // a fault of ours
@@ -50,6 +51,7 @@ inline constexpr ErrorCode ErrorCode::too_many_faces{"too_many_faces"};
 inline constexpr ErrorCode ErrorCode::index_out_of_range{"index_out_of_range"};
 inline constexpr ErrorCode ErrorCode::value_out_of_range{"value_out_of_range"};
 inline constexpr ErrorCode ErrorCode::no_hit{"no_hit"};
+inline constexpr ErrorCode ErrorCode::no_loop{"no_loop"};
 inline constexpr ErrorCode ErrorCode::unsupported{"unsupported"};
 inline constexpr ErrorCode ErrorCode::cancelled{"cancelled"};
 inline constexpr ErrorCode ErrorCode::internal{"internal"};

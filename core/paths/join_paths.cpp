@@ -24,4 +24,16 @@ Path join_paths(std::span<const Path> paths) {
   return joined;
 }
 
+Path closed_path_along(const Mesh& mesh, std::span<const SurfacePoint> points) {
+  Path path;
+  if (points.empty()) return path;
+  path.points.reserve(points.size() + 1);
+  for (const SurfacePoint& point : points) path.points.push_back({point, position_of(mesh, point)});
+  path.points.push_back(path.points.front());
+  for (std::size_t i = 1; i < path.points.size(); ++i) {
+    path.length += distance(path.points[i - 1].position, path.points[i].position);
+  }
+  return path;
+}
+
 }  // namespace geodesic

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "core/paths/path.h"
+#include "core/surface/point.h"
 
 namespace geodesic {
 
@@ -12,5 +13,9 @@ namespace geodesic {
 // and are there once, in the face of the segment that leaves them. The lengths add
 // up; the source is that of the first path. No paths make a path without points.
 [[nodiscard]] Path join_paths(std::span<const Path> paths);
+
+// The closed path along points, each in the face of the segment that leaves it, and back to the
+// first, which is its last point again. No points make a path without points.
+[[nodiscard]] Path closed_path_along(const Mesh& mesh, std::span<const SurfacePoint> points);
 
 }  // namespace geodesic

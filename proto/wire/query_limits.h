@@ -12,6 +12,8 @@ inline constexpr std::size_t kMaxSources = 1000;
 inline constexpr std::size_t kMaxPoints = 100'000;
 // Each leg of a path has a field of its own.
 inline constexpr std::size_t kMaxVia = 100;
+// The same of a loop.
+inline constexpr std::size_t kMaxLoopPoints = 100;
 inline constexpr std::size_t kMaxTableEntries = 1'000'000;
 // Vertices and points on edges of `steiner`; some 800 MB.
 inline constexpr std::uint64_t kMaxSteinerNodes = 20'000'000;

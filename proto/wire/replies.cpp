@@ -411,6 +411,36 @@ std::string to_json(const TraceReply& reply, int digits, Poll* poll) {
   return out;
 }
 
+std::string to_json(const LoopReply& reply, int digits, Poll* poll) {
+  std::string out = opening(reply.mesh);
+  out.reserve(reply.points.size() * 160 + 1024);
+  if (reply.method) append_method(out, *reply.method);
+  out += ",\"start\":\"";
+  out += name_of(reply.start);
+  if (reply.start == LoopRequest::Start::plane) {
+    out += "\",\"at\":";
+    append_point(out, reply.asked.front(), digits);
+    out += ",\"normal\":";
+    append_xyz(out, reply.normal.value_or(Vec3{}), digits);
+    out += reply.is_hull ? ",\"hull\":true" : ",\"hull\":false";
+  } else {
+    out += "\",\"";
+    out += name_of(reply.start);
+    out += "\":";
+    append_points(out, reply.asked, digits, poll);
+  }
+  out += ",\"length\":";
+  append_bound(out, reply.length, digits, reply.bound);
+  append_member(out, "start_length", reply.start_length, digits);
+  out += reply.is_geodesic ? ",\"geodesic\":true" : ",\"geodesic\":false";
+  append_member(out, "turn", reply.turn.value_or(std::numeric_limits<double>::infinity()), digits);
+  out += ",\"points\":";
+  append_path_points(out, reply.points, digits, poll);
+  append_warnings(out, reply.warnings);
+  out += '}';
+  return out;
+}
+
 std::string to_json(const LogmapReply& reply, int digits, Poll* poll) {
   std::string out = opening(reply.mesh);
   append_method(out, reply.method);

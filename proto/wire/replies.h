@@ -184,6 +184,22 @@ struct TraceReply {
   Warnings warnings;
 };
 
+struct LoopReply {
+  std::string mesh;
+  LoopRequest::Start start = LoopRequest::Start::plane;
+  std::optional<Method> method;      // none of a plane
+  std::vector<ResolvedPoint> asked;  // `through`, `around` or `at`
+  std::optional<Vec3> normal;        // of a plane, as it was asked
+  bool is_hull = false;
+  double length = 0;           // mesh units
+  double start_length = 0;     // of what it was made of, before it was tightened
+  bool is_geodesic = false;    // locally shortest all round
+  std::optional<double> turn;  // degrees: the most that it is off straight ahead; none of a hull
+  Bound bound = Bound::none;   // upper: the length is rounded up where digits are cut
+  std::vector<PathReplyPoint> points;  // the last one is the first
+  Warnings warnings;
+};
+
 struct LogmapReply {
   std::string mesh;
   Method method = Method::wavefront;
@@ -217,6 +233,7 @@ struct NearestReply {
 [[nodiscard]] std::string to_json(const ExtentReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const VoronoiReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const TraceReply& reply, int digits, Poll* poll = nullptr);
+[[nodiscard]] std::string to_json(const LoopReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const LogmapReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const NearestReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string methods_json();

@@ -168,6 +168,42 @@ constexpr std::array<std::string_view, 4> kExtentNames{"diameter", "center", "me
 // By VoronoiRequest::Part.
 constexpr std::array<std::string_view, 3> kVoronoiParts{"cells", "bisectors", "delaunay"};
 
+// By LoopRequest::Start; a plane is told by the point that it goes through.
+constexpr std::array<std::string_view, 3> kLoopNames{"through", "around", "at"};
+
+// Which of them is given, which only one may be.
+Result<LoopRequest::Start> read_start(const Parameters& parameters) {
+  std::optional<std::size_t> start;
+  for (std::size_t i = 0; i < kLoopNames.size(); ++i) {
+    if (parameters.count(kLoopNames[i]) == 0) continue;
+    if (start) {
+      return fail(InputCode::bad_syntax, "only one of through, around and at",
+                  std::string(kLoopNames[i]));
+    }
+    start = i;
+  }
+  if (!start) {
+    return fail(InputCode::bad_syntax, "one of through, around and at is needed", "through");
+  }
+  return static_cast<LoopRequest::Start>(*start);
+}
+
+Result<void> read_plane(Parameters& parameters, LoopRequest& request) {
+  if (auto ok = read_point(parameters, "at", request.points.emplace_back()); !ok) return ok;
+  const auto normal = parameters.vector("normal");
+  if (!normal) return fail(normal.error());
+  if (!*normal) return missing("normal");
+  request.normal = **normal;
+  const auto hull = parameters.flag("hull");
+  if (!hull) return fail(hull.error());
+  request.hull = hull->value_or(false);
+  if (parameters.count("method") > 0) {
+    return fail(InputCode::unknown_parameter, "a plane needs no method: its section is no path",
+                "method");
+  }
+  return {};
+}
+
 // Ascending, each once.
 Result<void> check_levels(std::vector<double>& levels, const std::string& parameter) {
   for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -217,6 +253,10 @@ Result<void> read_levels(Parameters& parameters, IsolinesRequest& request) {
 
 std::string_view name_of(ExtentRequest::Of of) {
   return kExtentNames[static_cast<std::size_t>(of)];
+}
+
+std::string_view name_of(LoopRequest::Start start) {
+  return start == LoopRequest::Start::plane ? "plane" : kLoopNames[static_cast<std::size_t>(start)];
 }
 
 Result<void> parse_request(Parameters& parameters, DistanceRequest& request) {
@@ -349,6 +389,28 @@ Result<void> parse_request(Parameters& parameters, TraceRequest& request) {
   }
   request.length = **length;
   return {};
+}
+
+Result<void> parse_request(Parameters& parameters, LoopRequest& request) {
+  const auto start = read_start(parameters);
+  if (!start) return fail(start.error());
+  request.start = *start;
+  if (*start == LoopRequest::Start::plane) return read_plane(parameters, request);
+  for (const char* const name : {"normal", "hull"}) {
+    if (parameters.count(name) == 0) continue;
+    return fail(InputCode::unknown_parameter, "only a plane has this, with at and normal", name);
+  }
+  const bool is_through = *start == LoopRequest::Start::through;
+  const char* const name = is_through ? "through" : "around";
+  if (auto ok = read_points(parameters, name, kMaxLoopPoints, request.points); !ok) return ok;
+  const std::size_t least = is_through ? 2 : 3;
+  if (request.points.size() < least) {
+    return fail(ErrorCode::value_out_of_range,
+                "a loop " + std::string(name) + " points has " + std::to_string(least) +
+                    " of them at least",
+                name);
+  }
+  return read_method(parameters, Purpose::paths, request.method);
 }
 
 Result<void> parse_request(Parameters& parameters, LogmapRequest& request) {

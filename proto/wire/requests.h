@@ -96,6 +96,19 @@ struct TraceRequest {
   double length = 0;                 // mesh units, not negative
 };
 
+struct LoopRequest {
+  enum class Start : std::uint8_t {
+    through,  // the points, by shortest paths, which the loop keeps
+    around,   // the same to begin with
+    plane,    // the section through a point, or what it becomes
+  };
+  Start start = Start::plane;
+  std::vector<PointRequest> points;  // of a plane one, else 2 or more
+  Vec3 normal;                       // of the plane
+  bool hull = false;                 // of a plane: the convex hull of the section
+  MethodChoice method;               // of all but a plane
+};
+
 struct LogmapRequest {
   PointRequest from;
   double angle = 0;              // of the direction that becomes the x axis, radians
@@ -109,6 +122,7 @@ struct NearestRequest {
 
 // As clients write it.
 [[nodiscard]] std::string_view name_of(ExtentRequest::Of of);
+[[nodiscard]] std::string_view name_of(LoopRequest::Start start);
 
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, DistanceRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, PathRequest& request);
@@ -119,6 +133,7 @@ struct NearestRequest {
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, ExtentRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, VoronoiRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, TraceRequest& request);
+[[nodiscard]] Result<void> parse_request(Parameters& parameters, LoopRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, LogmapRequest& request);
 [[nodiscard]] Result<void> parse_request(Parameters& parameters, NearestRequest& request);
 
@@ -147,6 +162,7 @@ struct NearestRequest {
 [[nodiscard]] inline std::span<const Format> formats_of(const TraceRequest&) {
   return kPathFormats;
 }
+[[nodiscard]] inline std::span<const Format> formats_of(const LoopRequest&) { return kPathFormats; }
 [[nodiscard]] inline std::span<const Format> formats_of(const LogmapRequest&) {
   return kArraysOrSurface;
 }

@@ -43,6 +43,7 @@ constexpr std::array kRows{
     Row{InputCode::method_unknown, 422, "No such geodesic method"},
     Row{ServiceCode::snap_too_far, 422, "The surface is too far from the point"},
     Row{ErrorCode::no_hit, 422, "The ray misses the surface"},
+    Row{ErrorCode::no_loop, 422, "No such closed curve"},
     Row{ErrorCode::unsupported, 422, "Not offered"},
     Row{ServiceCode::digest_mismatch, 422, "The bytes do not have the given digest"},
     Row{ServiceCode::job_unknown, 404, "No such job"},

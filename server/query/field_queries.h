@@ -80,6 +80,10 @@ class FieldQueries {
   [[nodiscard]] Result<Answered<proto::TraceReply>> answer(const std::string& mesh,
                                                            const proto::TraceRequest& request,
                                                            const Caller& caller);
+  // Errors: no_loop, value_out_of_range (normal).
+  [[nodiscard]] Result<Answered<proto::LoopReply>> answer(const std::string& mesh,
+                                                          const proto::LoopRequest& request,
+                                                          const Caller& caller);
   // Errors: value_out_of_range (from: where directions have no angle).
   [[nodiscard]] Result<Answered<proto::LogmapReply>> answer(const std::string& mesh,
                                                             const proto::LogmapRequest& request,

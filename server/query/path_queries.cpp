@@ -1,16 +1,23 @@
 // Queries for ways over the surface.
+#include <cstdint>
+#include <memory>
+#include <numbers>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "core/locate/plane_section.h"
 #include "core/paths/join_paths.h"
 #include "core/solve/scratch_parts.h"
 #include "core/steiner/path.h"
+#include "core/straighten/loop_straightness.h"
 #include "core/straighten/refine_path.h"
 #include "core/straighten/shorten_path.h"
 #include "core/straighten/straightest_geodesic.h"
+#include "core/straighten/tighten_loop.h"
 #include "server/base/timed.h"
 #include "server/query/field_queries.h"
 #include "server/query/path_points.h"
@@ -24,26 +31,47 @@ using MaybePath = std::optional<Path>;
 // The part of a leg's time that its field takes.
 constexpr double kFieldOfLeg = 0.95;
 
+// In radians, what a closed geodesic may lack of pi on either side, for rounding.
+constexpr double kMostLack = 1e-6;
+
 // The way from one point to the next; nothing when there is none.
 class LegFinder {
  public:
   // `legs`: how many are to be found.
-  LegFinder(Fields& fields, const proto::PathRequest& request, const Caller& caller,
-            std::size_t legs)
-      : fields_(fields), request_(request), caller_(caller), legs_(static_cast<double>(legs)) {}
+  LegFinder(Fields& fields, const proto::MethodChoice& method, proto::Refine refine,
+            const Caller& caller, std::size_t legs)
+      : fields_(fields),
+        method_(method),
+        refine_(refine),
+        caller_(caller),
+        legs_(static_cast<double>(legs)) {}
 
   // Whether all the fields asked for were there; nothing when none was asked for.
   [[nodiscard]] std::optional<bool> cache_hit() const { return hit_; }
 
+  // From each point to the next; ends before the first that is not to be reached.
+  Result<std::vector<Path>> find_all(const std::string& mesh,
+                                     const std::shared_ptr<const Adjacency>& adjacency,
+                                     const std::vector<SurfacePoint>& points) {
+    std::vector<Path> legs;
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      auto leg = find({mesh, adjacency, method_, {Source{points[i - 1], 0}}}, points[i]);
+      if (!leg) return fail(std::move(leg.error()));
+      if (!*leg) break;
+      legs.push_back(std::move(**leg));
+    }
+    return legs;
+  }
+
+ private:
   Result<MaybePath> find(const FieldQuestion& question, const SurfacePoint& to) {
-    auto leg = request_.method.which == Method::steiner             ? by_refinement(question, to)
+    auto leg = method_.which == Method::steiner                     ? by_refinement(question, to)
                : fields_.is_to_be_searched(question, Details::kept) ? by_search(question, to)
                                                                     : by_field(question, to);
     found_ += 1;
     return leg;
   }
 
- private:
   // Only where the path can be.
   Result<MaybePath> by_search(const FieldQuestion& question, const SurfacePoint& to) {
     hit_ = false;
@@ -80,7 +108,7 @@ class LegFinder {
         [&](SolveScratch& scratch, const Cancel& cancel) -> Result<MaybePath> {
           const Timed tracing(caller_, Stage::trace);
           auto path = steiner_path(*question.adjacency, question.sources.front(), to,
-                                   request_.method.options, scratch.parts().wavefront, cancel);
+                                   method_.options, scratch.parts().wavefront, cancel);
           if (!path) return fail(std::move(path.error()));
           if (!*path || !is_refined()) return path;
           auto shorter = shorten_path(*question.adjacency, **path, cancel);
@@ -94,15 +122,59 @@ class LegFinder {
     return caller_.part((found_ + begin) / legs_, (found_ + end) / legs_);
   }
 
-  [[nodiscard]] bool is_refined() const { return request_.refine != proto::Refine::none; }
+  [[nodiscard]] bool is_refined() const { return refine_ != proto::Refine::none; }
 
   Fields& fields_;
-  const proto::PathRequest& request_;
+  const proto::MethodChoice& method_;
+  const proto::Refine refine_;
   const Caller& caller_;
   const double legs_;
   double found_ = 0;
   std::optional<bool> hit_;
 };
+
+// The part of a loop's time that its legs take.
+constexpr double kLegsOfLoop = 0.9;
+
+// The corners of the section's convex hull, which the segments between them need not touch.
+Result<Path> hull_of(const Mesh& mesh, const Path& section, Vec3 normal, const Cancel& cancel) {
+  std::vector<Vec3> positions;
+  for (const PathPoint& point : section.points) positions.push_back(point.position);
+  positions.pop_back();  // the first again
+  const auto corners = hull_in_plane(positions, normal, cancel);
+  if (!corners) return fail(corners.error());
+  std::vector<SurfacePoint> hull;
+  for (const std::uint32_t corner : *corners) hull.push_back(section.points[corner].point);
+  return closed_path_along(mesh, hull);
+}
+
+// The loop that is asked for, and what the reply says of its shape. `legs` are from point to point
+// and back to the first; none of a plane.
+Result<Path> find_loop(const Adjacency& adjacency, const proto::LoopRequest& request,
+                       const std::vector<SurfacePoint>& points, const std::vector<Path>& legs,
+                       proto::LoopReply& reply, const Cancel& cancel) {
+  using Start = proto::LoopRequest::Start;
+  Path loop;
+  if (request.start == Start::plane) {
+    const auto section = plane_section(adjacency, points.front(), request.normal, cancel);
+    if (!section) return fail(section.error());
+    loop = closed_path_along(adjacency.mesh(), *section);
+  } else {
+    loop = join_paths(legs);
+  }
+  reply.start_length = loop.length;
+  if (request.hull) return hull_of(adjacency.mesh(), loop, request.normal, cancel);
+  if (request.start != Start::through) {
+    auto tight = tighten_loop(adjacency, loop, cancel);
+    if (!tight) return fail(std::move(tight.error()));
+    loop = std::move(tight->path);
+  }
+  const auto straightness = straightness_of_loop(adjacency, loop, cancel);
+  if (!straightness) return fail(straightness.error());
+  reply.turn = straightness->turn * 180 / std::numbers::pi;
+  reply.is_geodesic = straightness->lack <= kMostLack;
+  return loop;
+}
 
 std::string_view name_of(StraightestGeodesic::End end) {
   switch (end) {
@@ -143,20 +215,69 @@ Result<Answered<proto::PathReply>> FieldQueries::answer(const std::string& mesh,
   reply.via.erase(reply.via.begin());
   reply.via.pop_back();
 
-  LegFinder finder(fields_, request, caller, points->size() - 1);
-  std::vector<Path> legs;
-  for (std::size_t i = 1; i < points->size(); ++i) {
-    const Source start{(*points)[i - 1], 0};
-    auto leg = finder.find({mesh, place->adjacency(), request.method, {start}}, (*points)[i]);
-    if (!leg) return fail(std::move(leg.error()));
-    answer.cache_hit = finder.cache_hit();
-    if (!*leg) return answer;  // not reachable
-    legs.push_back(std::move(**leg));
-  }
-  const Path path = join_paths(legs);
+  LegFinder finder(fields_, request.method, request.refine, caller, points->size() - 1);
+  const auto legs = finder.find_all(mesh, place->adjacency(), *points);
+  if (!legs) return fail(legs.error());
+  answer.cache_hit = finder.cache_hit();
+  if (legs->size() + 1 < points->size()) return answer;  // not reachable
+  const Path path = join_paths(*legs);
   reply.reachable = true;
   reply.length = path.length;
   reply.points = path_points(*place->adjacency(), path);
+  return answer;
+}
+
+Result<Answered<proto::LoopReply>> FieldQueries::answer(const std::string& mesh,
+                                                        const proto::LoopRequest& request,
+                                                        const Caller& caller) {
+  const bool has_legs = request.start != proto::LoopRequest::Start::plane;
+  const auto place = has_legs ? find(mesh, request.method, caller) : find(mesh, caller);
+  if (!place) return fail(place.error());
+  Answered<proto::LoopReply> answer;
+  answer.adjacency = place->adjacency();
+  proto::LoopReply& reply = answer.reply;
+  reply.mesh = mesh;
+  reply.start = request.start;
+  reply.is_hull = request.hull;
+  const auto points = place->points(request.points, reply.asked, reply.warnings);
+  if (!points) return fail(points.error());
+  std::vector<Path> legs;
+  if (has_legs) {
+    reply.method = request.method.which;
+    std::vector<SurfacePoint> round = *points;
+    round.push_back(round.front());
+    const Caller walker = caller.part(0, kLegsOfLoop);
+    LegFinder finder(fields_, request.method, proto::Refine::shortest, walker, points->size());
+    auto found = finder.find_all(mesh, place->adjacency(), round);
+    if (!found) return fail(std::move(found.error()));
+    answer.cache_hit = finder.cache_hit();
+    legs = std::move(*found);
+    if (legs.size() < points->size()) {
+      return fail(ErrorCode::no_loop, "no way leads from this point to the next one",
+                  request.points[legs.size()].parameter);
+    }
+    // What is tightened is no method's any more.
+    if (request.start == proto::LoopRequest::Start::through) {
+      reply.bound = proto::bound_of(request.method);
+    }
+  } else {
+    reply.normal = request.normal;
+  }
+  auto loop = fields_.compute(
+      [&](SolveScratch&, const Cancel& cancel) {
+        const Timed tracing(caller, Stage::trace);
+        return find_loop(*place->adjacency(), request, *points, legs, reply, cancel);
+      },
+      has_legs ? caller.part(kLegsOfLoop, 1) : caller);
+  if (!loop) {
+    // Where the plane is to blame, the error says so.
+    if (loop.error().code == ErrorCode::no_loop && loop.error().parameter.empty()) {
+      loop.error().parameter = has_legs ? name_of(request.start) : "at";
+    }
+    return fail(std::move(loop.error()));
+  }
+  reply.length = loop->length;
+  reply.points = path_points(*place->adjacency(), *loop);
   return answer;
 }
 

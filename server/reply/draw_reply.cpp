@@ -203,6 +203,18 @@ Result<HttpResponse> draw(const Answered<proto::TraceReply>& answer,
   return response;
 }
 
+Result<HttpResponse> draw(const Answered<proto::LoopReply>& answer,
+                          const proto::ReplyFormat& format, const Cancel& cancel) {
+  const proto::LoopReply& reply = answer.reply;
+  std::vector<Vec3> targets;
+  for (std::size_t i = 1; i < reply.asked.size(); ++i) targets.push_back(reply.asked[i].xyz);
+  auto response = draw_line(answer.adjacency->mesh(), "loop", reply.points, reply.asked.front().xyz,
+                            std::move(targets), format, cancel);
+  if (response) response->set_header("Geo-Length", header_number(reply.length));
+  if (response) add_cache_header(*response, answer.cache_hit);
+  return response;
+}
+
 Result<HttpResponse> draw(const Answered<proto::LogmapReply>& answer, const proto::ReplyFormat&,
                           const Cancel& cancel) {
   const Mesh& mesh = answer.adjacency->mesh();

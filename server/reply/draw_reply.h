@@ -25,6 +25,10 @@ namespace geodesic::server {
                                         const proto::ReplyFormat& format, const Cancel& cancel);
 [[nodiscard]] Result<HttpResponse> draw(const Answered<proto::TraceReply>& answer,
                                         const proto::ReplyFormat& format, const Cancel& cancel);
+// GLB: the loop as a line strip that ends where it begins. PNG: the same on the surface, with the
+// points that were asked for.
+[[nodiscard]] Result<HttpResponse> draw(const Answered<proto::LoopReply>& answer,
+                                        const proto::ReplyFormat& format, const Cancel& cancel);
 // GLB: the faces whose corners all have a place, with these as texture coordinates: the square
 // [0, 1]^2 is that about the circle of the reply's radius, its middle the point, u to the right and
 // v down.

@@ -209,6 +209,12 @@ Result<HttpResponse> encode(Answered<proto::TableReply> answer, const proto::Rep
   return whole(std::move(response), answer.cache_hit, poll);
 }
 
+Result<HttpResponse> encode(Answered<proto::LoopReply> answer, const proto::ReplyFormat& format,
+                            const Cancel& cancel) {
+  Poll poll(cancel);
+  return whole(encode_line(std::move(answer.reply), format, true, poll), answer.cache_hit, poll);
+}
+
 Result<HttpResponse> encode(Answered<proto::LogmapReply> answer, const proto::ReplyFormat& format,
                             const Cancel& cancel) {
   Poll poll(cancel);

@@ -46,6 +46,8 @@ struct ReplySize {
                                 const proto::ReplyFormat& format);
 [[nodiscard]] ReplySize size_of(const Answered<proto::VoronoiReply>& answer,
                                 const proto::ReplyFormat& format);
+[[nodiscard]] ReplySize size_of(const Answered<proto::LoopReply>& answer,
+                                const proto::ReplyFormat& format);
 [[nodiscard]] ReplySize size_of(const Answered<proto::LogmapReply>& answer,
                                 const proto::ReplyFormat& format);
 [[nodiscard]] ReplySize size_of(const Answered<proto::NearestReply>& answer,
@@ -63,6 +65,8 @@ struct ReplySize {
 [[nodiscard]] Result<HttpResponse> encode(Answered<proto::TraceReply> answer,
                                           const proto::ReplyFormat& format, const Cancel& cancel);
 [[nodiscard]] Result<HttpResponse> encode(Answered<proto::TableReply> answer,
+                                          const proto::ReplyFormat& format, const Cancel& cancel);
+[[nodiscard]] Result<HttpResponse> encode(Answered<proto::LoopReply> answer,
                                           const proto::ReplyFormat& format, const Cancel& cancel);
 [[nodiscard]] Result<HttpResponse> encode(Answered<proto::LogmapReply> answer,
                                           const proto::ReplyFormat& format, const Cancel& cancel);

@@ -102,6 +102,12 @@ ReplySize size_of(const Answered<proto::VoronoiReply>& answer, const proto::Repl
   return size_by(numbers, answer, format);
 }
 
+ReplySize size_of(const Answered<proto::LoopReply>& answer, const proto::ReplyFormat& format) {
+  return size_by(kNumbersOfLinePoint * answer.reply.points.size() +
+                     kNumbersOfPoint * answer.reply.asked.size(),
+                 answer, format);
+}
+
 ReplySize size_of(const Answered<proto::LogmapReply>& answer, const proto::ReplyFormat& format) {
   return size_by(answer.numbers + kNumbersOfPoint, answer, format);
 }

@@ -19,9 +19,9 @@
 namespace geodesic::server {
 
 // The queries on a mesh, by the last segment of their paths.
-inline constexpr std::array<std::string_view, 11> kQueries{
+inline constexpr std::array<std::string_view, 12> kQueries{
     "distance", "path",    "table", "isolines", "samples", "measure",
-    "extent",   "voronoi", "trace", "logmap",   "nearest"};
+    "extent",   "voronoi", "trace", "loop",     "logmap",  "nearest"};
 
 // Lines of a batch, each of which is answered.
 inline constexpr std::size_t kMaxBatchLines = 100'000;

@@ -108,6 +108,9 @@ bool depends_on_caches(const Request&) {
 bool depends_on_caches(const proto::DistanceRequest& request) { return !request.at.empty(); }
 bool depends_on_caches(const proto::PathRequest&) { return true; }
 bool depends_on_caches(const proto::TableRequest&) { return true; }
+bool depends_on_caches(const proto::LoopRequest& request) {
+  return request.start != proto::LoopRequest::Start::plane;
+}
 
 template <class Request>
 std::string tag_of(const Request& request, const std::string& identity) {
@@ -259,6 +262,7 @@ Result<HttpResponse> Routes::answer_any_query(const Query& query) {
       {"extent", &Routes::answer_query<proto::ExtentRequest>},
       {"voronoi", &Routes::answer_query<proto::VoronoiRequest>},
       {"trace", &Routes::answer_query<proto::TraceRequest>},
+      {"loop", &Routes::answer_query<proto::LoopRequest>},
       {"logmap", &Routes::answer_query<proto::LogmapRequest>},
       {"nearest", &Routes::answer_query<proto::NearestRequest>},
   }};

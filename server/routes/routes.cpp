@@ -292,6 +292,7 @@ HttpResponse Routes::status() {
         {"max_sources", proto::kMaxSources},
         {"max_points", proto::kMaxPoints},
         {"max_via", proto::kMaxVia},
+        {"max_loop_points", proto::kMaxLoopPoints},
         {"max_table_entries", proto::kMaxTableEntries},
         {"max_steiner_nodes", proto::kMaxSteinerNodes},
         {"max_levels", proto::kMaxLevels},

@@ -12,7 +12,7 @@ import bodies
 
 UPLOADS = ("uploadMesh", "putMesh")
 # Of these parameters exactly one is needed, which the document can only say in words.
-NEEDED = {"getIsolines": ["levels"], "getTrace": ["direction"]}
+NEEDED = {"getIsolines": ["levels"], "getTrace": ["direction"], "getLoop": ["through"]}
 
 
 class Walk:

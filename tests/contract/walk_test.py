@@ -162,12 +162,15 @@ def wrong_values(operation):
     """Requests that parse and cannot be: (query, body), each wrong in one way."""
     query = least_query(operation)
     body = next((value for _, value in operation.example_bodies()), None)
-    point = {"nearest": "point"}.get(operation.path.rsplit("/", 1)[1], "from")
+    point = {"nearest": "point", "loop": "through"}.get(operation.path.rsplit("/", 1)[1], "from")
     for text in (f"v:{BEYOND}", "p:1e61,0,0", "ray:0,0,9,0,0,1"):
         if isinstance(body, dict):
             yield [], {**body, point: text}
         elif any(name in (point, "from") for name, _ in query):
             yield [(k, v) for k, v in query if k != point] + [(point, text)], None
+    if point == "through":  # the whole of the plane is in this one
+        flat = {"at": "v:0", "normal": "0,0,1"}
+        yield ([], flat) if isinstance(body, dict) else (list(flat.items()), None)
     if isinstance(body, dict):
         yield [], {**body, "method": "none"} if point == "from" else {**body, "precision": 99}
         yield [], {**body, point: {"xyz": [1, 1, 50], "max_snap": 0.1}}

@@ -8,10 +8,14 @@
 #include <utility>
 #include <vector>
 
+#include "core/locate/plane_section.h"
+#include "core/paths/join_paths.h"
 #include "core/paths/trace_path.h"
 #include "core/solve/solve_field.h"
 #include "core/straighten/log_map.h"
 #include "core/voronoi/voronoi.h"
+#include "core/straighten/loop_straightness.h"
+#include "core/straighten/tighten_loop.h"
 #include "tests/fuzz/small_soup.h"
 
 namespace geodesic::fuzz {
@@ -70,6 +74,48 @@ void check_cells(const Adjacency& adjacency, const SurfacePoint& from) {
   }
 }
 
+// Whatever a loop begins as, it ends closed and no longer, or contracts.
+void check_loop(const Adjacency& adjacency, const Path& start, double slack) {
+  const auto tight = tighten_loop(adjacency, start, Cancel());
+  if (!tight) {
+    expect(tight.error().code == ErrorCode::no_loop, "only a loop that contracts");
+    return;
+  }
+  const Path& loop = tight->path;
+  expect(!loop.points.empty(), "a loop has points");
+  expect(distance(loop.points.front().position, loop.points.back().position) <= slack,
+         "a loop is closed");
+  expect(loop.length <= start.length, "no loop becomes longer");
+  const auto straightness = straightness_of_loop(adjacency, loop, Cancel());
+  expect(straightness && straightness->turn >= 0 && straightness->lack >= 0, "a loop has turns");
+}
+
+// Through three vertices, and where a plane cuts the surface at one of them.
+void check_loops(const Adjacency& adjacency, std::uint32_t first, std::uint8_t which,
+                 double slack) {
+  const Mesh& mesh = adjacency.mesh();
+  const Triangle& others = mesh.faces()[which / 3U % mesh.face_count()];
+  std::vector<Path> legs;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::uint32_t from = i == 0 ? first : others[i - 1];
+    const std::uint32_t to = i == 2 ? first : others[i];
+    const Field field =
+        field_of(Method::dijkstra, adjacency, {point_at_vertex(adjacency, from), 0});
+    auto leg = trace_path(adjacency, field, point_at_vertex(adjacency, to), Cancel());
+    if (!leg || !*leg) break;
+    legs.push_back(std::move(**leg));
+  }
+  if (legs.size() == 3) check_loop(adjacency, join_paths(legs), slack);
+  const Vec3 normal{1.0 + which % 3U, 0.5 - which % 5U, 0.25 * (which % 7U)};
+  const auto section =
+      plane_section(adjacency, point_at_vertex(adjacency, first), normal, Cancel());
+  if (section) {
+    check_loop(adjacency, closed_path_along(mesh, *section), slack);
+  } else {
+    expect(section.error().code == ErrorCode::no_loop, "only an open section");
+  }
+}
+
 }  // namespace
 
 void fuzz_methods(Input input) {
@@ -104,6 +150,7 @@ void fuzz_methods(Input input) {
   }
   check_log_map(adjacency, exact, source.point, slack);
   check_cells(adjacency, source.point);
+  check_loops(adjacency, vertex, which, slack);
   for (const Method method :
        {Method::wavefront, Method::novotni, Method::fast_marching, Method::steiner}) {
     const Field field = field_of(method, adjacency, source);

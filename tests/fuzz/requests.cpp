@@ -62,6 +62,7 @@ void parse_all(const auto& parameters_of) {
   parse<proto::MeasureRequest>(parameters_of);
   parse<proto::ExtentRequest>(parameters_of);
   parse<proto::VoronoiRequest>(parameters_of);
+  parse<proto::LoopRequest>(parameters_of);
   parse<proto::LogmapRequest>(parameters_of);
   parse<proto::NearestRequest>(parameters_of);
 }

@@ -35,7 +35,7 @@ LATE = 2.0  # more seconds, on a machine with much else to do
 CLIENTS = 2
 MIB = 1 << 20
 # A question that has no answer on such a surface is not refused for a limit.
-NO_ANSWER = ("no_hit", "mesh_invalid")
+NO_ANSWER = ("no_hit", "no_loop", "mesh_invalid")
 METHODS = [
     {"method": name}
     for name in ("wavefront", "novotni", "fast_marching", "dijkstra", "exact", "chen_han", "steiner", "auto")
@@ -220,10 +220,12 @@ def questions(chance, vertices, faces, method):
     found.append(("voronoi", {"from": spots, "relax": 1}))
     found.append(("logmap", {"from": spots[0], "radius": 0.5}))
     found.append(("logmap", {"from": spots[1]}))
+    found.append(("loop", {"through": spots[:4]}))
+    found.append(("loop", {"around": spots[-4:]}))
     chance.shuffle(found)
     # Paths have no tolerance.
     return [(query, {**method, **asked}) for query, asked in found
-            if query not in ("path", "logmap") or "tolerance" not in method]  # fmt: skip
+            if query not in ("path", "loop", "logmap") or "tolerance" not in method]  # fmt: skip
 
 
 def plain_questions(chance, vertices, faces):
@@ -237,6 +239,8 @@ def plain_questions(chance, vertices, faces):
     for spot in spots:
         found.append(("trace", {"from": spot, "angle": f"{chance.uniform(-7, 7):.6f}", "length": 10}))
         found.append(("trace", {"from": spot, "direction": "-1,0.01,0", "length": 1000}))
+        found.append(("loop", {"at": spot, "normal": "0.3,0.01,1"}))
+        found.append(("loop", {"at": spot, "normal": "1,0.2,0.1", "hull": 1}))
     return found
 
 

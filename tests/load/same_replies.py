@@ -54,6 +54,10 @@ def systematic(vertices):
     yield "/extent?of=mean&fields=3"
     yield "/voronoi?from=f:0,0.3,0.3&from=v:5&from=v:9&relax=2"
     yield "/voronoi?from=v:5&from=v:9&part=cells"
+    yield "/loop?through=v:0&through=v:7&through=f:0,0.3,0.3"
+    yield "/loop?around=v:0&around=v:7&around=v:20"
+    yield "/loop?at=f:0,0.3,0.3&normal=0.2,0.3,1"
+    yield "/loop?at=v:9&normal=1,0.1,0.2&hull=1"
     yield "/logmap?from=f:0,0.3,0.3&radius=3"
     yield "/distance?from=v:0&labels=1&format=annotated"
 

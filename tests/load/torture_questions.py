@@ -76,7 +76,17 @@ def parameters_of(chance, mesh, query):
         else:
             asked["direction"] = ",".join(f"{chance.uniform(-1, 1):.4g}" for _ in range(3))
         return asked, ["json", "json", "json", "f64", "glb"]
+    if query == "loop" and chance.random() < 0.5:
+        asked = {"at": point_of(chance, mesh)}
+        asked["normal"] = ",".join(f"{chance.uniform(-1, 1):.4g}" for _ in range(3))
+        if chance.random() < 0.5:
+            asked["hull"] = 1
+        return asked, ["json", "json", "frame", "glb"]
     asked = method_of(chance)
+    if query == "loop":
+        asked.pop("tolerance", None)
+        asked[chance.choice(["through", "around"])] = [point_of(chance, mesh) for _ in range(3)]
+        return asked, ["json", "json", "f64", "glb"]
     if query == "path":
         asked |= {"from": point_of(chance, mesh), "to": point_of(chance, mesh)}
         asked.pop("tolerance", None)
@@ -133,7 +143,7 @@ def parameters_of(chance, mesh, query):
 
 QUERIES = ["distance"] * 4 + ["path"] * 4
 QUERIES += ["table", "isolines", "samples", "measure", "extent", "voronoi"]
-QUERIES += ["trace", "trace", "logmap", "nearest"]
+QUERIES += ["trace", "trace", "loop", "logmap", "nearest"]
 
 
 def question_about(chance, mesh):

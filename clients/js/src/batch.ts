@@ -18,6 +18,7 @@ interface Taken {
   extent: queries.ExtentQuery;
   voronoi: queries.VoronoiQuery;
   trace: queries.TraceQuery;
+  loop: queries.LoopQuery;
   logmap: queries.LogmapQuery & { precision?: number };
   nearest: queries.NearestQuery;
 }
@@ -32,6 +33,7 @@ interface Given {
   extent: Schemas['ExtentReply'];
   voronoi: Schemas['VoronoiReply'];
   trace: Schemas['TraceReply'];
+  loop: Schemas['LoopReply'];
   logmap: Schemas['LogmapReply'];
   nearest: Schemas['NearestReply'];
 }

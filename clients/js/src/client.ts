@@ -190,6 +190,11 @@ export class GeodesicClient {
     return this.#run(planOf(id, { query: 'trace', ...query }, options));
   }
 
+  /** A closed curve: through points, a closed geodesic round something, or a tape about a section. */
+  loop(id: string, query: queries.LoopQuery, options: QueryOptions = {}): Promise<queries.Loop> {
+    return this.#run(planOf(id, { query: 'loop', ...query }, options));
+  }
+
   /** The surface round a point, laid into the plane: for decals and patterns about it. */
   logmap(id: string, query: queries.LogmapQuery, options: QueryOptions = {}): Promise<queries.Logmap> {
     return this.#run(planOf(id, { query: 'logmap', ...query }, options));
@@ -236,7 +241,7 @@ export class GeodesicClient {
     return batch(this.#transport, id, asked, options);
   }
 
-  /** A PNG of a field, a path or a trace, drawn by the server. */
+  /** A PNG of a field, a path, a trace or a loop, drawn by the server. */
   picture(id: string, query: queries.PictureQuery, options: QueryOptions = {}): Promise<Blob> {
     return this.#run(planOf(id, { query: 'picture', ...query }, options));
   }

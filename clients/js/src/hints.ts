@@ -15,6 +15,7 @@ const OF_CODE: Partial<Record<ErrorCode, string>> = {
   format_unknown: 'three.js loads other formats, and upload takes its BufferGeometry',
   snap_too_far: 'Are units and axes those of the mesh? If so, give a larger max_snap',
   no_hit: "The mesh's bbox says where it is",
+  no_loop: 'A loop goes round a handle, a waist or a limb; a path needs none',
   store_full: `${NO_USE}delete meshes, or give the server a larger --store-max-bytes or disk`,
   deadline: 'Give a longer deadlineMs, or a method that is faster',
   request_timeout: 'The request came too slowly: ask again, or over a faster network',

@@ -16,7 +16,7 @@ export interface Plan<T> {
 /** Longer targets go as JSON: proxies and caches refuse long ones, each at its own bound. */
 const LONGEST_TARGET = 2000;
 
-const POINTS = new Set(['from', 'to', 'via', 'at', 'point']);
+const POINTS = new Set(['from', 'to', 'via', 'at', 'point', 'through', 'around']);
 
 /** The path of a mesh or of what is below it. */
 export function meshPath(id: string, below = ''): string {
@@ -60,7 +60,7 @@ export function parametersInJson(parameters: object): Record<string, unknown> {
 function inUrl(entries: [string, unknown][]): string | undefined {
   const search = new URLSearchParams();
   for (const [name, value] of entries) {
-    if (name === 'direction') {
+    if (name === 'direction' || name === 'normal') {
       search.append(name, Array.isArray(value) ? value.join(',') : String(value));
       continue;
     }
@@ -112,6 +112,7 @@ const PLANS: Record<keyof Queries, Planner> = {
   isolines: json('isolines'),
   nearest: json('nearest'),
   trace: json('trace'),
+  loop: json('loop'),
   samples: json('samples'),
   measure: json('measure'),
   extent: json('extent'),

@@ -84,6 +84,22 @@ export interface TraceQuery extends InDigits {
   length: number;
 }
 
+/** Exactly one of `through`, `around` and `at`; `normal` and `hull` only with `at`. */
+export interface LoopQuery extends ByMethod, InDigits {
+  /** Two points or more, joined by shortest paths in this order, and back to the first. */
+  through?: readonly Point[];
+  /** Three points or more, joined likewise and tightened to a closed geodesic. */
+  around?: readonly Point[];
+  /** Where a plane cuts the surface in a closed curve, which is tightened likewise. */
+  at?: Point;
+  /** At a right angle to the plane, of any length. */
+  normal?: Xyz | string;
+  /** The convex hull of the section instead, as a tape lies round hollows. */
+  hull?: boolean;
+  /** Only with the method `steiner`. */
+  tolerance?: Schemas['Tolerance'];
+}
+
 export interface LogmapQuery extends ByMethod {
   from: Point;
   /** What is farther has no place; without it all has one that a path leads to. */
@@ -141,6 +157,7 @@ export type PictureQuery = Drawing &
     | Of<'path', PathQuery>
     | Of<'voronoi', VoronoiQuery>
     | Of<'trace', TraceQuery>
+    | Of<'loop', LoopQuery>
   );
 
 export type GlbQuery =
@@ -152,6 +169,7 @@ export type GlbQuery =
       | Of<'measure', MeasureQuery>
       | Of<'voronoi', VoronoiQuery & { part?: Schemas['VoronoiPart'] }>
       | Of<'trace', TraceQuery>
+      | Of<'loop', LoopQuery>
       | Of<'logmap', LogmapQuery>
     ) & { colormap?: Schemas['ColourMap'] });
 
@@ -165,7 +183,8 @@ type Bare =
   | Of<'distance', FieldQuery & { at?: OneOrMore<Point> }>
   | Of<'path', PathQuery>
   | Of<'table', TableQuery>
-  | Of<'trace', TraceQuery>;
+  | Of<'trace', TraceQuery>
+  | Of<'loop', LoopQuery>;
 export type ArrayFormat = 'f32' | 'f64' | 'u16' | 'npy';
 /** A query whose reply is one bare array; `u16` is for `distance` and `table` only. */
 export type ArrayQuery = Bare & { format: ArrayFormat };
@@ -214,6 +233,7 @@ export type Path = Schemas['PathReply'] & Told;
 export type Isolines = Schemas['IsolinesReply'] & Told;
 export type Nearest = Schemas['NearestReply'] & Told;
 export type Trace = Schemas['TraceReply'] & Told;
+export type Loop = Schemas['LoopReply'] & Told;
 export type Samples = Schemas['SamplesReply'] & Told;
 export type Measure = Schemas['MeasureReply'] & Told;
 export type Extent = Schemas['ExtentReply'] & Told;
@@ -272,6 +292,7 @@ export interface Queries {
   isolines: { takes: IsolinesQuery; gives: Isolines };
   nearest: { takes: NearestQuery; gives: Nearest };
   trace: { takes: TraceQuery; gives: Trace };
+  loop: { takes: LoopQuery; gives: Loop };
   logmap: { takes: LogmapQuery; gives: Logmap };
   samples: { takes: SamplesQuery; gives: Samples };
   measure: { takes: MeasureQuery; gives: Measure };

@@ -127,6 +127,7 @@ async function natural(
     case 'isolines':
     case 'nearest':
     case 'trace':
+    case 'loop':
     case 'logmap':
     case 'samples':
     case 'measure':

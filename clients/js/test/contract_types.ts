@@ -17,6 +17,7 @@ export const checks: {
   isolines: Same<keyof client.IsolinesQuery, Names<Schemas['IsolinesRequest']>>;
   nearest: Same<keyof client.NearestQuery, Names<Schemas['NearestRequest']>>;
   trace: Same<keyof client.TraceQuery, Names<Schemas['TraceRequest']>>;
+  loop: Same<keyof client.LoopQuery, Names<Schemas['LoopRequest']>>;
   logmap: Same<keyof client.LogmapQuery | 'precision', Names<Schemas['LogmapRequest']>>;
   measure: Same<keyof client.MeasureQuery, Names<Schemas['MeasureRequest']>>;
   extent: Same<keyof client.ExtentQuery, Names<Schemas['ExtentRequest']>>;
@@ -32,6 +33,7 @@ export const checks: {
   isolines: true,
   nearest: true,
   trace: true,
+  loop: true,
   logmap: true,
   measure: true,
   extent: true,

@@ -14,7 +14,7 @@ function warning(sentences: readonly string[], inBody: boolean): GeodesicClient 
   const warned: typeof fetch = async (input, init) => {
     const reply = await fetch(input, init);
     const headers = new Headers(reply.headers);
-    if (sentences.length && /\/(distance|path|table|isolines|nearest|trace|logmap|samples|measure|voronoi)\b/.test(String(input))) {
+    if (sentences.length && /\/(distance|path|table|isolines|nearest|trace|loop|logmap|samples|measure|voronoi)\b/.test(String(input))) {
       headers.set('Geo-Warnings', sentences.join('; '));
     }
     const isJson = headers.get('Content-Type')?.startsWith('application/json');
@@ -37,6 +37,7 @@ const WAYS: Record<string, (by: GeodesicClient) => Promise<{ warnings: string[] 
   isolines: (by) => by.isolines(plane, { from: 0, count: 3 }),
   nearest: (by) => by.nearest(plane, { point: { xyz: [1, 2, 30] } }),
   'a trace': (by) => by.trace(plane, { from: 50, direction: [1, 0, 0], length: 3 }),
+  'a loop': (by) => by.loop(plane, { through: [50, 0, 3] }),
   'a map, by a frame': (by) => by.logmap(plane, { from: 50, radius: 3 }),
   samples: (by) => by.samples(plane, { count: 3 }),
   measures: (by) => by.measure(plane, { from: 0, radii: [3, 5] }),

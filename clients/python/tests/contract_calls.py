@@ -12,7 +12,7 @@ import geodesicd
 
 QUERIES = (
     "distance", "path", "table", "isolines", "nearest", "trace", "logmap", "samples", "measure",
-    "extent", "voronoi",
+    "extent", "voronoi", "loop",
 )  # fmt: skip
 
 
@@ -153,6 +153,8 @@ class Call:
             return mesh.measure(start, **arguments)
         if name == "voronoi":
             return mesh.voronoi(start, **arguments)
+        if name == "loop":
+            return mesh.loop(**arguments)
         if name == "logmap":
             return mesh.logmap(start, **arguments)
         return mesh.isolines(start, **arguments)
@@ -188,6 +190,12 @@ def agrees(value: Any, answer: geodesicd.Answer, name: str) -> None:
             assert [v.face for v in value.via] == [v["face"] for v in document["via"]]
         else:
             assert value.direction_at_end.tolist() == document["direction_at_end"]
+    elif isinstance(value, geodesicd.Loop):
+        assert value.points.tolist() == [p["xyz"] for p in document["points"]]
+        assert value.faces.tolist() == [p["face"] for p in document["points"]]
+        for key in ("length", "start_length", "geodesic", "turn", "start"):
+            assert getattr(value, key) == document[key]
+        assert (value.method, value.hull) == (document.get("method"), document.get("hull", False))
     elif isinstance(value, geodesicd.Logmap):
         for key in ("vertices", "distances", "angles", "straight", "coordinates"):
             np.testing.assert_array_equal(getattr(value, key), answer.arrays[key])

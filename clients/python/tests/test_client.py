@@ -291,6 +291,8 @@ def test_what_comes_back_says_what_it_is(plane: geodesicd.Mesh, client: geodesic
     cells = plane.voronoi([0, 99, 9900])
     assert repr(cells) == "<Voronoi 3 cells, 1 triangles>"
     assert repr(cells.bisectors[0]).startswith("<Bisector of (0, 1), open, ")
+    loop = plane.loop(through=[0, 99, 9900])
+    assert repr(loop) == f"<Loop {loop.length:g} long, {len(loop)} points, not geodesic>"
     around = plane.logmap(5050, 2)
     assert repr(around) == f"<Logmap {len(around)} vertices within 2, {around.method}>"
     assert repr(client) == f"<Client of {client.url}>"

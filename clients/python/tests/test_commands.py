@@ -77,7 +77,7 @@ def test_help_fits_a_screen(server: geodesicd.LocalServer, command: str) -> None
 
 def test_every_command_is_listed() -> None:
     known = (
-        "upload list rename delete distance path table measure extent voronoi logmap plot map "
+        "upload list rename delete distance path table measure extent voronoi loop logmap plot map "
         "bench serve"
     )
     assert known.split() == COMMANDS

@@ -35,6 +35,7 @@ ASKING: dict[str, Callable[[geodesicd.Mesh, Any], Any]] = {
     "trace": lambda mesh, point: mesh.trace(point, 5, direction=(1, 0, 0)),
     "measure": lambda mesh, point: mesh.measure([point], [1, 2]),
     "voronoi": lambda mesh, point: mesh.voronoi([point, 0]),
+    "loop": lambda mesh, point: mesh.loop(through=[point, 1, 2]),
     "logmap": lambda mesh, point: mesh.logmap(point, 3),
     "query": lambda mesh, point: mesh.query("distance", {"from": point}, format="u16"),
     "picture": lambda mesh, point: mesh.picture([point]),

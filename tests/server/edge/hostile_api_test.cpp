@@ -106,6 +106,9 @@ const std::vector<Query> queries{
     {"measure", "from=v:0&radii=2", {"from", "radii", "method", "max", "precision", "format"}},
     {"extent", "of=center&fields=3", {"of", "fields", "method", "precision", "format"}},
     {"voronoi", "from=v:0&from=v:1", {"from", "relax", "part", "method", "precision", "format"}},
+    {"loop",
+     "at=v:0&normal=0,0,1",
+     {"through", "around", "at", "normal", "hull", "method", "precision", "format"}},
     {"logmap", "from=v:0", {"from", "radius", "angle", "method", "precision", "format"}},
     {"nearest", "point=p:1,0,0", {"point", "format"}},
 };

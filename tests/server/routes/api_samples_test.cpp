@@ -104,6 +104,7 @@ TEST_CASE("LimitsCanBeRead") {
   CHECK(limits["max_sources"] == 1000);
   CHECK(limits["max_points"] == 100'000);
   CHECK(limits["max_via"] == 100);
+  CHECK(limits["max_loop_points"] == 100);
   CHECK(limits["max_table_entries"] == 1'000'000);
   CHECK(limits["max_steiner_nodes"] == 20'000'000);
   CHECK(limits["max_levels"] == 10'000);

@@ -29,8 +29,8 @@ def batch(
     Args:
         queries: each a mapping with ``"query"`` (``"distance"``, ``"path"``, ``"table"``,
             ``"isolines"``, ``"samples"``, ``"measure"``, ``"extent"``, ``"voronoi"``,
-            ``"trace"``, ``"logmap"`` or ``"nearest"``) and that query's parameters as a JSON body
-            has them; points may be as everywhere here.
+            ``"trace"``, ``"loop"``, ``"logmap"`` or ``"nearest"``) and that query's parameters as
+            a JSON body has them; points may be as everywhere here.
 
     Returns:
         One reply a query, in their order: the query's JSON or its error. One that fails

@@ -31,7 +31,7 @@ import httpx
 import numpy as np
 from numpy.typing import DTypeLike
 
-from . import batches, connection, exports, lookup, queries, service, spreads, tables
+from . import batches, connection, exports, lookup, loops, queries, service, spreads, tables
 from .errors import GeodesicError, error_of
 from .flows import Flow, Progress, Request, Retries, Send, Step, Watch, with_retries
 from .mesh_input import body_of, warn_of_rounding
@@ -85,6 +85,7 @@ class Mesh(Metadata):
     extent = _query(spreads.extent)
     voronoi = _query(spreads.voronoi)
     trace = _query(queries.trace)
+    loop = _query(loops.loop)
     logmap = _query(queries.logmap)
     nearest = _query(queries.nearest)
     picture = _query(queries.picture)

@@ -4,15 +4,18 @@ files are named by them."""
 from __future__ import annotations
 
 import argparse
+import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any, Unpack
 
+import numpy as np
 from rich.console import Console
 
 from .client import Client, Mesh
+from .digits import number, numbers, short
 from .errors import NotFound, printable
 from .progress import progress_bar
 from .service import Reading
@@ -178,6 +181,24 @@ def save_csv(file: Path, header: str, *columns: Iterable[str]) -> None:
     """A row for each element of the columns, which are as long as each other."""
     lines = (",".join(row) for row in zip(*columns, strict=True))
     file.write_text("\n".join([header, *lines]) + "\n", encoding="utf-8")
+
+
+def save_line(file: Path, line: Any) -> None:
+    """A path or a loop, as .csv, .npy or .json; nothing by another ending."""
+    if file.suffix == ".csv":
+        columns = [numbers(axis) for axis in line.points.T]
+        faces = map(str, line.faces.tolist())
+        save_csv(file, "x,y,z,face,along", *columns, faces, numbers(line.along))
+    elif file.suffix == ".npy":
+        np.save(file, line.points)
+    elif file.suffix == ".json":
+        document = {
+            "length": float(number(line.length)),
+            "points": short(line.points).tolist(),
+            "faces": line.faces.tolist(),
+            "bary": [None if np.isnan(b).any() else b.tolist() for b in short(line.bary)],
+        }
+        file.write_text(json.dumps(document) + "\n", encoding="utf-8")
 
 
 def require(file: Path, endings: tuple[str, ...]) -> None:

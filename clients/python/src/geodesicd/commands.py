@@ -39,9 +39,10 @@ from .command_line import (
     results,
     save_annotated,
     save_csv,
+    save_line,
     sent,
 )
-from .digits import number, numbers, short
+from .digits import number, numbers
 from .encoding import milliseconds
 from .errors import GeodesicError, GeodesicWarning, printable
 from .local_server import find_server, serve, shared_folder
@@ -174,7 +175,7 @@ def _parser() -> argparse.ArgumentParser:
     exactness(table)
     connection(table)
 
-    from . import extent_command, logmap_command, measure_command, voronoi_command
+    from . import extent_command, logmap_command, loop_command, measure_command, voronoi_command
 
     measure = command(
         "measure", "MESH --from POINT", measure_command.run, "Measure discs: areas and outlines."
@@ -202,6 +203,14 @@ def _parser() -> argparse.ArgumentParser:
     voronoi_command.arguments(voronoi)
     exactness(voronoi)
     connection(voronoi)
+
+    loop = command(
+        "loop", "MESH --through POINT...", loop_command.run, "Lay a loop or a tape round a surface."
+    )
+    loop.add_argument("mesh", metavar="MESH", help=f"a file, or {ON_SERVER}")
+    loop_command.arguments(loop)
+    exactness(loop)
+    connection(loop)
 
     logmap = command(
         "logmap", "MESH --from POINT", logmap_command.run, "Lay the surface round a point flat."
@@ -373,25 +382,8 @@ def _path(options: argparse.Namespace) -> int:
         return 1
     print(number(path.length))
     if options.output is not None:
-        _save_path(options.output, path)
+        save_line(options.output, path)
     return 0
-
-
-def _save_path(file: Path, path: Any) -> None:
-    if file.suffix == ".csv":
-        columns = [numbers(axis) for axis in path.points.T]
-        faces = map(str, path.faces.tolist())
-        save_csv(file, "x,y,z,face,along", *columns, faces, numbers(path.along))
-    elif file.suffix == ".npy":
-        np.save(file, path.points)
-    elif file.suffix == ".json":
-        document = {
-            "length": float(number(path.length)),
-            "points": short(path.points).tolist(),
-            "faces": path.faces.tolist(),
-            "bary": [None if np.isnan(b).any() else b.tolist() for b in short(path.bary)],
-        }
-        file.write_text(json.dumps(document) + "\n", encoding="utf-8")
 
 
 def _table(options: argparse.Namespace) -> int:

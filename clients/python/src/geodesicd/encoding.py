@@ -69,7 +69,7 @@ def _bytes(document: Any) -> bytes:
     return json.dumps(document, allow_nan=False, separators=(",", ":")).encode()
 
 
-_POINTS = ("from", "to", "at", "via", "point")
+_POINTS = ("from", "to", "at", "via", "point", "through", "around")
 
 
 def as_points(parameters: Mapping[str, Any]) -> dict[str, Any]:
@@ -78,8 +78,9 @@ def as_points(parameters: Mapping[str, Any]) -> dict[str, Any]:
     for name in _POINTS:
         if (value := found.get(name)) is not None:
             found[name] = points_of(value) if isinstance(value, list) else point_of(value)
-    if "direction" in found:
-        found["direction"] = tuple(found["direction"])
+    for name in ("direction", "normal"):
+        if name in found:
+            found[name] = tuple(found[name])
     return found
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .flows import Flow
 from .queries import geometry
-from .results import Bisector, Float64, Isoline, Path, SurfacePoint, Trace
+from .results import Bisector, Float64, Isoline, Loop, Path, SurfacePoint, Trace
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -119,16 +119,16 @@ def draw(
     return drawn(shape, values, isolines=isolines, path=path, sources=sources, **options)
 
 
-def _polyline(line: Path | Trace | Isoline | Bisector) -> Float64:
+def _polyline(line: Path | Loop | Trace | Isoline | Bisector) -> Float64:
     return line.polyline if isinstance(line, Isoline | Bisector) else line.points
 
 
-def line_to_trimesh(line: Path | Trace | Isoline | Bisector) -> Any:
+def line_to_trimesh(line: Path | Loop | Trace | Isoline | Bisector) -> Any:
     """A line as a ``trimesh.path.Path3D``."""
     return library("trimesh").load_path(_polyline(line))
 
 
-def line_to_pyvista(line: Path | Trace | Isoline | Bisector) -> Any:
+def line_to_pyvista(line: Path | Loop | Trace | Isoline | Bisector) -> Any:
     """A line as a ``pyvista.PolyData`` of one polyline."""
     pyvista = library("pyvista")
     points = _polyline(line)

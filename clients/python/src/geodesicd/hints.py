@@ -22,6 +22,7 @@ _OF_CODE = {
     "format_unknown": "Of other formats trimesh and meshio make meshes, which upload takes",
     "snap_too_far": "Are units and axes those of the mesh? If so, give a larger max_snap",
     "no_hit": "mesh.bbox says where the mesh is",
+    "no_loop": "A loop goes round a handle, a waist or a limb; mesh.path needs none",
     "store_full": f"{_NO_USE}delete meshes, or give the server a larger --store-max-bytes or disk",
     "deadline": "Give a longer deadline=, or a method that is faster",
     "request_timeout": "The request came too slowly: ask again, or over a faster network",

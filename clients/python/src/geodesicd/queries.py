@@ -363,7 +363,8 @@ def query(
 
     Args:
         name: ``"distance"``, ``"path"``, ``"table"``, ``"isolines"``, ``"samples"``,
-            ``"measure"``, ``"extent"``, ``"voronoi"``, ``"trace"``, ``"logmap"`` or ``"nearest"``.
+            ``"measure"``, ``"extent"``, ``"voronoi"``, ``"trace"``, ``"loop"``, ``"logmap"``
+            or ``"nearest"``.
         parameters: by the contract's names, such as ``{"from": 0, "to": [9, (1, 2, 3)]}``.
         format: ``"json"``, ``"f32"``, ``"f64"``, ``"u16"``, ``"npy"``, ``"frame"``, ``"glb"``,
             ``"png"`` or ``"annotated"``.

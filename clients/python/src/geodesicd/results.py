@@ -56,13 +56,13 @@ class _Line:
         """As a ``trimesh.path.Path3D``. ImportError: trimesh is not installed."""
         from .exports import line_to_trimesh
 
-        return line_to_trimesh(cast("Path | Trace | Isoline | Bisector", self))
+        return line_to_trimesh(cast("Path | Loop | Trace | Isoline | Bisector", self))
 
     def to_pyvista(self) -> Any:
         """As a ``pyvista.PolyData`` of one polyline. ImportError: PyVista is not installed."""
         from .exports import line_to_pyvista
 
-        return line_to_pyvista(cast("Path | Trace | Isoline | Bisector", self))
+        return line_to_pyvista(cast("Path | Loop | Trace | Isoline | Bisector", self))
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,10 +101,55 @@ class Path(_Line):
     @property
     def along(self) -> Float64:
         """(n,) the length of the path up to each point, mesh units."""
-        if len(self.points) == 0:
-            return np.empty(0)
-        steps = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
-        return np.concatenate([[0.0], np.cumsum(steps)])
+        return _along(self.points)
+
+
+@dataclass(frozen=True, eq=False)
+class Loop(_Line):
+    """A closed polyline: points, faces and bary as of a :class:`Path`; the last point is the first
+    one again.
+
+    Attributes:
+        length: mesh units.
+        start_length: of the paths or the section that it was made of, mesh units.
+        geodesic: whether it is locally shortest all round.
+        turn: degrees, the most that it is off straight ahead at any point; None of a hull.
+        start: ``"through"``, ``"around"`` or ``"plane"``.
+        asked: the points asked for, as found on the surface.
+        hull: whether it is the convex hull of a section, whose segments are in space.
+        method: how distances were computed; None of a plane.
+    """
+
+    points: Float64
+    faces: Index
+    bary: Float64
+    length: float
+    start_length: float
+    geodesic: bool
+    turn: float | None
+    start: str
+    asked: tuple[SurfacePoint, ...]
+    hull: bool
+    method: str | None
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def __repr__(self) -> str:
+        what = "geodesic" if self.geodesic else "hull" if self.hull else "not geodesic"
+        return f"<Loop {self.length:g} long, {len(self)} points, {what}>"
+
+    @property
+    def along(self) -> Float64:
+        """(n,) the length of the loop up to each point, mesh units."""
+        return _along(self.points)
+
+
+def _along(points: Float64) -> Float64:
+    if len(points) == 0:
+        return np.empty(0)
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 @dataclass(frozen=True, eq=False)

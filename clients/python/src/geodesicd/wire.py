@@ -25,6 +25,7 @@ from .results import (
     Isoline,
     LabelledDistances,
     Logmap,
+    Loop,
     Measure,
     Path,
     Samples,
@@ -205,6 +206,26 @@ def trace_of_frame(reply: Reply) -> Trace:
         direction_at_end=np.array(document["direction_at_end"], dtype=np.float64),
         source=surface_point(document["from"]),
         target=surface_point(document["to"]),
+    )
+
+
+def loop_of_frame(reply: Reply) -> Loop:
+    """A closed curve from its frame."""
+    document, arrays = frame(reply.body)
+    start = document["start"]
+    asked = [document["at"]] if start == "plane" else document[start]
+    return Loop(
+        points=arrays["points"],
+        faces=_signed(arrays["faces"]),
+        bary=arrays["bary"],
+        length=float(document["length"]),
+        start_length=float(document["start_length"]),
+        geodesic=bool(document["geodesic"]),
+        turn=document["turn"],
+        start=start,
+        asked=tuple(surface_point(point) for point in asked),
+        hull=bool(document.get("hull", False)),
+        method=document.get("method"),
     )
 
 

@@ -39,6 +39,7 @@ export const MESSAGES: Record<ErrorCode, Message> = {
   method_unknown: { title: 'The server does not have this method', advice: 'Choose another one from the list.' },
   snap_too_far: { title: 'This point is too far from the surface', advice: 'Place it on the surface.' },
   no_hit: { title: 'There is no surface there', advice: 'Click the mesh itself.' },
+  no_loop: { title: 'There is no loop there', advice: 'Begin round a handle, a waist or a limb.' },
   unsupported: { title: 'The server does not offer this', advice: 'Choose another format or mesh.' },
   digest_mismatch: { title: 'The file changed on its way', advice: 'Upload it again.' },
   job_unknown: { title: 'This work is not there any more', advice: 'The server has forgotten it: start it again.' },

@@ -1,0 +1,64 @@
+"""``geodesic loop``: closed geodesics, and what a tape measures: the length, and the curve as a
+file."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from .command_line import bar, exactness_of, mesh_of, people, point, points, require, save_line
+from .digits import number
+from .encoding import milliseconds
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the arguments that are this command's own."""
+    for name, what in (("through", "on the loop, several"), ("around", "near it at first")):
+        parser.add_argument(
+            f"--{name}", action="append", default=[], metavar="POINT", help=f"a point {what}"
+        )
+    parser.add_argument("--at", metavar="POINT", help="where a plane cuts the surface")
+    parser.add_argument("--normal", metavar="X,Y,Z", help="of the plane, with --at")
+    parser.add_argument("--hull", action="store_true", help="with --at: not into hollows")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help=".csv, .npy, .json or .glb"
+    )
+
+
+def _vector(text: str) -> tuple[float, float, float]:
+    try:
+        x, y, z = map(float, text.split(","))
+    except ValueError:
+        raise ValueError(f"--normal is three numbers, such as 0,0,1, and not {text}") from None
+    return x, y, z
+
+
+def run(options: argparse.Namespace) -> int:
+    """Runs the command; its exit status."""
+    file: Path | None = options.output
+    if file is not None:
+        require(file, (".csv", ".npy", ".json", ".glb"))
+    asked: dict[str, Any] = {
+        "through": points(options.through),
+        "around": points(options.around),
+        "at": None if options.at is None else point(options.at),
+        "normal": None if options.normal is None else _vector(options.normal),
+        **exactness_of(options),
+    }
+    asked = {name: value for name, value in asked.items() if value not in (None, [])}
+    if options.hull:
+        asked["hull"] = True
+    with mesh_of(options) as mesh, bar("loop") as progress:
+        found = mesh.loop(progress=progress, **asked)
+        if file is not None and file.suffix == ".glb":
+            asked["deadline_ms"] = milliseconds(asked.pop("deadline", None))
+            file.write_bytes(mesh.query("loop", asked, format="glb").data)
+    what = "a closed geodesic" if found.geodesic else "no closed geodesic"
+    if found.turn is not None and not found.geodesic:
+        what += f", {number(found.turn)} degrees off straight ahead"
+    people.print(f"{what}; {number(found.start_length)} at first", markup=False, soft_wrap=True)
+    print(number(found.length))
+    if file is not None:
+        save_line(file, found)
+    return 0

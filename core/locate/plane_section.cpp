@@ -1,0 +1,200 @@
+#include "core/locate/plane_section.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <utility>
+
+#include "core/base/polled_sort.h"
+#include "core/base/vec2.h"
+
+namespace geodesic {
+namespace {
+
+// Of length one; nothing for a vector that has no direction. Its squares may overflow, so the
+// greatest part comes to one first.
+std::optional<Vec3> direction_of(Vec3 v) {
+  const double most = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  if (!(most > 0) || !std::isfinite(most) || std::isnan(v.x + v.y + v.z)) return std::nullopt;
+  const Vec3 scaled{v.x / most, v.y / most, v.z / most};
+  return (1 / norm(scaled)) * scaled;
+}
+
+// Walks from face to face along a section.
+class Section {
+ public:
+  Section(const Adjacency& adjacency, Vec3 through, Vec3 normal, const Cancel& cancel)
+      : adjacency_(adjacency), through_(through), normal_(normal), poll_(cancel) {}
+
+  Result<std::vector<SurfacePoint>> follow(const SurfacePoint& at) {
+    const auto start = first_side(at);
+    if (!start) {
+      return fail(ErrorCode::no_loop,
+                  "the plane only touches the surface there, and does not cut it", "normal");
+    }
+    // Of a face and the side by which it is entered there is one next, and one before it: the
+    // walk comes back to where it began, after as many steps as there are sides at most.
+    Halfedge entered = *start;
+    do {
+      if (poll_.cancelled()) return fail_stopped(poll_);
+      if (!add(point_on(entered))) return fail_stopped(poll_);
+      const Halfedge left_by = other_cut_side(entered);
+      entered = adjacency_.ring(left_by);
+      if (entered == left_by) {
+        return fail(ErrorCode::no_loop,
+                    "the section comes to the boundary of the surface there: it is no closed curve",
+                    "normal");
+      }
+    } while (entered != *start);
+    while (points_.size() > 1 && is_same(points_.back(), points_.front())) {
+      points_.pop_back();  // it leads through faces in which the curve does not move on
+    }
+    return std::move(points_);
+  }
+
+ private:
+  [[nodiscard]] double height(std::uint32_t vertex) const {
+    return dot(normal_, adjacency_.mesh().positions()[vertex] - through_);
+  }
+  [[nodiscard]] std::uint32_t tail(Halfedge h) const {
+    return adjacency_.face(face_of(h)).vertex[corner_of(h)];
+  }
+  [[nodiscard]] std::uint32_t head(Halfedge h) const {
+    return adjacency_.face(face_of(h)).vertex[next_corner(corner_of(h))];
+  }
+  [[nodiscard]] bool is_cut(Halfedge h) const {
+    return (height(tail(h)) >= 0) != (height(head(h)) >= 0);
+  }
+
+  // Some side that the plane cuts, of the first face at the point that has one.
+  [[nodiscard]] std::optional<Halfedge> first_side(const SurfacePoint& at) const {
+    for (const SurfacePoint& place : in_all_faces(adjacency_, at)) {
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        if (is_cut(halfedge(place.face, c))) return halfedge(place.face, c);
+      }
+    }
+    return std::nullopt;
+  }
+
+  // A face that is cut has two such sides.
+  [[nodiscard]] Halfedge other_cut_side(Halfedge entered) const {
+    const std::uint32_t c = next_corner(corner_of(entered));
+    const Halfedge next = halfedge(face_of(entered), c);
+    return is_cut(next) ? next : halfedge(face_of(entered), next_corner(c));
+  }
+
+  // Where the plane cuts a side: the same place from whichever face.
+  [[nodiscard]] SurfacePoint point_on(Halfedge h) const {
+    const double at_tail = std::abs(height(tail(h)));
+    const double at_head = std::abs(height(head(h)));
+    std::array<double, 3> bary{0, 0, 0};
+    bary[corner_of(h)] = at_head;
+    bary[next_corner(corner_of(h))] = at_tail;
+    return point_on_face(adjacency_, face_of(h), bary);
+  }
+
+  [[nodiscard]] bool is_same(const SurfacePoint& a, const SurfacePoint& b) const {
+    return position_of(adjacency_.mesh(), a) == position_of(adjacency_.mesh(), b);
+  }
+
+  // False if there is no memory for it.
+  [[nodiscard]] bool add(const SurfacePoint& point) {
+    // The face of the segment that leaves it is that of the last of the same place.
+    if (!points_.empty() && is_same(points_.back(), point)) {
+      points_.back() = point;
+      return true;
+    }
+    if (points_.size() == points_.capacity()) {
+      const std::size_t more = std::max<std::size_t>(64, 2 * points_.size());
+      // As it grows, it is there twice; then each point is in a path, and in one that is shorter.
+      if (!poll_.may_take(8 * more * sizeof(SurfacePoint))) return false;
+      points_.reserve(more);
+    }
+    points_.push_back(point);
+    return true;
+  }
+
+  const Adjacency& adjacency_;
+  Vec3 through_;
+  Vec3 normal_;
+  Poll poll_;
+  std::vector<SurfacePoint> points_;
+};
+
+struct Flat {
+  Vec2 at;
+  std::uint32_t place;
+};
+
+// Adds `point` to one side of a hull, which turns left everywhere.
+void turn_left_to(const Flat& point, std::size_t least, std::vector<Flat>& side) {
+  while (side.size() > least) {
+    const Vec2 along = side.back().at - side[side.size() - 2].at;
+    if (cross(along, point.at - side.back().at) > 0) break;
+    side.pop_back();
+  }
+  side.push_back(point);
+}
+
+}  // namespace
+
+Result<std::vector<SurfacePoint>> plane_section(const Adjacency& adjacency, const SurfacePoint& at,
+                                                Vec3 normal, const Cancel& cancel) {
+  const auto direction = direction_of(normal);
+  if (!direction) {
+    return fail(ErrorCode::value_out_of_range, "a normal has a length, and it is finite", "normal");
+  }
+  return Section(adjacency, position_of(adjacency.mesh(), at), *direction, cancel).follow(at);
+}
+
+Result<std::vector<std::uint32_t>> hull_in_plane(std::span<const Vec3> points, Vec3 normal,
+                                                 const Cancel& cancel) {
+  Poll poll(cancel);
+  std::vector<std::uint32_t> corners;
+  const auto up = direction_of(normal);
+  if (points.empty() || !up) return corners;
+  // Two directions in the plane; the first is across from the axis that is least along `up`.
+  const std::array<double, 3> sizes{std::abs(up->x), std::abs(up->y), std::abs(up->z)};
+  const Vec3 axis = sizes[0] <= sizes[1] && sizes[0] <= sizes[2] ? Vec3{1, 0, 0}
+                    : sizes[1] <= sizes[2]                       ? Vec3{0, 1, 0}
+                                                                 : Vec3{0, 0, 1};
+  Vec3 x = cross(*up, axis);
+  x = (1 / norm(x)) * x;
+  const Vec3 y = cross(*up, x);
+
+  if (!poll.may_take(4 * points.size() * sizeof(Flat))) return fail_stopped(poll);
+  std::vector<Flat> flat;
+  flat.reserve(points.size());
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    if (poll.cancelled()) return fail_stopped(poll);
+    const Vec3 from_first = points[i] - points[0];
+    flat.push_back({{dot(x, from_first), dot(y, from_first)}, i});
+  }
+  std::vector<Flat> spare;
+  polled_sort(
+      flat, 0, flat.size(),
+      [](const Flat& a, const Flat& b) {
+        if (a.at.x != b.at.x) return a.at.x < b.at.x;
+        return a.at.y != b.at.y ? a.at.y < b.at.y : a.place < b.place;
+      },
+      spare, poll);
+  if (poll.stopped()) return fail_stopped(poll);
+  std::vector<Flat> hull;
+  for (const Flat& point : flat) {
+    if (poll.cancelled()) return fail_stopped(poll);
+    turn_left_to(point, 1, hull);
+  }
+  const std::size_t lower = hull.size();
+  for (std::size_t i = flat.size() - 1; i-- > 0;) {
+    if (poll.cancelled()) return fail_stopped(poll);
+    turn_left_to(flat[i], lower, hull);
+  }
+  if (hull.size() > 1) hull.pop_back();  // the first again
+  corners.reserve(hull.size());
+  for (const Flat& corner : hull) corners.push_back(corner.place);
+  return corners;
+}
+
+}  // namespace geodesic

@@ -1,0 +1,583 @@
+// Closed paths become closed geodesics: against closed forms on prisms, cubes, waists and tori, and
+// against the definition of a locally shortest path on surfaces drawn at random.
+#include "core/straighten/tighten_loop.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <numbers>
+#include <optional>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "core/locate/plane_section.h"
+#include "core/mesh/shapes.h"
+#include "core/paths/join_paths.h"
+#include "core/solve/distance_at_point.h"
+#include "core/straighten/loop_straightness.h"
+#include "tests/fixtures/awkward_meshes.h"
+#include "tests/fixtures/locally_shortest.h"
+#include "tests/fixtures/mixed_scales.h"
+#include "tests/fixtures/path_checks.h"
+#include "tests/fixtures/random_meshes.h"
+#include "tests/fixtures/shortened.h"
+#include "tests/fixtures/surface.h"
+#include "tests/fixtures/test_seed.h"
+#include "tests/fixtures/tube.h"
+
+using namespace geodesic;
+using fixtures::Surface;
+using std::numbers::pi;
+
+namespace {
+
+double unit_of(std::mt19937& random) { return random() / 4294967296.0; }
+
+Vec3 any_direction(std::mt19937& random) {
+  while (true) {
+    const Vec3 v{unit_of(random) - 0.5, unit_of(random) - 0.5, unit_of(random) - 0.5};
+    if (norm(v) > 0.1 && norm(v) < 0.5) return (1 / norm(v)) * v;
+  }
+}
+
+// Turned, scaled and moved at random: what has a closed form keeps it, times `scale`.
+struct Placed {
+  Vec3 x, y, z, origin;
+  double scale = 1;
+
+  explicit Placed(std::mt19937& random) {
+    x = any_direction(random);
+    y = cross(x, any_direction(random));
+    y = (1 / norm(y)) * y;
+    z = cross(x, y);
+    origin = 3 * any_direction(random);
+    scale = std::pow(10.0, 2 * unit_of(random) - 1);
+  }
+  [[nodiscard]] Vec3 direction(Vec3 p) const { return p.x * x + p.y * y + p.z * z; }
+  [[nodiscard]] TriangleSoup place(TriangleSoup soup) const {
+    for (Vec3& p : soup.positions) p = origin + scale * direction(p);
+    return soup;
+  }
+};
+
+std::optional<Path> section_of(const Surface& surface, const SurfacePoint& at, Vec3 normal) {
+  const auto section = plane_section(surface.adjacency(), at, normal, Cancel());
+  if (!section) {
+    CHECK(section.error().code == ErrorCode::no_loop);
+    return std::nullopt;
+  }
+  return closed_path_along(surface.mesh(), *section);
+}
+
+// Round by shortest edges: a path along shortest paths, and back to the first.
+std::optional<Path> round_by(const Surface& surface, const std::vector<std::uint32_t>& vertices) {
+  std::vector<Path> legs;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const SurfacePoint from = surface.at(vertices[i]);
+    const SurfacePoint to = surface.at(vertices[(i + 1) % vertices.size()]);
+    auto leg = surface.path(surface.field_by(Method::dijkstra, {Source{from, 0}}), to);
+    if (!leg) return std::nullopt;
+    legs.push_back(std::move(*leg));
+  }
+  return join_paths(legs);
+}
+
+// The same loop one and a half times, so that every point of it is inside; less the points on edges
+// that are within rounding of the vertex behind or before them, which say no direction.
+Path one_and_a_half(const Path& loop) {
+  Path longer = loop;
+  longer.points.back() = loop.points.front();  // in the face of the segment that leaves it
+  const std::size_t half = loop.points.size() / 2 + 1;
+  for (std::size_t i = 1; i < loop.points.size() && i <= half; ++i) {
+    longer.points.push_back(loop.points[i]);
+  }
+  Path clear;
+  for (std::size_t i = 0; i < longer.points.size(); ++i) {
+    const PathPoint& point = longer.points[i];
+    const auto is_vertex_at = [&](std::size_t k) {
+      return k < longer.points.size() && longer.points[k].point.at_vertex() &&
+             distance(point.position, longer.points[k].position) <= 1e-12 * loop.length;
+    };
+    if (!point.point.at_vertex() && is_vertex_at(i + 1)) continue;
+    if (!point.point.at_vertex() && is_vertex_at(i - 1)) {
+      clear.points.back().point.face = point.point.face;
+      continue;
+    }
+    clear.points.push_back(point);
+  }
+  return clear;
+}
+
+// What holds for every loop that was tightened.
+void check_tight(const Surface& surface, const Path& start, const TightLoop& tight) {
+  const Path& loop = tight.path;
+  const Box& box = surface.mesh().box();
+  fixtures::check_is_a_path(surface.adjacency(), loop, distance(box.min, box.max));
+  REQUIRE(loop.points.size() >= 2);
+  CHECK(loop.points.front().position == loop.points.back().position);
+  CHECK(loop.length <= start.length);
+  CHECK(tight.is_finished);
+}
+
+void check_is_geodesic(const Surface& surface, const Path& loop) {
+  const auto bend = fixtures::worst_bend(surface.adjacency(), one_and_a_half(loop), 1e-4);
+  CHECK(bend.at_edges <= 1e-6);
+  CHECK(bend.at_vertices <= 1e-6);
+  const auto straightness = straightness_of_loop(surface.adjacency(), loop, Cancel());
+  REQUIRE(straightness);
+  CHECK(straightness->lack <= 1e-6);
+  CHECK(straightness->turn <= straightness->lack);
+}
+
+TightLoop tight(const Surface& surface, const Path& start) {
+  const auto tight = tighten_loop(surface.adjacency(), start, Cancel());
+  REQUIRE(tight);
+  check_tight(surface, start, *tight);
+  return *tight;
+}
+
+double polygon(std::uint32_t n, double radius) { return 2 * n * radius * std::sin(pi / n); }
+
+}  // namespace
+
+TEST_CASE("RoundAPrismALoopIsAsLongAsThePolygonHoweverTheCutIsTilted") {
+  std::mt19937 random(fixtures::test_seed());
+  for (int round = 0; round < 30; ++round) {
+    const auto n = static_cast<std::uint32_t>(3 + random() % 40);
+    const auto rows = static_cast<std::uint32_t>(1 + random() % 12);
+    const Placed placed(random);
+    const Surface surface(placed.place(fixtures::tube(n, 6, rows)));
+    const auto face = static_cast<std::uint32_t>((rows / 2) * 2 * n + random() % (2 * n));
+    const SurfacePoint at = surface.on(face, {0.3, 0.3, 0.4});
+    const double tilt = 0.9 * unit_of(random);
+    const double turn = 2 * pi * unit_of(random);
+    const Vec3 normal = placed.direction({tilt * std::cos(turn), tilt * std::sin(turn), 1});
+    const auto start = section_of(surface, at, normal);
+    if (!start) continue;  // it meets an open end
+    const TightLoop loop = tight(surface, *start);
+    CHECK(loop.path.length == doctest::Approx(placed.scale * polygon(n, 1)).epsilon(1e-12));
+    check_is_geodesic(surface, loop.path);
+  }
+}
+
+// Rows of vertices about an axis: the narrowest is where a loop ends, wherever it began.
+TEST_CASE("ALoopSlipsToTheWaist") {
+  std::mt19937 random(fixtures::test_seed() + 1);
+  for (int round = 0; round < 20; ++round) {
+    const int n = static_cast<int>(6 + random() % 30);
+    const int rows = static_cast<int>(7 + random() % 20);
+    const int waist = static_cast<int>(2 + random() % (rows - 4));
+    const double least = 0.3 + unit_of(random);
+    std::vector<std::pair<double, double>> profile;
+    for (int i = 0; i < rows; ++i) {
+      const double off = i - waist;
+      profile.emplace_back(least + 0.02 * off * off + 0.01 * std::abs(off), 0.4 * i);
+    }
+    const Placed placed(random);
+    const Surface surface(placed.place(fixtures::rings(n, profile)));
+    const int row = static_cast<int>(1 + random() % (rows - 3));
+    const auto face = static_cast<std::uint32_t>(row * 2 * n + random() % (2 * n));
+    const double tilt = 0.2 * unit_of(random);
+    const auto start =
+        section_of(surface, surface.on(face, {0.2, 0.3, 0.5}), placed.direction({tilt, 0, 1}));
+    if (!start) continue;
+    const TightLoop loop = tight(surface, *start);
+    CHECK(loop.path.length ==
+          doctest::Approx(placed.scale * polygon(static_cast<std::uint32_t>(n), least))
+              .epsilon(1e-9));
+    check_is_geodesic(surface, loop.path);
+  }
+}
+
+// A truncated cone has its waist at the boundary.
+TEST_CASE("ALoopSlipsToANarrowEnd") {
+  std::mt19937 random(fixtures::test_seed() + 2);
+  for (int round = 0; round < 10; ++round) {
+    const int n = static_cast<int>(5 + random() % 30);
+    const double slope = 0.05 + unit_of(random);
+    std::vector<std::pair<double, double>> profile;
+    for (int i = 0; i < 9; ++i) profile.emplace_back(1 + slope * i, i);
+    const Placed placed(random);
+    const Surface surface(placed.place(fixtures::rings(n, profile)));
+    const auto start =
+        section_of(surface, surface.on(static_cast<std::uint32_t>(8 * n), {0.2, 0.3, 0.5}),
+                   placed.direction({0.05, 0, 1}));
+    REQUIRE(start);
+    const TightLoop loop = tight(surface, *start);
+    CHECK(loop.path.length ==
+          doctest::Approx(placed.scale * polygon(static_cast<std::uint32_t>(n), 1)).epsilon(1e-9));
+  }
+}
+
+// A capsule: a cylinder between two half balls. A loop on the cylinder stays there, however it
+// began.
+TEST_CASE("OnACapsuleALoopStaysOnTheCylinder") {
+  std::mt19937 random(fixtures::test_seed() + 3);
+  for (int round = 0; round < 10; ++round) {
+    const int n = static_cast<int>(8 + random() % 20);
+    std::vector<std::pair<double, double>> profile;
+    for (int i = 1; i <= 6; ++i)
+      profile.emplace_back(std::sin(pi * i / 12), -std::cos(pi * i / 12));
+    for (int i = 1; i <= 8; ++i) profile.emplace_back(1, 0.5 * i);
+    for (int i = 5; i >= 1; --i) {
+      profile.emplace_back(std::sin(pi * i / 12), 4 + std::cos(pi * i / 12));
+    }
+    TriangleSoup soup = fixtures::rings(n, profile);
+    const auto last = static_cast<std::uint32_t>(soup.positions.size());
+    soup.positions.push_back({0, 0, -1});
+    soup.positions.push_back({0, 0, 5});
+    for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(n); ++i) {
+      const std::uint32_t j = (i + 1) % static_cast<std::uint32_t>(n);
+      soup.faces.push_back({i, j, last});
+      soup.faces.push_back({last - static_cast<std::uint32_t>(n) + i,
+                            last - static_cast<std::uint32_t>(n) + j, last + 1});
+    }
+    const Placed placed(random);
+    const Surface surface(placed.place(soup));
+    const double full = placed.scale * polygon(static_cast<std::uint32_t>(n), 1);
+    const auto on_row = [&](int row, double tilt) {
+      const auto start =
+          section_of(surface, surface.on(static_cast<std::uint32_t>(row * 2 * n), {0.2, 0.3, 0.5}),
+                     placed.direction({tilt, 0, 1}));
+      REQUIRE(start);
+      return tighten_loop(surface.adjacency(), *start, Cancel());
+    };
+    const auto on_cylinder = on_row(9, 0.5 * unit_of(random));
+    REQUIRE(on_cylinder);
+    CHECK(on_cylinder->path.length == doctest::Approx(full).epsilon(1e-12));
+    check_is_geodesic(surface, on_cylinder->path);
+    // Nothing holds it on the ball.
+    const auto on_ball = on_row(1, 0);
+    REQUIRE_FALSE(on_ball);
+    CHECK(on_ball.error().code == ErrorCode::no_loop);
+    CHECK(on_ball.error().detail ==
+          "the loop contracts to a point: it goes round nothing that holds it");
+  }
+}
+
+namespace {
+
+// The surface of the unit cube in n x n squares a side, by welding the sides together.
+TriangleSoup cube(int n) {
+  TriangleSoup soup;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {0.0, 1.0}) {
+      for (int i = 0; i < n; ++i) {
+        for (int j = 0; j < n; ++j) {
+          const auto first = static_cast<std::uint32_t>(soup.positions.size());
+          for (const auto& [u, v] : {std::pair{i, j}, {i + 1, j}, {i + 1, j + 1}, {i, j + 1}}) {
+            const double a = static_cast<double>(u) / n;
+            const double b = static_cast<double>(v) / n;
+            soup.positions.push_back(axis == 0   ? Vec3{side, a, b}
+                                     : axis == 1 ? Vec3{b, side, a}
+                                                 : Vec3{a, b, side});
+          }
+          soup.faces.push_back({first, first + 1, first + 2});
+          soup.faces.push_back({first, first + 2, first + 3});
+        }
+      }
+    }
+  }
+  return soup;
+}
+
+}  // namespace
+
+TEST_CASE("RoundFourSidesOfACubeAndRoundAllSix") {
+  std::mt19937 random(fixtures::test_seed() + 4);
+  for (int round = 0; round < 12; ++round) {
+    const int n = static_cast<int>(1 + random() % 6);
+    const Surface surface(cube(n));
+    // On the side x = 0, which has the first faces.
+    const std::uint32_t face = random() % static_cast<std::uint32_t>(2 * n * n);
+    const SurfacePoint at = surface.on(face, {0.31, 0.33, 0.36});
+    const double tilt = 0.1 * unit_of(random);
+    if (const auto start = section_of(surface, at, {tilt / 7, tilt, 1})) {
+      const auto loop = tighten_loop(surface.adjacency(), *start, Cancel());
+      // Where the cut is over an edge of the cube, it may be drawn off a corner.
+      if (loop) {
+        check_tight(surface, *start, *loop);
+        check_is_geodesic(surface, loop->path);
+        CHECK(loop->path.length <= 4 * std::sqrt(1 + tilt * tilt));
+      } else {
+        CHECK(loop.error().code == ErrorCode::no_loop);
+      }
+    }
+    // Straight across: of the family of parallels it is one already.
+    const auto flat = section_of(surface, at, {0, 0, 1});
+    REQUIRE(flat);
+    CHECK(tight(surface, *flat).path.length == doctest::Approx(4).epsilon(1e-12));
+    // The planes at a right angle to the diagonal cut all six sides where they are between the two
+    // triangles of corners; in the middle in a regular hexagon, and the others are parallel to it.
+    for (std::uint32_t f = 0; f < static_cast<std::uint32_t>(2 * n * n); ++f) {
+      const SurfacePoint middle = surface.on(f, {0.33, 0.33, 0.34});
+      const Vec3 p = position_of(surface.mesh(), middle);
+      if (p.x + p.y + p.z < 1.02 || p.x + p.y + p.z > 1.98) continue;
+      const auto hexagon = section_of(surface, middle, {1, 1, 1});
+      REQUIRE(hexagon);
+      const TightLoop loop = tight(surface, *hexagon);
+      CHECK(loop.path.length == doctest::Approx(3 * std::sqrt(2.0)).epsilon(1e-12));
+      check_is_geodesic(surface, loop.path);
+    }
+  }
+}
+
+TEST_CASE("RoundATorusTheLoopIsNoLongerThanTheMeshsOwnCircles") {
+  std::mt19937 random(fixtures::test_seed() + 5);
+  for (int round = 0; round < 8; ++round) {
+    const int n = static_cast<int>(8 + random() % 16);     // round the axis
+    const int tube = static_cast<int>(5 + random() % 10);  // round the tube
+    const double thick = 0.2 + 0.4 * unit_of(random);
+    std::vector<std::pair<double, double>> profile;
+    for (int i = 0; i < tube; ++i) {
+      // The innermost row is one of vertices.
+      const double angle = pi + 2 * pi * i / tube;
+      profile.emplace_back(1 + thick * std::cos(angle), thick * std::sin(angle));
+    }
+    profile.push_back(profile.front());  // welded, it closes
+    const Placed placed(random);
+    const Surface surface(placed.place(fixtures::rings(n, profile)));
+    // Along the rows, it slips to the inner circle.
+    std::vector<std::uint32_t> along;
+    // Of the inner half, for on the outer one a band of faces along the axis may hold it.
+    const int row = std::array{0, 1, tube - 1}[random() % 3];
+    for (int i = 0; i < n; ++i) along.push_back(static_cast<std::uint32_t>(row * n + i));
+    const auto round_axis = round_by(surface, along);
+    REQUIRE(round_axis);
+    const TightLoop inner = tight(surface, *round_axis);
+    const double circle = placed.scale * polygon(static_cast<std::uint32_t>(n), 1 - thick);
+    CHECK(inner.path.length <= circle * (1 + 1e-12));
+    check_is_geodesic(surface, inner.path);
+    // Round the tube: the columns of vertices are polygons.
+    std::vector<std::uint32_t> across;
+    for (int i = 0; i < tube; ++i) across.push_back(static_cast<std::uint32_t>(i * n));
+    const auto round_tube = round_by(surface, across);
+    REQUIRE(round_tube);
+    const TightLoop meridian = tight(surface, *round_tube);
+    const double most = placed.scale * polygon(static_cast<std::uint32_t>(tube), thick);
+    CHECK(meridian.path.length <= most * (1 + 1e-12));
+    CHECK(meridian.path.length >= 0.5 * most);
+    check_is_geodesic(surface, meridian.path);
+  }
+}
+
+TEST_CASE("OnABallEveryLoopContracts") {
+  std::mt19937 random(fixtures::test_seed() + 6);
+  int contracted = 0;
+  for (int round = 0; round < 10; ++round) {
+    const Surface surface(Placed(random).place(shapes::icosphere(1 + random() % 3)));
+    const auto face = static_cast<std::uint32_t>(random() % surface.mesh().face_count());
+    const SurfacePoint at = surface.on(face, {0.2, 0.3, 0.5});
+    const auto start = section_of(surface, at, any_direction(random));
+    if (!start) continue;
+    const auto loop = tighten_loop(surface.adjacency(), *start, Cancel());
+    if (!loop) {
+      CHECK(loop.error().code == ErrorCode::no_loop);
+      ++contracted;
+    } else {  // a polyhedron may have closed geodesics that no corner is in the way of
+      check_is_geodesic(surface, loop->path);
+    }
+  }
+  CHECK(contracted > 0);
+}
+
+namespace {
+
+// The length of the convex hull of points in the plane z = 0, edge by edge: from a corner to
+// another, with nothing to the right of the line, and nothing beyond on it.
+double hull_of(const std::vector<Vec3>& points) {
+  double length = 0;
+  for (const Vec3& a : points) {
+    for (const Vec3& b : points) {
+      if (a == b) continue;
+      bool is_edge = true;
+      for (const Vec3& p : points) {
+        const double side = cross(b - a, p - a).z;
+        const double along = dot(b - a, p - a);
+        if (side < 0 || (side == 0 && (along < 0 || along > dot(b - a, b - a)))) is_edge = false;
+      }
+      if (is_edge) length += distance(a, b);
+    }
+  }
+  return length;
+}
+
+}  // namespace
+
+TEST_CASE("ABandRoundTheHolesOfAPlaneIsTheirConvexHull") {
+  std::mt19937 random(fixtures::test_seed() + 10);
+  for (int round = 0; round < 10; ++round) {
+    std::vector<shapes::Hole> holes;
+    std::vector<Vec3> corners;
+    const auto count = 1 + random() % 3;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
+      const std::uint32_t size = 1 + below(6);
+      const shapes::Hole hole{2 + below(26 - size), 2 + below(26 - size), size};
+      holes.push_back(hole);
+      for (const std::uint32_t x : {hole.first_column, hole.first_column + size}) {
+        for (const std::uint32_t y : {hole.first_row, hole.first_row + size}) {
+          const Vec3 corner{double(x), double(y), 0};
+          if (std::find(corners.begin(), corners.end(), corner) == corners.end()) {
+            corners.push_back(corner);
+          }
+        }
+      }
+    }
+    const Surface surface(shapes::plane_with_holes(30, 30, holes));
+    const auto start = round_by(surface, {0, 29, 899, 870});
+    REQUIRE(start);
+    CHECK(start->length == doctest::Approx(4 * 29));
+    const TightLoop loop = tight(surface, *start);
+    CHECK(loop.path.length == doctest::Approx(hull_of(corners)).epsilon(1e-12));
+    check_is_geodesic(surface, loop.path);
+  }
+}
+
+// Parts of the loop against exact distances: nowhere is there a short cut.
+TEST_CASE("NoShortCutNearALoop") {
+  std::mt19937 random(fixtures::test_seed() + 7);
+  int loops = 0;
+  for (int round = 0; round < 12; ++round) {
+    TriangleSoup soup = shapes::torus_knot(24 + random() % 20, 6 + random() % 5, 0.3);
+    for (Vec3& p : soup.positions) p = p + 0.05 * any_direction(random);
+    const Surface surface(soup);
+    const auto v = static_cast<std::uint32_t>(random() % soup.positions.size());
+    const auto start = section_of(surface, surface.at(v), any_direction(random));
+    if (!start) continue;
+    const auto result = tighten_loop(surface.adjacency(), *start, Cancel());
+    if (!result) {
+      CHECK(result.error().code == ErrorCode::no_loop);
+      continue;
+    }
+    check_tight(surface, *start, *result);
+    check_is_geodesic(surface, result->path);
+    ++loops;
+    const auto& points = result->path.points;
+    for (int pair = 0; pair < 3; ++pair) {
+      const std::size_t i = random() % (points.size() - 1);
+      const SurfacePoint from = points[i].point;
+      const Field field = surface.field_by(Method::exact, {Source{from, 0}});
+      double part = 0;
+      for (std::size_t k = i; k + 1 < points.size() && part < 0.25 * result->path.length; ++k) {
+        part += distance(points[k].position, points[k + 1].position);
+        if (part > 0.2) break;  // near: the tube is 0.3 thick
+        const auto path = surface.path(field, points[k + 1].point);
+        REQUIRE(path);
+        CHECK(part <= path->length * (1 + 1e-9));
+      }
+    }
+  }
+  CHECK(loops > 0);
+}
+
+TEST_CASE("LoopsOnAnySurfaceAreClosedAndNoLongerThanTheyWere") {
+  std::mt19937 random(fixtures::test_seed() + 8);
+  int loops = 0;
+  for (int round = 0; round < 120; ++round) {
+    fixtures::RandomMesh mesh(random());
+    const Surface surface(mesh.soup());
+    std::optional<Path> start;
+    if (round % 2 == 0) {
+      start = round_by(surface, {mesh.vertex(), mesh.vertex(), mesh.vertex(), mesh.vertex()});
+    } else {
+      start = section_of(surface, surface.at(mesh.vertex()), any_direction(random));
+    }
+    if (!start) continue;
+    const auto loop = tighten_loop(surface.adjacency(), *start, Cancel());
+    if (!loop) {
+      CHECK(loop.error().code == ErrorCode::no_loop);
+      continue;
+    }
+    check_tight(surface, *start, *loop);
+    const auto straightness = straightness_of_loop(surface.adjacency(), loop->path, Cancel());
+    REQUIRE(straightness);
+    CHECK(straightness->turn >= 0);
+    CHECK(straightness->lack <= pi);
+    ++loops;
+    // Once more, it stays as long as it is.
+    const auto again = tighten_loop(surface.adjacency(), loop->path, Cancel());
+    REQUIRE(again);
+    CHECK(again->path.length >= loop->path.length * (1 - 1e-6));
+  }
+  CHECK(loops > 0);
+}
+
+TEST_CASE("LoopsOnAwkwardMeshesComeToAnEnd") {
+  std::mt19937 random(fixtures::test_seed() + 9);
+  for (const auto& awkward : fixtures::awkward_meshes()) {
+    CAPTURE(awkward.name);
+    const Surface surface(awkward.soup);
+    for (int round = 0; round < 6; ++round) {
+      std::vector<std::uint32_t> vertices{awkward.source};
+      for (int i = 0; i < 3; ++i) {
+        vertices.push_back(awkward.soup.faces[random() % awkward.soup.faces.size()][i]);
+      }
+      for (const auto& start :
+           {round_by(surface, vertices),
+            section_of(surface, surface.at(vertices[1]), any_direction(random))}) {
+        if (!start) continue;
+        const auto loop = tighten_loop(surface.adjacency(), *start, Cancel());
+        if (loop) {
+          check_tight(surface, *start, *loop);
+        } else {
+          CHECK(loop.error().code == ErrorCode::no_loop);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("RoundAMoebiusStripALoopComesBackOnTheOtherSide") {
+  const Surface surface(fixtures::moebius_strip(40));
+  std::vector<std::uint32_t> vertices;
+  for (std::uint32_t i = 0; i < surface.mesh().source_vertex_count(); i += 2) vertices.push_back(i);
+  const auto start = round_by(surface, vertices);
+  REQUIRE(start);
+  const TightLoop loop = tight(surface, *start);
+  check_is_geodesic(surface, loop.path);
+  CHECK(loop.path.length > 0.5 * start->length);
+}
+
+TEST_CASE("AStraightnessIsWhatThePathLacks") {
+  // Round a square of a plane: a right angle at each corner.
+  const Surface surface(shapes::plane(5, 5));
+  const auto square = round_by(surface, {6, 8, 18, 16});
+  REQUIRE(square);
+  const auto straightness = straightness_of_loop(surface.adjacency(), *square, Cancel());
+  REQUIRE(straightness);
+  CHECK(straightness->turn == doctest::Approx(pi / 2));
+  CHECK(straightness->lack == doctest::Approx(pi / 2));
+  // Over the tip of a cube, straight ahead is half of 270 degrees.
+  const Surface tip(
+      {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}}});
+  const auto over = round_by(tip, {0, 1, 2});
+  REQUIRE(over);
+  const auto at_tip = straightness_of_loop(tip.adjacency(), *over, Cancel());
+  REQUIRE(at_tip);
+  // 90 degrees at the tip, of 135; at the boundary 45 + 45 on the one side that is there.
+  CHECK(at_tip->lack == doctest::Approx(3 * pi / 4));
+}
+
+TEST_CASE("ATighteningIsCancelled") {
+  const Surface surface(fixtures::tube(2000, 3, 6));
+  const auto start = section_of(surface, surface.at(6500), {0.3, 0, 1});
+  REQUIRE(start);
+  int asked = 0;
+  const Cancel counting([&] { return ++asked, false; });
+  REQUIRE(tighten_loop(surface.adjacency(), *start, counting));
+  REQUIRE(asked > 2);
+  for (const int after : {0, 1, asked - 1}) {
+    int left = after;
+    const Cancel cancel([&] { return left-- <= 0; });
+    const auto loop = tighten_loop(surface.adjacency(), *start, cancel);
+    REQUIRE_FALSE(loop);
+    CHECK(loop.error().code == ErrorCode::cancelled);
+  }
+}
