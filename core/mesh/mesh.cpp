@@ -343,11 +343,23 @@ bool Mesh::is_without_area(Vec3 a, Vec3 b, Vec3 c) {
   return norm(cross(b - a, c - a)) <= tolerance::kZeroArea * longest2;
 }
 
+namespace {
+
+auto find_dropped(std::span<const Mesh::DroppedFace> dropped, std::uint32_t source_face) {
+  return std::lower_bound(
+      dropped.begin(), dropped.end(), source_face,
+      [](const Mesh::DroppedFace& face, std::uint32_t f) { return face.source_face < f; });
+}
+
+}  // namespace
+
 Triangle Mesh::dropped_face(std::uint32_t source_face) const {
-  const auto it = std::lower_bound(
-      parts_.dropped.begin(), parts_.dropped.end(), source_face,
-      [](const DroppedFace& dropped, std::uint32_t f) { return dropped.source_face < f; });
-  return it->vertices;
+  return find_dropped(parts_.dropped, source_face)->vertices;
+}
+
+bool Mesh::is_dropped(std::uint32_t source_face) const {
+  const auto it = find_dropped(parts_.dropped, source_face);
+  return it != dropped_faces().end() && it->source_face == source_face;
 }
 
 std::size_t Mesh::bytes() const {

@@ -10,6 +10,8 @@
 //     what is near on the surface is near in memory whatever the file's order;
 //   - source faces that welding leaves with two equal corners are dropped: they
 //     have no surface, and the two edges that they joined have become one.
+// A mesh of some of a file's faces (cut_mesh.h) has the file's numbers, too: there source vertices
+// and source faces may be on no part of it.
 // A face keeps the corner order of its source face, so barycentric coordinates
 // need no translation.
 #pragma once
@@ -98,14 +100,15 @@ class Mesh {
   [[nodiscard]] std::span<const Vec3> positions() const { return parts_.positions; }
   [[nodiscard]] std::span<const Triangle> faces() const { return parts_.faces; }
 
-  // Source vertex -> vertex, and back to the first source vertex welded into it.
+  // Source vertex -> vertex, and back to the first source vertex welded into it. kNone for those
+  // that are on no face of a mesh that was cut out of another.
   [[nodiscard]] std::span<const std::uint32_t> vertex_of_source() const {
     return parts_.vertex_of_source;
   }
   [[nodiscard]] std::uint32_t source_of_vertex(std::uint32_t vertex) const {
     return parts_.source_of_vertex[vertex];
   }
-  // Source face -> face, kNone when it was dropped, and back.
+  // Source face -> face, kNone when it was dropped or cut away, and back.
   [[nodiscard]] std::uint32_t face_of_source(std::uint32_t source_face) const {
     return parts_.face_of_source[source_face];
   }
@@ -116,6 +119,8 @@ class Mesh {
   [[nodiscard]] std::span<const DroppedFace> dropped_faces() const { return parts_.dropped; }
   // The vertices of a source face that was dropped (two or three are equal).
   [[nodiscard]] Triangle dropped_face(std::uint32_t source_face) const;
+  // Whether a source face was dropped. One that was cut away was not.
+  [[nodiscard]] bool is_dropped(std::uint32_t source_face) const;
 
   [[nodiscard]] std::uint32_t dropped_face_count() const {
     return static_cast<std::uint32_t>(parts_.dropped.size());

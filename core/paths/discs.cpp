@@ -82,6 +82,7 @@ class DiscSums {
     std::uint64_t seen = mesh.face_count();
     for (const std::uint32_t v : mesh.vertex_of_source()) {
       if (poll.cancelled(seen++, total)) return false;
+      if (v == kNone) continue;
       from_[first_with(field_.distance[v])].vertices += 1;
     }
     return !poll.stopped();

@@ -60,7 +60,7 @@ class CellMeasure {
   void count_vertices() {
     for (const std::uint32_t v : adjacency_.mesh().vertex_of_source()) {
       if (poll_.cancelled()) return;
-      if (near_.is_reached(v)) ++cells_[near_.nearest(v)].vertices;
+      if (v != kNone && near_.is_reached(v)) ++cells_[near_.nearest(v)].vertices;
     }
   }
 

@@ -218,6 +218,30 @@ Result<ImportOptions> import_options_of(const std::string& description) {
   return unreadable();
 }
 
+Result<std::vector<std::pair<std::uint64_t, std::uint64_t>>> faces_of_parts(
+    const std::string& description) {
+  const ordered_json::parser_callback_t is_parts = [](int depth, ordered_json::parse_event_t event,
+                                                      ordered_json& value) {
+    return depth != 1 || event != ordered_json::parse_event_t::key || value == "parts";
+  };
+  const auto object = ordered_json::parse(description, is_parts, /*allow_exceptions=*/false);
+  const auto parts = object.is_object() ? object.find("parts") : object.end();
+  if (parts == object.end() || !parts->is_array()) return unreadable();
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> faces;
+  faces.reserve(parts->size());
+  for (const ordered_json& part : *parts) {
+    if (!part.is_object()) return unreadable();
+    const auto first = part.find("first_face");
+    const auto count = part.find("face_count");
+    if (first == part.end() || count == part.end() || !first->is_number_unsigned() ||
+        !count->is_number_unsigned()) {
+      return unreadable();
+    }
+    faces.emplace_back(first->get<std::uint64_t>(), count->get<std::uint64_t>());
+  }
+  return faces;
+}
+
 Result<std::string> with_state(const std::string& description, bool resident, bool prepared) {
   if (!description.starts_with('{') || !description.ends_with('}')) return unreadable();
   std::string complete;

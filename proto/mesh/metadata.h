@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/surface/adjacency.h"
@@ -37,6 +39,10 @@ inline constexpr std::size_t kMostDescriptionBytes = std::size_t{2} << 20;
 
 // The name that it has, if any.
 [[nodiscard]] std::optional<std::string> name_in(const std::string& description);
+
+// The faces of each part that it lists: the first one, and how many. Errors: store_corrupt.
+[[nodiscard]] Result<std::vector<std::pair<std::uint64_t, std::uint64_t>>> faces_of_parts(
+    const std::string& description);
 
 // That object, whose options have been read, with `state` and `prepared` added. Takes no longer
 // than a copy. Errors: store_corrupt.

@@ -225,6 +225,8 @@ Result<std::optional<Vec3>> Parameters::vector(std::string_view name) {
   return std::optional(Vec3{numbers[0], numbers[1], numbers[2]});
 }
 
+const json* Parameters::values(std::string_view name) { return values_->find(name); }
+
 Result<void> Parameters::check_all_known() const {
   for (const auto& [name, value] : values_->by_name.items()) {
     if (std::find(values_->asked.begin(), values_->asked.end(), name) == values_->asked.end()) {

@@ -53,6 +53,9 @@ class Parameters {
   // Three numbers: direction=1,0,0, and in JSON the same text or [1,0,0].
   [[nodiscard]] Result<std::optional<Vec3>> vector(std::string_view name);
 
+  // All values under a name, as they came, in an array; null when there are none.
+  [[nodiscard]] const nlohmann::json* values(std::string_view name);
+
   // Errors: unknown_parameter.
   [[nodiscard]] Result<void> check_all_known() const;
 

@@ -27,5 +27,9 @@ inline constexpr std::size_t kMaxRadii = 1000;
 inline constexpr std::uint64_t kMaxRelax = 100;
 // Of an extent, one after the other.
 inline constexpr std::uint64_t kMaxFields = 1'000;
+// Of a region; each goes through all faces once.
+inline constexpr std::size_t kMaxRegionShapes = 1'000;
+// Of the regions of a query, single faces among them.
+inline constexpr std::uint64_t kMaxFaceRanges = 100'000;
 
 }  // namespace geodesic::proto

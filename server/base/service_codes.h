@@ -23,6 +23,8 @@ struct ServiceCode {
   static constexpr ErrorCode length_required{"length_required"};
   // The closest point is farther than `max_snap`.
   static constexpr ErrorCode snap_too_far{"snap_too_far"};
+  // The point is on a part of the surface that the query leaves out.
+  static constexpr ErrorCode outside_region{"outside_region"};
   // The bytes are not those of the given digest.
   static constexpr ErrorCode digest_mismatch{"digest_mismatch"};
   // No job of that id (any more).

@@ -42,6 +42,7 @@ constexpr std::array kRows{
     Row{ErrorCode::value_out_of_range, 422, "Value out of range"},
     Row{InputCode::method_unknown, 422, "No such geodesic method"},
     Row{ServiceCode::snap_too_far, 422, "The surface is too far from the point"},
+    Row{ServiceCode::outside_region, 422, "The point is not on the part asked about"},
     Row{ErrorCode::no_hit, 422, "The ray misses the surface"},
     Row{ErrorCode::no_loop, 422, "No such closed curve"},
     Row{ErrorCode::unsupported, 422, "Not offered"},

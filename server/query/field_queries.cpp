@@ -49,13 +49,16 @@ void take_whole_field(const Mesh& mesh, const Field& field, bool labels,
                       proto::DistanceReply& reply) {
   const auto vertex_of_source = mesh.vertex_of_source();
   reply.distances.reserve(vertex_of_source.size());
-  for (const std::uint32_t v : vertex_of_source) reply.distances.push_back(field.distance[v]);
+  const auto distance_at = [&](std::uint32_t v) {
+    return v == kNone ? kUnreached : field.distance[v];
+  };
+  for (const std::uint32_t v : vertex_of_source) reply.distances.push_back(distance_at(v));
   if (!labels) return;
   auto& out = reply.labels.emplace();
   out.reserve(vertex_of_source.size());
   for (const std::uint32_t v : vertex_of_source) {
     const bool single = field.nearest_source.empty();
-    out.push_back(field.distance[v] == kUnreached ? kNone : single ? 0 : field.nearest_source[v]);
+    out.push_back(distance_at(v) == kUnreached ? kNone : single ? 0 : field.nearest_source[v]);
   }
 }
 
@@ -65,17 +68,17 @@ FieldQueries::FieldQueries(MeshCatalog& catalog, ComputePool& pool, std::uint64_
                            Metrics& metrics)
     : catalog_(catalog), fields_(pool, field_cache_bytes, metrics) {}
 
-Result<FieldQueries::Place> FieldQueries::find(const std::string& mesh, const Caller& caller) {
+Result<FieldQueries::Place> FieldQueries::find(const AskedSurface& surface, const Caller& caller) {
   // Preparing is no part of a query's progress: it is mostly done already.
-  auto adjacency = catalog_.adjacency(mesh, caller.part(0, 0));
+  auto adjacency = catalog_.adjacency(surface, caller.part(0, 0));
   if (!adjacency) return fail(std::move(adjacency.error()));
-  return Place(*this, mesh, std::move(*adjacency), caller);
+  return Place(*this, surface, std::move(*adjacency), caller);
 }
 
-Result<FieldQueries::Place> FieldQueries::find(const std::string& mesh,
+Result<FieldQueries::Place> FieldQueries::find(const AskedSurface& surface,
                                                const proto::MethodChoice& method,
                                                const Caller& caller) {
-  auto place = find(mesh, caller);
+  auto place = find(surface, caller);
   if (!place || method.which != Method::steiner) return place;
   const Adjacency& adjacency = *place->adjacency();
   const std::uint64_t nodes =
@@ -85,22 +88,22 @@ Result<FieldQueries::Place> FieldQueries::find(const std::string& mesh,
                     proto::kMaxSteinerNodes, nodes, "points_per_edge");
 }
 
-Result<Answered<proto::DistanceReply>> FieldQueries::answer(const std::string& mesh,
+Result<Answered<proto::DistanceReply>> FieldQueries::answer(const AskedSurface& surface,
                                                             const proto::DistanceRequest& request,
                                                             const Caller& caller) {
-  const auto place = find(mesh, request.method, caller);
+  const auto place = find(surface, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::DistanceReply> answer;
   answer.adjacency = place->adjacency();
   proto::DistanceReply& reply = answer.reply;
-  reply.mesh = mesh;
+  reply.mesh = surface.mesh();
   reply.method = request.method.which;
   reply.short_digits = has_short_digits(request.method);
   reply.bound = proto::bound_of(request.method);
   auto sources = place->sources(request.from, reply.from, reply.warnings);
   if (!sources) return fail(std::move(sources.error()));
-  const FieldQuestion question{mesh, place->adjacency(), request.method, std::move(*sources),
-                               limit_of(request.method, request.max)};
+  const FieldQuestion question{surface.key(), place->adjacency(), request.method,
+                               std::move(*sources), limit_of(request.method, request.max)};
 
   if (request.at.empty()) {
     const auto field = fields_.whole(question, Details::none, caller);
@@ -125,15 +128,15 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const std::string& m
   return answer;
 }
 
-Result<Answered<proto::TableReply>> FieldQueries::answer(const std::string& mesh,
+Result<Answered<proto::TableReply>> FieldQueries::answer(const AskedSurface& surface,
                                                          const proto::TableRequest& request,
                                                          const Caller& caller) {
-  const auto place = find(mesh, request.method, caller);
+  const auto place = find(surface, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::TableReply> answer;
   answer.adjacency = place->adjacency();
   proto::TableReply& reply = answer.reply;
-  reply.mesh = mesh;
+  reply.mesh = surface.mesh();
   reply.method = request.method.which;
   reply.short_digits = has_short_digits(request.method);
   reply.bound = proto::bound_of(request.method);
@@ -145,7 +148,7 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const std::string& mesh
   if (request.to.empty()) reply.columns = reply.rows;
 
   const FieldQuestion question{
-      mesh, place->adjacency(), request.method, {}, limit_of(request.method, request.max)};
+      surface.key(), place->adjacency(), request.method, {}, limit_of(request.method, request.max)};
   auto table = fields_.table(question, *rows, *columns, caller);
   if (!table) return fail(std::move(table.error()));
   answer.cache_hit = table->hit;
@@ -153,14 +156,14 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const std::string& mesh
   return answer;
 }
 
-Result<Answered<proto::NearestReply>> FieldQueries::answer(const std::string& mesh,
+Result<Answered<proto::NearestReply>> FieldQueries::answer(const AskedSurface& surface,
                                                            const proto::NearestRequest& request,
                                                            const Caller& caller) {
-  const auto place = find(mesh, caller);
+  const auto place = find(surface, caller);
   if (!place) return fail(place.error());
   Answered<proto::NearestReply> answer;
   answer.adjacency = place->adjacency();
-  answer.reply.mesh = mesh;
+  answer.reply.mesh = surface.mesh();
   const auto points = place->points(request.points, answer.reply.points);
   if (!points) return fail(points.error());
   return answer;

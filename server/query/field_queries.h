@@ -43,52 +43,53 @@ struct Answered {
 
 // All methods may be called from any thread but a compute worker. Errors besides
 // those named: what MeshCatalog::adjacency gives; index_out_of_range,
-// value_out_of_range, snap_too_far and mesh_invalid for points, naming the parameter.
+// value_out_of_range, outside_region, snap_too_far and mesh_invalid for points, naming the
+// parameter.
 class FieldQueries {
  public:
   FieldQueries(MeshCatalog& catalog, ComputePool& pool, std::uint64_t field_cache_bytes,
                Metrics& metrics);
 
-  [[nodiscard]] Result<Answered<proto::DistanceReply>> answer(const std::string& mesh,
+  [[nodiscard]] Result<Answered<proto::DistanceReply>> answer(const AskedSurface& surface,
                                                               const proto::DistanceRequest& request,
                                                               const Caller& caller);
-  [[nodiscard]] Result<Answered<proto::PathReply>> answer(const std::string& mesh,
+  [[nodiscard]] Result<Answered<proto::PathReply>> answer(const AskedSurface& surface,
                                                           const proto::PathRequest& request,
                                                           const Caller& caller);
-  [[nodiscard]] Result<Answered<proto::TableReply>> answer(const std::string& mesh,
+  [[nodiscard]] Result<Answered<proto::TableReply>> answer(const AskedSurface& surface,
                                                            const proto::TableRequest& request,
                                                            const Caller& caller);
   // Errors: too_large (levels by `step`, segments).
-  [[nodiscard]] Result<Answered<proto::IsolinesReply>> answer(const std::string& mesh,
+  [[nodiscard]] Result<Answered<proto::IsolinesReply>> answer(const AskedSurface& surface,
                                                               const proto::IsolinesRequest& request,
                                                               const Caller& caller);
-  [[nodiscard]] Result<Answered<proto::SamplesReply>> answer(const std::string& mesh,
+  [[nodiscard]] Result<Answered<proto::SamplesReply>> answer(const AskedSurface& surface,
                                                              const proto::SamplesRequest& request,
                                                              const Caller& caller);
   // Errors of its drawing: too_large (crossings of faces by the radii).
-  [[nodiscard]] Result<Answered<proto::MeasureReply>> answer(const std::string& mesh,
+  [[nodiscard]] Result<Answered<proto::MeasureReply>> answer(const AskedSurface& surface,
                                                              const proto::MeasureRequest& request,
                                                              const Caller& caller);
-  [[nodiscard]] Result<Answered<proto::ExtentReply>> answer(const std::string& mesh,
+  [[nodiscard]] Result<Answered<proto::ExtentReply>> answer(const AskedSurface& surface,
                                                             const proto::ExtentRequest& request,
                                                             const Caller& caller);
   // Errors: too_large (segments of bisectors).
-  [[nodiscard]] Result<Answered<proto::VoronoiReply>> answer(const std::string& mesh,
+  [[nodiscard]] Result<Answered<proto::VoronoiReply>> answer(const AskedSurface& surface,
                                                              const proto::VoronoiRequest& request,
                                                              const Caller& caller);
   // Errors: value_out_of_range (direction, angle), too_large (length).
-  [[nodiscard]] Result<Answered<proto::TraceReply>> answer(const std::string& mesh,
+  [[nodiscard]] Result<Answered<proto::TraceReply>> answer(const AskedSurface& surface,
                                                            const proto::TraceRequest& request,
                                                            const Caller& caller);
   // Errors: no_loop, value_out_of_range (normal).
-  [[nodiscard]] Result<Answered<proto::LoopReply>> answer(const std::string& mesh,
+  [[nodiscard]] Result<Answered<proto::LoopReply>> answer(const AskedSurface& surface,
                                                           const proto::LoopRequest& request,
                                                           const Caller& caller);
   // Errors: value_out_of_range (from: where directions have no angle).
-  [[nodiscard]] Result<Answered<proto::LogmapReply>> answer(const std::string& mesh,
+  [[nodiscard]] Result<Answered<proto::LogmapReply>> answer(const AskedSurface& surface,
                                                             const proto::LogmapRequest& request,
                                                             const Caller& caller);
-  [[nodiscard]] Result<Answered<proto::NearestReply>> answer(const std::string& mesh,
+  [[nodiscard]] Result<Answered<proto::NearestReply>> answer(const AskedSurface& surface,
                                                              const proto::NearestRequest& request,
                                                              const Caller& caller);
 
@@ -109,11 +110,11 @@ class FieldQueries {
   }
 
  private:
-  // The mesh of a request, and its points there.
+  // The surface of a request, and its points there.
   class Place;
-  [[nodiscard]] Result<Place> find(const std::string& mesh, const Caller& caller);
+  [[nodiscard]] Result<Place> find(const AskedSurface& surface, const Caller& caller);
   // The same for a query by a method. Errors: too_large (points_per_edge).
-  [[nodiscard]] Result<Place> find(const std::string& mesh, const proto::MethodChoice& method,
+  [[nodiscard]] Result<Place> find(const AskedSurface& surface, const proto::MethodChoice& method,
                                    const Caller& caller);
 
   MeshCatalog& catalog_;

@@ -27,7 +27,7 @@ bool is_for_points_alone(const FieldQuestion& question, Details details) {
 
 // The question spelt out; two spellings of one point are one key.
 std::string key_of(const FieldQuestion& question, Details details) {
-  std::string key = question.mesh + "/" + proto::field_key(question.method) + "/";
+  std::string key = question.surface + "/" + proto::field_key(question.method) + "/";
   if (details == Details::kept && traits_of(question.method.which).has_details()) key += "details/";
   proto::append_number(key, question.max);
   for (const Source& source : question.sources) {

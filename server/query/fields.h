@@ -31,7 +31,7 @@ namespace geodesic::server {
 
 // What a whole field depends on.
 struct FieldQuestion {
-  std::string mesh;  // its id
+  std::string surface;  // its key (mesh_catalog.h)
   std::shared_ptr<const Adjacency> adjacency;
   proto::MethodChoice method;
   std::vector<Source> sources;

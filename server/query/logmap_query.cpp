@@ -29,7 +29,7 @@ std::uint64_t count_places(const LogMap& map, const Mesh& mesh, Poll& poll) {
   std::uint64_t count = 0;
   for (const std::uint32_t vertex : mesh.vertex_of_source()) {
     if (poll.cancelled()) break;
-    if (has_place[vertex]) ++count;
+    if (vertex != kNone && has_place[vertex]) ++count;
   }
   return count;
 }
@@ -52,15 +52,15 @@ void take_over(const LogMap& map, const Mesh& mesh, proto::LogmapReply& reply) {
 
 }  // namespace
 
-Result<Answered<proto::LogmapReply>> FieldQueries::answer(const std::string& mesh,
+Result<Answered<proto::LogmapReply>> FieldQueries::answer(const AskedSurface& surface,
                                                           const proto::LogmapRequest& request,
                                                           const Caller& caller) {
-  const auto place = find(mesh, request.method, caller);
+  const auto place = find(surface, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::LogmapReply> answer;
   answer.adjacency = place->adjacency();
   proto::LogmapReply& reply = answer.reply;
-  reply.mesh = mesh;
+  reply.mesh = surface.mesh();
   reply.method = request.method.which;
   reply.angle = request.angle;
   auto from = place->point(request.from, reply.from, reply.warnings);
@@ -70,7 +70,7 @@ Result<Answered<proto::LogmapReply>> FieldQueries::answer(const std::string& mes
   reply.from.vertex = found_there.vertex;
   reply.from.face = found_there.face;
   reply.from.bary = found_there.bary;
-  FieldQuestion question{mesh, place->adjacency(), request.method, {{*from, 0}}};
+  FieldQuestion question{surface.key(), place->adjacency(), request.method, {{*from, 0}}};
   // A path to a vertex at the radius may need the vertices just beyond it.
   const double radius = request.radius.value_or(kUnreached);
   question.max = kFieldBeyondRadius * radius + 2 * longest_edge(*place->adjacency());

@@ -24,7 +24,8 @@ Result<void> find_farthest(const Mesh& mesh, const Field& field, double most,
   Poll poll(cancel);
   for (std::uint32_t v = 0; v < mesh.source_vertex_count(); ++v) {
     if (poll.cancelled()) return fail_stopped(poll);
-    const double d = field.distance[mesh.vertex_of_source()[v]];
+    const std::uint32_t vertex = mesh.vertex_of_source()[v];
+    const double d = vertex == kNone ? kUnreached : field.distance[vertex];
     if (d > most || d == kUnreached || (reply.max && d <= *reply.max)) continue;
     reply.max = d;
     reply.farthest = v;
@@ -76,20 +77,20 @@ std::vector<double> levels_of_strips(const std::vector<double>& radii, double re
 
 }  // namespace
 
-Result<Answered<proto::MeasureReply>> FieldQueries::answer(const std::string& mesh,
+Result<Answered<proto::MeasureReply>> FieldQueries::answer(const AskedSurface& surface,
                                                            const proto::MeasureRequest& request,
                                                            const Caller& caller) {
-  const auto place = find(mesh, request.method, caller);
+  const auto place = find(surface, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::MeasureReply> answer;
   answer.adjacency = place->adjacency();
   proto::MeasureReply& reply = answer.reply;
-  reply.mesh = mesh;
+  reply.mesh = surface.mesh();
   reply.method = request.method.which;
   reply.bound = proto::bound_of(request.method);
   auto sources = place->sources(request.from, reply.from, reply.warnings);
   if (!sources) return fail(std::move(sources.error()));
-  FieldQuestion question{mesh, place->adjacency(), request.method, std::move(*sources)};
+  FieldQuestion question{surface.key(), place->adjacency(), request.method, std::move(*sources)};
   // A disc as large as `max` needs the vertices just beyond it.
   if (request.max) question.max = *request.max + 2 * longest_edge(*place->adjacency());
   const auto field = fields_.whole(question, Details::none, caller.part(0, kFieldOfMeasure));

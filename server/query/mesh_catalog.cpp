@@ -10,6 +10,7 @@
 #include "proto/formats/decode_mesh.h"
 #include "proto/gltf/annotate.h"
 #include "proto/mesh/metadata.h"
+#include "proto/region/cut_regions.h"
 #include "proto/wire/input_codes.h"
 #include "server/base/service_codes.h"
 #include "server/base/sha256.h"
@@ -24,9 +25,9 @@ std::span<const std::byte> as_bytes(const std::string& text) {
   return {reinterpret_cast<const std::byte*>(text.data()), text.size()};
 }
 
-// The prefix of a mesh's keys in the cache of prepared things, and the two kinds.
-std::string adjacency_key(const std::string& id) { return id + "/adjacency"; }
-std::string closest_points_key(const std::string& id) { return id + "/closest_points"; }
+// The keys of a surface in the cache of prepared things, by kind. They begin with the mesh's id.
+std::string adjacency_key(const std::string& surface) { return surface + "/adjacency"; }
+std::string closest_points_key(const std::string& surface) { return surface + "/closest_points"; }
 
 // An adjacency holds on to its mesh, which the mesh cache may have dropped.
 std::size_t bytes_of(const std::shared_ptr<const Adjacency>& adjacency) {
@@ -53,6 +54,11 @@ Result<std::shared_ptr<const Adjacency>> prepare(std::shared_ptr<const Mesh> mes
 }
 
 }  // namespace
+
+AskedSurface::AskedSurface(std::string mesh, proto::Regions regions)
+    : mesh_(std::move(mesh)), regions_(std::move(regions)), key_(mesh_) {
+  if (!is_whole()) key_ += "/part-" + sha256_hex(proto::canonical_text(regions_));
+}
 
 MeshCatalog::MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimits& limits,
                          Metrics& metrics, DecoderProcesses* decoders)
@@ -336,18 +342,21 @@ Result<std::shared_ptr<const Mesh>> MeshCatalog::load_mesh(const std::string& id
   return mesh->value;
 }
 
-Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency(const std::string& id,
-                                                                const Caller& caller) {
+Result<void> MeshCatalog::check_is_there(const std::string& id, const std::string& key) {
   const auto known = store_.use(id);
   if (!known) return fail(known.error());
   // Damage on the disk is no reason to refuse what is whole in memory.
-  const bool is_resident = store_.is_damaged(id) && prepared_.peek(adjacency_key(id));
-  if (!*known && !is_resident) {
-    // Another server may have deleted it.
-    prepared_.erase_prefix(id + "/");
-    if (prepared_files_ != nullptr) prepared_files_->forget(id);
-    return unknown_mesh();
-  }
+  const bool is_resident = store_.is_damaged(id) && prepared_.peek(adjacency_key(key));
+  if (*known || is_resident) return {};
+  // Another server may have deleted it.
+  prepared_.erase_prefix(id + "/");
+  if (prepared_files_ != nullptr) prepared_files_->forget(id);
+  return unknown_mesh();
+}
+
+Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency(const std::string& id,
+                                                                const Caller& caller) {
+  if (auto there = check_is_there(id, id); !there) return fail(std::move(there.error()));
   const auto prepared = prepared_.get_or_create(
       adjacency_key(id),
       [&]() -> Result<std::shared_ptr<const Prepared>> {
@@ -359,6 +368,49 @@ Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency(const std::strin
       caller);
   if (!prepared) return fail(prepared.error());
   return std::get<std::shared_ptr<const Adjacency>>(*prepared->value);
+}
+
+Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency(const AskedSurface& surface,
+                                                                const Caller& caller) {
+  if (surface.is_whole()) return adjacency(surface.mesh(), caller);
+  if (auto there = check_is_there(surface.mesh(), surface.key()); !there) {
+    return fail(std::move(there.error()));
+  }
+  const auto prepared = prepared_.get_or_create(
+      adjacency_key(surface.key()),
+      [&]() -> Result<std::shared_ptr<const Prepared>> {
+        auto adjacency = cut_out(surface, caller);
+        if (!adjacency) return fail(std::move(adjacency.error()));
+        return std::make_shared<const Prepared>(std::move(*adjacency));
+      },
+      caller);
+  if (!prepared) return fail(prepared.error());
+  return std::get<std::shared_ptr<const Adjacency>>(*prepared->value);
+}
+
+Result<std::shared_ptr<const Adjacency>> MeshCatalog::cut_out(const AskedSurface& surface,
+                                                              const Caller& caller) {
+  const auto whole = adjacency(surface.mesh(), caller);
+  if (!whole) return fail(whole.error());
+  std::vector<proto::PartFaces> parts;
+  if (surface.regions().names_parts()) {
+    const auto description = metadata(surface.mesh(), caller);
+    if (!description) return fail(description.error());
+    auto listed = proto::faces_of_parts(*description);
+    if (!listed) return fail(std::move(listed.error()));
+    parts = std::move(*listed);
+  }
+  return pool_.run(
+      [&](Worker&) {
+        return step(
+            "cut", Stage::prepare, caller, [&]() -> Result<std::shared_ptr<const Adjacency>> {
+              const Cancel cancel = cancel_of(caller);
+              auto mesh = proto::cut_regions((*whole)->mesh(), surface.regions(), parts, cancel);
+              if (!mesh) return fail(std::move(mesh.error()));
+              return prepare(std::make_shared<const Mesh>(std::move(*mesh)), pool_, caller);
+            });
+      },
+      caller);
 }
 
 Result<std::shared_ptr<const Adjacency>> MeshCatalog::mapped_adjacency(const std::string& id,
@@ -393,12 +445,12 @@ Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency_anew(const std::
   return adjacency;
 }
 
-Result<std::shared_ptr<const ClosestPointIndex>> MeshCatalog::closest_points(const std::string& id,
-                                                                             const Caller& caller) {
-  const auto mesh = adjacency(id, caller);
+Result<std::shared_ptr<const ClosestPointIndex>> MeshCatalog::closest_points(
+    const AskedSurface& surface, const Caller& caller) {
+  const auto mesh = adjacency(surface, caller);
   if (!mesh) return fail(mesh.error());
   const auto prepared = prepared_.get_or_create(
-      closest_points_key(id),
+      closest_points_key(surface.key()),
       [&] {
         return pool_.run(
             [&](Worker&) -> Result<std::shared_ptr<const Prepared>> {

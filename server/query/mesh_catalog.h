@@ -28,6 +28,7 @@
 #include "core/surface/adjacency.h"
 #include "proto/gltf_file/annotation.h"
 #include "proto/mesh/decoded_mesh.h"
+#include "proto/region/region.h"
 #include "proto/wire/import_options.h"
 #include "server/base/caller.h"
 #include "server/base/current.h"
@@ -47,6 +48,23 @@ struct CatalogLimits {
   std::uint64_t mesh_cache_bytes = std::uint64_t{1} << 30;
   std::uint64_t adjacency_cache_bytes = std::uint64_t{2} << 30;
   DecoderProcesses::Limits decoder;
+};
+
+// What a query is about: a mesh, or what regions leave of it.
+class AskedSurface {
+ public:
+  explicit AskedSurface(std::string mesh, proto::Regions regions = {});
+
+  [[nodiscard]] const std::string& mesh() const { return mesh_; }  // its id
+  [[nodiscard]] const proto::Regions& regions() const { return regions_; }
+  [[nodiscard]] bool is_whole() const { return regions_.is_everything(); }
+  // What caches know it by: the id, and for a part of the surface a digest of its regions.
+  [[nodiscard]] const std::string& key() const { return key_; }
+
+ private:
+  std::string mesh_;
+  proto::Regions regions_;
+  std::string key_;
 };
 
 class MeshCatalog {
@@ -113,8 +131,12 @@ class MeshCatalog {
   // the store's (mesh_store.h), overloaded, draining, cancelled.
   [[nodiscard]] Result<std::shared_ptr<const Adjacency>> adjacency(const std::string& id,
                                                                    const Caller& caller);
+  // The same of the surface that is asked about: of a part of a mesh, a mesh of its own in the
+  // numbers of the whole. Errors besides: those of proto::cut_regions.
+  [[nodiscard]] Result<std::shared_ptr<const Adjacency>> adjacency(const AskedSurface& surface,
+                                                                   const Caller& caller);
   [[nodiscard]] Result<std::shared_ptr<const ClosestPointIndex>> closest_points(
-      const std::string& id, const Caller& caller);
+      const AskedSurface& surface, const Caller& caller);
 
   [[nodiscard]] DecoderProcesses::Stats decoder_stats() const {
     return decoders_ != nullptr ? decoders_->stats() : DecoderProcesses::Stats{};
@@ -182,6 +204,11 @@ class MeshCatalog {
   [[nodiscard]] Result<std::shared_ptr<const Adjacency>> adjacency_anew(const std::string& id,
                                                                         const Caller& caller);
   [[nodiscard]] Result<std::string> described_anew(const std::string& id, const Caller& caller);
+  // Forgets a mesh that is not stored any more. Errors: mesh_unknown, the store's.
+  [[nodiscard]] Result<void> check_is_there(const std::string& id, const std::string& key);
+  // Cuts a part out of the whole and prepares it.
+  [[nodiscard]] Result<std::shared_ptr<const Adjacency>> cut_out(const AskedSurface& surface,
+                                                                 const Caller& caller);
 
   MeshStore& store_;
   ComputePool& pool_;

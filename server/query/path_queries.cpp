@@ -50,12 +50,12 @@ class LegFinder {
   [[nodiscard]] std::optional<bool> cache_hit() const { return hit_; }
 
   // From each point to the next; ends before the first that is not to be reached.
-  Result<std::vector<Path>> find_all(const std::string& mesh,
+  Result<std::vector<Path>> find_all(const std::string& surface,
                                      const std::shared_ptr<const Adjacency>& adjacency,
                                      const std::vector<SurfacePoint>& points) {
     std::vector<Path> legs;
     for (std::size_t i = 1; i < points.size(); ++i) {
-      auto leg = find({mesh, adjacency, method_, {Source{points[i - 1], 0}}}, points[i]);
+      auto leg = find({surface, adjacency, method_, {Source{points[i - 1], 0}}}, points[i]);
       if (!leg) return fail(std::move(leg.error()));
       if (!*leg) break;
       legs.push_back(std::move(**leg));
@@ -192,15 +192,15 @@ std::string_view name_of(StraightestGeodesic::End end) {
 
 }  // namespace
 
-Result<Answered<proto::PathReply>> FieldQueries::answer(const std::string& mesh,
+Result<Answered<proto::PathReply>> FieldQueries::answer(const AskedSurface& surface,
                                                         const proto::PathRequest& request,
                                                         const Caller& caller) {
-  const auto place = find(mesh, request.method, caller);
+  const auto place = find(surface, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::PathReply> answer;
   answer.adjacency = place->adjacency();
   proto::PathReply& reply = answer.reply;
-  reply.mesh = mesh;
+  reply.mesh = surface.mesh();
   reply.method = request.method.which;
   reply.bound = proto::bound_of(request.method);
   reply.refine = request.refine;
@@ -216,7 +216,7 @@ Result<Answered<proto::PathReply>> FieldQueries::answer(const std::string& mesh,
   reply.via.pop_back();
 
   LegFinder finder(fields_, request.method, request.refine, caller, points->size() - 1);
-  const auto legs = finder.find_all(mesh, place->adjacency(), *points);
+  const auto legs = finder.find_all(surface.key(), place->adjacency(), *points);
   if (!legs) return fail(legs.error());
   answer.cache_hit = finder.cache_hit();
   if (legs->size() + 1 < points->size()) return answer;  // not reachable
@@ -227,16 +227,16 @@ Result<Answered<proto::PathReply>> FieldQueries::answer(const std::string& mesh,
   return answer;
 }
 
-Result<Answered<proto::LoopReply>> FieldQueries::answer(const std::string& mesh,
+Result<Answered<proto::LoopReply>> FieldQueries::answer(const AskedSurface& surface,
                                                         const proto::LoopRequest& request,
                                                         const Caller& caller) {
   const bool has_legs = request.start != proto::LoopRequest::Start::plane;
-  const auto place = has_legs ? find(mesh, request.method, caller) : find(mesh, caller);
+  const auto place = has_legs ? find(surface, request.method, caller) : find(surface, caller);
   if (!place) return fail(place.error());
   Answered<proto::LoopReply> answer;
   answer.adjacency = place->adjacency();
   proto::LoopReply& reply = answer.reply;
-  reply.mesh = mesh;
+  reply.mesh = surface.mesh();
   reply.start = request.start;
   reply.is_hull = request.hull;
   const auto points = place->points(request.points, reply.asked, reply.warnings);
@@ -248,7 +248,7 @@ Result<Answered<proto::LoopReply>> FieldQueries::answer(const std::string& mesh,
     round.push_back(round.front());
     const Caller walker = caller.part(0, kLegsOfLoop);
     LegFinder finder(fields_, request.method, proto::Refine::shortest, walker, points->size());
-    auto found = finder.find_all(mesh, place->adjacency(), round);
+    auto found = finder.find_all(surface.key(), place->adjacency(), round);
     if (!found) return fail(std::move(found.error()));
     answer.cache_hit = finder.cache_hit();
     legs = std::move(*found);
@@ -281,15 +281,15 @@ Result<Answered<proto::LoopReply>> FieldQueries::answer(const std::string& mesh,
   return answer;
 }
 
-Result<Answered<proto::TraceReply>> FieldQueries::answer(const std::string& mesh,
+Result<Answered<proto::TraceReply>> FieldQueries::answer(const AskedSurface& surface,
                                                          const proto::TraceRequest& request,
                                                          const Caller& caller) {
-  const auto place = find(mesh, caller);
+  const auto place = find(surface, caller);
   if (!place) return fail(place.error());
   Answered<proto::TraceReply> answer;
   answer.adjacency = place->adjacency();
   proto::TraceReply& reply = answer.reply;
-  reply.mesh = mesh;
+  reply.mesh = surface.mesh();
   const auto from = place->point(request.from, reply.from, reply.warnings);
   if (!from) return fail(from.error());
   const auto found = fields_.compute(

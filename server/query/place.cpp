@@ -12,7 +12,7 @@ Result<std::vector<SurfacePoint>> FieldQueries::Place::points(
   std::shared_ptr<const ClosestPointIndex> index;
   const bool searches = std::any_of(requests.begin(), requests.end(), is_searched);
   if (searches) {
-    auto built = queries_.catalog_.closest_points(id_, caller_.part(0, 0));
+    auto built = queries_.catalog_.closest_points(surface_, caller_.part(0, 0));
     if (!built) return fail(std::move(built.error()));
     index = std::move(*built);
   }

@@ -1,4 +1,4 @@
-// Where a query is asked: one mesh, and what its points are there.
+// Where a query is asked: one surface, and what its points are there.
 #pragma once
 
 #include <memory>
@@ -17,12 +17,12 @@
 
 namespace geodesic::server {
 
-// Refers to the queries, the id and `caller` of the query.
+// Refers to the queries, the surface and `caller` of the query.
 class FieldQueries::Place {
  public:
-  Place(FieldQueries& queries, const std::string& mesh, std::shared_ptr<const Adjacency> adjacency,
-        const Caller& caller)
-      : queries_(queries), id_(mesh), adjacency_(std::move(adjacency)), caller_(caller) {}
+  Place(FieldQueries& queries, const AskedSurface& surface,
+        std::shared_ptr<const Adjacency> adjacency, const Caller& caller)
+      : queries_(queries), surface_(surface), adjacency_(std::move(adjacency)), caller_(caller) {}
 
   [[nodiscard]] const std::shared_ptr<const Adjacency>& adjacency() const { return adjacency_; }
   [[nodiscard]] const Mesh& mesh() const { return adjacency_->mesh(); }
@@ -67,7 +67,7 @@ class FieldQueries::Place {
 
  private:
   FieldQueries& queries_;
-  const std::string& id_;
+  const AskedSurface& surface_;
   std::shared_ptr<const Adjacency> adjacency_;
   const Caller& caller_;
 };

@@ -25,7 +25,12 @@ Result<PlacedPoint> at_vertex(const Adjacency& adjacency, std::uint64_t vertex,
     return fail_limit(ErrorCode::index_out_of_range, "the mesh has no such vertex",
                       mesh.source_vertex_count() - 1, vertex, parameter);
   }
-  PlacedPoint result = placed(mesh, point_at_vertex(adjacency, mesh.vertex_of_source()[vertex]));
+  const std::uint32_t there = mesh.vertex_of_source()[vertex];
+  if (there == kNone) {
+    return fail(ServiceCode::outside_region,
+                "no face at this vertex is left: it is forbidden, or not within", parameter);
+  }
+  PlacedPoint result = placed(mesh, point_at_vertex(adjacency, there));
   result.echo.vertex = vertex;  // the one that was asked for, of those welded together
   return result;
 }
@@ -69,6 +74,9 @@ Result<PlacedPoint> on_face(const Adjacency& adjacency, const proto::FaceRequest
   }
   const auto source = static_cast<std::uint32_t>(request.face);
   const std::uint32_t face = mesh.face_of_source(source);
+  if (face == kNone && !mesh.is_dropped(source)) {
+    return fail(ServiceCode::outside_region, "this face is forbidden, or not within", parameter);
+  }
   if (face == kNone) return on_dropped_face(adjacency, source, request.bary, parameter);
   return placed(mesh, point_on_face(adjacency, face, request.bary));
 }
@@ -121,7 +129,7 @@ bool is_searched(const proto::PointRequest& request) {
 bool is_on_dropped_face(const Mesh& mesh, const proto::PointRequest& request) {
   const auto* asked = std::get_if<proto::FaceRequest>(&request.where);
   return asked != nullptr && asked->face < mesh.source_face_count() &&
-         mesh.face_of_source(static_cast<std::uint32_t>(asked->face)) == kNone;
+         mesh.is_dropped(static_cast<std::uint32_t>(asked->face));
 }
 
 Result<PlacedPoint> resolve_point(const Adjacency& adjacency, const ClosestPointIndex* index,

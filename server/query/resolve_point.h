@@ -23,7 +23,8 @@ struct PlacedPoint {
 // long as a vertex has faces, so it belongs into a compute slot, too.
 [[nodiscard]] bool is_on_dropped_face(const Mesh& mesh, const proto::PointRequest& request);
 
-// `index` may be null unless the point is searched. Errors: index_out_of_range, snap_too_far,
+// `index` may be null unless the point is searched. Errors: index_out_of_range, outside_region (a
+// face that was cut away, or a vertex with no other), snap_too_far,
 // no_hit, value_out_of_range, mesh_invalid (a point on a face without surface that touches no
 // other), cancelled.
 [[nodiscard]] Result<PlacedPoint> resolve_point(const Adjacency& adjacency,

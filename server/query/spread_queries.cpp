@@ -64,19 +64,19 @@ ExtentOf measure_of(proto::ExtentRequest::Of of) {
 
 }  // namespace
 
-Result<Answered<proto::IsolinesReply>> FieldQueries::answer(const std::string& mesh,
+Result<Answered<proto::IsolinesReply>> FieldQueries::answer(const AskedSurface& surface,
                                                             const proto::IsolinesRequest& request,
                                                             const Caller& caller) {
-  const auto place = find(mesh, request.method, caller);
+  const auto place = find(surface, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::IsolinesReply> answer;
   answer.adjacency = place->adjacency();
   proto::IsolinesReply& reply = answer.reply;
-  reply.mesh = mesh;
+  reply.mesh = surface.mesh();
   reply.method = request.method.which;
   auto sources = place->sources(request.from, reply.from, reply.warnings);
   if (!sources) return fail(std::move(sources.error()));
-  FieldQuestion question{mesh, place->adjacency(), request.method, std::move(*sources)};
+  FieldQuestion question{surface.key(), place->adjacency(), request.method, std::move(*sources)};
   // A line at `max` needs the vertices just beyond it.
   if (request.max) question.max = *request.max + 2 * longest_edge(*place->adjacency());
   const auto field = fields_.whole(question, Details::none, caller.part(0, kFieldOfIsolines));
@@ -106,15 +106,15 @@ Result<Answered<proto::IsolinesReply>> FieldQueries::answer(const std::string& m
   return answer;
 }
 
-Result<Answered<proto::SamplesReply>> FieldQueries::answer(const std::string& mesh,
+Result<Answered<proto::SamplesReply>> FieldQueries::answer(const AskedSurface& surface,
                                                            const proto::SamplesRequest& request,
                                                            const Caller& caller) {
-  const auto place = find(mesh, request.method, caller);
+  const auto place = find(surface, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::SamplesReply> answer;
   answer.adjacency = place->adjacency();
   proto::SamplesReply& reply = answer.reply;
-  reply.mesh = mesh;
+  reply.mesh = surface.mesh();
   reply.method = request.method.which;
   reply.bound = proto::bound_of(request.method);
   const auto sources = place->sources(request.from, reply.from, reply.warnings);
@@ -135,15 +135,15 @@ Result<Answered<proto::SamplesReply>> FieldQueries::answer(const std::string& me
   return answer;
 }
 
-Result<Answered<proto::ExtentReply>> FieldQueries::answer(const std::string& mesh,
+Result<Answered<proto::ExtentReply>> FieldQueries::answer(const AskedSurface& surface,
                                                           const proto::ExtentRequest& request,
                                                           const Caller& caller) {
-  const auto place = find(mesh, request.method, caller);
+  const auto place = find(surface, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::ExtentReply> answer;
   answer.adjacency = place->adjacency();
   proto::ExtentReply& reply = answer.reply;
-  reply.mesh = mesh;
+  reply.mesh = surface.mesh();
   reply.method = request.method.which;
   reply.of = request.of;
   const auto found = fields_.compute(

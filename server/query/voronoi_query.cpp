@@ -67,16 +67,16 @@ Result<void> cut_cells(const Adjacency& adjacency, const NearSites& near, const 
 
 }  // namespace
 
-Result<Answered<proto::VoronoiReply>> FieldQueries::answer(const std::string& mesh,
+Result<Answered<proto::VoronoiReply>> FieldQueries::answer(const AskedSurface& surface,
                                                            const proto::VoronoiRequest& request,
                                                            const Caller& caller) {
-  const auto place = find(mesh, request.method, caller);
+  const auto place = find(surface, request.method, caller);
   if (!place) return fail(place.error());
   Answered<proto::VoronoiReply> answer;
   const auto adjacency = place->adjacency();
   answer.adjacency = adjacency;
   proto::VoronoiReply& reply = answer.reply;
-  reply.mesh = mesh;
+  reply.mesh = surface.mesh();
   reply.method = request.method.which;
   reply.relax = request.relax;
   reply.part = request.part.value_or(proto::VoronoiRequest::Part::cells);
@@ -99,8 +99,8 @@ Result<Answered<proto::VoronoiReply>> FieldQueries::answer(const std::string& me
   }
   const double with_field = relaxing + (1 - relaxing) * kFieldOfVoronoi;
   const Caller rest = caller.part(relaxing, with_field);
-  const auto field = fields_.whole({mesh, adjacency, request.method, *sites}, Details::none,
-                                   request.relax > 0 ? rest.finishing() : rest);
+  const auto field = fields_.whole({surface.key(), adjacency, request.method, *sites},
+                                   Details::none, request.relax > 0 ? rest.finishing() : rest);
   if (!field) return fail(field.error());
   answer.cache_hit = field->hit;
   const Caller last = caller.part(with_field, 1);

@@ -54,7 +54,10 @@ GlbPart coloured_surface(const Mesh& mesh, const proto::DistanceReply& reply, pr
   part.colours.reserve(mesh.source_vertex_count());
   for (std::uint32_t v = 0; v < mesh.source_vertex_count(); ++v) {
     if (poll.cancelled()) break;
-    part.positions.push_back(mesh.positions()[mesh.vertex_of_source()[v]]);
+    // One that is not on the surface is in no face. Where it lies must not widen what a viewer
+    // makes visible.
+    const std::uint32_t vertex = mesh.vertex_of_source()[v];
+    part.positions.push_back(mesh.positions()[vertex == kNone ? 0 : vertex]);
     const double d = reply.distances[v];
     part.colours.push_back(d == kUnreached ? kGrey : proto::colour_at(map, max > 0 ? d / max : 0));
   }

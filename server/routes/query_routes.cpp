@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "proto/region/read_regions.h"
 #include "proto/wire/parameters.h"
 #include "proto/wire/reply_format.h"
 #include "proto/wire/requests.h"
@@ -125,6 +126,9 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
   if (auto read = proto::parse_request(query.parameters, request); !read) {
     return fail(std::move(read.error()));
   }
+  auto regions = proto::read_regions(query.parameters);
+  if (!regions) return fail(std::move(regions.error()));
+  const AskedSurface surface(query.mesh, std::move(*regions));
   const auto offered = query.json_only ? proto::kJsonOnly : proto::formats_of(request);
   const auto format = proto::parse_format(query.parameters, query.accept, offered);
   if (!format) return fail(format.error());
@@ -151,7 +155,7 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
   if (!identity.empty()) {
     if (auto known = known_reply(query, identity, tag)) return std::move(*known);
   }
-  auto answer = queries_.answer(query.mesh, request, *caller);
+  auto answer = queries_.answer(surface, request, *caller);
   if (!answer) return fail(std::move(answer.error()));
   if (!attributes.empty()) {
     auto upload = upload_to_annotate(query, attributes, file_bytes, caller->finishing());

@@ -301,6 +301,8 @@ HttpResponse Routes::status() {
         {"max_radii", proto::kMaxRadii},
         {"max_fields", proto::kMaxFields},
         {"max_relax", proto::kMaxRelax},
+        {"max_region_shapes", proto::kMaxRegionShapes},
+        {"max_face_ranges", proto::kMaxFaceRanges},
         {"max_batch_lines", kMaxBatchLines},
         {"reply_memory_bytes", config->reply_memory_bytes},
         {"max_jobs", config->max_jobs},

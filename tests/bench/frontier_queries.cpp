@@ -5,22 +5,30 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/locate/plane_section.h"
 #include "core/paths/discs.h"
+#include "core/paths/join_paths.h"
 #include "core/solve/extent.h"
 #include "core/solve/solve_field.h"
 #include "core/straighten/log_map.h"
+#include "core/straighten/loop_straightness.h"
 #include "core/straighten/straightest_geodesic.h"
+#include "core/straighten/tighten_loop.h"
 #include "core/surface/longest_edge.h"
+#include "core/voronoi/voronoi.h"
 #include "tests/bench/edge_dijkstra.h"
 #include "tests/bench/prepared.h"
 #include "tests/bench/processor_time.h"
 
 namespace geodesic::bench {
 namespace {
+
+constexpr std::uint64_t kMostSegments = 1'000'000;
 
 template <class Value>
 Value take(Result<Value> result) {
@@ -123,14 +131,64 @@ Figures diameters(Asked& asked) {
   return figures;
 }
 
+// Off by: the surface that other sites have than by `exact`, of all of it.
+Figures cells(Asked& asked) {
+  constexpr std::uint32_t kSites = 100;
+  const Adjacency& adjacency = asked.adjacency();
+  std::vector<Source> sites;
+  for (std::uint32_t i = 0; i < kSites; ++i) {
+    const auto face =
+        static_cast<std::uint32_t>(std::uint64_t{i} * adjacency.faces().size() / kSites);
+    sites.push_back({point_on_face(adjacency, face, {1, 1, 1}), 0});
+  }
+  const auto divide = [&](Method method) {
+    FieldLimits limits;
+    limits.keep_details = false;
+    const Field field =
+        take(solve_field(method, {}, adjacency, sites, limits, asked.scratch(), Cancel()));
+    return take(voronoi(method, {}, adjacency, field, kMostSegments, asked.scratch(), Cancel()));
+  };
+  Voronoi found;
+  Figures figures;
+  figures.ms = processor_ms_of([&] { found = divide(Method::back_traced); });
+  const Voronoi true_one = divide(Method::exact);
+  double all = 0;
+  for (std::uint32_t i = 0; i < kSites; ++i) {
+    figures.off += std::abs(found.cells[i].area - true_one.cells[i].area) / 2;
+    all += true_one.cells[i].area;
+  }
+  figures.off /= all;
+  return figures;
+}
+
+// Off by: how far the loop is off straight ahead, of a half turn. Nothing where it contracts.
+Figures loops(Asked& asked) {
+  const Adjacency& adjacency = asked.adjacency();
+  Figures figures;
+  Result<TightLoop> tight = fail(ErrorCode::no_loop, "");
+  figures.ms = processor_ms_of([&] {
+    const auto section = plane_section(adjacency, asked.source().point, {1, 0.3, 0.2}, Cancel());
+    if (section) {
+      tight = tighten_loop(adjacency, closed_path_along(adjacency.mesh(), *section), Cancel());
+    }
+  });
+  if (tight) {
+    figures.off =
+        take(straightness_of_loop(adjacency, tight->path, Cancel())).turn / std::numbers::pi;
+  }
+  return figures;
+}
+
 }  // namespace
 
 void print_queries(std::span<const FrontierMesh> meshes) {
   using Query = Figures (*)(Asked&);
-  const std::array<std::pair<const char*, Query>, 3> queries{{
+  const std::array<std::pair<const char*, Query>, 5> queries{{
       {"16 discs | areas, against `exact`", discs},
       {"a log map to a tenth of the farthest | going there straight, of the radius", log_maps},
       {"the diameter by 20 fields | its bounds", diameters},
+      {"the cells of 100 sites | what other sites have than by `exact`", cells},
+      {"a plane's section, tightened | straight ahead, of a half turn", loops},
   }};
   std::puts(
       "\n### 12. Queries that follow from fields\n\nBy `auto`, their fields included.\n\n"

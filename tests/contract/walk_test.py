@@ -174,6 +174,8 @@ def wrong_values(operation):
     if isinstance(body, dict):
         yield [], {**body, "method": "none"} if point == "from" else {**body, "precision": 99}
         yield [], {**body, point: {"xyz": [1, 1, 50], "max_snap": 0.1}}
+        yield [], {**body, point: "v:0", "within": "faces:9999"}
+        yield [], {**body, "forbid": {"part": 0}}
     else:
         yield query + [("method", "none")], None
         yield query + [("precision", "99")], None

@@ -6,7 +6,9 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
+#include "proto/region/read_regions.h"
 #include "proto/wire/parameters.h"
 #include "proto/wire/point_request.h"
 #include "server/http/head.h"
@@ -40,6 +42,23 @@ void check_point(const proto::PointRequest& point) {
   }
 }
 
+void check_regions(const proto::Regions& regions) {
+  for (const auto* region : {&regions.within, &regions.forbid}) {
+    for (const proto::Shape& shape : *region) {
+      expect(!shape.parameter.empty(), "a shape knows its parameter");
+      if (const auto* faces = std::get_if<std::vector<proto::FaceRange>>(&shape.what)) {
+        expect(!faces->empty(), "a list of faces has some");
+        for (const auto& range : *faces) expect(range.first <= range.last, "a range has faces");
+      }
+      if (const auto* ball = std::get_if<proto::SphereShape>(&shape.what)) {
+        expect(std::isfinite(ball->radius) && ball->radius >= 0, "a radius is a length");
+      }
+    }
+  }
+  expect(regions.is_everything() == (proto::canonical_text(regions) == "within forbid"),
+         "the text of no regions is that of nothing else");
+}
+
 template <class Request>
 void parse(const auto& parameters_of) {
   auto parameters = parameters_of();
@@ -47,6 +66,9 @@ void parse(const auto& parameters_of) {
   Request request{};
   const auto parsed = proto::parse_request(*parameters, request);
   if (!parsed) return check_error(parsed.error());
+  const auto regions = proto::read_regions(*parameters);
+  if (!regions) return check_error(regions.error());
+  check_regions(*regions);
   const auto format = proto::parse_format(*parameters, nullptr, proto::formats_of(request));
   if (!format) return check_error(format.error());
   if (const auto known = parameters->check_all_known(); !known) check_error(known.error());

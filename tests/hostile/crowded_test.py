@@ -35,7 +35,7 @@ LATE = 2.0  # more seconds, on a machine with much else to do
 CLIENTS = 2
 MIB = 1 << 20
 # A question that has no answer on such a surface is not refused for a limit.
-NO_ANSWER = ("no_hit", "no_loop", "mesh_invalid")
+NO_ANSWER = ("no_hit", "no_loop", "mesh_invalid", "outside_region")
 METHODS = [
     {"method": name}
     for name in ("wavefront", "novotni", "fast_marching", "dijkstra", "exact", "chen_han", "steiner", "auto")
@@ -218,6 +218,7 @@ def questions(chance, vertices, faces, method):
     found.append(("measure", {"from": spots[1], "radii": [0.1, 0.5, 1]}))
     found.append(("extent", {"of": "diameter", "fields": 4}))
     found.append(("voronoi", {"from": spots, "relax": 1}))
+    found.append(("path", {"from": spots[1], "to": spots[0], "forbid": "faces:0"}))
     found.append(("logmap", {"from": spots[0], "radius": 0.5}))
     found.append(("logmap", {"from": spots[1]}))
     found.append(("loop", {"through": spots[:4]}))

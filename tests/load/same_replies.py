@@ -58,6 +58,8 @@ def systematic(vertices):
     yield "/loop?around=v:0&around=v:7&around=v:20"
     yield "/loop?at=f:0,0.3,0.3&normal=0.2,0.3,1"
     yield "/loop?at=v:9&normal=1,0.1,0.2&hull=1"
+    yield "/samples?count=3&within=faces:0"
+    yield "/samples?count=3&forbid=faces:0-2,5&forbid=sphere:0,0,0,0.1"
     yield "/logmap?from=f:0,0.3,0.3&radius=3"
     yield "/distance?from=v:0&labels=1&format=annotated"
 

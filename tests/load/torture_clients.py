@@ -21,7 +21,7 @@ CODES = {
     408: {"request_timeout"},
     409: {"job_unfinished", "job_cancelled"},
     413: {"too_large"},
-    422: {"index_out_of_range", "value_out_of_range", "snap_too_far", "no_hit", "no_loop", "unsupported",
+    422: {"index_out_of_range", "value_out_of_range", "snap_too_far", "outside_region", "no_hit", "no_loop", "unsupported",
           "mesh_invalid", "no_triangles", "too_much_memory"},
     429: {"too_many_requests"},
     499: {"cancelled"},

@@ -141,6 +141,32 @@ def parameters_of(chance, mesh, query):
     return asked, ["json", "json", "glb"]
 
 
+def region_of(chance, mesh):
+    """A region, as text: some that are everything, and some that are none."""
+    points, faces = mesh.shape
+    kind = chance.random()
+    if kind < 0.4:
+        first = chance.randrange(mesh.faces)
+        return f"faces:{first}-{chance.randrange(first, mesh.faces)},{chance.randrange(mesh.faces)}"
+    near = points[chance.choice(faces[chance.randrange(mesh.faces)])]
+    size = size_of(mesh) * 10 ** chance.uniform(-2, 0)
+    if kind < 0.7:
+        return "sphere:" + ",".join(f"{x:.7g}" for x in (*near, size))
+    if kind < 0.9:
+        return "box:" + ",".join(f"{x:.7g}" for x in (*(x - size for x in near), *(x + size for x in near)))
+    return chance.choice(["part:0", "part:99999", f"faces:{mesh.faces}", "sphere:0,0,0,-1", "box:1,2"])
+
+
+def part_of(chance, mesh):
+    """Parameters that keep a query to a part of the surface; mostly none."""
+    asked = {}
+    if chance.random() < 0.1:
+        asked["within"] = [region_of(chance, mesh) for _ in range(chance.choice([1, 1, 3]))]
+    if chance.random() < 0.15:
+        asked["forbid"] = [region_of(chance, mesh) for _ in range(chance.choice([1, 1, 3]))]
+    return asked
+
+
 QUERIES = ["distance"] * 4 + ["path"] * 4
 QUERIES += ["table", "isolines", "samples", "measure", "extent", "voronoi"]
 QUERIES += ["trace", "trace", "loop", "logmap", "nearest"]
@@ -153,6 +179,7 @@ def question_about(chance, mesh):
         return Question("GET", target, None, "bytes", DEADLINE / 1000)
     query = chance.choice(QUERIES)
     asked, formats = parameters_of(chance, mesh, query)
+    asked |= part_of(chance, mesh)
     form = chance.choice(formats)
     asked["deadline_ms"] = chance.choice([1, 5, 50, 1000]) if chance.random() < 0.1 else DEADLINE
     if form != "json":
@@ -175,6 +202,7 @@ def batch_of(chance, mesh):
     for number in range(chance.randint(1, 6)):
         query = chance.choice(QUERIES)
         asked, _ = parameters_of(chance, mesh, query)
+        asked |= part_of(chance, mesh)
         line = {"id": number, "query": query, "deadline_ms": DEADLINE, **asked}
         lines.append(json.dumps(line).encode())
     return Question("POST", "/batch", b"\n".join(lines) + b"\n", "lines",

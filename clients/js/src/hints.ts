@@ -14,6 +14,7 @@ const OF_CODE: Partial<Record<ErrorCode, string>> = {
   external_uri: 'Upload the .gltf with the files that it names: upload([{ name, data }, …])',
   format_unknown: 'three.js loads other formats, and upload takes its BufferGeometry',
   snap_too_far: 'Are units and axes those of the mesh? If so, give a larger max_snap',
+  outside_region: 'A place, such as { xyz }, finds the closest point of what is left',
   no_hit: "The mesh's bbox says where it is",
   no_loop: 'A loop goes round a handle, a waist or a limb; a path needs none',
   store_full: `${NO_USE}delete meshes, or give the server a larger --store-max-bytes or disk`,

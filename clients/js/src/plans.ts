@@ -4,6 +4,7 @@
  */
 import type { MeshMetadata, Schemas } from './contract.js';
 import { pointInJson, pointInUrl, type Source } from './points.js';
+import { regionInUrl, type Region } from './regions.js';
 import type { Ask, Field, Precision, Queries, QueryOptions } from './queries.js';
 import * as replies from './replies.js';
 import type { Call, Reply } from './transport.js';
@@ -17,6 +18,7 @@ export interface Plan<T> {
 const LONGEST_TARGET = 2000;
 
 const POINTS = new Set(['from', 'to', 'via', 'at', 'point', 'through', 'around']);
+const REGIONS = new Set(['within', 'forbid']);
 
 /** The path of a mesh or of what is below it. */
 export function meshPath(id: string, below = ''): string {
@@ -64,8 +66,13 @@ function inUrl(entries: [string, unknown][]): string | undefined {
       search.append(name, Array.isArray(value) ? value.join(',') : String(value));
       continue;
     }
+    if (REGIONS.has(name) && Array.isArray(value) && value.length === 0) return undefined;
     for (const one of Array.isArray(value) ? value : [value]) {
-      const text = POINTS.has(name) ? pointInUrl(one as Source) : plain(one);
+      const text = POINTS.has(name)
+        ? pointInUrl(one as Source)
+        : REGIONS.has(name)
+          ? regionInUrl(one as Region)
+          : plain(one);
       if (text === undefined) return undefined;
       search.append(name, text);
     }

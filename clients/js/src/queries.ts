@@ -4,6 +4,7 @@
  */
 import type { Isoline, Method, PathPoint, ResolvedPoint, Sample, Schemas, Xyz } from './contract.js';
 import type { OneOrMore, Point, Source } from './points.js';
+import type { Region } from './regions.js';
 
 /** What one call may have beside its parameters. */
 export interface CallOptions {
@@ -16,7 +17,15 @@ export interface QueryOptions extends CallOptions {
   deadlineMs?: number | undefined;
 }
 
-interface ByMethod {
+/** What every query may have: the part of the surface that it is about. */
+interface OnSurface {
+  /** Only this is left of the surface; several are their union. */
+  within?: OneOrMore<Region>;
+  /** This is as if it were cut away. */
+  forbid?: OneOrMore<Region>;
+}
+
+interface ByMethod extends OnSurface {
   /** How distances are computed; the server's default is `auto`. */
   method?: Method;
   /** Only with the method `steiner`. */
@@ -72,12 +81,12 @@ export interface IsolinesQuery extends ByMethod, WithinTolerance, InDigits {
   max?: number;
 }
 
-export interface NearestQuery extends InDigits {
+export interface NearestQuery extends InDigits, OnSurface {
   point: OneOrMore<Point>;
 }
 
 /** Exactly one of `direction` and `angle` (radians). */
-export interface TraceQuery extends InDigits {
+export interface TraceQuery extends InDigits, OnSurface {
   from: Point;
   direction?: Xyz | string;
   angle?: number;

@@ -141,6 +141,10 @@ const std::vector<std::string> hostile_values{
     "f:0,nan,0.5",
     "f:0,1e308,1e308",
     "ray:0,0,0,0,0,0",
+    "faces:0-99999999999999999999",
+    "faces:18446744073709551615",
+    "sphere:0,0,0,1e999",
+    "box:0,0,0,-1,0,0",
     "%7B%22vertex%22%3A0%7D",
     "%27%3B+DROP+TABLE+meshes",
     "%25s%25n%25x",
@@ -155,7 +159,9 @@ TEST_CASE("hostile bytes in any parameter are refused, and nothing leaks") {
   Attacked attacked;
   const std::string base = "/v1/meshes/" + attacked.id + "/";
   for (const Query& query : queries) {
-    for (const char* parameter : query.parameters) {
+    std::vector<const char*> parameters = query.parameters;
+    parameters.insert(parameters.end(), {"within", "forbid"});
+    for (const char* parameter : parameters) {
       for (const std::string& value : hostile_values) {
         attacked.check_refused(
             get(base + query.path + "?" + query.needed + "&" + parameter + "=" + value));

@@ -49,6 +49,7 @@ from .results import (
     Trace,
     Voronoi,
 )
+from .surface_regions import RegionLike, RegionsLike
 
 __version__ = "0.1.0"
 
@@ -86,6 +87,8 @@ __all__ = [
     "PointsLike",
     "PrecisionWarning",
     "Ray",
+    "RegionLike",
+    "RegionsLike",
     "Retries",
     "Samples",
     "SurfacePoint",

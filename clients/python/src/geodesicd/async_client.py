@@ -36,6 +36,7 @@ from .mesh_input import body_of, warn_of_rounding
 from .metadata import Metadata
 from .points import PointsLike
 from .results import FloatArray, LabelledDistances
+from .surface_regions import RegionsLike
 from .wire import Body, Reply
 
 P = ParamSpec("P")
@@ -101,6 +102,8 @@ class AsyncMesh(Metadata):
         points_per_edge: int | None = None,
         bound: str | None = None,
         tolerance: float | None = None,
+        within: RegionsLike | None = None,
+        forbid: RegionsLike | None = None,
         deadline: float | None = None,
         progress: Progress | None = None,
     ) -> FloatArray: ...
@@ -115,6 +118,8 @@ class AsyncMesh(Metadata):
         points_per_edge: int | None = None,
         bound: str | None = None,
         tolerance: float | None = None,
+        within: RegionsLike | None = None,
+        forbid: RegionsLike | None = None,
         deadline: float | None = None,
         progress: Progress | None = None,
     ) -> LabelledDistances: ...

@@ -15,6 +15,7 @@ from .points import PointLike
 from .queries import Refine
 from .remarks import remark
 from .results import BatchReply, Path
+from .surface_regions import RegionsLike, kept_to
 from .wire import Reply
 
 # Well below the server's own limit on a body (8 MiB unless it is set otherwise).
@@ -68,6 +69,8 @@ def paths(
     *,
     refine: Refine | None = None,
     method: str | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
     progress: Progress | None = None,
 ) -> Flow[list[Path]]:
     """The shortest paths of many pairs (source, target) in one request. Pairs that share a
@@ -77,10 +80,8 @@ def paths(
         GeodesicError: the first pair that the server refuses; ``parameter`` begins with
             ``pairs[i]``.
     """
-    queries = [
-        {"query": "path", "from": source, "to": target, "refine": refine, "method": method}
-        for source, target in pairs
-    ]
+    common = {"query": "path", "refine": refine, "method": method, **kept_to(within, forbid)}
+    queries = [{**common, "from": source, "to": target} for source, target in pairs]
     answers = yield from _replies(mesh, queries, progress)
     remark(_remarks(answers, "pairs"))
     found = []

@@ -38,6 +38,7 @@ from .mesh_input import body_of, warn_of_rounding
 from .metadata import Metadata
 from .points import PointsLike
 from .results import FloatArray, LabelledDistances
+from .surface_regions import RegionsLike
 from .wire import Body, Reply
 
 P = ParamSpec("P")
@@ -113,6 +114,8 @@ class Mesh(Metadata):
         points_per_edge: int | None = None,
         bound: str | None = None,
         tolerance: float | None = None,
+        within: RegionsLike | None = None,
+        forbid: RegionsLike | None = None,
         deadline: float | None = None,
         progress: Progress | None = None,
     ) -> FloatArray: ...
@@ -127,6 +130,8 @@ class Mesh(Metadata):
         points_per_edge: int | None = None,
         bound: str | None = None,
         tolerance: float | None = None,
+        within: RegionsLike | None = None,
+        forbid: RegionsLike | None = None,
         deadline: float | None = None,
         progress: Progress | None = None,
     ) -> LabelledDistances: ...
@@ -146,6 +151,8 @@ class Mesh(Metadata):
             points_per_edge: for ``method="steiner"`` only.
             bound: for ``method="auto"`` only; "upper": no distance is below the true one.
             tolerance: for ``method="auto"`` only: the largest relative error, 0 for none.
+            within, forbid: the part of the surface that it is about
+                (:mod:`geodesicd.surface_regions`).
             deadline: seconds, after which DeadlineExceeded is raised.
             progress: called with the part that is done, from 0 to 1.
 

@@ -99,9 +99,17 @@ def exactness(parser: argparse.ArgumentParser, points_per_edge: bool = True) -> 
         parser.add_argument("--deadline", type=float, metavar="SECONDS", help="give up then")
 
 
+def surface(parser: argparse.ArgumentParser) -> None:
+    """The part of the surface that a query is about: alike for all queries."""
+    parser.add_argument("--within", action="append", metavar="REGION", help="keep to faces:0-99, …")
+    parser.add_argument(
+        "--forbid", action="append", metavar="REGION", help="faces:0-99, sphere:X,Y,Z,R, box:…"
+    )
+
+
 def exactness_of(options: argparse.Namespace) -> dict[str, Any]:
-    """What :func:`exactness` added, as the queries take it."""
-    names = ("method", "tolerance", "bound", "points_per_edge", "deadline")
+    """What :func:`exactness` and :func:`surface` added, as the queries take it."""
+    names = ("method", "tolerance", "bound", "points_per_edge", "deadline", "within", "forbid")
     return {name: getattr(options, name) for name in names if hasattr(options, name)}
 
 

@@ -41,6 +41,7 @@ from .command_line import (
     save_csv,
     save_line,
     sent,
+    surface,
 )
 from .digits import number, numbers
 from .encoding import milliseconds
@@ -146,6 +147,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     into(distance)
     exactness(distance)
+    surface(distance)
     connection(distance)
 
     path = command(
@@ -166,6 +168,7 @@ def _parser() -> argparse.ArgumentParser:
         help=".csv, .npy, .json or .glb",
     )
     exactness(path)
+    surface(path)
     connection(path)
 
     table = command("table", "MESH --from POINT", _table, "Print distances among points, as CSV.")
@@ -173,6 +176,7 @@ def _parser() -> argparse.ArgumentParser:
     table.add_argument("--to", action="append", metavar="POINT", help="a column; else the rows")
     table.add_argument("--max", type=float, metavar="N", help="farther is unreached")
     exactness(table)
+    surface(table)
     connection(table)
 
     from . import extent_command, logmap_command, loop_command, measure_command, voronoi_command
@@ -183,6 +187,7 @@ def _parser() -> argparse.ArgumentParser:
     mesh_and_sources(measure)
     measure_command.arguments(measure)
     exactness(measure)
+    surface(measure)
     connection(measure)
 
     extent = command(
@@ -194,6 +199,7 @@ def _parser() -> argparse.ArgumentParser:
     extent.add_argument("mesh", metavar="MESH", help=f"a file, or {ON_SERVER}")
     extent_command.arguments(extent)
     exactness(extent)
+    surface(extent)
     connection(extent)
 
     voronoi = command(
@@ -202,6 +208,7 @@ def _parser() -> argparse.ArgumentParser:
     mesh_and_sources(voronoi)
     voronoi_command.arguments(voronoi)
     exactness(voronoi)
+    surface(voronoi)
     connection(voronoi)
 
     loop = command(
@@ -210,6 +217,7 @@ def _parser() -> argparse.ArgumentParser:
     loop.add_argument("mesh", metavar="MESH", help=f"a file, or {ON_SERVER}")
     loop_command.arguments(loop)
     exactness(loop)
+    surface(loop)
     connection(loop)
 
     logmap = command(
@@ -218,6 +226,7 @@ def _parser() -> argparse.ArgumentParser:
     mesh_and_sources(logmap, several=False)
     logmap_command.arguments(logmap)
     exactness(logmap)
+    surface(logmap)
     connection(logmap)
 
     plot = command("plot", "MESH --from POINT", _plot, "Draw a field with isolines and a path.")
@@ -232,6 +241,7 @@ def _parser() -> argparse.ArgumentParser:
     plot.add_argument("--up", choices=["y", "z"], default="y", metavar="AXIS", help="y or z")
     plot.add_argument("--colormap", default="viridis", metavar="NAME", help="one of matplotlib's")
     exactness(plot, points_per_edge=False)
+    surface(plot)
     connection(plot)
 
     from . import map_command

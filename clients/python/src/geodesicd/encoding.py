@@ -13,6 +13,7 @@ from numpy.typing import DTypeLike
 
 from .flows import Request
 from .points import Point, point_of, points_of
+from .surface_regions import regions_of
 
 _LONGEST_URL = 4000  # what proxies and logs bear; longer ones are asked in a body
 
@@ -78,6 +79,9 @@ def as_points(parameters: Mapping[str, Any]) -> dict[str, Any]:
     for name in _POINTS:
         if (value := found.get(name)) is not None:
             found[name] = points_of(value) if isinstance(value, list) else point_of(value)
+    for name in ("within", "forbid"):
+        if (value := found.get(name)) is not None:
+            found[name] = regions_of(value)
     for name in ("direction", "normal"):
         if name in found:
             found[name] = tuple(found[name])

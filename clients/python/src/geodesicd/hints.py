@@ -21,6 +21,7 @@ _OF_CODE = {
     "external_uri": "Upload the .gltf file by its path: the files that it names are sent with it",
     "format_unknown": "Of other formats trimesh and meshio make meshes, which upload takes",
     "snap_too_far": "Are units and axes those of the mesh? If so, give a larger max_snap",
+    "outside_region": "A place, such as (x, y, z), finds the closest point of what is left",
     "no_hit": "mesh.bbox says where the mesh is",
     "no_loop": "A loop goes round a handle, a waist or a limb; mesh.path needs none",
     "store_full": f"{_NO_USE}delete meshes, or give the server a larger --store-max-bytes or disk",

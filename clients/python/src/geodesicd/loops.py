@@ -8,6 +8,7 @@ from .encoding import computed_by, encode
 from .flows import Flow, Progress, ask
 from .points import PointLike, PointsLike, Triple, point_of, some_points_of, triple
 from .results import Loop
+from .surface_regions import RegionsLike, kept_to
 
 
 def loop(
@@ -22,6 +23,8 @@ def loop(
     points_per_edge: int | None = None,
     bound: str | None = None,
     tolerance: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[Loop]:
@@ -44,6 +47,7 @@ def loop(
         "normal": None if normal is None else triple(normal, "normal"),
         "hull": hull or None,
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
+        **kept_to(within, forbid),
         "format": "frame",
     }
     return ask(encode(mesh, "loop", parameters), wire.loop_of_frame, progress)

@@ -19,6 +19,7 @@ from .points import PointLike, PointsLike, points_of
 from .queries import Refine
 from .raster import Camera, Seen, corner_normals, render
 from .results import Float64, FloatArray, Geometry, Isoline, Path, SurfacePoint
+from .surface_regions import RegionsLike
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,6 +48,8 @@ def plot(
     bound: str | None = None,
     tolerance: float | None = None,
     refine: Refine | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
     isolines: int = 12,
     view: str | View | None = None,
     up: Literal["y", "z"] = "y",
@@ -62,6 +65,8 @@ def plot(
         sources: points; a path starts at the first of them.
         method: how distances are computed; without it the server's default, which the title names.
         bound, tolerance: for ``method="auto"``, of the field and its isolines.
+        within, forbid: the part of the surface that the answers are about
+            (:mod:`geodesicd.surface_regions`).
         isolines: how many, evenly spaced; 0 for none.
         view: ``"front"``, ``"back"``, ``"left"``, ``"right"``, ``"top"``, ``"bottom"``,
             ``"corner"`` or (azimuth, elevation) in degrees; without it from a corner, or
@@ -75,22 +80,21 @@ def plot(
     Raises:
         GeodesicError: from the server. ImportError: matplotlib is not installed.
     """
-    exactness = {"method": method, "bound": bound, "tolerance": tolerance}
+    kept: dict[str, Any] = {"within": within, "forbid": forbid}
+    exactness: dict[str, Any] = {"method": method, "bound": bound, "tolerance": tolerance}
     # A frame, because it says by which method: a bare array does not.
-    asked = {"from": points_of(sources), **exactness}
+    asked = {"from": points_of(sources), **exactness, **kept}
     answer = mesh.query("distance", asked, format="frame", progress=progress)
     field = answer.arrays["distances"]
     used = str((answer.document or {}).get("method", method or ""))
-    found = mesh.nearest(sources)
+    found = mesh.nearest(sources, **kept)
     finite = np.isfinite(field).any() and field[np.isfinite(field)].max() > 0
     lines = (
-        mesh.isolines(sources, count=isolines, method=method, bound=bound, tolerance=tolerance)
-        if isolines and finite
-        else []
+        mesh.isolines(sources, count=isolines, **exactness, **kept) if isolines and finite else []
     )
     path = None
     if target is not None:
-        path = mesh.path(found[0], target, via=via, method=method, refine=refine)
+        path = mesh.path(found[0], target, via=via, method=method, refine=refine, **kept)
     return draw(
         mesh.geometry(),
         field,

@@ -5,10 +5,12 @@ id; the methods of ``Mesh`` and ``AsyncMesh`` are made of these.
 All take ``method`` (how distances are computed; ``client.methods()`` lists them; without it, the
 server's default), ``points_per_edge`` (for ``method="steiner"`` only), ``bound`` (for
 ``method="auto"`` only), ``tolerance`` (for ``method="auto"``: the largest relative error of a
-vertex's distance), ``deadline`` (seconds, after which DeadlineExceeded is raised) and ``progress``
-(called with the part that is done, from 0 to 1; the query is a job of the server's then, cancelled
-if the caller is interrupted). All raise GeodesicError. Lengths are in mesh units. Points are given
-as :mod:`geodesicd.points` says.
+vertex's distance), ``within`` and ``forbid`` (the part of the surface that the answer is about, as
+:mod:`geodesicd.surface_regions` says: what is outside of ``within`` and what is in ``forbid`` is as
+if it were cut away), ``deadline`` (seconds, after which DeadlineExceeded is raised) and
+``progress`` (called with the part that is done, from 0 to 1; the query is a job of the server's
+then, cancelled if the caller is interrupted). All raise GeodesicError. Lengths are in mesh units.
+Points are given as :mod:`geodesicd.points` says.
 """
 
 from __future__ import annotations
@@ -43,6 +45,7 @@ from .results import (
     SurfacePoint,
     Trace,
 )
+from .surface_regions import RegionsLike, kept_to
 
 Refine: TypeAlias = Literal["none", "shortest"]
 
@@ -58,6 +61,8 @@ def distance(
     points_per_edge: int | None = None,
     bound: str | None = None,
     tolerance: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[FloatArray]:
@@ -76,6 +81,7 @@ def distance(
         "from": points_of(sources),
         "max": as_bound(max),
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
+        **kept_to(within, forbid),
         "format": "u16" if quantised else format_of(dtype),
     }
     return ask(encode(mesh, "distance", parameters), wire.array, progress)
@@ -90,6 +96,8 @@ def regions(
     points_per_edge: int | None = None,
     bound: str | None = None,
     tolerance: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[LabelledDistances]:
@@ -105,6 +113,7 @@ def regions(
         "max": as_bound(max),
         "labels": True,
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
+        **kept_to(within, forbid),
         "format": "frame",
     }
     return ask(encode(mesh, "distance", parameters), wire.labelled_of_frame, progress)
@@ -120,6 +129,8 @@ def distance_at(
     points_per_edge: int | None = None,
     bound: str | None = None,
     tolerance: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[FloatArray]:
@@ -138,6 +149,7 @@ def distance_at(
         "points_per_edge": points_per_edge,
         "bound": bound,
         "tolerance": tolerance,
+        **kept_to(within, forbid),
         "format": "f64",
     }
 
@@ -160,6 +172,8 @@ def path(
     points_per_edge: int | None = None,
     bound: str | None = None,
     tolerance: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[Path]:
@@ -179,6 +193,7 @@ def path(
         "to": point_of(target),
         "refine": refine,
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
+        **kept_to(within, forbid),
         "format": "frame",
     }
     return ask(encode(mesh, "path", parameters), wire.path_of_frame, progress)
@@ -191,6 +206,8 @@ def trace(
     *,
     direction: Triple | None = None,
     angle: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[Trace]:
@@ -202,6 +219,7 @@ def trace(
         "direction": None if direction is None else triple(direction, "direction"),
         "angle": angle,
         "length": length,
+        **kept_to(within, forbid),
         "deadline_ms": milliseconds(deadline),
         "format": "frame",
     }
@@ -218,6 +236,8 @@ def logmap(
     points_per_edge: int | None = None,
     bound: str | None = None,
     tolerance: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[Logmap]:
@@ -242,6 +262,7 @@ def logmap(
         "radius": as_bound(radius),
         "angle": angle,
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
+        **kept_to(within, forbid),
         "format": "frame",
     }
     return ask(encode(mesh, "logmap", parameters), wire.logmap_of_frame, progress)
@@ -251,16 +272,20 @@ def nearest(
     mesh: str,
     points: PointsLike,
     *,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[list[SurfacePoint]]:
     """Where on the surface points are: the closest points of places in space, the first hits
     of rays."""
 
+    kept = kept_to(within, forbid)
+
     def some(
         asked: list[Point], seconds: float | None, part: Progress | None
     ) -> Flow[list[SurfacePoint]]:
-        parameters = {"point": asked, "deadline_ms": milliseconds(seconds)}
+        parameters = {"point": asked, **kept, "deadline_ms": milliseconds(seconds)}
         return ask(encode(mesh, "nearest", parameters), wire.nearest_of_json, part)
 
     found = yield from in_pieces(points_of(points), "point", some, deadline, progress)
@@ -280,6 +305,8 @@ def picture(
     stripes: int | None = None,
     refine: Refine | None = None,
     method: str | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[bytes]:
@@ -301,6 +328,7 @@ def picture(
         "view": view if view is None or isinstance(view, str) else f"{view[0]:g},{view[1]:g}",
         "colormap": colormap,
         "stripes": stripes,
+        **kept_to(within, forbid),
         "deadline_ms": milliseconds(deadline),
         "format": "png",
     }
@@ -326,6 +354,8 @@ def annotated(
     points_per_edge: int | None = None,
     bound: str | None = None,
     tolerance: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[bytes]:
@@ -344,6 +374,7 @@ def annotated(
         "max": as_bound(max),
         "labels": labels or None,
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
+        **kept_to(within, forbid),
         "attribute": attribute,
         "label_attribute": label_attribute,
         "format": "annotated",

@@ -13,6 +13,7 @@ from .encoding import as_bound, computed_by, encode
 from .flows import Flow, Progress, ask
 from .points import PointsLike, points_of, some_points_of
 from .results import Extent, FloatArray, Isoline, Measure, Samples, Voronoi
+from .surface_regions import RegionsLike, kept_to
 
 
 def isolines(
@@ -27,6 +28,8 @@ def isolines(
     points_per_edge: int | None = None,
     bound: str | None = None,
     tolerance: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[list[Isoline]]:
@@ -39,6 +42,7 @@ def isolines(
         "count": count,
         "max": as_bound(max),
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
+        **kept_to(within, forbid),
     }
     return ask(encode(mesh, "isolines", parameters), wire.isolines_of_json, progress)
 
@@ -52,6 +56,8 @@ def samples(
     points_per_edge: int | None = None,
     bound: str | None = None,
     tolerance: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[Samples]:
@@ -61,6 +67,7 @@ def samples(
         "count": count,
         "from": some_points_of(covered),
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
+        **kept_to(within, forbid),
     }
     return ask(encode(mesh, "samples", parameters), wire.samples_of_json, progress)
 
@@ -75,6 +82,8 @@ def measure(
     points_per_edge: int | None = None,
     bound: str | None = None,
     tolerance: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[Measure]:
@@ -88,6 +97,7 @@ def measure(
         "radii": np.atleast_1d(np.asarray(radii, dtype=np.float64)).tolist(),
         "max": as_bound(max),
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
+        **kept_to(within, forbid),
     }
     return ask(encode(mesh, "measure", parameters), wire.measure_of_json, progress)
 
@@ -101,6 +111,8 @@ def extent(
     points_per_edge: int | None = None,
     bound: str | None = None,
     tolerance: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[Extent]:
@@ -117,6 +129,7 @@ def extent(
         "of": of,
         "fields": fields,
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
+        **kept_to(within, forbid),
     }
     return ask(encode(mesh, "extent", parameters), wire.extent_of_json, progress)
 
@@ -130,6 +143,8 @@ def voronoi(
     points_per_edge: int | None = None,
     bound: str | None = None,
     tolerance: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[Voronoi]:
@@ -147,5 +162,6 @@ def voronoi(
         "from": points_of(sites),
         "relax": relax,
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
+        **kept_to(within, forbid),
     }
     return ask(encode(mesh, "voronoi", parameters), wire.voronoi_of_json, progress)

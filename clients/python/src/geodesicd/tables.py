@@ -15,6 +15,7 @@ from .errors import GeodesicError
 from .flows import Flow, Progress, ask, part_of
 from .points import Point, PointsLike, points_of
 from .results import FloatArray
+from .surface_regions import RegionsLike, kept_to
 
 
 def table(
@@ -28,6 +29,8 @@ def table(
     points_per_edge: int | None = None,
     bound: str | None = None,
     tolerance: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[FloatArray]:
@@ -50,6 +53,7 @@ def table(
     parameters = {
         "max": as_bound(max),
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
+        **kept_to(within, forbid),
         "format": format_of(dtype),
     }
     limits = pieces.LIMITS

@@ -38,6 +38,7 @@ export const MESSAGES: Record<ErrorCode, Message> = {
   value_out_of_range: { title: 'A value is outside of what is allowed', advice: 'Change it and try again.' },
   method_unknown: { title: 'The server does not have this method', advice: 'Choose another one from the list.' },
   snap_too_far: { title: 'This point is too far from the surface', advice: 'Place it on the surface.' },
+  outside_region: { title: 'This point is not on the part of the surface that is asked about', advice: 'Place it on what is left.' },
   no_hit: { title: 'There is no surface there', advice: 'Click the mesh itself.' },
   no_loop: { title: 'There is no loop there', advice: 'Begin round a handle, a waist or a limb.' },
   unsupported: { title: 'The server does not offer this', advice: 'Choose another format or mesh.' },

@@ -1,0 +1,69 @@
+/** Queries about a part of a surface. */
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { GeodesicClient, type Region } from 'geodesicd-client';
+import { fixture, watchedFetch } from './fixture.js';
+
+const { server, client, plane } = await fixture();
+const seen: string[] = [];
+const watched = new GeodesicClient(server.url, { fetch: watchedFetch(seen) });
+const base = `/v1/meshes/${plane}`;
+
+async function requestOf(forbid: Region | Region[]): Promise<string> {
+  seen.length = 0;
+  await watched.nearest(plane, { point: 'p:0,0,0', forbid });
+  assert.equal(seen.length, 1);
+  return seen[0]!;
+}
+
+test('regions go by GET where a URL can say them', async () => {
+  const said: [Region, string][] = [
+    ['faces:7', 'faces:7'],
+    [{ faces: [7, [10, 99]] }, 'faces:7,10-99'],
+    [{ sphere: { center: [1, 2, 3], radius: 0.5 } }, 'sphere:1,2,3,0.5'],
+    [{ box: { min: [1, 2, 0], max: [4, 5, 6] } }, 'box:1,2,0,4,5,6'],
+  ];
+  for (const [region, text] of said) {
+    assert.equal(await requestOf(region), `GET ${base}/nearest?point=p:0,0,0&forbid=${text}`);
+  }
+  assert.equal(
+    await requestOf(['faces:7', { faces: [8] }]),
+    `GET ${base}/nearest?point=p:0,0,0&forbid=faces:7&forbid=faces:8`,
+  );
+  const many = { faces: Array.from({ length: 900 }, (_, k) => 2 * k) };
+  assert.equal(await requestOf(many), `POST ${base}/nearest`);
+  const path = await client.path(plane, { from: 0, to: 1, within: { part: 0 } });
+  assert.equal(path.length, 1);
+});
+
+test('what is forbidden is gone round', async () => {
+  const forbid = { box: { min: [20, 20, -1], max: [80, 80, 1] } } as const;
+  const path = await client.path(plane, { from: 0, to: 9999, method: 'exact', forbid });
+  const expected = Math.hypot(80, 20) + Math.hypot(19, 79);
+  assert.ok(Math.abs(path.length! - expected) < 1e-9);
+  const field = await client.distance(plane, { from: 0, forbid });
+  assert.equal(field.values.length, 10_000);
+  assert.equal(field.values[5050], Infinity);
+  assert.equal(field.reached, 10_000 - 59 * 59);
+  for await (const answer of client.batch(plane, [
+    { query: 'path', from: 0, to: 9999, method: 'exact', forbid },
+  ])) {
+    assert.ok(answer.ok && Math.abs(answer.reply.length! - expected) < 1e-9);
+  }
+});
+
+test('regions that are none are refused by the server', async () => {
+  const refused = (forbid: unknown, code: string, parameter: string) =>
+    assert.rejects(client.samples(plane, { count: 1, forbid: forbid as Region }), { code, parameter });
+  await refused([], 'value_out_of_range', 'forbid');
+  await refused({ part: 0 }, 'value_out_of_range', 'forbid');
+  await refused({ part: 1 }, 'index_out_of_range', 'forbid.part');
+  await refused({ ball: 1 }, 'bad_syntax', 'forbid');
+  await refused({ sphere: { center: [0, 0], radius: 1 } }, 'bad_syntax', 'forbid.sphere.center');
+  await refused({ sphere: { center: [0, 0, 0], radius: 1, x: 1 } }, 'unknown_parameter', 'forbid.sphere.x');
+  await refused({ faces: [[9, 3]] }, 'value_out_of_range', 'forbid.faces[0]');
+  await assert.rejects(client.path(plane, { from: 0, to: 9999, within: 'faces:0-9' }), {
+    code: 'outside_region',
+    parameter: 'to',
+  });
+});

@@ -1,0 +1,116 @@
+"""Regions of a surface, as a caller has them and as the server reads them: what a query is to keep
+to (``within``) and what it is to leave out (``forbid``).
+
+One region is a text of the URL grammar (``"faces:0-99"``, ``"part:2"``, ``"sphere:X,Y,Z,R"``,
+``"box:X,Y,Z,X,Y,Z"``), a mapping as the contract's JSON has it (``{"sphere": {"center": (0, 0, 0),
+"radius": 2}}``), an integer array of source faces, or a boolean one with an element for each source
+face. A list of those is their union. Of spheres and boxes a region has the faces whose centroids
+lie in them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .points import triple
+
+RegionLike: TypeAlias = "str | Mapping[str, Any] | NDArray[Any]"
+RegionsLike: TypeAlias = "RegionLike | Sequence[RegionLike]"
+
+
+@dataclass(frozen=True)
+class Region:
+    """One shape: its text, or if it is none that a URL can say, its JSON."""
+
+    written: str | None
+    value: Any
+
+    def text(self) -> str | None:
+        """As in a URL."""
+        return self.written
+
+    def json(self) -> Any:
+        """As in a JSON body."""
+        return self.value if self.written is None else self.written
+
+
+def region_of(value: RegionLike) -> Region:
+    """One region.
+
+    Raises:
+        TypeError: it is none; the message says what would be one.
+        ValueError: an array without a face, or numbers that are not finite.
+    """
+    if isinstance(value, Region):
+        return value
+    if isinstance(value, str):
+        return Region(value, None)
+    if isinstance(value, Mapping):
+        return _shape(value)
+    if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype == np.bool_:
+        return _faces(np.flatnonzero(value))
+    if isinstance(value, np.ndarray) and value.ndim == 1 and np.issubdtype(value.dtype, np.integer):
+        return _faces(value)
+    raise TypeError(
+        f"a {type(value).__name__} is no region: give a text such as 'faces:0-99', a mapping such "
+        "as {'part': 2}, or an array of faces"
+    )
+
+
+def regions_of(value: RegionsLike | None) -> list[Region] | None:
+    """Several regions, or one as a list of one; None stays None."""
+    if value is None:
+        return None
+    if isinstance(value, list | tuple):
+        if not value:
+            raise ValueError("there is no region in this list; None is for the whole surface")
+        return [region_of(one) for one in value]
+    return [region_of(value)]  # type: ignore[arg-type]
+
+
+def kept_to(within: RegionsLike | None, forbid: RegionsLike | None) -> dict[str, Any]:
+    """The part of the surface that a query is about, in the contract's words."""
+    return {"within": regions_of(within), "forbid": regions_of(forbid)}
+
+
+def _faces(faces: NDArray[Any]) -> Region:
+    """Ascending, each once, what lies side by side as one range."""
+    faces = np.unique(faces)
+    if not len(faces):
+        raise ValueError("there is no face in this array; None is for the whole surface")
+    if faces[0] < 0:
+        raise ValueError(f"faces are counted from 0; {faces[0]} is none")
+    breaks = np.flatnonzero(np.diff(faces) != 1)
+    firsts = faces[np.concatenate([[0], breaks + 1])].tolist()
+    lasts = faces[np.concatenate([breaks, [len(faces) - 1]])].tolist()
+    texts = (f"{a}" if a == b else f"{a}-{b}" for a, b in zip(firsts, lasts, strict=True))
+    return Region("faces:" + ",".join(texts), None)
+
+
+def _shape(value: Mapping[str, Any]) -> Region:
+    """A URL can say what is well formed; the server refuses the rest."""
+    match dict(value):
+        case {"part": int(part), **rest} if not rest and not isinstance(part, bool):
+            return Region(f"part:{part}", None)
+        case {"sphere": Mapping() as ball, **rest} if not rest and _has(ball, "center", "radius"):
+            if isinstance(ball["radius"], float | int) and len(ball["center"]) == 3:
+                return _numbers("sphere", *triple(ball["center"], "center"), ball["radius"])
+        case {"box": Mapping() as box, **rest} if not rest and _has(box, "min", "max"):
+            if len(box["min"]) == len(box["max"]) == 3:
+                return _numbers("box", *triple(box["min"], "min"), *triple(box["max"], "max"))
+        case {"faces": np.ndarray() as faces, **rest} if not rest:
+            return region_of(faces)
+    return Region(None, dict(value))
+
+
+def _has(value: Mapping[str, Any], *names: str) -> bool:
+    return set(value) == set(names)
+
+
+def _numbers(kind: str, *numbers: float) -> Region:
+    return Region(f"{kind}:" + ",".join(repr(float(one)) for one in numbers), None)

@@ -1,0 +1,73 @@
+// Shapes as a URL has them.
+#include <charconv>
+#include <optional>
+#include <utility>
+
+#include "proto/region/read_regions.h"
+#include "proto/region/shapes.h"
+#include "proto/wire/input_codes.h"
+#include "proto/wire/number.h"
+
+namespace geodesic::proto {
+namespace {
+
+tl::unexpected<Error> badly_written(const char* how, std::string parameter) {
+  return fail(InputCode::bad_syntax, how, std::move(parameter));
+}
+
+// "7,10-99"
+Result<Shape> parse_faces(std::string_view text, std::string parameter) {
+  std::vector<FaceRange> ranges;
+  for (;;) {
+    const std::size_t comma = text.find(',');
+    const std::string_view item = text.substr(0, comma);
+    const std::size_t dash = item.find('-');
+    const auto first = parse_whole(item.substr(0, dash));
+    const auto last = dash == item.npos ? first : parse_whole(item.substr(dash + 1));
+    if (!first || !last) {
+      return badly_written("faces are written faces:NUMBER,FIRST-LAST, such as faces:7,10-99",
+                           std::move(parameter));
+    }
+    const auto range = face_range(*first, *last, ranges.size(), parameter);
+    if (!range) return fail(range.error());
+    ranges.push_back(*range);
+    if (comma == text.npos) return shape_of_faces(std::move(ranges), std::move(parameter));
+    text.remove_prefix(comma + 1);
+  }
+}
+
+}  // namespace
+
+Result<Shape> parse_shape(std::string_view text, std::string parameter) {
+  if (text.starts_with("faces:")) return parse_faces(text.substr(6), std::move(parameter));
+  if (text.starts_with("part:")) {
+    if (const auto part = parse_whole(text.substr(5))) {
+      return Shape{PartShape{*part}, std::move(parameter)};
+    }
+    return badly_written("a part is written part:NUMBER, such as part:2", std::move(parameter));
+  }
+  if (text.starts_with("sphere:")) {
+    const auto n = numbers_between_commas(text.substr(7));
+    if (n && n->size() == 4) {
+      return sphere_shape({(*n)[0], (*n)[1], (*n)[2]}, (*n)[3], std::move(parameter));
+    }
+    return badly_written("a sphere is written sphere:X,Y,Z,RADIUS, such as sphere:1,2,3,0.5",
+                         std::move(parameter));
+  }
+  if (text.starts_with("box:")) {
+    const auto n = numbers_between_commas(text.substr(4));
+    if (n && n->size() == 6) {
+      return box_shape({(*n)[0], (*n)[1], (*n)[2]}, {(*n)[3], (*n)[4], (*n)[5]},
+                       std::move(parameter));
+    }
+    return badly_written(
+        "a box is written box:MINX,MINY,MINZ,MAXX,MAXY,MAXZ, such as box:0,0,0,1,2,3",
+        std::move(parameter));
+  }
+  return badly_written(
+      "a region is written faces:FIRST-LAST, part:NUMBER, sphere:X,Y,Z,RADIUS or "
+      "box:MINX,MINY,MINZ,MAXX,MAXY,MAXZ",
+      std::move(parameter));
+}
+
+}  // namespace geodesic::proto

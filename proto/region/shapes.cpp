@@ -1,0 +1,64 @@
+#include "proto/region/shapes.h"
+
+#include <cmath>
+#include <utility>
+
+#include "core/mesh/mesh.h"
+
+namespace geodesic::proto {
+namespace {
+
+Result<void> check_place(Vec3 place, const std::string& parameter) {
+  for (const double coordinate : {place.x, place.y, place.z}) {
+    if (!(std::abs(coordinate) <= Mesh::kMaxCoordinate)) {
+      return fail(ErrorCode::value_out_of_range, "a coordinate is too large", parameter);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Shape> shape_of_faces(std::vector<FaceRange> ranges, std::string parameter) {
+  if (ranges.empty()) {
+    return fail(ErrorCode::value_out_of_range, "there is no face in this list",
+                std::move(parameter));
+  }
+  return Shape{std::move(ranges), std::move(parameter)};
+}
+
+Result<FaceRange> face_range(std::uint64_t first, std::uint64_t last, std::size_t number,
+                             const std::string& parameter) {
+  if (first <= last) return FaceRange{first, last};
+  return fail(ErrorCode::value_out_of_range,
+              "a range of faces ends at " + std::to_string(last) + ", before it begins at " +
+                  std::to_string(first),
+              parameter + ".faces[" + std::to_string(number) + "]");
+}
+
+Result<Shape> sphere_shape(Vec3 center, double radius, std::string parameter) {
+  if (auto usable = check_place(center, parameter + ".sphere.center"); !usable) {
+    return fail(std::move(usable.error()));
+  }
+  if (!(radius >= 0)) {
+    return fail(ErrorCode::value_out_of_range, "a radius is not negative",
+                parameter + ".sphere.radius");
+  }
+  return Shape{SphereShape{center, radius}, std::move(parameter)};
+}
+
+Result<Shape> box_shape(Vec3 min, Vec3 max, std::string parameter) {
+  if (auto usable = check_place(min, parameter + ".box.min"); !usable) {
+    return fail(std::move(usable.error()));
+  }
+  if (auto usable = check_place(max, parameter + ".box.max"); !usable) {
+    return fail(std::move(usable.error()));
+  }
+  if (!(min.x <= max.x && min.y <= max.y && min.z <= max.z)) {
+    return fail(ErrorCode::value_out_of_range,
+                "a box has no coordinate that is less in max than in min", parameter + ".box");
+  }
+  return Shape{BoxShape{min, max}, std::move(parameter)};
+}
+
+}  // namespace geodesic::proto
