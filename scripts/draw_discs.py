@@ -65,7 +65,7 @@ def main():
     figure = plt.figure(figsize=(9, 4.1))
     draw_strips(figure.add_axes((0, 0.02, 0.45, 0.96)), strips)
     draw_areas(figure.add_axes((0.56, 0.14, 0.42, 0.82)), get_json(asked + radii)["discs"])
-    save(figure, "discs.png", 200)
+    save(figure, "discs.png")
 
 
 if __name__ == "__main__":

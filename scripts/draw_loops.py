@@ -83,7 +83,7 @@ def main():
     draw_holes(figure.add_axes((0, 0.02, 0.45, 0.96)), sample_at(server, "plane_three_holes.glb"))
     axes = figure.add_axes((0.47, 0, 0.53, 1), projection="3d")
     draw_knot(axes, sample_at(server, "torus_knot.glb"))
-    save(figure, "loops.png", 128)
+    save(figure, "loops.png")
 
 
 if __name__ == "__main__":

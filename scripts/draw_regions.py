@@ -16,7 +16,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 
 from page_pictures import geometry_of, get_json, light_on, sample_at, save
 
-FROM, TO = "p:33,0,-55", "p:78,0,-45"
+FROM, TO = "ray:33,99,-55,0,-1,0", "ray:78,99,-45,0,-1,0"
 LAKE = "box:20,-72,-95,95,-44,-15"  # all of the hollow that is below -44
 LIGHT = (-0.5, 0.75, -0.43)
 
@@ -79,7 +79,7 @@ def main():
         )
     )
     way(axes, round_it["points"], "-", "#D55E00")
-    save(figure, "regions.png", 160)
+    save(figure, "regions.png")
 
 
 if __name__ == "__main__":

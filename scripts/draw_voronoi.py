@@ -17,8 +17,8 @@ from matplotlib.collections import LineCollection, PolyCollection
 from page_pictures import Glb, get, get_json, light_on, sample_at, save
 
 # As docs/voronoi.md has them.
-SITES = "from=p:20,0,-30&from=p:60,0,-25&from=p:50,0,-70&from=p:100,0,-50&from=p:140,0,-40"
-SITES += "&from=p:160,0,-110&from=p:120,0,-90&from=p:90,0,-140&from=p:40,0,-130&from=p:150,0,-160"
+PLACES = ((20, -30), (60, -25), (50, -70), (100, -50), (140, -40), (160, -110), (120, -90), (90, -140), (40, -130), (150, -160))
+SITES = "".join(f"&from=ray:{x},99,{z},0,-1,0" for x, z in PLACES)
 COLOURS = "Set3"
 
 
@@ -58,7 +58,7 @@ def draw_sites(axes, found, label):
 
 def main():
     """The panels."""
-    asked = sample_at(sys.argv[1], "terrain.glb") + f"/voronoi?{SITES}&method=exact"
+    asked = sample_at(sys.argv[1], "terrain.glb") + f"/voronoi?method=exact{SITES}"
     figure, panels = plt.subplots(1, 2, figsize=(9, 4.7))
     figure.subplots_adjust(0.01, 0.01, 0.99, 0.93, 0.03)
     found = draw_cells(panels[0], asked)
@@ -70,7 +70,7 @@ def main():
     )
     relaxed = draw_cells(panels[1], asked + "&relax=30")
     draw_sites(panels[1], relaxed, "after 30 rounds of Lloyd's algorithm")
-    save(figure, "voronoi.png", 200)
+    save(figure, "voronoi.png")
 
 
 if __name__ == "__main__":

@@ -88,9 +88,9 @@ def show_from_above(axes, middle, reach, zoom):
     axes.set_box_aspect(tuple(reach), zoom=zoom)
 
 
-def save(figure, name, colours=64):
-    """As docs/NAME, in few colours."""
+def save(figure, name):
+    """As docs/NAME."""
     picture = io.BytesIO()
     figure.savefig(picture, dpi=90, facecolor="white")
     plt.close(figure)
-    Image.open(picture).convert("RGB").quantize(colours).save(DOCS / name, optimize=True)
+    Image.open(picture).convert("RGB").quantize(256).save(DOCS / name, optimize=True)

@@ -30,10 +30,7 @@ class Section {
 
   Result<std::vector<SurfacePoint>> follow(const SurfacePoint& at) {
     const auto start = first_side(at);
-    if (!start) {
-      return fail(ErrorCode::no_loop,
-                  "the plane only touches the surface there, and does not cut it", "normal");
-    }
+    if (!start) return touches();
     // Of a face and the side by which it is entered there is one next, and one before it: the
     // walk comes back to where it began, after as many steps as there are sides at most.
     Halfedge entered = *start;
@@ -51,10 +48,16 @@ class Section {
     while (points_.size() > 1 && is_same(points_.back(), points_.front())) {
       points_.pop_back();  // it leads through faces in which the curve does not move on
     }
+    if (points_.size() < 2) return touches();  // a peak in the plane
     return std::move(points_);
   }
 
  private:
+  [[nodiscard]] static tl::unexpected<Error> touches() {
+    return fail(ErrorCode::no_loop, "the plane only touches the surface there, and does not cut it",
+                "normal");
+  }
+
   [[nodiscard]] double height(std::uint32_t vertex) const {
     return dot(normal_, adjacency_.mesh().positions()[vertex] - through_);
   }

@@ -76,7 +76,10 @@ Result<LoopStraightness> straightness_of_loop(const Adjacency& adjacency, const 
       const auto fan =
           fans.least(vertex.vertex, chain->segments[i == 0 ? segments - 1 : i - 1].arrives,
                      chain->segments[i].leaves, std::numeric_limits<double>::infinity());
-      const auto total = closed_fan_angle(adjacency, adjacency.corners(vertex.vertex)[0], poll);
+      // Of the fan that the path leaves by: at a pinched vertex there are others.
+      const std::uint32_t face = chain->segments[i].leaves.face;
+      const auto total = closed_fan_angle(
+          adjacency, halfedge(face, corner_at(adjacency, face, vertex.vertex)), poll);
       if (poll.stopped()) return fail_stopped(poll);
       if (fan && place < count) {
         const double rounding =

@@ -76,8 +76,10 @@ class Tightener {
       if (const auto slid = slide(*chain)) {
         if (!(path_.length > contracted_)) return contracts();
         if (*slid == kNone) return finished(true);
-        cut_at_vertex(*slid);
-        if (path_.length < before * (1 - tolerance::kLeastGain)) continue;
+        if (cut_at_vertex(*slid) && path_.length < before * (1 - tolerance::kLeastGain)) {
+          before = path_.length;
+          continue;
+        }
       }
       idle = path_.length < before * (1 - tolerance::kLeastGain) ? 0 : idle + 1;
       if (idle > kMostIdle) return finished(true);
@@ -106,10 +108,14 @@ class Tightener {
     points.push_back(points.front());
   }
 
-  void cut_at_vertex(std::uint32_t vertex) {
+  // Whether the loop runs through it.
+  [[nodiscard]] bool cut_at_vertex(std::uint32_t vertex) {
     for (std::size_t i = 0; i + 1 < path_.points.size(); ++i) {
-      if (path_.points[i].point.vertex == vertex) return cut_at(i);
+      if (path_.points[i].point.vertex != vertex) continue;
+      cut_at(i);
+      return true;
     }
+    return false;
   }
 
   // At the point that is nearest to that part of the way round: a vertex, where there is one.

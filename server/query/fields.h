@@ -101,7 +101,7 @@ class Fields {
   }
 
   // Forgets the fields of a mesh.
-  void forget(const std::string& mesh) { cache_.erase_prefix(mesh); }
+  void forget(const std::string& mesh) { cache_.erase_prefix(mesh + "/"); }
 
   void set_cache_budget(std::uint64_t bytes) { cache_.set_budget(bytes); }
   [[nodiscard]] CacheStats cache() const { return cache_.stats(); }

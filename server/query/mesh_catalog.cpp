@@ -346,7 +346,8 @@ Result<void> MeshCatalog::check_is_there(const std::string& id, const std::strin
   const auto known = store_.use(id);
   if (!known) return fail(known.error());
   // Damage on the disk is no reason to refuse what is whole in memory.
-  const bool is_resident = store_.is_damaged(id) && prepared_.peek(adjacency_key(key));
+  const bool is_resident = store_.is_damaged(id) && (prepared_.peek(adjacency_key(key)) ||
+                                                     prepared_.peek(adjacency_key(id)));
   if (*known || is_resident) return {};
   // Another server may have deleted it.
   prepared_.erase_prefix(id + "/");
@@ -402,13 +403,15 @@ Result<std::shared_ptr<const Adjacency>> MeshCatalog::cut_out(const AskedSurface
   }
   return pool_.run(
       [&](Worker&) {
-        return step(
-            "cut", Stage::prepare, caller, [&]() -> Result<std::shared_ptr<const Adjacency>> {
-              const Cancel cancel = cancel_of(caller);
-              auto mesh = proto::cut_regions((*whole)->mesh(), surface.regions(), parts, cancel);
-              if (!mesh) return fail(std::move(mesh.error()));
-              return prepare(std::make_shared<const Mesh>(std::move(*mesh)), pool_, caller);
-            });
+        return step("cut", Stage::prepare, caller,
+                    [&]() -> Result<std::shared_ptr<const Adjacency>> {
+                      const Mesh& all = (*whole)->mesh();
+                      ComputePool::Help help(pool_, all.vertex_count() >= Team::kFewestVertices);
+                      const Cancel cancel = cancel_of(caller).helped_by(help.team());
+                      auto mesh = proto::cut_regions(all, surface.regions(), parts, cancel);
+                      if (!mesh) return fail(std::move(mesh.error()));
+                      return prepare(std::make_shared<const Mesh>(std::move(*mesh)), pool_, caller);
+                    });
       },
       caller);
 }

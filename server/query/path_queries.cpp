@@ -163,11 +163,19 @@ Result<Path> find_loop(const Adjacency& adjacency, const proto::LoopRequest& req
     loop = join_paths(legs);
   }
   reply.start_length = loop.length;
+  if (!(loop.length > 0)) {
+    return fail(ErrorCode::no_loop, "all of these points are at one place");
+  }
   if (request.hull) return hull_of(adjacency.mesh(), loop, request.normal, cancel);
   if (request.start != Start::through) {
     auto tight = tighten_loop(adjacency, loop, cancel);
     if (!tight) return fail(std::move(tight.error()));
     loop = std::move(tight->path);
+    if (!tight->is_finished) {
+      reply.warnings.emplace_back(
+          "The loop was not tightened to the end: it crosses too many faces. It may be longer than "
+          "the closed geodesic near it.");
+    }
   }
   const auto straightness = straightness_of_loop(adjacency, loop, cancel);
   if (!straightness) return fail(straightness.error());

@@ -75,7 +75,8 @@ Result<PlacedPoint> on_face(const Adjacency& adjacency, const proto::FaceRequest
   const auto source = static_cast<std::uint32_t>(request.face);
   const std::uint32_t face = mesh.face_of_source(source);
   if (face == kNone && !mesh.is_dropped(source)) {
-    return fail(ServiceCode::outside_region, "this face is forbidden, or not within", parameter);
+    return fail(ServiceCode::outside_region,
+                "this face is not on the part of the surface that is left", parameter);
   }
   if (face == kNone) return on_dropped_face(adjacency, source, request.bary, parameter);
   return placed(mesh, point_on_face(adjacency, face, request.bary));

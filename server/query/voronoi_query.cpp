@@ -104,6 +104,7 @@ Result<Answered<proto::VoronoiReply>> FieldQueries::answer(const AskedSurface& s
   if (!field) return fail(field.error());
   answer.cache_hit = field->hit;
   const Caller last = caller.part(with_field, 1);
+  const bool begins_here = field->hit && request.relax == 0;
   struct Found {
     std::shared_ptr<const NearSites> near;
     std::uint64_t segments = 0;
@@ -118,7 +119,7 @@ Result<Answered<proto::VoronoiReply>> FieldQueries::answer(const AskedSurface& s
         tell_cells(std::move(*cells), adjacency->mesh(), *sites, reply);
         return kept;
       },
-      field->hit&& request.relax == 0 ? last : last.finishing());
+      begins_here ? last : last.finishing());
   if (!found) {
     if (found.error().code == ErrorCode::too_large) found.error().parameter = "from";
     return fail(std::move(found.error()));

@@ -129,6 +129,16 @@ TEST_CASE("SectionsThatAreNoClosedCurves") {
   REQUIRE_FALSE(touching);
   CHECK(touching.error().code == ErrorCode::no_loop);
   CHECK(touching.error().detail == "the plane only touches the surface there, and does not cut it");
+  // A peak in the plane, from either side.
+  const Surface peak({{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, -1, 0}},
+                      {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {3, 2, 1}}});
+  for (const double up : {1.0, -1.0}) {
+    const auto at_peak = cut(peak, peak.at(0), {0, 0, up});
+    REQUIRE_FALSE(at_peak);
+    CHECK(at_peak.error().code == ErrorCode::no_loop);
+    CHECK(at_peak.error().detail ==
+          "the plane only touches the surface there, and does not cut it");
+  }
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (const Vec3 normal : {Vec3{0, 0, 0}, Vec3{kInfinity, 0, 0}, Vec3{0, std::nan(""), 1}}) {
     const auto section = cut(open, open.at(30), normal);

@@ -138,6 +138,7 @@ TEST_CASE("WhatIsNoLoopSaysWhy") {
   };
   const std::string plane = "/v1/meshes/" + tube.id;
   check(plane, "/loop?around=v:0&around=v:5&around=v:70", "around", "contracts to a point");
+  check(plane, "/loop?through=v:3&through=v:3", "through", "at one place");
   check(plane, "/loop?at=v:30&normal=0,0,1", "normal", "only touches");
   check(tube.base, "/loop?at=v:28&normal=1,0,0", "normal", "boundary");
   check(tube.base, "/loop?at=v:28&normal=1,0,0&hull=1", "normal", "boundary");

@@ -304,7 +304,7 @@ TEST_CASE("APartIsPreparedOnceAndGoesWithItsMesh") {
   PlaneService plane;
   const auto made = [&] { return plane.service.catalog.adjacency_cache().makes; };
   const std::string target = "/distance?from=v:50&forbid=faces:0-9";
-  plane.ask(target);
+  const json of_part = plane.ask(target)["reached"];
   const std::uint64_t before = made();
   const json again = plane.ask("/distance?from=v:51&forbid=faces:0-9");
   CHECK(made() == before);
@@ -312,7 +312,7 @@ TEST_CASE("APartIsPreparedOnceAndGoesWithItsMesh") {
   CHECK(made() == before + 1);
   // Fields and replies of the whole and of parts are told apart.
   CHECK(plane.ask("/distance?from=v:50")["reached"] == 120);
-  CHECK(plane.ask(target)["reached"] == plane.ask(target)["reached"]);
+  CHECK(plane.ask(target)["reached"] == of_part);
   CHECK(again["reached"] < 120);
   const auto tag = [&](const std::string& question) {
     return header_of(plane.service.get(plane.base + question), "ETag");

@@ -271,6 +271,9 @@ TEST_CASE("queries on a resident mesh go on while the store fails") {
   CHECK(service.get("/v1/meshes/" + id + "/source").status == 500);
   // Found damaged and out of the store, but whole in memory; until it is removed.
   CHECK(service.get("/v1/meshes/" + id + "/distance?from=v:2").status == 200);
+  // Nor does a question about a part of it, which is cut out of what is in memory, take that away.
+  CHECK(service.get("/v1/meshes/" + id + "/distance?from=v:2&forbid=faces:17").status == 200);
+  CHECK(service.get("/v1/meshes/" + id + "/distance?from=v:4").status == 200);
   CHECK(service.get("/v1/meshes/" + id).status == 404);
   (void)service.ask("DELETE", "/v1/meshes/" + id);
   CHECK(service.get("/v1/meshes/" + id + "/distance?from=v:3").status == 404);

@@ -212,7 +212,10 @@ def _parser() -> argparse.ArgumentParser:
     connection(voronoi)
 
     loop = command(
-        "loop", "MESH --through POINT...", loop_command.run, "Lay a loop or a tape round a surface."
+        "loop",
+        "MESH --through POINT --through POINT",
+        loop_command.run,
+        "Lay a loop or a tape round a surface.",
     )
     loop.add_argument("mesh", metavar="MESH", help=f"a file, or {ON_SERVER}")
     loop_command.arguments(loop)
