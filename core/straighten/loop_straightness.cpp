@@ -62,7 +62,10 @@ Result<LoopStraightness> straightness_of_loop(const Adjacency& adjacency, const 
   }
   const auto chain = read_chain(adjacency, loop, poll);
   if (poll.stopped()) return fail_stopped(poll);
-  if (!chain) return worst;
+  if (!chain) {
+    worst.is_known = false;
+    return worst;
+  }
   FanSearch fans(adjacency, poll);
   const std::size_t segments = chain->segments.size();
   // By the places of the path vertices among the points.
@@ -72,14 +75,20 @@ Result<LoopStraightness> straightness_of_loop(const Adjacency& adjacency, const 
     const SurfacePoint& vertex = chain->path_vertices[i].place;
     if (vertex.at_vertex()) {
       while (place < count && points[place].point.vertex != vertex.vertex) ++place;
+      const DirectionAtVertex& arrives = chain->segments[i == 0 ? segments - 1 : i - 1].arrives;
+      const DirectionAtVertex& leaves = chain->segments[i].leaves;
+      // It begins at a vertex and ends at a point beside it that is at the same place.
+      if (arrives.face == kNone || leaves.face == kNone) {
+        worst.is_known = false;
+        ++place;
+        continue;
+      }
       const std::size_t last = place == 0 ? count - 1 : place - 1;
       const auto fan =
-          fans.least(vertex.vertex, chain->segments[i == 0 ? segments - 1 : i - 1].arrives,
-                     chain->segments[i].leaves, std::numeric_limits<double>::infinity());
+          fans.least(vertex.vertex, arrives, leaves, std::numeric_limits<double>::infinity());
       // Of the fan that the path leaves by: at a pinched vertex there are others.
-      const std::uint32_t face = chain->segments[i].leaves.face;
       const auto total = closed_fan_angle(
-          adjacency, halfedge(face, corner_at(adjacency, face, vertex.vertex)), poll);
+          adjacency, halfedge(leaves.face, corner_at(adjacency, leaves.face, vertex.vertex)), poll);
       if (poll.stopped()) return fail_stopped(poll);
       if (fan && place < count) {
         const double rounding =

@@ -15,7 +15,14 @@ struct LoopStraightness {
   double turn = 0;
   // Of being locally shortest: to pi, everywhere.
   double lack = 0;
+  // Not where the path passes faces without area, or goes on in a face that does not meet the one
+  // before: there it has no sides, and nothing says how it turns.
+  bool is_known = true;
 };
+
+// A loop that lacks no more than this, at any point, is a closed geodesic: vertices may be left
+// with tolerance::kStraightAngle, and positions are rounded.
+inline constexpr double kMostLack = 1e-6;
 
 // `loop` ends where it begins. Where two segments meet in faces that share no edge there, a path
 // has no sides, and nothing lacks. Errors: cancelled.

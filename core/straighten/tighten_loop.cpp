@@ -19,8 +19,6 @@ namespace {
 
 // Of its first length: a loop that is shorter goes round a point.
 constexpr double kContracted = 1e-12;
-// In radians, at any point: more than vertices may be left with (tolerance::kStraightAngle).
-constexpr double kMostLack = 1e-6;
 // Bases in a row, at different places round the loop, that may gain nothing.
 constexpr std::uint64_t kMostIdle = 8;
 
@@ -64,11 +62,12 @@ class Tightener {
       if (!(path_.length > contracted_)) return contracts();
       const auto chain = read_chain(adjacency_, path_, poll_);
       if (poll_.stopped()) return fail_stopped(poll_);
-      if (!chain) return finished(true);
+      if (!chain) return finished(false);
       if (is_straight_at_base(*chain)) {
         // Round pinched vertices and among needles, one shortening may leave something over.
         const auto straightness = straightness_of_loop(adjacency_, path_, cancel_);
         if (!straightness) return fail(straightness.error());
+        if (!straightness->is_known) return finished(false);
         if (straightness->lack <= kMostLack) return finished(true);
       }
       if (poll_.stopped()) return fail_stopped(poll_);
@@ -142,6 +141,9 @@ class Tightener {
     const auto& points = path_.points;
     const SurfacePoint& base = points.front().point;
     if (base.at_vertex()) {
+      const std::uint32_t arrives = chain.segments.back().arrives.face;
+      const std::uint32_t leaves = chain.segments.front().leaves.face;
+      if (arrives == kNone || leaves == kNone) return false;  // beside it, at the same place
       return !fans_.least(base.vertex, chain.segments.back().arrives, chain.segments.front().leaves,
                           std::numbers::pi - tolerance::kStraightAngle);
     }

@@ -30,7 +30,9 @@ inline constexpr std::uint64_t kMostBases = 100'000;
 struct TightLoop {
   Path path;                // closed: its last point is the first one
   std::uint64_t bases = 0;  // at which it was cut
-  bool is_finished = true;  // false when one of the limits was exceeded
+  // False when one of the limits was exceeded, or it passes faces without area where it has no
+  // sides.
+  bool is_finished = true;
 };
 
 // `loop` ends where it begins. The result is the shortest of all loops that it can be deformed into

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/base/polled_fill.h"
@@ -138,8 +139,8 @@ class NearSitesBuilder {
     FieldLimits limits;
     limits.keep_details = false;
     limits.max = bounds_[site];
-    // What a site is near to hangs together: shortest paths to the site stay among it. So all of it
-    // is found once the field goes beyond the faces round what is found.
+    // The faces that a cell meets are joined over edges, for shortest paths to the site stay in it.
+    // So all of them are found once the field goes beyond the faces round what is found.
     while (true) {
       const auto own = solve_field(method_, options_, adjacency_, {&field_.sources[site], 1},
                                    limits, scratch_, cancel_.part(begin, end));

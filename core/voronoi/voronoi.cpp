@@ -8,7 +8,8 @@
 namespace geodesic {
 namespace {
 
-// The parts of the time that fields take, before cells are cut.
+// How far the whole has come when the field of all sites, each site's own, and the measures are
+// there.
 constexpr double kFieldOfSites = 0.3;
 constexpr double kFields = 0.8;
 constexpr double kMeasures = 0.9;

@@ -45,7 +45,7 @@ class GlbWriter {
   explicit GlbWriter(Poll* poll) : poll_(poll) {
     document_["asset"] = {{"version", "2.0"}, {"generator", "geodesicd"}};
     document_["scene"] = 0;
-    document_["scenes"][0]["nodes"] = json::array();
+    document_["scenes"][0] = json::object();  // without `nodes` where there are none
   }
 
   void add(const GlbPart& part) {

@@ -1,5 +1,4 @@
 // Shapes as a URL has them.
-#include <charconv>
 #include <optional>
 #include <utility>
 

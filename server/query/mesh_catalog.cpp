@@ -1,5 +1,7 @@
 #include "server/query/mesh_catalog.h"
 
+#include <algorithm>
+#include <atomic>
 #include <functional>
 #include <span>
 #include <string>
@@ -37,6 +39,10 @@ std::size_t bytes_of(const std::shared_ptr<const ClosestPointIndex>& index) {
   return index->bytes();
 }
 
+// Embree takes one of the process's 1,024 keys of threads for each index. Without any left, nobody
+// gets random numbers either.
+constexpr std::size_t kMostIndexes = 400;
+
 // About which part of an upload's time it takes to build the mesh, and of that to decode.
 constexpr double kBuilding = 0.5;
 constexpr double kDecoding = 0.4;
@@ -67,10 +73,15 @@ MeshCatalog::MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimit
       metrics_(metrics),
       decoders_(decoders),
       decode_limits_(limits.decode),
+      least_index_bytes_(limits.adjacency_cache_bytes / kMostIndexes),
       meshes_(limits.mesh_cache_bytes, [](const Mesh& mesh) { return mesh.bytes(); }),
       prepared_(limits.adjacency_cache_bytes,
-                [](const Prepared& prepared) {
-                  return std::visit([](const auto& value) { return bytes_of(value); }, prepared);
+                [this](const Prepared& prepared) {
+                  const std::size_t bytes =
+                      std::visit([](const auto& value) { return bytes_of(value); }, prepared);
+                  return std::holds_alternative<std::shared_ptr<const Adjacency>>(prepared)
+                             ? bytes
+                             : std::max(bytes, least_index_bytes_.load());
                 }),
       uploads_(0, [](const Upload&) { return std::size_t{1}; }) {}
 
@@ -78,6 +89,7 @@ void MeshCatalog::set_limits(const CatalogLimits& limits) {
   decode_limits_.set(limits.decode);
   if (decoders_ != nullptr) decoders_->set_limits(limits.decoder);
   meshes_.set_budget(limits.mesh_cache_bytes);
+  least_index_bytes_ = limits.adjacency_cache_bytes / kMostIndexes;
   prepared_.set_budget(limits.adjacency_cache_bytes);
 }
 

@@ -12,6 +12,8 @@
 // runs in a compute slot, and waits for one.
 #pragma once
 
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -216,6 +218,8 @@ class MeshCatalog {
   DecoderProcesses* const decoders_;
   PreparedFiles* prepared_files_ = nullptr;
   Current<proto::DecodeLimits> decode_limits_;
+  // What an index counts at least, so that there are never more than kMostIndexes.
+  std::atomic<std::size_t> least_index_bytes_;
   LruCache<Mesh> meshes_;
   LruCache<Prepared> prepared_;
   LruCache<Upload> uploads_;  // keeps nothing: one upload at a time of the same bytes

@@ -31,9 +31,6 @@ using MaybePath = std::optional<Path>;
 // The part of a leg's time that its field takes.
 constexpr double kFieldOfLeg = 0.95;
 
-// In radians, what a closed geodesic may lack of pi on either side, for rounding.
-constexpr double kMostLack = 1e-6;
-
 // The way from one point to the next; nothing when there is none.
 class LegFinder {
  public:
@@ -173,14 +170,17 @@ Result<Path> find_loop(const Adjacency& adjacency, const proto::LoopRequest& req
     loop = std::move(tight->path);
     if (!tight->is_finished) {
       reply.warnings.emplace_back(
-          "The loop was not tightened to the end: it crosses too many faces. It may be longer than "
-          "the closed geodesic near it.");
+          "The loop was not tightened to the end: it crosses too many faces, or faces without "
+          "area. "
+          "It may be longer than the closed geodesic near it.");
     }
   }
   const auto straightness = straightness_of_loop(adjacency, loop, cancel);
   if (!straightness) return fail(straightness.error());
-  reply.turn = straightness->turn * 180 / std::numbers::pi;
-  reply.is_geodesic = straightness->lack <= kMostLack;
+  if (straightness->is_known) {
+    reply.turn = straightness->turn * 180 / std::numbers::pi;
+    reply.is_geodesic = straightness->lack <= kMostLack;
+  }
   return loop;
 }
 

@@ -122,7 +122,9 @@ void check_tight(const Surface& surface, const Path& start, const TightLoop& tig
   REQUIRE(loop.points.size() >= 2);
   CHECK(loop.points.front().position == loop.points.back().position);
   CHECK(loop.length <= start.length);
-  CHECK(tight.is_finished);
+  const auto straightness = straightness_of_loop(surface.adjacency(), loop, Cancel());
+  REQUIRE(straightness);
+  CHECK(tight.is_finished == straightness->is_known);
 }
 
 void check_is_geodesic(const Surface& surface, const Path& loop) {
@@ -498,7 +500,7 @@ TEST_CASE("LoopsOnAnySurfaceAreClosedAndNoLongerThanTheyWere") {
     check_tight(surface, *start, *loop);
     const auto straightness = straightness_of_loop(surface.adjacency(), loop->path, Cancel());
     REQUIRE(straightness);
-    CHECK(straightness->lack <= 1e-6);
+    if (straightness->is_known) CHECK(straightness->lack <= 1e-6);
     ++loops;
     // Once more, it stays as long as it is.
     const auto again = tighten_loop(surface.adjacency(), loop->path, Cancel());

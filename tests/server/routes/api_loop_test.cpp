@@ -148,6 +148,38 @@ TEST_CASE("WhatIsNoLoopSaysWhy") {
   check(two, "/loop?through=v:0&through=v:1&through=v:30", "through[1]", "no way leads");
 }
 
+// The points are at one place, on two sides of a face without area: the loop begins beside a vertex
+// and ends at it.
+TEST_CASE("ALoopPastAFaceWithoutAreaDoesNotSayHowItTurns") {
+  PlaneService plane;
+  const std::string flap =
+      plane.add({{{-1, 0, 0}, {1, 0, 0}, {0, 0, 0}, {0, 1, 0}}, {{2, 1, 0}, {0, 1, 3}}});
+  for (const json& method : body_of(plane.service.get("/v1/methods"))["methods"]) {
+    for (const char* last : {"v:0", "v:1"}) {
+      const HttpResponse response =
+          plane.service.get(flap + "/loop?through=f:1,0.5,0.5&through=v:2&through=" + last +
+                            "&method=" + method["name"].get<std::string>());
+      REQUIRE(response.status == 200);
+      const json loop = body_of(response);
+      CHECK(loop["length"] == doctest::Approx(2));
+      if (loop["turn"].is_null()) CHECK(loop["geodesic"] == false);
+    }
+  }
+  // Over a side that such a face is on, back along the other sides.
+  const std::string split = plane.add({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5, 0, 0}, {1, 1, 0}},
+                                       {{0, 1, 3}, {0, 1, 2}, {1, 4, 2}}});
+  const HttpResponse response =
+      plane.service.get(split + "/loop?around=v:0&around=v:1&around=v:2&around=v:3&method=exact");
+  if (response.status == 200) {
+    const json loop = body_of(response);
+    CHECK(loop["geodesic"] == false);
+    CHECK(loop["turn"].is_null());
+    CHECK(loop["warnings"].size() == 1);
+  } else {
+    check_problem(response, 422, "no_loop", "around");
+  }
+}
+
 TEST_CASE("LoopsThatAreRefused") {
   PlaneService plane;
   plane.check_refused("/loop", 400, "bad_syntax", "through");
