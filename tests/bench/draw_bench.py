@@ -35,7 +35,6 @@ def main():
         pathlib.Path(sys.argv[2]) / "error_against_time.png",
         f"medians over {meshes} meshes (small: one mesh); squares: other people's libraries",
         peers,
-        yardstick="a textbook Dijkstra's",
     )
 
 

@@ -90,7 +90,7 @@ def place_labels(axes, points):
         taken.append(words_of(best))
 
 
-def draw_error_against_time(rows, path, title, others=(), yardstick="dijkstra's"):
+def draw_error_against_time(rows, path, title, others=(), yardstick="a textbook Dijkstra's"):
     """rows: (method, mesh, time in those of the yardstick, mean relative error). A large dot is a
     method's medians over the meshes, a small one a single mesh. `others` are
     drawn as squares: the methods that are not ours."""

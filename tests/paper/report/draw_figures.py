@@ -227,7 +227,7 @@ def novotni():
 def every_method():
     """Error against time, over all meshes."""
     rows = [
-        (row["method"], row["mesh"], float(row["over_dijkstra"]), float(row["mean_error"]))
+        (row["method"], row["mesh"], float(row["y"]), float(row["mean_error"]))
         for row in table("table")
     ]
     meshes = len({row[1] for row in rows})

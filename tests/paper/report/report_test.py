@@ -77,8 +77,8 @@ class Report(unittest.TestCase):
             self.assertEqual(value["unreached"], 0, row)
             self.assertGreaterEqual(value["peak_bytes"], 8 * value["vertices"])
             self.assertGreater(value["ms"], 0)
+            self.assertGreater(value["y"], 0)
             if row["method"] == "dijkstra":
-                self.assertEqual(value["over_dijkstra"], 1)
                 self.assertEqual(value["share_below"], 0)  # along edges nothing is too short
                 self.assertGreater(value["mean_error"], 0.01)
             if row["method"] in ("exact", "chen_han"):
