@@ -19,11 +19,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
             f"--{name}", action="append", default=[], metavar="POINT", help=f"a point {what}"
         )
     parser.add_argument("--at", metavar="POINT", help="where a plane cuts the surface")
-    parser.add_argument(
-        "--normal",
-        metavar="X,Y,Z",
-        help="of the plane, with --at; as --normal=-1,0,0 where it begins with a minus",
-    )
+    parser.add_argument("--normal", metavar="X,Y,Z", help="of the plane; or --normal=-1,0,0")
     parser.add_argument("--hull", action="store_true", help="with --at: not into hollows")
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help=".csv, .npy, .json or .glb"
