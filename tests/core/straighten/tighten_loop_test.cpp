@@ -1,5 +1,5 @@
-// Closed paths become closed geodesics: against closed forms on prisms, cubes, waists and tori, and
-// against the definition of a locally shortest path on surfaces drawn at random.
+// Closed paths become closed geodesics: against closed forms on prisms, cubes, waists, tori, balls
+// and planes with holes.
 #include "core/straighten/tighten_loop.h"
 
 #include <doctest/doctest.h>
@@ -7,145 +7,23 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <numbers>
-#include <optional>
 #include <random>
 #include <utility>
 #include <vector>
 
-#include "core/locate/plane_section.h"
 #include "core/mesh/shapes.h"
-#include "core/paths/join_paths.h"
-#include "core/solve/distance_at_point.h"
-#include "core/straighten/loop_straightness.h"
-#include "tests/fixtures/awkward_meshes.h"
-#include "tests/fixtures/locally_shortest.h"
+#include "tests/core/straighten/loops.h"
 #include "tests/fixtures/mixed_scales.h"
-#include "tests/fixtures/path_checks.h"
-#include "tests/fixtures/random_meshes.h"
-#include "tests/fixtures/shortened.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 #include "tests/fixtures/tube.h"
 
 using namespace geodesic;
+using namespace geodesic::loops;
 using fixtures::Surface;
 using std::numbers::pi;
-
-namespace {
-
-double unit_of(std::mt19937& random) { return random() / 4294967296.0; }
-
-Vec3 any_direction(std::mt19937& random) {
-  while (true) {
-    const Vec3 v{unit_of(random) - 0.5, unit_of(random) - 0.5, unit_of(random) - 0.5};
-    if (norm(v) > 0.1 && norm(v) < 0.5) return (1 / norm(v)) * v;
-  }
-}
-
-// Turned, scaled and moved at random: what has a closed form keeps it, times `scale`.
-struct Placed {
-  Vec3 x, y, z, origin;
-  double scale = 1;
-
-  explicit Placed(std::mt19937& random) {
-    x = any_direction(random);
-    y = cross(x, any_direction(random));
-    y = (1 / norm(y)) * y;
-    z = cross(x, y);
-    origin = 3 * any_direction(random);
-    scale = std::pow(10.0, 2 * unit_of(random) - 1);
-  }
-  [[nodiscard]] Vec3 direction(Vec3 p) const { return p.x * x + p.y * y + p.z * z; }
-  [[nodiscard]] TriangleSoup place(TriangleSoup soup) const {
-    for (Vec3& p : soup.positions) p = origin + scale * direction(p);
-    return soup;
-  }
-};
-
-std::optional<Path> section_of(const Surface& surface, const SurfacePoint& at, Vec3 normal) {
-  const auto section = plane_section(surface.adjacency(), at, normal, Cancel());
-  if (!section) {
-    CHECK(section.error().code == ErrorCode::no_loop);
-    return std::nullopt;
-  }
-  return closed_path_along(surface.mesh(), *section);
-}
-
-// Round by shortest edges: a path along shortest paths, and back to the first.
-std::optional<Path> round_by(const Surface& surface, const std::vector<std::uint32_t>& vertices) {
-  std::vector<Path> legs;
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    const SurfacePoint from = surface.at(vertices[i]);
-    const SurfacePoint to = surface.at(vertices[(i + 1) % vertices.size()]);
-    auto leg = surface.path(surface.field_by(Method::dijkstra, {Source{from, 0}}), to);
-    if (!leg) return std::nullopt;
-    legs.push_back(std::move(*leg));
-  }
-  return join_paths(legs);
-}
-
-// The same loop one and a half times, so that every point of it is inside; less the points on edges
-// that are within rounding of the vertex behind or before them, which say no direction.
-Path one_and_a_half(const Path& loop) {
-  Path longer = loop;
-  longer.points.back() = loop.points.front();  // in the face of the segment that leaves it
-  const std::size_t half = loop.points.size() / 2 + 1;
-  for (std::size_t i = 1; i < loop.points.size() && i <= half; ++i) {
-    longer.points.push_back(loop.points[i]);
-  }
-  Path clear;
-  for (std::size_t i = 0; i < longer.points.size(); ++i) {
-    const PathPoint& point = longer.points[i];
-    const auto is_vertex_at = [&](std::size_t k) {
-      return k < longer.points.size() && longer.points[k].point.at_vertex() &&
-             distance(point.position, longer.points[k].position) <= 1e-12 * loop.length;
-    };
-    if (!point.point.at_vertex() && is_vertex_at(i + 1)) continue;
-    if (!point.point.at_vertex() && is_vertex_at(i - 1)) {
-      clear.points.back().point.face = point.point.face;
-      continue;
-    }
-    clear.points.push_back(point);
-  }
-  return clear;
-}
-
-// What holds for every loop that was tightened.
-void check_tight(const Surface& surface, const Path& start, const TightLoop& tight) {
-  const Path& loop = tight.path;
-  const Box& box = surface.mesh().box();
-  fixtures::check_is_a_path(surface.adjacency(), loop, distance(box.min, box.max));
-  REQUIRE(loop.points.size() >= 2);
-  CHECK(loop.points.front().position == loop.points.back().position);
-  CHECK(loop.length <= start.length);
-  const auto straightness = straightness_of_loop(surface.adjacency(), loop, Cancel());
-  REQUIRE(straightness);
-  CHECK(tight.is_finished == straightness->is_known);
-}
-
-void check_is_geodesic(const Surface& surface, const Path& loop) {
-  const auto bend = fixtures::worst_bend(surface.adjacency(), one_and_a_half(loop), 1e-4);
-  CHECK(bend.at_edges <= 1e-6);
-  CHECK(bend.at_vertices <= 1e-6);
-  const auto straightness = straightness_of_loop(surface.adjacency(), loop, Cancel());
-  REQUIRE(straightness);
-  CHECK(straightness->lack <= 1e-6);
-}
-
-TightLoop tight(const Surface& surface, const Path& start) {
-  const auto tight = tighten_loop(surface.adjacency(), start, Cancel());
-  REQUIRE(tight);
-  check_tight(surface, start, *tight);
-  return *tight;
-}
-
-double polygon(std::uint32_t n, double radius) { return 2 * n * radius * std::sin(pi / n); }
-
-}  // namespace
 
 TEST_CASE("RoundAPrismALoopIsAsLongAsThePolygonHoweverTheCutIsTilted") {
   std::mt19937 random(fixtures::test_seed());
@@ -439,146 +317,5 @@ TEST_CASE("ABandRoundTheHolesOfAPlaneIsTheirConvexHull") {
     const TightLoop loop = tight(surface, *start);
     CHECK(loop.path.length == doctest::Approx(hull_of(corners)).epsilon(1e-12));
     check_is_geodesic(surface, loop.path);
-  }
-}
-
-// Parts of the loop against exact distances: nowhere is there a short cut.
-TEST_CASE("NoShortCutNearALoop") {
-  std::mt19937 random(fixtures::test_seed() + 7);
-  int loops = 0;
-  for (int round = 0; round < 12; ++round) {
-    TriangleSoup soup = shapes::torus_knot(24 + random() % 20, 6 + random() % 5, 0.3);
-    for (Vec3& p : soup.positions) p = p + 0.05 * any_direction(random);
-    const Surface surface(soup);
-    const auto v = static_cast<std::uint32_t>(random() % soup.positions.size());
-    const auto start = section_of(surface, surface.at(v), any_direction(random));
-    if (!start) continue;
-    const auto result = tighten_loop(surface.adjacency(), *start, Cancel());
-    if (!result) {
-      CHECK(result.error().code == ErrorCode::no_loop);
-      continue;
-    }
-    check_tight(surface, *start, *result);
-    check_is_geodesic(surface, result->path);
-    ++loops;
-    const auto& points = result->path.points;
-    for (int pair = 0; pair < 3; ++pair) {
-      const std::size_t i = random() % (points.size() - 1);
-      const SurfacePoint from = points[i].point;
-      const Field field = surface.field_by(Method::exact, {Source{from, 0}});
-      double part = 0;
-      for (std::size_t k = i; k + 1 < points.size() && part < 0.25 * result->path.length; ++k) {
-        part += distance(points[k].position, points[k + 1].position);
-        if (part > 0.2) break;  // near: the tube is 0.3 thick
-        const auto path = surface.path(field, points[k + 1].point);
-        REQUIRE(path);
-        CHECK(part <= path->length * (1 + 1e-9));
-      }
-    }
-  }
-  CHECK(loops > 0);
-}
-
-TEST_CASE("LoopsOnAnySurfaceAreClosedAndNoLongerThanTheyWere") {
-  std::mt19937 random(fixtures::test_seed() + 8);
-  int loops = 0;
-  for (int round = 0; round < 120; ++round) {
-    fixtures::RandomMesh mesh(random());
-    const Surface surface(mesh.soup());
-    std::optional<Path> start;
-    if (round % 2 == 0) {
-      start = round_by(surface, {mesh.vertex(), mesh.vertex(), mesh.vertex(), mesh.vertex()});
-    } else {
-      start = section_of(surface, surface.at(mesh.vertex()), any_direction(random));
-    }
-    if (!start) continue;
-    const auto loop = tighten_loop(surface.adjacency(), *start, Cancel());
-    if (!loop) {
-      CHECK(loop.error().code == ErrorCode::no_loop);
-      continue;
-    }
-    check_tight(surface, *start, *loop);
-    const auto straightness = straightness_of_loop(surface.adjacency(), loop->path, Cancel());
-    REQUIRE(straightness);
-    if (straightness->is_known) CHECK(straightness->lack <= 1e-6);
-    ++loops;
-    // Once more, it stays as long as it is.
-    const auto again = tighten_loop(surface.adjacency(), loop->path, Cancel());
-    REQUIRE(again);
-    CHECK(again->path.length >= loop->path.length * (1 - 1e-6));
-  }
-  CHECK(loops > 0);
-}
-
-TEST_CASE("LoopsOnAwkwardMeshesComeToAnEnd") {
-  std::mt19937 random(fixtures::test_seed() + 9);
-  for (const auto& awkward : fixtures::awkward_meshes()) {
-    CAPTURE(awkward.name);
-    const Surface surface(awkward.soup);
-    for (int round = 0; round < 6; ++round) {
-      std::vector<std::uint32_t> vertices{awkward.source};
-      for (int i = 0; i < 3; ++i) {
-        vertices.push_back(awkward.soup.faces[random() % awkward.soup.faces.size()][i]);
-      }
-      for (const auto& start :
-           {round_by(surface, vertices),
-            section_of(surface, surface.at(vertices[1]), any_direction(random))}) {
-        if (!start) continue;
-        const auto loop = tighten_loop(surface.adjacency(), *start, Cancel());
-        if (loop) {
-          check_tight(surface, *start, *loop);
-        } else {
-          CHECK(loop.error().code == ErrorCode::no_loop);
-        }
-      }
-    }
-  }
-}
-
-TEST_CASE("RoundAMoebiusStripALoopComesBackOnTheOtherSide") {
-  const Surface surface(fixtures::moebius_strip(40));
-  std::vector<std::uint32_t> vertices;
-  for (std::uint32_t i = 0; i < surface.mesh().source_vertex_count(); i += 2) vertices.push_back(i);
-  const auto start = round_by(surface, vertices);
-  REQUIRE(start);
-  const TightLoop loop = tight(surface, *start);
-  check_is_geodesic(surface, loop.path);
-  CHECK(loop.path.length > 0.5 * start->length);
-}
-
-TEST_CASE("AStraightnessIsWhatThePathLacks") {
-  // Round a square of a plane: a right angle at each corner.
-  const Surface surface(shapes::plane(5, 5));
-  const auto square = round_by(surface, {6, 8, 18, 16});
-  REQUIRE(square);
-  const auto straightness = straightness_of_loop(surface.adjacency(), *square, Cancel());
-  REQUIRE(straightness);
-  CHECK(straightness->turn == doctest::Approx(pi / 2));
-  CHECK(straightness->lack == doctest::Approx(pi / 2));
-  // Over the tip of a cube, straight ahead is half of 270 degrees.
-  const Surface tip(
-      {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}}});
-  const auto over = round_by(tip, {0, 1, 2});
-  REQUIRE(over);
-  const auto at_tip = straightness_of_loop(tip.adjacency(), *over, Cancel());
-  REQUIRE(at_tip);
-  // 90 degrees at the tip, of 135; at the boundary 45 + 45 on the one side that is there.
-  CHECK(at_tip->lack == doctest::Approx(3 * pi / 4));
-}
-
-TEST_CASE("ATighteningIsCancelled") {
-  const Surface surface(fixtures::tube(2000, 3, 6));
-  const auto start = section_of(surface, surface.at(6500), {0.3, 0, 1});
-  REQUIRE(start);
-  int asked = 0;
-  const Cancel counting([&] { return ++asked, false; });
-  REQUIRE(tighten_loop(surface.adjacency(), *start, counting));
-  REQUIRE(asked > 2);
-  for (const int after : {0, 1, asked - 1}) {
-    int left = after;
-    const Cancel cancel([&] { return left-- <= 0; });
-    const auto loop = tighten_loop(surface.adjacency(), *start, cancel);
-    REQUIRE_FALSE(loop);
-    CHECK(loop.error().code == ErrorCode::cancelled);
   }
 }
