@@ -61,14 +61,8 @@ class Section {
   [[nodiscard]] double height(std::uint32_t vertex) const {
     return dot(normal_, adjacency_.mesh().positions()[vertex] - through_);
   }
-  [[nodiscard]] std::uint32_t tail(Halfedge h) const {
-    return adjacency_.face(face_of(h)).vertex[corner_of(h)];
-  }
-  [[nodiscard]] std::uint32_t head(Halfedge h) const {
-    return adjacency_.face(face_of(h)).vertex[next_corner(corner_of(h))];
-  }
   [[nodiscard]] bool is_cut(Halfedge h) const {
-    return (height(tail(h)) >= 0) != (height(head(h)) >= 0);
+    return (height(adjacency_.tail(h)) >= 0) != (height(adjacency_.head(h)) >= 0);
   }
 
   // Some side that the plane cuts, of the first face at the point that has one.
@@ -90,8 +84,8 @@ class Section {
 
   // Where the plane cuts a side: the same place from whichever face.
   [[nodiscard]] SurfacePoint point_on(Halfedge h) const {
-    const double at_tail = std::abs(height(tail(h)));
-    const double at_head = std::abs(height(head(h)));
+    const double at_tail = std::abs(height(adjacency_.tail(h)));
+    const double at_head = std::abs(height(adjacency_.head(h)));
     std::array<double, 3> bary{0, 0, 0};
     bary[corner_of(h)] = at_head;
     bary[next_corner(corner_of(h))] = at_tail;

@@ -48,16 +48,12 @@ std::vector<Crossing> crossings_of(const Adjacency& adjacency, const Path& path,
       crossings.push_back({point.vertex, kNone, 0});
       continue;
     }
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      if (point.bary[previous_corner(c)] != 0) continue;
-      const FaceRecord& face = adjacency.face(point.face);
-      const bool is_low = face.vertex[c] < face.vertex[next_corner(c)];
-      const double part = point.bary[is_low ? next_corner(c) : c];
-      const auto step = static_cast<std::uint32_t>(std::lround(part * steps));
-      crossings.push_back({kNone, least_in_ring(adjacency, halfedge(point.face, c)),
-                           std::clamp(step, 1U, steps - 1)});
-      break;
-    }
+    const Halfedge under = edge_under(point);
+    if (under == kNone) continue;
+    const bool is_low = adjacency.tail(under) < adjacency.head(under);
+    const double part = point.bary[is_low ? next_corner(corner_of(under)) : corner_of(under)];
+    const auto step = static_cast<std::uint32_t>(std::lround(part * steps));
+    crossings.push_back({kNone, least_in_ring(adjacency, under), std::clamp(step, 1U, steps - 1)});
   }
   return crossings;
 }

@@ -41,9 +41,8 @@ Result<DirectionsAt> DirectionsAt::of(const Adjacency& adjacency, const SurfaceP
     if (poll.stopped()) return fail_stopped(poll);
   } else {
     directions.total_ = kAllRound;
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      if (from.bary[previous_corner(c)] == 0) made = directions.look_across_edge(c);
-    }
+    const Halfedge under = edge_under(from);
+    if (under != kNone) made = directions.look_across_edge(corner_of(under));
   }
   if (!made) return fail(std::move(made.error()));
   return directions;

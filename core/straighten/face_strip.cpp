@@ -8,34 +8,14 @@
 namespace geodesic {
 namespace {
 
-// The edge that a point lies inside of, as a halfedge of its face, or kNone.
-Halfedge edge_under(const SurfacePoint& point) {
-  for (std::uint32_t c = 0; c < 3; ++c) {
-    if (point.bary[previous_corner(c)] == 0) return halfedge(point.face, c);
-  }
-  return kNone;
-}
-
-std::uint32_t tail_of(const Adjacency& adjacency, Halfedge h) {
-  return adjacency.face(face_of(h)).vertex[corner_of(h)];
-}
-
-std::uint32_t head_of(const Adjacency& adjacency, Halfedge h) {
-  return adjacency.face(face_of(h)).vertex[next_corner(corner_of(h))];
-}
-
-std::uint32_t apex_of(const Adjacency& adjacency, Halfedge h) {
-  return adjacency.face(face_of(h)).vertex[previous_corner(corner_of(h))];
-}
-
 bool goes_through(const Adjacency& adjacency, Halfedge edge, const SurfacePoint& point) {
-  const std::uint32_t tail = tail_of(adjacency, edge);
-  const std::uint32_t head = head_of(adjacency, edge);
+  const std::uint32_t tail = adjacency.tail(edge);
+  const std::uint32_t head = adjacency.head(edge);
   if (point.at_vertex()) return point.vertex == tail || point.vertex == head;
   const Halfedge under = edge_under(point);
   if (under == kNone) return false;
-  const std::uint32_t a = tail_of(adjacency, under);
-  const std::uint32_t b = head_of(adjacency, under);
+  const std::uint32_t a = adjacency.tail(under);
+  const std::uint32_t b = adjacency.head(under);
   return (a == tail && b == head) || (a == head && b == tail);
 }
 
@@ -129,8 +109,8 @@ void unfold_strip(const Adjacency& adjacency, const FaceStrip& strip, const Surf
     return;
   }
 
-  UnfoldedPortal unfolded_portal{corners[c], corners[next_corner(c)], tail_of(adjacency, base),
-                                 head_of(adjacency, base)};
+  UnfoldedPortal unfolded_portal{corners[c], corners[next_corner(c)], adjacency.tail(base),
+                                 adjacency.head(base)};
   // The direction of the portal is carried from face to face as a unit vector: that
   // of a short edge cannot be had from the difference of its ends.
   Vec2 along{1, 0};
@@ -139,7 +119,7 @@ void unfold_strip(const Adjacency& adjacency, const FaceStrip& strip, const Surf
     const Halfedge in = strip.portals[i].in;
     const FaceOverEdge face = face_over_edge(mesh, in);
     const Vec2 ahead{-along.y, along.x};
-    const bool tail_is_left = tail_of(adjacency, in) == unfolded_portal.left_vertex;
+    const bool tail_is_left = adjacency.tail(in) == unfolded_portal.left_vertex;
     const Vec2 by_left =
         tail_is_left ? face.apex_from_tail : Vec2{-face.apex_from_head.x, face.apex_from_head.y};
     const Vec2 by_right =
@@ -151,13 +131,13 @@ void unfold_strip(const Adjacency& adjacency, const FaceStrip& strip, const Surf
         left_is_nearer ? unfolded_portal.left + from_left : unfolded_portal.right + from_right;
 
     if (i + 1 < strip.portals.size()) {
-      if (apex_of(adjacency, strip.portals[i + 1].out) == unfolded_portal.left_vertex) {
+      if (adjacency.apex(strip.portals[i + 1].out) == unfolded_portal.left_vertex) {
         unfolded_portal.left = apex;
-        unfolded_portal.left_vertex = apex_of(adjacency, in);
+        unfolded_portal.left_vertex = adjacency.apex(in);
         along = unit(-from_right);
       } else {
         unfolded_portal.right = apex;
-        unfolded_portal.right_vertex = apex_of(adjacency, in);
+        unfolded_portal.right_vertex = adjacency.apex(in);
         along = unit(from_left);
       }
       continue;

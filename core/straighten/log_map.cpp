@@ -10,30 +10,19 @@
 #include "core/straighten/directions_at.h"
 #include "core/straighten/face_strip.h"
 #include "core/straighten/flat_face.h"
+#include "core/straighten/path_chain.h"
 
 namespace geodesic {
 namespace {
-
-// The edge between two faces that a point of the second lies on, if it lies on one.
-std::optional<Portal> portal_at(const Adjacency& adjacency, std::uint32_t before,
-                                const SurfacePoint& point) {
-  for (std::uint32_t c = 0; c < 3; ++c) {
-    if (point.bary[previous_corner(c)] != 0) continue;
-    const Halfedge in = halfedge(point.face, c);
-    for (Halfedge out = adjacency.ring(in); out != in; out = adjacency.ring(out)) {
-      if (face_of(out) == before) return Portal{out, in};
-    }
-  }
-  return std::nullopt;
-}
 
 // In which direction paths set out, in the plane of their first face. Told by the end of all that
 // is straight: a first segment may be as short as rounding leaves it.
 class Departures {
  public:
-  explicit Departures(const Adjacency& adjacency) : adjacency_(adjacency) {}
+  Departures(const Adjacency& adjacency, Poll& poll) : adjacency_(adjacency), poll_(poll) {}
 
-  // None of a path without a length, nor where edges without a length leave none.
+  // Of no use if the poll says to stop. None of a path without a length, nor where edges without a
+  // length leave none.
   std::optional<Vec3> direction_of(const Path& path) {
     strip_.first_face = path.points.front().point.face;
     strip_.portals.clear();
@@ -42,7 +31,7 @@ class Departures {
       const SurfacePoint& point = path.points[end].point;
       const std::uint32_t before = path.points[end - 1].point.face;
       if (point.face == before) continue;
-      const auto portal = portal_at(adjacency_, before, point);
+      const auto portal = portal_at(adjacency_, before, point, poll_);
       if (!portal) break;
       strip_.cross(*portal);
     }
@@ -66,6 +55,7 @@ class Departures {
 
  private:
   const Adjacency& adjacency_;
+  Poll& poll_;
   FaceStrip strip_;  // memory that is used again, both
   UnfoldedStrip unfolded_;
 };
@@ -75,12 +65,8 @@ bool is_straight(const Adjacency& adjacency, const Path& path) {
   for (std::size_t i = 1; i + 1 < path.points.size(); ++i) {
     const SurfacePoint& point = path.points[i].point;
     if (point.at_vertex()) return false;
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      const Halfedge side = halfedge(point.face, c);
-      if (point.bary[previous_corner(c)] == 0 && adjacency.ring(adjacency.ring(side)) != side) {
-        return false;
-      }
-    }
+    const Halfedge under = edge_under(point);
+    if (under != kNone && adjacency.ring(adjacency.ring(under)) != under) return false;
   }
   return true;
 }
@@ -127,7 +113,7 @@ Result<LogMap> log_map(const Adjacency& adjacency, const Field& field, const Sur
   if (looking.stopped()) return fail_stopped(looking);
   if (!poll.may_take(count * sizeof(LogMap::Entry))) return fail_stopped(poll);
   map.entries.reserve(count);
-  Departures departures(adjacency);
+  Departures departures(adjacency, looking);
   for (std::uint32_t v = 0; v < vertex_count; ++v) {
     if (looking.cancelled()) return fail_stopped(looking);
     if (!(field.distance[v] <= most) || field.distance[v] == kUnreached) continue;
@@ -137,6 +123,7 @@ Result<LogMap> log_map(const Adjacency& adjacency, const Field& field, const Sur
     if (!path) return fail(path.error());
     if (!*path || (*path)->length > radius) continue;
     const auto direction = departures.direction_of(**path);
+    if (looking.stopped()) return fail_stopped(looking);
     if (!direction) {
       map.entries.push_back({v, (*path)->length, 0, !((*path)->length > 0)});
       continue;

@@ -98,18 +98,10 @@ std::vector<double> crossings_of(const Adjacency& adjacency, const FaceStrip& st
       from_left = left / (left + right);
     }
     const Halfedge in = strip.portals[i].in;
-    const bool tail_is_left =
-        adjacency.face(face_of(in)).vertex[corner_of(in)] == portal.left_vertex;
+    const bool tail_is_left = adjacency.tail(in) == portal.left_vertex;
     crossings.push_back(tail_is_left ? from_left : 1 - from_left);
   }
   return crossings;
-}
-
-// Of a point inside an edge.
-std::uint32_t corner_of_edge(const SurfacePoint& point) {
-  std::uint32_t c = 0;
-  while (c < 2 && point.bary[previous_corner(c)] != 0) ++c;
-  return c;
 }
 
 bool is_between(const Adjacency& adjacency, Halfedge edge, std::uint32_t last_face) {
@@ -126,15 +118,14 @@ std::optional<LoopSlide> slide_loop(const Adjacency& adjacency, const Path& loop
   if (chain.segments.size() != 1) return std::nullopt;
   const FaceStrip& strip = chain.segments.front().strip;
   const SurfacePoint& base = loop.points.front().point;
-  const std::uint32_t c = corner_of_edge(base);
-  const Halfedge edge = halfedge(base.face, c);
+  const Halfedge edge = edge_under(base);
+  const std::uint32_t c = corner_of(edge);
   if (strip.first_face != base.face || strip.portals.empty() ||
       !is_between(adjacency, edge, strip.last_face())) {
     return std::nullopt;
   }
   // The ends of the base's edge, and their images.
-  const auto& corners = adjacency.face(base.face).vertex;
-  const std::array<std::uint32_t, 2> ends{corners[c], corners[next_corner(c)]};
+  const std::array<std::uint32_t, 2> ends{adjacency.tail(edge), adjacency.head(edge)};
   std::array<Vec2, 2> here;
   std::array<Vec2, 2> image;
   UnfoldedStrip plane;

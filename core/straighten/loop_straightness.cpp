@@ -34,13 +34,11 @@ double turn_inside(const Adjacency& adjacency, const PathPoint& before, const Pa
   const Vec3 on = after.position - at.position;
   if (!(norm(back) > 0 && norm(on) > 0)) return 0;
   double turn = pi - angle_in_space(back, on);  // in one face
-  for (std::uint32_t c = 0; c < 3 && before.point.face != at.point.face; ++c) {
-    if (at.point.bary[previous_corner(c)] != 0) continue;
-    const auto& corners = adjacency.face(at.point.face).vertex;
+  const Halfedge under = edge_under(at.point);
+  if (under != kNone && before.point.face != at.point.face) {
     const auto positions = adjacency.mesh().positions();
-    const Vec3 edge = positions[corners[next_corner(c)]] - positions[corners[c]];
+    const Vec3 edge = positions[adjacency.head(under)] - positions[adjacency.tail(under)];
     turn = std::abs(pi - angle_in_space(edge, back) - angle_in_space(edge, on));
-    break;
   }
   return std::max(0.0, turn - rounding_at(before.position, at.position, after.position));
 }

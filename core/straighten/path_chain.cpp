@@ -24,21 +24,17 @@ DirectionAtVertex direction(const Adjacency& adjacency, std::uint32_t face, std:
   return {face, angle_to(next_corner(c)), angle_to(previous_corner(c))};
 }
 
-// The portal that a path takes at a point inside an edge, seen from the face it
-// goes into.
+}  // namespace
+
 std::optional<Portal> portal_at(const Adjacency& adjacency, std::uint32_t before,
                                 const SurfacePoint& point, Poll& poll) {
-  for (std::uint32_t c = 0; c < 3; ++c) {
-    if (point.bary[previous_corner(c)] != 0) continue;
-    const Halfedge in = halfedge(point.face, c);
-    for (Halfedge h = adjacency.ring(in); h != in && !poll.cancelled(); h = adjacency.ring(h)) {
-      if (face_of(h) == before) return Portal{h, in};
-    }
+  const Halfedge in = edge_under(point);
+  if (in == kNone) return std::nullopt;
+  for (Halfedge h = adjacency.ring(in); h != in && !poll.cancelled(); h = adjacency.ring(h)) {
+    if (face_of(h) == before) return Portal{h, in};
   }
   return std::nullopt;
 }
-
-}  // namespace
 
 std::optional<Chain> read_chain(const Adjacency& adjacency, const Path& path, Poll& poll) {
   const auto& points = path.points;

@@ -43,6 +43,12 @@ struct Chain {
   }
 };
 
+// The portal that a path takes at a point inside an edge, from the face `before` into that of the
+// point. Nothing where the point is inside no edge, `before` is not at it, or the poll says to
+// stop.
+[[nodiscard]] std::optional<Portal> portal_at(const Adjacency& adjacency, std::uint32_t before,
+                                              const SurfacePoint& point, Poll& poll);
+
 // Path segments from vertex to vertex of a path, as it goes: not straight, without
 // crossings and length. Nothing when the path has no segment, or when two segments
 // are in faces that do not meet in the point between them, or the poll says to stop.

@@ -238,14 +238,6 @@ class Walk {
   StraightestGeodesic result_;
 };
 
-// The side of its face that a point lies inside of, as the face's corner, or kNone.
-std::uint32_t side_under(const SurfacePoint& point) {
-  for (std::uint32_t c = 0; c < 3; ++c) {
-    if (!point.at_vertex() && point.bary[previous_corner(c)] == 0) return c;
-  }
-  return kNone;
-}
-
 // A direction on the surface and how close it is to a vector in space.
 struct Candidate {
   double closeness = -2;  // the cosine of the angle between them
@@ -258,10 +250,11 @@ struct Candidate {
 
 // In one face, at a point that is its corner, on its side or inside it.
 Candidate closest_in_face(const Adjacency& adjacency, const SurfacePoint& place, Vec3 vector) {
-  const bool inside = side_under(place) == kNone && !place.at_vertex();
+  const Halfedge under = edge_under(place);
+  const bool inside = under == kNone && !place.at_vertex();
   const std::uint32_t base = inside              ? 0
                              : place.at_vertex() ? corner_at(adjacency, place.face, place.vertex)
-                                                 : side_under(place);
+                                                 : corner_of(under);
   const FlatFace flat(adjacency.mesh(), halfedge(place.face, base));
   const auto [along, inward] = flat.axes(adjacency.mesh());
   const Vec2 projected{dot(vector, along), dot(vector, inward)};
@@ -380,8 +373,9 @@ Result<StraightestGeodesic> straightest_geodesic_at_angle(const Adjacency& adjac
 
   const FlatFace flat(adjacency.mesh(), halfedge(from.face, 0));
   const Vec2 heading{std::cos(angle), std::sin(angle)};
-  const std::uint32_t side = side_under(from);
-  if (side == kNone) return walk.go({halfedge(from.face, 0), from.bary, heading}, length);
+  const Halfedge under = edge_under(from);
+  if (under == kNone) return walk.go({halfedge(from.face, 0), from.bary, heading}, length);
+  const std::uint32_t side = corner_of(under);
   const Walk::Exit at{side, from.bary[side], from.bary[next_corner(side)]};
   const double inward = cross(flat.edges[side], heading);
   if (inward >= -tolerance::kNoProjection) {

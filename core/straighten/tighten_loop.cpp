@@ -31,8 +31,7 @@ double part_of_one(std::uint64_t i) {
 }
 
 bool is_inside_face(const SurfacePoint& point) {
-  return !point.at_vertex() &&
-         std::find(point.bary.begin(), point.bary.end(), 0.0) == point.bary.end();
+  return !point.at_vertex() && edge_under(point) == kNone;
 }
 
 class Tightener {
@@ -154,7 +153,7 @@ class Tightener {
   // The vertex that ended it, or kNone; nothing where there is no sliding, or no gain in it.
   std::optional<std::uint32_t> slide(const Chain& chain) {
     const SurfacePoint& base = path_.points.front().point;
-    if (base.at_vertex() || is_inside_face(base)) return std::nullopt;
+    if (edge_under(base) == kNone) return std::nullopt;
     auto slid = slide_loop(adjacency_, path_, chain);
     faces_unfolded_ += 2 * path_.points.size();
     if (!slid || slid->path.length > path_.length * (1 + tolerance::kLeastGain)) {

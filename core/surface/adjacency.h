@@ -86,6 +86,17 @@ class Adjacency {
     return parts_.faces[face_of(h)].ring[corner_of(h)];
   }
 
+  // The vertices that a halfedge leads from and to, and the one opposite it.
+  [[nodiscard]] std::uint32_t tail(Halfedge h) const {
+    return face(face_of(h)).vertex[corner_of(h)];
+  }
+  [[nodiscard]] std::uint32_t head(Halfedge h) const {
+    return face(face_of(h)).vertex[next_corner(corner_of(h))];
+  }
+  [[nodiscard]] std::uint32_t apex(Halfedge h) const {
+    return face(face_of(h)).vertex[previous_corner(corner_of(h))];
+  }
+
   // The faces of the mesh, and those that cut the same surface up best for what is
   // computed from triangle to triangle: the same where nothing was to be improved.
   [[nodiscard]] Triangulation triangulation() const;

@@ -63,21 +63,17 @@ std::vector<SurfacePoint> in_all_faces(const Adjacency& adjacency, const Surface
   }
   places.reserve(2);  // faces on most edges
   places.push_back(point);
-  for (std::uint32_t c = 0; c < 3; ++c) {
-    if (point.bary[previous_corner(c)] != 0) continue;
-    const Halfedge start = halfedge(point.face, c);
-    const std::uint32_t tail = adjacency.face(point.face).vertex[c];
-    for (Halfedge h = adjacency.ring(start); h != start; h = adjacency.ring(h)) {
-      const FaceRecord& record = adjacency.face(face_of(h));
-      const std::uint32_t hc = corner_of(h);
-      const bool same_way = record.vertex[hc] == tail;
-      SurfacePoint& place = places.emplace_back();
-      place.face = face_of(h);
-      place.bary[hc] = point.bary[same_way ? c : next_corner(c)];
-      place.bary[next_corner(hc)] = point.bary[same_way ? next_corner(c) : c];
-      place.bary[previous_corner(hc)] = 0;
-    }
-    return places;
+  const Halfedge under = edge_under(point);
+  if (under == kNone) return places;
+  const std::uint32_t c = corner_of(under);
+  for (Halfedge h = adjacency.ring(under); h != under; h = adjacency.ring(h)) {
+    const std::uint32_t hc = corner_of(h);
+    const bool same_way = adjacency.tail(h) == adjacency.tail(under);
+    SurfacePoint& place = places.emplace_back();
+    place.face = face_of(h);
+    place.bary[hc] = point.bary[same_way ? c : next_corner(c)];
+    place.bary[next_corner(hc)] = point.bary[same_way ? next_corner(c) : c];
+    place.bary[previous_corner(hc)] = 0;
   }
   return places;
 }

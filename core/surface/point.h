@@ -39,6 +39,15 @@ struct SurfacePoint {
 [[nodiscard]] double distance_to_corner(const Mesh& mesh, const SurfacePoint& point,
                                         std::uint32_t c);
 
+// The edge that a point lies inside of, as a halfedge of its face; kNone at a vertex and inside a
+// face.
+[[nodiscard]] inline Halfedge edge_under(const SurfacePoint& point) {
+  for (std::uint32_t c = 0; c < 3 && !point.at_vertex(); ++c) {
+    if (point.bary[previous_corner(c)] == 0) return halfedge(point.face, c);
+  }
+  return kNone;
+}
+
 // Every face that the point lies in, with its weights there: one for an inner
 // point, the faces round an edge, or those round a vertex (none at an isolated one).
 [[nodiscard]] std::vector<SurfacePoint> in_all_faces(const Adjacency& adjacency,
