@@ -79,22 +79,7 @@ class BisectorTracer {
 
  private:
   [[nodiscard]] Vec3 at(std::uint32_t f, const std::array<double, 3>& weights) const {
-    // From the corner that it is nearest to in numbers: on an edge the same from all its faces.
-    const auto& vertex = adjacency_.face(f).vertex;
-    const auto positions = adjacency_.mesh().positions();
-    std::array<std::uint32_t, 3> order{0, 1, 2};
-    std::sort(order.begin(), order.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return vertex[a] < vertex[b]; });
-    std::uint32_t base = order[0];
-    for (const std::uint32_t c : order) {
-      if (weights[c] > weights[base]) base = c;
-    }
-    Vec3 sum = positions[vertex[base]];
-    for (const std::uint32_t c : order) {
-      if (c == base || weights[c] == 0) continue;
-      sum = sum + weights[c] * (positions[vertex[c]] - positions[vertex[base]]);
-    }
-    return sum;
+    return position_in_face(adjacency_, f, weights);
   }
 
   void add(std::uint32_t f, const CellPart& part) {

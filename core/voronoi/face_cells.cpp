@@ -16,9 +16,9 @@ using Weights3 = std::array<double, 3>;
 // are computed in twice the digits that distances have.
 using Terms = std::array<DoubleDouble, 3>;
 
-DoubleDouble less(double a, double b) { return DoubleDouble::sum(a, -b); }
+DoubleDouble exact_difference(double a, double b) { return DoubleDouble::sum(a, -b); }
 Terms difference(const Weights3& a, const Weights3& b) {
-  return {less(a[0], b[0]), less(a[1], b[1]), less(a[2], b[2])};
+  return {exact_difference(a[0], b[0]), exact_difference(a[1], b[1]), exact_difference(a[2], b[2])};
 }
 Terms cross_of(const Terms& a, const Terms& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
@@ -41,27 +41,27 @@ bool sort_by_site(Pointers& candidates) {
   return is_odd;
 }
 
-// The first of them that is not zero: terms of a determinant by what ever smaller lengths are
-// multiplied with.
-double first_of(std::initializer_list<DoubleDouble> terms) {
+// The sign of a determinant under Simulation of Simplicity (Edelsbrunner, Mücke 1990): of its value
+// and of the coefficients of ever smaller lengths, the first that is not zero.
+double perturbed_sign(std::initializer_list<DoubleDouble> terms) {
   for (const DoubleDouble& term : terms) {
     if (term.high != 0) return term.high;
   }
   return 0;
 }
 
-// The sign of the determinant with the rows (1, g(a), g(b)) of three candidates, a and b being
-// corners of the face.
+// The sign of the determinant with the rows (1, g(a), g(b)) of three candidates. g is a candidate's
+// squared distance, a and b are corners of the face.
 template <class Three>
 double along_edge(Three sites, const std::array<std::uint32_t, 2>& ends) {
   const bool is_odd = sort_by_site(sites);
   const auto rise = [&](std::size_t i, std::size_t end) {
-    return less(sites[i]->square[ends[end]], sites[0]->square[ends[end]]);
+    return exact_difference(sites[i]->square[ends[end]], sites[0]->square[ends[end]]);
   };
   const DoubleDouble of_last = rise(1, 0) - rise(1, 1);
   const DoubleDouble of_second = rise(2, 1) - rise(2, 0);
-  const double sign = first_of({rise(1, 0) * rise(2, 1) - rise(1, 1) * rise(2, 0), of_last,
-                                of_second, -of_last - of_second});
+  const double sign = perturbed_sign({rise(1, 0) * rise(2, 1) - rise(1, 1) * rise(2, 0), of_last,
+                                      of_second, -of_last - of_second});
   return is_odd ? -sign : sign;
 }
 
@@ -75,7 +75,7 @@ double in_face(Four sites) {
   const DoubleDouble of_last = sum_of(cross_of(u, v));
   const DoubleDouble of_third = sum_of(cross_of(w, u));
   const DoubleDouble of_second = sum_of(cross_of(v, w));
-  const double sign = first_of(
+  const double sign = perturbed_sign(
       {dot_of(u, cross_of(v, w)), of_last, of_third, of_second, -of_last - of_third - of_second});
   return is_odd ? -sign : sign;
 }
@@ -113,6 +113,26 @@ Weights3 meeting_of(Three sites) {
 }
 
 }  // namespace
+
+Vec3 position_in_face(const Adjacency& adjacency, std::uint32_t face,
+                      const std::array<double, 3>& weights) {
+  // From the corner that it is nearest to in numbers, and in the order of the vertices.
+  const auto& vertex = adjacency.face(face).vertex;
+  const auto positions = adjacency.mesh().positions();
+  std::array<std::uint32_t, 3> order{0, 1, 2};
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return vertex[a] < vertex[b]; });
+  std::uint32_t base = order[0];
+  for (const std::uint32_t c : order) {
+    if (weights[c] > weights[base]) base = c;
+  }
+  Vec3 sum = positions[vertex[base]];
+  for (const std::uint32_t c : order) {
+    if (c == base || weights[c] == 0) continue;
+    sum = sum + weights[c] * (positions[vertex[c]] - positions[vertex[base]]);
+  }
+  return sum;
+}
 
 double CellPart::share() const {
   double sum = 0;

@@ -53,6 +53,10 @@ struct CellPart {
   [[nodiscard]] double share() const;
 };
 
+// Where that is in space: on an edge the same, to the last bit, from all faces there.
+[[nodiscard]] Vec3 position_in_face(const Adjacency& adjacency, std::uint32_t face,
+                                    const std::array<double, 3>& weights);
+
 // Takes the faces one after the other.
 class FaceCells {
  public:

@@ -87,7 +87,7 @@ Result<void> each_cell_triangle(
     if (poll.cancelled(f, faces)) return fail_stopped(poll);
     for (const CellPart& part : face_cells.parts_of(f, poll)) {
       const auto at = [&](std::size_t i) {
-        return position_of(adjacency.mesh(), point_on_face(adjacency, f, part.corners[i]));
+        return position_in_face(adjacency, f, part.corners[i]);
       };
       for (std::size_t i = 2; i < part.corners.size(); ++i) {
         take(part.site, {at(0), at(i - 1), at(i)});
