@@ -12,7 +12,7 @@
 namespace geodesic::proto {
 namespace {
 
-// By source face, not 0 for those of a region.
+// By source face, not 0 for those that are left.
 using Faces = std::vector<std::uint8_t>;
 
 // The mean of a face's corners; the source face may have been dropped.
@@ -23,15 +23,20 @@ Vec3 centroid_of(const Mesh& mesh, std::uint32_t source) {
   return (1.0 / 3) * (positions[t[0]] + positions[t[1]] + positions[t[2]]);
 }
 
-// Fills in the faces of one shape after the other.
+// Keeps the faces of shapes, or takes them away.
 class Marker {
  public:
   Marker(const Mesh& mesh, std::span<const PartFaces> parts, Faces& faces, Poll& poll)
       : mesh_(mesh), parts_(parts), faces_(faces), poll_(poll) {}
 
-  Result<void> mark(const Shape& shape) {
-    parameter_ = &shape.parameter;
-    return std::visit(*this, shape.what);
+  // Gives `value` to the faces of all these.
+  Result<void> mark(const std::vector<Shape>& region, std::uint8_t value) {
+    value_ = value;
+    for (const Shape& shape : region) {
+      parameter_ = &shape.parameter;
+      if (auto marked = std::visit(*this, shape.what); !marked) return marked;
+    }
+    return {};
   }
 
   Result<void> operator()(const std::vector<FaceRange>& ranges) {
@@ -49,7 +54,7 @@ class Marker {
     std::uint64_t next = 0;
     for (const FaceRange& range : sorted) {
       for (next = std::max(next, range.first); next <= range.last && !poll_.cancelled(); ++next) {
-        faces_[next] = 1;
+        faces_[next] = value_;
       }
       if (poll_.cancelled()) return fail_stopped(poll_);
     }
@@ -65,7 +70,7 @@ class Marker {
     const auto [first, count] = parts_[shape.part];
     for (std::uint64_t f = first; f < faces_.size() && f - first < count; ++f) {
       if (poll_.cancelled()) return fail_stopped(poll_);
-      faces_[f] = 1;
+      faces_[f] = value_;
     }
     return {};
   }
@@ -87,7 +92,7 @@ class Marker {
   Result<void> mark_if(Inside&& is_inside) {
     for (std::uint32_t f = 0; f < faces_.size(); ++f) {
       if (poll_.cancelled()) return fail_stopped(poll_);
-      if (faces_[f] == 0 && is_inside(centroid_of(mesh_, f))) faces_[f] = 1;
+      if (faces_[f] != value_ && is_inside(centroid_of(mesh_, f))) faces_[f] = value_;
     }
     return {};
   }
@@ -96,36 +101,21 @@ class Marker {
   std::span<const PartFaces> parts_;
   Faces& faces_;
   Poll& poll_;
+  std::uint8_t value_ = 0;
   const std::string* parameter_ = nullptr;
 };
-
-Result<Faces> faces_of_region(const Mesh& mesh, const std::vector<Shape>& region,
-                              std::span<const PartFaces> parts, Poll& poll) {
-  Faces faces;
-  polled_assign(faces, mesh.source_face_count(), std::uint8_t{0}, poll);
-  if (poll.stopped()) return fail_stopped(poll);
-  Marker marker(mesh, parts, faces, poll);
-  for (const Shape& shape : region) {
-    if (auto marked = marker.mark(shape); !marked) return fail(std::move(marked.error()));
-  }
-  return faces;
-}
 
 }  // namespace
 
 Result<Mesh> cut_regions(const Mesh& whole, const Regions& regions,
                          std::span<const PartFaces> parts, const Cancel& cancel) {
   Poll poll(cancel);
-  auto within = faces_of_region(whole, regions.within, parts, poll);
-  if (!within) return fail(std::move(within.error()));
-  const auto forbid = faces_of_region(whole, regions.forbid, parts, poll);
-  if (!forbid) return fail(forbid.error());
-  Faces& left = *within;
-  for (std::size_t f = 0; f < left.size(); ++f) {
-    if (poll.cancelled()) return fail_stopped(poll);
-    const bool is_within = regions.within.empty() || left[f] != 0;
-    left[f] = is_within && (*forbid)[f] == 0 ? 1 : 0;
-  }
+  Faces left;
+  polled_assign(left, whole.source_face_count(), std::uint8_t{regions.within.empty()}, poll);
+  if (poll.stopped()) return fail_stopped(poll);
+  Marker marker(whole, parts, left, poll);
+  if (auto kept = marker.mark(regions.within, 1); !kept) return fail(std::move(kept.error()));
+  if (auto taken = marker.mark(regions.forbid, 0); !taken) return fail(std::move(taken.error()));
   auto cut = cut_mesh(whole, left, cancel);
   if (cut || !(cut.error().code == ErrorCode::no_triangles)) return cut;
   return fail(ErrorCode::value_out_of_range, "no face of the mesh is left",

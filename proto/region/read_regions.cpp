@@ -1,9 +1,8 @@
 #include "proto/region/read_regions.h"
 
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <utility>
 
 #include "proto/region/shapes.h"
@@ -26,7 +25,7 @@ std::string of_member(std::string_view name, std::string_view what) {
   return sentence;
 }
 
-// Nothing is ignored: all members of an object have to be there, and no others.
+// All of these members have to be there, and no others.
 Result<void> check_members(const json& object, std::initializer_list<std::string_view> names,
                            const std::string& parameter) {
   if (!object.is_object()) return no_shape("this is not an object", parameter);
@@ -35,30 +34,13 @@ Result<void> check_members(const json& object, std::initializer_list<std::string
       return no_shape(of_member(name, "is missing"), parameter);
     }
   }
-  for (const auto& member : object.items()) {
-    if (std::find(names.begin(), names.end(), member.key()) == names.end()) {
-      return fail(InputCode::unknown_parameter, "a region of this kind has no such member",
-                  parameter + "." + member.key());
-    }
-  }
-  return {};
-}
-
-std::optional<double> finite_member(const json& value) {
-  if (!value.is_number() || !std::isfinite(value.get<double>())) return std::nullopt;
-  return value.get<double>();
+  return check_only_has(object, names, "a region", parameter);
 }
 
 Result<Vec3> place_member(const json& object, const char* name, const std::string& parameter) {
-  const json& value = object[name];
-  std::vector<double> numbers;
-  for (std::size_t i = 0; value.is_array() && value.size() == 3 && i < 3; ++i) {
-    if (const auto number = finite_member(value[i])) numbers.push_back(*number);
-  }
-  if (numbers.size() != 3) {
-    return no_shape(of_member(name, "is not three numbers"), parameter + "." + name);
-  }
-  return Vec3{numbers[0], numbers[1], numbers[2]};
+  const auto numbers = finite_numbers(object[name], 3);
+  if (!numbers) return no_shape(of_member(name, "is not three numbers"), parameter + "." + name);
+  return Vec3{(*numbers)[0], (*numbers)[1], (*numbers)[2]};
 }
 
 // [7, [10, 99]]
@@ -83,14 +65,22 @@ Result<Shape> faces_of(const json& list, std::string parameter) {
   return shape_of_faces(std::move(ranges), std::move(parameter));
 }
 
+Result<Shape> part_of(const json& value, std::string parameter) {
+  const auto part = whole_number(value);
+  if (!part) return no_shape("\"part\" is not a whole number", parameter + ".part");
+  return Shape{PartShape{*part}, std::move(parameter)};
+}
+
 Result<Shape> sphere_of(const json& sphere, std::string parameter) {
   const std::string inner = parameter + ".sphere";
   if (auto ok = check_members(sphere, {"center", "radius"}, inner); !ok) return fail(ok.error());
   const auto center = place_member(sphere, "center", inner);
   if (!center) return fail(center.error());
-  const auto radius = finite_member(sphere["radius"]);
-  if (!radius) return no_shape("\"radius\" is not a number", inner + ".radius");
-  return sphere_shape(*center, *radius, std::move(parameter));
+  const json& radius = sphere["radius"];
+  if (!radius.is_number() || !std::isfinite(radius.get<double>())) {
+    return no_shape("\"radius\" is not a number", inner + ".radius");
+  }
+  return sphere_shape(*center, radius.get<double>(), std::move(parameter));
 }
 
 Result<Shape> box_of(const json& box, std::string parameter) {
@@ -144,23 +134,12 @@ Result<Shape> parse_json_shape(const json& value, std::string parameter) {
     return parse_shape(value.get_ref<const std::string&>(), std::move(parameter));
   }
   if (!value.is_object()) return no_shape("a region is an object or a text", std::move(parameter));
-  for (const char* name : {"faces", "part", "sphere", "box"}) {
+  constexpr std::array<std::pair<const char*, Result<Shape> (*)(const json&, std::string)>, 4>
+      kKinds{{{"faces", faces_of}, {"part", part_of}, {"sphere", sphere_of}, {"box", box_of}}};
+  for (const auto& [name, shape_of] : kKinds) {
     if (!value.contains(name)) continue;
     if (auto ok = check_members(value, {name}, parameter); !ok) return fail(ok.error());
-    const json& inner = value[name];
-    switch (*name) {
-      case 'f':
-        return faces_of(inner, std::move(parameter));
-      case 's':
-        return sphere_of(inner, std::move(parameter));
-      case 'b':
-        return box_of(inner, std::move(parameter));
-      default:
-        break;
-    }
-    const auto part = whole_number(inner);
-    if (!part) return no_shape("\"part\" is not a whole number", parameter + ".part");
-    return Shape{PartShape{*part}, std::move(parameter)};
+    return shape_of(value[name], std::move(parameter));
   }
   return no_shape(R"(a region has "faces", "part", "sphere" or "box")", std::move(parameter));
 }

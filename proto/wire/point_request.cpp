@@ -74,16 +74,6 @@ Result<PointRequest> parse_ray(std::string_view text, std::string parameter) {
              std::move(parameter));
 }
 
-std::optional<std::vector<double>> finite_numbers(const json& value, std::size_t count) {
-  if (!value.is_array() || value.size() != count) return std::nullopt;
-  std::vector<double> numbers;
-  for (const json& item : value) {
-    if (!item.is_number() || !std::isfinite(item.get<double>())) return std::nullopt;
-    numbers.push_back(item.get<double>());
-  }
-  return numbers;
-}
-
 // A member that must be a finite number, not negative, if it is there.
 Result<std::optional<double>> length_member(const json& point, const char* name,
                                             const std::string& parameter) {
@@ -100,22 +90,10 @@ Result<std::optional<double>> length_member(const json& point, const char* name,
   return std::optional(value);
 }
 
-// Nothing is ignored: every member of an object has to be one of these.
-Result<void> check_only_has(const json& object, std::initializer_list<std::string_view> names,
-                            const std::string& parameter) {
-  for (const auto& member : object.items()) {
-    if (std::find(names.begin(), names.end(), member.key()) == names.end()) {
-      return fail(InputCode::unknown_parameter, "a point of this kind has no such member",
-                  parameter + "." + member.key());
-    }
-  }
-  return {};
-}
-
 Result<PointRequest> parse_json_ray(const json& ray, double offset, std::string parameter) {
   const std::string inner = parameter + ".ray";
   if (!ray.is_object()) return bad("\"ray\" is not an object", inner);
-  if (auto known = check_only_has(ray, {"origin", "direction"}, inner); !known) {
+  if (auto known = check_only_has(ray, {"origin", "direction"}, "a point", inner); !known) {
     return fail(known.error());
   }
   const auto origin = finite_numbers(ray.value("origin", json()), 3);
@@ -134,6 +112,28 @@ std::optional<std::uint64_t> whole_number(const json& value) {
   constexpr double kTooMuch = 0x1p64;
   if (!(number >= 0 && number < kTooMuch) || std::floor(number) != number) return std::nullopt;
   return static_cast<std::uint64_t>(number);
+}
+
+std::optional<std::vector<double>> finite_numbers(const json& value, std::size_t count) {
+  if (!value.is_array() || value.size() != count) return std::nullopt;
+  std::vector<double> numbers;
+  for (const json& item : value) {
+    if (!item.is_number() || !std::isfinite(item.get<double>())) return std::nullopt;
+    numbers.push_back(item.get<double>());
+  }
+  return numbers;
+}
+
+Result<void> check_only_has(const json& object, std::initializer_list<std::string_view> names,
+                            std::string_view what, const std::string& parameter) {
+  for (const auto& member : object.items()) {
+    if (std::find(names.begin(), names.end(), member.key()) == names.end()) {
+      return fail(InputCode::unknown_parameter,
+                  std::string(what).append(" of this kind has no such member"),
+                  parameter + "." + member.key());
+    }
+  }
+  return {};
 }
 
 Result<PointRequest> parse_point(std::string_view text, std::string parameter) {
@@ -178,7 +178,7 @@ Result<PointRequest> parse_json_point(const json& value, std::string parameter) 
   if (!max_snap) return fail(max_snap.error());
 
   if (const auto it = value.find("vertex"); it != value.end()) {
-    if (auto known = check_only_has(value, {"vertex", "offset"}, parameter); !known)
+    if (auto known = check_only_has(value, {"vertex", "offset"}, "a point", parameter); !known)
       return fail(known.error());
     const auto vertex = whole_number(*it);
     if (!vertex) {
@@ -187,7 +187,8 @@ Result<PointRequest> parse_json_point(const json& value, std::string parameter) 
     return PointRequest{VertexRequest{*vertex}, offset->value_or(0), std::move(parameter)};
   }
   if (const auto it = value.find("face"); it != value.end()) {
-    if (auto known = check_only_has(value, {"face", "bary", "offset"}, parameter); !known)
+    if (auto known = check_only_has(value, {"face", "bary", "offset"}, "a point", parameter);
+        !known)
       return fail(known.error());
     const auto face = whole_number(*it);
     if (!face) {
@@ -199,7 +200,8 @@ Result<PointRequest> parse_json_point(const json& value, std::string parameter) 
                    std::move(parameter));
   }
   if (const auto it = value.find("xyz"); it != value.end()) {
-    if (auto known = check_only_has(value, {"xyz", "max_snap", "offset"}, parameter); !known)
+    if (auto known = check_only_has(value, {"xyz", "max_snap", "offset"}, "a point", parameter);
+        !known)
       return fail(known.error());
     const auto xyz = finite_numbers(*it, 3);
     if (!xyz) return bad("\"xyz\" is not three numbers", parameter + ".xyz");
@@ -207,7 +209,7 @@ Result<PointRequest> parse_json_point(const json& value, std::string parameter) 
                         offset->value_or(0), std::move(parameter)};
   }
   if (const auto it = value.find("ray"); it != value.end()) {
-    if (auto known = check_only_has(value, {"ray", "offset"}, parameter); !known) {
+    if (auto known = check_only_has(value, {"ray", "offset"}, "a point", parameter); !known) {
       return fail(known.error());
     }
     return parse_json_ray(*it, offset->value_or(0), std::move(parameter));

@@ -11,12 +11,15 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/base/vec3.h"
@@ -50,6 +53,16 @@ struct PointRequest {
 
 // What JSON Schema calls an integer, 1.0 and 1e0 too, of 0 to 2^64 - 1.
 [[nodiscard]] std::optional<std::uint64_t> whole_number(const nlohmann::json& value);
+
+// An array of so many finite numbers.
+[[nodiscard]] std::optional<std::vector<double>> finite_numbers(const nlohmann::json& value,
+                                                                std::size_t count);
+
+// Nothing is ignored: an object has no other members than these. `what` it is, for the error, such
+// as "a point". Errors: unknown_parameter.
+[[nodiscard]] Result<void> check_only_has(const nlohmann::json& object,
+                                          std::initializer_list<std::string_view> names,
+                                          std::string_view what, const std::string& parameter);
 
 // `parameter` is what errors name. Errors: bad_syntax, value_out_of_range.
 [[nodiscard]] Result<PointRequest> parse_point(std::string_view text, std::string parameter);

@@ -354,11 +354,12 @@ Result<std::shared_ptr<const Mesh>> MeshCatalog::load_mesh(const std::string& id
   return mesh->value;
 }
 
-Result<void> MeshCatalog::check_is_there(const std::string& id, const std::string& key) {
+Result<void> MeshCatalog::check_is_there(const AskedSurface& surface) {
+  const std::string& id = surface.mesh();
   const auto known = store_.use(id);
   if (!known) return fail(known.error());
-  // Damage on the disk is no reason to refuse what is whole in memory.
-  const bool is_resident = store_.is_damaged(id) && (prepared_.peek(adjacency_key(key)) ||
+  // Damage on the disk is no reason to refuse what is whole in memory, or can be cut out of it.
+  const bool is_resident = store_.is_damaged(id) && (prepared_.peek(adjacency_key(surface.key())) ||
                                                      prepared_.peek(adjacency_key(id)));
   if (*known || is_resident) return {};
   // Another server may have deleted it.
@@ -369,12 +370,17 @@ Result<void> MeshCatalog::check_is_there(const std::string& id, const std::strin
 
 Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency(const std::string& id,
                                                                 const Caller& caller) {
-  if (auto there = check_is_there(id, id); !there) return fail(std::move(there.error()));
+  return adjacency(AskedSurface(id), caller);
+}
+
+Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency(const AskedSurface& surface,
+                                                                const Caller& caller) {
+  if (auto there = check_is_there(surface); !there) return fail(std::move(there.error()));
   const auto prepared = prepared_.get_or_create(
-      adjacency_key(id),
+      adjacency_key(surface.key()),
       [&]() -> Result<std::shared_ptr<const Prepared>> {
-        auto adjacency = mapped_adjacency(id, caller);
-        if (adjacency && !*adjacency) adjacency = adjacency_anew(id, caller);
+        auto adjacency =
+            surface.is_whole() ? whole(surface.mesh(), caller) : cut_out(surface, caller);
         if (!adjacency) return fail(std::move(adjacency.error()));
         return std::make_shared<const Prepared>(std::move(*adjacency));
       },
@@ -383,22 +389,11 @@ Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency(const std::strin
   return std::get<std::shared_ptr<const Adjacency>>(*prepared->value);
 }
 
-Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency(const AskedSurface& surface,
-                                                                const Caller& caller) {
-  if (surface.is_whole()) return adjacency(surface.mesh(), caller);
-  if (auto there = check_is_there(surface.mesh(), surface.key()); !there) {
-    return fail(std::move(there.error()));
-  }
-  const auto prepared = prepared_.get_or_create(
-      adjacency_key(surface.key()),
-      [&]() -> Result<std::shared_ptr<const Prepared>> {
-        auto adjacency = cut_out(surface, caller);
-        if (!adjacency) return fail(std::move(adjacency.error()));
-        return std::make_shared<const Prepared>(std::move(*adjacency));
-      },
-      caller);
-  if (!prepared) return fail(prepared.error());
-  return std::get<std::shared_ptr<const Adjacency>>(*prepared->value);
+Result<std::shared_ptr<const Adjacency>> MeshCatalog::whole(const std::string& id,
+                                                            const Caller& caller) {
+  auto mapped = mapped_adjacency(id, caller);
+  if (mapped && *mapped == nullptr) return adjacency_anew(id, caller);
+  return mapped;
 }
 
 Result<std::shared_ptr<const Adjacency>> MeshCatalog::cut_out(const AskedSurface& surface,

@@ -207,7 +207,10 @@ class MeshCatalog {
                                                                         const Caller& caller);
   [[nodiscard]] Result<std::string> described_anew(const std::string& id, const Caller& caller);
   // Forgets a mesh that is not stored any more. Errors: mesh_unknown, the store's.
-  [[nodiscard]] Result<void> check_is_there(const std::string& id, const std::string& key);
+  [[nodiscard]] Result<void> check_is_there(const AskedSurface& surface);
+  // What is in a prepared file, or else made of the upload.
+  [[nodiscard]] Result<std::shared_ptr<const Adjacency>> whole(const std::string& id,
+                                                               const Caller& caller);
   // Cuts a part out of the whole and prepares it.
   [[nodiscard]] Result<std::shared_ptr<const Adjacency>> cut_out(const AskedSurface& surface,
                                                                  const Caller& caller);
