@@ -16,7 +16,9 @@ from rich.console import Console
 
 from .client import Client, Mesh
 from .digits import number, numbers, short
+from .encoding import milliseconds
 from .errors import NotFound, printable
+from .flows import Progress
 from .progress import progress_bar
 from .service import Reading
 
@@ -207,6 +209,30 @@ def save_line(file: Path, line: Any) -> None:
             "bary": [None if np.isnan(b).any() else b.tolist() for b in short(line.bary)],
         }
         file.write_text(json.dumps(document) + "\n", encoding="utf-8")
+
+
+def save_reply(
+    file: Path, mesh: Mesh, query: str, asked: dict[str, Any], progress: Progress | None
+) -> None:
+    """The server's reply itself, in the format that the file's name ends with. ``asked``: by the
+    contract's names, but for ``deadline`` in seconds."""
+    format = file.suffix.removeprefix(".")
+    parameters = {**asked, "deadline_ms": milliseconds(asked.get("deadline"))}
+    parameters.pop("deadline", None)
+    answer = mesh.query(query, parameters, format=format, progress=progress)
+    if format == "json":
+        file.write_text(json.dumps(answer.document) + "\n", encoding="utf-8")
+    else:
+        file.write_bytes(answer.data)
+
+
+def save_rows(file: Path | None, rows: Iterable[str]) -> None:
+    """Lines of CSV, printed where there is no file for them."""
+    text = "\n".join(rows)
+    if file is None:
+        print(text)
+    else:
+        file.write_text(text + "\n", encoding="utf-8")
 
 
 def require(file: Path, endings: tuple[str, ...]) -> None:

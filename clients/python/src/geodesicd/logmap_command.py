@@ -10,7 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from .command_line import bar, exactness_of, into, mesh_of, people, point, require, save_annotated
+from .command_line import (
+    bar,
+    exactness_of,
+    into,
+    mesh_of,
+    people,
+    point,
+    require,
+    save_annotated,
+    save_reply,
+)
 from .digits import number, numbers, short
 from .encoding import as_bound, milliseconds
 from .results import Logmap
@@ -51,9 +61,7 @@ def run(options: argparse.Namespace) -> int:
             asked |= {"from": source, "deadline_ms": milliseconds(asked.pop("deadline"))}
             return save_annotated(options, mesh, "logmap", asked, progress)
         if file is not None and file.suffix == ".glb":
-            asked |= {"from": source, "deadline_ms": milliseconds(asked.pop("deadline"))}
-            answer = mesh.query("logmap", asked, format="glb", progress=progress)
-            file.write_bytes(answer.data)
+            save_reply(file, mesh, "logmap", {"from": source, **asked}, progress)
             told = str(file)
         else:
             found = mesh.logmap(source, progress=progress, **asked)

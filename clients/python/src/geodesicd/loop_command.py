@@ -7,9 +7,18 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from .command_line import bar, exactness_of, mesh_of, people, point, points, require, save_line
+from .command_line import (
+    bar,
+    exactness_of,
+    mesh_of,
+    people,
+    point,
+    points,
+    require,
+    save_line,
+    save_reply,
+)
 from .digits import number
-from .encoding import milliseconds
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -52,8 +61,7 @@ def run(options: argparse.Namespace) -> int:
     with mesh_of(options) as mesh, bar("loop") as progress:
         found = mesh.loop(progress=progress, **asked)
         if file is not None and file.suffix == ".glb":
-            asked["deadline_ms"] = milliseconds(asked.pop("deadline", None))
-            file.write_bytes(mesh.query("loop", asked, format="glb").data)
+            save_reply(file, mesh, "loop", asked, None)
     what = "a closed geodesic" if found.geodesic else "no closed geodesic"
     if found.turn is not None and not found.geodesic:
         what += f", {number(found.turn)} degrees off straight ahead"

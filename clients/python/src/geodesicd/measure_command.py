@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from .command_line import bar, exactness_of, mesh_of, people, points, require
+from .command_line import bar, exactness_of, mesh_of, people, points, require, save_reply, save_rows
 from .digits import number, numbers
-from .encoding import as_bound, milliseconds
+from .encoding import as_bound
 from .results import Measure
 
 _ENDINGS = (".csv", ".json", ".glb")
@@ -38,22 +37,13 @@ def run(options: argparse.Namespace) -> int:
     sources = points(options.sources)
     with mesh_of(options) as mesh, bar("measure") as progress:
         if file is not None and file.suffix != ".csv":
-            asked |= {"from": sources, "deadline_ms": milliseconds(asked.pop("deadline"))}
-            format = file.suffix.removeprefix(".")
-            answer = mesh.query("measure", asked, format=format, progress=progress)
-            if format == "glb":
-                file.write_bytes(answer.data)
-            else:
-                file.write_text(json.dumps(answer.document) + "\n", encoding="utf-8")
+            save_reply(file, mesh, "measure", {"from": sources, **asked}, progress)
             told = str(file)
         else:
             found = mesh.measure(sources, progress=progress, **asked)
             told = f"{len(found)} discs; the farthest vertex is {found.farthest}, "
             told += f"{number(found.max)} away; the mean distance is {number(found.mean)}"
-            if file is None:
-                print("\n".join(_rows(found)))
-            else:
-                file.write_text("\n".join(_rows(found)) + "\n", encoding="utf-8")
+            save_rows(file, _rows(found))
     people.print(told, markup=False, soft_wrap=True)
     return 0
 

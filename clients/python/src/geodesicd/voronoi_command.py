@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from .command_line import bar, exactness_of, mesh_of, people, points, require
+from .command_line import bar, exactness_of, mesh_of, people, points, require, save_reply, save_rows
 from .digits import numbers
-from .encoding import milliseconds
 from .results import Voronoi
 
 _ENDINGS = (".csv", ".json", ".glb", ".png")
@@ -42,23 +40,15 @@ def run(options: argparse.Namespace) -> int:
     sites = points(options.sources)
     with mesh_of(options) as mesh, bar("voronoi") as progress:
         if file is not None and file.suffix != ".csv":
-            asked |= {"from": sites, "deadline_ms": milliseconds(asked.pop("deadline"))}
-            asked |= {"part": options.part}
-            format = file.suffix.removeprefix(".")
-            answer = mesh.query("voronoi", asked, format=format, progress=progress)
-            if format == "json":
-                file.write_text(json.dumps(answer.document) + "\n", encoding="utf-8")
-            else:
-                file.write_bytes(answer.data)
+            save_reply(
+                file, mesh, "voronoi", {"from": sites, "part": options.part, **asked}, progress
+            )
             told = str(file)
         else:
             found = mesh.voronoi(sites, progress=progress, **asked)
             told = f"{len(found)} cells of {found.areas.sum():.9g} in all, "
             told += f"{len(found.neighbors)} pairs of neighbors, {len(found.triangles)} triangles"
-            if file is None:
-                print("\n".join(_rows(found)))
-            else:
-                file.write_text("\n".join(_rows(found)) + "\n", encoding="utf-8")
+            save_rows(file, _rows(found))
     people.print(told, markup=False, soft_wrap=True)
     return 0
 
