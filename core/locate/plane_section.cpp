@@ -9,6 +9,7 @@
 
 #include "core/base/polled_sort.h"
 #include "core/base/vec2.h"
+#include "core/surface/copied_faces.h"
 
 namespace geodesic {
 namespace {
@@ -30,6 +31,7 @@ class Section {
 
   Result<std::vector<SurfacePoint>> follow(const SurfacePoint& at) {
     const auto start = first_side(at);
+    if (poll_.stopped()) return fail_stopped(poll_);
     if (!start) return touches();
     // Of a face and the side by which it is entered there is one next, and one before it: the
     // walk comes back to where it began, after as many steps as there are sides at most.
@@ -38,7 +40,8 @@ class Section {
       if (poll_.cancelled()) return fail_stopped(poll_);
       if (!add(point_on(entered))) return fail_stopped(poll_);
       const Halfedge left_by = other_cut_side(entered);
-      entered = adjacency_.ring(left_by);
+      entered = beyond(left_by);
+      if (poll_.stopped()) return fail_stopped(poll_);
       if (entered == left_by) {
         return fail(ErrorCode::no_loop,
                     "the section comes to the boundary of the surface there: it is no closed curve",
@@ -65,11 +68,25 @@ class Section {
     return (height(adjacency_.tail(h)) >= 0) != (height(adjacency_.head(h)) >= 0);
   }
 
+  // Of faces with the same corners the section goes through the last one alone: else it would turn
+  // round in them.
+  [[nodiscard]] Halfedge beyond(Halfedge side) {
+    Halfedge h = adjacency_.ring(side);
+    while (h != side && has_later_copy(adjacency_, face_of(h)) && !poll_.cancelled()) {
+      h = adjacency_.ring(h);
+    }
+    return h;
+  }
+
   // Some side that the plane cuts, of the first face at the point that has one.
-  [[nodiscard]] std::optional<Halfedge> first_side(const SurfacePoint& at) const {
+  [[nodiscard]] std::optional<Halfedge> first_side(const SurfacePoint& at) {
     for (const SurfacePoint& place : in_all_faces(adjacency_, at)) {
+      std::uint32_t face = place.face;
+      while (has_later_copy(adjacency_, face) && !poll_.cancelled()) {
+        face = later_copy(adjacency_, face);
+      }
       for (std::uint32_t c = 0; c < 3; ++c) {
-        if (is_cut(halfedge(place.face, c))) return halfedge(place.face, c);
+        if (is_cut(halfedge(face, c))) return halfedge(face, c);
       }
     }
     return std::nullopt;

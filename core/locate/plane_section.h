@@ -20,7 +20,7 @@ namespace geodesic {
 //
 // A vertex in the plane counts as above it, so a curve never forks at a vertex. Where several run
 // through `at`, it is that in the first of the faces there. At an edge of three faces or more it
-// goes on into the next one in their ring.
+// goes on into the next one in their ring. Of faces with the same corners one is as good as all.
 // Errors: value_out_of_range for `normal` (not finite, zero); no_loop (the curve comes to the
 // boundary, or the plane only touches the surface there); cancelled.
 [[nodiscard]] Result<std::vector<SurfacePoint>> plane_section(const Adjacency& adjacency,

@@ -109,6 +109,34 @@ TEST_CASE("APrismCutStraightAndAslant") {
   }
 }
 
+// Upside down or turned, once or several times.
+TEST_CASE("FacesThatAreThereTwiceChangeNoSection") {
+  std::mt19937 random(fixtures::test_seed() + 22);
+  for (int round = 0; round < 20; ++round) {
+    const auto n = static_cast<std::uint32_t>(3 + random() % 20);
+    const TriangleSoup once = fixtures::tube(n, 8, 4);
+    TriangleSoup twice = once;
+    for (std::uint32_t i = 0; i < n; ++i) {
+      auto face = once.faces[random() % once.faces.size()];
+      std::rotate(face.begin(), face.begin() + random() % 3, face.end());
+      if (random() % 2 == 0) std::swap(face[0], face[1]);
+      twice.faces.push_back(face);
+    }
+    const Surface clean(once);
+    const Surface copied(twice);
+    for (std::uint32_t f = 2 * n; f < 6 * n; f += 1 + random() % 5) {
+      const double slope = 0.2 * unit_of(random);
+      const auto expected = cut(clean, clean.on(f, {0.2, 0.3, 0.5}), {-slope, 0, 1});
+      const auto section = cut(copied, copied.on(f, {0.2, 0.3, 0.5}), {-slope, 0, 1});
+      REQUIRE(expected);
+      REQUIRE(section);
+      CHECK(section->size() == expected->size());
+      CHECK(closed_path_along(copied.mesh(), *section).length ==
+            doctest::Approx(closed_path_along(clean.mesh(), *expected).length).epsilon(1e-12));
+    }
+  }
+}
+
 TEST_CASE("APlaneThroughVerticesTurnsRoundByEdges") {
   const Surface surface(fixtures::tube(12, 4, 4));
   const auto section = cut(surface, surface.at(30), {0, 0, -2});
