@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -129,7 +130,14 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
   auto regions = proto::read_regions(query.parameters);
   if (!regions) return fail(std::move(regions.error()));
   const AskedSurface surface(query.mesh, std::move(*regions));
-  const auto offered = query.json_only ? proto::kJsonOnly : proto::formats_of(request);
+  std::span<const proto::Format> offered = proto::formats_of(request);
+  if (query.json_only) {
+    if (std::find(offered.begin(), offered.end(), proto::Format::json) == offered.end()) {
+      return fail(InputCode::not_acceptable,
+                  "in a batch replies are JSON, and this one is a drawing", "part");
+    }
+    offered = proto::kJsonOnly;
+  }
   const auto format = proto::parse_format(query.parameters, query.accept, offered);
   if (!format) return fail(format.error());
   const auto caller = with_deadline(query.caller, query.parameters);

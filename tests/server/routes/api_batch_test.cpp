@@ -84,6 +84,19 @@ TEST_CASE("ALineThatIsWrongHarmsNoOther") {
   CHECK(lines[9]["problem"]["code"] == "unknown_parameter");
 }
 
+TEST_CASE("ALineThatAsksForADrawingIsRefused") {
+  PlaneService plane;
+  const auto lines =
+      lines_of(plane.service.ask("POST", plane.base + "/batch",
+                                 R"({"query":"voronoi","from":["v:0","v:9"],"part":"cells"}
+{"query":"voronoi","from":["v:0","v:9"]})"));
+  REQUIRE(lines.size() == 2);
+  CHECK(lines[0]["status"] == 406);
+  CHECK(lines[0]["problem"]["code"] == "not_acceptable");
+  CHECK(lines[0]["problem"]["parameter"] == "part");
+  CHECK(lines[1]["status"] == 200);
+}
+
 TEST_CASE("ALineThatNamesAParameterTwiceIsRefused") {
   PlaneService plane;
   const auto lines =

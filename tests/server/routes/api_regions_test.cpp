@@ -160,8 +160,11 @@ TEST_CASE("QueriesOnAPartAreThoseOnAMeshOfItsOwn") {
   const TemporaryFolder folder;
   Service service(folder.path());
   const json methods = body_of(service.get("/v1/methods"))["methods"];
+  // So many that something is left of.
   constexpr std::uint32_t kMeshes = 3;
-  for (std::uint32_t i = 0; i < kMeshes; ++i) {
+  std::uint32_t meshes = 0;
+  for (std::uint32_t i = 0; meshes < kMeshes; ++i) {
+    REQUIRE(i < 20 * kMeshes);
     const std::uint32_t number = test_seed() + i;
     CAPTURE(number);
     RandomMesh random(number);
@@ -174,6 +177,7 @@ TEST_CASE("QueriesOnAPartAreThoseOnAMeshOfItsOwn") {
       return is_within ? is_named || f == 0 : !is_named && f != 0;
     });
     if (left.faces.size() < 2) continue;
+    ++meshes;
     const std::string faces = "faces:0," + std::to_string(first) + "-" + std::to_string(last);
     Both both{service,
               whole,
@@ -298,6 +302,40 @@ TEST_CASE("PartsAreThoseOfTheMetadata") {
   REQUIRE(parts.size() == 1);
   CHECK(body_of(plane.service.get(base + "/samples?count=99&within=part:0"))["samples"].size() ==
         50);
+}
+
+// Two primitives, a face each, that share the edge from (0, 0, 0) to (1, 0, 0).
+TEST_CASE("EachPartOfAFileIsARegion") {
+  PlaneService plane;
+  const std::string gltf = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+    "nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}},
+      {"attributes":{"POSITION":1}}]}],
+    "accessors":[
+      {"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
+      {"bufferView":0,"byteOffset":36,"componentType":5126,"count":3,"type":"VEC3",
+       "min":[0,-3,0],"max":[1,0,0]}],
+    "bufferViews":[{"buffer":0,"byteLength":72}],"buffers":[{"byteLength":72,"uri":"b.bin"}]})";
+  const float xyz[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, -3, 0, 1, 0, 0};
+  const auto file = [](const std::string& name, const std::string& bytes) {
+    return "--x\r\nContent-Disposition: form-data; name=\"f\"; filename=\"" + name + "\"\r\n\r\n" +
+           bytes + "\r\n";
+  };
+  const std::string form = file("a.gltf", gltf) +
+                           file("b.bin", {reinterpret_cast<const char*>(xyz), sizeof xyz}) +
+                           "--x--\r\n";
+  const json told = body_of(plane.service.ask(
+      "POST", "/v1/meshes", form, {{"Content-Type", "multipart/form-data; boundary=x"}}));
+  REQUIRE(told["parts"].size() == 2);
+  const std::string base = "/v1/meshes/" + told["id"].get<std::string>();
+  const auto farthest = [&](const std::string& region) {
+    return body_of(plane.service.get(base + "/measure?from=v:1&method=exact" + region))["max"];
+  };
+  CHECK(farthest("&within=part:0") == doctest::Approx(std::sqrt(2)));
+  CHECK(farthest("&within=part:1") == doctest::Approx(std::sqrt(10)));
+  CHECK(farthest("&forbid=part:1") == doctest::Approx(std::sqrt(2)));
+  CHECK(farthest("&within=part:0&within=part:1") == doctest::Approx(std::sqrt(10)));
+  check_problem(plane.service.get(base + "/measure?from=v:1&within=part:2"), 422,
+                "index_out_of_range", "within.part");
 }
 
 TEST_CASE("APartIsPreparedOnceAndGoesWithItsMesh") {
