@@ -44,6 +44,13 @@ if [ "$waiting" != core/base/team.cpp ]; then
   status=1
 fi
 expect_none 'proto reaches into the server' 'server/|httplib|spdlog|CLI|thread|mutex' proto
+# The element of a temporary dangles once the loop begins: only the temporary itself would live on.
+dangling=$(grep -rnE 'for \([^;]* : [a-z_:]+\(.*\)(\["|\[[0-9]|\.(at|front|back|value)\()' \
+  --include='*.h' --include='*.cpp' core proto server clients tests --exclude-dir=node_modules)
+if [ -n "$dangling" ]; then
+  echo "FAILED: a loop goes over an element of a temporary: $dangling"
+  status=1
+fi
 expect_none 'the product reaches into the tests' 'tests/|doctest' core proto server
 
 # Every #include of ours against the table, and every room against its pages.

@@ -154,7 +154,8 @@ TEST_CASE("ALoopPastAFaceWithoutAreaDoesNotSayHowItTurns") {
   PlaneService plane;
   const std::string flap =
       plane.add({{{-1, 0, 0}, {1, 0, 0}, {0, 0, 0}, {0, 1, 0}}, {{2, 1, 0}, {0, 1, 3}}});
-  for (const json& method : body_of(plane.service.get("/v1/methods"))["methods"]) {
+  const json methods = body_of(plane.service.get("/v1/methods"))["methods"];
+  for (const json& method : methods) {
     for (const char* last : {"v:0", "v:1"}) {
       const HttpResponse response =
           plane.service.get(flap + "/loop?through=f:1,0.5,0.5&through=v:2&through=" + last +
