@@ -1,15 +1,14 @@
 #include "core/solve/extent.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <random>
 #include <utility>
 
 #include "core/field/field.h"
+#include "core/solve/mean_distances.h"
+#include "core/solve/part_by_area.h"
 #include "core/solve/solve_field.h"
 
 namespace geodesic {
@@ -17,68 +16,16 @@ namespace {
 
 // Bounds that are as near as this are equal: what rounding leaves of sums.
 constexpr double kRounding = 1e-9;
-// So many deviations of the mean of a sample to either side are 95 %: Student's t for one draw
-// fewer. From eleven degrees of freedom on by Fisher's expansion about the normal distribution
-// (Abramowitz and Stegun 1964, 26.7.5), off by less than 2e-4 there.
-double deviations_of(std::uint64_t draws) {
-  constexpr std::array<double, 10> kFew{12.706, 4.303, 3.182, 2.776, 2.571,
-                                        2.447,  2.365, 2.306, 2.262, 2.228};
-  constexpr double z = 1.959963984540054;
-  const std::uint64_t freedom = draws - 1;
-  if (freedom <= kFew.size()) return kFew[freedom - 1];
-  const auto n = static_cast<double>(freedom);
-  return z + (z * z * z + z) / (4 * n) +
-         (5 * std::pow(z, 5) + 16 * z * z * z + 3 * z) / (96 * n * n) +
-         (3 * std::pow(z, 7) + 19 * std::pow(z, 5) + 17 * z * z * z - 15 * z) / (384 * n * n * n);
-}
-
-// The vertices of the part that has most; of the first of several. Empty if the poll says to stop.
-std::vector<std::uint32_t> largest_part(const Adjacency& adjacency, Poll& poll) {
-  const std::uint32_t count = adjacency.mesh().vertex_count();
-  std::vector<bool> is_known(count);
-  std::vector<std::uint32_t> largest;
-  for (std::uint32_t start = 0; start < count; ++start) {
-    if (poll.cancelled()) return {};
-    if (is_known[start] || adjacency.corners(start).empty()) continue;
-    std::vector<std::uint32_t> part{start};
-    is_known[start] = true;
-    for (std::size_t i = 0; i < part.size(); ++i) {
-      for (const std::uint32_t corner : adjacency.corners(part[i])) {
-        if (poll.cancelled()) return {};
-        for (const std::uint32_t v : adjacency.face(face_of(corner)).vertex) {
-          if (is_known[v]) continue;
-          is_known[v] = true;
-          part.push_back(v);
-        }
-      }
-    }
-    if (part.size() > largest.size()) largest = std::move(part);
-  }
-  std::sort(largest.begin(), largest.end());
-  return largest;
-}
-
 // What is known of all vertices of the part, by their places in it, from the fields so far.
 class Survey {
  public:
-  Survey(const Adjacency& adjacency, std::vector<std::uint32_t> part)
-      : part_(std::move(part)),
-        is_done_(part_.size()),
-        least_(part_.size(), 0),
-        most_(part_.size(), std::numeric_limits<double>::infinity()),
-        least_mean_(part_.size(), 0),
-        sum_(part_.size(), 0),
-        weight_(part_.size(), 0) {
-    for (std::size_t i = 0; i < part_.size(); ++i) {
-      for (const std::uint32_t corner : adjacency.corners(part_[i])) {
-        weight_[i] += std::max(0.0, adjacency.face(face_of(corner)).area2);
-      }
-      all_weight_ += weight_[i];
-    }
-    if (all_weight_ > 0) return;
-    weight_.assign(part_.size(), 1);
-    all_weight_ = static_cast<double>(part_.size());
-  }
+  explicit Survey(const PartByArea& part)
+      : part_(part),
+        is_done_(part.size()),
+        least_(part.size(), 0),
+        most_(part.size(), std::numeric_limits<double>::infinity()),
+        least_mean_(part.size(), 0),
+        sum_(part.size(), 0) {}
 
   // A field of the vertex at a place. Whether it came to the end.
   bool add(std::size_t place, const Field& field, Poll& poll) {
@@ -87,9 +34,9 @@ class Survey {
     double greatest = 0;
     for (std::size_t i = 0; i < part_.size(); ++i) {
       if (poll.cancelled()) return false;
-      const double d = field.distance[part_[i]];
+      const double d = field.distance[part_.vertices[i]];
       if (d == kUnreached) continue;  // past what is no surface
-      mean += weight_[i] / all_weight_ * d;
+      mean += part_.share_of(i) * d;
       if (d > greatest) {
         greatest = d;
         farthest_ = i;
@@ -97,7 +44,7 @@ class Survey {
     }
     for (std::size_t i = 0; i < part_.size(); ++i) {
       if (poll.cancelled()) return false;
-      const double d = field.distance[part_[i]];
+      const double d = field.distance[part_.vertices[i]];
       if (d == kUnreached) continue;
       sum_[i] += d;
       if (is_done_[i]) continue;
@@ -108,28 +55,27 @@ class Survey {
     least_[place] = most_[place] = greatest;
     least_mean_[place] = mean;
     is_done_[place] = true;
-    means_.push_back({place, mean});
+    ++done_;
     if (greatest > greatest_) {
       greatest_ = greatest;
-      ends_ = {part_[place], part_[farthest_]};
+      ends_ = {part_.vertices[place], part_.vertices[farthest_]};
     }
     if (greatest < center_value_) {
       center_value_ = greatest;
-      center_ = part_[place];
+      center_ = part_.vertices[place];
     }
     if (mean < median_value_) {
       median_value_ = mean;
-      median_ = part_[place];
+      median_ = part_.vertices[place];
     }
     return true;
   }
 
   [[nodiscard]] std::size_t size() const { return part_.size(); }
-  [[nodiscard]] std::uint32_t vertex(std::size_t place) const { return part_[place]; }
-  [[nodiscard]] const std::vector<double>& weights() const { return weight_; }
-  [[nodiscard]] double all_weight() const { return all_weight_; }
+  [[nodiscard]] std::uint32_t vertex(std::size_t place) const { return part_.vertices[place]; }
+  [[nodiscard]] const PartByArea& part() const { return part_; }
   [[nodiscard]] bool is_done(std::size_t place) const { return is_done_[place]; }
-  [[nodiscard]] std::size_t count_done() const { return means_.size(); }
+  [[nodiscard]] std::size_t count_done() const { return done_; }
   // Of the last field.
   [[nodiscard]] std::size_t farthest() const { return farthest_; }
 
@@ -180,24 +126,14 @@ class Survey {
     return extent;
   }
 
-  // The mean from all vertices.
-  [[nodiscard]] double whole_mean() const {
-    double mean = 0;
-    for (const auto& [place, of] : means_) mean += weight_[place] / all_weight_ * of;
-    return mean;
-  }
-  [[nodiscard]] double last_mean() const { return means_.back().second; }
-
  private:
-  std::vector<std::uint32_t> part_;
+  const PartByArea& part_;
   std::vector<bool> is_done_;
   std::vector<double> least_;       // that the greatest distance from the vertex can be
   std::vector<double> most_;        // and at most
   std::vector<double> least_mean_;  // that the mean distance from the vertex can be
   std::vector<double> sum_;         // of its distances from all that have a field
-  std::vector<double> weight_;      // the area of its faces
-  double all_weight_ = 0;
-  std::vector<std::pair<std::size_t, double>> means_;
+  std::size_t done_ = 0;
   std::size_t farthest_ = 0;
   double greatest_ = -1;
   std::vector<std::uint32_t> ends_;
@@ -259,24 +195,10 @@ std::size_t next_place(ExtentOf what, const Survey& survey) {
   return is_new && (done <= 2 || what == ExtentOf::center) ? survey.farthest() : survey.highest();
 }
 
-// Places drawn by their weights, each as often as it comes: the same each time, so that an answer
-// is, but others on another surface.
-class Draw {
- public:
-  explicit Draw(const Survey& survey)
-      : random_(std::bit_cast<std::uint64_t>(survey.all_weight())),
-        chances_(survey.weights().begin(), survey.weights().end()) {}
-  std::size_t next() { return chances_(random_); }
-
- private:
-  std::mt19937_64 random_;
-  std::discrete_distribution<std::size_t> chances_;
-};
-
 Result<Extent> bounded(ExtentOf what, Survey& survey, Surveyor& surveyor, bool metric) {
   // Where the mean is small is told by vertices that are spread by chance. One in two is: which
   // they are does not depend on how many fields there may be, so that more are never worse.
-  Draw draw(survey);
+  DrawByArea draw(survey.part());
   Extent found;
   while (surveyor.has_left()) {
     const bool is_drawn = what == ExtentOf::median && survey.count_done() % 2 == 0;
@@ -290,46 +212,14 @@ Result<Extent> bounded(ExtentOf what, Survey& survey, Surveyor& surveyor, bool m
   return found;
 }
 
-Result<Extent> mean_of(Survey& survey, Surveyor& surveyor, std::uint64_t fields) {
+Extent mean_of(const MeanDistances& means) {
   Extent found;
-  found.part_vertices = survey.size();
-  if (fields >= survey.size()) {
-    for (std::size_t i = 0; i < survey.size(); ++i) {
-      if (auto computed = surveyor.compute(i); !computed) return fail(computed.error());
-    }
-    found.value = found.lower = found.upper = survey.whole_mean();
-    found.is_exact = true;
-    found.fields = survey.count_done();
-    return found;
-  }
-  Draw draw(survey);
-  std::vector<double> means(survey.size(), -1);  // of those that were drawn
-  double sum = 0;
-  double squares = 0;
-  std::uint64_t drawn = 0;
-  // As many draws as fields: what comes twice is not computed again.
-  for (; drawn < fields; ++drawn) {
-    const std::size_t place = draw.next();
-    if (!survey.is_done(place)) {
-      if (auto computed = surveyor.compute(place); !computed) return fail(computed.error());
-      means[place] = survey.last_mean();
-    }
-    sum += means[place];
-    squares += means[place] * means[place];
-  }
-  const auto count = static_cast<double>(drawn);
-  found.value = sum / count;
-  found.fields = survey.count_done();
-  const double variance = std::max(0.0, squares / count - found.value * found.value);
-  // Of one vertex, however often it was drawn, nothing is known of how they scatter; nor of several
-  // that are as far in the middle as each other, but for rounding.
-  if (found.fields < 2 || !(variance > kRounding * kRounding * found.value * found.value)) {
-    found.upper = std::numeric_limits<double>::infinity();
-    return found;
-  }
-  const double margin = deviations_of(drawn) * std::sqrt(variance / (count - 1));
-  found.lower = std::max(0.0, found.value - margin);
-  found.upper = found.value + margin;
+  found.value = means.overall;
+  found.lower = means.lower;
+  found.upper = means.upper;
+  found.is_exact = means.is_exact;
+  found.fields = means.fields;
+  found.part_vertices = means.part_vertices;
   return found;
 }
 
@@ -338,17 +228,21 @@ Result<Extent> mean_of(Survey& survey, Surveyor& surveyor, std::uint64_t fields)
 Result<Extent> extent(ExtentOf what, Method method, const MethodOptions& options,
                       const Adjacency& adjacency, std::uint64_t fields, SolveScratch& scratch,
                       const Cancel& cancel) {
+  if (what == ExtentOf::mean) {
+    const auto means = mean_distances(method, options, adjacency, fields, scratch, cancel);
+    if (!means) return fail(means.error());
+    return mean_of(*means);
+  }
   Poll poll(cancel);
   // Ten numbers for each vertex.
   if (!poll.may_take(std::uint64_t{80} * adjacency.mesh().vertex_count())) {
     return fail_stopped(poll);
   }
-  std::vector<std::uint32_t> part = largest_part(adjacency, poll);
+  const PartByArea part = largest_part(adjacency, poll);
   if (poll.stopped()) return fail_stopped(poll);
-  Survey survey(adjacency, std::move(part));
+  Survey survey(part);
   fields = std::max<std::uint64_t>(1, fields);
   Surveyor surveyor(method, options, adjacency, fields, scratch, cancel, survey);
-  if (what == ExtentOf::mean) return mean_of(survey, surveyor, fields);
   return bounded(what, survey, surveyor, traits_of(method).are_metric);
 }
 

@@ -310,7 +310,7 @@ std::string to_json(const MeasureReply& reply, int digits, Poll* poll) {
   return out;
 }
 
-std::string to_json(const ExtentReply& reply, int digits, Poll* /*poll*/) {
+std::string to_json(const ExtentReply& reply, int digits, Poll* poll) {
   std::string out = opening(reply.mesh);
   append_method(out, reply.method);
   out += ",\"of\":\"";
@@ -330,7 +330,14 @@ std::string to_json(const ExtentReply& reply, int digits, Poll* /*poll*/) {
     out += '}';
   }
   out += "],\"fields\":" + std::to_string(reply.fields);
-  out += ",\"part_vertices\":" + std::to_string(reply.part_vertices) + '}';
+  out += ",\"part_vertices\":" + std::to_string(reply.part_vertices);
+  if (reply.of == ExtentRequest::Of::means) {
+    out += ",\"means\":";
+    append_distances(out, reply.means, digits, false, Bound::none, poll);
+    out += ",\"margins\":";
+    append_distances(out, reply.margins, digits, false, Bound::none, poll);
+  }
+  out += '}';
   return out;
 }
 

@@ -132,14 +132,18 @@ struct ExtentReply {
   std::string mesh;
   Method method = Method::wavefront;
   ExtentRequest::Of of = ExtentRequest::Of::diameter;
-  double value = 0;       // mesh units
-  double lower = 0;       // the true one is not below
-  double upper = 0;       // nor above; infinite: nothing is known
+  double value = 0;  // mesh units
+  double lower = 0;  // the true one is not below
+  double upper = 0;  // nor above; infinite: nothing is known
   double confidence = 1;  // with which that is so
   bool is_exact = false;
   std::vector<Vertex> vertices;     // two of a diameter, one of a centre or a median
   std::uint64_t fields = 0;         // that were computed
   std::uint64_t part_vertices = 0;  // of the part that was measured, copies counted once
+  // Of `means` alone, by source vertex: its mean distance, infinite outside of the part, and what is
+  // to be added to either side.
+  std::vector<double> means;
+  std::vector<double> margins;
 };
 
 // Cells are called by the numbers of their sites in `from`.

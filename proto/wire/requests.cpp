@@ -163,7 +163,8 @@ Result<void> read_refine(Parameters& parameters, Refine& refine) {
 }
 
 // By ExtentRequest::Of.
-constexpr std::array<std::string_view, 4> kExtentNames{"diameter", "center", "median", "mean"};
+constexpr std::array<std::string_view, 5> kExtentNames{"diameter", "center", "median", "mean",
+                                                       "means"};
 
 // By VoronoiRequest::Part.
 constexpr std::array<std::string_view, 3> kVoronoiParts{"cells", "bisectors", "delaunay"};
@@ -332,7 +333,7 @@ Result<void> parse_request(Parameters& parameters, ExtentRequest& request) {
   if (!*of) return missing("of");
   const auto name = std::find(kExtentNames.begin(), kExtentNames.end(), **of);
   if (name == kExtentNames.end()) {
-    return fail(InputCode::bad_syntax, "of is diameter, center, median or mean", "of");
+    return fail(InputCode::bad_syntax, "of is diameter, center, median, mean or means", "of");
   }
   request.of = static_cast<ExtentRequest::Of>(name - kExtentNames.begin());
   const auto fields = parameters.whole("fields");

@@ -76,7 +76,7 @@ struct MeasureRequest {
 };
 
 struct ExtentRequest {
-  enum class Of : std::uint8_t { diameter, center, median, mean };
+  enum class Of : std::uint8_t { diameter, center, median, mean, means };
   Of of = Of::diameter;
   std::uint64_t fields = 100;  // that may be computed
   MethodChoice method;
@@ -154,7 +154,10 @@ struct NearestRequest {
 [[nodiscard]] inline std::span<const Format> formats_of(const MeasureRequest&) {
   return kJsonOrSurface;
 }
-[[nodiscard]] inline std::span<const Format> formats_of(const ExtentRequest&) { return kJsonOnly; }
+[[nodiscard]] inline std::span<const Format> formats_of(const ExtentRequest& request) {
+  if (request.of == ExtentRequest::Of::means) return kFieldFormats;
+  return kJsonOnly;
+}
 [[nodiscard]] inline std::span<const Format> formats_of(const VoronoiRequest& request) {
   if (request.part) return kSurfaceOnly;
   return kJsonOrPictures;

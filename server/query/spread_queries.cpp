@@ -1,12 +1,14 @@
 // Queries about how distances spread over the whole surface: isolines, samples and extents.
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <utility>
 #include <variant>
 
 #include "core/paths/isolines.h"
 #include "core/solve/extent.h"
 #include "core/solve/farthest_points.h"
+#include "core/solve/mean_distances.h"
 #include "core/surface/longest_edge.h"
 #include "proto/wire/query_limits.h"
 #include "server/base/timed.h"
@@ -20,6 +22,9 @@ using Levels = decltype(proto::IsolinesRequest::levels);
 
 // The part of the time that the field takes, before the lines.
 constexpr double kFieldOfIsolines = 0.9;
+
+// With which a mean that is estimated is within its bounds.
+constexpr double kConfidenceOfMean = 0.95;
 
 const char* parameter_of(const Levels& levels) {
   if (std::holds_alternative<std::vector<double>>(levels)) return "levels";
@@ -48,6 +53,16 @@ Result<std::vector<double>> levels_within(const Levels& asked, double max) {
   return levels;
 }
 
+void take_means(const Mesh& mesh, const MeanDistances& means, proto::ExtentReply& reply) {
+  reply.means.reserve(mesh.source_vertex_count());
+  reply.margins.reserve(mesh.source_vertex_count());
+  for (const std::uint32_t v : mesh.vertex_of_source()) {
+    const bool is_known = v != kNone && means.mean[v] != kUnreached;
+    reply.means.push_back(is_known ? means.mean[v] : kUnreached);
+    reply.margins.push_back(is_known ? means.margin[v] : kUnreached);
+  }
+}
+
 ExtentOf measure_of(proto::ExtentRequest::Of of) {
   switch (of) {
     case proto::ExtentRequest::Of::diameter:
@@ -57,6 +72,7 @@ ExtentOf measure_of(proto::ExtentRequest::Of of) {
     case proto::ExtentRequest::Of::median:
       return ExtentOf::median;
     case proto::ExtentRequest::Of::mean:
+    case proto::ExtentRequest::Of::means:  // not asked here
       break;
   }
   return ExtentOf::mean;
@@ -146,6 +162,30 @@ Result<Answered<proto::ExtentReply>> FieldQueries::answer(const AskedSurface& su
   reply.mesh = surface.mesh();
   reply.method = request.method.which;
   reply.of = request.of;
+  if (request.of == proto::ExtentRequest::Of::means) {
+    const auto means = fields_.compute(
+        [&](SolveScratch& scratch, const Cancel& cancel) {
+          const Timed solving(caller, Stage::solve);
+          return mean_distances(request.method.which, request.method.options, *place->adjacency(),
+                                request.fields, scratch, cancel);
+        },
+        caller);
+    if (!means) return fail(means.error());
+    reply.value = means->overall;
+    reply.lower = means->lower;
+    reply.upper = means->upper;
+    reply.confidence = means->is_exact ? 1 : kConfidenceOfMean;
+    reply.is_exact = means->is_exact;
+    reply.fields = means->fields;
+    reply.part_vertices = means->part_vertices;
+    answer.numbers = std::uint64_t{2} * place->mesh().source_vertex_count();
+    answer.complete = [adjacency = place->adjacency(),
+                       kept = std::make_shared<const MeanDistances>(std::move(*means))](
+                          proto::ExtentReply& whole) {
+      take_means(adjacency->mesh(), *kept, whole);
+    };
+    return answer;
+  }
   const auto found = fields_.compute(
       [&](SolveScratch& scratch, const Cancel& cancel) {
         const Timed solving(caller, Stage::solve);
@@ -157,7 +197,6 @@ Result<Answered<proto::ExtentReply>> FieldQueries::answer(const AskedSurface& su
   reply.value = found->value;
   reply.lower = found->lower;
   reply.upper = found->upper;
-  constexpr double kConfidenceOfMean = 0.95;
   reply.confidence =
       request.of == proto::ExtentRequest::Of::mean && !found->is_exact ? kConfidenceOfMean : 1;
   reply.is_exact = found->is_exact;

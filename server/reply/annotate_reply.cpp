@@ -33,6 +33,10 @@ Attributes logmap_attributes(const proto::ReplyFormat& format) {
   return {{name_or(format.attribute, "_GEODESIC_LOGMAP"), 3}};
 }
 
+std::string name_of_means(const proto::ReplyFormat& format) {
+  return name_or(format.attribute, "_GEODESIC_MEAN_DISTANCE");
+}
+
 // What a float can be: glTF has no infinite ones.
 double as_finite(double value) {
   constexpr double kMost = std::numeric_limits<float>::max();
@@ -69,6 +73,11 @@ Result<Attributes> attributes_of(const proto::LogmapRequest& /*request*/,
   return logmap_attributes(format);
 }
 
+Result<Attributes> attributes_of(const proto::ExtentRequest& /*request*/,
+                                 const proto::ReplyFormat& format) {
+  return Attributes{{name_of_means(format), 1}};
+}
+
 Result<HttpResponse> annotate(Answered<proto::DistanceReply> answer,
                               const proto::ReplyFormat& format, const Cancel& cancel) {
   Poll poll(cancel);
@@ -90,6 +99,13 @@ Result<HttpResponse> annotate(Answered<proto::DistanceReply> answer,
                              floats, answer.cache_hit, poll);
   if (response && reply.max) response->set_header("Geo-Max", header_number(*reply.max));
   return response;
+}
+
+Result<HttpResponse> annotate(Answered<proto::ExtentReply> answer, const proto::ReplyFormat& format,
+                              const Cancel& cancel) {
+  proto::ReplyFormat named = format;
+  named.attribute = name_of_means(format);
+  return annotate(means_as_distances(answer), named, cancel);
 }
 
 Result<HttpResponse> annotate(Answered<proto::LogmapReply> answer, const proto::ReplyFormat& format,

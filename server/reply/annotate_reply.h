@@ -20,11 +20,16 @@ namespace geodesic::server {
     const proto::DistanceRequest& request, const proto::ReplyFormat& format);
 [[nodiscard]] Result<std::vector<proto::VertexAttribute>> attributes_of(
     const proto::LogmapRequest& request, const proto::ReplyFormat& format);
+[[nodiscard]] Result<std::vector<proto::VertexAttribute>> attributes_of(
+    const proto::ExtentRequest& request, const proto::ReplyFormat& format);
 
 // A float each: the distance, and if there are labels the place of its source in `from`; -1 where
 // nothing is reached, for glTF has no infinity. The answer has its `upload`. Errors here and below:
 // cancelled.
 [[nodiscard]] Result<HttpResponse> annotate(Answered<proto::DistanceReply> answer,
+                                            const proto::ReplyFormat& format, const Cancel& cancel);
+// A float: the mean distance, or -1.
+[[nodiscard]] Result<HttpResponse> annotate(Answered<proto::ExtentReply> answer,
                                             const proto::ReplyFormat& format, const Cancel& cancel);
 // Three floats: the coordinates, and the distance; 0, 0, -1 where there is no place.
 [[nodiscard]] Result<HttpResponse> annotate(Answered<proto::LogmapReply> answer,

@@ -185,6 +185,11 @@ Result<HttpResponse> draw(const Answered<proto::DistanceReply>& answer,
   return response;
 }
 
+Result<HttpResponse> draw(const Answered<proto::ExtentReply>& answer,
+                          const proto::ReplyFormat& format, const Cancel& cancel) {
+  return draw(means_as_distances(answer), format, cancel);
+}
+
 Result<HttpResponse> draw(const Answered<proto::PathReply>& answer,
                           const proto::ReplyFormat& format, const Cancel& cancel) {
   const proto::PathReply& reply = answer.reply;

@@ -19,6 +19,9 @@ namespace geodesic::server {
 // with isolines and a scale. Errors here and below: cancelled.
 [[nodiscard]] Result<HttpResponse> draw(const Answered<proto::DistanceReply>& answer,
                                         const proto::ReplyFormat& format, const Cancel& cancel);
+// The mean distances, in the same way.
+[[nodiscard]] Result<HttpResponse> draw(const Answered<proto::ExtentReply>& answer,
+                                        const proto::ReplyFormat& format, const Cancel& cancel);
 // GLB: the path as a line strip, nothing when there is none. PNG: the path on the
 // surface, its start as a disc, its end and `via` as rings.
 [[nodiscard]] Result<HttpResponse> draw(const Answered<proto::PathReply>& answer,

@@ -149,6 +149,21 @@ void add_cache_header(HttpResponse& response, std::optional<bool> hit) {
   if (hit) response.set_header("Geo-Cache", *hit ? "hit" : "miss");
 }
 
+Answered<proto::DistanceReply> means_as_distances(const Answered<proto::ExtentReply>& answer) {
+  Answered<proto::DistanceReply> drawn;
+  drawn.adjacency = answer.adjacency;
+  drawn.upload = answer.upload;
+  drawn.reply.mesh = answer.reply.mesh;
+  drawn.reply.method = answer.reply.method;
+  drawn.reply.distances = answer.reply.means;
+  for (const double d : drawn.reply.distances) {
+    if (d == kUnreached) continue;
+    ++drawn.reply.reached;
+    drawn.reply.max = std::max(drawn.reply.max.value_or(0), d);
+  }
+  return drawn;
+}
+
 HttpResponse json_reply(std::string json, int status) {
   HttpResponse response;
   response.status = status;
@@ -256,7 +271,14 @@ Result<HttpResponse> encode(Answered<proto::MeasureReply> answer, const proto::R
 
 Result<HttpResponse> encode(Answered<proto::ExtentReply> answer, const proto::ReplyFormat& format,
                             const Cancel& cancel) {
-  return json_alone(answer, format, cancel);
+  if (format.format == Format::json) return json_alone(answer, format, cancel);
+  if (format.format != Format::frame) return encode(means_as_distances(answer), format, cancel);
+  Poll poll(cancel);
+  proto::ExtentReply& reply = answer.reply;
+  const std::uint64_t count = reply.means.size();
+  std::vector<Array> arrays{f64_array("means", {std::exchange(reply.means, {}), {count}}, poll)};
+  arrays.push_back(f64_array("margins", {std::exchange(reply.margins, {}), {count}}, poll));
+  return whole(frame_reply(reply, {"means", "margins"}, arrays, poll), answer.cache_hit, poll);
 }
 
 Result<HttpResponse> encode(Answered<proto::VoronoiReply> answer, const proto::ReplyFormat& format,

@@ -22,6 +22,10 @@ namespace geodesic::server {
 // Geo-Cache, where there is something to say.
 void add_cache_header(HttpResponse& response, std::optional<bool> hit);
 
+// What `of=means` found, as a field of distances, for all formats that those have.
+[[nodiscard]] Answered<proto::DistanceReply> means_as_distances(
+    const Answered<proto::ExtentReply>& answer);
+
 // How many numbers a reply has, more or less; and the bytes of memory that it takes until it is
 // encoded, and packed if it can be.
 struct ReplySize {

@@ -89,7 +89,7 @@ ReplySize size_of(const Answered<proto::MeasureReply>& answer, const proto::Repl
 }
 
 ReplySize size_of(const Answered<proto::ExtentReply>& answer, const proto::ReplyFormat& format) {
-  return size_by(kNumbersOfPoint * answer.reply.vertices.size(), answer, format);
+  return size_by(kNumbersOfPoint * answer.reply.vertices.size() + answer.numbers, answer, format);
 }
 
 ReplySize size_of(const Answered<proto::VoronoiReply>& answer, const proto::ReplyFormat& format) {

@@ -52,6 +52,8 @@ def systematic(vertices):
     yield "/measure?from=f:0,0.3,0.3&radii=1&radii=3"
     yield "/extent?of=center&fields=5"
     yield "/extent?of=mean&fields=3"
+    yield "/extent?of=means&fields=3"
+    yield "/extent?of=means&fields=3&format=f32"
     yield "/voronoi?from=f:0,0.3,0.3&from=v:5&from=v:9&relax=2"
     yield "/voronoi?from=v:5&from=v:9&part=cells"
     yield "/loop?through=v:0&through=v:7&through=f:0,0.3,0.3"

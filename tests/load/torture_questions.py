@@ -106,9 +106,9 @@ def parameters_of(chance, mesh, query):
         asked["radii"] = [size * 10 ** chance.uniform(-2, 0) for _ in range(chance.choice([0, 1, 5]))]
         return asked, ["json", "json", "glb"]
     if query == "extent":
-        asked |= {"of": chance.choice(["diameter", "center", "median", "mean"])}
+        asked |= {"of": chance.choice(["diameter", "center", "median", "mean", "means"])}
         asked["fields"] = chance.choice([1, 3, 8])
-        return asked, ["json"]
+        return asked, ["json", "frame", "npy", "glb"] if asked["of"] == "means" else ["json"]
     if query == "voronoi":
         asked["from"] = some(chance, mesh, chance.choice([1, 2, 5, 12]))
         if chance.random() < 0.3:

@@ -3,7 +3,7 @@ import { exchangeGeometry, type ArrivingGeometry } from './arriving.js';
 import { batch, type BatchAnswer, type BatchQuery } from './batch.js';
 import type { MeshMetadata, MethodInfo, QueryName, Schemas, Status } from './contract.js';
 import { exchangeAsJob, type JobOptions } from './jobs.js';
-import { fieldPlan, meshPath, planOf, queryCall, type Plan } from './plans.js';
+import { fieldPlan, meshPath, planOf, queryCall, shownCall, type Plan } from './plans.js';
 import type * as queries from './queries.js';
 import type { CallOptions, Precision, QueryOptions } from './queries.js';
 import * as replies from './replies.js';
@@ -274,7 +274,7 @@ export class GeodesicClient {
     { of, ...query }: queries.ArrayQuery,
     options: QueryOptions = {},
   ): Promise<replies.BareArray> {
-    return replies.arrayOf(await this.#transport.exchange(queryCall(id, of, query, options)));
+    return replies.arrayOf(await this.#transport.exchange(shownCall(id, of, query, options)));
   }
 
   /** A query's reply as a frame: all its arrays, and the rest of it as JSON. */
@@ -283,7 +283,7 @@ export class GeodesicClient {
     { of, ...query }: queries.FrameQuery,
     options: QueryOptions = {},
   ): Promise<replies.ToldFrame> {
-    const call = queryCall(id, of, { ...query, format: 'frame' }, options);
+    const call = shownCall(id, of, { ...query, format: 'frame' }, options);
     return replies.frameOf(await this.#transport.exchange(call));
   }
 

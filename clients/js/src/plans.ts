@@ -105,6 +105,13 @@ const json =
     read: replies.jsonAnswer,
   });
 
+/** A query in another format than its own. Means are shown as what they are: one of the extents. */
+export function shownCall(id: string, of: unknown, parameters: object, options: QueryOptions): Call {
+  return of === 'means'
+    ? queryCall(id, 'extent', { ...parameters, of }, options)
+    : queryCall(id, String(of), parameters, options);
+}
+
 const PLANS: Record<keyof Queries, Planner> = {
   distance: (id, parameters, options) => fieldPlan(id, parameters, 'f32', options),
   distancesAt(id, parameters, options) {
@@ -133,15 +140,15 @@ const PLANS: Record<keyof Queries, Planner> = {
     read: replies.logmapOf,
   }),
   picture: (id, { of, ...parameters }, options) => ({
-    call: queryCall(id, String(of), { ...parameters, format: 'png' }, options),
+    call: shownCall(id, of, { ...parameters, format: 'png' }, options),
     read: replies.blobOf,
   }),
   glb: (id, { of, ...parameters }, options) => ({
-    call: queryCall(id, String(of), { ...parameters, format: 'glb' }, options),
+    call: shownCall(id, of, { ...parameters, format: 'glb' }, options),
     read: (reply) => reply.body,
   }),
   annotated: (id, { of, ...parameters }, options) => ({
-    call: queryCall(id, String(of), { ...parameters, format: 'annotated' }, options),
+    call: shownCall(id, of, { ...parameters, format: 'annotated' }, options),
     read: (reply) => reply.body,
   }),
   prepare: (id, _parameters, options) => preparePlan(id, options),

@@ -159,6 +159,8 @@ export interface Drawing {
 
 type Of<Name extends string, Query> = { of: Name } & Omit<Query, 'precision'>;
 type FieldQuery = Omit<DistanceQuery, 'labels'>;
+/** Each vertex's mean distance over the surface: `extent` of `means`. */
+type MeansOf = Of<'means', Omit<ExtentQuery, 'of'>>;
 
 export type PictureQuery = Drawing &
   (
@@ -167,6 +169,7 @@ export type PictureQuery = Drawing &
     | Of<'voronoi', VoronoiQuery>
     | Of<'trace', TraceQuery>
     | Of<'loop', LoopQuery>
+    | MeansOf
   );
 
 export type GlbQuery =
@@ -176,6 +179,7 @@ export type GlbQuery =
       | Of<'path', PathQuery>
       | Of<'isolines', IsolinesQuery>
       | Of<'measure', MeasureQuery>
+      | MeansOf
       | Of<'voronoi', VoronoiQuery & { part?: Schemas['VoronoiPart'] }>
       | Of<'trace', TraceQuery>
       | Of<'loop', LoopQuery>
@@ -186,16 +190,18 @@ export type GlbQuery =
 export type AnnotatedQuery = { attribute?: Schemas['AttributeName'] } & (
   | (Of<'distance', DistanceQuery> & { label_attribute?: Schemas['AttributeName'] })
   | Of<'logmap', LogmapQuery>
+  | MeansOf
 );
 
 type Bare =
   | Of<'distance', FieldQuery & { at?: OneOrMore<Point> }>
+  | MeansOf
   | Of<'path', PathQuery>
   | Of<'table', TableQuery>
   | Of<'trace', TraceQuery>
   | Of<'loop', LoopQuery>;
 export type ArrayFormat = 'f32' | 'f64' | 'u16' | 'npy';
-/** A query whose reply is one bare array; `u16` is for `distance` and `table` only. */
+/** A query whose reply is one bare array; `u16` is for `distance`, `means` and `table` only. */
 export type ArrayQuery = Bare & { format: ArrayFormat };
 /** A query whose reply is a frame. */
 export type FrameQuery =

@@ -210,6 +210,8 @@ def agrees(value: Any, answer: geodesicd.Answer, name: str) -> None:
         for key in ("of", "value", "lower", "confidence", "exact", "fields", "part_vertices"):
             assert getattr(value, key) == document[key]
         assert value.vertices.tolist() == [v["vertex"] for v in document["vertices"]]
+        assert value.means.tolist() == document.get("means", [])
+        assert value.margins.tolist() == document.get("margins", [])
     elif name == "voronoi":
         assert value.areas.tolist() == [cell["area"] for cell in document["cells"]]
         assert value.vertices.tolist() == [cell["vertices"] for cell in document["cells"]]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -44,6 +45,36 @@ def test_against_all_fields(client: geodesicd.Client) -> None:
     estimated = mesh.extent("mean", fields=20, method="exact")
     assert (estimated.exact, estimated.confidence) == (False, 0.95)
     assert mesh.extent("mean", fields=1).upper == np.inf
+
+
+def test_means(client: geodesicd.Client, tmp_path: Path, server: geodesicd.LocalServer) -> None:
+    mesh = client.upload(hills(9, 3))
+    table = np.array([mesh.distance(v, method="exact") for v in range(mesh.vertices)])
+    corners = mesh.geometry().positions[mesh.geometry().triangles]
+    areas = np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
+    weights = np.bincount(mesh.geometry().triangles.ravel(), np.repeat(areas, 3))
+    expected = table @ weights / weights.sum()
+    whole = mesh.extent("means", fields=1000, method="exact")
+    assert (whole.exact, whole.fields) == (True, mesh.vertices)
+    np.testing.assert_allclose(whole.means, expected, rtol=1e-9)
+    assert whole.margins.tolist() == [0] * mesh.vertices
+    assert whole.value == pytest.approx(expected @ weights / weights.sum())
+    some = mesh.extent("means", fields=20, method="exact")
+    assert (some.margins > 0).all()
+    assert (np.abs(some.means - expected) <= some.margins).mean() > 0.5
+    assert mesh.extent("mean").means.size == 0
+    for ending in ("csv", "json", "npy", "glb", "png"):
+        file = tmp_path / f"means.{ending}"
+        asked = ("--of", "means", "--fields", "20", "--method", "exact", "-o", str(file))
+        geodesic(server, "extent", mesh.id, *asked)
+        assert file.stat().st_size > 500
+    np.testing.assert_array_equal(np.load(tmp_path / "means.npy"), some.means)
+    rows = np.loadtxt(tmp_path / "means.csv", delimiter=",", skiprows=1)
+    np.testing.assert_allclose(rows[:, 1:], np.array([some.means, some.margins]).T, rtol=1e-6)
+    refused = geodesic(server, "extent", mesh.id, "--of", "means", status=1)
+    assert "-o FILE" in refused.stderr
 
 
 def test_asynchronously(server: geodesicd.LocalServer, plane: geodesicd.Mesh) -> None:

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/mesh/shapes.h"
+#include "core/solve/mean_distances.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/surface.h"
@@ -31,6 +32,14 @@ Extent extent_of(const Surface& surface, ExtentOf what, std::uint64_t fields,
                  Method method = Method::exact) {
   SolveScratch scratch;
   auto found = extent(what, method, {}, surface.adjacency(), fields, scratch, Cancel());
+  REQUIRE(found);
+  return std::move(*found);
+}
+
+MeanDistances means_of(const Surface& surface, std::uint64_t fields,
+                       Method method = Method::exact) {
+  SolveScratch scratch;
+  auto found = mean_distances(method, {}, surface.adjacency(), fields, scratch, Cancel());
   REQUIRE(found);
   return std::move(*found);
 }
@@ -195,6 +204,92 @@ TEST_CASE("TheMeanOfASquareIsKnown") {
   const Extent whole = extent_of(surface, ExtentOf::mean, kAll);
   CHECK(whole.is_exact);
   CHECK(whole.value / 20 == doctest::Approx(0.521405).epsilon(0.003));
+}
+
+TEST_CASE("MeanDistancesAreThoseOfAllPairs") {
+  std::mt19937 random(test_seed());
+  for (int i = 0; i < 12; ++i) {
+    const auto number = static_cast<std::uint32_t>(random());
+    CAPTURE(number);
+    const Surface surface(fixtures::RandomMesh(number).soup());
+    const AllPairs all(surface, Method::exact);
+    const MeanDistances found = means_of(surface, kAll);
+    CHECK(found.is_exact);
+    CHECK(found.part_vertices == all.part_vertices);
+    CHECK(found.overall == doctest::Approx(all.mean_of_all).epsilon(1e-8));
+    CHECK(found.lower == found.overall);
+    CHECK(found.upper == found.overall);
+    for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+      if (all.mean[v] < 0) {
+        CHECK(found.mean[v] == kUnreached);
+        CHECK(found.margin[v] == kUnreached);
+      } else {
+        CHECK(found.mean[v] == doctest::Approx(all.mean[v]).epsilon(1e-8));
+        CHECK(found.margin[v] == 0);
+      }
+    }
+    // Which vertex has the least of them is what the median is.
+    const Extent median = extent_of(surface, ExtentOf::median, kAll);
+    CHECK(*std::min_element(found.mean.begin(), found.mean.end()) ==
+          doctest::Approx(median.value).epsilon(1e-8));
+  }
+}
+
+// Neighbours are right or wrong together, so many surfaces are asked.
+TEST_CASE("MostVerticesHaveTheirMeanWithinTheMargin") {
+  std::mt19937 random(test_seed());
+  constexpr int kSurfaces = 60;
+  for (const std::uint64_t fields : {5, 40}) {
+    CAPTURE(fields);
+    double inside = 0;
+    for (int i = 0; i < kSurfaces; ++i) {
+      const Surface surface(shapes::terrain(11, 4, static_cast<std::uint32_t>(random())));
+      const MeanDistances truth = means_of(surface, kAll, Method::dijkstra);
+      const MeanDistances found = means_of(surface, fields, Method::dijkstra);
+      CHECK_FALSE(found.is_exact);
+      CHECK(found.fields <= fields);
+      CHECK(found.mean.size() == truth.mean.size());
+      for (std::size_t v = 0; v < truth.mean.size(); ++v) {
+        CHECK(found.margin[v] > 0);
+        if (std::abs(found.mean[v] - truth.mean[v]) <= found.margin[v]) ++inside;
+      }
+    }
+    const double share = inside / (kSurfaces * 121);
+    CHECK(share > 0.85);
+    CHECK(share < 0.995);  // nor are margins as wide as to say nothing
+  }
+  const Surface surface(shapes::terrain(11, 4, 1));
+  const MeanDistances one = means_of(surface, 1);
+  CHECK(one.fields == 1);
+  CHECK(one.margin[0] == kUnreached);
+  CHECK(one.upper == kUnreached);
+}
+
+TEST_CASE("MeanDistancesOfAwkwardSurfacesAreFiniteOrUnreached") {
+  for (const fixtures::AwkwardMesh& mesh : fixtures::awkward_meshes()) {
+    CAPTURE(mesh.name);
+    const Surface surface(mesh.soup);
+    for (const std::uint64_t fields : {std::uint64_t{3}, kAll}) {
+      const MeanDistances found = means_of(surface, fields);
+      for (const double mean : found.mean) CHECK(mean >= 0);
+      for (const double margin : found.margin) CHECK(margin >= 0);
+    }
+  }
+}
+
+TEST_CASE("MeanDistancesAreStoppedInTheMiddle") {
+  const Surface surface(shapes::icosphere(3));
+  for (const std::uint64_t fields : {std::uint64_t{20}, kAll}) {
+    for (const std::size_t most : {0U, 3U, 20U}) {
+      std::size_t asked = 0;
+      const Cancel counting([&] { return ++asked > most; });
+      SolveScratch scratch;
+      const auto found =
+          mean_distances(Method::wavefront, {}, surface.adjacency(), fields, scratch, counting);
+      REQUIRE_FALSE(found.has_value());
+      CHECK(found.error().code == ErrorCode::cancelled);
+    }
+  }
 }
 
 // On one surface the same vertices are drawn each time, so surfaces differ here.

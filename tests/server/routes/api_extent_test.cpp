@@ -1,6 +1,8 @@
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <string>
 
 #include "tests/server/routes/plane_service.h"
@@ -54,8 +56,65 @@ TEST_CASE("AMeanIsEstimatedWithAnInterval") {
   CHECK(plane.ask("/extent?of=mean&fields=1")["upper"].is_null());
 }
 
+TEST_CASE("TheMeanDistanceOfEachVertexOfAPlane") {
+  PlaneService plane;
+  const json whole = plane.ask("/extent?of=means&method=exact&fields=1000");
+  CHECK(whole["exact"] == true);
+  CHECK(whole["confidence"] == 1);
+  CHECK(whole["fields"] == 120);
+  CHECK(whole["vertices"].empty());
+  REQUIRE(whole["means"].size() == 120);
+  REQUIRE(whole["margins"].size() == 120);
+  const json mean = plane.ask("/extent?of=mean&method=exact&fields=1000");
+  CHECK(whole["value"] == mean["value"]);
+  for (const int v : {0, 7, 65, 119}) {
+    const json about = plane.ask("/measure?method=exact&from=v:" + std::to_string(v));
+    CHECK(whole["means"][v].get<double>() == doctest::Approx(about["mean"].get<double>()));
+    CHECK(whole["margins"][v] == 0);
+  }
+  const json some = plane.ask("/extent?of=means&method=exact&fields=15");
+  CHECK(some["exact"] == false);
+  CHECK(some["confidence"] == 0.95);
+  CHECK(some["value"] == plane.ask("/extent?of=mean&method=exact&fields=15")["value"]);
+  CHECK(some["margins"][0] > 0);
+  CHECK(plane.ask("/extent?of=means&fields=1")["margins"][0].is_null());
+}
+
+// Copies of a vertex have its mean, and one in no face has none.
+TEST_CASE("MeansAreBySourceVertexInEveryFormat") {
+  PlaneService plane;
+  const std::string base = plane.add(
+      {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {9, 9, 9}, {1, 0, 0}, {1, 1, 0}}, {{0, 1, 2}, {4, 5, 2}}});
+  const json means = body_of(plane.service.get(base + "/extent?of=means&method=exact"))["means"];
+  REQUIRE(means.size() == 6);
+  CHECK(means[3].is_null());
+  CHECK(means[1] == means[4]);
+  CHECK(means[0] == means[5]);
+  const HttpResponse bare = plane.service.get(base + "/extent?of=means&method=exact&format=f64");
+  REQUIRE(bare.status == 200);
+  CHECK(header_of(bare, "Geo-Shape") == "6");
+  REQUIRE(bare.body->size() == 48);
+  std::array<double, 6> values{};
+  std::memcpy(values.data(), bare.body->data(), 48);
+  CHECK(std::isinf(values[3]));
+  for (const int v : {0, 1, 2, 4, 5}) CHECK(values[v] == means[v].get<double>());
+  for (const char* format : {"f32", "npy", "frame", "glb", "png&width=64&height=64", "annotated"}) {
+    CAPTURE(format);
+    const HttpResponse reply = plane.service.get(base + "/extent?of=means&format=" + format);
+    CHECK(reply.status == 200);
+    CHECK(reply.body->size() > 20);
+  }
+  const HttpResponse named =
+      plane.service.get(base + "/extent?of=means&format=annotated&attribute=_MIDDLE");
+  CHECK(named.body->find("\"_MIDDLE\"") != std::string::npos);
+  const HttpResponse file = plane.service.get(base + "/extent?of=means&format=annotated");
+  CHECK(file.body->find("\"_GEODESIC_MEAN_DISTANCE\"") != std::string::npos);
+}
+
 TEST_CASE("ExtentsByGetAndPost") {
   PlaneService plane;
+  plane.check_same("/extent?of=means&fields=7&method=dijkstra&precision=7",
+                   R"({"of":"means","fields":7,"method":"dijkstra","precision":7})");
   plane.check_same("/extent?of=center&fields=7&method=dijkstra&precision=7",
                    R"({"of":"center","fields":7,"method":"dijkstra","precision":7})");
 }

@@ -281,16 +281,20 @@ class Extent:
     """How large a surface is, or where its middle is: of its part with most vertices.
 
     Attributes:
-        of: ``"diameter"``, ``"center"``, ``"median"`` or ``"mean"``.
+        of: ``"diameter"``, ``"center"``, ``"median"``, ``"mean"`` or ``"means"``.
         value: the best that was found, mesh units.
         lower: the true one is not below.
         upper: the true one is not above; infinite where nothing is known of that.
-        confidence: with which these two hold; 0.95 of a mean that is estimated, else 1.
+        confidence: with which these two hold; 0.95 of means that are estimated, else 1.
         exact: whether the value is that of all vertices.
         vertices: (2,), (1,) or (0,) int64, the diameter's ends, or the one in the middle.
         points: (2, 3), (1, 3) or (0, 3) float64, where they are, mesh units.
         fields: how many were computed.
         part_vertices: how many vertices the part has; those at one position are one.
+        means: of ``"means"``, the mean distance of each of the mesh's vertices, float64, mesh
+            units; infinite outside of the part. Of anything else empty.
+        margins: for each the most that it is off, with the confidence; infinite outside of the
+            part, and where nothing is known of that.
     """
 
     of: str
@@ -303,6 +307,8 @@ class Extent:
     points: Float64
     fields: int
     part_vertices: int
+    means: Float64
+    margins: Float64
 
     def __repr__(self) -> str:
         how = "exactly" if self.exact else f"from {self.lower:g} to {self.upper:g}"

@@ -123,7 +123,8 @@ def extent(
     Args:
         of: ``"diameter"``, the greatest distance between two vertices; ``"center"``, the vertex
             from which the greatest distance is least; ``"median"``, the one from which the mean
-            distance over the surface is least; ``"mean"``, the mean distance of two points.
+            distance over the surface is least; ``"mean"``, the mean distance of two points;
+            ``"means"``, for each vertex its mean distance over the surface.
     """
     parameters = {
         "of": of,

@@ -323,6 +323,8 @@ def extent_of_json(reply: Reply) -> Extent:
         points=np.array([vertex["xyz"] for vertex in vertices], dtype=np.float64).reshape(-1, 3),
         fields=int(document["fields"]),
         part_vertices=int(document["part_vertices"]),
+        means=np.array([_length(d) for d in document.get("means", ())], dtype=np.float64),
+        margins=np.array([_length(d) for d in document.get("margins", ())], dtype=np.float64),
     )
 
 
