@@ -12,7 +12,7 @@ const plane = await service.sample('plane');
 
 const FULL =
   '&from=9700,0.3,0.3&from=300,0.2,0.2&via=4000,0.2,0.5&to=19000,0.25,0.25&arrow=8000,0.3,0.3;1,0.4,0;40' +
-  '&kept=wavefront;0;9700,0.3,0.3;19000,0.25,0.25&show=regions';
+  '&kept=wavefront;0;9700,0.3,0.3;19000,0.25,0.25&show=cells&loop=through;9000,0.3,0.3;9100,0.2,0.2;12000,0.3,0.3&forbid=15000-15040';
 const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
 const ON_PHONE = { x: 0, y: 130, width: 390, height: 280 };
 

@@ -31,7 +31,18 @@ import httpx
 import numpy as np
 from numpy.typing import DTypeLike
 
-from . import batches, connection, exports, lookup, loops, queries, service, spreads, tables
+from . import (
+    batches,
+    connection,
+    drawings,
+    exports,
+    lookup,
+    loops,
+    queries,
+    service,
+    spreads,
+    tables,
+)
 from .errors import GeodesicError, error_of
 from .flows import Flow, Progress, Request, Retries, Send, Step, Watch, with_retries
 from .mesh_input import body_of, warn_of_rounding
@@ -95,6 +106,9 @@ class Mesh(Metadata):
     query = _query(queries.query)
     geometry = _query(queries.geometry)
     geometry_glb = _query(queries.geometry_glb)
+    cells_glb = _query(drawings.cells_glb)
+    discs_glb = _query(drawings.discs_glb)
+    map_glb = _query(drawings.map_glb)
     source = _query(queries.source)
     delete = _query(service.delete)
     to_trimesh = _query(exports.to_trimesh)

@@ -99,6 +99,7 @@ def draw(
     *,
     isolines: Sequence[Isoline] = (),
     path: Path | None = None,
+    lines: Sequence[Loop | Trace | Bisector] = (),
     sources: Sequence[SurfacePoint] = (),
     **options: Any,
 ) -> Flow[Figure]:
@@ -106,6 +107,7 @@ def draw(
 
     Args:
         isolines, path, sources: drawn on it.
+        lines: loops, traces and bisectors, such as ``voronoi(sites).bisectors``; likewise.
         options: those of :func:`geodesicd.plot.draw`: ``title``, ``view``, ``up``, ``colormap``,
             ``size``, ``dpi``, ``label`` and ``smooth``.
 
@@ -116,7 +118,10 @@ def draw(
 
     shape = yield from geometry(mesh)
     values = _checked(field, len(shape.positions))
-    return drawn(shape, values, isolines=isolines, path=path, sources=sources, **options)
+    polylines = [_polyline(line) for line in lines]
+    return drawn(
+        shape, values, isolines=isolines, path=path, lines=polylines, sources=sources, **options
+    )
 
 
 def _polyline(line: Path | Loop | Trace | Isoline | Bisector) -> Float64:

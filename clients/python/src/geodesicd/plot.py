@@ -35,7 +35,7 @@ _SIDES: dict[str, View] = {
     "bottom": (0, -90),
     "corner": (35, 25),
 }
-_PATH, _INK = "#d81e5b", "#1b1b1e"
+_PATH, _LINE, _INK = "#d81e5b", "#0a8f82", "#1b1b1e"
 
 
 def plot(
@@ -127,6 +127,7 @@ def draw(
     *,
     isolines: Sequence[Isoline] = (),
     path: Path | None = None,
+    lines: Sequence[Float64] = (),
     sources: Sequence[SurfacePoint] = (),
     title: str = "",
     label: str = "distance (mesh units)",
@@ -138,8 +139,9 @@ def draw(
     dpi: int = 150,
 ) -> Figure:
     """Draws what is at hand already: ``field`` (vertices,) on ``geometry``; infinite values are
-    grey. Without ``smooth``, a place has the value of the closest vertex: for labels, which have
-    nothing in between. Other parameters as of :func:`plot`."""
+    grey. ``lines``: polylines (n, 3) on the surface. Without ``smooth``, a place has the value of
+    the closest vertex: for labels, which have nothing in between. Other parameters as of
+    :func:`plot`."""
     try:
         from matplotlib import colormaps
         from matplotlib.cm import ScalarMappable
@@ -169,6 +171,9 @@ def draw(
 
     for line in isolines:
         _draw_line(axes, camera, seen, line.polyline, _INK, 0.6, alpha=0.75)
+    for points in lines:
+        _draw_line(axes, camera, seen, points, "white", 3.2)
+        _draw_line(axes, camera, seen, points, _LINE, 1.6, hidden=True)
     if path is not None and path.reachable:
         _draw_line(axes, camera, seen, path.points, "white", 4.0)
         _draw_line(axes, camera, seen, path.points, _PATH, 2.2, hidden=True)

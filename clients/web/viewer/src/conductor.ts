@@ -8,12 +8,20 @@ import type { Connection } from './connection.ts';
 import { troubleOf } from './messages.ts';
 import { Newest } from './newest.ts';
 import type { Notices } from './notices.ts';
+import { regionsOf } from './painted.ts';
 import {
   computing, fieldKey, fieldQuestion, pathKey, Questions, type FieldQuestion, type PathQuestion,
 } from './questions.ts';
 import { lookOf, type RegionLook } from './regions.ts';
 import { errorAgainst, surfaceOf, type KnownField, type Results } from './results.ts';
-import { REGIONS, type Arrow, type Measure, type Spot, type State, type Store } from './state.ts';
+import { Shapes } from './shapes.ts';
+import { byRegion, REGIONS, type Arrow, type Line, type Measure, type Painted, type Spot, type State, type Store } from './state.ts';
+
+interface TraceQuestion {
+  readonly mesh: string;
+  readonly arrow: Arrow;
+  readonly painted: Painted;
+}
 
 /** Milliseconds without a movement after which the path of a held point is at full strength again. */
 const AT_REST = 300;
@@ -24,9 +32,10 @@ export class Conductor {
   readonly #exact = new Newest<FieldQuestion>((asked, signal) => this.#askExact(asked, signal));
   readonly #apart = new Newest<FieldQuestion>((asked, signal) => this.#askApart(asked, signal));
   readonly #path = new Newest<PathQuestion>((asked, signal) => this.#askPath(asked, signal));
-  readonly #trace = new Newest<{ mesh: string; arrow: Arrow }>((asked, signal) => this.#askTrace(asked, signal));
+  readonly #trace = new Newest<TraceQuestion>((asked, signal) => this.#askTrace(asked, signal));
   readonly #measures = new Newest<readonly Measure[]>((asked, signal) => this.#askMeasures(asked, signal));
   readonly #trials = new Newest<State>((asked, signal) => this.#askTrials(asked, signal));
+  readonly #shapes: Shapes;
   /** Of which state the path is that is shown. */
   #pathKey = '';
   #held = false;
@@ -42,6 +51,7 @@ export class Conductor {
     private readonly connection: Connection,
   ) {
     this.#questions = new Questions(() => access.client, results, notices);
+    this.#shapes = new Shapes(this.#questions, state, results, (...given) => this.#attempt(...given));
     state.listen((now, before) => this.#follow(now, before));
     results.listen((now, before) => {
       // A path by a long method waits for its field; so does the choice among several sources.
@@ -61,10 +71,11 @@ export class Conductor {
     this.#wantPath(now, false);
     this.#wantTrace(now);
     this.#wantMeasures(now);
+    this.#shapes.want(now);
   }
 
   get busy(): boolean {
-    return [this.#field, this.#exact, this.#apart, this.#path, this.#trace, this.#measures, this.#trials].some(({ busy }) => busy);
+    return this.#shapes.busy || [this.#field, this.#exact, this.#apart, this.#path, this.#trace, this.#measures, this.#trials].some(({ busy }) => busy);
   }
 
   /** Stops everything that is under way, as its reader wishes. */
@@ -90,12 +101,18 @@ export class Conductor {
   /** Without a change of the state. */
   cancel(): void {
     for (const running of [this.#field, this.#exact, this.#apart, this.#path, this.#trace, this.#measures, this.#trials]) running.cancel();
+    this.#shapes.cancel();
   }
 
   /** Whether a point is being dragged. */
   hold(held: boolean): void {
     this.#held = held;
     this.#judge();
+  }
+
+  /** Moves the sources towards the middles of their cells. */
+  relax(): void {
+    this.#shapes.relax();
   }
 
   /** Tries every method on the present sources, for the list of methods. */
@@ -107,21 +124,23 @@ export class Conductor {
     if (now.mesh !== before.mesh) {
       this.cancel();
       this.#paths.clear();
-      this.results.set({ field: null, error: null, apart: null, regions: null, trials: {}, stopped: false, path: null, stale: false, pathMs: null, trace: null, measured: [] });
+      this.results.set({ field: null, error: null, apart: null, regions: null, trials: {}, stopped: false, path: null, stale: false, pathMs: null, trace: null, lines: new Map(), drawn: null, noLoop: null, disc: null, cells: null, measured: [] });
       return; // whoever loads the mesh sets the surface, and then all is asked
     }
     const byOther = now.method !== before.method || now.pointsPerEdge !== before.pointsPerEdge;
-    const fromOther = now.sources !== before.sources;
-    if (fromOther) {
+    const fromOther = now.sources !== before.sources || now.curves !== before.curves;
+    const onOther = now.painted !== before.painted || now.walking !== before.walking;
+    if (fromOther || onOther) {
       this.#trials.cancel();
       this.results.set({ trials: {}, stopped: false });
     }
-    if (byOther || fromOther || now.show !== before.show) this.#wantField(now, byOther || this.#questions.isLong(before.method));
-    if (byOther || fromOther || now.via !== before.via || now.target !== before.target || now.refine !== before.refine) {
+    if (byOther || fromOther || onOther || now.show !== before.show) this.#wantField(now, byOther || this.#questions.isLong(before.method));
+    if (byOther || fromOther || onOther || now.via !== before.via || now.target !== before.target || now.refine !== before.refine) {
       this.#wantPath(now, byOther);
     }
-    if (now.arrow !== before.arrow) this.#wantTrace(now);
+    if (onOther || now.arrow !== before.arrow) this.#wantTrace(now);
     if (now.measures !== before.measures) this.#wantMeasures(now);
+    this.#shapes.follow(now, before);
   }
 
   #wantField(now: State, interrupt: boolean): void {
@@ -139,7 +158,7 @@ export class Conductor {
         this.#show(kept);
       } else this.#field.ask(question, interrupt);
     } else this.#field.cancel(); // what is on its way is not wanted any more: the points went back
-    const divided = now.show === 'regions' && now.sources.length > 1 && now.sources.length <= REGIONS && !this.#questions.isLong(now.method);
+    const divided = byRegion(now.show) && !now.curves.length && now.sources.length > 1 && now.sources.length <= REGIONS && !this.#questions.isLong(now.method);
     if (!divided) this.#apart.cancel();
     else if (this.results.value.apart?.key !== fieldKey(question)) this.#apart.ask(question);
     const { field, regions } = this.results.value;
@@ -152,13 +171,14 @@ export class Conductor {
   /** Only where they are shown: it takes a look at every face. */
   #looks({ labels, sources }: KnownField): RegionLook | null {
     const { surface } = this.results.value;
-    return labels && surface && this.state.value.show === 'regions' ? lookOf(labels, surface.triangles, sources) : null;
+    return labels && surface && byRegion(this.state.value.show) ? lookOf(labels, surface.triangles, sources) : null;
   }
 
   /** The same question for the exact method. */
   #exactOf(question: FieldQuestion): FieldQuestion | null {
     const method = this.results.value.methods.find(({ exact }) => exact)?.name;
-    return method ? { ...question, method } : null;
+    // Of ways on foot there are no exact ones.
+    return method && !question.walking ? { ...question, method } : null;
   }
 
   async #askField(asked: FieldQuestion, signal: AbortSignal): Promise<void> {
@@ -192,7 +212,7 @@ export class Conductor {
     await this.#attempt(signal, 'apart', async () => {
       const fields: KnownField[] = [];
       for (const source of asked.sources) {
-        const own = { ...asked, sources: [source] };
+        const own = { ...asked, sources: [source], curves: [] };
         fields.push(await this.#questions.field(own, signal, () => this.#apart.cancel()));
       }
       const present = fieldQuestion(this.state.value);
@@ -226,6 +246,7 @@ export class Conductor {
 
   /** What a field tells of its method, into the list of methods. */
   #note({ method, ms }: KnownField, error?: { mean: number; most: number }): void {
+    if (this.state.value.walking) return;
     const before = this.results.value.trials[method];
     const trial = {
       ms: ms ?? before?.ms ?? null,
@@ -258,28 +279,30 @@ export class Conductor {
   }
 
   #wantPath(now: State, interrupt: boolean): void {
-    const { mesh, sources, target, via, method, pointsPerEdge, refine } = now;
+    const { mesh, sources, curves, target, via, method, pointsPerEdge, refine, painted, walking } = now;
+    const count = sources.length + curves.length;
     const { field, methods } = this.results.value;
     if (!methods.length) return;
-    if (!mesh || !target || !sources.length || !surfaceOf(now, this.results.value)) {
+    if (!mesh || !target || !count || !surfaceOf(now, this.results.value)) {
       this.#path.cancel();
       return this.results.set({ path: null, stale: false, along: null, pathMs: null });
     }
     const present = field?.key === fieldKey(fieldQuestion(now)!);
     this.#moved = performance.now();
     this.#judge();
-    if (!present && (sources.length > 1 || this.#questions.isLong(method))) return; // asked once it has come
+    if (!present && (count > 1 || this.#questions.isLong(method))) return; // asked once it has come
     const starts = this.#nearest(now, via[0] ?? target);
-    this.#path.ask({ mesh, from: starts[0]!, starts, via, to: target, method, pointsPerEdge, refine, key: pathKey(now) }, interrupt);
+    this.#path.ask({ mesh, from: sources[0] ?? target, starts, via, to: target, method, pointsPerEdge, refine, painted, walking, key: pathKey(now) }, interrupt);
   }
 
   /** The sources of which one is nearest to a spot: one, or those that meet in its face. */
-  #nearest({ sources }: State, spot: Spot): readonly Spot[] {
+  #nearest({ sources, curves }: State, spot: Spot): readonly (Spot | Line)[] {
+    const all = [...sources, ...curves];
     const { field, surface } = this.results.value;
-    if (sources.length === 1 || !field?.labels || !surface) return sources.slice(0, 1);
+    if (all.length === 1 || !field?.labels || !surface) return all.slice(0, 1);
     const labels = new Set(surface.cornersOf(spot.face).map((vertex) => field.labels![vertex]!));
-    const starts = [...labels].map((label) => sources[label]).filter((start) => start !== undefined);
-    return starts.length ? starts : sources.slice(0, 1);
+    const starts = [...labels].map((label) => all[label]).filter((start) => start !== undefined);
+    return starts.length ? starts : all.slice(0, 1);
   }
 
   async #askPath(asked: PathQuestion, signal: AbortSignal): Promise<void> {
@@ -309,18 +332,18 @@ export class Conductor {
   }
 
   #wantTrace(now: State): void {
-    const { mesh, arrow } = now;
-    if (mesh && arrow && surfaceOf(now, this.results.value)) this.#trace.ask({ mesh, arrow });
+    const { mesh, arrow, painted } = now;
+    if (mesh && arrow && surfaceOf(now, this.results.value)) this.#trace.ask({ mesh, arrow, painted });
     else {
       this.#trace.cancel();
       this.results.set({ trace: null });
     }
   }
 
-  async #askTrace({ mesh, arrow }: { mesh: string; arrow: Arrow }, signal: AbortSignal): Promise<void> {
+  async #askTrace({ mesh, arrow, painted }: TraceQuestion, signal: AbortSignal): Promise<void> {
     await this.#attempt(signal, 'trace', async () => {
       const { from, direction, length } = arrow;
-      const trace = await this.access.client.trace(mesh, { from, direction, length }, { signal });
+      const trace = await this.access.client.trace(mesh, { from, direction, length, ...regionsOf(painted) }, { signal });
       if (this.state.value.arrow && !signal.aborted) this.results.set({ trace });
     }, () => this.results.set({ trace: null }));
   }
@@ -345,7 +368,7 @@ export class Conductor {
       if (signal.aborted || this.connection.lost) return;
       // One that fails is told, and keeps none of those after it back.
       await this.#attempt(signal, `measure ${index}`, async () => {
-        const question = { ...measure, mesh, starts: [measure.from], key: '' };
+        const question = { ...measure, mesh, walking: null, starts: [measure.from], key: '' };
         this.#paths.set(measure, await this.#questions.path(question, signal, () => this.#measures.cancel()));
         const { measures } = this.state.value;
         this.results.set({ measured: measures.map((each) => this.#paths.get(each) ?? null) });

@@ -10,6 +10,8 @@ const KINDS: readonly { kind: ExportKind; label: string; title: string; has: (of
   { kind: 'path.glb', label: 'Path · GLB', title: 'A line strip for any 3D program', has: hasPath },
   { kind: 'path.json', label: 'Path · JSON', title: 'Points with their faces, as the server answered', has: hasPath },
   { kind: 'path.csv', label: 'Path · CSV', title: 'Points with the distance walked', has: hasPath },
+  { kind: 'loop.glb', label: 'Loop · GLB', title: 'A closed line for any 3D program', has: ({ drawn }) => drawn?.loop != null },
+  { kind: 'cells.glb', label: 'Cells · GLB', title: 'The surface cut into its cells, a coloured mesh each', has: ({ cells }) => cells !== null },
   { kind: 'field.npy', label: 'Field · NPY', title: 'A distance a vertex, for NumPy', has: ({ field }) => field !== null },
 ];
 

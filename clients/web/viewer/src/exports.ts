@@ -9,9 +9,11 @@ import { legendOf, type LegendText } from './legend.ts';
 import { meshName } from './mesh_names.ts';
 import { letterOf, type Overlay } from './overlay.ts';
 import type { ExportKind } from './parts.ts';
-import { methodOf } from './questions.ts';
+import { regionsOf } from './painted.ts';
+import { costsOf, fieldQuestion, sourcesOf } from './questions.ts';
 import type { Results } from './results.ts';
 import { scaleOf } from './scale_bar.ts';
+import { cellsOf, queryOf } from './shapes.ts';
 import type { Stage } from './stage.ts';
 import type { Spot, State } from './state.ts';
 
@@ -37,12 +39,24 @@ const MAKERS: Record<ExportKind, (from: Exporting) => Promise<Blob | null>> = {
   'path.glb': async ({ access, state, results }) => {
     if (!results.path || !state.mesh) return null;
     const { from, via, to, refine } = results.path;
-    const query = { from: spotIn(from), via: via.map(spotIn), to: spotIn(to), refine, ...methodOf(state) };
+    const query = { from: spotIn(from), via: via.map(spotIn), to: spotIn(to), refine, ...costsOf(state), ...regionsOf(state.painted) };
     return new Blob([await access.client.glb(state.mesh, { of: 'path', ...query })], { type: 'model/gltf-binary' });
   },
   'field.glb': async ({ access, state }) => {
-    const query = { from: state.sources, colormap: state.colours, ...methodOf(state) };
+    const query = { from: sourcesOf(state), colormap: state.colours, ...costsOf(state), ...regionsOf(state.painted) };
     return new Blob([await access.client.glb(state.mesh!, { of: 'distance', ...query })], { type: 'model/gltf-binary' });
+  },
+  'loop.glb': async ({ access, state }) => {
+    const asked = state.loop && queryOf(state, state.loop);
+    if (!asked || asked.query !== 'loop' || !state.mesh) return null;
+    const { query, ...rest } = asked;
+    return new Blob([await access.client.glb(state.mesh, { of: query, ...rest })], { type: 'model/gltf-binary' });
+  },
+  'cells.glb': async ({ access, state }) => {
+    const question = fieldQuestion(state);
+    if (!question) return null;
+    const { query, ...rest } = cellsOf(question, 0);
+    return new Blob([await access.client.glb(question.mesh, { of: query, ...rest })], { type: 'model/gltf-binary' });
   },
   'path.json': async ({ results: { path } }) => {
     if (!path) return null;
@@ -52,7 +66,7 @@ const MAKERS: Record<ExportKind, (from: Exporting) => Promise<Blob | null>> = {
   'path.csv': async ({ results: { path } }) => (path ? text(pathCsv(path), 'text/csv') : null),
   'field.npy': async ({ access, state }) => {
     // As the server writes it: float64, more than the page keeps.
-    const query = { from: state.sources, ...methodOf(state), format: 'npy' };
+    const query = { from: sourcesOf(state), ...costsOf(state), ...regionsOf(state.painted), format: 'npy' };
     const reply = await access.client.request({
       method: 'POST',
       path: `/v1/meshes/${state.mesh}/distance`,

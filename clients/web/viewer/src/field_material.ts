@@ -72,6 +72,7 @@ const FRAGMENT = /* glsl */ `
   uniform float most;
   uniform float lineStep;
   uniform float edgeWidth;
+  uniform float disc;
   out vec4 colour;
 
   ${COLOUR_MAPS_GLSL}
@@ -109,6 +110,8 @@ const FRAGMENT = /* glsl */ `
     float fieldLines = lineStep > 0.0 ? lines(vField / lineStep, 1.3) : 0.0;
     float fifthLines = lineStep > 0.0 ? lines(vField / (5.0 * lineStep), 2.2) : 0.0;
 
+    float rimOfDisc = 1.0 - smoothstep(1.2, 2.2, abs(vField - disc) / max(length(vec2(dFdx(vField), dFdy(vField))), 1e-9));
+
     #ifdef REGIONS
       // Each number with its own slope: that of their difference jumps at the border.
       vec4 x0 = dFdx(vRegions0), y0 = dFdy(vRegions0), x1 = dFdx(vRegions1), y1 = dFdy(vRegions1);
@@ -144,6 +147,8 @@ const FRAGMENT = /* glsl */ `
       float ink = max(0.55 * fieldLines, 0.8 * fifthLines);
       vec3 inkColour = dot(hue, vec3(0.3, 0.59, 0.11)) > 0.34 ? hue * 0.22 : mix(hue, vec3(1.0), 0.62);
       painted = mix(painted, inkColour, ink);
+      // Beyond the disc the surface is half clay, and its outline is bright.
+      if (disc > 0.0) painted = mix(mix(painted, clay * light, vField > disc ? 0.6 : 0.0), vec3(1.0), rimOfDisc);
       // The front glows while it runs.
       float glow = reveal < 1e29 ? exp(-abs(away) / max(edgeWidth, 1e-9)) : 0.0;
       painted = mix(painted, vec3(1.0), 0.55 * glow);
@@ -172,6 +177,7 @@ export class FieldMaterial extends ShaderMaterial {
         most: { value: 1 },
         lineStep: { value: 0 },
         edgeWidth: { value: 1 },
+        disc: { value: 0 },
         regionColours: { value: coloursOf(REGION_COLOURS) },
       },
       // Lines and markers lie on the surface: it makes room for half their width.
@@ -206,6 +212,11 @@ export class FieldMaterial extends ShaderMaterial {
     this.#colours = colours;
     this.uniforms['regionColours']!.value.dispose();
     this.uniforms['regionColours']!.value = coloursOf(colours);
+  }
+
+  /** The radius of the disc that is set off, in drawn units; 0 for none. */
+  setDisc(radius: number): void {
+    this.uniforms['disc']!.value = radius;
   }
 
   /** Up to which distance the field is shown; Infinity for all, -1 for clay only. */

@@ -25,13 +25,20 @@ export class FirstQuestions {
 
   /** Both; whatever fails is told, and keeps the other from nothing. `then` is called as soon as the methods are there. */
   async ask(then: () => void): Promise<void> {
-    await Promise.all([this.#methods().then(then), this.#told(() => this.meshes.list())]);
+    await Promise.all([this.#methods().then(then), this.#offers(), this.#told(() => this.meshes.list())]);
+  }
+
+  /** What only some servers have; without an answer nothing of it is shown. */
+  async #offers(): Promise<void> {
+    const status = await this.access.client.status().catch(() => null);
+    const limits: Readonly<Record<string, number>> = status?.limits ?? {};
+    this.results.set({ offers: { walls: 'max_walls' in limits, curves: 'max_curve_points' in limits, walking: 'max_slopes' in limits } });
   }
 
   /** A change that needs an answer asks for the methods again, where they did not come. */
   follow(now: State, before: State, then: () => void): void {
     if (this.results.value.methods.length || this.connection.lost) return;
-    const parts = ['mesh', 'sources', 'via', 'target', 'arrow', 'measures'] as const;
+    const parts = ['mesh', 'sources', 'curves', 'via', 'target', 'arrow', 'loop', 'measures'] as const;
     if (parts.some((part) => now[part] !== before[part])) void this.#methods().then(then);
   }
 

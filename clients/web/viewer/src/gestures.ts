@@ -5,7 +5,9 @@
  */
 import { Vector3, Plane } from 'three';
 import { element } from './element.ts';
+import { closed, withPoint } from './drawing.ts';
 import type { Overlay, Handle } from './overlay.ts';
+import type { Painter } from './painter.ts';
 import type { Hit, Picking } from './picking.ts';
 import type { Stage } from './stage.ts';
 import { MOST_SOURCES, type Spot, type State, type Store, type Tool } from './state.ts';
@@ -17,12 +19,14 @@ export interface GestureOptions {
   readonly stage: Stage;
   readonly overlay: Overlay;
   readonly picking: Picking;
+  readonly painter: Painter;
   readonly state: Store<State>;
   /** The state's mesh; null while another one is still drawn. */
   readonly surface: () => Surface | null;
   /** Told when a drag begins and ends. */
   readonly dragging: (handle: Handle | null) => void;
-  readonly full: () => void;
+  /** Told that no more points of the tool's kind are taken. */
+  readonly full: (tool: Tool) => void;
   /** Told where a mouse without buttons is, but for handles. */
   readonly hovering: (at: { x: number; y: number } | null) => void;
 }
@@ -31,8 +35,11 @@ export class Gestures {
   #options: GestureOptions | null = null;
   #held: Handle | null = null;
   /** The points when the drag began. */
-  #before: Pick<State, 'sources' | 'via' | 'target' | 'arrow'> | null = null;
+  #before: Pick<State, 'sources' | 'via' | 'target' | 'arrow' | 'loop'> | null = null;
+  /** Whether a stroke of the brush goes on. */
+  #painting = false;
   #pressed: { id: number; x: number; y: number; shift: boolean } | null = null;
+  readonly #ring = element('div', { className: 'ring', hidden: true, aria: { hidden: 'true' } });
   readonly #cross = element('div', { className: 'cross', hidden: true, aria: { hidden: 'true' } });
 
   /** To be attached before the camera's controls, so that a held handle stops them. */
@@ -44,12 +51,14 @@ export class Gestures {
     canvas.addEventListener('pointermove', (event) => this.#move(event));
     canvas.addEventListener('pointerup', (event) => this.#up(event));
     canvas.addEventListener('pointercancel', () => this.#drop());
+    canvas.addEventListener('pointerleave', () => { this.#ring.hidden = true; });
+    canvas.addEventListener('dblclick', () => this.#close());
     canvas.addEventListener('keydown', (event) => this.#key(event));
     // Before other listeners: while a point is held, Escape means the drag.
     addEventListener('keydown', (event) => { if (event.key === 'Escape') this.#takeBack(event); }, { capture: true });
     canvas.addEventListener('focus', () => { this.#cross.hidden = !canvas.matches(':focus-visible'); });
     canvas.addEventListener('blur', () => { this.#cross.hidden = true; });
-    document.body.append(this.#cross);
+    document.body.append(this.#cross, this.#ring);
   }
 
   use(options: GestureOptions): void {
@@ -65,14 +74,25 @@ export class Gestures {
     if (!this.#options) return;
     this.#cross.hidden = true;
     // A second finger means the camera.
-    if (!event.isPrimary || event.button !== 0) return void (this.#pressed = null);
-    const { stage, overlay, dragging } = this.#ready;
+    if (!event.isPrimary || event.button !== 0) {
+      if (this.#painting) this.#drop();
+      return void (this.#pressed = null);
+    }
+    const { stage, overlay, dragging, painter, state } = this.#ready;
     this.#pressed = { id: event.pointerId, x: event.clientX, y: event.clientY, shift: event.shiftKey };
+    if (state.value.tool === 'brush') {
+      this.#painting = painter.begin(event.clientX, event.clientY, event.shiftKey !== state.value.erasing);
+      // Of fingers the second one still means the camera.
+      if (event.pointerType === 'touch') stage.controls.enableRotate = !this.#painting;
+      else stage.controls.enabled = !this.#painting;
+      if (this.#painting) stage.canvas.setPointerCapture(event.pointerId);
+      return;
+    }
     this.#held = overlay.handleAt(event.clientX, event.clientY, event.pointerType === 'touch');
     stage.controls.enabled = !this.#held;
     if (!this.#held) return;
-    const { sources, via, target, arrow } = this.#ready.state.value;
-    this.#before = { sources, via, target, arrow };
+    const { sources, via, target, arrow, loop } = state.value;
+    this.#before = { sources, via, target, arrow, loop };
     stage.canvas.setPointerCapture(event.pointerId);
     overlay.hold(this.#held);
     dragging(this.#held);
@@ -80,7 +100,11 @@ export class Gestures {
 
   #move(event: PointerEvent): void {
     if (!this.#options) return;
-    const { stage, overlay, hovering } = this.#ready;
+    const { stage, overlay, hovering, painter, state } = this.#ready;
+    if (state.value.tool === 'brush') this.#showRing(event);
+    else this.#ring.hidden = true;
+    if (this.#painting && event.pointerId === this.#pressed?.id) return painter.move(event.clientX, event.clientY);
+    if (state.value.tool === 'brush') return;
     if (this.#held && event.pointerId === this.#pressed?.id) return this.#drag(this.#held, event);
     if (event.pointerType === 'mouse' && event.buttons === 0) {
       const over = overlay.handleAt(event.clientX, event.clientY, false);
@@ -93,10 +117,16 @@ export class Gestures {
     if (!this.#options) return;
     const pressed = this.#pressed;
     const held = this.#held;
+    const { state, painter } = this.#ready;
+    if (this.#painting && pressed && event.pointerId === pressed.id) {
+      this.#painting = false;
+      painter.end();
+    }
     this.#drop();
-    if (!pressed || held || event.pointerId !== pressed.id) return;
+    if (!pressed || event.pointerId !== pressed.id || state.value.tool === 'brush') return;
     if (Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > STILL) return;
-    const { state } = this.#ready;
+    if (held?.kind === 'loop' && held.index === 0 && state.value.tool === 'loop') this.#close();
+    if (held) return;
     const hit = this.#hit(event.clientX, event.clientY);
     const tool = pressed.shift && state.value.tool === 'source' ? 'add' : state.value.tool;
     if (hit) this.place(tool, hit.spot);
@@ -104,6 +134,10 @@ export class Gestures {
 
   /** Points stand where they stood before the drag. */
   #takeBack(event: KeyboardEvent): void {
+    if (this.#painting) {
+      event.preventDefault();
+      return this.#drop();
+    }
     if (!this.#held || !this.#options || !this.#before) return;
     event.preventDefault();
     this.#options.state.set(this.#before);
@@ -112,9 +146,15 @@ export class Gestures {
 
   #drop(): void {
     this.#pressed = null;
-    if (!this.#held || !this.#options) return;
+    if (!this.#options) return;
+    const { controls } = this.#options.stage;
+    controls.enableRotate = controls.enabled = true;
+    if (this.#painting) {
+      this.#painting = false;
+      this.#options.painter.takeBack();
+    }
+    if (!this.#held) return;
     this.#held = null;
-    this.#options.stage.controls.enabled = true;
     this.#options.overlay.hold(null);
     this.#options.dragging(null);
   }
@@ -127,19 +167,25 @@ export class Gestures {
 
   /** Does with a place what the tool says. */
   place(tool: Tool, spot: Spot): void {
-    const { state, surface, full } = this.#ready;
-    const { sources, via, target, arrow } = state.value;
+    const { state, surface, full, painter } = this.#ready;
+    const { sources, via, target, arrow, loop } = state.value;
     switch (tool) {
       case 'source':
         // The first source asks for a target: that is the next click.
         return state.set({ sources: [spot], ...(target ? {} : { tool: 'target' as const }) });
       case 'add':
-        if (sources.length >= MOST_SOURCES) return full();
+        if (sources.length >= MOST_SOURCES) return full(tool);
         return state.set({ sources: [...sources, spot] });
       case 'target':
         return state.set({ target: spot });
       case 'via':
         return state.set({ via: [...via, spot] });
+      case 'loop': {
+        const longer = withPoint(loop, spot);
+        return longer ? state.set({ loop: longer }) : full(tool);
+      }
+      case 'brush':
+        return painter.dab(spot);
       case 'arrow': {
         const mesh = surface();
         if (!mesh) return;
@@ -147,6 +193,23 @@ export class Gestures {
         return state.set({ arrow: { from: spot, direction: arrow?.direction ?? this.#rightward(mesh, spot), length } });
       }
     }
+  }
+
+  /** Closes the line that is drawn, while its tool is at hand; whether there was one to close. */
+  #close(): boolean {
+    const { tool, loop } = this.#ready.state.value;
+    const made = tool === 'loop' && loop ? closed(loop) : loop;
+    this.#ready.state.set({ loop: made });
+    return made !== loop;
+  }
+
+  /** How large the brush is, where a mouse or a pen is above the mesh. */
+  #showRing({ clientX, clientY, pointerType }: PointerEvent): void {
+    const radius = pointerType === 'touch' ? null : this.#ready.painter.pixelsAt(clientX, clientY);
+    this.#ring.hidden = radius === null;
+    if (radius === null) return;
+    this.#ring.style.width = this.#ring.style.height = `${2 * radius}px`;
+    this.#ring.style.transform = `translate(${clientX - radius}px, ${clientY - radius}px)`;
   }
 
   /** To the right of the view, in the face's plane. */
@@ -162,11 +225,12 @@ export class Gestures {
     if (handle.kind === 'tip') return this.#aim(event);
     const spot = this.#hit(event.clientX, event.clientY)?.spot;
     if (!spot) return; // beside the mesh it stays where it was last
-    const { sources, via, arrow } = state.value;
+    const { sources, via, arrow, loop } = state.value;
     const swapped = (spots: readonly Spot[]) => spots.map((old, index) => (index === handle.index ? spot : old));
     if (handle.kind === 'source') state.set({ sources: swapped(sources) });
     else if (handle.kind === 'via') state.set({ via: swapped(via) });
     else if (handle.kind === 'target') state.set({ target: spot });
+    else if (handle.kind === 'loop') return void (loop && state.set({ loop: { ...loop, points: swapped(loop.points) } }));
     else if (arrow) state.set({ arrow: { ...arrow, from: spot } });
   }
 
@@ -205,6 +269,8 @@ export class Gestures {
     const move = moves[event.key];
     if (!move) return;
     event.preventDefault();
+    // Without the cross it ends what was drawn by clicks.
+    if (event.key === 'Enter' && this.#cross.hidden && this.#close()) return;
     this.#cross.hidden = false;
     move();
   }

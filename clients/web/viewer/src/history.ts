@@ -2,10 +2,10 @@
 import type { State, Store } from './state.ts';
 
 /** A change of these is a step; the tool and the colours follow along. */
-const STEPS = ['sources', 'via', 'target', 'arrow', 'measures', 'method', 'pointsPerEdge', 'refine'] as const;
+const STEPS = ['sources', 'via', 'target', 'arrow', 'loop', 'painted', 'curves', 'disc', 'measures', 'method', 'pointsPerEdge', 'refine', 'walking'] as const;
 const KEPT = [...STEPS, 'tool', 'show'] as const;
 const MOST = 200;
-/** Milliseconds in which changes of the arrow are one: its slider is pulled. */
+/** Milliseconds in which changes of the arrow, or of the disc, are one: a slider is pulled. */
 const TOGETHER = 600;
 
 type Step = Pick<State, (typeof KEPT)[number]>;
@@ -70,7 +70,7 @@ export class History {
     const what = STEPS.filter((name) => now[name] !== before[name]).join();
     if (!what) return;
     const at = performance.now();
-    const same = what === this.#last.what && (this.#held || (what === 'arrow' && at - this.#last.at < TOGETHER));
+    const same = what === this.#last.what && (this.#held || ((what === 'arrow' || what === 'disc') && at - this.#last.at < TOGETHER));
     this.#last = { at, what };
     const last = this.#past.at(-1);
     if (same && this.#held && last && STEPS.every((name) => last[name] === now[name])) {

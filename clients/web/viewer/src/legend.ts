@@ -3,7 +3,7 @@ import { colourAt, REGION_COLOURS, regionColour, type ColourMap } from './colour
 import { element } from './element.ts';
 import { lengthText, roundStep, shareText, tickText } from './numbers.ts';
 import type { Results } from './results.ts';
-import type { State } from './state.ts';
+import { byRegion, type State } from './state.ts';
 import { lineStepOf } from './surface_view.ts';
 
 const BAR = 256; // colours across
@@ -21,11 +21,11 @@ export function legendOf(state: State, { field, error, regions }: Results): Lege
   if (!field || !(field.max > 0)) return null;
   const step = lineStepOf(field.max, state.lines);
   const note = step > 0 ? `Lines every ${tickText(step)}` : '';
-  if (state.show === 'regions' && field.labels) {
-    const shown = state.sources.slice(0, REGION_COLOURS.length);
-    const ticks = shown.map((_, index) => ({ at: 0, text: `${index + 1}`, colour: regions?.colours[index] ?? regionColour(index) }));
-    if (state.sources.length > shown.length) return { title: `Nearest of ${state.sources.length}`, map: null, ticks: ticks.map((tick) => ({ ...tick, text: '' })), note };
-    return { title: 'Nearest source', map: null, ticks, note };
+  if (byRegion(state.show) && field.labels) {
+    const count = Math.min(field.sources, REGION_COLOURS.length);
+    const ticks = Array.from({ length: count }, (_, index) => ({ at: 0, text: `${index + 1}`, colour: regions?.colours[index] ?? regionColour(index) }));
+    if (field.sources > count) return { title: `Nearest of ${field.sources}`, map: null, ticks: ticks.map((tick) => ({ ...tick, text: '' })), note };
+    return { title: state.show === 'cells' ? 'Cells' : 'Nearest source', map: null, ticks, note };
   }
   if (state.show === 'error') {
     if (!error) return { title: 'Computing the exact distances …', map: 'magma', ticks: [], note: '' };
@@ -37,7 +37,7 @@ export function legendOf(state: State, { field, error, regions }: Results): Lege
   const ticks = [];
   for (let n = 0; n * apart <= field.max * 0.78; n++) ticks.push({ at: (n * apart) / field.max, text: tickText(n * apart) });
   ticks.push({ at: 1, text: lengthText(field.max) });
-  return { title: 'Distance', map: state.colours, ticks, note };
+  return { title: state.walking ? 'Seconds on foot' : 'Distance', map: state.colours, ticks, note };
 }
 
 /** CSS pixels at the top that are the legend's on a narrow page, whether it is there yet or not. */

@@ -3,6 +3,7 @@ import { element } from './element.ts';
 import { tickText } from './numbers.ts';
 import { choice, part } from './panel.ts';
 import type { Parts } from './parts.ts';
+import { byRegion } from './state.ts';
 import { lineStepOf } from './surface_view.ts';
 import { upOf } from './upright.ts';
 
@@ -12,6 +13,7 @@ export function lookPart({ state, results, actions }: Parts): HTMLElement {
     [
       { value: 'distance', label: 'Distance' },
       { value: 'regions', label: 'Regions', title: 'Which source is nearest; needs two' },
+      { value: 'cells', label: 'Cells', title: 'What is nearest to each source, with its borders and area; needs two' },
       { value: 'error', label: 'Error', title: 'Of the method, against the exact one' },
     ] as const,
     (value) => state.set({ show: value }),
@@ -55,8 +57,11 @@ export function lookPart({ state, results, actions }: Parts): HTMLElement {
     const now = state.value;
     const { field } = results.value;
     show.set(now.show);
-    show.enable('regions', now.sources.length > 1);
-    show.enable('error', now.sources.length > 0);
+    const count = now.sources.length + now.curves.length;
+    show.enable('regions', count > 1);
+    // Cells are those of points.
+    show.enable('cells', now.sources.length > 1 && !now.curves.length && !now.walking);
+    show.enable('error', count > 0 && !now.walking);
     colours.set(now.colours);
     // Regions and errors have colours of their own.
     for (const map of ['viridis', 'turbo'] as const) colours.enable(map, now.show === 'distance');
@@ -70,7 +75,8 @@ export function lookPart({ state, results, actions }: Parts): HTMLElement {
   };
   state.listen((now, before) => {
     // With one source left there are no regions to show.
-    if (now.show === 'regions' && now.sources.length < 2 && before.sources.length > 1) state.set({ show: 'distance' });
+    const few = now.sources.length + now.curves.length < 2 && before.sources.length + before.curves.length > 1;
+    if ((byRegion(now.show) && few) || (now.show === 'cells' && now.curves.length > before.curves.length) || (now.walking && (now.show === 'cells' || now.show === 'error'))) state.set({ show: 'distance' });
     else follow();
   });
   results.listen((now, before) => (now.field !== before.field || now.surface !== before.surface) && follow());

@@ -8,8 +8,12 @@ import type { Reading } from 'geodesicd-client';
 import { Access } from './access.ts';
 import { AddressBar } from './address_bar.ts';
 import { hasNewPoints } from './arrivals.ts';
+import { brushPart } from './brush_part.ts';
+import { cellsPart } from './cells_part.ts';
 import { Conductor } from './conductor.ts';
 import { Connection } from './connection.ts';
+import { discPart } from './disc_part.ts';
+import { closed, roundPoint } from './drawing.ts';
 import { element } from './element.ts';
 import { fileEntrance, type Dropped } from './entrance.ts';
 import { exported } from './exports.ts';
@@ -19,8 +23,9 @@ import { FirstQuestions } from './first_questions.ts';
 import { Gestures } from './gestures.ts';
 import { History } from './history.ts';
 import { Legend, roomForLegend } from './legend.ts';
-import { linkOf, meshNameIn, stateIn, strangeIn } from './link.ts';
+import { linkOf, meshNameIn, stateIn, strangeIn, tooMuchPainted } from './link.ts';
 import { pointsOn } from './link_points.ts';
+import { loopPart } from './loop_part.ts';
 import { lookPart } from './look_part.ts';
 import { measureList } from './measure_list.ts';
 import { importPart } from './import_part.ts';
@@ -32,6 +37,8 @@ import { troubleOf } from './messages.ts';
 import { methodPart } from './method_part.ts';
 import { Notices } from './notices.ts';
 import { Overlay } from './overlay.ts';
+import { PaintedView } from './painted_view.ts';
+import { Painter } from './painter.ts';
 import { pageKeys } from './page_keys.ts';
 import { Panel } from './panel.ts';
 import type { Actions } from './parts.ts';
@@ -44,12 +51,12 @@ import { Remembered } from './remembered.ts';
 import { resultPart } from './result_part.ts';
 import { NOTHING, surfaceOf, type Results } from './results.ts';
 import { NoWebGL, Stage } from './stage.ts';
-import { MOST_MEASURES, Store, WITHOUT_POINTS, type Axis, type State } from './state.ts';
+import { MOST_LINES, MOST_MEASURES, Store, WITHOUT_POINTS, type Axis, type State } from './state.ts';
 import { ScaleBar } from './scale_bar.ts';
 import type { Surface } from './surface.ts';
 import { SurfaceView } from './surface_view.ts';
 import { ThemeSwitch } from './theme.ts';
-import { fullText, TypedPoints } from './typed_points.ts';
+import { fullText, LOOP_IS_FULL, TypedPoints } from './typed_points.ts';
 import { rememberUp, saysUp, upOf } from './upright.ts';
 
 const state = new Store<State>(stateIn(location.hash));
@@ -73,6 +80,8 @@ function start(): void {
   document.body.prepend(stage.canvas);
   const picking = new Picking();
   const view = new SurfaceView(stage);
+  const paintedView = new PaintedView(stage);
+  const painter = new Painter(stage, picking, state, present, paintedView);
   const preview = new Preview(stage, (about, sides) => {
     picking.drop();
     results.value.surface?.dispose();
@@ -101,17 +110,34 @@ function start(): void {
     fit,
     turn,
     compare: () => conductor.compare(),
-    clear: () => state.set({ sources: [], via: [], target: null, arrow: null, tool: 'source', show: 'distance' }),
+    clear: () => state.set({ sources: [], via: [], target: null, arrow: null, loop: null, curves: [], disc: null, tool: 'source', show: 'distance' }),
+    closeLoop: () => {
+      const { loop } = state.value;
+      if (loop) state.set({ loop: closed(loop) });
+    },
+    roundHere: (across) => {
+      const { loop } = state.value;
+      const surface = present();
+      if (loop && surface) state.set({ loop: roundPoint(loop, across, surface, stage.camera) });
+    },
+    use: (as) => {
+      const { loop, painted, curves } = state.value;
+      if (!loop) return;
+      const line = { points: loop.points, closed: loop.kind === 'through' };
+      if ((as === 'wall' ? painted.walls : curves).length >= MOST_LINES) return sayBriefly(`The page takes ${MOST_LINES} of them`);
+      state.set(as === 'wall' ? { painted: { ...painted, walls: [...painted.walls, line] }, loop: null } : { curves: [...curves, line], loop: null });
+    },
+    relax: () => conductor.relax(),
     placeTyped: (text) => typed.place(text),
     sourcesFrom: (file) => void typed.fromFile(file),
     keep: () => {
       const { path, stale } = results.value;
-      const { sources, via, target, method, pointsPerEdge, refine, measures } = state.value;
-      if (!path?.reachable || stale || !target || !sources.length || measures.length >= MOST_MEASURES) return;
+      const { sources, via, target, method, pointsPerEdge, refine, painted, measures } = state.value;
+      if (!path?.reachable || stale || !target || !sources.length || state.value.curves.length || state.value.walking || measures.length >= MOST_MEASURES) return;
       // Several sources: the one that the path begins at.
       const { face, bary } = path.from;
       const from = sources.find((spot) => spot.face === face) ?? { face: face!, bary: bary as unknown as [number, number, number] };
-      const measure = { from, via, to: target, method, pointsPerEdge, refine };
+      const measure = { from, via, to: target, method, pointsPerEdge, refine, painted };
       conductor.keep(measure, path);
       state.set({ measures: [...measures, measure] });
     },
@@ -154,7 +180,7 @@ function start(): void {
       { label: 'Keys and gestures', icon: 'M7.5 7.5a2.5 2.5 0 1 1 3.6 2.2c-.8.4-1.1.9-1.1 1.8M10 14.5v.5', run: () => showKeys() },
     ],
     [
-      meshPart(parts, importing.root), pointsPart(parts), placePart(parts), resultPart(parts), profilePart(parts), arrowPart(parts),
+      meshPart(parts, importing.root), pointsPart(parts), loopPart(parts), brushPart(parts), cellsPart(parts), placePart(parts), resultPart(parts), profilePart(parts), arrowPart(parts), discPart(parts),
       lookPart(parts), methodPart(parts), measureList(parts), exportPart(parts),
     ],
     (right, bottom) => {
@@ -170,6 +196,7 @@ function start(): void {
     stage,
     overlay,
     picking,
+    painter,
     state,
     surface: present,
     dragging: (handle) => {
@@ -180,15 +207,16 @@ function start(): void {
     hovering: (at) => {
       if (results.value.profiled && results.value.path) results.set({ along: at && overlay.alongAt(at.x, at.y) });
     },
-    full: () => notices.remark(fullText()),
+    full: (tool) => notices.remark(tool === 'loop' ? LOOP_IS_FULL : fullText()),
   });
   ready = true;
   gestures.centre();
 
   state.listen((now, before) => {
-    if ((['sources', 'via', 'target', 'arrow'] as const).some((name) => now[name] !== before[name])) notices.settle('points');
+    if ((['sources', 'via', 'target', 'arrow', 'loop', 'curves'] as const).some((name) => now[name] !== before[name])) notices.settle('points');
     view.follow(now, before, results.value, results.value);
     overlay.follow(now, before, results.value, results.value);
+    if (now.painted !== before.painted) paintedView.show(present(), now.painted);
     legend.follow(now, results.value);
     notices.hint(hintOf(now));
     if (now.mesh !== before.mesh && results.value.surface?.id === before.mesh) left = before;
@@ -199,6 +227,7 @@ function start(): void {
   results.listen((now, before) => {
     view.follow(state.value, state.value, now, before);
     overlay.follow(state.value, state.value, now, before);
+    if (now.surface !== before.surface) paintedView.show(present(), state.value.painted);
     legend.follow(state.value, now);
     if (now.surface !== before.surface) scaleBar.take(now.surface);
     if (now.surface !== before.surface || now.meshes !== before.meshes) entitle();
@@ -219,6 +248,7 @@ function start(): void {
     state.set({ camera: stage.view });
     const link = new URL(`#${linkOf(state.value)}`, location.href).href;
     address.writeNow();
+    if (tooMuchPainted(state.value)) return sayBriefly('More is painted than a link can hold: this one is without it');
     if (matchMedia('(pointer: coarse)').matches && navigator.canShare?.({ url: link })) {
       return navigator.share({ title: document.title, url: link }).catch(() => undefined); // changed their mind
     }

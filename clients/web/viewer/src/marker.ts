@@ -5,13 +5,14 @@
  */
 import { Color, GLSL3, Group, Mesh, PlaneGeometry, ShaderMaterial, Vector2, Vector3 } from 'three';
 
-export type MarkerKind = 'source' | 'target' | 'via' | 'arrow' | 'end';
+export type MarkerKind = 'source' | 'target' | 'via' | 'arrow' | 'loop' | 'end';
 
 const LOOK: Record<MarkerKind, { colour: string; pixels: number; heart: number }> = {
   source: { colour: '#ff5d3b', pixels: 19, heart: 0 },
   target: { colour: '#2f7dff', pixels: 19, heart: 0.45 },
   via: { colour: '#f4b740', pixels: 15, heart: 0 },
   arrow: { colour: '#b455ff', pixels: 17, heart: 0 },
+  loop: { colour: '#12b8a6', pixels: 15, heart: 0.3 },
   end: { colour: '#b455ff', pixels: 12, heart: 0.4 },
 };
 

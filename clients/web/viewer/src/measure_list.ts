@@ -15,8 +15,8 @@ export function measureList({ state, results, actions }: Parts): HTMLElement {
   const csv = element('button', { type: 'button', className: 'quiet', onclick: () => actions.exported('measures.csv') }, 'Save as CSV');
   const root = part('Measures', false, none, list, csv);
 
-  const back = ({ from, via, to, method, pointsPerEdge, refine }: Measure) =>
-    state.set({ sources: [from], via, target: to, method, ...(method === 'steiner' && { pointsPerEdge }), refine, tool: 'target' });
+  const back = ({ from, via, to, method, pointsPerEdge, refine, painted }: Measure) =>
+    state.set({ sources: [from], via, target: to, method, ...(method === 'steiner' && { pointsPerEdge }), refine, painted, tool: 'target' });
   const show = () => {
     const { measures } = state.value;
     none.hidden = measures.length > 0;

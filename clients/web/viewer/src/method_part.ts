@@ -6,6 +6,7 @@ import { element } from './element.ts';
 import { part } from './panel.ts';
 import type { Parts } from './parts.ts';
 import { nameOf } from './questions.ts';
+import { upOf } from './upright.ts';
 
 export function methodPart({ state, results, actions }: Parts): HTMLElement {
   const list = element('div', { className: 'methods', role: 'radiogroup', aria: { label: 'Method' } });
@@ -17,6 +18,16 @@ export function methodPart({ state, results, actions }: Parts): HTMLElement {
   perEdge.oninput = () => { perEdgeValue.textContent = perEdge.value; };
   const refine = element('input', { type: 'checkbox', id: 'refine' });
   refine.onchange = () => state.set({ refine: refine.checked });
+  const walking = element('input', { type: 'checkbox', id: 'walking' });
+  const onFoot = element(
+    'label',
+    { className: 'check', htmlFor: 'walking', title: 'By the slope, where lengths are metres (Tobler). The method is Steiner then' },
+    walking, 'Quickest on foot',
+  );
+  walking.onchange = () => {
+    const about = results.value.surface?.about;
+    state.set({ walking: walking.checked && about ? (state.value.up ?? upOf(about)) : null });
+  };
   const compare = element('button', { type: 'button', onclick: actions.compare }, 'Compare all');
   const rows = element('tbody', null);
   const head = (name: string, unit: string) => element('th', { scope: 'col' }, name, element('small', null, unit));
@@ -36,6 +47,7 @@ export function methodPart({ state, results, actions }: Parts): HTMLElement {
     element('p', { className: 'facts' }, element('a', { href: 'docs/methods/' }, 'All methods compared')),
     extra,
     element('label', { className: 'check', htmlFor: 'refine' }, refine, 'Pull the path straight'),
+    onFoot,
     compare,
     stopped,
     table,
@@ -63,7 +75,7 @@ export function methodPart({ state, results, actions }: Parts): HTMLElement {
     follow();
   };
   const follow = () => {
-    const { method, sources, pointsPerEdge } = state.value;
+    const { method, sources, curves, pointsPerEdge } = state.value;
     const { trials, methods } = results.value;
     for (const [name, input] of inputs) input.checked = name === method;
     const tried = methods.filter(({ name }) => trials[name]);
@@ -88,12 +100,16 @@ export function methodPart({ state, results, actions }: Parts): HTMLElement {
     perEdge.value = `${pointsPerEdge ?? steiner?.default ?? 3}`;
     perEdgeValue.textContent = perEdge.value;
     refine.checked = state.value.refine;
-    compare.disabled = sources.length === 0;
+    onFoot.hidden = !results.value.offers.walking && !state.value.walking;
+    walking.checked = state.value.walking !== null;
+    refine.disabled = state.value.walking !== null;
+    for (const input of inputs.values()) input.disabled = state.value.walking !== null;
+    compare.disabled = state.value.walking !== null || sources.length + curves.length === 0;
   };
   state.listen(follow);
   results.listen((now, before) => {
     if (now.methods !== before.methods) fill();
-    else if (now.trials !== before.trials || now.stopped !== before.stopped) follow();
+    else if (now.trials !== before.trials || now.stopped !== before.stopped || now.offers !== before.offers) follow();
   });
   fill();
   return root;

@@ -10,14 +10,15 @@ import { Marker, REACH, type MarkerKind } from './marker.ts';
 import { lengthText, roundStep, tickText } from './numbers.ts';
 import type { Picking } from './picking.ts';
 import { surfaceOf, type Results } from './results.ts';
+import { drawnKey } from './shapes.ts';
 import type { Stage } from './stage.ts';
-import type { Spot, State } from './state.ts';
+import { byRegion, type Line, type Spot, type State } from './state.ts';
 import type { Surface } from './surface.ts';
 import { ThickLine } from './thick_line.ts';
 
 /** A marker that a pointer can hold, and what of the state it stands for. */
 export interface Handle {
-  readonly kind: 'source' | 'target' | 'via' | 'arrow' | 'tip';
+  readonly kind: 'source' | 'target' | 'via' | 'arrow' | 'loop' | 'tip';
   readonly index: number;
 }
 
@@ -43,6 +44,10 @@ export class Overlay {
   readonly #path = new ThickLine({ core: '#ffffff', casing: DARK, width: 3.6, order: 20 });
   readonly #trace = new ThickLine({ core: '#c77dff', casing: '#2b0a4d', width: 3.2, order: 16 });
   readonly #shaft = new ThickLine({ core: '#b455ff', casing: '#ffffff', width: 4, order: 24 });
+  readonly #drawn = new ThickLine({ core: '#6ff7e2', casing: '#06302c', width: 3.2, order: 18 });
+  readonly #walls = new ThickLine({ core: '#d8404a', casing: '#2c0508', width: 4, order: 14 });
+  readonly #curves = new ThickLine({ core: '#ff5d3b', casing: '#ffffff', width: 3.6, order: 13 });
+  readonly #borders = new ThickLine({ core: '#ffffff', casing: DARK, width: 1.4, order: 8 });
   readonly #kept: ThickLine[] = [];
   readonly #walker = new Marker('end', '#1f2a37');
   #line: Float32Array = new Float32Array();
@@ -57,7 +62,7 @@ export class Overlay {
     private readonly picking: Picking,
   ) {
     document.body.append(this.#layer);
-    stage.add(this.#path, this.#trace, this.#shaft);
+    stage.add(this.#path, this.#trace, this.#shaft, this.#drawn, this.#borders, this.#walls, this.#curves);
     stage.beforeFrame(() => this.#beforeFrame());
     stage.onResize((width, height) => this.#markers.forEach(({ marker }) => marker.fit(width, height)));
   }
@@ -68,10 +73,11 @@ export class Overlay {
     const other = results.surface !== resultsBefore?.surface;
     const moved =
       other || state.mesh !== before?.mesh || state.sources !== before.sources || state.via !== before.via || state.target !== before.target ||
-      state.arrow !== before.arrow || state.show !== before.show || results.trace !== resultsBefore?.trace ||
+      state.arrow !== before.arrow || state.loop !== before.loop || state.show !== before.show || results.trace !== resultsBefore?.trace ||
       results.regions !== resultsBefore?.regions;
     if (moved) this.#placeMarkers(state, results);
-    const relabel = state.ticks !== before?.ticks || results.measured !== resultsBefore?.measured;
+    const relabel = state.ticks !== before?.ticks || results.measured !== resultsBefore?.measured ||
+      results.drawn !== resultsBefore?.drawn || results.cells !== resultsBefore?.cells;
     const surface = results.surface;
     if (other || results.path !== resultsBefore?.path) this.#path.setPoints(pointsOf(surface, results.path));
     if (results.stale !== resultsBefore?.stale) {
@@ -80,6 +86,10 @@ export class Overlay {
     }
     if (other || results.path !== resultsBefore?.path || results.along !== resultsBefore?.along) this.#walk(results);
     if (other || results.trace !== resultsBefore?.trace) this.#trace.setPoints(pointsOf(surface, results.trace));
+    if (other || results.drawn !== resultsBefore?.drawn) this.#drawn.setPoints(pointsOf(surface, results.drawn));
+    this.#drawn.faded = results.drawn !== null && results.drawn.key !== drawnKey(state);
+    if (other || results.lines !== resultsBefore?.lines) this.#placeLines(state, results);
+    if (other || results.cells !== resultsBefore?.cells) this.#placeBorders(results);
     if (other || results.measured !== resultsBefore?.measured) this.#placeMeasures(results);
     if (other || relabel || results.path !== resultsBefore?.path) this.#label(state, results);
     this.stage.wake();
@@ -180,18 +190,31 @@ export class Overlay {
   }
 
   #placeAll(state: State, surface: Surface, { trace, regions }: Pick<Results, 'trace' | 'regions'>, add: AddMarker): void {
-    const at = (kind: 'source' | 'target' | 'via' | 'arrow', spot: Spot, index: number, colour?: string) => {
+    const at = (kind: 'source' | 'target' | 'via' | 'arrow' | 'loop', spot: Spot, index: number, colour?: string) => {
       if (surface.has(spot)) add(kind, surface.placeOf(spot), { kind, index }, colour);
     };
-    const shown = state.show === 'regions' && state.sources.length > 1;
+    const shown = byRegion(state.show) && state.sources.length > 1;
     state.sources.forEach((spot, index) => at('source', spot, index, shown ? (regions?.colours[index] ?? regionColour(index)) : undefined));
     state.via.forEach((spot, index) => at('via', spot, index));
     if (state.target) at('target', state.target, 0);
+    state.loop?.points.forEach((spot, index) => at('loop', spot, index));
     if (state.arrow) {
       at('arrow', state.arrow.from, 0);
       add('arrow', new Vector3(), { kind: 'tip', index: 0 });
       if (trace) add('end', new Vector3(...(surface.drawn([trace.to]) as unknown as [number, number, number])), null);
     }
+  }
+
+  #placeLines({ curves, painted }: State, { surface, lines }: Results): void {
+    const drawn = (some: readonly Line[]) => some.map((line) => pointsOf(surface, { points: lines.get(line) ?? [] }));
+    this.#walls.setLines(drawn(painted.walls));
+    this.#curves.setLines(drawn(curves));
+  }
+
+  /** The bisectors of cells; a closed one comes back to its first point. */
+  #placeBorders({ surface, cells }: Results): void {
+    const lines = (cells?.answered.bisectors ?? []).map(({ points, closed }) => (closed ? [...points, points[0]!] : points));
+    this.#borders.setLines(surface ? lines.map((points) => surface.drawn(points.map((xyz) => ({ xyz })))) : []);
   }
 
   #placeMeasures({ surface, measured }: Results): void {
@@ -207,7 +230,7 @@ export class Overlay {
     }
   }
 
-  #label(state: State, { surface, path, measured }: Results): void {
+  #label(state: State, { surface, path, measured, drawn, cells }: Results): void {
     const labels: Label[] = [];
     if (surface && path?.reachable && state.ticks) labels.push(...ticksAlong(surface, path));
     measured.forEach((kept, index) => {
@@ -215,6 +238,12 @@ export class Overlay {
       const [place] = placesAlong(surface, kept, [kept.length! / 2]);
       if (place) labels.push({ text: `${letterOf(index)} ${lengthText(kept.length!)}`, place, strong: true, kept: true });
     });
+    if (surface && drawn?.length != null && drawn.points.length > 1) {
+      labels.push({ text: lengthText(drawn.length), place: this.#nearest(surface.drawn(drawn.points)), strong: true, kept: true });
+    }
+    for (const { site, area } of surface && cells ? cells.answered.cells : []) {
+      labels.push({ text: lengthText(area), place: new Vector3().fromArray(surface!.drawn([site])), strong: false, kept: true });
+    }
     // Tags are used again: the path changes with every movement of a pointer.
     while (this.#labels.length > labels.length) this.#labels.pop()!.tag.remove();
     this.#labels = labels.map((label, index) => {
@@ -224,6 +253,17 @@ export class Overlay {
       tag.classList.toggle('kept', label.kept ?? false);
       return { label, tag };
     });
+  }
+
+  /** Of drawn places that which is nearest to the eye, where a label is seen. */
+  #nearest(drawn: Float32Array): Vector3 {
+    const { position } = this.stage.camera;
+    let nearest = new Vector3().fromArray(drawn);
+    for (let i = 3; i < drawn.length; i += 3) {
+      const place = new Vector3().fromArray(drawn, i);
+      if (place.distanceToSquared(position) < nearest.distanceToSquared(position)) nearest = place;
+    }
+    return nearest;
   }
 
   #beforeFrame(): void {

@@ -17,13 +17,13 @@ const byPointer = () =>
   matchMedia('(pointer: coarse)').matches
     ? [
         { keys: 'Tap', does: 'Place what the tool says' },
-        { keys: 'Drag', does: 'Move a point along the surface; elsewhere turn the view' },
+        { keys: 'Drag', does: 'Move a point along the surface; with the brush paint; elsewhere turn the view' },
         { keys: 'Pinch', does: 'Nearer and farther; with two fingers shift the view' },
       ]
     : [
         { keys: 'Click', does: 'Place what the tool says' },
         { keys: 'Shift Click', does: 'One more source' },
-        { keys: 'Drag', does: 'Move a point along the surface; elsewhere turn the view' },
+        { keys: 'Drag', does: 'Move a point along the surface; with the brush paint, with Shift erase; elsewhere turn the view' },
       ];
 
 /** Listens for the keys; the returned function shows the sheet. */
@@ -45,6 +45,7 @@ export function pageKeys({ state, results, actions, theme, fold, nextUp, escape,
         ...byPointer(),
         ...TOOLS.map(({ value, label }, index) => ({ keys: `${index + 1}`, does: `Tool: ${label}`, run: () => state.set({ tool: value }) })),
         { keys: 'K', does: 'Keep the path in the list', run: actions.keep },
+        { keys: 'J', does: 'Close the loop; Enter or a double click, too', run: actions.closeLoop },
         { keys: 'X', does: 'Clear the points', run: actions.clear },
         { keys: 'Ctrl Z', does: 'Undo; with Shift redo' },
       ],

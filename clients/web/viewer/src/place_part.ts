@@ -8,7 +8,7 @@ import type { Parts } from './parts.ts';
 import { surfaceOf } from './results.ts';
 import type { Spot, State } from './state.ts';
 
-const NAMES = { source: 'source', add: 'source', target: 'target', via: 'via point', arrow: 'arrow' } as const;
+const NAMES = { source: 'source', add: 'source', target: 'target', via: 'via point', arrow: 'arrow', loop: 'point of a loop', brush: 'dab of the brush' } as const;
 
 /** What may be typed. */
 const HOW = '12 or v:12: a vertex\nx y z or p:x,y,z: a place\nf:FACE,b1,b2: a point in a face\nSeveral: with ; between them';
@@ -23,6 +23,9 @@ function changed(now: State, before: State): { name: string; spot: Spot } | null
   const via = now.via.findIndex((spot, index) => spot !== before.via[index]);
   if (now.via !== before.via && via >= 0) return { name: 'Via', spot: now.via[via]! };
   if (now.arrow && now.arrow.from !== before.arrow?.from) return { name: 'Arrow', spot: now.arrow.from };
+  const drawn = now.loop?.points ?? [];
+  const joint = drawn.findIndex((spot, index) => spot !== before.loop?.points[index]);
+  if (now.loop !== before.loop && joint >= 0) return { name: 'Loop', spot: drawn[joint]! };
   return null;
 }
 
@@ -69,7 +72,7 @@ export function placePart({ state, results, actions }: Parts): HTMLElement {
     follow();
     const surface = surfaceOf(now, results.value);
     const last = changed(now, before);
-    if (now.mesh !== before.mesh || !(now.sources.length || now.target || now.via.length || now.arrow)) told.hidden = true;
+    if (now.mesh !== before.mesh || !(now.sources.length || now.target || now.via.length || now.arrow || now.loop)) told.hidden = true;
     if (!last) return;
     // Facts of the point before would be taken for this one's.
     told.hidden = !surface?.has(last.spot);

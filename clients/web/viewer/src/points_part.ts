@@ -5,7 +5,7 @@ import { lengthText } from './numbers.ts';
 import { choice } from './panel.ts';
 import type { Parts } from './parts.ts';
 import type { Results } from './results.ts';
-import { MOST_SOURCES, type Spot, type State, type Tool } from './state.ts';
+import { byRegion, MOST_SOURCES, type Spot, type State, type Tool } from './state.ts';
 
 const CROSS = 'M6 6l8 8M14 6l-8 8';
 /** Rows of sources in the panel, unless all are asked for. */
@@ -17,18 +17,25 @@ export const TOOLS: readonly { value: Tool; label: string; icon: string; title: 
   { value: 'target', label: 'Target', icon: 'M10 10m-6 0a6 6 0 1 0 12 0a6 6 0 1 0-12 0M10 10m-1.6 0a1.6 1.6 0 1 0 3.2 0a1.6 1.6 0 1 0-3.2 0', title: 'Where the path ends (3)' },
   { value: 'via', label: 'Via', icon: 'M3 14c4 0 3-8 7-8s3 8 7 8', title: 'Where the path passes (4)' },
   { value: 'arrow', label: 'Straight', icon: 'M4 16L16 4M9 4h7v7', title: 'Straight ahead on the surface (5)' },
+  { value: 'loop', label: 'Loop', icon: 'M10 4c5 0 7 2.5 7 6s-3 6-7 6s-7-2.5-7-6s2-6 7-6M10 4m-1.4 0a1.4 1.4 0 1 0 2.8 0a1.4 1.4 0 1 0-2.8 0', title: 'A closed line through points, or a tape round one (6)' },
+  { value: 'brush', label: 'Brush', icon: 'M16.5 3.5L9 11M9 11c-2.5-.5-4 .8-4.2 2.6C4.6 15.2 4 16 3 16.5c3 1 6.5.3 7-2.5c.2-1-.2-2-1-3', title: 'Paint faces that paths may not cross (7)' },
 ];
 
 /** What a click, or a finger's tap, does now, in words. */
-export function hintOf({ tool, sources, target, arrow, mesh }: State): string | null {
+export function hintOf({ tool, sources, target, arrow, loop, painted, curves, erasing, mesh }: State): string | null {
   const [click, Click] = matchMedia('(pointer: coarse)').matches ? ['tap', 'Tap'] : ['click', 'Click'];
   if (!mesh) return 'Drop a mesh here: .glb, .gltf, .drc, .obj, .ply or .stl';
-  if (tool === 'source' && !sources.length) return `${Click} the surface to place a source`;
-  if (tool === 'target' && sources.length && !target) return `Now ${click} a target, then drag it`;
+  if (tool === 'source' && !sources.length && !curves.length) return `${Click} the surface to place a source`;
+  if (tool === 'target' && sources.length + curves.length && !target) return `Now ${click} a target, then drag it`;
   if (tool === 'add') return `${Click} to add a source`;
   if (tool === 'via') return `${Click} where the path should pass`;
   if (tool === 'arrow' && !arrow) return `${Click} where to go straight ahead from`;
   if (tool === 'arrow') return 'Drag the arrow’s head to turn it';
+  if (tool === 'loop' && loop?.kind !== 'open') return `${Click} points of a loop, one after the other`;
+  if (tool === 'loop' && loop!.points.length > 1) return `Go on, or ${click} the first point to close the loop`;
+  if (tool === 'loop') return `${Click} the next point, or lay a tape round this one`;
+  if (tool === 'brush' && erasing) return 'Drag over painted faces to erase them';
+  if (tool === 'brush' && !painted.faces.length) return painted.as === 'forbid' ? 'Drag over faces to forbid them; beside the mesh to turn it' : 'Drag over the faces that are to be left; beside the mesh to turn it';
   return null;
 }
 
@@ -65,7 +72,7 @@ export function pointsPart({ state, results, actions }: Parts): HTMLElement {
   };
   const show = (now: State) => {
     tools.set(now.tool);
-    tools.enable('add', now.sources.length > 0 && now.sources.length < MOST_SOURCES);
+    tools.enable('add', now.sources.length + now.curves.length > 0 && now.sources.length < MOST_SOURCES);
     const several = now.sources.length > 1;
     const rows = [
       ...now.sources.slice(0, listed(now)).map((_, index) =>
@@ -73,7 +80,7 @@ export function pointsPart({ state, results, actions }: Parts): HTMLElement {
           'source',
           several ? `Source ${index + 1}` : 'Source',
           () => state.set({ sources: without(state.value.sources, index) }),
-          several && now.show === 'regions' ? (results.value.regions?.colours[index] ?? regionColour(index)) : undefined,
+          several && byRegion(now.show) ? (results.value.regions?.colours[index] ?? regionColour(index)) : undefined,
         ),
       ),
       ...more(now),
@@ -83,12 +90,18 @@ export function pointsPart({ state, results, actions }: Parts): HTMLElement {
     ];
     if (now.target) rows.push(row('target', 'Target', () => state.set({ target: null })));
     if (now.arrow) rows.push(row('arrow', 'Arrow', () => state.set({ arrow: null })));
+    now.curves.forEach((_, at) => rows.push(row('source', now.curves.length > 1 ? `Curve ${at + 1}` : 'Curve', () => state.set({ curves: state.value.curves.filter((_, other) => other !== at) }))));
+    now.painted.walls.forEach((_, at) => rows.push(row('wall', now.painted.walls.length > 1 ? `Wall ${at + 1}` : 'Wall', () => {
+      const { painted } = state.value;
+      state.set({ painted: { ...painted, walls: painted.walls.filter((_, other) => other !== at) } });
+    })));
+    if (now.loop) rows.push(row('loop', 'Loop', () => state.set({ loop: null })));
     list.replaceChildren(...rows);
     clear.hidden = rows.length === 0;
   };
   state.listen((now, before) => {
     // Only numbers count: while a point is dragged, its row stays, and the focus in it.
-    const counts = (of: State) => [of.tool, of.show, of.sources.length, of.via.length, !!of.target, !!of.arrow].join();
+    const counts = (of: State) => [of.tool, of.show, of.sources.length, of.via.length, !!of.target, !!of.arrow, !!of.loop, of.curves.length, of.painted.walls.length].join();
     if (counts(now) !== counts(before)) show(now);
   });
   const hues = ({ regions }: Results) => regions?.colours.slice(0, listed(state.value)).join();

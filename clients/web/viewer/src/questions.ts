@@ -3,23 +3,30 @@
  * binary and kept here for going back and forth, exact methods as jobs with progress, and
  * paths from whichever source is nearest.
  */
-import { GeodesicError, type GeodesicClient, type Method, type Path, type Timing } from 'geodesicd-client';
-import { spotText } from './link.ts';
+import {
+  GeodesicError, type Ask, type GeodesicClient, type Method, type Path, type Queries, type Timing,
+} from 'geodesicd-client';
+import { lineText, spotText } from './link.ts';
+import { curveText, paintedKey, regionsOf } from './painted.ts';
 import { SLOW, type Notices } from './notices.ts';
 import type { KnownField, Results } from './results.ts';
-import type { Measure, Spot, State, Store } from './state.ts';
+import type { Axis, Line, Measure, Painted, Spot, State, Store } from './state.ts';
 
 export interface FieldQuestion {
   readonly mesh: string;
   readonly sources: readonly Spot[];
+  readonly curves: readonly Line[];
   readonly method: string;
   readonly pointsPerEdge: number | null;
+  readonly painted: Painted;
+  readonly walking: Axis | null;
 }
 
 export interface PathQuestion extends Measure {
   readonly mesh: string;
+  readonly walking: Axis | null;
   /** Where it may begin; the shortest path counts. */
-  readonly starts: readonly Spot[];
+  readonly starts: readonly (Spot | Line)[];
   /** Of the state that asks, as `pathKey` gives it. */
   readonly key: string;
 }
@@ -29,20 +36,31 @@ const LARGE = 400_000;
 /** Bytes of fields that the page keeps. */
 const KEEP = 96e6;
 
-export function fieldKey({ mesh, sources, method, pointsPerEdge }: FieldQuestion): string {
-  return [mesh, method, method === 'steiner' ? pointsPerEdge : '', ...sources.map(spotText)].join('|');
+/** Of what every answer depends on but for its points. */
+export function keyOf({ mesh, method, pointsPerEdge, painted, walking }: Omit<FieldQuestion, 'sources' | 'curves' | 'mesh'> & { mesh: string | null }): string {
+  return [mesh, paintedKey(painted), walking ?? '', method, method === 'steiner' ? pointsPerEdge : ''].join('|');
+}
+
+export function fieldKey(question: FieldQuestion): string {
+  return [keyOf(question), ...question.sources.map(spotText), ...question.curves.map(lineText)].join('|');
 }
 
 /** What a path depends on: two states of one key have the same path. */
-export function pathKey({ mesh, sources, via, target, method, pointsPerEdge, refine }: State): string {
+export function pathKey(state: State): string {
+  const { sources, curves, via, target, refine } = state;
   const spots = [sources, via, target ? [target] : []].map((some) => some.map(spotText).join(';'));
-  return [mesh, method, method === 'steiner' ? pointsPerEdge : '', refine, ...spots].join('|');
+  return [keyOf(state), refine, ...spots, ...curves.map(lineText)].join('|');
+}
+
+/** As the API takes them. */
+export function sourcesOf({ sources, curves }: Pick<State, 'sources' | 'curves'>): (Spot | string)[] {
+  return [...sources, ...curves.map(curveText)];
 }
 
 /** The state's own field. */
 export function fieldQuestion(state: State): FieldQuestion | null {
-  const { mesh, sources, method, pointsPerEdge } = state;
-  return mesh && sources.length ? { mesh, sources, method, pointsPerEdge } : null;
+  const { mesh, sources, curves, method, pointsPerEdge, painted, walking } = state;
+  return mesh && sources.length + curves.length ? { mesh, sources, curves, method, pointsPerEdge, painted, walking } : null;
 }
 
 export class Questions {
@@ -76,9 +94,10 @@ export class Questions {
       this.#kept.set(key, known); // the last used go last
       return known;
     }
-    const { mesh, sources, method } = question;
-    const query = { from: sources, labels: sources.length > 1, ...methodOf(question) };
-    const field = this.isLong(method)
+    const { mesh, sources, curves, method } = question;
+    const count = sources.length + curves.length;
+    const query = { from: sourcesOf(question), labels: count > 1, ...costsOf(question), ...regionsOf(question.painted) };
+    const field = this.isLong(question.walking ? 'steiner' : method)
       ? await this.#asJob(`Distances by ${nameOf(method)}`, stop, (onProgress) =>
           this.client().job(mesh, { query: 'distance', ...query }, { signal, onProgress }),
         )
@@ -86,7 +105,7 @@ export class Questions {
     const made: KnownField = {
       values: field.values,
       labels: field.labels ?? null,
-      sources: sources.length,
+      sources: count,
       max: field.max ?? 0,
       ms: computing(field.timing),
       method,
@@ -98,9 +117,10 @@ export class Questions {
 
   /** The shortest of the paths from the starts, through `via`. */
   async path(question: PathQuestion, signal: AbortSignal, stop: () => void): Promise<Path> {
-    const { mesh, starts, via, to, refine, method } = question;
-    const ask = (from: Spot) => {
-      const query = { from, via, to, refine: refine ? ('shortest' as const) : ('none' as const), ...methodOf(question) };
+    const { mesh, starts, via, to, walking } = question;
+    const [method, refine] = walking ? ['steiner', false] : [question.method, question.refine];
+    const ask = (start: Spot | Line) => {
+      const query = { from: 'points' in start ? curveText(start) : start, via, to, refine: refine ? ('shortest' as const) : ('none' as const), ...costsOf(question), ...regionsOf(question.painted) };
       // From one source the field is there already; between via points are others.
       if (!this.isLong(method) || (starts.length === 1 && !via.length)) {
         return this.#plainly('Path', stop, () => this.client().path(mesh, query, { signal }));
@@ -115,6 +135,19 @@ export class Questions {
       if (!best || (path.length ?? Infinity) < (best.length ?? Infinity)) best = path;
     }
     return best!;
+  }
+
+  /** Any other query, as a job where the method takes long. `by`: its method. */
+  async ask<Name extends 'path' | 'loop' | 'voronoi' | 'measure'>(
+    what: string, mesh: string, by: string, query: Ask<Name>, signal: AbortSignal, stop: () => void,
+  ): Promise<Queries[Name]['gives']> {
+    if (this.isLong(by)) {
+      return this.#asJob(`${what} by ${nameOf(by)}`, stop, (onProgress) => this.client().job<Name>(mesh, query, { signal, onProgress }));
+    }
+    const { query: name, ...asked } = query;
+    const client = this.client();
+    const run = client[name].bind(client) as (mesh: string, asked: object, options: object) => Promise<Queries[Name]['gives']>;
+    return this.#plainly(what, stop, () => run(mesh, asked, { signal }));
   }
 
   /** What is answered at once by most servers, and may be by one that says nothing for long. */
@@ -184,6 +217,14 @@ export function nameOf(method: string): string {
 export function methodOf({ method, pointsPerEdge }: { method: string; pointsPerEdge: number | null }) {
   const steiner = method === 'steiner' && pointsPerEdge !== null;
   return { method: method as Method, ...(steiner ? { points_per_edge: pointsPerEdge } : {}) };
+}
+
+const UP: Readonly<Record<Axis, string>> = { x: '1,0,0', y: '0,1,0', z: '0,0,1' };
+
+/** The method, or what a way on foot costs, for which there is one method. */
+export function costsOf(question: { method: string; pointsPerEdge: number | null; walking: Axis | null }) {
+  const { walking } = question;
+  return walking ? { method: 'steiner' as Method, slope: 'tobler', up: UP[walking] } : methodOf(question);
 }
 
 /** What the server spent on the question itself; null where it only looked the answer up. */

@@ -10,20 +10,23 @@ export function resultPart({ state, results, actions }: Parts): HTMLElement {
   const unit = element('span', { className: 'unit' });
   const sub = element('p', { className: 'facts' });
   const keep = element('button', { type: 'button', onclick: actions.keep, title: 'Into the list of measures (K)' }, 'Keep');
+  const title = element('h2', null, 'Shortest path');
   const root = element(
     'section',
     { className: 'result', hidden: true },
-    element('h2', null, 'Shortest path'),
+    title,
     element('div', { className: 'row' }, element('div', { className: 'number' }, big, unit), keep),
     sub,
   );
   const show = () => {
-    const { target, sources } = state.value;
+    const { target, sources, curves, walking } = state.value;
     const { path, pathMs } = results.value;
     root.hidden = !target;
-    keep.hidden = !path?.reachable;
+    title.textContent = walking ? 'Quickest way' : 'Shortest path';
+    // What is kept is short, and begins at a point.
+    keep.hidden = !path?.reachable || curves.length > 0 || walking !== null;
     if (!target) return;
-    if (!sources.length) {
+    if (!sources.length && !curves.length) {
       big.textContent = '–';
       unit.textContent = '';
       sub.textContent = 'Place a source: the path begins there.';
@@ -40,13 +43,16 @@ export function resultPart({ state, results, actions }: Parts): HTMLElement {
       const about = results.value.surface?.about;
       unit.textContent = about ? unitOf(about) : '';
       const said = [nameOf(path.method)];
+      // Of a way on foot, in seconds; only some servers know of costs.
+      const { cost } = path as { cost?: number | null };
+      if (cost != null) said.unshift(cost < 90 ? `${lengthText(cost)} s on foot` : `${lengthText(cost / 60)} min on foot`);
       if (path.refine === 'shortest') said.push('pulled straight');
       if (path.via.length) said.push(path.via.length === 1 ? 'via 1 point' : `via ${path.via.length} points`);
       if (pathMs !== null) said.push(timeText(pathMs));
       sub.textContent = said.join(' · ');
     }
   };
-  state.listen((now, before) => (now.target !== before.target || now.sources !== before.sources) && show());
+  state.listen((now, before) => (now.target !== before.target || now.sources !== before.sources || now.curves !== before.curves) && show());
   results.listen((now, before) => {
     if (now.path !== before.path) show();
     root.classList.toggle('stale', now.stale);

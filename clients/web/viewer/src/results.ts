@@ -2,9 +2,9 @@
  * What the server has answered to the state: the mesh, the field, the path. Never in the
  * link; always to be had again from it.
  */
-import type { MeshMetadata, MethodInfo, Path, Trace } from 'geodesicd-client';
+import type { Loop, MeshMetadata, MethodInfo, Path, Trace, Voronoi } from 'geodesicd-client';
 import type { RegionLook } from './regions.ts';
-import type { State } from './state.ts';
+import type { Line, State } from './state.ts';
 import type { Surface } from './surface.ts';
 
 /** A distance a source vertex (mesh units, +Infinity where unreached), as it was answered. */
@@ -36,10 +36,22 @@ export interface Trial {
   readonly most: number | null;
 }
 
+/** The line that is drawn: paths from point to point, or the loop that they became. */
+export interface DrawnLine {
+  readonly points: Path['points'];
+  /** Mesh units; null where no path leads on. */
+  readonly length: number | null;
+  /** Null while it is open. */
+  readonly loop: Loop | null;
+  readonly key: string;
+}
+
 export interface Results {
   readonly meshes: readonly MeshMetadata[];
   readonly methods: readonly MethodInfo[];
   readonly surface: Surface | null;
+  /** Which queries the server has that not all do. */
+  readonly offers: { readonly walls: boolean; readonly curves: boolean; readonly walking: boolean };
   readonly field: KnownField | null;
   readonly error: FieldError | null;
   /** Of several sources, each one's own field, for crisp borders between regions. */
@@ -59,6 +71,14 @@ export interface Results {
   /** Whether the path's profile is open: then the path can be pointed at. */
   readonly profiled: boolean;
   readonly trace: Trace | null;
+  /** Walls and curves as they lie on the surface, by what the state says of them. */
+  readonly lines: ReadonlyMap<Line, Path['points']>;
+  readonly drawn: DrawnLine | null;
+  /** Why there is no loop, in the server's words. */
+  readonly noLoop: string | null;
+  /** What the disc measures, in mesh units; the outline is with the surface's own boundary. */
+  readonly disc: { readonly radius: number; readonly area: number; readonly outline: number; readonly key: string } | null;
+  readonly cells: { readonly answered: Voronoi; readonly key: string } | null;
   /** The paths of the list's measures, in their order; null while one is awaited. */
   readonly measured: readonly (Path | null)[];
 }
@@ -67,6 +87,7 @@ export const NOTHING: Results = {
   meshes: [],
   methods: [],
   surface: null,
+  offers: { walls: false, curves: false, walking: false },
   field: null,
   error: null,
   apart: null,
@@ -79,6 +100,11 @@ export const NOTHING: Results = {
   along: null,
   profiled: false,
   trace: null,
+  lines: new Map(),
+  drawn: null,
+  noLoop: null,
+  disc: null,
+  cells: null,
   measured: [],
 };
 

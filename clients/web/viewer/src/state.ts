@@ -13,15 +13,47 @@ export interface Spot {
 }
 
 export type Xyz = readonly [number, number, number];
-export type Tool = 'source' | 'add' | 'target' | 'via' | 'arrow';
+export type Tool = 'source' | 'add' | 'target' | 'via' | 'arrow' | 'loop' | 'brush';
 export type Axis = 'x' | 'y' | 'z';
-export type Show = 'distance' | 'regions' | 'error';
+export type Show = 'distance' | 'regions' | 'cells' | 'error';
+
+/** Whether the surface is coloured by the nearest source. */
+export function byRegion(show: Show): boolean {
+  return show === 'regions' || show === 'cells';
+}
 
 /** A straightest geodesic: from where, whither (mesh axes, any length), how far (mesh units). */
 export interface Arrow {
   readonly from: Spot;
   readonly direction: Xyz;
   readonly length: number;
+}
+
+/**
+ * A line that is drawn point by point, and what closes it. `open`: shortest paths from point to point;
+ * `through`: and back to the first; `around`: the same, tightened; `plane`: tightened from where a plane
+ * through its one point cuts the surface; `tape`: the convex hull of that cut.
+ */
+export interface Drawn {
+  readonly kind: 'open' | 'through' | 'around' | 'plane' | 'tape';
+  readonly points: readonly Spot[];
+  /** At a right angle to the plane (mesh axes), of `plane` and `tape`. */
+  readonly normal: Xyz | null;
+}
+
+/** A line on the surface, of shortest paths from point to point; closed: and back to the first. */
+export interface Line {
+  readonly points: readonly Spot[];
+  readonly closed: boolean;
+}
+
+/** Faces that are painted, and walls: all that queries may not touch, or all that they are about. None: the whole surface. */
+export interface Painted {
+  readonly as: 'forbid' | 'within';
+  /** Numbers of faces, ascending, as ranges with both ends. */
+  readonly faces: readonly (readonly [number, number])[];
+  /** What paths may not cross. */
+  readonly walls: readonly Line[];
 }
 
 /** A path that was kept in the list. Its length is asked for anew when a link brings it. */
@@ -33,6 +65,7 @@ export interface Measure {
   /** As in the state that it was kept of. */
   readonly pointsPerEdge: number | null;
   readonly refine: boolean;
+  readonly painted: Painted;
 }
 
 export interface State {
@@ -41,11 +74,19 @@ export interface State {
   readonly via: readonly Spot[];
   readonly target: Spot | null;
   readonly arrow: Arrow | null;
+  readonly loop: Drawn | null;
+  readonly painted: Painted;
+  /** Sources that are lines. */
+  readonly curves: readonly Line[];
+  /** Radius of the disc that is measured, in mesh units; null for none. */
+  readonly disc: number | null;
   readonly measures: readonly Measure[];
   readonly method: string;
   /** Points that the method `steiner` adds inside each edge; null for its default. */
   readonly pointsPerEdge: number | null;
   readonly refine: boolean;
+  /** Which axis is up for ways on foot, that are to be quick; null where they are to be short. */
+  readonly walking: Axis | null;
   readonly show: Show;
   readonly colours: 'viridis' | 'turbo';
   /** About how many isolines; 0 for none. */
@@ -55,6 +96,10 @@ export interface State {
   /** Whether the mesh's edges are drawn. */
   readonly edges: boolean;
   readonly tool: Tool;
+  /** Radius of the brush, in parts of the mesh's. */
+  readonly brush: number;
+  /** Whether the brush takes paint away. */
+  readonly erasing: boolean;
   /** Which of the mesh's axes is up; null for the page's guess. */
   readonly up: Axis | null;
   /** Position and target of the camera, in units of the mesh's radius about its middle. */
@@ -64,10 +109,15 @@ export interface State {
 /** The server takes no more. */
 export const MOST_SOURCES = 1000;
 export const MOST_VIA = 100;
+export const MOST_LOOP = 100;
+/** Walls, and curves: each is asked for to be drawn. */
+export const MOST_LINES = 50;
 /** Paths in the list: each is asked for. */
 export const MOST_MEASURES = 50;
 /** So many regions have each their own field, for crisp borders; and so many slots has the shader. */
 export const REGIONS = 8;
+
+export const UNPAINTED: Painted = { as: 'forbid', faces: [], walls: [] };
 
 export const START: State = {
   mesh: null,
@@ -75,16 +125,23 @@ export const START: State = {
   via: [],
   target: null,
   arrow: null,
+  loop: null,
+  painted: UNPAINTED,
+  curves: [],
+  disc: null,
   measures: [],
   method: 'auto',
   pointsPerEdge: null,
   refine: true,
+  walking: null,
   show: 'distance',
   colours: 'viridis',
   lines: 24,
   ticks: true,
   edges: false,
   tool: 'source',
+  brush: 0.08,
+  erasing: false,
   up: null,
   camera: null,
 };
@@ -95,6 +152,10 @@ export const WITHOUT_POINTS = {
   via: [],
   target: null,
   arrow: null,
+  loop: null,
+  painted: UNPAINTED,
+  curves: [],
+  disc: null,
   measures: [],
   show: 'distance',
   tool: 'source',

@@ -10,7 +10,7 @@ import { roundStep } from './numbers.ts';
 import type { KnownField, Results } from './results.ts';
 import { wantsMotion, type Stage } from './stage.ts';
 import type { RegionLook } from './regions.ts';
-import type { State } from './state.ts';
+import { byRegion as showsRegions, type State } from './state.ts';
 
 const FLOOD = 650; // milliseconds from the source to the farthest vertex
 
@@ -68,6 +68,8 @@ export class SurfaceView {
       this.#edges.geometry = surface.geometry;
       if (state.edges) this.stage.add(this.#edges);
     }
+    this.#material.setDisc(state.walking ? 0 : (state.disc ?? 0) / surface.radius);
+    if (state.disc !== before?.disc || state.walking !== before?.walking) this.stage.wake();
     const repaint =
       field !== this.#shown ||
       error !== resultsBefore?.error ||
@@ -90,7 +92,7 @@ export class SurfaceView {
     this.#shown = field;
     const most = field.max / radius;
     const step = lineStepOf(field.max, state.lines) / radius;
-    const byRegion = state.show === 'regions' && field.labels && regions;
+    const byRegion = showsRegions(state.show) && field.labels && regions;
     const byError = state.show === 'error' && error;
     if (byRegion && apart) putDistances(geometry, apart, radius);
     else if (byRegion) putLabels(geometry, field.labels!, regions);

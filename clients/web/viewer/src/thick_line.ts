@@ -90,12 +90,20 @@ export class ThickLine extends Group {
 
   /** Points x, y, z after x, y, z, where they are drawn; fewer than two show nothing. */
   setPoints(points: Float32Array): void {
-    const segments = points.length / 3 - 1;
+    this.setLines([points]);
+  }
+
+  /** The same of several lines. */
+  setLines(lines: readonly Float32Array[]): void {
+    const segments = lines.reduce((sum, { length }) => sum + Math.max(0, length / 3 - 1), 0);
     this.visible = segments > 0;
     if (segments <= 0) return;
     if (segments > this.#room || !this.#buffer) this.#grow(Math.max(256, 2 * segments));
     const array = this.#buffer!.array as Float32Array;
-    for (let i = 0; i < segments; i++) array.set(points.subarray(3 * i, 3 * i + 6), 6 * i);
+    let next = 0;
+    for (const points of lines) {
+      for (let i = 0; i + 6 <= points.length; i += 3, next += 6) array.set(points.subarray(i, i + 6), next);
+    }
     this.#buffer!.clearUpdateRanges();
     this.#buffer!.addUpdateRange(0, 6 * segments);
     this.#buffer!.needsUpdate = true;

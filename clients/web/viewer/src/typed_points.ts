@@ -9,10 +9,11 @@ import { spotOf } from './link.ts';
 import { troubleOf, type Trouble } from './messages.ts';
 import type { Notices } from './notices.ts';
 import { countText, lengthText } from './numbers.ts';
+import { regionsOf } from './painted.ts';
 import { checked, entriesIn, entriesInFile, type Entry, type Typed } from './point_text.ts';
 import { surfaceOf, type Results } from './results.ts';
 import { tooLarge } from './sources_file.ts';
-import { MOST_SOURCES, type Spot, type State, type Store, type Tool, type Xyz } from './state.ts';
+import { MOST_LOOP, MOST_SOURCES, type Painted, type Spot, type State, type Store, type Tool, type Xyz } from './state.ts';
 import type { Surface } from './surface.ts';
 
 /** Points that are farther from the surface than this part of the mesh's size are remarked on. */
@@ -32,9 +33,10 @@ async function spotsOf(
   points: readonly Typed[],
   surface: Surface,
   client: GeodesicClient,
+  painted: Painted,
 ): Promise<{ spots: (Spot | null)[]; far: FarPlaces | null }> {
   const places = points.filter((point): point is Xyz => Array.isArray(point));
-  const found = places.length ? (await client.nearest(surface.id, { point: places.map((xyz) => ({ xyz })) })).points : [];
+  const found = places.length ? (await client.nearest(surface.id, { point: places.map((xyz) => ({ xyz })), ...regionsOf(painted) })).points : [];
   let next = 0;
   const spots = points.map((point) => {
     if (typeof point === 'number') return surface.spotAt(point);
@@ -79,7 +81,7 @@ export class TypedPoints {
     const wrong = entries.find(({ fault }) => fault);
     if (wrong) notices.trouble({ ...wrong.fault!, detail: wrong.text.slice(0, 200), about: 'points' });
     if (wrong || !entries.length) return false;
-    const { tool, sources, via } = state.value;
+    const { tool, sources, via, loop } = state.value;
     if (entries.length > 1 && (tool === 'target' || tool === 'arrow')) {
       notices.trouble({
         title: tool === 'target' ? 'A path has one target' : 'An arrow has one start',
@@ -100,7 +102,11 @@ export class TypedPoints {
     if (tool === 'source' && spots.length > 1) this.#sources(spots, spots.length);
     else if (tool === 'add') this.#sources([...sources, ...spots], sources.length + spots.length);
     else if (tool === 'via') state.set({ via: [...via, ...spots] });
-    else place(tool, spots[0]!);
+    else if (tool === 'loop') {
+      const points = [...(loop?.kind === 'open' ? loop.points : []), ...spots];
+      if (points.length > MOST_LOOP) notices.remark(LOOP_IS_FULL);
+      state.set({ loop: { kind: 'open', points: points.slice(0, MOST_LOOP), normal: null } });
+    } else for (const spot of spots) place(tool, spot);
     if (found.far) notices.remark(farText(found.far));
     return true;
   }
@@ -130,7 +136,7 @@ export class TypedPoints {
   async #locate(entries: readonly Entry[], surface: Surface): Promise<Awaited<ReturnType<typeof spotsOf>> | null> {
     const { state, results, notices, access, connection } = this.options;
     try {
-      const found = await spotsOf(entries.map(({ point }) => point!), surface, access.client);
+      const found = await spotsOf(entries.map(({ point }) => point!), surface, access.client, state.value.painted);
       return surfaceOf(state.value, results.value) === surface ? found : null;
     } catch (error) {
       if (!connection.explains(error)) notices.trouble({ ...troubleOf(error), about: 'points' }, access.remedy(error));
@@ -145,6 +151,11 @@ export class TypedPoints {
     if (count > MOST_SOURCES) notices.remark(fullText(count));
   }
 }
+
+/** That a loop has as many points as the server takes. */
+export const LOOP_IS_FULL: Trouble = {
+  title: 'No more points of a loop', advice: 'The server takes a hundred: close the loop.', detail: '', about: 'points',
+};
 
 /** That there are as many sources as the server takes; `count` were wanted at once. */
 export function fullText(count?: number): Trouble {

@@ -1,0 +1,110 @@
+"""What the server draws as .glb files: cells, discs and maps, to open in any 3D program.
+What their parameters have in common with others is told in ``queries.py``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from .encoding import as_bound, computed_by, encode
+from .flows import Flow, Progress, ask
+from .points import PointLike, PointsLike, point_of, points_of
+from .results import FloatArray
+from .surface_regions import RegionsLike, kept_to
+
+
+def _glb(
+    mesh: str, query: str, parameters: dict[str, Any], progress: Progress | None
+) -> Flow[bytes]:
+    request = encode(mesh, query, {**parameters, "format": "glb"})
+    return ask(request, lambda reply: bytes(reply.body), progress)
+
+
+def cells_glb(
+    mesh: str,
+    sites: PointsLike,
+    *,
+    part: str | None = None,
+    relax: int | None = None,
+    method: str | None = None,
+    points_per_edge: int | None = None,
+    bound: str | None = None,
+    tolerance: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[bytes]:
+    """The Voronoi diagram of :meth:`voronoi` as the bytes of a .glb file.
+
+    Args:
+        part: ``"cells"``, the surface cut into a coloured mesh for each, which it is without it;
+            ``"bisectors"``, the lines between them; ``"delaunay"``, the triangles between sites.
+        relax: rounds of Lloyd's algorithm before.
+    """
+    parameters = {
+        "from": points_of(sites),
+        "part": part,
+        "relax": relax,
+        **computed_by(method, points_per_edge, bound, tolerance, deadline),
+        **kept_to(within, forbid),
+    }
+    return _glb(mesh, "voronoi", parameters, progress)
+
+
+def discs_glb(
+    mesh: str,
+    sources: PointsLike,
+    radii: float | Sequence[float] | FloatArray,
+    *,
+    max: float | None = None,
+    colormap: str | None = None,
+    method: str | None = None,
+    points_per_edge: int | None = None,
+    bound: str | None = None,
+    tolerance: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[bytes]:
+    """The discs of :meth:`measure` as the bytes of a .glb file: a mesh for each strip between two
+    of the ``radii`` (mesh units), cut out of the surface, with its area in its ``extras``."""
+    parameters = {
+        "from": points_of(sources),
+        "radii": np.atleast_1d(np.asarray(radii, dtype=np.float64)).tolist(),
+        "max": as_bound(max),
+        "colormap": colormap,
+        **computed_by(method, points_per_edge, bound, tolerance, deadline),
+        **kept_to(within, forbid),
+    }
+    return _glb(mesh, "measure", parameters, progress)
+
+
+def map_glb(
+    mesh: str,
+    point: PointLike,
+    radius: float | None = None,
+    *,
+    angle: float = 0.0,
+    method: str | None = None,
+    points_per_edge: int | None = None,
+    bound: str | None = None,
+    tolerance: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[bytes]:
+    """The faces of :meth:`logmap` as the bytes of a .glb file, with texture coordinates: a decal
+    about the point. ``radius`` and ``angle`` as there."""
+    parameters = {
+        "from": point_of(point),
+        "radius": as_bound(radius),
+        "angle": angle,
+        **computed_by(method, points_per_edge, bound, tolerance, deadline),
+        **kept_to(within, forbid),
+    }
+    return _glb(mesh, "logmap", parameters, progress)
