@@ -95,17 +95,21 @@ std::string u16_bytes(std::span<const double> values, double max, Bound bound, P
 
 // https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
 std::string npy(const Array& array) {
+  return npy_header(dtype_of(array.type), array.shape) + array.bytes;
+}
+
+std::string npy_header(std::string_view dtype, std::span<const std::uint64_t> shape) {
   std::string header = "{'descr': '";
-  header += dtype_of(array.type);
+  header += dtype;
   header += "', 'fortran_order': False, 'shape': (";
-  for (const std::uint64_t count : array.shape) header += std::to_string(count) + ",";
+  for (const std::uint64_t count : shape) header += std::to_string(count) + ",";
   header += "), }";
   constexpr std::size_t kPreamble = 10;  // magic, version and the header's length
   header.resize(rounded_up(kPreamble + header.size() + 1, 64) - kPreamble - 1, ' ');
   header += '\n';
   std::string bytes("\x93NUMPY\x01\x00", 8);
   append(bytes, static_cast<std::uint16_t>(header.size()));
-  return bytes + header + array.bytes;
+  return bytes + header;
 }
 
 std::string frame(const nlohmann::ordered_json& about, std::span<const Array> arrays) {

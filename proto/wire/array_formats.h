@@ -38,8 +38,9 @@ struct Array {
 [[nodiscard]] std::string u16_bytes(std::span<const double> values, double max,
                                     Bound bound = Bound::none, Poll* poll = nullptr);
 
-// NumPy's .npy, version 1.0.
+// NumPy's .npy, version 1.0, and what is before the array in it. `dtype`: NumPy's name.
 [[nodiscard]] std::string npy(const Array& array);
+[[nodiscard]] std::string npy_header(std::string_view dtype, std::span<const std::uint64_t> shape);
 
 // A frame: a header of 24 bytes (`GEOD`, u32 version = 1, u32 length of the JSON,
 // u32 flags = 0, u64 length of the whole), the JSON, padded with spaces so that what

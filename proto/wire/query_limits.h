@@ -15,6 +15,10 @@ inline constexpr std::size_t kMaxVia = 100;
 // The same of a loop.
 inline constexpr std::size_t kMaxLoopPoints = 100;
 inline constexpr std::size_t kMaxTableEntries = 1'000'000;
+// Of a table whose rows are sent as they are done, or of which only what is near is kept.
+inline constexpr std::uint64_t kMaxStreamedEntries = 1'000'000'000;
+// Of a sparse table, those that it has: 240 MB.
+inline constexpr std::uint64_t kMaxSparseEntries = 20'000'000;
 // Vertices and points on edges of `steiner`; some 800 MB.
 inline constexpr std::uint64_t kMaxSteinerNodes = 20'000'000;
 inline constexpr std::size_t kMaxLevels = 10'000;

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -71,14 +73,24 @@ struct PathReply {
   Warnings warnings;
 };
 
+// What is reached of a table, row after row, and in each by ascending columns: compressed sparse
+// rows. The arrays are bytes as they are sent, little-endian.
+struct SparseEntries {
+  std::vector<std::uint32_t> begins{0};  // of each row, and their end
+  std::string columns;                   // uint32
+  std::string distances;                 // float64
+  [[nodiscard]] std::uint64_t count() const { return columns.size() / sizeof(std::uint32_t); }
+};
+
 struct TableReply {
   std::string mesh;
   Method method = Method::wavefront;
   std::vector<ResolvedPoint> rows;
   std::vector<ResolvedPoint> columns;
-  std::vector<double> distances;  // row after row; infinite: unreached
-  bool short_digits = false;      // see append_distance
-  Bound bound = Bound::none;      // upper: rounded up where digits are cut
+  std::vector<double> distances;        // row after row; infinite: unreached
+  std::optional<SparseEntries> sparse;  // instead of them
+  bool short_digits = false;            // see append_distance
+  Bound bound = Bound::none;            // upper: rounded up where digits are cut
   Warnings warnings;
 };
 
@@ -231,6 +243,13 @@ struct NearestReply {
 [[nodiscard]] std::string to_json(const DistanceReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const PathReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const TableReply& reply, int digits, Poll* poll = nullptr);
+// A table in lines: the first one, with all but its rows, and one row, of which `sparse` has what
+// is reached. `number`: of the row in the whole table.
+[[nodiscard]] std::string first_line(const TableReply& reply, std::uint64_t first_row, int digits,
+                                     Poll* poll = nullptr);
+[[nodiscard]] std::string row_line(const TableReply& reply, std::size_t row, std::uint64_t number,
+                                   std::span<const double> distances, bool sparse, int digits,
+                                   Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const IsolinesReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const SamplesReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const MeasureReply& reply, int digits, Poll* poll = nullptr);

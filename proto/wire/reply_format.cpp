@@ -27,7 +27,9 @@ constexpr FormatName kNames[] = {{Format::json, "json", "application/json"},
                                  {Format::glb, "glb", "model/gltf-binary"},
                                  {Format::png, "png", "image/png"},
                                  // Its reply has the type of the file that was uploaded.
-                                 {Format::annotated, "annotated", "model/gltf-binary"}};
+                                 {Format::annotated, "annotated", "model/gltf-binary"},
+                                 {Format::lines, "ndjson", "application/x-ndjson"},
+                                 {Format::npz, "npz", "application/x-npz"}};
 
 const FormatName& row_of(Format format) { return kNames[static_cast<std::size_t>(format)]; }
 

@@ -13,7 +13,20 @@
 namespace geodesic::proto {
 
 // `annotated`: the file that was uploaded, with the numbers as attributes of its vertices.
-enum class Format : std::uint8_t { json, f32, f64, u16, npy, frame, glb, png, annotated };
+// `lines`: a line of JSON for each row of a table. `npz`: a sparse matrix as SciPy keeps it.
+enum class Format : std::uint8_t {
+  json,
+  f32,
+  f64,
+  u16,
+  npy,
+  frame,
+  glb,
+  png,
+  annotated,
+  lines,
+  npz
+};
 
 // What `format=` calls it, and its media type.
 [[nodiscard]] std::string_view name_of(Format format);
@@ -46,6 +59,10 @@ inline constexpr Format kJsonOrSurface[] = {Format::json, Format::glb};
 inline constexpr Format kJsonOrLines[] = {Format::json, Format::glb};
 inline constexpr Format kSurfaceOnly[] = {Format::glb};
 inline constexpr Format kJsonOrPictures[] = {Format::json, Format::glb, Format::png};
+// What can be sent row after row.
+inline constexpr Format kRowFormats[] = {Format::lines, Format::f32, Format::f64, Format::npy};
+inline constexpr std::span<const Format> kLinesOnly(kRowFormats, 1);
+inline constexpr Format kSparseFormats[] = {Format::json, Format::frame, Format::npz};
 inline constexpr Format kGeometryFormats[] = {Format::glb, Format::frame};
 
 // From `format=`, else from an Accept header (null: none), among what is offered, the

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "proto/wire/input_codes.h"
@@ -132,6 +136,40 @@ Result<void> read_points(Parameters& parameters, const char* name, std::size_t m
   if (!read) return fail(std::move(read.error()));
   points = std::move(*read);
   return check_no_offset(points);
+}
+
+// Leaves of a table the rows `first-last`, counted from 0; without the last all from the first on.
+Result<void> take_rows(std::string_view text, TableRequest& request) {
+  const std::uint64_t count = request.from.size();
+  std::uint64_t first = 0;
+  std::uint64_t last = count - 1;
+  const char* const end = text.data() + text.size();
+  const auto begun = std::from_chars(text.data(), end, first);
+  bool is_read = begun.ec == std::errc() && begun.ptr != end && *begun.ptr == '-';
+  if (is_read && begun.ptr + 1 != end) {
+    const auto ended = std::from_chars(begun.ptr + 1, end, last);
+    is_read = ended.ec == std::errc() && ended.ptr == end;
+  }
+  if (!is_read) {
+    return fail(
+        InputCode::bad_syntax,
+        "rows are first-last, such as 500-999, or first- for all that follow, counted from 0",
+        "rows");
+  }
+  if (first > last || last >= count) {
+    return fail_limit(ErrorCode::value_out_of_range,
+                      "rows are counted from 0 to the last of the table's, and the first is not "
+                      "behind the last",
+                      count - 1, std::max(first, last), "rows");
+  }
+  if (request.to.empty()) request.to = request.from;
+  const auto at = [&](std::uint64_t row) {
+    return request.from.begin() + static_cast<std::ptrdiff_t>(row);
+  };
+  request.from.erase(at(last + 1), request.from.end());
+  request.from.erase(request.from.begin(), at(first));
+  request.first_row = first;
+  return {};
 }
 
 Result<void> read_point(Parameters& parameters, const char* name, PointRequest& point) {
@@ -281,11 +319,32 @@ Result<void> parse_request(Parameters& parameters, PathRequest& request) {
 }
 
 Result<void> parse_request(Parameters& parameters, TableRequest& request) {
-  if (auto ok = read_points(parameters, "from", kMaxSources, request.from); !ok) return ok;
+  const auto stream = parameters.flag("stream");
+  if (!stream) return fail(stream.error());
+  request.stream = stream->value_or(false);
+  const auto sparse = parameters.flag("sparse");
+  if (!sparse) return fail(sparse.error());
+  request.sparse = sparse->value_or(false);
+  const auto rows = parameters.text("rows");
+  if (!rows) return fail(rows.error());
+  const bool is_large = request.stream || request.sparse;
+  const std::size_t most = is_large || *rows ? kMaxPoints : kMaxSources;
+  if (auto ok = read_points(parameters, "from", most, request.from); !ok) return ok;
   if (request.from.empty()) return missing("from");
+  request.all_rows = request.from.size();
   if (auto ok = read_points(parameters, "to", kMaxPoints, request.to); !ok) return ok;
   const std::size_t columns = request.to.empty() ? request.from.size() : request.to.size();
-  if (auto ok = check_count(request.from.size() * columns, kMaxTableEntries, "to"); !ok) return ok;
+  if (*rows) {
+    if (auto ok = take_rows(**rows, request); !ok) return ok;
+  }
+  if (!is_large) {
+    if (auto ok = check_count(request.from.size(), kMaxSources, "from"); !ok) return ok;
+  }
+  if (auto ok = check_count(request.from.size() * columns,
+                            is_large ? kMaxStreamedEntries : kMaxTableEntries, "to");
+      !ok) {
+    return ok;
+  }
   if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
   return read_max(parameters, request.max);
 }

@@ -43,10 +43,14 @@ struct PathRequest {
 };
 
 struct TableRequest {
-  std::vector<PointRequest> from;  // a row each
+  std::vector<PointRequest> from;  // a row each, of those that are asked for
   std::vector<PointRequest> to;    // a column each; empty: `from` again
   MethodChoice method;
   std::optional<double> max;
+  bool stream = false;          // rows are sent as they are done
+  bool sparse = false;          // only what is reached
+  std::uint64_t first_row = 0;  // which one of the whole table `from` begins with
+  std::uint64_t all_rows = 0;   // how many that has
 };
 
 struct IsolinesRequest {
@@ -144,8 +148,9 @@ struct NearestRequest {
   return kFieldFormats;
 }
 [[nodiscard]] inline std::span<const Format> formats_of(const PathRequest&) { return kPathFormats; }
-[[nodiscard]] inline std::span<const Format> formats_of(const TableRequest&) {
-  return kArrayFormats;
+[[nodiscard]] inline std::span<const Format> formats_of(const TableRequest& request) {
+  if (request.stream) return request.sparse ? kLinesOnly : kRowFormats;
+  return request.sparse ? std::span<const Format>(kSparseFormats) : kArrayFormats;
 }
 [[nodiscard]] inline std::span<const Format> formats_of(const IsolinesRequest&) {
   return kJsonOrLines;

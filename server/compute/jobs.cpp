@@ -266,6 +266,7 @@ HttpResponse Jobs::reply_to(Job& job) {
         body += chunk;
         chunk.clear();
       }
+      if (reply.broken && *reply.broken) return HttpResponse::problem(**reply.broken, job.request);
       reply.stream = nullptr;
       reply.body = std::make_shared<const std::string>(std::move(body));
     }

@@ -300,7 +300,7 @@ class HttpServer::Impl final : public httplib::Server {
                                  ? "application/octet-stream"
                                  : without_controls(reply.content_type, spare_value);
     if (reply.stream && !is_head && !bodiless) {
-      stream(std::move(reply.stream), type, exchange, response);
+      stream(reply, type, exchange, response);
     } else if (bodiless || reply.stream) {
       if (!bodiless) response.set_header("Content-Type", type);
       exchange.omit_length = true;
@@ -316,14 +316,21 @@ class HttpServer::Impl final : public httplib::Server {
     }
   }
 
-  void stream(std::function<bool(std::string&)> next, const std::string& type, Exchange& exchange,
+  void stream(HttpResponse& reply, const std::string& type, Exchange& exchange,
               httplib::Response& response) {
     exchange.streams = true;
-    auto send = [this, next = std::move(next), id = exchange.request.id](std::size_t,
-                                                                         httplib::DataSink& sink) {
+    auto send = [this, next = std::move(reply.stream), broken = std::move(reply.broken),
+                 id = exchange.request.id](std::size_t, httplib::DataSink& sink) {
       try {
         std::string chunk;
         if (!next(chunk)) {
+          if (broken && *broken) {
+            // A client that is gone needs no word.
+            if ((*broken)->code != ErrorCode::cancelled) {
+              spdlog::warn("{} a streamed reply is broken off: {}", id, (*broken)->detail);
+            }
+            return false;
+          }
           sink.done();
           return true;
         }

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -61,6 +62,9 @@ struct HttpResponse {
   // after the other until it returns false (that last chunk is not sent).
   // May block, but not for longer than a client should wait for a sign of life.
   std::function<bool(std::string& chunk)> stream;
+  // If it names an error once `stream` has returned false, that was not the reply's end: the
+  // connection is closed without one, so that the client can tell. May be null.
+  std::shared_ptr<const std::optional<Error>> broken;
   // What the log line names instead of the raw target, such as
   // "/v1/meshes/{id}/distance"; empty: the target.
   std::string route;

@@ -1,10 +1,16 @@
 #include "server/query/field_queries.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "core/surface/around_points.h"
 #include "proto/wire/number.h"
 #include "proto/wire/query_limits.h"
 #include "server/query/place.h"
@@ -66,7 +72,7 @@ void take_whole_field(const Mesh& mesh, const Field& field, bool labels,
 
 FieldQueries::FieldQueries(MeshCatalog& catalog, ComputePool& pool, std::uint64_t field_cache_bytes,
                            Metrics& metrics)
-    : catalog_(catalog), fields_(pool, field_cache_bytes, metrics) {}
+    : catalog_(catalog), pool_(pool), fields_(pool, field_cache_bytes, metrics) {}
 
 Result<FieldQueries::Place> FieldQueries::find(const AskedSurface& surface, const Caller& caller) {
   // Preparing is no part of a query's progress: it is mostly done already.
@@ -147,13 +153,55 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const AskedSurface& sur
   if (!columns) return fail(columns.error());
   if (request.to.empty()) reply.columns = reply.rows;
 
-  const FieldQuestion question{
+  FieldQuestion question{
       surface.key(), place->adjacency(), request.method, {}, limit_of(request.method, request.max)};
+  if (request.stream || request.sparse) {
+    auto begin = rows_of(std::move(question), *rows, *columns, caller);
+    if (!begin) return fail(std::move(begin.error()));
+    answer.rows = std::move(*begin);
+    return answer;
+  }
   auto table = fields_.table(question, *rows, *columns, caller);
   if (!table) return fail(std::move(table.error()));
   answer.cache_hit = table->hit;
   reply.distances = std::move(table->distances);
   return answer;
+}
+
+auto FieldQueries::rows_of(FieldQuestion question, std::vector<SurfacePoint> from,
+                           std::vector<SurfacePoint> to, const Caller& caller)
+    -> Result<std::function<
+        Result<std::unique_ptr<RowsAhead>>(Answered<proto::TableReply>::EncodeRow, std::size_t)>> {
+  struct Rows {
+    FieldQuestion question;
+    std::vector<SurfacePoint> from;
+    std::vector<SurfacePoint> to;
+    std::vector<std::uint32_t> faces;  // around those of `to`, if any is inside a face
+  };
+  auto rows = std::make_shared<Rows>(Rows{std::move(question), std::move(from), std::move(to), {}});
+  if (!std::all_of(rows->to.begin(), rows->to.end(),
+                   [](const SurfacePoint& point) { return point.at_vertex(); })) {
+    auto faces = in_slot(
+        [&](const Cancel& cancel) {
+          return faces_around(*rows->question.adjacency, rows->to, cancel);
+        },
+        caller.part(0, 0));
+    if (!faces) return fail(std::move(faces.error()));
+    rows->faces = std::move(*faces);
+  }
+  return [this, rows = std::shared_ptr<const Rows>(std::move(rows)), caller](
+             Answered<proto::TableReply>::EncodeRow encode, std::size_t block) {
+    auto compute = [this, rows, encode = std::move(encode)](
+                       Worker& worker, std::size_t row, const GiveWay& give_way,
+                       const Caller& part) -> Result<std::string> {
+      FieldQuestion own = rows->question;
+      own.sources = {Source{rows->from[row], 0}};
+      const auto distances = fields_.row(own, rows->to, rows->faces, worker, give_way, part);
+      if (!distances) return fail(distances.error());
+      return encode(row, *distances, Cancel([&] { return give_way() || part(); }));
+    };
+    return RowsAhead::begin(pool_, rows->from.size(), block, std::move(compute), caller);
+  };
 }
 
 Result<Answered<proto::NearestReply>> FieldQueries::answer(const AskedSurface& surface,

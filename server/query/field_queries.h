@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "proto/wire/requests.h"
 #include "server/base/lru_cache.h"
 #include "server/compute/pool.h"
+#include "server/compute/rows_ahead.h"
 #include "server/query/fields.h"
 #include "server/query/mesh_catalog.h"
 #include "server/query/resolve_point.h"
@@ -39,6 +41,11 @@ struct Answered {
   std::uint64_t drawn_numbers = 0;
   // The file that the numbers are to be written into, where they are.
   std::shared_ptr<const UploadedGltf> upload;
+  // Of a table whose rows go another way: begins them, each as the bytes that `encode` makes of it
+  // in a slot, in blocks of so many.
+  using EncodeRow =
+      std::function<Result<std::string>(std::size_t row, std::span<const double>, const Cancel&)>;
+  std::function<Result<std::unique_ptr<RowsAhead>>(EncodeRow encode, std::size_t block)> rows;
 };
 
 // All methods may be called from any thread but a compute worker. Errors besides
@@ -117,7 +124,14 @@ class FieldQueries {
   [[nodiscard]] Result<Place> find(const AskedSurface& surface, const proto::MethodChoice& method,
                                    const Caller& caller);
 
+  // How the rows of a large table are begun, which have no sources in `question` yet.
+  [[nodiscard]] Result<std::function<
+      Result<std::unique_ptr<RowsAhead>>(Answered<proto::TableReply>::EncodeRow, std::size_t)>>
+  rows_of(FieldQuestion question, std::vector<SurfacePoint> from, std::vector<SurfacePoint> to,
+          const Caller& caller);
+
   MeshCatalog& catalog_;
+  ComputePool& pool_;
   Fields fields_;
 };
 

@@ -232,6 +232,34 @@ Result<PointDistances> Fields::table(const FieldQuestion& question,
   return table;
 }
 
+Result<std::vector<double>> Fields::row(const FieldQuestion& question,
+                                        std::span<const SurfacePoint> points,
+                                        std::span<const std::uint32_t> faces, Worker& worker,
+                                        const GiveWay& give_way, const Caller& caller) {
+  worker.memory->limit_to_query();
+  ScratchUse scratch = scratch_of(worker);
+  const Cancel cancel([&] { return give_way() || caller(); }, caller.progress,
+                      &worker.memory->budget());
+  // What is kept for points inside faces may be of the faces of others alone: not to be relied on.
+  const Details details = details_for(points);
+  std::shared_ptr<const Field> field;
+  if (details == Details::none) field = cache_.find(key_of(question, details));
+  if (!field) {
+    FieldLimits limits;
+    limits.max = question.max;
+    limits.keep_details = details == Details::kept;
+    limits.detail_faces = faces;
+    auto solved = solve(question, limits, scratch.get(), cancel, caller);
+    if (!solved) return fail(std::move(solved.error()));
+    field = std::make_shared<const Field>(std::move(*solved));
+  }
+  auto read = read_field(*question.adjacency, *field, question.max, points, false, cancel);
+  field = nullptr;
+  scratch.done(read ? read->distances.capacity() * sizeof(double) : 0);
+  if (!read) return fail(std::move(read.error()));
+  return std::move(read->distances);
+}
+
 Result<PointDistances> Fields::read_points(const FieldQuestion& question,
                                            std::span<const SurfacePoint> points,
                                            std::span<const std::uint32_t> targets, bool labels,

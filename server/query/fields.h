@@ -87,6 +87,16 @@ class Fields {
                                              std::span<const SurfacePoint> to,
                                              const Caller& caller);
 
+  // The distances of the points as the whole field of the question has them, and so the same
+  // whatever else is asked: a row of a table, as a part of ComputePool::run_each. The field is not
+  // kept, and does not end at the points. `faces`: those around the points, where any is inside a
+  // face.
+  [[nodiscard]] Result<std::vector<double>> row(const FieldQuestion& question,
+                                                std::span<const SurfacePoint> points,
+                                                std::span<const std::uint32_t> faces,
+                                                Worker& worker, const GiveWay& give_way,
+                                                const Caller& caller);
+
   // Runs `job(SolveScratch&, const Cancel&)`, which returns a Result, in a compute
   // slot. It is cancelled when the client is gone, and its progress is the caller's. Where
   // others hold the memory that it needs, it is run again from the start once there is room.

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "proto/encode/npz.h"
 #include "proto/wire/array_formats.h"
 #include "proto/wire/number.h"
 
@@ -93,6 +94,29 @@ std::vector<Array> point_arrays(const std::vector<proto::PathReplyPoint>& points
   }
   return {f64_array("points", coordinates, poll), u32_array("faces", faces, poll),
           f64_array("bary", weights, poll)};
+}
+
+// A sparse table as arrays.
+HttpResponse encode_sparse(proto::TableReply& reply, const proto::ReplyFormat& format, Poll& poll) {
+  const Shape shape{reply.rows.size(), reply.columns.size()};
+  HttpResponse response;
+  if (format.format == Format::npz) {
+    response.set_body(proto::npz(*reply.sparse, {shape[0], shape[1]}),
+                      std::string(proto::media_type_of(format.format)));
+  } else {
+    const std::uint64_t count = reply.sparse->count();
+    proto::SparseEntries entries = std::exchange(*reply.sparse, {});
+    const std::vector<Array> arrays{
+        {"data", NumberType::f64, {count}, std::move(entries.distances)},
+        {"indices", NumberType::u32, {count}, std::move(entries.columns)},
+        {"indptr",
+         NumberType::u32,
+         {entries.begins.size()},
+         proto::u32_bytes(entries.begins, &poll)}};
+    response = frame_reply(reply, {"data", "indices", "indptr"}, arrays, poll);
+  }
+  response.set_header("Geo-Shape", as_text(shape));
+  return response;
 }
 
 template <class Reply>
@@ -211,6 +235,7 @@ Result<HttpResponse> encode(Answered<proto::TableReply> answer, const proto::Rep
   if (format.format == Format::json) {
     return whole(encode_as_json(reply, format, poll), answer.cache_hit, poll);
   }
+  if (reply.sparse) return whole(encode_sparse(reply, format, poll), answer.cache_hit, poll);
   Numbers distances{std::exchange(reply.distances, {}), {reply.rows.size(), reply.columns.size()}};
   distances.bound = reply.bound;
   for (const double d : distances.values) {

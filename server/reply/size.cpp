@@ -64,9 +64,11 @@ ReplySize size_of(const Answered<proto::TraceReply>& answer, const proto::ReplyF
 
 ReplySize size_of(const Answered<proto::TableReply>& answer, const proto::ReplyFormat& format) {
   const proto::TableReply& reply = answer.reply;
-  return size_by(
-      reply.distances.size() + kNumbersOfPoint * (reply.rows.size() + reply.columns.size()), answer,
-      format);
+  // An entry of a sparse one has its column and its distance.
+  const std::uint64_t entries = reply.sparse ? 2 * reply.sparse->count() : 0;
+  return size_by(entries + reply.distances.size() +
+                     kNumbersOfPoint * (reply.rows.size() + reply.columns.size()),
+                 answer, format);
 }
 
 ReplySize size_of(const Answered<proto::IsolinesReply>& answer, const proto::ReplyFormat& format) {

@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -109,9 +110,16 @@ bool depends_on_caches(const Request&) {
 }
 bool depends_on_caches(const proto::DistanceRequest& request) { return !request.at.empty(); }
 bool depends_on_caches(const proto::PathRequest&) { return true; }
-bool depends_on_caches(const proto::TableRequest&) { return true; }
+bool depends_on_caches(const proto::TableRequest& request) { return !request.sparse; }
 bool depends_on_caches(const proto::LoopRequest& request) {
   return request.start != proto::LoopRequest::Start::plane;
+}
+
+// A reply that is sent as it is made: neither kept nor tagged.
+template <class Request>
+bool is_streamed(const Request& request) {
+  if constexpr (requires { request.stream; }) return request.stream;
+  return false;
 }
 
 template <class Request>
@@ -132,6 +140,10 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
   const AskedSurface surface(query.mesh, std::move(*regions));
   std::span<const proto::Format> offered = proto::formats_of(request);
   if (query.json_only) {
+    if (is_streamed(request)) {
+      return fail(InputCode::not_acceptable,
+                  "in a batch replies are JSON, and a stream is a reply of its own", "stream");
+    }
     if (std::find(offered.begin(), offered.end(), proto::Format::json) == offered.end()) {
       return fail(InputCode::not_acceptable,
                   "in a batch replies are JSON, and this one is a drawing", "part");
@@ -157,8 +169,8 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
       file_bytes = *bytes;
     }
   }
-  const std::string identity =
-      query.reader != nullptr ? identity_of(query, format->format) : std::string();
+  const bool is_kept = query.reader != nullptr && !is_streamed(request);
+  const std::string identity = is_kept ? identity_of(query, format->format) : std::string();
   const std::string tag = identity.empty() ? "" : tag_of(request, identity);
   if (!identity.empty()) {
     if (auto known = known_reply(query, identity, tag)) return std::move(*known);
@@ -169,6 +181,15 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
     auto upload = upload_to_annotate(query, attributes, file_bytes, caller->finishing());
     if (!upload) return fail(std::move(upload.error()));
     answer->upload = std::move(*upload);
+  }
+  std::shared_ptr<const void> collected;
+  if constexpr (std::is_same_v<Request, proto::TableRequest>) {
+    if (request.stream) return stream_rows(std::move(*answer), request, *format, *caller);
+    if (request.sparse) {
+      auto held = collect_rows(*answer, *caller);
+      if (!held) return fail(std::move(held.error()));
+      collected = std::move(*held);
+    }
   }
   const ReplySize size = size_of(*answer, *format);
   const auto make = [&](const Cancel& cancel) -> Result<HttpResponse> {

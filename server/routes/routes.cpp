@@ -294,6 +294,8 @@ HttpResponse Routes::status() {
         {"max_via", proto::kMaxVia},
         {"max_loop_points", proto::kMaxLoopPoints},
         {"max_table_entries", proto::kMaxTableEntries},
+        {"max_streamed_entries", proto::kMaxStreamedEntries},
+        {"max_sparse_entries", proto::kMaxSparseEntries},
         {"max_steiner_nodes", proto::kMaxSteinerNodes},
         {"max_levels", proto::kMaxLevels},
         {"max_isoline_segments", proto::kMaxIsolineSegments},

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <semaphore>
 #include <string>
@@ -131,6 +132,15 @@ class Routes {
   template <class Request>
   [[nodiscard]] Result<HttpResponse> answer_query(const Query& query);
   [[nodiscard]] Result<HttpResponse> answer_any_query(const Query& query);
+  // row_replies.cpp: a table whose rows are sent as they are done, once the first one is.
+  [[nodiscard]] Result<HttpResponse> stream_rows(Answered<proto::TableReply> answer,
+                                                 const proto::TableRequest& request,
+                                                 const proto::ReplyFormat& format,
+                                                 const Caller& caller);
+  // Computes a sparse table into its reply. Returns the memory that it has. Errors: too_large, and
+  // those of ReplyBudget::reserve.
+  [[nodiscard]] Result<std::shared_ptr<const void>> collect_rows(
+      Answered<proto::TableReply>& answer, const Caller& caller);
   // How large the file is that a mesh is of. Errors: mesh_unknown; not_acceptable where it is no
   // glTF.
   [[nodiscard]] Result<std::uint64_t> bytes_of_gltf(const Query& query, const Caller& caller);

@@ -37,11 +37,15 @@ TYPES = {
     "f64": "application/octet-stream",
     "u16": "application/octet-stream",
     "npy": "application/x-npy",
+    "ndjson": "application/x-ndjson",
+    "npz": "application/x-npz",
     "frame": "application/vnd.geodesic.frame",
     "glb": "model/gltf-binary",
     "png": "image/png",
     "annotated": "model/gltf-binary",
 }
+# What a table is to be for these.
+LARGE = {"ndjson": ("stream", "1"), "npz": ("sparse", "1")}
 # What only a mesh that was uploaded as one has; the plane is a GLB.
 OF_OTHER_FILES = {"model/gltf+json"}
 
@@ -140,7 +144,8 @@ def walk_formats(walk, server, operation, value):
     for parameter in formats:
         for name in walk.contract.resolve(parameter["schema"])["enum"]:
             query = [(k, v) for k, v in least_query(operation) if k != "format"]
-            target = operation.target(query + [("format", name)])
+            more = [LARGE[name]] if name in LARGE else []
+            target = operation.target(query + more + [("format", name)])
             if TYPES[name] not in described:
                 walk.ask_for(406, server, operation, target)
             elif walk.ask(server, operation, target).status != 200 and name != "u16":
@@ -149,7 +154,9 @@ def walk_formats(walk, server, operation, value):
         # Some formats are for whole fields only.
         least = {k: v for k, v in value.items() if k not in ("at", "format")}
         for kind in set(described) - OF_OTHER_FILES:
-            walk.ask_for(200, server, operation, operation.target(), least, {"Accept": kind})
+            large = dict(LARGE[name] for name in LARGE if TYPES[name] == kind)
+            asked = {**least, **large} if operation.path.endswith("/table") else least
+            walk.ask_for(200, server, operation, operation.target(), asked, {"Accept": kind})
     if formats or isinstance(value, dict):
         if operation.path.endswith(("/distance", "/logmap")):
             walk_annotated(walk, server, operation)

@@ -66,6 +66,11 @@ void parse(const auto& parameters_of) {
   Request request{};
   const auto parsed = proto::parse_request(*parameters, request);
   if (!parsed) return check_error(parsed.error());
+  if constexpr (requires { request.all_rows; }) {
+    expect(!request.from.empty(), "a table has rows");
+    expect(request.first_row + request.from.size() <= request.all_rows,
+           "its rows are those it has");
+  }
   const auto regions = proto::read_regions(*parameters);
   if (!regions) return check_error(regions.error());
   check_regions(*regions);

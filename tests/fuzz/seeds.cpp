@@ -180,6 +180,8 @@ std::vector<std::string> request_seeds() {
       R"({"point":[{"ray":{"origin":[0,0,9],"direction":[0,0,-1]}}]})",
       R"({"count":1,"within":[{"faces":[7,[1,9]]},{"part":2}],"forbid":{"sphere":{"center":[1,2,3],"radius":1}}})",
       R"({"count":1,"forbid":[{"box":{"min":[1,2,3],"max":[4,5,6]}},"faces:0-9"]})",
+      "from=v:0&from=v:1&from=v:2&rows=1-2&stream=1&format=npy",
+      R"({"from":["v:0","v:1","v:2"],"rows":"1-","sparse":true,"max":2,"format":"npz"})",
       "count=1&within=faces:7,10-99&within=part:2&forbid=sphere:1,2,3,0.5&forbid=box:0,0,0,1,2,3",
       "from=v:0&to=v:9&via=f:1,0.2,0.3&refine=none&precision=6",
       "from=v:0&from=p:1,2,3&at=v:1&max=2e3&method=steiner&points_per_edge=5",

@@ -213,6 +213,8 @@ def questions(chance, vertices, faces, method):
     found.append(("samples", {"count": 5}))
     many = on_sides(chance, faces)
     found.append(("table", {"from": spots[0], "to": many}))
+    found.append(("table", {"from": spots[-3:], "to": many, "stream": 1}))
+    found.append(("table", {"from": many[:200], "to": spots, "max": 0.5, "sparse": 1}))
     found.append(("distance", {"from": spots[1], "at": many}))
     found.append(("distance", {"from": many, "at": spots, "labels": 1}))
     found.append(("measure", {"from": spots[1], "radii": [0.1, 0.5, 1]}))
@@ -266,6 +268,11 @@ class Crowd:
         try:
             status, _, body = self.service.ask("GET", target)
         except (OSError, http.client.HTTPException) as error:
+            # Rows that are streamed are broken off by their deadline.
+            if "stream" in asked and isinstance(error, http.client.IncompleteRead):
+                took = time.monotonic() - begun
+                if DEADLINE <= took <= DEADLINE + LATE:
+                    return
             self.faults.append(f"{name}: {error!r}")
             return
         took = time.monotonic() - begun

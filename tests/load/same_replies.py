@@ -41,6 +41,7 @@ def systematic(vertices):
             for query in ("distance?from=v:0&format=f64",
                           f"distance?from=v:0&from=f:0,0.2,0.3&at=v:{last}&at=f:1,0.1,0.7",
                           f"table?from=v:0&from=v:{middle}&to=v:{last}&to=v:1&format=f64",
+                          f"table?from=v:0&from=v:{middle}&to=v:{last}&to=f:0,0.2,0.3&stream=1",
                           f"isolines?from=v:{middle}&count=5"):
                 yield f"/{query}&{urllib.parse.urlencode(asked)}"
             if "tolerance" not in options:

@@ -133,6 +133,14 @@ def parameters_of(chance, mesh, query):
         asked["from"] = some(chance, mesh, 4)
         if chance.random() < 0.7:
             asked["to"] = some(chance, mesh, 4)
+        if chance.random() < 0.3:
+            asked["rows"] = chance.choice(["0-", "0-0", "1-", "3-2"])
+        if chance.random() < 0.3:
+            asked["stream"] = 1
+            return asked, ["ndjson", "f32", "f64", "npy"]
+        if chance.random() < 0.2:
+            asked["sparse"] = 1
+            return asked, ["json", "frame", "npz"]
         return asked, ["json", "f32", "f64", "npy"]
     asked["count"] = chance.choice([1, 4, 9])
     if chance.random() < 0.3:

@@ -7,6 +7,7 @@ import { fieldPlan, meshPath, planOf, queryCall, shownCall, type Plan } from './
 import type * as queries from './queries.js';
 import type { CallOptions, Precision, QueryOptions } from './queries.js';
 import * as replies from './replies.js';
+import { sparseTable, tableRows } from './table_rows.js';
 import { table } from './tables.js';
 import { Transport, type Call, type Reply } from './transport.js';
 import * as uploads from './upload.js';
@@ -165,6 +166,27 @@ export class GeodesicClient {
    */
   table(id: string, query: queries.TableQuery, options: QueryOptions = {}): Promise<queries.Table> {
     return table(this.#transport, id, query, options);
+  }
+
+  /**
+   * The rows of a table of thousands, each as the server has computed it. Where the connection
+   * breaks, it goes on with the row that is missing.
+   */
+  tableRows(
+    id: string,
+    query: queries.TableQuery,
+    options: QueryOptions = {},
+  ): AsyncGenerator<queries.TableRow, void, undefined> {
+    return tableRows(this.#transport, id, query, options);
+  }
+
+  /** What of a table is not farther than `max`: near distances among many points. */
+  sparseTable(
+    id: string,
+    query: queries.SparseTableQuery,
+    options: QueryOptions = {},
+  ): Promise<queries.SparseTable> {
+    return sparseTable(this.#transport, id, query, options);
   }
 
   /** Lines of equal distance. */

@@ -72,6 +72,11 @@ export interface TableQuery extends ByMethod, WithinTolerance {
   max?: number;
 }
 
+/** What of a table is not farther than `max`. */
+export interface SparseTableQuery extends TableQuery {
+  max: number;
+}
+
 /** Exactly one of `levels`, `step` and `count`. */
 export interface IsolinesQuery extends ByMethod, WithinTolerance, InDigits {
   from: OneOrMore<Source>;
@@ -263,6 +268,26 @@ export interface Table extends Told {
   columns: ResolvedPoint[];
   /** Length: rows times columns. Mesh units. */
   distances: Float64Array;
+}
+
+/** A row of a table that arrives row by row: its distance to each column, +Infinity: unreached. */
+export interface TableRow {
+  row: number;
+  distances: Float64Array;
+}
+
+/**
+ * Distances within a bound, by compressed sparse rows: those of row `i` are `data` from
+ * `indptr[i]` to before `indptr[i + 1]`, and `indices` has their columns, ascending.
+ */
+export interface SparseTable extends Told {
+  mesh: string;
+  method: Method;
+  rows: ResolvedPoint[];
+  columns: ResolvedPoint[];
+  data: Float64Array;
+  indices: Uint32Array;
+  indptr: Uint32Array;
 }
 
 /** The surface round a point, laid into the plane: a place for each of `vertices`. */

@@ -3,7 +3,17 @@ import { countOf, viewAs, type Shaped } from './arrays.js';
 import type { Method, ResolvedPoint } from './contract.js';
 import { decodeFrame, type Frame } from './frame.js';
 import { decodeNpy } from './npy.js';
-import type { Field, Floats, Geometry, Logmap, Precision, Table, Timing, Told } from './queries.js';
+import type {
+  Field,
+  Floats,
+  Geometry,
+  Logmap,
+  Precision,
+  SparseTable,
+  Table,
+  Timing,
+  Told,
+} from './queries.js';
 import type { Reply } from './transport.js';
 
 /** A bare array with what its headers say. */
@@ -83,6 +93,20 @@ export function tableOf(reply: Reply): Table {
     rows: header['rows'] as ResolvedPoint[],
     columns: header['columns'] as ResolvedPoint[],
     distances: arrays['distances'] as Float64Array,
+    ...told(reply, header),
+  };
+}
+
+export function sparseTableOf(reply: Reply): SparseTable {
+  const { header, arrays } = decodeFrame(reply.body);
+  return {
+    mesh: header['mesh'] as string,
+    method: header['method'] as Method,
+    rows: header['rows'] as ResolvedPoint[],
+    columns: header['columns'] as ResolvedPoint[],
+    data: arrays['data'] as Float64Array,
+    indices: arrays['indices'] as Uint32Array,
+    indptr: arrays['indptr'] as Uint32Array,
     ...told(reply, header),
   };
 }

@@ -13,7 +13,10 @@ type Names<Request> = Exclude<keyof Request, Elsewhere>;
 export const checks: {
   distance: Same<keyof client.DistancesAtQuery, Names<Schemas['DistanceRequest']>>;
   path: Same<keyof client.PathQuery, Names<Schemas['PathRequest']>>;
-  table: Same<keyof client.TableQuery | 'precision', Names<Schemas['TableRequest']>>;
+  table: Same<
+    keyof client.TableQuery | 'precision' | 'stream' | 'sparse' | 'rows',
+    Names<Schemas['TableRequest']>
+  >;
   isolines: Same<keyof client.IsolinesQuery, Names<Schemas['IsolinesRequest']>>;
   nearest: Same<keyof client.NearestQuery, Names<Schemas['NearestRequest']>>;
   trace: Same<keyof client.TraceQuery, Names<Schemas['TraceRequest']>>;

@@ -1,7 +1,13 @@
 /** Tables of any size are those that one request would give; errors in them are named. */
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { GeodesicClient, GeodesicError, type Point, type TableQuery } from 'geodesicd-client';
+import {
+  GeodesicClient,
+  GeodesicError,
+  NetworkError,
+  type Point,
+  type TableQuery,
+} from 'geodesicd-client';
 import { fixture, watchedFetch } from './fixture.js';
 
 const { server, client, plane } = await fixture();
@@ -103,4 +109,81 @@ test('where the limits may not be asked for, they are those of every server', as
   const whole = await refused.table(plane, { from: upTo(1001), to: [0], method: 'dijkstra' });
   assert.deepEqual(asked(), ['table', 'table']);
   assert.equal(whole.distances.length, 1001);
+});
+
+/** A client whose replies to tables break off after so many bytes, one after the other. */
+function cut(...cuts: number[]): GeodesicClient {
+  return new GeodesicClient(server.url, {
+    fetch: async (input, init) => {
+      const reply = await fetch(input, init);
+      const most = String(input).includes('/table') ? cuts.shift() : undefined;
+      if (most === undefined || !reply.body) return reply;
+      let left = most;
+      const body = reply.body.pipeThrough(
+        new TransformStream<Uint8Array, Uint8Array>({
+          transform(chunk, controller) {
+            controller.enqueue(chunk.subarray(0, left));
+            if (chunk.length > left) controller.error(new TypeError('terminated'));
+            left -= chunk.length;
+          },
+        }),
+      );
+      return new Response(body, { status: reply.status, headers: reply.headers });
+    },
+  });
+}
+
+test('rows arrive in their order, as the fields have them', async () => {
+  const from = upTo(12, 900);
+  const to = upTo(30, 4000);
+  let next = 0;
+  for await (const { row, distances } of client.tableRows(plane, { from, to })) {
+    assert.equal(row, next++);
+    const field = await client.distance(plane, { from: from[row]! }, { values: 'f64' });
+    assert.deepEqual([...distances], to.map((vertex) => field.values[vertex]));
+  }
+  assert.equal(next, 12);
+});
+
+test('rows go on where the connection breaks', async () => {
+  const from = upTo(9, 50);
+  const all = async (some: GeodesicClient) => {
+    const rows: Float64Array[] = [];
+    for await (const { row, distances } of some.tableRows(plane, { from })) {
+      assert.equal(row, rows.length);
+      rows.push(distances);
+    }
+    return rows;
+  };
+  const whole = await all(client);
+  assert.equal(whole.length, 9);
+  assert.deepEqual(await all(cut(9 * 8 * 2 + 3, 0, 9 * 8)), whole);
+  await assert.rejects(all(cut(0, 0, 0, 0, 0, 0)), NetworkError);
+});
+
+test('errors of rows are those of the table', async () => {
+  await assert.rejects(
+    async () => {
+      for await (const row of client.tableRows(plane, { from: [0, 77777] })) assert.ok(row);
+    },
+    (error) => error instanceof GeodesicError && error.code === 'index_out_of_range',
+  );
+});
+
+test('a sparse table has what is near', async () => {
+  const from = upTo(20, 300);
+  const full = await client.table(plane, { from, method: 'exact' });
+  const near = await client.sparseTable(plane, { from, method: 'exact', max: 4 });
+  assert.equal(near.rows.length, 20);
+  assert.equal(near.indptr.length, 21);
+  const filled = new Float64Array(400).fill(Infinity);
+  for (let row = 0; row < 20; ++row) {
+    for (let k = near.indptr[row]!; k < near.indptr[row + 1]!; ++k) {
+      filled[20 * row + near.indices[k]!] = near.data[k]!;
+    }
+  }
+  for (const [index, distance] of full.distances.entries()) {
+    const expected = distance <= 4 ? distance : Infinity;
+    assert.ok(filled[index] === expected || Math.abs(filled[index]! - expected) < 1e-9);
+  }
 });

@@ -150,6 +150,23 @@ def test_table(server: geodesicd.LocalServer, plane: geodesicd.Mesh) -> None:
     assert [float(cell) for cell in lines[1].split(",")] == [0, 0, 99]
 
 
+def test_tables_in_files(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
+) -> None:
+    from scipy.sparse import load_npz
+
+    asked = ["table", plane.id, "--from", "0", "--from", "9", "--to", "3", "--to", "99"]
+    file = tmp_path / "table.npy"
+    assert geodesic(server, *asked, "-o", file).stdout == ""
+    np.testing.assert_allclose(np.load(file), [[3, 99], [6, 90]])
+    geodesic(server, *asked, "--max", "5", "-o", tmp_path / "table.npz")
+    matrix = load_npz(tmp_path / "table.npz")
+    assert matrix.shape == (2, 2)
+    assert matrix.nnz == 1
+    assert matrix[0, 0] == pytest.approx(3)
+    assert ".npy or .npz" in geodesic(server, *asked, "-o", tmp_path / "t.csv", status=1).stderr
+
+
 def test_what_is_wrong_is_said(
     server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
 ) -> None:

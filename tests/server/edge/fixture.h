@@ -73,6 +73,15 @@ inline HttpResponse answer(HttpRequest& request) {
       chunk = "half";
       return true;
     };
+  } else if (request.path == "/broken") {
+    const auto broken = std::make_shared<std::optional<Error>>();
+    response.broken = broken;
+    response.stream = [n = 0, broken](std::string& chunk) mutable {
+      chunk = "half";
+      if (n++ == 0) return true;
+      *broken = Error{ErrorCode::too_large, "the rest is too large", {}, {}, {}};
+      return false;
+    };
   } else if (request.path == "/endless") {
     response.content_type = "text/event-stream";
     response.stream = [gone = request.caller](std::string& chunk) {

@@ -242,6 +242,18 @@ TEST_CASE("a stream that throws ends its connection, and nothing else") {
   CHECK(other.receive().status == 200);
 }
 
+TEST_CASE("a stream that is broken off has no end that a client takes for one") {
+  Edge edge;
+  RawClient client(edge.port);
+  client.send(get("/broken"));
+  const std::string all = client.receive_all();
+  CHECK(all.find("half") != std::string::npos);
+  CHECK_FALSE(all.ends_with("0\r\n\r\n"));
+  RawClient other(edge.port);
+  other.send(get("/after"));
+  CHECK(other.receive().status == 200);
+}
+
 TEST_CASE("64 clients at once all get their own answers") {
   Edge edge;
   std::vector<std::future<int>> clients;

@@ -106,6 +106,8 @@ TEST_CASE("LimitsCanBeRead") {
   CHECK(limits["max_via"] == 100);
   CHECK(limits["max_loop_points"] == 100);
   CHECK(limits["max_table_entries"] == 1'000'000);
+  CHECK(limits["max_streamed_entries"] == 1'000'000'000);
+  CHECK(limits["max_sparse_entries"] == 20'000'000);
   CHECK(limits["max_steiner_nodes"] == 20'000'000);
   CHECK(limits["max_levels"] == 10'000);
   CHECK(limits["max_isoline_segments"] == 1'000'000);

@@ -33,6 +33,7 @@ from . import (
     connection,
     drawings,
     exports,
+    large_tables,
     lookup,
     loops,
     queries,
@@ -42,7 +43,7 @@ from . import (
 )
 from .client import _single, method_signature
 from .errors import GeodesicError, error_of
-from .flows import Flow, Progress, Request, Retries, Send, Step, Watch, with_retries
+from .flows import Flow, Progress, Request, Retries, Send, Step, Stream, Watch, with_retries
 from .mesh_input import body_of, warn_of_rounding
 from .metadata import Metadata
 from .points import PointsLike
@@ -79,6 +80,8 @@ class AsyncMesh(Metadata):
     path = _query(queries.path)
     paths = _query(batches.paths)
     table = _query(tables.table)
+    table_file = _query(large_tables.table_file)
+    sparse_table = _query(large_tables.sparse_table)
     isolines = _query(spreads.isolines)
     samples = _query(spreads.samples)
     measure = _query(spreads.measure)
@@ -288,6 +291,8 @@ class AsyncClient:
             return await self._send(step.request)
         if isinstance(step, Watch):
             await self._watch(step)
+        elif isinstance(step, Stream):
+            await self._stream(step)
         else:
             await asyncio.sleep(step.seconds)
         return None
@@ -310,6 +315,20 @@ class AsyncClient:
         except httpx.RequestError as error:
             raise connection.failure(error, request, self.url) from None
         return Reply(response.status_code, response.headers, body.finish())
+
+    async def _stream(self, step: Stream) -> None:
+        try:
+            response = await self._opened(step.request)
+            try:
+                if response.status_code >= 400:
+                    body = await response.aread()
+                    raise error_of(response.status_code, response.headers, body)
+                async for chunk in response.aiter_bytes():
+                    step.on_bytes(chunk)
+            finally:
+                await response.aclose()
+        except httpx.RequestError as error:
+            raise connection.failure(error, step.request, self.url) from None
 
     async def _watch(self, step: Watch) -> None:
         try:

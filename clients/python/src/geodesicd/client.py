@@ -36,6 +36,7 @@ from . import (
     connection,
     drawings,
     exports,
+    large_tables,
     lookup,
     loops,
     queries,
@@ -44,7 +45,7 @@ from . import (
     tables,
 )
 from .errors import GeodesicError, error_of
-from .flows import Flow, Progress, Request, Retries, Send, Step, Watch, with_retries
+from .flows import Flow, Progress, Request, Retries, Send, Step, Stream, Watch, with_retries
 from .mesh_input import body_of, warn_of_rounding
 from .metadata import Metadata
 from .points import PointsLike
@@ -91,6 +92,8 @@ class Mesh(Metadata):
     path = _query(queries.path)
     paths = _query(batches.paths)
     table = _query(tables.table)
+    table_file = _query(large_tables.table_file)
+    sparse_table = _query(large_tables.sparse_table)
     isolines = _query(spreads.isolines)
     samples = _query(spreads.samples)
     measure = _query(spreads.measure)
@@ -367,6 +370,8 @@ class Client:
             return self._send(step.request)
         if isinstance(step, Watch):
             self._watch(step)
+        elif isinstance(step, Stream):
+            self._stream(step)
         else:
             time.sleep(step.seconds)
         return None
@@ -389,6 +394,20 @@ class Client:
         except httpx.RequestError as error:
             raise connection.failure(error, request, self.url) from None
         return Reply(response.status_code, response.headers, body.finish())
+
+    def _stream(self, step: Stream) -> None:
+        try:
+            response = self._opened(step.request)
+            try:
+                if response.status_code >= 400:
+                    body = response.read()
+                    raise error_of(response.status_code, response.headers, body)
+                for chunk in response.iter_bytes():
+                    step.on_bytes(chunk)
+            finally:
+                response.close()
+        except httpx.RequestError as error:
+            raise connection.failure(error, step.request, self.url) from None
 
     def _watch(self, step: Watch) -> None:
         try:

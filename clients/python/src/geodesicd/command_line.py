@@ -193,6 +193,18 @@ def save_csv(file: Path, header: str, *columns: Iterable[str]) -> None:
     file.write_text("\n".join([header, *lines]) + "\n", encoding="utf-8")
 
 
+def save_sparse(file: Path, table: Any) -> None:
+    """A sparse table as SciPy's ``save_npz`` writes it."""
+    np.savez(
+        file,
+        indices=table.indices,
+        indptr=table.indptr,
+        format=b"csr",
+        shape=np.array(table.shape),
+        data=table.data,
+    )
+
+
 def save_line(file: Path, line: Any) -> None:
     """A path or a loop, as .csv, .npy or .json; nothing by another ending."""
     if file.suffix == ".csv":

@@ -40,6 +40,7 @@ from .command_line import (
     save_annotated,
     save_csv,
     save_line,
+    save_sparse,
     sent,
     surface,
 )
@@ -175,6 +176,13 @@ def _parser() -> argparse.ArgumentParser:
     mesh_and_sources(table)
     table.add_argument("--to", action="append", metavar="POINT", help="a column; else the rows")
     table.add_argument("--max", type=float, metavar="N", help="farther is unreached")
+    table.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="a .npy file, or a .npz of what is within --max",
+    )
     exactness(table)
     surface(table)
     connection(table)
@@ -403,6 +411,14 @@ def _table(options: argparse.Namespace) -> int:
     with mesh_of(options) as mesh, bar("table") as progress:
         sources, targets = options.sources, options.to or options.sources
         asked: dict[str, Any] = {"max": options.max, "progress": progress, **exactness_of(options)}
+        if options.output is not None:
+            require(options.output, (".npy", ".npz"))
+            if options.output.suffix == ".npy":
+                mesh.table_file(options.output, points(sources), points(targets), **asked)
+            else:
+                sparse = mesh.sparse_table(points(sources), points(targets), **asked)
+                save_sparse(options.output, sparse)
+            return 0
         table = mesh.table(points(sources), points(targets), **asked)
     quoted = [f'"{name}"' if "," in name else name for name in targets]
     print(",".join(["", *quoted]))

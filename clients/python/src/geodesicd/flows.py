@@ -64,7 +64,16 @@ class Watch:
     on_line: Callable[[str], None]
 
 
-Step: TypeAlias = Send | Sleep | Watch
+@dataclass(frozen=True)
+class Stream:
+    """The step: send this and hand on the body as it comes. Raises what the reply says, where that
+    is an error, and ConnectionFailed where the body breaks off."""
+
+    request: Request
+    on_bytes: Callable[[bytes], None]
+
+
+Step: TypeAlias = Send | Sleep | Watch | Stream
 Flow: TypeAlias = Generator[Step, Any, T]
 
 

@@ -21,6 +21,7 @@ LIMITS = {
     "max_sources": 1000,
     "max_points": 100_000,
     "max_table_entries": 1_000_000,
+    "max_streamed_entries": 1_000_000_000,
     "max_json_bytes": 8 << 20,
 }
 

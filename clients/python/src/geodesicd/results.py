@@ -3,6 +3,7 @@ those of the uploaded file, and what cannot be reached is infinitely far away.""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias, cast
 
@@ -377,6 +378,51 @@ class Voronoi:
 
     def __repr__(self) -> str:
         return f"<Voronoi {len(self)} cells, {len(self.triangles)} triangles>"
+
+
+@dataclass(frozen=True, eq=False)
+class SparseTable:
+    """Distances that are not beyond some bound, by compressed sparse rows: those of row ``i`` are
+    ``data[indptr[i]:indptr[i + 1]]``, and their columns are in ``indices`` at the same places,
+    ascending. A distance of 0 is an entry too.
+
+    Attributes:
+        data: (n,) float64, mesh units.
+        indices: (n,) int64, columns.
+        indptr: (rows + 1,) int64.
+        shape: rows and columns.
+    """
+
+    data: Float64
+    indices: Index
+    indptr: Index
+    shape: tuple[int, int]
+
+    @classmethod
+    def joined(cls, parts: Sequence[SparseTable]) -> SparseTable:
+        """Tables of the same columns, one below the other."""
+        begins = [np.zeros(1, np.int64)]
+        for part in parts:
+            begins.append(begins[-1][-1] + part.indptr[1:])
+        return cls(
+            np.concatenate([part.data for part in parts]),
+            np.concatenate([part.indices for part in parts]),
+            np.concatenate(begins),
+            (sum(part.shape[0] for part in parts), parts[0].shape[1]),
+        )
+
+    def to_array(self) -> Float64:
+        """In full; infinite where there is no entry."""
+        full = np.full(self.shape, np.inf)
+        rows = np.repeat(np.arange(self.shape[0]), np.diff(self.indptr))
+        full[rows, self.indices] = self.data
+        return full
+
+    def to_scipy(self) -> Any:
+        """As a ``scipy.sparse.csr_array``. ImportError: SciPy is not installed."""
+        from scipy.sparse import csr_array
+
+        return csr_array((self.data, self.indices, self.indptr), shape=self.shape)
 
 
 @dataclass(frozen=True, eq=False)

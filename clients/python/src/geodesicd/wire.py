@@ -29,6 +29,7 @@ from .results import (
     Measure,
     Path,
     Samples,
+    SparseTable,
     SurfacePoint,
     Trace,
     Voronoi,
@@ -244,6 +245,17 @@ def logmap_of_frame(reply: Reply) -> Logmap:
         all_round=bool(document["all_round"]),
         source=surface_point(document["from"]),
         method=document["method"],
+    )
+
+
+def sparse_of_frame(reply: Reply) -> SparseTable:
+    """A sparse table from its frame."""
+    document, arrays = frame(reply.body)
+    return SparseTable(
+        data=arrays["data"],
+        indices=arrays["indices"].astype(np.int64),
+        indptr=arrays["indptr"].astype(np.int64),
+        shape=(len(document["rows"]), len(document["columns"])),
     )
 
 

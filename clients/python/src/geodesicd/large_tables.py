@@ -1,0 +1,262 @@
+"""Tables of thousands: rows that are written to a file as they come, and go on where they broke
+off; and tables of which only what is near is kept."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import DTypeLike
+
+from . import pieces, wire
+from .encoding import as_bound, body_json, computed_by, encode, format_of, milliseconds
+from .errors import ConnectionFailed, GeodesicError, Overloaded
+from .flows import Flow, Progress, Retries, Sleep, Stream, ask
+from .points import Point, PointsLike, points_of
+from .results import FloatArray, SparseTable
+from .surface_regions import RegionsLike, kept_to
+
+_MOST = "max_streamed_entries"
+_SAVE_EVERY = 2.0  # seconds between notes of how far a file has come
+
+
+def table_file(
+    mesh: str,
+    file: str | os.PathLike[str],
+    sources: PointsLike,
+    targets: PointsLike | None = None,
+    *,
+    resume: bool = True,
+    max: float | None = None,
+    dtype: DTypeLike = np.float64,
+    method: str | None = None,
+    points_per_edge: int | None = None,
+    bound: str | None = None,
+    tolerance: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[FloatArray]:
+    """Distances from each of several points to each of several others (without ``targets``: to
+    each of the same), written to a .npy file row by row as they are computed: a table that need
+    not fit into memory. When the connection breaks, it goes on with the row that is missing. When
+    this fails or is interrupted, the same call goes on with what the file has; how far that is
+    stands beside it, in ``<file>.part``, until it is whole.
+
+    Args:
+        file: where to; another file there is replaced, unless it is a part of this table.
+        sources: points, one a row. targets: points, one a column.
+        resume: whether to go on with a part that is there.
+        max: what is farther counts as unreached; mesh units. Fields end there.
+        dtype: float64 or float32, which is half to send and to keep.
+        deadline: seconds for the whole.
+        progress: called with the part of the rows that is written, from 0 to 1.
+
+    Returns:
+        (sources, targets) distances, infinite where unreached: the file, mapped into memory.
+    """
+    rows = points_of(sources)
+    columns = rows if targets is None else points_of(targets)
+    if not rows or not columns:
+        raise ValueError("a table has at least one row and one column")
+    parameters = {
+        "max": as_bound(max),
+        **computed_by(method, points_per_edge, bound, tolerance, None),
+        **kept_to(within, forbid),
+        "format": format_of(dtype),
+        "stream": True,
+    }
+    end = None if deadline is None else time.monotonic() + deadline
+    part = _Part(Path(file), mesh, {"from": rows, "to": columns, **parameters}, dtype, resume)
+    if progress is not None:
+        progress(part.rows / len(rows))
+    try:
+        yield from _receive(mesh, part, rows, columns, parameters, end, progress)
+    finally:
+        part.note()
+    return part.finished()
+
+
+class _Part:
+    """A file, and how many of its rows are there."""
+
+    def __init__(
+        self, file: Path, mesh: str, asked: dict[str, Any], dtype: DTypeLike, resume: bool
+    ) -> None:
+        text = json.dumps([mesh, body_json(asked)], sort_keys=True, allow_nan=False)
+        self._question = hashlib.sha256(text.encode()).hexdigest()
+        self._beside = file.with_name(file.name + ".part")
+        shape = (len(asked["from"]), len(asked["to"]))
+        self.rows = self._found(file, shape, np.dtype(dtype)) if resume else 0
+        mode = "r+" if self.rows > 0 else "w+"
+        self._array = np.lib.format.open_memmap(file, mode, np.dtype(dtype), shape)
+        self._flat = self._array.reshape(-1).view(np.uint8)
+        self._row_bytes = len(self._flat) // shape[0]
+        self._bytes = self.rows * self._row_bytes
+        self._noted = time.monotonic()
+        self.note()
+
+    def _found(self, file: Path, shape: tuple[int, int], dtype: np.dtype[Any]) -> int:
+        """How many rows of this table the file has."""
+        try:
+            note = json.loads(self._beside.read_text(encoding="utf-8"))
+            array = np.lib.format.open_memmap(file, "r")
+            same = note["question"] == self._question
+            if same and array.shape == shape and array.dtype == dtype:
+                return min(int(note["rows"]), shape[0])
+        except (OSError, ValueError, LookupError, TypeError):
+            pass
+        return 0
+
+    def begin_again(self) -> None:
+        """Drops what has come of a row that is not whole."""
+        self._bytes = self.rows * self._row_bytes
+
+    def write(self, data: bytes) -> None:
+        """What comes next."""
+        end = self._bytes + len(data)
+        if end > len(self._flat):
+            raise ValueError("the server sends more than the table has")
+        self._flat[self._bytes : end] = np.frombuffer(data, np.uint8)
+        self._bytes = end
+        self.rows = end // self._row_bytes
+        if time.monotonic() - self._noted > _SAVE_EVERY:
+            self.note()
+
+    def note(self) -> None:
+        """Says beside the file how far it has come."""
+        self._array.flush()
+        text = json.dumps({"question": self._question, "rows": self.rows})
+        fresh = self._beside.with_name(self._beside.name + ".new")
+        fresh.write_text(text, encoding="utf-8")
+        fresh.replace(self._beside)
+        self._noted = time.monotonic()
+
+    def finished(self) -> FloatArray:
+        """The whole, with no note any more."""
+        self._beside.unlink()
+        return self._array
+
+
+def _receive(
+    mesh: str,
+    part: _Part,
+    rows: list[Point],
+    columns: list[Point],
+    parameters: dict[str, Any],
+    end: float | None,
+    progress: Progress | None,
+) -> Flow[None]:
+    """Asks for what is missing until nothing is."""
+    retries = Retries()
+    attempt = 0
+
+    def take(data: bytes) -> None:
+        part.write(data)
+        if progress is not None:
+            progress(part.rows / len(rows))
+
+    limits = pieces.LIMITS
+    if len(rows) > limits["max_points"] or len(rows) * len(columns) > limits[_MOST]:
+        limits = yield from pieces.told_limits()
+    for run in _runs(rows, columns, limits["max_points"], limits[_MOST]):
+        while part.rows < run.stop:
+            before = part.rows
+            asked = {"from": rows[run], "to": columns, "rows": f"{before - run.start}-"}
+            left = None if end is None else milliseconds(pieces.left(end))
+            request = encode(mesh, "table", {**asked, **parameters, "deadline_ms": left})
+            part.begin_again()
+            failed: GeodesicError | None = None
+            try:
+                yield Stream(request, take)
+            except (ConnectionFailed, Overloaded) as error:
+                vain = isinstance(error, ConnectionFailed) and (error.lasting or error.timeout)
+                if vain:
+                    raise
+                failed = error
+            except GeodesicError as error:
+                error.parameter = pieces.in_whole(error.parameter, {"from": run.start})
+                raise
+            if part.rows == run.stop:
+                break
+            # Who got some rows may hope for more.
+            attempt = 1 if part.rows > before else attempt + 1
+            pause = retries.pause(attempt, getattr(failed, "retry_after", None))
+            if pause is None:
+                raise failed or ConnectionFailed("the rows ended before the table did", sent=True)
+            yield Sleep(pause)
+
+
+def _runs(rows: list[Point], columns: list[Point], most: int, entries: int) -> Iterator[slice]:
+    """Rows of each request."""
+    step = min(most, max(1, entries // len(columns)))
+    for begin in range(0, len(rows), step):
+        yield slice(begin, min(begin + step, len(rows)))
+
+
+def sparse_table(
+    mesh: str,
+    sources: PointsLike,
+    targets: PointsLike | None = None,
+    *,
+    max: float | None = None,
+    method: str | None = None,
+    points_per_edge: int | None = None,
+    bound: str | None = None,
+    tolerance: float | None = None,
+    within: RegionsLike | None = None,
+    forbid: RegionsLike | None = None,
+    deadline: float | None = None,
+    progress: Progress | None = None,
+) -> Flow[SparseTable]:
+    """The distances from each of several points to those of several others (without ``targets``:
+    of the same) that are within ``max``. Fields end there, so that near ones are quick. Where the
+    server has too much for one reply, it is asked for fewer rows at once.
+
+    Args:
+        sources: points, one a row. targets: points, one a column.
+        max: the greatest distance that is wanted, mesh units.
+        deadline: seconds for the whole.
+        progress: called with the part that is done, from 0 to 1.
+    """
+    rows = points_of(sources)
+    columns = rows if targets is None else points_of(targets)
+    if not rows or not columns:
+        raise ValueError("a table has at least one row and one column")
+    parameters = {
+        "max": as_bound(max),
+        **computed_by(method, points_per_edge, bound, tolerance, None),
+        **kept_to(within, forbid),
+        "sparse": True,
+        "format": "frame",
+    }
+    end = None if deadline is None else time.monotonic() + deadline
+    found: list[SparseTable] = []
+    begin, step = 0, len(rows)
+    while begin < len(rows):
+        some = rows[begin : begin + step]
+        left = None if end is None else milliseconds(pieces.left(end))
+        asked = {"from": some, "to": columns, **parameters, "deadline_ms": left}
+        base, size = begin / len(rows), len(some) / len(rows)
+        own = None if progress is None else _part_of(progress, base, size)
+        try:
+            found.append((yield from ask(encode(mesh, "table", asked), wire.sparse_of_frame, own)))
+        except GeodesicError as error:
+            if error.code == "too_large" and error.parameter in ("max", "to") and len(some) > 1:
+                step = -(-len(some) // 2)
+                continue
+            error.parameter = pieces.in_whole(error.parameter, {"from": begin})
+            raise
+        begin += len(some)
+    return SparseTable.joined(found)
+
+
+def _part_of(progress: Progress, base: float, size: float) -> Progress:
+    return lambda done: progress(base + size * done)

@@ -1,0 +1,67 @@
+// What a client has of a table whose rows are streamed, and how it asks for one.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "server/http/message.h"
+#include "tests/server/routes/service_fixture.h"
+
+namespace geodesic::server::test {
+
+// All that a stream sends; no error: to its end.
+inline std::pair<std::string, std::optional<Error>> received(const HttpResponse& response) {
+  REQUIRE(response.status == 200);
+  REQUIRE(response.stream);
+  std::string all;
+  std::string chunk;
+  while (response.stream(chunk)) {
+    CHECK_FALSE(chunk.empty());  // it would be taken for the end
+    all += chunk;
+    chunk.clear();
+  }
+  return {all, response.broken ? *response.broken : std::nullopt};
+}
+
+// The same of one that comes to its end.
+inline std::string whole_stream(const HttpResponse& response) {
+  auto [bytes, error] = received(response);
+  REQUIRE_FALSE(error);
+  return bytes;
+}
+
+template <class Number>
+std::vector<Number> numbers_in(std::string_view bytes) {
+  REQUIRE(bytes.size() % sizeof(Number) == 0);
+  std::vector<Number> numbers(bytes.size() / sizeof(Number));
+  if (!numbers.empty()) std::memcpy(numbers.data(), bytes.data(), bytes.size());
+  return numbers;
+}
+
+inline std::vector<json> lines_in(const std::string& text) {
+  std::vector<json> lines;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = text.find('\n', at);
+    REQUIRE(end != std::string::npos);
+    lines.push_back(json::parse(text.substr(at, end - at)));
+    at = end + 1;
+  }
+  return lines;
+}
+
+// Points at vertices, as JSON has them.
+inline json points_at(const std::vector<std::uint32_t>& vertices) {
+  json points = json::array();
+  for (const std::uint32_t v : vertices) points.push_back("v:" + std::to_string(v));
+  return points;
+}
+
+}  // namespace geodesic::server::test
