@@ -63,6 +63,7 @@ struct FieldLimits {
 
 class WindowTable;  // window_table.h
 struct EdgePoints;  // edge_points.h
+class LineWaves;    // line_waves.h
 
 // The two vertices from which a vertex's distance was computed (Tang et al.
 // 2007, section 3.3). Three special forms:
@@ -92,14 +93,20 @@ struct Field {
   std::vector<std::uint32_t> nearest_source;
   std::shared_ptr<const WindowTable> windows;     // of `exact` and `chen_han`, when kept
   std::shared_ptr<const EdgePoints> edge_points;  // of `steiner`, when kept
-  std::uint64_t reached = 0;                      // vertices with a distance
-  double max = 0;                                 // the greatest distance
-  std::uint32_t farthest = kNone;                 // the vertex that has it
+  // When lines or faces are sources, too: what leaves them straight. Each vertex that is nearest by
+  // that is a source of its own then, with its distance as the offset.
+  std::shared_ptr<const LineWaves> lines;
+  std::uint64_t reached = 0;       // vertices with a distance
+  double max = 0;                  // the greatest distance
+  std::uint32_t farthest = kNone;  // the vertex that has it
 
   // Whether distances at two vertices that both have one are from the same source.
   [[nodiscard]] bool same_source(std::uint32_t a, std::uint32_t b) const {
     return nearest_source.empty() || nearest_source[a] == nearest_source[b];
   }
+
+  // Which of the things that were asked for a source belongs to: itself, unless there are lines.
+  [[nodiscard]] std::uint32_t item_of_source(std::uint32_t source) const;
 
   // What is farther than this is not reached.
   void forget_beyond(double farthest);

@@ -5,6 +5,7 @@
 
 #include "core/base/tolerances.h"
 #include "core/field/edge_points.h"
+#include "core/field/line_waves.h"
 #include "core/field/way_through_windows.h"
 #include "core/paths/step_in_face.h"
 #include "core/wavefront/fast_marching.h"
@@ -47,7 +48,9 @@ double rounded_at_end(const FaceRecord& face, std::uint32_t c, const Arrival& ar
 
 PointArrivals::PointArrivals(const Adjacency& adjacency, const Field& field, Poll* poll)
     : adjacency_(adjacency), field_(field), poll_(poll) {
-  for (std::uint32_t s = 0; s < field.sources.size(); ++s) {
+  // Vertices that lines have made sources of are corners with a distance.
+  const std::size_t count = field.lines ? field.lines->given() : field.sources.size();
+  for (std::uint32_t s = 0; s < count; ++s) {
     for (const SurfacePoint& place : in_all_faces(adjacency, field.sources[s].point)) {
       if (stopped()) return;
       source_places_.push_back({place.face, s, place.bary});

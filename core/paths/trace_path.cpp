@@ -10,6 +10,7 @@
 
 #include "core/base/tolerances.h"
 #include "core/field/edge_points.h"
+#include "core/field/line_waves.h"
 #include "core/paths/arrive_at_point.h"
 #include "core/paths/down_edges.h"
 #include "core/paths/edge_path.h"
@@ -116,7 +117,23 @@ class Tracer {
     return best;
   }
 
+  // The end, at a vertex that is nearest by the straight wave of a source line.
+  [[nodiscard]] StepBack at_source_of_lines(std::uint32_t vertex) const {
+    if (!field_.lines || field_.nearest_source.empty()) return {};
+    const std::uint32_t s = field_.nearest_source[vertex];
+    if (s == kNone || s < field_.lines->given() || field_.sources[s].point.vertex != vertex) {
+      return {};
+    }
+    StepBack step;
+    step.to = StepBack::To::source;
+    step.distance = field_.distance[vertex];
+    step.source = s;
+    return step;
+  }
+
   StepBack from_vertex(std::uint32_t vertex) {
+    const StepBack end = at_source_of_lines(vertex);
+    if (end.to == StepBack::To::source) return end;
     if (enters_again_) return through_others(point_at_vertex(adjacency_, vertex));
     lowest_ = std::min(lowest_, field_.distance[vertex]);
     if (!come_to_[vertex]) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/tolerances.h"
+#include "core/field/line_waves.h"
 #include "core/paths/edge_path.h"
 #include "core/straighten/refine_path.h"
 #include "core/straighten/shorten_path.h"
@@ -158,7 +159,8 @@ Result<double> length_of_way(const Adjacency& adjacency, const Field& field,
     if (!along_edges) return along_edges;
     least = std::min(least, *along_edges);
   }
-  if (field.nearest_source.empty()) return least;
+  // Of the sources that lines have put at vertices, the way of each is in the distances there.
+  if (field.nearest_source.empty() || field.lines) return least;
   return ways.below(least, path->source);
 }
 
@@ -186,9 +188,9 @@ double not_below_straight_line(const Adjacency& adjacency, const Field& field,
   return told < straight * (1 - tolerance::kSinglePrecision) ? straight : told;
 }
 
-Result<double> distance_in_face(const Adjacency& adjacency, const Field& field,
-                                const PointArrivals& arrivals, const SurfacePoint& point,
-                                const std::optional<Path>* refined, const Cancel& cancel) {
+Result<double> distance_by_points(const Adjacency& adjacency, const Field& field,
+                                  const PointArrivals& arrivals, const SurfacePoint& point,
+                                  const std::optional<Path>* refined, const Cancel& cancel) {
   const double told = arrivals.distance_at(point);
   if (arrivals.was_stopped()) return fail_stopped(cancel);
   if (is_told(adjacency, field, point)) {
@@ -198,6 +200,19 @@ Result<double> distance_in_face(const Adjacency& adjacency, const Field& field,
   const auto path = path_through(adjacency, field, point, PathWork::refined, cancel);
   if (!path) return fail(path.error());
   return length_of_way(adjacency, field, point, *path, told, cancel);
+}
+
+// From points that are sources, and straight from lines that are.
+Result<double> distance_in_face(const Adjacency& adjacency, const Field& field,
+                                const PointArrivals& arrivals, const SurfacePoint& point,
+                                const std::optional<Path>* refined, const Cancel& cancel) {
+  if (!field.lines) return distance_by_points(adjacency, field, arrivals, point, refined, cancel);
+  Poll poll(cancel);
+  const double straight = field.lines->arrive(adjacency, point, &poll).distance;
+  if (poll.stopped()) return fail_stopped(poll);
+  if (straight == 0) return straight;
+  auto round = distance_by_points(adjacency, field, arrivals, point, refined, cancel);
+  return round ? std::min(straight, *round) : round;
 }
 
 }  // namespace

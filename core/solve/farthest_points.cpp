@@ -2,19 +2,22 @@
 
 #include <algorithm>
 
+#include "core/solve/solve_from_lines.h"
 #include "core/surface/longest_edge.h"
 
 namespace geodesic {
 namespace {
 
-// The farthest of the vertices that are in a face; kNone when there is no vertex
-// at a distance.
+// The farthest of the file's vertices that are in a face; kNone when there is no vertex
+// at a distance. Of those that walls have doubled, the first.
 FarthestPoint farthest_of(const Adjacency& adjacency, std::span<const double> distance) {
   FarthestPoint farthest{kNone, 0};
   const Mesh& mesh = adjacency.mesh();
   for (std::uint32_t v = 0; v < distance.size(); ++v) {
     const double d = distance[v];
     if (d < farthest.radius || d == 0 || adjacency.corners(v).empty()) continue;
+    const std::uint32_t source = mesh.source_of_vertex(v);
+    if (source >= mesh.source_vertex_count() || mesh.vertex_of_source()[source] != v) continue;
     if (d > farthest.radius || mesh.source_of_vertex(v) < mesh.source_of_vertex(farthest.vertex)) {
       farthest = {v, d};
     }
@@ -28,6 +31,14 @@ Result<FarthestPoints> farthest_points(Method method, const MethodOptions& optio
                                        const Adjacency& adjacency, std::span<const Source> from,
                                        std::size_t count, SolveScratch& scratch,
                                        const Cancel& cancel) {
+  return farthest_points(method, options, adjacency, from, nullptr, count, scratch, cancel);
+}
+
+Result<FarthestPoints> farthest_points(Method method, const MethodOptions& options,
+                                       const Adjacency& adjacency, std::span<const Source> from,
+                                       const std::shared_ptr<const SourceLines>& lines,
+                                       std::size_t count, SolveScratch& scratch,
+                                       const Cancel& cancel) {
   FieldLimits limits;
   limits.keep_details = false;
   // Of each vertex from the nearest of all points so far.
@@ -36,9 +47,12 @@ Result<FarthestPoints> farthest_points(Method method, const MethodOptions& optio
   // done to all vertices for each of them does not.
   const double fields = static_cast<double>(count + (from.empty() ? 0 : 1));
   double done = 0;
-  const auto lower_from = [&](std::span<const Source> sources) -> Result<void> {
-    const auto field = solve_field(method, options, adjacency, sources, limits, scratch,
-                                   cancel.part(done / fields, (done + 1) / fields));
+  const auto lower_from = [&](std::span<const Source> sources,
+                              const std::shared_ptr<const SourceLines>& along) -> Result<void> {
+    const Cancel part = cancel.part(done / fields, (done + 1) / fields);
+    const auto field =
+        along ? solve_from_lines(method, options, adjacency, sources, along, limits, scratch, part)
+              : solve_field(method, options, adjacency, sources, limits, scratch, part);
     done += 1;
     if (!field) return fail(field.error());
     if (cancel.requested()) return fail_stopped(cancel);
@@ -48,7 +62,7 @@ Result<FarthestPoints> farthest_points(Method method, const MethodOptions& optio
     return {};
   };
   if (!from.empty()) {
-    if (auto lowered = lower_from(from); !lowered) return fail(lowered.error());
+    if (auto lowered = lower_from(from, lines); !lowered) return fail(lowered.error());
   }
   // A front that comes to a vertex by way of one that is farther, as it does past
   // obtuse angles, must not be cut off there.
@@ -61,7 +75,7 @@ Result<FarthestPoints> farthest_points(Method method, const MethodOptions& optio
     result.points.push_back(next);
     limits.max = next.radius + slack;
     const Source source{point_at_vertex(adjacency, next.vertex), 0};
-    if (auto lowered = lower_from({&source, 1}); !lowered) return fail(lowered.error());
+    if (auto lowered = lower_from({&source, 1}, nullptr); !lowered) return fail(lowered.error());
     next = farthest_of(adjacency, distance);
   }
   result.covering_radius = next.radius;

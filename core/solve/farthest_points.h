@@ -6,12 +6,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/base/cancel.h"
 #include "core/base/error.h"
 #include "core/field/field.h"
+#include "core/field/line_waves.h"
 #include "core/field/method.h"
 #include "core/solve/solve_field.h"
 #include "core/surface/adjacency.h"
@@ -46,5 +48,11 @@ struct FarthestPoints {
                                                      std::span<const Source> from,
                                                      std::size_t count, SolveScratch& scratch,
                                                      const Cancel& cancel);
+// The same where lines and faces are covered already, too; `from` has their ends
+// (solve_from_lines.h). Errors besides: too_much_memory.
+[[nodiscard]] Result<FarthestPoints> farthest_points(
+    Method method, const MethodOptions& options, const Adjacency& adjacency,
+    std::span<const Source> from, const std::shared_ptr<const SourceLines>& lines,
+    std::size_t count, SolveScratch& scratch, const Cancel& cancel);
 
 }  // namespace geodesic

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/paths/trace_path.h"
+#include "core/steiner/cheapest_way.h"
 #include "core/steiner/steiner.h"
 #include "core/steiner/strip_graph.h"
 
@@ -20,6 +21,10 @@ constexpr double kSearch = 0.9;
 // of the first spacing.
 constexpr int kMostRounds = 20;
 constexpr int kMostPasses = 40;
+// A cheap way up what is steep zigzags, the finer the more points there are. So many times as many
+// crossings as at first, and some, are enough.
+constexpr std::size_t kMostGrowth = 2;
+constexpr std::size_t kMostMore = 32;
 // The finest spacing is one part in this of an edge.
 constexpr std::uint32_t kFinest = 1U << 30U;
 
@@ -74,10 +79,11 @@ std::vector<SurfacePoint> places_of(const Adjacency& adjacency, const Crossing& 
   return in_all_faces(adjacency, point);
 }
 
-// The polyline: each of its segments lies in a face that both its ends lie in. Of no bounded length
-// where two points one after the other have no face in common.
+// The polyline: each of its segments lies in a face that both its ends lie in, the cheapest. Of no
+// bounded length where two points one after the other have no face in common.
 Path assemble(const Adjacency& adjacency, const SurfacePoint& from, const SurfacePoint& to,
-              const std::vector<Crossing>& crossings, std::uint32_t steps, Poll& poll) {
+              const std::vector<Crossing>& crossings, std::uint32_t steps, const TravelCost* cost,
+              Poll& poll) {
   const Mesh& mesh = adjacency.mesh();
   Path path;
   std::vector<SurfacePoint> here = in_all_faces(adjacency, from);
@@ -88,44 +94,139 @@ Path assemble(const Adjacency& adjacency, const SurfacePoint& from, const Surfac
                                           : in_all_faces(adjacency, to);
     std::sort(there.begin(), there.end(),
               [](const SurfacePoint& a, const SurfacePoint& b) { return a.face < b.face; });
-    bool meet = false;
+    const SurfacePoint* leaves = nullptr;
+    SurfacePoint comes;
     for (const SurfacePoint& place : here) {
       if (poll.cancelled()) return path;
       const auto arrives = std::lower_bound(
           there.begin(), there.end(), place,
           [](const SurfacePoint& a, const SurfacePoint& b) { return a.face < b.face; });
       if (arrives == there.end() || arrives->face != place.face) continue;
-      meet = true;
-      path.points.back().point = place;
-      const Vec3 position = position_of(mesh, *arrives);
+      if (leaves != nullptr && !(cost->weight(place.face) < cost->weight(leaves->face))) continue;
+      leaves = &place;
+      comes = *arrives;
+      if (cost == nullptr) break;
+    }
+    if (leaves == nullptr) {
+      path.length = kUnreached;
+    } else {
+      path.points.back().point = *leaves;
+      const Vec3 position = position_of(mesh, comes);
       const double leg = distance(path.points.back().position, position);
       path.length += leg;
       // Where source or target lies on one of the points, the leg has no length.
       if (leg > 0) {
-        path.points.push_back({*arrives, position});
+        path.points.push_back({comes, position});
       } else {
-        path.points.back().point = *arrives;
+        path.points.back().point = comes;
       }
-      break;
     }
-    if (!meet) path.length = kUnreached;
     here = std::move(there);
   }
   return path;
 }
 
+// Whether a crossing is on an edge or at one of its ends.
+bool is_on(const Adjacency& adjacency, const Crossing& crossing, Halfedge edge) {
+  if (crossing.vertex == kNone) return crossing.edge == edge;
+  return crossing.vertex == adjacency.tail(edge) || crossing.vertex == adjacency.head(edge);
+}
+
+// A cheap way often follows an edge. Of the points that it passes there the first and the last are
+// enough; with all of them, and the points about them, each round would have several times as many.
+void keep_ends_along_edges(const Adjacency& adjacency, std::vector<Crossing>& crossings) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < crossings.size(); ++i) {
+    const Crossing crossing = crossings[i];
+    const bool is_between = crossing.vertex == kNone && kept > 0 && i + 1 < crossings.size() &&
+                            is_on(adjacency, crossings[kept - 1], crossing.edge) &&
+                            is_on(adjacency, crossings[i + 1], crossing.edge);
+    if (!is_between) crossings[kept++] = crossing;
+  }
+  crossings.resize(kept);
+}
+
+// The rounds of refinement: the same way among points that lie closer and closer, of which there
+// are `steps` less one on an edge. `length`: of the way that is given, or its cost. Cut short if
+// the poll says to stop.
+void refine(const Adjacency& adjacency, const SurfacePoint& from, const SurfacePoint& to,
+            double length, double tolerance, const TravelCost* cost,
+            std::vector<Crossing>& crossings, std::uint32_t& steps, WavefrontScratch& scratch,
+            Poll& poll) {
+  std::vector<Crossing> shorter;
+  if (cost != nullptr) keep_ends_along_edges(adjacency, crossings);
+  const std::size_t most = kMostGrowth * crossings.size() + kMostMore;
+  for (int round = 0; round < kMostRounds && steps <= kFinest / 2; ++round) {
+    steps *= 2;
+    for (Crossing& crossing : crossings) crossing.step *= 2;
+    const double before = length;
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+      if (poll.ask()) return;
+      StripGraph graph(adjacency, from, to, crossings, steps, cost, poll);
+      const double found =
+          poll.stopped() ? kUnreached : graph.shortest(shorter, scratch.heap, poll);
+      if (poll.stopped()) return;
+      if (!(found < length)) break;
+      const double gain = length - found;
+      std::swap(crossings, shorter);
+      if (cost != nullptr) keep_ends_along_edges(adjacency, crossings);
+      length = found;
+      if (cost != nullptr && crossings.size() > most) return;
+      if (gain < tolerance * length) break;
+    }
+    if (before - length < tolerance * before) break;
+  }
+}
+
+Result<std::optional<Path>> cheapest_path(const Adjacency& adjacency, const Field& field,
+                                          const Source& from, const SurfacePoint& to,
+                                          const MethodOptions& options, const TravelCost& cost,
+                                          WavefrontScratch& scratch, const Cancel& cancel) {
+  Path path;
+  if (are_one(adjacency, from.point, to)) {
+    path.points.push_back({from.point, position_of(adjacency.mesh(), from.point)});
+    return path;
+  }
+  Poll poll(cancel);
+  const CheapestWays ways(adjacency, field, poll);
+  const CheapestWays::LastStep last = ways.last_step_to(to);
+  if (poll.stopped()) return fail_stopped(poll);
+  if (last.source == kNone) return std::nullopt;
+  std::vector<Crossing> crossings = ways.way_of(last);
+  std::uint32_t steps = options.points_per_edge + 1;
+  refine(adjacency, from.point, to, last.cost, options.tolerance, &cost, crossings, steps, scratch,
+         poll);
+  if (!poll.stopped()) {
+    path = assemble(adjacency, from.point, to, crossings, steps, &cost, poll);
+  }
+  if (poll.stopped()) return fail_stopped(poll);
+  return path;
+}
+
 }  // namespace
+
+std::vector<double> segment_costs(const Path& path, const TravelCost& cost) {
+  std::vector<double> costs;
+  costs.reserve(path.points.size());
+  for (std::size_t i = 1; i < path.points.size(); ++i) {
+    const PathPoint& from = path.points[i - 1];
+    costs.push_back(cost.of_walked(from.point.face, from.position, path.points[i].position));
+  }
+  return costs;
+}
 
 Result<std::optional<Path>> steiner_path(const Adjacency& adjacency, const Source& from,
                                          const SurfacePoint& to, const MethodOptions& options,
-                                         WavefrontScratch& scratch, const Cancel& cancel) {
+                                         WavefrontScratch& scratch, const Cancel& cancel,
+                                         const std::shared_ptr<const TravelCost>& cost) {
   if (!(options.tolerance >= 0)) {
     return fail(ErrorCode::value_out_of_range, "a tolerance is a number from zero up", "tolerance");
   }
   // The offset only delays; without it no length is lost to rounding.
   const auto field = steiner_field_towards(adjacency, {from.point, 0}, to, options.points_per_edge,
-                                           scratch, cancel.part(0, kSearch));
+                                           scratch, cancel.part(0, kSearch), cost);
   if (!field) return fail(field.error());
+  if (cost) return cheapest_path(adjacency, *field, from, to, options, *cost, scratch, cancel);
   auto trace = trace_path(adjacency, *field, to, cancel);
   if (!trace) return fail(std::move(trace.error()));
   std::optional<Path>& traced = *trace;
@@ -134,28 +235,11 @@ Result<std::optional<Path>> steiner_path(const Adjacency& adjacency, const Sourc
 
   std::uint32_t steps = options.points_per_edge + 1;
   std::vector<Crossing> crossings = crossings_of(adjacency, *traced, from.point, to, steps);
-  double length = traced->length;
   Poll poll(cancel);
-  std::vector<Crossing> shorter;
-  for (int round = 0; round < kMostRounds && steps <= kFinest / 2; ++round) {
-    steps *= 2;
-    for (Crossing& crossing : crossings) crossing.step *= 2;
-    const double before = length;
-    for (int pass = 0; pass < kMostPasses; ++pass) {
-      if (cancel.requested()) return fail_stopped(cancel);
-      StripGraph graph(adjacency, from.point, to, crossings, steps, poll);
-      const double found =
-          poll.stopped() ? kUnreached : graph.shortest(shorter, scratch.heap, poll);
-      if (poll.stopped()) return fail_stopped(cancel);
-      if (!(found < length)) break;
-      const double gain = length - found;
-      std::swap(crossings, shorter);
-      length = found;
-      if (gain < options.tolerance * length) break;
-    }
-    if (before - length < options.tolerance * before) break;
-  }
-  Path refined = assemble(adjacency, from.point, to, crossings, steps, poll);
+  refine(adjacency, from.point, to, traced->length, options.tolerance, nullptr, crossings, steps,
+         scratch, poll);
+  if (poll.stopped()) return fail_stopped(poll);
+  Path refined = assemble(adjacency, from.point, to, crossings, steps, nullptr, poll);
   if (poll.stopped()) return fail_stopped(poll);
   return refined.length < traced->length ? std::move(refined) : std::move(*traced);
 }

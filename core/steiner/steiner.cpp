@@ -22,12 +22,16 @@ namespace {
 class SteinerGraph {
  public:
   // Incomplete if the poll says to stop.
-  SteinerGraph(const Adjacency& adjacency, std::uint32_t points_per_edge, Poll& poll)
+  SteinerGraph(const Adjacency& adjacency, std::uint32_t points_per_edge, const TravelCost* cost,
+               Poll& poll)
       : adjacency_(adjacency),
+        cost_(cost),
         vertex_count_(adjacency.mesh().vertex_count()),
         per_edge_(points_per_edge),
         spacing_(1.0 / (double(points_per_edge) + 1)),
-        has_copies_(adjacency.report().faces_duplicate > 0),
+        // Of copies each may have a weight of its own.
+        has_copies_(adjacency.report().faces_duplicate > 0 &&
+                    !(cost != nullptr && cost->has_weights())),
         edges_(EdgeNumbers::count(adjacency, poll)) {}
 
   [[nodiscard]] std::uint32_t node_count() const {
@@ -36,13 +40,18 @@ class SteinerGraph {
   [[nodiscard]] std::uint32_t vertex_count() const { return vertex_count_; }
   [[nodiscard]] EdgeNumbers take_edges() { return std::move(edges_); }
 
-  // Calls `visit(node, position)` for the points of side c of a face …
+  // How far it is straight inside a face from one point to another, or what that costs.
+  [[nodiscard]] double length(std::uint32_t f, Vec3 from, Vec3 to) const {
+    return cost_ == nullptr ? distance(from, to) : cost_->of(f, from, to);
+  }
+
+  // Calls `visit(node, position, face)` for the points of side c of a face …
   template <class Visit>
   void points_of_side(std::uint32_t f, std::uint32_t c, Visit visit) const {
     const std::uint32_t edge = edges_.of[halfedge(f, c)];
     const std::uint32_t first = vertex_count_ + edge * per_edge_;
     const auto [from, along] = ends(f, c);
-    for (std::uint32_t i = 0; i < per_edge_; ++i) visit(first + i, place(from, along, i));
+    for (std::uint32_t i = 0; i < per_edge_; ++i) visit(first + i, place(from, along, i), f);
   }
 
   // … and for all nodes of a face.
@@ -50,7 +59,7 @@ class SteinerGraph {
   void nodes_of_face(std::uint32_t f, Visit visit) const {
     for (std::uint32_t c = 0; c < 3; ++c) {
       const std::uint32_t v = adjacency_.face(f).vertex[c];
-      visit(v, adjacency_.mesh().positions()[v]);
+      visit(v, adjacency_.mesh().positions()[v], f);
       points_of_side(f, c, visit);
     }
   }
@@ -60,8 +69,9 @@ class SteinerGraph {
     return has_copies_ && has_later_copy(adjacency_, f);
   }
 
-  // Calls `visit(node, position)` for every node that `node` is joined to, and
-  // perhaps twice. Leaves off when the poll says to stop: a vertex may be in all faces.
+  // Calls `visit(node, position, face)` for every node that `node` is joined to in the face, and
+  // perhaps twice. Of an edge's faces each is asked where there are costs, for the least. Leaves
+  // off when the poll says to stop: a vertex may be in all faces.
   template <class Visit>
   void neighbours(std::uint32_t node, Visit visit, Poll& poll) const {
     if (node < vertex_count_) {
@@ -78,16 +88,17 @@ class SteinerGraph {
     }
     const Halfedge first = edges_.first[(node - vertex_count_) / per_edge_];
     const std::uint32_t i = (node - vertex_count_) % per_edge_;
-    next_on_edge(first, i, node, visit);
+    if (cost_ == nullptr) next_on_edge(first, i, node, visit);
     Halfedge h = first;
     do {
       if (poll.cancelled()) return;
       const std::uint32_t f = face_of(h);
       const std::uint32_t c = corner_of(h);
+      if (cost_ != nullptr) next_on_edge(h, i, node, visit);
       h = adjacency_.ring(h);
       if (is_repeated(f)) continue;
       const std::uint32_t opposite = adjacency_.face(f).vertex[previous_corner(c)];
-      visit(opposite, adjacency_.mesh().positions()[opposite]);
+      visit(opposite, adjacency_.mesh().positions()[opposite], f);
       points_of_side(f, next_corner(c), visit);
       points_of_side(f, previous_corner(c), visit);
     } while (h != first);
@@ -119,7 +130,7 @@ class SteinerGraph {
     const bool is_low = std::min(face.vertex[c], face.vertex[next_corner(c)]) == v;
     const std::uint32_t node =
         vertex_count_ + edges_.of[halfedge(f, c)] * per_edge_ + (is_low ? 0 : per_edge_ - 1);
-    visit(node, position(node));
+    visit(node, position(node), f);
   }
 
   template <class Visit>
@@ -129,11 +140,12 @@ class SteinerGraph {
         std::minmax({face.vertex[corner_of(h)], face.vertex[next_corner(corner_of(h))]});
     const std::uint32_t before = i == 0 ? low : node - 1;
     const std::uint32_t after = i + 1 == per_edge_ ? high : node + 1;
-    visit(before, position(before));
-    visit(after, position(after));
+    visit(before, position(before), face_of(h));
+    visit(after, position(after), face_of(h));
   }
 
   const Adjacency& adjacency_;
+  const TravelCost* cost_;  // null: lengths
   std::uint32_t vertex_count_;
   std::uint32_t per_edge_;
   double spacing_;
@@ -141,7 +153,7 @@ class SteinerGraph {
   EdgeNumbers edges_;
 };
 
-// Calls `visit(node, position)` for all nodes of the faces that a point lies in, and perhaps
+// Calls `visit(node, position, face)` for all nodes of the faces that a point lies in, and perhaps
 // twice. Leaves off when the poll says to stop.
 template <class Visit>
 void nodes_around(const SteinerGraph& graph, std::span<const SurfacePoint> places, Visit visit,
@@ -167,15 +179,16 @@ class Goal {
     }
     const Vec3 at = position_of(adjacency.mesh(), point);
     const auto places = in_all_faces(adjacency, point);
-    const auto add = [&](std::uint32_t node, Vec3 from) {
-      ways_.push_back({node, distance(from, at)});
+    const auto add = [&](std::uint32_t node, Vec3 from, std::uint32_t f) {
+      ways_.push_back({node, graph.length(f, from, at)});
     };
     nodes_around(graph, places, add, poll);
     std::vector<std::pair<std::uint32_t, double>> spare;
     polled_sort(ways_, 0, ways_.size(), std::less<>(), spare, poll);
-    if (share_a_face(places, in_all_faces(adjacency, source.point), poll)) {
-      best_ = source.offset + distance(position_of(adjacency.mesh(), source.point), at);
-    }
+    const Vec3 start = position_of(adjacency.mesh(), source.point);
+    each_shared_face(places, in_all_faces(adjacency, source.point), poll, [&](std::uint32_t f) {
+      best_ = std::min(best_, source.offset + graph.length(f, start, at));
+    });
   }
 
   void accept(std::uint32_t node, double d) {
@@ -187,18 +200,18 @@ class Goal {
 
  private:
   // Both may lie in all of an edge's faces.
-  [[nodiscard]] static bool share_a_face(std::span<const SurfacePoint> some,
-                                         std::span<const SurfacePoint> others, Poll& poll) {
+  template <class Visit>
+  static void each_shared_face(std::span<const SurfacePoint> some,
+                               std::span<const SurfacePoint> others, Poll& poll, Visit visit) {
     std::vector<std::uint32_t> faces;
     faces.reserve(others.size());
     for (const SurfacePoint& place : others) faces.push_back(place.face);
     std::vector<std::uint32_t> spare;
     polled_sort(faces, 0, faces.size(), std::less<>(), spare, poll);
     for (const SurfacePoint& place : some) {
-      if (poll.cancelled()) return false;
-      if (std::binary_search(faces.begin(), faces.end(), place.face)) return true;
+      if (poll.cancelled()) return;
+      if (std::binary_search(faces.begin(), faces.end(), place.face)) visit(place.face);
     }
-    return false;
   }
 
   std::vector<std::pair<std::uint32_t, double>> ways_;  // by node, the length from there
@@ -218,10 +231,10 @@ class SteinerFront {
         poll_(poll) {}
 
   void start(const Source& source, std::uint32_t number) {
-    if (source.point.at_vertex()) lower(source.point.vertex, source.offset, number);
+    if (source.point.at_vertex()) lower(source.point.vertex, source.offset, number, kNone);
     const Vec3 at = position_of(adjacency_.mesh(), source.point);
-    const auto come_to = [&](std::uint32_t node, Vec3 to) {
-      lower(node, source.offset + distance(at, to), number);
+    const auto come_to = [&](std::uint32_t node, Vec3 to, std::uint32_t f) {
+      lower(node, source.offset + graph_.length(f, at, to), number, kNone);
     };
     nodes_around(graph_, in_all_faces(adjacency_, source.point), come_to, poll_);
   }
@@ -229,13 +242,13 @@ class SteinerFront {
   void spread_from(std::uint32_t node, double d) {
     const Vec3 at = graph_.position(node);
     const std::uint32_t source = field_.nearest_source.empty() ? 0 : source_at(node);
-    const auto come_to = [&](std::uint32_t to, Vec3 there) {
+    const auto come_to = [&](std::uint32_t to, Vec3 there, std::uint32_t f) {
       if (heap_.accepted(to)) return;
-      double sum = d + distance(at, there);
+      double sum = d + graph_.length(f, at, there);
       // However short the step beside the distance: the way back is found by
       // distances that fall.
       if (!(sum > d)) sum = std::nextafter(d, std::numeric_limits<double>::infinity());
-      lower(to, sum, source);
+      lower(to, sum, source, node);
     };
     graph_.neighbours(node, come_to, poll_);
   }
@@ -255,11 +268,12 @@ class SteinerFront {
     return node < graph_.vertex_count() ? field_.nearest_source[node]
                                         : points_.nearest_source[node - graph_.vertex_count()];
   }
-  void lower(std::uint32_t node, double d, std::uint32_t source) {
+  void lower(std::uint32_t node, double d, std::uint32_t source, std::uint32_t before) {
     double& known = distance_at(node);
     if (!(d < known)) return;
     known = d;
     if (!field_.nearest_source.empty()) source_at(node) = source;
+    if (!points_.before.empty()) points_.before[node] = before;
     heap_.push_or_lower(node, d);
   }
 
@@ -274,7 +288,8 @@ class SteinerFront {
 
 Result<Field> search(const Adjacency& adjacency, std::span<const Source> sources,
                      const SurfacePoint* goal_point, std::uint32_t points_per_edge,
-                     const FieldLimits& limits, WavefrontScratch& scratch, const Cancel& cancel) {
+                     const FieldLimits& limits, const std::shared_ptr<const TravelCost>& cost,
+                     WavefrontScratch& scratch, const Cancel& cancel) {
   const std::uint64_t vertex_count = adjacency.mesh().vertex_count();
   const std::uint64_t most = (kMaxSteinerNodes - std::min(kMaxSteinerNodes, vertex_count)) /
                              std::max<std::uint64_t>(adjacency.report().edges, 1);
@@ -288,7 +303,7 @@ Result<Field> search(const Adjacency& adjacency, std::span<const Source> sources
   }
   // A face of a node has two or three times as many neighbours as there are points on an edge.
   Poll poll(cancel, std::max(8192 / points_per_edge, 1U));
-  SteinerGraph graph(adjacency, points_per_edge, poll);
+  SteinerGraph graph(adjacency, points_per_edge, cost.get(), poll);
   if (poll.stopped()) return fail_stopped(cancel);
   const std::size_t point_count = graph.node_count() - vertex_count;
   Field field;
@@ -298,6 +313,8 @@ Result<Field> search(const Adjacency& adjacency, std::span<const Source> sources
   auto points = std::make_shared<EdgePoints>();
   points->per_edge = points_per_edge;
   polled_assign(points->distance, point_count, kUnreached, poll);
+  points->cost = cost;
+  if (cost && limits.keep_details) polled_assign(points->before, graph.node_count(), kNone, poll);
   if (sources.size() > 1) {
     field.nearest_source.assign(vertex_count, kNone);
     polled_assign(points->nearest_source, point_count, kNone, poll);
@@ -362,14 +379,16 @@ EdgeNumbers EdgeNumbers::count(const Adjacency& adjacency, Poll& poll) {
 
 Result<Field> steiner_field(const Adjacency& adjacency, std::span<const Source> sources,
                             std::uint32_t points_per_edge, const FieldLimits& limits,
-                            WavefrontScratch& scratch, const Cancel& cancel) {
-  return search(adjacency, sources, nullptr, points_per_edge, limits, scratch, cancel);
+                            WavefrontScratch& scratch, const Cancel& cancel,
+                            const std::shared_ptr<const TravelCost>& cost) {
+  return search(adjacency, sources, nullptr, points_per_edge, limits, cost, scratch, cancel);
 }
 
 Result<Field> steiner_field_towards(const Adjacency& adjacency, const Source& source,
                                     const SurfacePoint& goal, std::uint32_t points_per_edge,
-                                    WavefrontScratch& scratch, const Cancel& cancel) {
-  return search(adjacency, {&source, 1}, &goal, points_per_edge, {}, scratch, cancel);
+                                    WavefrontScratch& scratch, const Cancel& cancel,
+                                    const std::shared_ptr<const TravelCost>& cost) {
+  return search(adjacency, {&source, 1}, &goal, points_per_edge, {}, cost, scratch, cancel);
 }
 
 }  // namespace geodesic

@@ -6,12 +6,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/base/cancel.h"
 #include "core/base/error.h"
 #include "core/field/field.h"
+#include "core/field/travel_cost.h"
 #include "core/surface/adjacency.h"
 #include "core/wavefront/wavefront.h"
 
@@ -38,18 +40,23 @@ struct EdgeNumbers {
 // to all nodes of the faces it lies in. With k points, the path along which a front
 // crosses a face may turn by an angle of about 1 / (k + 1) at each edge, and the
 // error falls with the square of that. Nodes: V + k E; arcs: about 6 k^2 a face.
-// Errors: cancelled; value_out_of_range ("points_per_edge") when there is no point
-// or there are more nodes than kMaxSteinerNodes.
+// With a cost, all that is said of distances is said of the costs of ways from the sources:
+// Lanthier, Maheshwari, Sack, "Approximating weighted shortest paths on polyhedral surfaces", SCG
+// 1997. Each is that of a way in the graph, so never below the least there is. It is above it by no
+// more than the sum over the edges that the cheapest way crosses of their spacing times the greater
+// of the weights beside them, where there are no slopes. Errors: cancelled; value_out_of_range
+// ("points_per_edge") when there is no point or there are more nodes than kMaxSteinerNodes.
 [[nodiscard]] Result<Field> steiner_field(const Adjacency& adjacency,
                                           std::span<const Source> sources,
                                           std::uint32_t points_per_edge, const FieldLimits& limits,
-                                          WavefrontScratch& scratch, const Cancel& cancel);
+                                          WavefrontScratch& scratch, const Cancel& cancel,
+                                          const std::shared_ptr<const TravelCost>& cost = nullptr);
 
 // The same from one source, only as far as it takes to have the distance of `goal`,
 // any point of the surface, and the path to it. Keeps the points on edges.
-[[nodiscard]] Result<Field> steiner_field_towards(const Adjacency& adjacency, const Source& source,
-                                                  const SurfacePoint& goal,
-                                                  std::uint32_t points_per_edge,
-                                                  WavefrontScratch& scratch, const Cancel& cancel);
+[[nodiscard]] Result<Field> steiner_field_towards(
+    const Adjacency& adjacency, const Source& source, const SurfacePoint& goal,
+    std::uint32_t points_per_edge, WavefrontScratch& scratch, const Cancel& cancel,
+    const std::shared_ptr<const TravelCost>& cost = nullptr);
 
 }  // namespace geodesic

@@ -24,8 +24,9 @@ Halfedge least_in_ring(const Adjacency& adjacency, Halfedge h) {
 }
 
 StripGraph::StripGraph(const Adjacency& adjacency, const SurfacePoint& from, const SurfacePoint& to,
-                       const std::vector<Crossing>& path, std::uint32_t steps, Poll& poll)
-    : adjacency_(adjacency), steps_(steps), ends_{&from, &to} {
+                       const std::vector<Crossing>& path, std::uint32_t steps,
+                       const TravelCost* cost, Poll& poll)
+    : adjacency_(adjacency), steps_(steps), cost_(cost), ends_{&from, &to} {
   for (const std::uint32_t end : {0U, 1U}) {
     nodes_.push_back({{ends_[end]->vertex, kNone, 0}, position_of(adjacency.mesh(), *ends_[end])});
     if (ends_[end]->at_vertex()) {
@@ -52,7 +53,10 @@ double StripGraph::shortest(std::vector<Crossing>& way, VertexHeap& heap, Poll& 
       if (poll.cancelled()) return kUnreached;
       for (const std::uint32_t node : nodes_in_[f]) {
         if (heap.accepted(node)) continue;
-        const double d = next.key + distance(nodes_[next.vertex].at, nodes_[node].at);
+        const Vec3 from = nodes_[next.vertex].at;
+        const Vec3 to = nodes_[node].at;
+        const double d =
+            next.key + (cost_ == nullptr ? distance(from, to) : cost_->of(faces_[f], from, to));
         if (!(d < known[node])) continue;
         known[node] = d;
         before[node] = next.vertex;
@@ -182,13 +186,17 @@ void StripGraph::gather_faces(Poll& poll) {
 }
 
 bool StripGraph::is_repeated(std::uint32_t f) const {
+  if (cost_ != nullptr && cost_->has_weights()) return false;
   return f != ends_[0]->face && f != ends_[1]->face && has_later_copy(adjacency_, f);
 }
 
 std::uint32_t StripGraph::number_of(std::uint32_t face) {
   const auto [it, is_new] =
       number_of_face_.emplace(face, static_cast<std::uint32_t>(nodes_in_.size()));
-  if (is_new) nodes_in_.emplace_back();
+  if (is_new) {
+    nodes_in_.emplace_back();
+    faces_.push_back(face);
+  }
   return it->second;
 }
 

@@ -10,6 +10,7 @@
 
 #include "core/base/cancel.h"
 #include "core/base/vec3.h"
+#include "core/field/travel_cost.h"
 #include "core/field/vertex_heap.h"
 #include "core/surface/adjacency.h"
 #include "core/surface/point.h"
@@ -31,10 +32,12 @@ struct Crossing {
 // near it. Nodes: 0 is the path's start and 1 its end, wherever they are.
 class StripGraph {
  public:
+  // `cost`: what the ways cost that are to be cheap instead of short, or null.
   StripGraph(const Adjacency& adjacency, const SurfacePoint& from, const SurfacePoint& to,
-             const std::vector<Crossing>& path, std::uint32_t steps, Poll& poll);
+             const std::vector<Crossing>& path, std::uint32_t steps, const TravelCost* cost,
+             Poll& poll);
 
-  // The shortest way from start to end: its points between them, and its length;
+  // The shortest way from start to end: its points between them, and its length or cost;
   // kUnreached when there is none, or when the poll says to stop.
   double shortest(std::vector<Crossing>& way, VertexHeap& heap, Poll& poll);
 
@@ -79,6 +82,7 @@ class StripGraph {
 
   const Adjacency& adjacency_;
   std::uint32_t steps_;
+  const TravelCost* cost_;
   std::array<const SurfacePoint*, 2> ends_;
   std::vector<std::uint32_t> near_;  // vertices that the path passes or comes near
   std::vector<Window> windows_;
@@ -86,6 +90,7 @@ class StripGraph {
   std::vector<PointsOfEdge> points_of_edge_;
   std::unordered_map<std::uint32_t, std::uint32_t> node_of_vertex_;
   std::unordered_map<std::uint32_t, std::uint32_t> number_of_face_;
+  std::vector<std::uint32_t> faces_;                  // by face number
   std::vector<std::vector<std::uint32_t>> nodes_in_;  // by face number
   std::vector<std::vector<std::uint32_t>> faces_at_;  // by node
 };

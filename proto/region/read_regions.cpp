@@ -93,8 +93,71 @@ Result<Shape> box_of(const json& box, std::string parameter) {
   return box_shape(*min, *max, std::move(parameter));
 }
 
+Result<std::vector<PointRequest>> points_of(const json& list, const std::string& parameter) {
+  if (!list.is_array()) return no_shape("a line is a list of points", parameter);
+  std::vector<PointRequest> points;
+  points.reserve(list.size());
+  for (const json& item : list) {
+    auto point = parse_json_point(item, parameter + "[" + std::to_string(points.size()) + "]");
+    if (!point) return fail(std::move(point.error()));
+    points.push_back(std::move(*point));
+  }
+  return points;
+}
+
+Result<Shape> inside_of(const json& list, std::string parameter) {
+  auto points = points_of(list, parameter + ".inside");
+  if (!points) return fail(std::move(points.error()));
+  return inside_shape(std::move(*points), std::move(parameter));
+}
+
+// How much of what a query may have of them there has been.
+struct Counted {
+  std::uint64_t ranges = 0;
+  std::uint64_t line_points = 0;
+};
+
+Result<void> count_line(const std::vector<PointRequest>& points, Counted& counted,
+                        std::string_view name) {
+  counted.line_points += points.size();
+  if (counted.line_points <= kMaxLinePoints) return {};
+  return fail_limit(ErrorCode::too_large,
+                    "too many points of walls and insides in one request; ask with fewer",
+                    kMaxLinePoints, counted.line_points, std::string(name));
+}
+
+// Of several values under a name, which one.
+std::string parameter_at(std::string_view name, std::size_t i, std::size_t count) {
+  return count == 1 ? std::string(name) : std::string(name) + "[" + std::to_string(i) + "]";
+}
+
+Result<std::vector<Wall>> read_walls(Parameters& parameters, Counted& counted) {
+  constexpr std::string_view kName = "walls";
+  const std::size_t count = parameters.count(kName);
+  if (count > kMaxWalls) {
+    return fail_limit(ErrorCode::too_large,
+                      "too many walls in one request; one may go through many points", kMaxWalls,
+                      count, std::string(kName));
+  }
+  const json* values = parameters.values(kName);
+  std::vector<Wall> walls;
+  if (values == nullptr) return walls;
+  if (values->empty()) {
+    return fail(ErrorCode::value_out_of_range, "there is no wall in this list", std::string(kName));
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    auto wall = parse_json_wall((*values)[i], parameter_at(kName, i, count));
+    if (!wall) return fail(std::move(wall.error()));
+    if (auto few = count_line(wall->points, counted, kName); !few) {
+      return fail(std::move(few.error()));
+    }
+    walls.push_back(std::move(*wall));
+  }
+  return walls;
+}
+
 Result<std::vector<Shape>> read_region(Parameters& parameters, std::string_view name,
-                                       std::uint64_t& ranges) {
+                                       Counted& counted) {
   const std::size_t count = parameters.count(name);
   if (count > kMaxRegionShapes) {
     return fail_limit(ErrorCode::too_large,
@@ -109,17 +172,20 @@ Result<std::vector<Shape>> read_region(Parameters& parameters, std::string_view 
                 std::string(name));
   }
   for (std::size_t i = 0; i < count; ++i) {
-    auto shape = parse_json_shape(
-        (*values)[i],
-        count == 1 ? std::string(name) : std::string(name) + "[" + std::to_string(i) + "]");
+    auto shape = parse_json_shape((*values)[i], parameter_at(name, i, count));
     if (!shape) return fail(std::move(shape.error()));
     if (const auto* faces = std::get_if<std::vector<FaceRange>>(&shape->what)) {
-      ranges += faces->size();
-      if (ranges > kMaxFaceRanges) {
+      counted.ranges += faces->size();
+      if (counted.ranges > kMaxFaceRanges) {
         return fail_limit(ErrorCode::too_large,
                           "too many faces and ranges of them in one request; write what lies side "
                           "by side as one range",
-                          kMaxFaceRanges, ranges, std::string(name));
+                          kMaxFaceRanges, counted.ranges, std::string(name));
+      }
+    }
+    if (const auto* inside = std::get_if<InsideShape>(&shape->what)) {
+      if (auto few = count_line(inside->points, counted, name); !few) {
+        return fail(std::move(few.error()));
       }
     }
     region.push_back(std::move(*shape));
@@ -134,23 +200,45 @@ Result<Shape> parse_json_shape(const json& value, std::string parameter) {
     return parse_shape(value.get_ref<const std::string&>(), std::move(parameter));
   }
   if (!value.is_object()) return no_shape("a region is an object or a text", std::move(parameter));
-  constexpr std::array<std::pair<const char*, Result<Shape> (*)(const json&, std::string)>, 4>
-      kKinds{{{"faces", faces_of}, {"part", part_of}, {"sphere", sphere_of}, {"box", box_of}}};
+  constexpr std::array<std::pair<const char*, Result<Shape> (*)(const json&, std::string)>, 5>
+      kKinds{{{"faces", faces_of},
+              {"part", part_of},
+              {"sphere", sphere_of},
+              {"box", box_of},
+              {"inside", inside_of}}};
   for (const auto& [name, shape_of] : kKinds) {
     if (!value.contains(name)) continue;
     if (auto ok = check_members(value, {name}, parameter); !ok) return fail(ok.error());
     return shape_of(value[name], std::move(parameter));
   }
-  return no_shape(R"(a region has "faces", "part", "sphere" or "box")", std::move(parameter));
+  return no_shape(R"(a region has "faces", "part", "sphere", "box" or "inside")",
+                  std::move(parameter));
+}
+
+Result<Wall> parse_json_wall(const json& value, std::string parameter) {
+  if (value.is_string()) {
+    return parse_wall(value.get_ref<const std::string&>(), std::move(parameter));
+  }
+  if (!value.is_object() || !value.contains("points")) {
+    return no_shape(R"(a wall is a text or an object with "points")", std::move(parameter));
+  }
+  if (auto known = check_only_has(value, {"points"}, "a wall", parameter); !known) {
+    return fail(std::move(known.error()));
+  }
+  auto points = points_of(value["points"], parameter + ".points");
+  if (!points) return fail(std::move(points.error()));
+  return wall_through(std::move(*points), std::move(parameter));
 }
 
 Result<Regions> read_regions(Parameters& parameters) {
-  std::uint64_t ranges = 0;
-  auto within = read_region(parameters, "within", ranges);
+  Counted counted;
+  auto within = read_region(parameters, "within", counted);
   if (!within) return fail(std::move(within.error()));
-  auto forbid = read_region(parameters, "forbid", ranges);
+  auto forbid = read_region(parameters, "forbid", counted);
   if (!forbid) return fail(std::move(forbid.error()));
-  return Regions{std::move(*within), std::move(*forbid)};
+  auto walls = read_walls(parameters, counted);
+  if (!walls) return fail(std::move(walls.error()));
+  return Regions{std::move(*within), std::move(*forbid), std::move(*walls)};
 }
 
 }  // namespace geodesic::proto

@@ -16,6 +16,26 @@ void append_numbers(std::string& out, std::string_view kind, std::initializer_li
   }
 }
 
+void append_points(std::string& out, const std::vector<PointRequest>& points) {
+  for (const PointRequest& point : points) {
+    out += ';';
+    if (const auto* vertex = std::get_if<VertexRequest>(&point.where)) {
+      out += "v,";
+      out += std::to_string(vertex->vertex);
+    } else if (const auto* face = std::get_if<FaceRequest>(&point.where)) {
+      out += "f,";
+      out += std::to_string(face->face);
+      append_numbers(out, "", {face->bary[0], face->bary[1], face->bary[2]});
+    } else if (const auto* place = std::get_if<SpaceRequest>(&point.where)) {
+      append_numbers(out, "p", {place->xyz.x, place->xyz.y, place->xyz.z});
+      if (place->max_snap) append_numbers(out, ",snap", {*place->max_snap});
+    } else {
+      const auto& [from, ahead] = std::get<RayRequest>(point.where);
+      append_numbers(out, "ray", {from.x, from.y, from.z, ahead.x, ahead.y, ahead.z});
+    }
+  }
+}
+
 struct ShapeText {
   std::string& out;
 
@@ -39,6 +59,10 @@ struct ShapeText {
     append_numbers(out, "box",
                    {shape.min.x, shape.min.y, shape.min.z, shape.max.x, shape.max.y, shape.max.z});
   }
+  void operator()(const InsideShape& shape) const {
+    out += "inside";
+    append_points(out, shape.points);
+  }
 };
 
 void append_region(std::string& out, std::string_view name, const std::vector<Shape>& region) {
@@ -47,6 +71,10 @@ void append_region(std::string& out, std::string_view name, const std::vector<Sh
     out += ' ';
     std::visit(ShapeText{out}, shape.what);
   }
+}
+
+bool is_inside_of_line(const Shape& shape) {
+  return std::holds_alternative<InsideShape>(shape.what);
 }
 
 bool is_part(const Shape& shape) { return std::holds_alternative<PartShape>(shape.what); }
@@ -58,10 +86,20 @@ bool Regions::names_parts() const {
          std::any_of(forbid.begin(), forbid.end(), is_part);
 }
 
+bool Regions::has_lines() const {
+  return !walls.empty() || std::any_of(within.begin(), within.end(), is_inside_of_line) ||
+         std::any_of(forbid.begin(), forbid.end(), is_inside_of_line);
+}
+
 std::string canonical_text(const Regions& regions) {
   std::string text;
   append_region(text, "within", regions.within);
   append_region(text, " forbid", regions.forbid);
+  if (!regions.walls.empty()) text += " walls";
+  for (const Wall& wall : regions.walls) {
+    text += ' ';
+    append_points(text, wall.points);
+  }
   return text;
 }
 

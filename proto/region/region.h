@@ -5,8 +5,14 @@
 //   part:2                   {"part":2}                                    a part of the file
 //   sphere:X,Y,Z,R           {"sphere":{"center":[X,Y,Z],"radius":R}}      a ball in space
 //   box:X,Y,Z,X,Y,Z          {"box":{"min":[X,Y,Z],"max":[X,Y,Z]}}         a box in space
+//   inside:POINT;POINT;POINT {"inside":[POINT,POINT,POINT]}                what a line goes round
+// and a wall, which is a line that nothing crosses, POINT;POINT or {"points":[POINT,POINT]}; closed
+// if it ends with the point that it begins with.
 // JSON accepts the URL's text as well. Of a ball or a box, with its border, the region has the
 // faces whose centroids (the means of their corners) lie in it. Several shapes are their union.
+// Lines go from point to point straight in a face that has both, or by the shortest path. A line
+// that goes round leads back from its last point to the first; the largest of the parts into which
+// it divides the surface is outside, the others are inside, cut out of faces where it crosses them.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +21,7 @@
 #include <vector>
 
 #include "core/base/vec3.h"
+#include "proto/wire/point_request.h"
 
 namespace geodesic::proto {
 
@@ -39,19 +46,33 @@ struct BoxShape {
   Vec3 max;  // not less than `min`
 };
 
+struct InsideShape {
+  std::vector<PointRequest> points;  // three or more
+};
+
 struct Shape {
-  std::variant<std::vector<FaceRange>, PartShape, SphereShape, BoxShape> what;
+  std::variant<std::vector<FaceRange>, PartShape, SphereShape, BoxShape, InsideShape> what;
   std::string parameter;  // where the client wrote it, such as "forbid[2]", for errors
 };
 
+struct Wall {
+  std::vector<PointRequest> points;  // two or more
+  std::string parameter;             // as a shape's
+};
+
 // The part of a surface that a query is about: of what is in `within`, or of all if that is empty,
-// what is not in `forbid`.
+// what is not in `forbid`; cut along the walls.
 struct Regions {
   std::vector<Shape> within;
   std::vector<Shape> forbid;
+  std::vector<Wall> walls;
 
-  [[nodiscard]] bool is_everything() const { return within.empty() && forbid.empty(); }
+  [[nodiscard]] bool is_everything() const {
+    return within.empty() && forbid.empty() && walls.empty();
+  }
   [[nodiscard]] bool names_parts() const;
+  // Whether faces have to be split: there are walls or insides.
+  [[nodiscard]] bool has_lines() const;
 };
 
 // The same for two spellings of the same shapes in the same order, and for nothing else.

@@ -37,6 +37,25 @@ Result<Shape> parse_faces(std::string_view text, std::string parameter) {
 
 }  // namespace
 
+Result<std::vector<PointRequest>> parse_line(std::string_view text, const std::string& parameter) {
+  std::vector<PointRequest> points;
+  for (;;) {
+    const std::size_t end = text.find(';');
+    auto point =
+        parse_point(text.substr(0, end), parameter + "[" + std::to_string(points.size()) + "]");
+    if (!point) return fail(std::move(point.error()));
+    points.push_back(std::move(*point));
+    if (end == text.npos) return points;
+    text.remove_prefix(end + 1);
+  }
+}
+
+Result<Wall> parse_wall(std::string_view text, std::string parameter) {
+  auto points = parse_line(text, parameter + ".points");
+  if (!points) return fail(std::move(points.error()));
+  return wall_through(std::move(*points), std::move(parameter));
+}
+
 Result<Shape> parse_shape(std::string_view text, std::string parameter) {
   if (text.starts_with("faces:")) return parse_faces(text.substr(6), std::move(parameter));
   if (text.starts_with("part:")) {
@@ -63,9 +82,14 @@ Result<Shape> parse_shape(std::string_view text, std::string parameter) {
         "a box is written box:MINX,MINY,MINZ,MAXX,MAXY,MAXZ, such as box:0,0,0,1,2,3",
         std::move(parameter));
   }
+  if (text.starts_with("inside:")) {
+    auto points = parse_line(text.substr(7), parameter + ".inside");
+    if (!points) return fail(std::move(points.error()));
+    return inside_shape(std::move(*points), std::move(parameter));
+  }
   return badly_written(
-      "a region is written faces:FIRST-LAST, part:NUMBER, sphere:X,Y,Z,RADIUS or "
-      "box:MINX,MINY,MINZ,MAXX,MAXY,MAXZ",
+      "a region is written faces:FIRST-LAST, part:NUMBER, sphere:X,Y,Z,RADIUS, "
+      "box:MINX,MINY,MINZ,MAXX,MAXY,MAXZ or inside:POINT;POINT;POINT",
       std::move(parameter));
 }
 

@@ -17,7 +17,41 @@ Result<void> check_place(Vec3 place, const std::string& parameter) {
   return {};
 }
 
+// `least`: so many points at least.
+Result<void> check_line(const std::vector<PointRequest>& points, std::size_t least,
+                        const char* too_few, const std::string& parameter) {
+  if (points.size() < least) {
+    return fail(ErrorCode::value_out_of_range, too_few, parameter);
+  }
+  for (const PointRequest& point : points) {
+    if (point.offset != 0) {
+      return fail(ErrorCode::value_out_of_range, "only sources of a field can have an offset",
+                  point.parameter + ".offset");
+    }
+  }
+  return {};
+}
+
 }  // namespace
+
+Result<Shape> inside_shape(std::vector<PointRequest> points, std::string parameter) {
+  constexpr std::size_t kFewest = 3;
+  if (auto sound =
+          check_line(points, kFewest, "what has an inside goes through three points or more",
+                     parameter + ".inside");
+      !sound) {
+    return fail(std::move(sound.error()));
+  }
+  return Shape{InsideShape{std::move(points)}, std::move(parameter)};
+}
+
+Result<Wall> wall_through(std::vector<PointRequest> points, std::string parameter) {
+  if (auto sound = check_line(points, 2, "a wall goes through two points or more", parameter);
+      !sound) {
+    return fail(std::move(sound.error()));
+  }
+  return Wall{std::move(points), std::move(parameter)};
+}
 
 Result<Shape> shape_of_faces(std::vector<FaceRange> ranges, std::string parameter) {
   if (ranges.empty()) {

@@ -21,4 +21,8 @@ namespace geodesic::proto {
 // Errors: value_out_of_range.
 [[nodiscard]] Result<Shape> box_shape(Vec3 min, Vec3 max, std::string parameter);
 
+// Errors: value_out_of_range (too few points, an offset).
+[[nodiscard]] Result<Shape> inside_shape(std::vector<PointRequest> points, std::string parameter);
+[[nodiscard]] Result<Wall> wall_through(std::vector<PointRequest> points, std::string parameter);
+
 }  // namespace geodesic::proto

@@ -50,6 +50,41 @@ struct Parameters::Values {
     }
     return &values->front();
   }
+
+  using Parse = Result<PointRequest> (*)(const json&, std::string);
+  // All values under a name.
+  Result<std::vector<PointRequest>> read(std::string_view name, Parse parse) {
+    std::vector<PointRequest> points;
+    const json* values = find(name);
+    if (values == nullptr) return points;
+    points.reserve(values->size());
+    for (std::size_t i = 0; i < values->size(); ++i) {
+      auto point = parse((*values)[i], std::string(name) + "[" + std::to_string(i) + "]");
+      if (!point) return fail(std::move(point.error()));
+      points.push_back(std::move(*point));
+    }
+    return points;
+  }
+  // The only one there may be.
+  Result<PointRequest> read_one(std::string_view name, Parse parse) {
+    const auto it = by_name.find(name);
+    if ((it != by_name.end() && it->size() > 1) || is_list(name)) {
+      return fail(InputCode::bad_syntax, "this parameter takes one point", std::string(name));
+    }
+    auto all = read(name, parse);
+    if (!all) {
+      // It has no number.
+      std::string& where = all.error().parameter;
+      const std::string first = std::string(name) + "[0]";
+      if (where.starts_with(first)) where.erase(name.size(), first.size() - name.size());
+      return fail(std::move(all.error()));
+    }
+    if (all->empty()) {
+      return fail(InputCode::bad_syntax, "this parameter is missing", std::string(name));
+    }
+    all->front().parameter = std::string(name);
+    return std::move(all->front());
+  }
 };
 
 Parameters::Parameters(std::unique_ptr<Values> values) : values_(std::move(values)) {}
@@ -100,35 +135,19 @@ std::size_t Parameters::count(std::string_view name) const {
 }
 
 Result<std::vector<PointRequest>> Parameters::points(std::string_view name) {
-  std::vector<PointRequest> points;
-  const json* values = values_->find(name);
-  if (values == nullptr) return points;
-  points.reserve(values->size());
-  for (std::size_t i = 0; i < values->size(); ++i) {
-    auto point = parse_json_point((*values)[i], std::string(name) + "[" + std::to_string(i) + "]");
-    if (!point) return fail(std::move(point.error()));
-    points.push_back(std::move(*point));
-  }
-  return points;
+  return values_->read(name, parse_json_point);
+}
+
+Result<std::vector<PointRequest>> Parameters::sources(std::string_view name) {
+  return values_->read(name, parse_json_source);
 }
 
 Result<PointRequest> Parameters::point(std::string_view name) {
-  if (count(name) > 1 || values_->is_list(name)) {
-    return fail(InputCode::bad_syntax, "this parameter takes one point", std::string(name));
-  }
-  auto all = points(name);
-  if (!all) {
-    // The only one there can be has no number.
-    std::string& where = all.error().parameter;
-    const std::string first = std::string(name) + "[0]";
-    if (where.starts_with(first)) where.erase(name.size(), first.size() - name.size());
-    return fail(std::move(all.error()));
-  }
-  if (all->empty()) {
-    return fail(InputCode::bad_syntax, "this parameter is missing", std::string(name));
-  }
-  all->front().parameter = std::string(name);
-  return std::move(all->front());
+  return values_->read_one(name, parse_json_point);
+}
+
+Result<PointRequest> Parameters::source(std::string_view name) {
+  return values_->read_one(name, parse_json_source);
 }
 
 Result<std::optional<double>> Parameters::number(std::string_view name) {

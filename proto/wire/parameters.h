@@ -37,8 +37,11 @@ class Parameters {
   // All points under a name; in JSON one point or an array. Errors: bad_syntax,
   // value_out_of_range, naming the one at fault such as "from[2]".
   [[nodiscard]] Result<std::vector<PointRequest>> points(std::string_view name);
+  // The same of what a field may start from.
+  [[nodiscard]] Result<std::vector<PointRequest>> sources(std::string_view name);
   // Exactly one point.
   [[nodiscard]] Result<PointRequest> point(std::string_view name);
+  [[nodiscard]] Result<PointRequest> source(std::string_view name);
   // At most one value. Errors: bad_syntax.
   [[nodiscard]] Result<std::optional<double>> number(std::string_view name);
   [[nodiscard]] Result<std::optional<std::uint64_t>> whole(std::string_view name);

@@ -8,12 +8,20 @@
 //   origin
 //                                 "direction":[0,0,-1]}}          and its direction, of any length
 // JSON accepts the URL's text as well.
+//
+// What a field starts from may be more than points (docs: "Sources" in openapi.yaml):
+//   boundary              {"boundary":"all"}              all edges that have one face
+//   boundary:0            {"boundary":0}                  a loop of them, by its place in the
+//   metadata curve:v:1;v:7;p:1,2,3 {"curve":{"points":["v:1",…]}}  from point to point by the
+//   shortest way curve:closed;v:1;v:7… {"curve":{"points":[…],"closed":true}} part:2,
+//   faces:7,10-99, sphere:…, box:…                whole faces, as regions have them
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -45,10 +53,31 @@ struct RayRequest {
   Vec3 direction;  // not zero
 };
 
+struct BoundaryRequest {
+  std::optional<std::uint64_t> loop;  // none: all of them
+};
+
+struct CurveRequest;
+
+// The faces of a region's shape, which is read where regions are (proto/region).
+struct FacesRequest {
+  std::string shape;  // JSON
+};
+
 struct PointRequest {
-  std::variant<VertexRequest, FaceRequest, SpaceRequest, RayRequest> where;
+  std::variant<VertexRequest, FaceRequest, SpaceRequest, RayRequest, BoundaryRequest,
+               std::shared_ptr<const CurveRequest>, FacesRequest>
+      where;
   double offset = 0;      // mesh units, not negative
   std::string parameter;  // where the client wrote it, such as "from[2]", for errors
+
+  // False for what only a field can start from.
+  [[nodiscard]] bool is_point() const { return where.index() < 4; }
+};
+
+struct CurveRequest {
+  std::vector<PointRequest> points;  // two or more; three or more where it is closed
+  bool is_closed = false;
 };
 
 // What JSON Schema calls an integer, 1.0 and 1e0 too, of 0 to 2^64 - 1.
@@ -68,5 +97,9 @@ struct PointRequest {
 [[nodiscard]] Result<PointRequest> parse_point(std::string_view text, std::string parameter);
 [[nodiscard]] Result<PointRequest> parse_json_point(const nlohmann::json& value,
                                                     std::string parameter);
+// The same, or what else a field may start from. Errors besides: too_large (points of a curve).
+[[nodiscard]] Result<PointRequest> parse_source(std::string_view text, std::string parameter);
+[[nodiscard]] Result<PointRequest> parse_json_source(const nlohmann::json& value,
+                                                     std::string parameter);
 
 }  // namespace geodesic::proto

@@ -10,6 +10,10 @@ namespace geodesic::proto {
 // up and answered.
 inline constexpr std::size_t kMaxSources = 1000;
 inline constexpr std::size_t kMaxPoints = 100'000;
+// Of the curves of a query: each leg is a shortest path, which may take a field.
+inline constexpr std::size_t kMaxCurvePoints = 1000;
+// Of its curves, too: straight pieces within faces, some 400 bytes each.
+inline constexpr std::size_t kMaxCurvePieces = 1'000'000;
 // Each leg of a path has a field of its own.
 inline constexpr std::size_t kMaxVia = 100;
 // The same of a loop.
@@ -33,7 +37,18 @@ inline constexpr std::uint64_t kMaxRelax = 100;
 inline constexpr std::uint64_t kMaxFields = 1'000;
 // Of a region; each goes through all faces once.
 inline constexpr std::size_t kMaxRegionShapes = 1'000;
+// Of a weight and of a rate, and of the slopes of a table.
+inline constexpr double kLeastWeight = 1e-9;
+inline constexpr double kMostWeight = 1e9;
+inline constexpr std::size_t kMaxSlopes = 1'000;
 // Of the regions of a query, single faces among them.
 inline constexpr std::uint64_t kMaxFaceRanges = 100'000;
+// Of a query, those round insides not among them.
+inline constexpr std::size_t kMaxWalls = 1'000;
+// Of all walls and insides of a query; where two in a row are in no face together, the shortest
+// path between them is searched for.
+inline constexpr std::size_t kMaxLinePoints = 10'000;
+// That these lines make by crossing edges; some 1 kB each, on the way.
+inline constexpr std::uint64_t kMaxLineVertices = 200'000;
 
 }  // namespace geodesic::proto

@@ -90,6 +90,12 @@ void append_point(std::string& out, const ResolvedPoint& point, int digits) {
   if (point.ray_distance) {
     append_member(out, "ray_distance", *point.ray_distance, digits);
   }
+  if (point.lines) {
+    out += ",\"kind\":\"" + std::string(point.lines->kind) + "\"";
+    append_member(out, "length", point.lines->length, digits);
+    out += ",\"pieces\":" + std::to_string(point.lines->pieces);
+    if (point.lines->faces > 0) out += ",\"faces\":" + std::to_string(point.lines->faces);
+  }
   out += '}';
 }
 
@@ -152,12 +158,37 @@ void append_method(std::string& out, Method method) {
   out += '"';
 }
 
+// In what costs are, where distances are costs.
+void append_unit(std::string& out, std::optional<std::string_view> unit) {
+  if (!unit) return;
+  out += ",\"unit\":\"";
+  out += *unit;
+  out += '"';
+}
+
+void append_path_costs(std::string& out, const PathReply::Costs& costs, bool reachable, int digits,
+                       Poll* poll) {
+  append_unit(out, costs.unit);
+  append_member(out, "cost", reachable ? costs.whole : std::numeric_limits<double>::infinity(),
+                digits);
+  out += ",\"segments\":[";
+  for (std::size_t i = 0; i < costs.costs.size(); ++i) {
+    if (is_stopped(poll)) break;
+    out += i > 0 ? ",{\"length\":" : "{\"length\":";
+    append_number(out, costs.lengths[i], digits);
+    append_member(out, "cost", costs.costs[i], digits);
+    out += '}';
+  }
+  out += ']';
+}
+
 }  // namespace
 
 std::string to_json(const DistanceReply& reply, int digits, Poll* poll) {
   std::string out = opening(reply.mesh);
   out.reserve(reply.distances.size() * 25 + 1024);
   append_method(out, reply.method);
+  append_unit(out, reply.unit);
   out += ",\"from\":";
   append_points(out, reply.from, digits, poll);
   if (reply.at) {
@@ -198,6 +229,7 @@ std::string to_json(const PathReply& reply, int digits, Poll* poll) {
   out += ",\"length\":";
   append_bound(out, reply.reachable ? reply.length : std::numeric_limits<double>::infinity(),
                digits, reply.bound);
+  if (reply.costs) append_path_costs(out, *reply.costs, reply.reachable, digits, poll);
   out += ",\"points\":";
   append_path_points(out, reply.points, digits, poll);
   append_warnings(out, reply.warnings);
@@ -280,6 +312,7 @@ std::string to_json(const TableReply& reply, int digits, Poll* poll) {
   std::string out = opening(reply.mesh);
   out.reserve(reply.distances.size() * 19 + 1024);
   append_method(out, reply.method);
+  append_unit(out, reply.unit);
   out += ",\"rows\":";
   append_points(out, reply.rows, digits, poll);
   out += ",\"columns\":";
@@ -304,6 +337,7 @@ std::string to_json(const TableReply& reply, int digits, Poll* poll) {
 std::string to_json(const IsolinesReply& reply, int digits, Poll* poll) {
   std::string out = opening(reply.mesh);
   append_method(out, reply.method);
+  append_unit(out, reply.unit);
   out += ",\"from\":";
   append_points(out, reply.from, digits, poll);
   append_member(out, "max", reply.max.value_or(std::numeric_limits<double>::infinity()), digits);

@@ -24,6 +24,14 @@ namespace geodesic::proto {
 
 // A point found on a mesh, in the client's numbers. Every reply echoes the points
 // of its request in this form.
+// What a source that is no point has become.
+struct ResolvedLines {
+  std::string_view kind;     // "curve", "boundary" or "faces"
+  double length = 0;         // of its lines, mesh units
+  std::uint64_t pieces = 0;  // of them, each straight within a face or along an edge
+  std::uint64_t faces = 0;   // at distance 0
+};
+
 struct ResolvedPoint {
   std::optional<std::uint64_t> vertex;  // a source vertex, when it is one
   std::optional<std::uint64_t> face;    // a source face; none at a vertex without faces
@@ -31,6 +39,7 @@ struct ResolvedPoint {
   Vec3 xyz;
   double snap_distance = 0;            // from what was asked to what was found, mesh units
   std::optional<double> ray_distance;  // of a ray's first hit: from its origin, mesh units
+  std::optional<ResolvedLines> lines;  // where this is just the first point of a source
 };
 
 // What the asker may not have meant, a sentence of plain ASCII each; in JSON only where there is
@@ -48,6 +57,7 @@ struct DistanceReply {
   std::optional<std::uint64_t> farthest;  // and where: a source vertex, or a place in `at`
   bool short_digits = false;              // see append_distance
   Bound bound = Bound::none;              // upper: rounded up where digits are cut
+  std::optional<std::string_view> unit;   // of costs, where distances are those
   // Only if asked for: which of `from` each distance is from, kNone where infinite.
   std::optional<std::vector<std::uint32_t>> labels;
   Warnings warnings;
@@ -70,6 +80,14 @@ struct PathReply {
   double length = 0;          // mesh units; meaningless when not reachable
   Bound bound = Bound::none;  // upper: the length is rounded up where digits are cut
   std::vector<PathReplyPoint> points;
+  // Where ways are cheap instead of short: of each segment, one fewer than there are points.
+  struct Costs {
+    std::string_view unit;
+    double whole = 0;
+    std::vector<double> lengths;  // mesh units
+    std::vector<double> costs;
+  };
+  std::optional<Costs> costs;
   Warnings warnings;
 };
 
@@ -87,10 +105,11 @@ struct TableReply {
   Method method = Method::wavefront;
   std::vector<ResolvedPoint> rows;
   std::vector<ResolvedPoint> columns;
-  std::vector<double> distances;        // row after row; infinite: unreached
-  std::optional<SparseEntries> sparse;  // instead of them
-  bool short_digits = false;            // see append_distance
-  Bound bound = Bound::none;            // upper: rounded up where digits are cut
+  std::vector<double> distances;         // row after row; infinite: unreached
+  std::optional<SparseEntries> sparse;   // instead of them
+  bool short_digits = false;             // see append_distance
+  Bound bound = Bound::none;             // upper: rounded up where digits are cut
+  std::optional<std::string_view> unit;  // of costs, where distances are those
   Warnings warnings;
 };
 
@@ -101,6 +120,7 @@ struct IsolinesReply {
   std::optional<double> max;   // the greatest distance within the one asked for
   std::vector<double> levels;  // ascending, whether or not they have a line
   std::vector<Isoline> isolines;
+  std::optional<std::string_view> unit;  // of costs, where levels are those
   Warnings warnings;
 };
 

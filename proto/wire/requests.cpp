@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -65,11 +66,25 @@ Result<void> check_parameters_of_others(const Parameters& parameters, Purpose pu
   return {};
 }
 
+// Whether ways are to be cheap instead of short (proto/region/read_costs.h).
+bool asks_for_costs(const Parameters& parameters) {
+  constexpr std::array<std::string_view, 4> kNames{"weights", "face_weights", "slope", "steepest"};
+  return std::any_of(kNames.begin(), kNames.end(),
+                     [&](std::string_view name) { return parameters.count(name) > 0; });
+}
+
 Result<void> read_method(Parameters& parameters, Purpose purpose, MethodChoice& choice) {
   const auto name = parameters.text("method");
   if (!name) return fail(name.error());
-  const auto method = find_method(name->value_or(std::string(name_of(kDefaultMethod))));
+  const bool has_costs = asks_for_costs(parameters);
+  const Method standard = has_costs ? Method::steiner : kDefaultMethod;
+  const auto method = find_method(name->value_or(std::string(name_of(standard))));
   if (!method) return fail(method.error());
+  if (has_costs && *method != Method::steiner) {
+    return fail(ErrorCode::value_out_of_range,
+                "weights and slopes are for method=steiner alone, which needs not be named",
+                "method");
+  }
   choice.which = *method;
   for (const MethodParameter& parameter : info_of(*method).parameters) {
     if (!serves(parameter, purpose)) continue;
@@ -120,12 +135,56 @@ Result<void> check_no_offset(const std::vector<PointRequest>& points) {
   return {};
 }
 
+// All together; one alone has been held against the same limit.
+Result<void> check_curves(const std::vector<PointRequest>& sources) {
+  std::size_t points = 0;
+  for (const PointRequest& source : sources) {
+    if (const auto* curve = std::get_if<std::shared_ptr<const CurveRequest>>(&source.where)) {
+      points += (*curve)->points.size();
+    }
+  }
+  if (points <= kMaxCurvePoints) return {};
+  return fail_limit(ErrorCode::too_large,
+                    "too many points in the curves of one request; leave some out where a curve is "
+                    "straight",
+                    kMaxCurvePoints, points, "from");
+}
+
 Result<void> read_sources(Parameters& parameters, std::vector<PointRequest>& sources) {
   // Counted before they are taken apart.
   if (auto few = check_count(parameters.count("from"), kMaxSources, "from"); !few) return few;
-  auto from = parameters.points("from");
+  auto from = parameters.sources("from");
   if (!from) return fail(std::move(from.error()));
   sources = std::move(*from);
+  return check_curves(sources);
+}
+
+// Of methods that are too slow for more than points, and of costs.
+Result<void> check_lines(const Parameters& parameters, const std::vector<PointRequest>& sources,
+                         const MethodChoice& method) {
+  const bool is_slow = method.which == Method::wavefront || method.which == Method::novotni;
+  if (!is_slow && !asks_for_costs(parameters)) return {};
+  for (const PointRequest& source : sources) {
+    if (source.is_point()) continue;
+    if (!is_slow) {
+      return fail(ErrorCode::value_out_of_range, "what ways cost is told from points alone",
+                  source.parameter);
+    }
+    return fail(ErrorCode::value_out_of_range,
+                "method=" + std::string(name_of(method.which)) +
+                    " has a wave for each point, and starts from points alone; auto, exact, "
+                    "chen_han, fast_marching, dijkstra and steiner start from lines and faces, too",
+                "method");
+  }
+  return {};
+}
+
+// The same of points alone, which may have offsets.
+Result<void> read_sites(Parameters& parameters, std::vector<PointRequest>& sites) {
+  if (auto few = check_count(parameters.count("from"), kMaxSources, "from"); !few) return few;
+  auto from = parameters.points("from");
+  if (!from) return fail(std::move(from.error()));
+  sites = std::move(*from);
   return {};
 }
 
@@ -303,6 +362,7 @@ Result<void> parse_request(Parameters& parameters, DistanceRequest& request) {
   if (request.from.empty()) return missing("from");
   if (auto ok = read_points(parameters, "at", kMaxPoints, request.at); !ok) return ok;
   if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
+  if (auto ok = check_lines(parameters, request.from, request.method); !ok) return ok;
   if (auto ok = read_max(parameters, request.max); !ok) return ok;
   const auto labels = parameters.flag("labels");
   if (!labels) return fail(labels.error());
@@ -311,11 +371,22 @@ Result<void> parse_request(Parameters& parameters, DistanceRequest& request) {
 }
 
 Result<void> parse_request(Parameters& parameters, PathRequest& request) {
-  if (auto ok = read_point(parameters, "from", request.from); !ok) return ok;
+  auto from = parameters.source("from");
+  if (!from) return fail(std::move(from.error()));
+  request.from = std::move(*from);
+  if (auto ok = check_no_offset({request.from}); !ok) return ok;
   if (auto ok = read_points(parameters, "via", kMaxVia, request.via); !ok) return ok;
   if (auto ok = read_point(parameters, "to", request.to); !ok) return ok;
   if (auto ok = read_method(parameters, Purpose::paths, request.method); !ok) return ok;
-  return read_refine(parameters, request.refine);
+  if (auto ok = check_lines(parameters, {request.from}, request.method); !ok) return ok;
+  if (auto ok = read_refine(parameters, request.refine); !ok) return ok;
+  if (!asks_for_costs(parameters) || request.refine == Refine::none) return {};
+  if (parameters.count("refine") > 0) {
+    return fail(ErrorCode::value_out_of_range,
+                "the cheapest way is not made the shortest; leave refine out", "refine");
+  }
+  request.refine = Refine::none;
+  return {};
 }
 
 Result<void> parse_request(Parameters& parameters, TableRequest& request) {
@@ -354,6 +425,7 @@ Result<void> parse_request(Parameters& parameters, IsolinesRequest& request) {
   if (request.from.empty()) return missing("from");
   if (auto ok = read_levels(parameters, request); !ok) return ok;
   if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
+  if (auto ok = check_lines(parameters, request.from, request.method); !ok) return ok;
   return read_max(parameters, request.max);
 }
 
@@ -365,7 +437,8 @@ Result<void> parse_request(Parameters& parameters, SamplesRequest& request) {
   if (auto ok = check_count(**count, kMaxSamples, "count"); !ok) return ok;
   request.count = **count;
   if (auto ok = read_sources(parameters, request.from); !ok) return ok;
-  return read_method(parameters, Purpose::distances, request.method);
+  if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
+  return check_lines(parameters, request.from, request.method);
 }
 
 Result<void> parse_request(Parameters& parameters, MeasureRequest& request) {
@@ -375,6 +448,7 @@ Result<void> parse_request(Parameters& parameters, MeasureRequest& request) {
   auto radii = parameters.numbers("radii");
   if (!radii) return fail(std::move(radii.error()));
   if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
+  if (auto ok = check_lines(parameters, request.from, request.method); !ok) return ok;
   if (auto ok = read_max(parameters, request.max); !ok) return ok;
   for (std::size_t i = 0; request.max && i < radii->size(); ++i) {
     if ((*radii)[i] <= *request.max) continue;
@@ -406,7 +480,7 @@ Result<void> parse_request(Parameters& parameters, ExtentRequest& request) {
 }
 
 Result<void> parse_request(Parameters& parameters, VoronoiRequest& request) {
-  if (auto ok = read_sources(parameters, request.from); !ok) return ok;
+  if (auto ok = read_sites(parameters, request.from); !ok) return ok;
   if (request.from.empty()) return missing("from");
   const auto relax = parameters.whole("relax");
   if (!relax) return fail(relax.error());

@@ -9,10 +9,13 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/surface/around_points.h"
+#include "proto/region/weigh_faces.h"
 #include "proto/wire/number.h"
 #include "proto/wire/query_limits.h"
+#include "server/query/nearest_copies.h"
 #include "server/query/place.h"
 
 namespace geodesic::server {
@@ -50,10 +53,13 @@ void summarise(proto::DistanceReply& reply) {
   }
 }
 
-// Every vertex's distance, and its label if wanted, in source-vertex order.
-void take_whole_field(const Mesh& mesh, const Field& field, bool labels,
+// Every vertex's distance, and its label if wanted, in source-vertex order. `is_split`: whether
+// walls may have doubled vertices.
+void take_whole_field(const Mesh& mesh, const Field& field, bool labels, bool is_split,
                       proto::DistanceReply& reply) {
-  const auto vertex_of_source = mesh.vertex_of_source();
+  std::vector<std::uint32_t> copies;
+  auto vertex_of_source = mesh.vertex_of_source();
+  if (is_split) vertex_of_source = copies = nearest_copies(mesh, field.distance, true);
   reply.distances.reserve(vertex_of_source.size());
   const auto distance_at = [&](std::uint32_t v) {
     return v == kNone ? kUnreached : field.distance[v];
@@ -63,8 +69,9 @@ void take_whole_field(const Mesh& mesh, const Field& field, bool labels,
   auto& out = reply.labels.emplace();
   out.reserve(vertex_of_source.size());
   for (const std::uint32_t v : vertex_of_source) {
-    const bool single = field.nearest_source.empty();
-    out.push_back(distance_at(v) == kUnreached ? kNone : single ? 0 : field.nearest_source[v]);
+    const std::uint32_t source =
+        field.nearest_source.empty() || v == kNone ? 0 : field.nearest_source[v];
+    out.push_back(distance_at(v) == kUnreached ? kNone : field.item_of_source(source));
   }
 }
 
@@ -76,9 +83,9 @@ FieldQueries::FieldQueries(MeshCatalog& catalog, ComputePool& pool, std::uint64_
 
 Result<FieldQueries::Place> FieldQueries::find(const AskedSurface& surface, const Caller& caller) {
   // Preparing is no part of a query's progress: it is mostly done already.
-  auto adjacency = catalog_.adjacency(surface, caller.part(0, 0));
-  if (!adjacency) return fail(std::move(adjacency.error()));
-  return Place(*this, surface, std::move(*adjacency), caller);
+  auto prepared = catalog_.surface(surface, caller.part(0, 0));
+  if (!prepared) return fail(std::move(prepared.error()));
+  return Place(*this, surface, std::move(*prepared), caller);
 }
 
 Result<FieldQueries::Place> FieldQueries::find(const AskedSurface& surface,
@@ -89,9 +96,38 @@ Result<FieldQueries::Place> FieldQueries::find(const AskedSurface& surface,
   const Adjacency& adjacency = *place->adjacency();
   const std::uint64_t nodes =
       adjacency.mesh().vertex_count() + adjacency.report().edges * method.options.points_per_edge;
-  if (nodes <= proto::kMaxSteinerNodes) return place;
-  return fail_limit(ErrorCode::too_large, "so many points on the edges make too large a graph",
-                    proto::kMaxSteinerNodes, nodes, "points_per_edge");
+  if (nodes > proto::kMaxSteinerNodes) {
+    return fail_limit(ErrorCode::too_large, "so many points on the edges make too large a graph",
+                      proto::kMaxSteinerNodes, nodes, "points_per_edge");
+  }
+  if (surface.costs().are_lengths()) return place;
+  auto cost = cost_of(surface, adjacency.mesh(), caller);
+  if (!cost) return fail(std::move(cost.error()));
+  place->set_cost(std::move(*cost));
+  return place;
+}
+
+Result<std::shared_ptr<const TravelCost>> FieldQueries::cost_of(const AskedSurface& surface,
+                                                                const Mesh& mesh,
+                                                                const Caller& caller) {
+  const proto::Costs& costs = surface.costs();
+  TravelCost::Parts walk = costs.walk;
+  if (costs.have_weights()) {
+    std::vector<proto::PartFaces> parts;
+    if (costs.names_parts()) {
+      auto listed = catalog_.parts(surface.mesh(), caller.part(0, 0));
+      if (!listed) return fail(std::move(listed.error()));
+      parts = std::move(*listed);
+    }
+    auto weights = fields_.compute(
+        [&](SolveScratch&, const Cancel& cancel) {
+          return proto::weigh_faces(mesh, costs, parts, cancel);
+        },
+        caller.part(0, 0));
+    if (!weights) return fail(std::move(weights.error()));
+    walk.weights = std::move(*weights);
+  }
+  return std::make_shared<const TravelCost>(std::move(walk));
 }
 
 Result<Answered<proto::DistanceReply>> FieldQueries::answer(const AskedSurface& surface,
@@ -106,19 +142,26 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const AskedSurface& 
   reply.method = request.method.which;
   reply.short_digits = has_short_digits(request.method);
   reply.bound = proto::bound_of(request.method);
+  if (place->cost()) reply.unit = proto::unit_of(surface.costs());
   auto sources = place->sources(request.from, reply.from, reply.warnings);
   if (!sources) return fail(std::move(sources.error()));
-  const FieldQuestion question{surface.key(), place->adjacency(), request.method,
-                               std::move(*sources), limit_of(request.method, request.max)};
+  const FieldQuestion question{surface.field_key(),
+                               place->adjacency(),
+                               request.method,
+                               std::move(*sources),
+                               limit_of(request.method, request.max),
+                               place->cost()};
 
   if (request.at.empty()) {
     const auto field = fields_.whole(question, Details::none, caller);
     if (!field) return fail(field.error());
     answer.cache_hit = field->hit;
     answer.numbers = place->mesh().source_vertex_count() * (request.labels ? 2 : 1);
-    answer.complete = [adjacency = place->adjacency(), kept = field->value,
-                       labels = request.labels](proto::DistanceReply& whole) {
-      take_whole_field(adjacency->mesh(), *kept, labels, whole);
+    const bool is_split = place->refinement() != nullptr;
+    if (is_split) answer.drawn_field = field->value;
+    answer.complete = [adjacency = place->adjacency(), kept = field->value, labels = request.labels,
+                       is_split](proto::DistanceReply& whole) {
+      take_whole_field(adjacency->mesh(), *kept, labels, is_split, whole);
       summarise(whole);
     };
   } else {
@@ -146,6 +189,7 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const AskedSurface& sur
   reply.method = request.method.which;
   reply.short_digits = has_short_digits(request.method);
   reply.bound = proto::bound_of(request.method);
+  if (place->cost()) reply.unit = proto::unit_of(surface.costs());
   const auto rows = place->points(request.from, reply.rows, reply.warnings);
   if (!rows) return fail(rows.error());
   const auto columns =
@@ -153,8 +197,12 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const AskedSurface& sur
   if (!columns) return fail(columns.error());
   if (request.to.empty()) reply.columns = reply.rows;
 
-  FieldQuestion question{
-      surface.key(), place->adjacency(), request.method, {}, limit_of(request.method, request.max)};
+  FieldQuestion question{surface.field_key(),
+                         place->adjacency(),
+                         request.method,
+                         {},
+                         limit_of(request.method, request.max),
+                         place->cost()};
   if (request.stream || request.sparse) {
     auto begin = rows_of(std::move(question), *rows, *columns, caller);
     if (!begin) return fail(std::move(begin.error()));
@@ -195,7 +243,7 @@ auto FieldQueries::rows_of(FieldQuestion question, std::vector<SurfacePoint> fro
                        Worker& worker, std::size_t row, const GiveWay& give_way,
                        const Caller& part) -> Result<std::string> {
       FieldQuestion own = rows->question;
-      own.sources = {Source{rows->from[row], 0}};
+      own.from.points = {Source{rows->from[row], 0}};
       const auto distances = fields_.row(own, rows->to, rows->faces, worker, give_way, part);
       if (!distances) return fail(distances.error());
       return encode(row, *distances, Cancel([&] { return give_way() || part(); }));

@@ -18,9 +18,9 @@
 #include "server/base/lru_cache.h"
 #include "server/compute/pool.h"
 #include "server/compute/rows_ahead.h"
+#include "server/places/resolve_point.h"
 #include "server/query/fields.h"
 #include "server/query/mesh_catalog.h"
-#include "server/query/resolve_point.h"
 #include "server/query/uploaded_gltf.h"
 
 namespace geodesic::server {
@@ -39,6 +39,9 @@ struct Answered {
   // The same for what only a drawing has: to be called, if set, before the reply is drawn.
   std::function<Result<void>(Reply&, const Cancel&)> complete_drawing;
   std::uint64_t drawn_numbers = 0;
+  // Where lines have split faces, the field: a drawing has the vertices of the surface itself then,
+  // for those of the file are not all of them.
+  std::shared_ptr<const Field> drawn_field;
   // The file that the numbers are to be written into, where they are.
   std::shared_ptr<const UploadedGltf> upload;
   // Of a table whose rows go another way: begins them, each as the bytes that `encode` makes of it
@@ -120,7 +123,8 @@ class FieldQueries {
   // The surface of a request, and its points there.
   class Place;
   [[nodiscard]] Result<Place> find(const AskedSurface& surface, const Caller& caller);
-  // The same for a query by a method. Errors: too_large (points_per_edge).
+  // The same for a query by a method, with the surface's costs. Errors: too_large
+  // (points_per_edge), and those of proto::weigh_faces.
   [[nodiscard]] Result<Place> find(const AskedSurface& surface, const proto::MethodChoice& method,
                                    const Caller& caller);
 
@@ -129,6 +133,11 @@ class FieldQueries {
       Result<std::unique_ptr<RowsAhead>>(Answered<proto::TableReply>::EncodeRow, std::size_t)>>
   rows_of(FieldQuestion question, std::vector<SurfacePoint> from, std::vector<SurfacePoint> to,
           const Caller& caller);
+
+  // What ways over the surface cost, which are not their lengths.
+  [[nodiscard]] Result<std::shared_ptr<const TravelCost>> cost_of(const AskedSurface& surface,
+                                                                  const Mesh& mesh,
+                                                                  const Caller& caller);
 
   MeshCatalog& catalog_;
   ComputePool& pool_;

@@ -8,6 +8,10 @@
 #include "core/paths/trace_path.h"
 #include "core/solve/distance_at_point.h"
 #include "core/solve/exact_pair.h"
+#include "core/solve/scratch_parts.h"
+#include "core/solve/solve_from_lines.h"
+#include "core/steiner/cheapest_way.h"
+#include "core/steiner/steiner.h"
 #include "core/surface/around_points.h"
 #include "core/surface/longest_edge.h"
 #include "proto/wire/number.h"
@@ -30,7 +34,8 @@ std::string key_of(const FieldQuestion& question, Details details) {
   std::string key = question.surface + "/" + proto::field_key(question.method) + "/";
   if (details == Details::kept && traits_of(question.method.which).has_details()) key += "details/";
   proto::append_number(key, question.max);
-  for (const Source& source : question.sources) {
+  if (question.from.lines) return key + "/lines-" + question.from.key;
+  for (const Source& source : question.from.points) {
     if (source.point.at_vertex()) {
       key += "/v" + std::to_string(source.point.vertex);
     } else {
@@ -58,20 +63,49 @@ Details details_for(std::span<const SurfacePoint> points) {
 Result<std::uint32_t> label_at(const Adjacency& adjacency, const Field& field,
                                const SurfacePoint& point, double distance, const Cancel& cancel) {
   if (distance == kUnreached) return kNone;
-  if (field.nearest_source.empty()) return 0;
-  if (point.at_vertex()) return field.nearest_source[point.vertex];
+  if (field.nearest_source.empty()) return field.item_of_source(0);
+  if (point.at_vertex()) return field.item_of_source(field.nearest_source[point.vertex]);
+  if (field.lines) {
+    Poll poll(cancel);
+    const LineArrival straight = field.lines->arrive(adjacency, point, &poll);
+    if (poll.stopped()) return fail_stopped(poll);
+    if (straight.distance <= distance) return field.lines->item_of(straight);
+  }
   // Inside a face, where several sources may meet: where its path leads.
   auto path = trace_path(adjacency, field, point, cancel);
   if (!path) return fail(std::move(path.error()));
-  return *path ? (*path)->source : kNone;
+  return *path ? field.item_of_source((*path)->source) : kNone;
 }
 
-// What the field says of the points, as far as `max`.
-Result<PointDistances> read_field(const Adjacency& adjacency, const Field& field, double max,
+// What a field of costs says of the points, as far as `max`.
+PointDistances read_costs(const Adjacency& adjacency, const Field& field, double max,
+                          std::span<const SurfacePoint> points, bool labels, Poll& poll) {
+  PointDistances result;
+  const CheapestWays ways(adjacency, field, poll);
+  result.distances.reserve(points.size());
+  for (const SurfacePoint& point : points) {
+    if (poll.cancelled()) break;
+    const CheapestWays::LastStep last = ways.last_step_to(point);
+    const bool is_within = last.cost <= max && last.source != kNone;
+    result.distances.push_back(is_within ? last.cost : kUnreached);
+    if (labels) result.labels.push_back(is_within ? last.source : kNone);
+  }
+  return result;
+}
+
+// What the field of a question says of the points, as far as its `max`.
+Result<PointDistances> read_field(const FieldQuestion& question, const Field& field,
                                   std::span<const SurfacePoint> points, bool labels,
                                   const Cancel& cancel) {
+  const Adjacency& adjacency = *question.adjacency;
+  const double max = question.max;
   PointDistances result;
   Poll poll(cancel, 256);
+  if (question.cost != nullptr) {
+    result = read_costs(adjacency, field, max, points, labels, poll);
+    if (poll.stopped()) return fail_stopped(cancel);
+    return result;
+  }
   const PointArrivals arrivals(adjacency, field, &poll);
   result.distances.reserve(points.size());
   for (const SurfacePoint& point : points) {
@@ -93,13 +127,14 @@ Result<PointDistances> read_field(const Adjacency& adjacency, const Field& field
 constexpr std::uint32_t kManyVertices = 5000;
 
 bool can_be_searched(const FieldQuestion& question) {
-  return question.sources.size() == 1 && searches_pairs(question.method.which) &&
+  return question.from.points.size() == 1 && !question.from.lines &&
+         searches_pairs(question.method.which) &&
          question.adjacency->mesh().vertex_count() >= kManyVertices;
 }
 
 bool can_be_helped(const FieldQuestion& question) {
   return geodesic::can_be_helped(question.method.which, question.method.options,
-                                 *question.adjacency, question.sources);
+                                 *question.adjacency, question.from.points);
 }
 
 // So many searches take less than a field that stops at the last of the targets.
@@ -120,9 +155,21 @@ Fields::~Fields() { pool_.observe_want_of_room({}); }
 Result<Field> Fields::solve(const FieldQuestion& question, const FieldLimits& limits,
                             SolveScratch& scratch, const Cancel& cancel, const Caller& caller) {
   const Timed timed(caller, Stage::solve);
+  if (question.cost) {
+    auto costs = steiner_field(*question.adjacency, question.from.points,
+                               question.method.options.points_per_edge, limits,
+                               scratch.parts().wavefront, cancel, question.cost);
+    metrics_.solved(proto::name_of(question.method.which), timed.so_far().count());
+    return costs;
+  }
   ComputePool::Help help(pool_, can_be_helped(question));
-  auto field = solve_field(question.method.which, question.method.options, *question.adjacency,
-                           question.sources, limits, scratch, cancel.helped_by(help.team()));
+  const Cancel helped = cancel.helped_by(help.team());
+  auto field =
+      question.from.lines
+          ? solve_from_lines(question.method.which, question.method.options, *question.adjacency,
+                             question.from.points, question.from.lines, limits, scratch, helped)
+          : solve_field(question.method.which, question.method.options, *question.adjacency,
+                        question.from.points, limits, scratch, helped);
   metrics_.solved(proto::name_of(question.method.which), timed.so_far().count());
   return field;
 }
@@ -163,7 +210,8 @@ Result<Pair> Fields::search(const FieldQuestion& question, const SurfacePoint& t
   // By other methods it is soon done.
   ComputePool::Help help(pool_, question.method.which == Method::exact && can_be_helped(question));
   return pair_search(question.method.which, question.method.options, *question.adjacency,
-                     question.sources.front(), to, path, scratch, cancel.helped_by(help.team()));
+                     question.from.points.front(), to, path, scratch,
+                     cancel.helped_by(help.team()));
 }
 
 Result<PointDistances> Fields::at_points(const FieldQuestion& question,
@@ -176,8 +224,7 @@ Result<PointDistances> Fields::at_points(const FieldQuestion& question,
       if (!field) return fail(field.error());
       auto read = compute(
           [&](SolveScratch&, const Cancel& cancel) {
-            return read_field(*question.adjacency, *field->value, question.max, points, labels,
-                              cancel);
+            return read_field(question, *field->value, points, labels, cancel);
           },
           field->hit ? caller : caller.finishing());
       if (read) read->hit = field->hit;
@@ -212,7 +259,7 @@ Result<PointDistances> Fields::table(const FieldQuestion& question,
                                const GiveWay& give_way) -> Result<void> {
     JointCaller::Part part(joint, row);
     FieldQuestion own = question;
-    own.sources = {Source{from[row], 0}};
+    own.from = {{Source{from[row], 0}}, nullptr, {}};
     worker.memory->limit_to_query();
     ScratchUse scratch = scratch_of(worker);
     const Cancel cancel([&] { return give_way() || caller(); }, part.caller().progress,
@@ -253,7 +300,7 @@ Result<std::vector<double>> Fields::row(const FieldQuestion& question,
     if (!solved) return fail(std::move(solved.error()));
     field = std::make_shared<const Field>(std::move(*solved));
   }
-  auto read = read_field(*question.adjacency, *field, question.max, points, false, cancel);
+  auto read = read_field(question, *field, points, false, cancel);
   field = nullptr;
   scratch.done(read ? read->distances.capacity() * sizeof(double) : 0);
   if (!read) return fail(std::move(read.error()));
@@ -275,7 +322,8 @@ Result<PointDistances> Fields::read_points(const FieldQuestion& question,
   if (!field) {
     FieldLimits limits;
     limits.max = question.max;
-    limits.targets = targets;
+    // A cheap way may come to a point of a face after all of its corners.
+    if (!question.cost) limits.targets = targets;
     limits.keep_details = details == Details::kept;
     const auto faces = faces_around(*question.adjacency, points, cancel);
     if (!faces) return fail(faces.error());
@@ -287,7 +335,7 @@ Result<PointDistances> Fields::read_points(const FieldQuestion& question,
     if (!part) return fail(std::move(part.error()));
     field = std::make_shared<const Field>(std::move(*part));
   }
-  auto result = read_field(*question.adjacency, *field, question.max, points, labels, cancel);
+  auto result = read_field(question, *field, points, labels, cancel);
   if (result) result->hit = hit;
   return result;
 }

@@ -15,6 +15,8 @@
 #include "core/base/cancel.h"
 #include "core/base/error.h"
 #include "core/field/field.h"
+#include "core/field/line_waves.h"
+#include "core/field/travel_cost.h"
 #include "core/solve/pair_search.h"
 #include "core/solve/solve_field.h"
 #include "core/surface/adjacency.h"
@@ -29,13 +31,22 @@
 
 namespace geodesic::server {
 
+// What a field starts from. Where that is lines and faces, too, `points` has the ends of these as
+// well, and `key` is what caches know them by.
+struct FieldSources {
+  std::vector<Source> points;
+  std::shared_ptr<const SourceLines> lines;
+  std::string key;
+};
+
 // What a whole field depends on.
 struct FieldQuestion {
-  std::string surface;  // its key (mesh_catalog.h)
+  std::string surface;  // its key for fields (mesh_catalog.h)
   std::shared_ptr<const Adjacency> adjacency;
   proto::MethodChoice method;
-  std::vector<Source> sources;
-  double max = std::numeric_limits<double>::infinity();  // mesh units
+  FieldSources from;
+  double max = std::numeric_limits<double>::infinity();  // mesh units, or what costs are in
+  std::shared_ptr<const TravelCost> cost = nullptr;      // of `steiner`; null: lengths
 };
 
 // Whether a field is to serve points inside faces and paths, too. By an exact method these need

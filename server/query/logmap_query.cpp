@@ -66,11 +66,12 @@ Result<Answered<proto::LogmapReply>> FieldQueries::answer(const AskedSurface& su
   auto from = place->point(request.from, reply.from, reply.warnings);
   if (!from) return fail(from.error());
   *from = snap_to_edges(*place->adjacency(), *from);
-  const proto::ResolvedPoint found_there = reply_point(place->mesh(), *from);
+  const proto::ResolvedPoint found_there = place->told(*from);
   reply.from.vertex = found_there.vertex;
   reply.from.face = found_there.face;
   reply.from.bary = found_there.bary;
-  FieldQuestion question{surface.key(), place->adjacency(), request.method, {{*from, 0}}};
+  FieldQuestion question{
+      surface.key(), place->adjacency(), request.method, {{Source{*from, 0}}, nullptr, {}}};
   // A path to a vertex at the radius may need the vertices just beyond it.
   const double radius = request.radius.value_or(kUnreached);
   question.max = kFieldBeyondRadius * radius + 2 * longest_edge(*place->adjacency());

@@ -18,6 +18,7 @@
 #include "server/base/sha256.h"
 #include "server/compute/memory.h"
 #include "server/decoder/mesh_form.h"
+#include "server/places/walled_surface.h"
 #include "server/store/mesh_id.h"
 
 namespace geodesic::server {
@@ -32,8 +33,9 @@ std::string adjacency_key(const std::string& surface) { return surface + "/adjac
 std::string closest_points_key(const std::string& surface) { return surface + "/closest_points"; }
 
 // An adjacency holds on to its mesh, which the mesh cache may have dropped.
-std::size_t bytes_of(const std::shared_ptr<const Adjacency>& adjacency) {
-  return adjacency->bytes() + adjacency->mesh().bytes();
+std::size_t bytes_of(const PreparedSurface& surface) {
+  return surface.adjacency->bytes() + surface.adjacency->mesh().bytes() +
+         (surface.refinement != nullptr ? surface.refinement->bytes() : 0);
 }
 std::size_t bytes_of(const std::shared_ptr<const ClosestPointIndex>& index) {
   return index->bytes();
@@ -61,9 +63,11 @@ Result<std::shared_ptr<const Adjacency>> prepare(std::shared_ptr<const Mesh> mes
 
 }  // namespace
 
-AskedSurface::AskedSurface(std::string mesh, proto::Regions regions)
-    : mesh_(std::move(mesh)), regions_(std::move(regions)), key_(mesh_) {
+AskedSurface::AskedSurface(std::string mesh, proto::Regions regions, proto::Costs costs)
+    : mesh_(std::move(mesh)), regions_(std::move(regions)), costs_(std::move(costs)), key_(mesh_) {
   if (!is_whole()) key_ += "/part-" + sha256_hex(proto::canonical_text(regions_));
+  field_key_ = key_;
+  if (!costs_.are_lengths()) field_key_ += "/cost-" + sha256_hex(proto::canonical_text(costs_));
 }
 
 MeshCatalog::MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimits& limits,
@@ -79,7 +83,7 @@ MeshCatalog::MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimit
                 [this](const Prepared& prepared) {
                   const std::size_t bytes =
                       std::visit([](const auto& value) { return bytes_of(value); }, prepared);
-                  return std::holds_alternative<std::shared_ptr<const Adjacency>>(prepared)
+                  return std::holds_alternative<PreparedSurface>(prepared)
                              ? bytes
                              : std::max(bytes, least_index_bytes_.load());
                 }),
@@ -142,7 +146,7 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const proto::Imp
             id, [&]() -> Result<std::shared_ptr<const Mesh>> { return described->mesh; });
         (void)prepared_.get_or_create(
             adjacency_key(id), [&]() -> Result<std::shared_ptr<const Prepared>> {
-              return std::make_shared<const Prepared>(described->adjacency);
+              return std::make_shared<const Prepared>(PreparedSurface{described->adjacency, {}});
             });
         keep_prepared(id, described->adjacency);
         return std::make_shared<const Upload>(Upload{id, std::move(*complete), true});
@@ -370,23 +374,28 @@ Result<void> MeshCatalog::check_is_there(const AskedSurface& surface) {
 
 Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency(const std::string& id,
                                                                 const Caller& caller) {
-  return adjacency(AskedSurface(id), caller);
+  auto whole = surface(AskedSurface(id), caller);
+  if (!whole) return fail(std::move(whole.error()));
+  return std::move(whole->adjacency);
 }
 
-Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency(const AskedSurface& surface,
-                                                                const Caller& caller) {
+Result<PreparedSurface> MeshCatalog::surface(const AskedSurface& surface, const Caller& caller) {
   if (auto there = check_is_there(surface); !there) return fail(std::move(there.error()));
   const auto prepared = prepared_.get_or_create(
       adjacency_key(surface.key()),
       [&]() -> Result<std::shared_ptr<const Prepared>> {
-        auto adjacency =
-            surface.is_whole() ? whole(surface.mesh(), caller) : cut_out(surface, caller);
-        if (!adjacency) return fail(std::move(adjacency.error()));
-        return std::make_shared<const Prepared>(std::move(*adjacency));
+        if (surface.is_whole()) {
+          auto adjacency = whole(surface.mesh(), caller);
+          if (!adjacency) return fail(std::move(adjacency.error()));
+          return std::make_shared<const Prepared>(PreparedSurface{std::move(*adjacency), {}});
+        }
+        auto cut = cut_out(surface, caller);
+        if (!cut) return fail(std::move(cut.error()));
+        return std::make_shared<const Prepared>(std::move(*cut));
       },
       caller);
   if (!prepared) return fail(prepared.error());
-  return std::get<std::shared_ptr<const Adjacency>>(*prepared->value);
+  return std::get<PreparedSurface>(*prepared->value);
 }
 
 Result<std::shared_ptr<const Adjacency>> MeshCatalog::whole(const std::string& id,
@@ -396,31 +405,51 @@ Result<std::shared_ptr<const Adjacency>> MeshCatalog::whole(const std::string& i
   return mapped;
 }
 
-Result<std::shared_ptr<const Adjacency>> MeshCatalog::cut_out(const AskedSurface& surface,
-                                                              const Caller& caller) {
+Result<std::vector<proto::PartFaces>> MeshCatalog::parts(const std::string& id,
+                                                         const Caller& caller) {
+  const auto description = metadata(id, caller);
+  if (!description) return fail(description.error());
+  return proto::faces_of_parts(*description);
+}
+
+Result<PreparedSurface> MeshCatalog::cut_out(const AskedSurface& surface, const Caller& caller) {
   const auto whole = adjacency(surface.mesh(), caller);
   if (!whole) return fail(whole.error());
   std::vector<proto::PartFaces> parts;
   if (surface.regions().names_parts()) {
-    const auto description = metadata(surface.mesh(), caller);
-    if (!description) return fail(description.error());
-    auto listed = proto::faces_of_parts(*description);
+    auto listed = this->parts(surface.mesh(), caller);
     if (!listed) return fail(std::move(listed.error()));
     parts = std::move(*listed);
   }
-  return pool_.run(
-      [&](Worker&) {
-        return step("cut", Stage::prepare, caller,
-                    [&]() -> Result<std::shared_ptr<const Adjacency>> {
-                      const Mesh& all = (*whole)->mesh();
-                      ComputePool::Help help(pool_, all.vertex_count() >= Team::kFewestVertices);
-                      const Cancel cancel = cancel_of(caller).helped_by(help.team());
-                      auto mesh = proto::cut_regions(all, surface.regions(), parts, cancel);
-                      if (!mesh) return fail(std::move(mesh.error()));
-                      return prepare(std::make_shared<const Mesh>(std::move(*mesh)), pool_, caller);
-                    });
-      },
-      caller);
+  // Points of lines are those of the whole.
+  std::shared_ptr<const ClosestPointIndex> index;
+  if (has_searched_points(surface.regions())) {
+    auto built = closest_points(AskedSurface(surface.mesh()), caller);
+    if (!built) return fail(std::move(built.error()));
+    index = std::move(*built);
+  }
+  const auto cut = [&]() -> Result<PreparedSurface> {
+    const Mesh& all = (*whole)->mesh();
+    ComputePool::Help help(pool_, all.vertex_count() >= Team::kFewestVertices);
+    const Cancel cancel = cancel_of(caller).helped_by(help.team());
+    std::shared_ptr<const Mesh> left;
+    PreparedSurface prepared;
+    if (surface.regions().has_lines()) {
+      auto mesh = cut_lines(**whole, index.get(), surface.regions(), parts, cancel);
+      if (!mesh) return fail(std::move(mesh.error()));
+      left = std::make_shared<const Mesh>(std::move(mesh->mesh));
+      prepared.refinement = std::make_shared<const Refinement>(std::move(mesh->refinement));
+    } else {
+      auto mesh = proto::cut_regions(all, surface.regions(), parts, cancel);
+      if (!mesh) return fail(std::move(mesh.error()));
+      left = std::make_shared<const Mesh>(std::move(*mesh));
+    }
+    auto adjacency = prepare(std::move(left), pool_, caller);
+    if (!adjacency) return fail(std::move(adjacency.error()));
+    prepared.adjacency = std::move(*adjacency);
+    return prepared;
+  };
+  return pool_.run([&](Worker&) { return step("cut", Stage::prepare, caller, cut); }, caller);
 }
 
 Result<std::shared_ptr<const Adjacency>> MeshCatalog::mapped_adjacency(const std::string& id,
@@ -457,15 +486,16 @@ Result<std::shared_ptr<const Adjacency>> MeshCatalog::adjacency_anew(const std::
 
 Result<std::shared_ptr<const ClosestPointIndex>> MeshCatalog::closest_points(
     const AskedSurface& surface, const Caller& caller) {
-  const auto mesh = adjacency(surface, caller);
+  const auto mesh = this->surface(surface, caller);
   if (!mesh) return fail(mesh.error());
   const auto prepared = prepared_.get_or_create(
       closest_points_key(surface.key()),
       [&] {
         return pool_.run(
             [&](Worker&) -> Result<std::shared_ptr<const Prepared>> {
-              auto index = step("index", Stage::prepare, caller,
-                                [&] { return ClosestPointIndex::build(*mesh, cancel_of(caller)); });
+              auto index = step("index", Stage::prepare, caller, [&] {
+                return ClosestPointIndex::build(mesh->adjacency, cancel_of(caller));
+              });
               if (!index) return fail(std::move(index.error()));
               return std::make_shared<const Prepared>(std::move(*index));
             },

@@ -27,9 +27,12 @@
 #include "core/base/error.h"
 #include "core/locate/closest_point.h"
 #include "core/mesh/mesh.h"
+#include "core/refine/refinement.h"
 #include "core/surface/adjacency.h"
 #include "proto/gltf_file/annotation.h"
 #include "proto/mesh/decoded_mesh.h"
+#include "proto/region/costs.h"
+#include "proto/region/cut_regions.h"
 #include "proto/region/region.h"
 #include "proto/wire/import_options.h"
 #include "server/base/caller.h"
@@ -52,21 +55,33 @@ struct CatalogLimits {
   DecoderProcesses::Limits decoder;
 };
 
-// What a query is about: a mesh, or what regions leave of it.
+// A surface made ready for queries. Where lines have split faces, which parts of them its faces
+// are; null elsewhere.
+struct PreparedSurface {
+  std::shared_ptr<const Adjacency> adjacency;
+  std::shared_ptr<const Refinement> refinement;
+};
+
+// What a query is about: a mesh, or what regions leave of it; and what ways over it cost.
 class AskedSurface {
  public:
-  explicit AskedSurface(std::string mesh, proto::Regions regions = {});
+  explicit AskedSurface(std::string mesh, proto::Regions regions = {}, proto::Costs costs = {});
 
   [[nodiscard]] const std::string& mesh() const { return mesh_; }  // its id
   [[nodiscard]] const proto::Regions& regions() const { return regions_; }
   [[nodiscard]] bool is_whole() const { return regions_.is_everything(); }
   // What caches know it by: the id, and for a part of the surface a digest of its regions.
   [[nodiscard]] const std::string& key() const { return key_; }
+  [[nodiscard]] const proto::Costs& costs() const { return costs_; }
+  // What caches know its fields by: the key, and with costs a digest of them.
+  [[nodiscard]] const std::string& field_key() const { return field_key_; }
 
  private:
   std::string mesh_;
   proto::Regions regions_;
+  proto::Costs costs_;
   std::string key_;
+  std::string field_key_;
 };
 
 class MeshCatalog {
@@ -134,9 +149,11 @@ class MeshCatalog {
   [[nodiscard]] Result<std::shared_ptr<const Adjacency>> adjacency(const std::string& id,
                                                                    const Caller& caller);
   // The same of the surface that is asked about: of a part of a mesh, a mesh of its own in the
-  // numbers of the whole. Errors besides: those of proto::cut_regions.
-  [[nodiscard]] Result<std::shared_ptr<const Adjacency>> adjacency(const AskedSurface& surface,
-                                                                   const Caller& caller);
+  // numbers of the whole. Errors besides: those of proto::cut_regions and cut_lines.
+  [[nodiscard]] Result<PreparedSurface> surface(const AskedSurface& surface, const Caller& caller);
+  // The parts of a mesh's file. Errors: those of `metadata`.
+  [[nodiscard]] Result<std::vector<proto::PartFaces>> parts(const std::string& id,
+                                                            const Caller& caller);
   [[nodiscard]] Result<std::shared_ptr<const ClosestPointIndex>> closest_points(
       const AskedSurface& surface, const Caller& caller);
 
@@ -156,8 +173,7 @@ class MeshCatalog {
   }
 
  private:
-  using Prepared =
-      std::variant<std::shared_ptr<const Adjacency>, std::shared_ptr<const ClosestPointIndex>>;
+  using Prepared = std::variant<PreparedSurface, std::shared_ptr<const ClosestPointIndex>>;
 
   struct Described {
     std::shared_ptr<const Mesh> mesh;
@@ -212,8 +228,7 @@ class MeshCatalog {
   [[nodiscard]] Result<std::shared_ptr<const Adjacency>> whole(const std::string& id,
                                                                const Caller& caller);
   // Cuts a part out of the whole and prepares it.
-  [[nodiscard]] Result<std::shared_ptr<const Adjacency>> cut_out(const AskedSurface& surface,
-                                                                 const Caller& caller);
+  [[nodiscard]] Result<PreparedSurface> cut_out(const AskedSurface& surface, const Caller& caller);
 
   MeshStore& store_;
   ComputePool& pool_;

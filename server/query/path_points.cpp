@@ -52,19 +52,24 @@ std::uint32_t face_of_segment(const Adjacency& adjacency, const SurfacePoint& fr
   return from.face;
 }
 
-proto::PathReplyPoint reply_of(const Adjacency& adjacency, const PathPoint& point,
-                               std::uint32_t face) {
+proto::PathReplyPoint reply_of(const Adjacency& adjacency, const Refinement* refinement,
+                               const PathPoint& point, std::uint32_t face) {
   proto::PathReplyPoint reply{point.position, std::nullopt, point.point.bary};
   if (face == kNone) return reply;
   const auto weights = weights_in(adjacency, face, point.point);
-  reply.face = adjacency.mesh().source_of_face(weights ? face : point.point.face);
+  const std::uint32_t told = weights ? face : point.point.face;
+  reply.face = adjacency.mesh().source_of_face(told);
   if (weights) reply.bary = *weights;
+  if (refinement != nullptr) {
+    reply.bary = refinement->in_parent(told, reply.bary).value_or(reply.bary);
+  }
   return reply;
 }
 
 }  // namespace
 
-std::vector<proto::PathReplyPoint> path_points(const Adjacency& adjacency, const Path& path) {
+std::vector<proto::PathReplyPoint> path_points(const Adjacency& adjacency,
+                                               const Refinement* refinement, const Path& path) {
   std::vector<proto::PathReplyPoint> replies;
   replies.reserve(path.points.size());
   std::uint32_t face = kNone;
@@ -75,7 +80,7 @@ std::vector<proto::PathReplyPoint> path_points(const Adjacency& adjacency, const
     } else if (i == 0 || !weights_in(adjacency, face, point)) {
       face = point.face;
     }
-    replies.push_back(reply_of(adjacency, path.points[i], face));
+    replies.push_back(reply_of(adjacency, refinement, path.points[i], face));
   }
   return replies;
 }

@@ -12,6 +12,7 @@
 #include "core/locate/plane_section.h"
 #include "core/paths/join_paths.h"
 #include "core/solve/scratch_parts.h"
+#include "core/solve/solve_from_lines.h"
 #include "core/steiner/path.h"
 #include "core/straighten/loop_straightness.h"
 #include "core/straighten/refine_path.h"
@@ -36,23 +37,29 @@ class LegFinder {
  public:
   // `legs`: how many are to be found.
   LegFinder(Fields& fields, const proto::MethodChoice& method, proto::Refine refine,
-            const Caller& caller, std::size_t legs)
+            std::shared_ptr<const TravelCost> cost, const Caller& caller, std::size_t legs)
       : fields_(fields),
         method_(method),
         refine_(refine),
+        cost_(std::move(cost)),
         caller_(caller),
         legs_(static_cast<double>(legs)) {}
 
   // Whether all the fields asked for were there; nothing when none was asked for.
   [[nodiscard]] std::optional<bool> cache_hit() const { return hit_; }
 
-  // From each point to the next; ends before the first that is not to be reached.
+  // From each point to the next, the first of them from whatever `from` has; ends before the first
+  // that is not to be reached.
   Result<std::vector<Path>> find_all(const std::string& surface,
                                      const std::shared_ptr<const Adjacency>& adjacency,
-                                     const std::vector<SurfacePoint>& points) {
+                                     const std::vector<SurfacePoint>& points,
+                                     const FieldSources* from = nullptr) {
     std::vector<Path> legs;
-    for (std::size_t i = 1; i < points.size(); ++i) {
-      auto leg = find({surface, adjacency, method_, {Source{points[i - 1], 0}}}, points[i]);
+    for (std::size_t i = from == nullptr ? 1 : 0; i < points.size(); ++i) {
+      auto leg =
+          i == 0 ? find({surface, adjacency, method_, *from}, points[i])
+                 : find({surface, adjacency, method_, {{Source{points[i - 1], 0}}, nullptr, {}}},
+                        points[i]);
       if (!leg) return fail(std::move(leg.error()));
       if (!*leg) break;
       legs.push_back(std::move(**leg));
@@ -62,7 +69,8 @@ class LegFinder {
 
  private:
   Result<MaybePath> find(const FieldQuestion& question, const SurfacePoint& to) {
-    auto leg = method_.which == Method::steiner                     ? by_refinement(question, to)
+    auto leg = question.from.lines                                  ? by_field(question, to)
+               : method_.which == Method::steiner                   ? by_refinement(question, to)
                : fields_.is_to_be_searched(question, Details::kept) ? by_search(question, to)
                                                                     : by_field(question, to);
     found_ += 1;
@@ -93,8 +101,8 @@ class LegFinder {
     return fields_.compute(
         [&](SolveScratch&, const Cancel& cancel) -> Result<MaybePath> {
           const Timed tracing(caller_, Stage::trace);
-          return path_through(*question.adjacency, *field->value, to,
-                              is_refined() ? PathWork::refined : PathWork::traced, cancel);
+          return path_from_lines(*question.adjacency, *field->value, to,
+                                 is_refined() ? PathWork::refined : PathWork::traced, cancel);
         },
         field->hit ? tracer : tracer.finishing());
   }
@@ -104,8 +112,8 @@ class LegFinder {
     return fields_.compute(
         [&](SolveScratch& scratch, const Cancel& cancel) -> Result<MaybePath> {
           const Timed tracing(caller_, Stage::trace);
-          auto path = steiner_path(*question.adjacency, question.sources.front(), to,
-                                   method_.options, scratch.parts().wavefront, cancel);
+          auto path = steiner_path(*question.adjacency, question.from.points.front(), to,
+                                   method_.options, scratch.parts().wavefront, cancel, cost_);
           if (!path) return fail(std::move(path.error()));
           if (!*path || !is_refined()) return path;
           auto shorter = shorten_path(*question.adjacency, **path, cancel);
@@ -124,11 +132,22 @@ class LegFinder {
   Fields& fields_;
   const proto::MethodChoice& method_;
   const proto::Refine refine_;
+  const std::shared_ptr<const TravelCost> cost_;  // null: lengths
   const Caller& caller_;
   const double legs_;
   double found_ = 0;
   std::optional<bool> hit_;
 };
+
+// What each segment costs and how long it is.
+void tell_costs(const Path& path, const TravelCost& cost, proto::PathReply::Costs& told) {
+  told.costs = segment_costs(path, cost);
+  told.lengths.reserve(told.costs.size());
+  for (std::size_t i = 0; i < told.costs.size(); ++i) {
+    told.lengths.push_back(distance(path.points[i].position, path.points[i + 1].position));
+    told.whole += told.costs[i];
+  }
+}
 
 // The part of a loop's time that its legs take.
 constexpr double kLegsOfLoop = 0.9;
@@ -213,25 +232,39 @@ Result<Answered<proto::PathReply>> FieldQueries::answer(const AskedSurface& surf
   reply.bound = proto::bound_of(request.method);
   reply.refine = request.refine;
   // All at once: a search for points waits for a compute slot.
-  std::vector<proto::PointRequest> asked{request.from};
+  std::vector<proto::PointRequest> asked;
+  if (request.from.is_point()) asked.push_back(request.from);
   asked.insert(asked.end(), request.via.begin(), request.via.end());
   asked.push_back(request.to);
   const auto points = place->points(asked, reply.via, reply.warnings);
   if (!points) return fail(points.error());
-  reply.from = std::move(reply.via.front());
   reply.to = std::move(reply.via.back());
-  reply.via.erase(reply.via.begin());
   reply.via.pop_back();
+  std::optional<FieldSources> from;
+  if (request.from.is_point()) {
+    reply.from = std::move(reply.via.front());
+    reply.via.erase(reply.via.begin());
+  } else {
+    std::vector<proto::ResolvedPoint> echo;
+    auto sources = place->sources({request.from}, echo, reply.warnings);
+    if (!sources) return fail(std::move(sources.error()));
+    from = std::move(*sources);
+    reply.from = std::move(echo.front());
+  }
 
-  LegFinder finder(fields_, request.method, request.refine, caller, points->size() - 1);
-  const auto legs = finder.find_all(surface.key(), place->adjacency(), *points);
+  const std::size_t wanted = points->size() - (from ? 0 : 1);
+  LegFinder finder(fields_, request.method, request.refine, place->cost(), caller, wanted);
+  const auto legs =
+      finder.find_all(surface.key(), place->adjacency(), *points, from ? &*from : nullptr);
   if (!legs) return fail(legs.error());
   answer.cache_hit = finder.cache_hit();
-  if (legs->size() + 1 < points->size()) return answer;  // not reachable
+  if (place->cost()) reply.costs.emplace().unit = proto::unit_of(surface.costs());
+  if (legs->size() < wanted) return answer;  // not reachable
   const Path path = join_paths(*legs);
+  if (place->cost()) tell_costs(path, *place->cost(), *reply.costs);
   reply.reachable = true;
   reply.length = path.length;
-  reply.points = path_points(*place->adjacency(), path);
+  reply.points = path_points(*place->adjacency(), place->refinement(), path);
   return answer;
 }
 
@@ -255,7 +288,8 @@ Result<Answered<proto::LoopReply>> FieldQueries::answer(const AskedSurface& surf
     std::vector<SurfacePoint> round = *points;
     round.push_back(round.front());
     const Caller walker = caller.part(0, kLegsOfLoop);
-    LegFinder finder(fields_, request.method, proto::Refine::shortest, walker, points->size());
+    LegFinder finder(fields_, request.method, proto::Refine::shortest, nullptr, walker,
+                     points->size());
     auto found = finder.find_all(surface.key(), place->adjacency(), round);
     if (!found) return fail(std::move(found.error()));
     answer.cache_hit = finder.cache_hit();
@@ -285,7 +319,7 @@ Result<Answered<proto::LoopReply>> FieldQueries::answer(const AskedSurface& surf
     return fail(std::move(loop.error()));
   }
   reply.length = loop->length;
-  reply.points = path_points(*place->adjacency(), *loop);
+  reply.points = path_points(*place->adjacency(), place->refinement(), *loop);
   return answer;
 }
 
@@ -315,8 +349,8 @@ Result<Answered<proto::TraceReply>> FieldQueries::answer(const AskedSurface& sur
   reply.length = found->path.length;
   reply.end = name_of(found->end);
   reply.direction_at_end = found->direction_at_end;
-  reply.points = path_points(*place->adjacency(), found->path);
-  reply.to = reply_point(place->mesh(), found->path.points.back().point);
+  reply.points = path_points(*place->adjacency(), place->refinement(), found->path);
+  reply.to = place->told(found->path.points.back().point);
   return answer;
 }
 

@@ -24,7 +24,7 @@ Result<std::vector<SurfacePoint>> FieldQueries::Place::points(
     Poll poll(cancel, kPointsBetween);
     for (const proto::PointRequest& request : requests) {
       if (poll.cancelled()) return fail_stopped(poll);
-      auto placed = resolve_point(*adjacency_, index.get(), request, cancel);
+      auto placed = resolve_point(*adjacency(), refinement(), index.get(), request, cancel);
       if (!placed) return fail(std::move(placed.error()));
       echo.push_back(std::move(placed->echo));
       points.push_back(placed->point);

@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/field/field.h"
+#include "core/field/travel_cost.h"
 #include "core/surface/adjacency.h"
 #include "core/surface/point.h"
 #include "proto/wire/point_request.h"
@@ -20,12 +21,23 @@ namespace geodesic::server {
 // Refers to the queries, the surface and `caller` of the query.
 class FieldQueries::Place {
  public:
-  Place(FieldQueries& queries, const AskedSurface& surface,
-        std::shared_ptr<const Adjacency> adjacency, const Caller& caller)
-      : queries_(queries), surface_(surface), adjacency_(std::move(adjacency)), caller_(caller) {}
+  Place(FieldQueries& queries, const AskedSurface& surface, PreparedSurface prepared,
+        const Caller& caller)
+      : queries_(queries), surface_(surface), prepared_(std::move(prepared)), caller_(caller) {}
 
-  [[nodiscard]] const std::shared_ptr<const Adjacency>& adjacency() const { return adjacency_; }
-  [[nodiscard]] const Mesh& mesh() const { return adjacency_->mesh(); }
+  [[nodiscard]] const std::shared_ptr<const Adjacency>& adjacency() const {
+    return prepared_.adjacency;
+  }
+  [[nodiscard]] const Mesh& mesh() const { return adjacency()->mesh(); }
+  // Null where no face is split.
+  [[nodiscard]] const Refinement* refinement() const { return prepared_.refinement.get(); }
+  // What a reply says of a place.
+  [[nodiscard]] proto::ResolvedPoint told(const SurfacePoint& point) const {
+    return reply_point(mesh(), refinement(), point);
+  }
+  // What ways cost; null: their length.
+  [[nodiscard]] const std::shared_ptr<const TravelCost>& cost() const { return cost_; }
+  void set_cost(std::shared_ptr<const TravelCost> cost) { cost_ = std::move(cost); }
 
   // The places, and what the reply says of each in `echo`. In a compute slot where any of
   // them takes longer than to look it up.
@@ -40,19 +52,13 @@ class FieldQueries::Place {
     if (found) warn_of_far_points(mesh(), requests, echo, warnings);
     return found;
   }
-  // The points with their offsets.
-  [[nodiscard]] Result<std::vector<Source>> sources(
-      const std::vector<proto::PointRequest>& requests, std::vector<proto::ResolvedPoint>& echo,
-      std::vector<std::string>& warnings) const {
-    const auto found = points(requests, echo, warnings);
-    if (!found) return fail(found.error());
-    std::vector<Source> sources;
-    sources.reserve(found->size());
-    for (std::size_t i = 0; i < found->size(); ++i) {
-      sources.push_back({(*found)[i], requests[i].offset});
-    }
-    return sources;
-  }
+  // What fields start from (field_sources.cpp): points with their offsets, and the lines and faces
+  // of what is no point, in a compute slot. In `echo` one for each of `requests`. Errors besides:
+  // index_out_of_range (a loop, a part or a face that there is not), value_out_of_range (no
+  // boundary at all), outside_region, no_loop (a curve between pieces of the surface), too_large.
+  [[nodiscard]] Result<FieldSources> sources(const std::vector<proto::PointRequest>& requests,
+                                             std::vector<proto::ResolvedPoint>& echo,
+                                             std::vector<std::string>& warnings) const;
 
   // One place.
   [[nodiscard]] Result<SurfacePoint> point(const proto::PointRequest& request,
@@ -66,9 +72,12 @@ class FieldQueries::Place {
   }
 
  private:
+  class LineBuilder;
+
   FieldQueries& queries_;
   const AskedSurface& surface_;
-  std::shared_ptr<const Adjacency> adjacency_;
+  PreparedSurface prepared_;
+  std::shared_ptr<const TravelCost> cost_;
   const Caller& caller_;
 };
 

@@ -5,14 +5,15 @@
 #include <utility>
 #include <variant>
 
+#include "core/extent/extent.h"
+#include "core/extent/mean_distances.h"
 #include "core/paths/isolines.h"
-#include "core/solve/extent.h"
 #include "core/solve/farthest_points.h"
-#include "core/solve/mean_distances.h"
 #include "core/surface/longest_edge.h"
 #include "proto/wire/query_limits.h"
 #include "server/base/timed.h"
 #include "server/query/field_queries.h"
+#include "server/query/nearest_copies.h"
 #include "server/query/place.h"
 
 namespace geodesic::server {
@@ -53,10 +54,11 @@ Result<std::vector<double>> levels_within(const Levels& asked, double max) {
   return levels;
 }
 
-void take_means(const Mesh& mesh, const MeanDistances& means, proto::ExtentReply& reply) {
+void take_means(const Mesh& mesh, const MeanDistances& means, bool is_split,
+                proto::ExtentReply& reply) {
   reply.means.reserve(mesh.source_vertex_count());
   reply.margins.reserve(mesh.source_vertex_count());
-  for (const std::uint32_t v : mesh.vertex_of_source()) {
+  for (const std::uint32_t v : nearest_copies(mesh, means.mean, is_split)) {
     const bool is_known = v != kNone && means.mean[v] != kUnreached;
     reply.means.push_back(is_known ? means.mean[v] : kUnreached);
     reply.margins.push_back(is_known ? means.margin[v] : kUnreached);
@@ -92,9 +94,14 @@ Result<Answered<proto::IsolinesReply>> FieldQueries::answer(const AskedSurface& 
   reply.method = request.method.which;
   auto sources = place->sources(request.from, reply.from, reply.warnings);
   if (!sources) return fail(std::move(sources.error()));
-  FieldQuestion question{surface.key(), place->adjacency(), request.method, std::move(*sources)};
-  // A line at `max` needs the vertices just beyond it.
-  if (request.max) question.max = *request.max + 2 * longest_edge(*place->adjacency());
+  FieldQuestion question{surface.field_key(), place->adjacency(), request.method,
+                         std::move(*sources)};
+  question.cost = place->cost();
+  if (place->cost()) reply.unit = proto::unit_of(surface.costs());
+  // A line at `max` needs the vertices just beyond it. What a step costs there, nobody knows.
+  if (request.max && !place->cost()) {
+    question.max = *request.max + 2 * longest_edge(*place->adjacency());
+  }
   const auto field = fields_.whole(question, Details::none, caller.part(0, kFieldOfIsolines));
   if (!field) return fail(field.error());
   answer.cache_hit = field->hit;
@@ -138,7 +145,7 @@ Result<Answered<proto::SamplesReply>> FieldQueries::answer(const AskedSurface& s
   const auto found = fields_.compute(
       [&](SolveScratch& scratch, const Cancel& cancel) {
         return farthest_points(request.method.which, request.method.options, *place->adjacency(),
-                               *sources, request.count, scratch, cancel);
+                               sources->points, sources->lines, request.count, scratch, cancel);
       },
       caller);
   if (!found) return fail(found.error());
@@ -179,10 +186,16 @@ Result<Answered<proto::ExtentReply>> FieldQueries::answer(const AskedSurface& su
     reply.fields = means->fields;
     reply.part_vertices = means->part_vertices;
     answer.numbers = std::uint64_t{2} * place->mesh().source_vertex_count();
-    answer.complete = [adjacency = place->adjacency(),
+    const bool is_split = place->refinement() != nullptr;
+    if (is_split) {
+      auto drawn = std::make_shared<Field>();
+      drawn->distance.doubles() = means->mean;
+      answer.drawn_field = std::move(drawn);
+    }
+    answer.complete = [adjacency = place->adjacency(), is_split,
                        kept = std::make_shared<const MeanDistances>(std::move(*means))](
                           proto::ExtentReply& whole) {
-      take_means(adjacency->mesh(), *kept, whole);
+      take_means(adjacency->mesh(), *kept, is_split, whole);
     };
     return answer;
   }

@@ -6,9 +6,9 @@
 #include "core/voronoi/voronoi.h"
 #include "proto/wire/query_limits.h"
 #include "server/base/timed.h"
+#include "server/places/resolve_point.h"
 #include "server/query/field_queries.h"
 #include "server/query/place.h"
-#include "server/query/resolve_point.h"
 
 namespace geodesic::server {
 namespace {
@@ -16,22 +16,23 @@ namespace {
 // The part of the time that the field of all sites takes, before those of each.
 constexpr double kFieldOfVoronoi = 0.2;
 
-void tell_cells(Voronoi&& found, const Mesh& mesh, const std::vector<Source>& sites,
-                proto::VoronoiReply& reply) {
+void tell_cells(Voronoi&& found, const Mesh& mesh, const Refinement* refinement,
+                const std::vector<Source>& sites, proto::VoronoiReply& reply) {
   reply.cells.clear();  // it may be run again
   reply.triangles.clear();
   for (std::size_t i = 0; i < found.cells.size(); ++i) {
     const VoronoiCell& cell = found.cells[i];
     auto& told = reply.cells.emplace_back();
-    told.site = reply_point(mesh, sites[i].point);
+    told.site = reply_point(mesh, refinement, sites[i].point);
     told.area = cell.area;
     told.perimeter = cell.perimeter;
     told.boundary = cell.boundary;
     told.vertices = cell.vertices;
-    if (!cell.is_empty()) told.centroid = reply_point(mesh, cell.centroid);
+    if (!cell.is_empty()) told.centroid = reply_point(mesh, refinement, cell.centroid);
   }
   for (const VoronoiVertex& vertex : found.bisectors.vertices) {
-    reply.triangles.push_back({vertex.sites, reply_point(mesh, vertex.point), vertex.distance});
+    reply.triangles.push_back(
+        {vertex.sites, reply_point(mesh, refinement, vertex.point), vertex.distance});
   }
   reply.neighbours = std::move(found.neighbours);
   reply.bisectors = std::move(found.bisectors.lines);
@@ -91,11 +92,12 @@ Result<Answered<proto::VoronoiReply>> FieldQueries::answer(const AskedSurface& s
     auto relaxed = fields_.compute(
         [&](SolveScratch& scratch, const Cancel& cancel) {
           const Timed solving(caller, Stage::solve);
-          return relax_sites(method, options, *adjacency, *sites, request.relax, scratch, cancel);
+          return relax_sites(method, options, *adjacency, sites->points, request.relax, scratch,
+                             cancel);
         },
         caller.part(0, relaxing));
     if (!relaxed) return fail(std::move(relaxed.error()));
-    sites = std::move(*relaxed);
+    sites->points = std::move(*relaxed);
   }
   const double with_field = relaxing + (1 - relaxing) * kFieldOfVoronoi;
   const Caller rest = caller.part(relaxing, with_field);
@@ -116,7 +118,7 @@ Result<Answered<proto::VoronoiReply>> FieldQueries::answer(const AskedSurface& s
                              scratch, cancel);
         if (!cells) return fail(std::move(cells.error()));
         Found kept{cells->near, cells->bisectors.segments};
-        tell_cells(std::move(*cells), adjacency->mesh(), *sites, reply);
+        tell_cells(std::move(*cells), adjacency->mesh(), place->refinement(), sites->points, reply);
         return kept;
       },
       begins_here ? last : last.finishing());

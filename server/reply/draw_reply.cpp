@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -65,6 +66,29 @@ GlbPart coloured_surface(const Mesh& mesh, const proto::DistanceReply& reply, pr
   for (std::uint32_t f = 0; f < mesh.faces().size(); ++f) {
     if (poll.cancelled()) break;
     for (const std::uint32_t v : mesh.faces()[f]) part.indices.push_back(mesh.source_of_vertex(v));
+  }
+  return part;
+}
+
+// The same of a surface whose faces lines have split, by its own vertices.
+GlbPart coloured_surface(const Mesh& mesh, const Field& field, std::optional<double> farthest,
+                         proto::ColourMap map, Poll& poll) {
+  GlbPart part;
+  part.name = "distance";
+  const double max = farthest.value_or(0);
+  part.positions.reserve(mesh.vertex_count());
+  part.colours.reserve(mesh.vertex_count());
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    if (poll.cancelled()) break;
+    part.positions.push_back(mesh.positions()[v]);
+    const double d = field.distance[v];
+    part.colours.push_back(
+        d == kUnreached ? kGrey : proto::colour_at(map, max > 0 ? std::min(d / max, 1.0) : 0));
+  }
+  part.indices.reserve(3 * mesh.faces().size());
+  for (const Triangle& face : mesh.faces()) {
+    if (poll.cancelled()) break;
+    part.indices.insert(part.indices.end(), face.begin(), face.end());
   }
   return part;
 }
@@ -168,16 +192,24 @@ Result<HttpResponse> draw(const Answered<proto::DistanceReply>& answer,
   Poll poll(cancel);
   Result<HttpResponse> response;
   if (format.format == Format::glb) {
-    response = glb_reply({coloured_surface(mesh, reply, format.picture.colour_map, poll)}, poll);
+    const proto::ColourMap map = format.picture.colour_map;
+    response = glb_reply({answer.drawn_field != nullptr
+                              ? coloured_surface(mesh, *answer.drawn_field, reply.max, map, poll)
+                              : coloured_surface(mesh, reply, map, poll)},
+                         poll);
   } else {
     std::vector<double> values(mesh.vertex_count());
     for (std::uint32_t v = 0; v < values.size(); ++v) {
       if (poll.cancelled()) break;
-      values[v] = reply.distances[mesh.source_of_vertex(v)];
+      values[v] = answer.drawn_field != nullptr ? answer.drawn_field->distance[v]
+                                                : reply.distances[mesh.source_of_vertex(v)];
     }
     proto::PictureContent content;
     content.values = values;
-    for (const proto::ResolvedPoint& point : reply.from) content.sources.push_back(point.xyz);
+    for (const proto::ResolvedPoint& point : reply.from) {
+      // The first point of a curve is no more than its others.
+      if (!point.lines) content.sources.push_back(point.xyz);
+    }
     response = png_reply(mesh, content, format.picture, cancel, poll);
   }
   if (response && reply.max) response->set_header("Geo-Max", header_number(*reply.max));
@@ -245,7 +277,12 @@ Result<HttpResponse> draw(const Answered<proto::LogmapReply>& answer, const prot
   for (const Triangle& face : mesh.faces()) {
     if (poll.cancelled()) return fail_stopped(poll);
     std::array<std::uint32_t, 3> corners{};
-    for (std::size_t c = 0; c < 3; ++c) corners[c] = place[mesh.source_of_vertex(face[c])];
+    for (std::size_t c = 0; c < 3; ++c) {
+      // A vertex that a line has made has no place, and one beyond a wall is not that of its copy.
+      const std::uint32_t source = mesh.source_of_vertex(face[c]);
+      const bool is_of_file = source < place.size() && mesh.vertex_of_source()[source] == face[c];
+      corners[c] = is_of_file ? place[source] : kNone;
+    }
     if (std::find(corners.begin(), corners.end(), kNone) != corners.end()) continue;
     part.indices.insert(part.indices.end(), corners.begin(), corners.end());
   }

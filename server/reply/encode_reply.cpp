@@ -177,6 +177,7 @@ Answered<proto::DistanceReply> means_as_distances(const Answered<proto::ExtentRe
   Answered<proto::DistanceReply> drawn;
   drawn.adjacency = answer.adjacency;
   drawn.upload = answer.upload;
+  drawn.drawn_field = answer.drawn_field;
   drawn.reply.mesh = answer.reply.mesh;
   drawn.reply.method = answer.reply.method;
   drawn.reply.distances = answer.reply.means;

@@ -1,4 +1,6 @@
 // How much memory replies take, estimated before they are made.
+#include <algorithm>
+
 #include "server/reply/draw_reply.h"
 #include "server/reply/encode_reply.h"
 
@@ -30,9 +32,10 @@ ReplySize size_by(std::uint64_t numbers, const Answered<Reply>& answer,
                            std::uint64_t{32} * format.picture.width * format.picture.height};
     case Format::glb:
       // Positions, colours and indices, and twice their bytes.
-      return {numbers, numbers * (kBinary + 3 * 24) +
-                           std::uint64_t{100} * mesh.source_vertex_count() +
-                           std::uint64_t{36} * mesh.face_count() + kRest};
+      return {numbers,
+              numbers * (kBinary + 3 * 24) +
+                  std::uint64_t{100} * std::max(mesh.source_vertex_count(), mesh.vertex_count()) +
+                  std::uint64_t{36} * mesh.face_count() + kRest};
     case Format::annotated:
       // Three floats a vertex at most, and the doubles that they are made of.
       return {numbers, numbers * kBinary + std::uint64_t{3 * 12} * mesh.source_vertex_count() +
@@ -53,9 +56,11 @@ ReplySize size_of(const Answered<proto::DistanceReply>& answer, const proto::Rep
 }
 
 ReplySize size_of(const Answered<proto::PathReply>& answer, const proto::ReplyFormat& format) {
-  return size_by(kNumbersOfLinePoint * answer.reply.points.size() +
-                     kNumbersOfPoint * (answer.reply.via.size() + 2),
-                 answer, format);
+  // With costs, a length and a cost of each segment.
+  const std::uint64_t of_point = kNumbersOfLinePoint + (answer.reply.costs ? 2 : 0);
+  return size_by(
+      of_point * answer.reply.points.size() + kNumbersOfPoint * (answer.reply.via.size() + 2),
+      answer, format);
 }
 
 ReplySize size_of(const Answered<proto::TraceReply>& answer, const proto::ReplyFormat& format) {

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "proto/region/read_costs.h"
 #include "proto/region/read_regions.h"
 #include "proto/wire/parameters.h"
 #include "proto/wire/reply_format.h"
@@ -122,6 +123,15 @@ bool is_streamed(const Request& request) {
   return false;
 }
 
+// Whether its ways may be cheap instead of short.
+template <class Request>
+constexpr bool takes_costs(const Request&) {
+  return std::is_same_v<Request, proto::DistanceRequest> ||
+         std::is_same_v<Request, proto::PathRequest> ||
+         std::is_same_v<Request, proto::TableRequest> ||
+         std::is_same_v<Request, proto::IsolinesRequest>;
+}
+
 template <class Request>
 std::string tag_of(const Request& request, const std::string& identity) {
   return depends_on_caches(request) ? weak_tag(entity_tag(identity)) : entity_tag(identity);
@@ -137,7 +147,13 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
   }
   auto regions = proto::read_regions(query.parameters);
   if (!regions) return fail(std::move(regions.error()));
-  const AskedSurface surface(query.mesh, std::move(*regions));
+  proto::Costs costs;
+  if (takes_costs(request)) {
+    auto read = proto::read_costs(query.parameters);
+    if (!read) return fail(std::move(read.error()));
+    costs = std::move(*read);
+  }
+  const AskedSurface surface(query.mesh, std::move(*regions), std::move(costs));
   std::span<const proto::Format> offered = proto::formats_of(request);
   if (query.json_only) {
     if (is_streamed(request)) {

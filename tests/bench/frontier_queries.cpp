@@ -13,7 +13,7 @@
 #include "core/locate/plane_section.h"
 #include "core/paths/discs.h"
 #include "core/paths/join_paths.h"
-#include "core/solve/extent.h"
+#include "core/extent/extent.h"
 #include "core/solve/solve_field.h"
 #include "core/straighten/log_map.h"
 #include "core/straighten/loop_straightness.h"

@@ -182,6 +182,12 @@ std::vector<std::string> request_seeds() {
       R"({"count":1,"forbid":[{"box":{"min":[1,2,3],"max":[4,5,6]}},"faces:0-9"]})",
       "from=v:0&from=v:1&from=v:2&rows=1-2&stream=1&format=npy",
       R"({"from":["v:0","v:1","v:2"],"rows":"1-","sparse":true,"max":2,"format":"npz"})",
+      R"({"count":1,"walls":[{"points":["v:0",{"xyz":[1,2,3]}]},"v:1;f:2,0.3,0.3"],"forbid":{"inside":["v:0","v:1",{"vertex":2}]}})",
+      "count=1&walls=v:0;p:1,2,3;v:0&walls=ray:0,0,9,0,0,-1;v:2&within=inside:v:0;v:1;v:2",
+      R"({"from":"v:0","to":"v:9","weights":[{"weight":3,"region":{"faces":[7,[1,9]]}},"2*part:0"],"slope":[[-1,2],[1,3]]})",
+      R"({"from":"v:0","face_weights":[1,2,3],"slope":"tobler","steepest":0.6,"up":[0,0,1]})",
+      "from=v:0&to=v:9&weights=3*faces:7,10-99&weights=2*sphere:1,2,3,0.5&slope=-0.5:2,0:1,0.5:3&"
+      "up=0,0,1",
       "count=1&within=faces:7,10-99&within=part:2&forbid=sphere:1,2,3,0.5&forbid=box:0,0,0,1,2,3",
       "from=v:0&to=v:9&via=f:1,0.2,0.3&refine=none&precision=6",
       "from=v:0&from=p:1,2,3&at=v:1&max=2e3&method=steiner&points_per_edge=5",

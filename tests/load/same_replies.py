@@ -48,6 +48,9 @@ def systematic(vertices):
                 for refine in ("none", "shortest"):
                     yield (f"/path?from=v:0&to=v:{last}&refine={refine}&format=f64&"
                            + urllib.parse.urlencode(asked))
+    yield "/distance?from=boundary&from=v:9&method=exact&format=f64"
+    yield "/distance?from=curve:closed;v:0;v:7;f:0,0.3,0.3&at=f:1,0.1,0.7"
+    yield "/path?from=faces:0-3&to=v:9"
     yield "/samples?count=5"
     yield "/trace?from=f:0,0.3,0.3&angle=1&length=1"
     yield "/measure?from=f:0,0.3,0.3&radii=1&radii=3"
@@ -62,7 +65,11 @@ def systematic(vertices):
     yield "/loop?at=f:0,0.3,0.3&normal=0.2,0.3,1"
     yield "/loop?at=v:9&normal=1,0.1,0.2&hull=1"
     yield "/samples?count=3&within=faces:0"
+    yield "/path?from=v:0&to=v:9&weights=3*faces:0-9&slope=tobler"
+    yield "/isolines?from=v:0&count=3&slope=-1:2,0:1,1:3&up=0,0,1"
     yield "/samples?count=3&forbid=faces:0-2,5&forbid=sphere:0,0,0,0.1"
+    yield "/samples?count=3&walls=v:0;v:7;v:20"
+    yield "/measure?from=v:0&within=inside:v:0;v:7;v:20"
     yield "/logmap?from=f:0,0.3,0.3&radius=3"
     yield "/distance?from=v:0&labels=1&format=annotated"
 

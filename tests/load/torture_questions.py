@@ -165,6 +165,34 @@ def region_of(chance, mesh):
     return chance.choice(["part:0", "part:99999", f"faces:{mesh.faces}", "sphere:0,0,0,-1", "box:1,2"])
 
 
+def line_of(chance, mesh, count):
+    """Points of a wall, or round an inside, as text; some that are nowhere."""
+    points, faces = mesh.shape
+    spots = []
+    for _ in range(count):
+        kind = chance.random()
+        if kind < 0.4:
+            spots.append(f"v:{chance.choice(faces[chance.randrange(mesh.faces)])}")
+        elif kind < 0.7:
+            spots.append(f"f:{chance.randrange(mesh.faces)},0.2,{chance.choice([0, 0.3, 0.8])}")
+        elif kind < 0.98:
+            spots.append("p:" + ",".join(f"{x:.7g}" for x in chance.choice(points)))
+        else:
+            spots.append(f"v:{len(points)}")
+    return ";".join(spots)
+
+
+def lines_of(chance, mesh):
+    """What a field may start from that is no point, as text."""
+    kind = chance.random()
+    if kind < 0.3:
+        return chance.choice(["boundary", "boundary", "boundary:0", "boundary:3", "boundary:x"])
+    if kind < 0.5:
+        return region_of(chance, mesh)
+    points = [point_of(chance, mesh) for _ in range(chance.choice([1, 2, 2, 3, 5]))]
+    return "curve:" + ";".join(chance.choice([[], ["closed"]]) + points)
+
+
 def part_of(chance, mesh):
     """Parameters that keep a query to a part of the surface; mostly none."""
     asked = {}
@@ -172,7 +200,29 @@ def part_of(chance, mesh):
         asked["within"] = [region_of(chance, mesh) for _ in range(chance.choice([1, 1, 3]))]
     if chance.random() < 0.15:
         asked["forbid"] = [region_of(chance, mesh) for _ in range(chance.choice([1, 1, 3]))]
+    if chance.random() < 0.05:
+        asked[chance.choice(["within", "forbid"])] = "inside:" + line_of(chance, mesh, 3)
+    if chance.random() < 0.1:
+        asked["walls"] = [line_of(chance, mesh, chance.choice([2, 2, 4])) for _ in range(chance.choice([1, 1, 3]))]
     return asked
+
+
+def costs_of(chance, mesh, query, asked):
+    """Parameters of cheap ways; mostly none."""
+    if query not in ("distance", "path", "table", "isolines") or chance.random() > 0.1:
+        return {}
+    if asked.get("method", "steiner") != "steiner":
+        return {}
+    costs = {}
+    if chance.random() < 0.6:
+        costs["weights"] = [
+            f"{10 ** chance.uniform(-2, 2):.4g}*{region_of(chance, mesh)}" for _ in range(chance.choice([1, 3]))
+        ]
+    if chance.random() < 0.6:
+        costs["slope"] = chance.choice(["tobler", "-1:2,0:1,0.5:9", "0:0", "nonsense"])
+    if chance.random() < 0.3:
+        costs["steepest"] = chance.choice([0.2, 1, 0])
+    return costs
 
 
 QUERIES = ["distance"] * 4 + ["path"] * 4
@@ -188,6 +238,9 @@ def question_about(chance, mesh):
     query = chance.choice(QUERIES)
     asked, formats = parameters_of(chance, mesh, query)
     asked |= part_of(chance, mesh)
+    if query in ("distance", "path", "isolines", "measure", "samples") and chance.random() < 0.15:
+        asked["from"] = lines_of(chance, mesh)
+    asked |= costs_of(chance, mesh, query, asked)
     form = chance.choice(formats)
     asked["deadline_ms"] = chance.choice([1, 5, 50, 1000]) if chance.random() < 0.1 else DEADLINE
     if form != "json":
@@ -211,6 +264,7 @@ def batch_of(chance, mesh):
         query = chance.choice(QUERIES)
         asked, _ = parameters_of(chance, mesh, query)
         asked |= part_of(chance, mesh)
+        asked |= costs_of(chance, mesh, query, asked)
         line = {"id": number, "query": query, "deadline_ms": DEADLINE, **asked}
         lines.append(json.dumps(line).encode())
     return Question("POST", "/batch", b"\n".join(lines) + b"\n", "lines",

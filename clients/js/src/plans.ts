@@ -4,7 +4,16 @@
  */
 import type { MeshMetadata, Schemas } from './contract.js';
 import { pointInJson, pointInUrl, type Source } from './points.js';
-import { regionInUrl, type Region } from './regions.js';
+import {
+  lineInJson,
+  regionInUrl,
+  slopeInUrl,
+  wallInUrl,
+  weightInUrl,
+  type Region,
+  type Wall,
+  type WeightedRegion,
+} from './regions.js';
 import type { Ask, Field, Precision, Queries, QueryOptions } from './queries.js';
 import * as replies from './replies.js';
 import type { Call, Reply } from './transport.js';
@@ -18,7 +27,7 @@ export interface Plan<T> {
 const LONGEST_TARGET = 2000;
 
 const POINTS = new Set(['from', 'to', 'via', 'at', 'point', 'through', 'around']);
-const REGIONS = new Set(['within', 'forbid']);
+const REGIONS = new Set(['within', 'forbid', 'walls']);
 
 /** The path of a mesh or of what is below it. */
 export function meshPath(id: string, below = ''): string {
@@ -53,7 +62,8 @@ export function queryCall(
 export function parametersInJson(parameters: object): Record<string, unknown> {
   const body: Record<string, unknown> = {};
   for (const [name, value] of Object.entries(parameters)) {
-    if (!POINTS.has(name)) body[name] = value;
+    if (REGIONS.has(name)) body[name] = lineInJson(value);
+    else if (!POINTS.has(name)) body[name] = value;
     else body[name] = Array.isArray(value) ? value.map(pointInJson) : pointInJson(value as Source);
   }
   return body;
@@ -62,23 +72,33 @@ export function parametersInJson(parameters: object): Record<string, unknown> {
 function inUrl(entries: [string, unknown][]): string | undefined {
   const search = new URLSearchParams();
   for (const [name, value] of entries) {
-    if (name === 'direction' || name === 'normal') {
+    if (name === 'direction' || name === 'normal' || name === 'up') {
       search.append(name, Array.isArray(value) ? value.join(',') : String(value));
+      continue;
+    }
+    if (name === 'slope') {
+      const text = slopeInUrl(value);
+      if (text === undefined) return undefined;
+      search.append(name, text);
       continue;
     }
     if (REGIONS.has(name) && Array.isArray(value) && value.length === 0) return undefined;
     for (const one of Array.isArray(value) ? value : [value]) {
       const text = POINTS.has(name)
         ? pointInUrl(one as Source)
-        : REGIONS.has(name)
-          ? regionInUrl(one as Region)
-          : plain(one);
+        : name === 'walls'
+          ? wallInUrl(one as Wall)
+          : REGIONS.has(name)
+            ? regionInUrl(one as Region)
+            : name === 'weights'
+              ? weightInUrl(one as WeightedRegion)
+              : plain(one);
       if (text === undefined) return undefined;
       search.append(name, text);
     }
   }
   // Only what must be is escaped: `from=v:0` is what people read in their network panel.
-  return search.toString().replaceAll('%3A', ':').replaceAll('%2C', ',');
+  return search.toString().replaceAll('%3A', ':').replaceAll('%2C', ',').replaceAll('%3B', ';');
 }
 
 function plain(value: unknown): string | undefined {

@@ -3,6 +3,7 @@
  * makes queries that browsers can cache, and JSON, which can say all.
  */
 import type { Xyz } from './contract.js';
+import { regionInUrl, type Region } from './regions.js';
 
 /** A point; a bare number is a source vertex, a text is the grammar of URLs (`v:12`). */
 export type Point =
@@ -19,12 +20,26 @@ export type Source =
   | string
   | (Exclude<Point, number | string> & { readonly offset?: number });
 
+/**
+ * A source that is no point: the boundary or a loop of it (the longest is 0), a curve along points,
+ * or whole faces as regions have them.
+ */
+export type SourceLines =
+  | { readonly boundary: number | 'all' }
+  | { readonly curve: { readonly points: readonly Point[]; readonly closed?: boolean } }
+  | Exclude<Region, string>;
+
 export type OneOrMore<T> = T | readonly T[];
 
 /** The point in a URL; undefined where the grammar of URLs cannot say the same. */
-export function pointInUrl(point: Source): string | undefined {
+export function pointInUrl(point: Source | SourceLines): string | undefined {
   if (typeof point === 'string') return point;
   if (typeof point === 'number') return `v:${point}`;
+  if ('boundary' in point) return linesInUrl(point);
+  if ('curve' in point) return linesInUrl(point);
+  if ('faces' in point || 'part' in point || 'sphere' in point || 'box' in point) {
+    return regionInUrl(point);
+  }
   if (point.offset !== undefined) return undefined;
   if ('vertex' in point) return `v:${point.vertex}`;
   if ('face' in point) return faceInUrl(point.face, point.bary);
@@ -35,8 +50,26 @@ export function pointInUrl(point: Source): string | undefined {
 }
 
 /** The point in JSON. */
-export function pointInJson(point: Source): unknown {
-  return typeof point === 'number' ? { vertex: point } : point;
+export function pointInJson(point: Source | SourceLines): unknown {
+  if (typeof point === 'number') return { vertex: point };
+  if (typeof point === 'object' && point !== null && 'curve' in point && Array.isArray(point.curve?.points)) {
+    return { ...point, curve: { ...point.curve, points: point.curve.points.map(pointInJson) } };
+  }
+  return point;
+}
+
+/** A boundary or a curve. What is not well formed goes as JSON, for the server to refuse it. */
+function linesInUrl(lines: Extract<SourceLines, { boundary: unknown } | { curve: unknown }>): string | undefined {
+  if (Object.keys(lines).length !== 1) return undefined;
+  if ('boundary' in lines) {
+    return lines.boundary === 'all' ? 'boundary' : `boundary:${lines.boundary}`;
+  }
+  const { points, closed, ...rest } = lines.curve;
+  if (!Array.isArray(points) || Object.keys(rest).length > 0) return undefined;
+  if (closed !== undefined && typeof closed !== 'boolean') return undefined;
+  const texts = points.map(pointInUrl);
+  if (texts.includes(undefined)) return undefined;
+  return `curve:${[...(closed === true ? ['closed'] : []), ...texts].join(';')}`;
 }
 
 /**

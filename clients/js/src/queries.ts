@@ -3,8 +3,8 @@
  * Lengths are in mesh units throughout.
  */
 import type { Isoline, Method, PathPoint, ResolvedPoint, Sample, Schemas, Xyz } from './contract.js';
-import type { OneOrMore, Point, Source } from './points.js';
-import type { Region } from './regions.js';
+import type { OneOrMore, Point, Source, SourceLines } from './points.js';
+import type { Region, Wall, WeightedRegion } from './regions.js';
 
 /** What one call may have beside its parameters. */
 export interface CallOptions {
@@ -23,6 +23,8 @@ interface OnSurface {
   within?: OneOrMore<Region>;
   /** This is as if it were cut away. */
   forbid?: OneOrMore<Region>;
+  /** No path crosses these lines. */
+  walls?: OneOrMore<Wall>;
 }
 
 interface ByMethod extends OnSurface {
@@ -32,6 +34,24 @@ interface ByMethod extends OnSurface {
   points_per_edge?: Schemas['PointsPerEdge'];
   /** Only with the method `auto`. */
   bound?: Schemas['Bound'];
+}
+
+/**
+ * Ways that are cheap instead of short. A segment costs its length, times the weight of its face,
+ * times the rate of its slope; distances, `max` and levels are costs then. By `steiner` alone, which
+ * needs not be named.
+ */
+interface AtACost {
+  /** Of regions; where they overlap, the last counts. */
+  weights?: OneOrMore<WeightedRegion>;
+  /** One for each source face. */
+  face_weights?: readonly number[];
+  /** `tobler`, in seconds where lengths are metres, or slopes and what a unit of length costs there. */
+  slope?: string | readonly (readonly [number, number])[];
+  /** What is steeper, uphill or downhill, is not walked. */
+  steepest?: number;
+  /** Where up is; +Y without it. */
+  up?: Xyz | string;
 }
 
 interface WithinTolerance {
@@ -44,8 +64,8 @@ interface InDigits {
   precision?: Schemas['Precision'];
 }
 
-export interface DistanceQuery extends ByMethod, WithinTolerance {
-  from: OneOrMore<Source>;
+export interface DistanceQuery extends ByMethod, WithinTolerance, AtACost {
+  from: OneOrMore<Source | SourceLines>;
   /** What is farther counts as unreached. */
   max?: number;
   /** Say with each distance which source it is from. */
@@ -56,8 +76,8 @@ export interface DistancesAtQuery extends DistanceQuery, InDigits {
   at: OneOrMore<Point>;
 }
 
-export interface PathQuery extends ByMethod, InDigits {
-  from: Point;
+export interface PathQuery extends ByMethod, InDigits, AtACost {
+  from: Point | SourceLines;
   to: Point;
   via?: OneOrMore<Point>;
   refine?: Schemas['Refine'];
@@ -65,7 +85,7 @@ export interface PathQuery extends ByMethod, InDigits {
   tolerance?: Schemas['Tolerance'];
 }
 
-export interface TableQuery extends ByMethod, WithinTolerance {
+export interface TableQuery extends ByMethod, WithinTolerance, AtACost {
   from: OneOrMore<Point>;
   /** The columns; without it the rows again. */
   to?: OneOrMore<Point>;
@@ -78,8 +98,8 @@ export interface SparseTableQuery extends TableQuery {
 }
 
 /** Exactly one of `levels`, `step` and `count`. */
-export interface IsolinesQuery extends ByMethod, WithinTolerance, InDigits {
-  from: OneOrMore<Source>;
+export interface IsolinesQuery extends ByMethod, WithinTolerance, InDigits, AtACost {
+  from: OneOrMore<Source | SourceLines>;
   levels?: OneOrMore<number>;
   step?: number;
   count?: number;
@@ -125,7 +145,7 @@ export interface LogmapQuery extends ByMethod {
 }
 
 export interface MeasureQuery extends ByMethod, WithinTolerance, InDigits {
-  from: OneOrMore<Source>;
+  from: OneOrMore<Source | SourceLines>;
   /** Of the discs. Mesh units. */
   radii?: OneOrMore<number>;
   /** What is farther is not measured. Mesh units. */
@@ -147,7 +167,7 @@ export interface VoronoiQuery extends ByMethod, WithinTolerance, InDigits {
 
 export interface SamplesQuery extends ByMethod, WithinTolerance, InDigits {
   count: number;
-  from?: OneOrMore<Source>;
+  from?: OneOrMore<Source | SourceLines>;
 }
 
 /** How a picture is drawn; see the contract. */

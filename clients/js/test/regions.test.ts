@@ -1,7 +1,7 @@
 /** Queries about a part of a surface. */
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { GeodesicClient, type Region } from 'geodesicd-client';
+import { GeodesicClient, type Region, type Source } from 'geodesicd-client';
 import { fixture, watchedFetch } from './fixture.js';
 
 const { server, client, plane } = await fixture();
@@ -65,5 +65,37 @@ test('regions that are none are refused by the server', async () => {
   await assert.rejects(client.path(plane, { from: 0, to: 9999, within: 'faces:0-9' }), {
     code: 'outside_region',
     parameter: 'to',
+  });
+});
+
+test('walls are gone round, and insides are regions', async () => {
+  const points = ['p:50.3,10.2,0', 'p:50.3,80.6,0'];
+  const expected = Math.hypot(20.3, 20.6) + Math.hypot(19.7, 20.6);
+  const ask = { from: 'p:30,60,0', to: 'p:70,60,0', method: 'exact' } as const;
+  seen.length = 0;
+  for (const walls of [{ points }, points.join(';'), [{ points: [...points, { xyz: [50.3, 80.6, 0], max_snap: 1 }] as Source[] }]]) {
+    const path = await watched.path(plane, { ...ask, walls });
+    assert.ok(Math.abs(path.length! - expected) < 1e-9);
+  }
+  assert.equal(
+    seen[0],
+    `GET ${base}/path?from=p:30,60,0&to=p:70,60,0&method=exact&walls=${points.join(';')}`,
+  );
+  assert.equal(seen[2], `POST ${base}/path`);
+  const inside = [2020, 2060, 6060, 6020];
+  const measured = await client.measure(plane, { from: 'p:40,40,0', within: { inside } });
+  assert.ok(Math.abs(measured.area! - 1600) < 1e-6);
+  for await (const answer of client.batch(plane, [
+    { query: 'measure', from: 0, forbid: { inside } },
+  ])) {
+    assert.ok(answer.ok && Math.abs(answer.reply.area! - (99 * 99 - 1600)) < 1e-6);
+  }
+  await assert.rejects(client.path(plane, { from: 0, to: 1, walls: { points: [5] } }), {
+    code: 'value_out_of_range',
+    parameter: 'walls',
+  });
+  await assert.rejects(client.path(plane, { from: 0, to: 1, walls: { points: [5, 99999] } }), {
+    code: 'index_out_of_range',
+    parameter: 'walls.points[1]',
   });
 });

@@ -16,6 +16,16 @@ QUERIES = (
 )  # fmt: skip
 
 
+def costs_among(arguments: dict[str, Any]) -> geodesicd.Costs:
+    """Takes the contract's words for costs out of a call's arguments."""
+    weights = []
+    for one in arguments.pop("weights", ()):
+        weight, _, region = one.partition("*") if isinstance(one, str) else (one["weight"], "", "")
+        weights.append((float(weight), region or one["region"]))
+    names = ("face_weights", "slope", "steepest", "up")
+    return geodesicd.Costs(weights, *(arguments.pop(name, None) for name in names))
+
+
 class Outcome(NamedTuple):
     """What a call gave: any of these, as the call has them."""
 
@@ -131,6 +141,8 @@ class Call:
         arguments["progress"] = self.progress
         if "deadline_ms" in arguments:
             arguments["deadline"] = arguments.pop("deadline_ms") / 1000
+        if set(arguments) & {"weights", "face_weights", "slope", "steepest"}:
+            arguments["costs"] = costs_among(arguments)
         start = arguments.pop("from", ())
         if name == "distance" and "at" in arguments:
             arguments.pop("labels", None)

@@ -12,7 +12,7 @@ import pytest
 from test_commands import geodesic
 
 import geodesicd
-from geodesicd.surface_regions import region_of, regions_of
+from geodesicd.surface_regions import region_of, regions_of, walls_of
 
 
 def hole_of(mesh: geodesicd.Mesh) -> np.ndarray[Any, np.dtype[np.bool_]]:
@@ -89,6 +89,59 @@ def test_every_query_knows_regions(plane: geodesicd.Mesh) -> None:
     assert lines[0].reply["length"] == pytest.approx(far[0])
 
 
+def test_all_ways_to_name_a_wall_are_the_same(plane: geodesicd.Mesh) -> None:
+    # From the left to the right of an upright wall, round its upper end.
+    ends = [(50.3, 10.2, 0.0), (50.3, 80.6, 0.0)]
+    a, b = (30.0, 60.0, 0.0), (70.0, 60.0, 0.0)
+    expected = math.hypot(20.3, 20.6) + math.hypot(19.7, 20.6)
+    walls: list[Any] = [
+        "p:50.3,10.2,0;p:50.3,80.6,0",
+        {"points": ends},
+        {"points": [{"xyz": [50.3, 10.2, 0], "max_snap": 1}, ends[1]]},
+        np.array(ends),
+        [{"points": [ends[0], (50.3, 40, 0)]}, {"points": [(50.3, 40, 0), ends[1]]}],
+    ]
+    for wall in walls:
+        path = plane.path(a, b, method="exact", walls=wall)
+        assert path.length == pytest.approx(expected, rel=1e-9)
+    assert plane.distance_at(a, b, method="exact", walls=walls[0])[0] == pytest.approx(expected)
+    round_it = [(20.5, 20.5, 0.0), (60.5, 20.5, 0.0), (60.5, 60.5, 0.0), (20.5, 60.5, 0.0)]
+    inside = {"inside": round_it}
+    assert plane.measure(0, forbid=inside).area == pytest.approx(99 * 99 - 1600)
+    assert plane.measure((40.0, 40.0, 0.0), within=inside).area == pytest.approx(1600)
+    closed = plane.distance((40.0, 40.0, 0.0), walls={"points": [*round_it, round_it[0]]})
+    assert np.isfinite(closed).sum() == 1600
+    assert math.isinf(closed[0])
+    # Faces and weights are those of the file.
+    positions, triangles = plane.geometry()
+    corners = positions[triangles[path.faces]]
+    there = (corners * path.bary[..., None]).sum(axis=1)
+    np.testing.assert_allclose(there, path.points, atol=1e-9)
+    samples = plane.samples(500, within=inside)
+    assert (samples.vertices < len(positions)).all()
+
+
+def test_what_is_no_wall_is_refused(plane: geodesicd.Mesh) -> None:
+    for wrong in (7, np.zeros(3), [["v:1", "v:2"]]):
+        with pytest.raises(TypeError, match="no wall"):
+            plane.distance(0, walls=wrong)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="None is for no walls"):
+        plane.distance(0, walls=[])
+    said = walls_of(["v:1;v:2", {"points": [1, (0.0, 1.0, 2.0)]}, {"points": [{"vertex": 1}]}])
+    assert said is not None
+    assert [one.text() for one in said] == ["v:1;v:2", "v:1;p:0.0,1.0,2.0", None]
+    assert region_of({"inside": [1, 2, 3]}).text() == "inside:v:1;v:2;v:3"
+    for code, parameter, wall in (
+        ("value_out_of_range", "walls", "v:1"),
+        ("index_out_of_range", "walls.points[1]", "v:1;v:99999"),
+        ("bad_syntax", "walls.points[1]", "v:1;w:2"),
+        ("unknown_parameter", "walls.x", {"points": [1, 2], "x": 1}),
+    ):
+        with pytest.raises(geodesicd.GeodesicError) as caught:
+            plane.distance(0, walls=wall)
+        assert (caught.value.code, caught.value.parameter) == (code, parameter)
+
+
 def test_asynchronously_too(server: geodesicd.LocalServer, plane: geodesicd.Mesh) -> None:
     async def ask() -> Any:
         async with geodesicd.AsyncClient(server.url) as client:
@@ -156,6 +209,9 @@ def test_by_the_command(server: geodesicd.LocalServer, samples: Path) -> None:
     two = ("--within", "faces:0-9", "--within", "faces:40", "--forbid", "faces:40")
     field = geodesic(server, "distance", mesh, "--from", "0", *two).stdout.split()
     assert sum(number != "inf" for number in field) < 20
+    wall = ("--walls", "p:50.3,-1,0;p:50.3,80.6,0")
+    told = geodesic(server, "path", mesh, "--from", "0", "--to", "99", *ways[4:], *wall).stdout
+    assert float(told) == pytest.approx(math.hypot(50.3, 80.6) + math.hypot(48.7, 80.6))
     for command in (
         ("table", "--from", "0", "--to", "9999"),
         ("logmap", "--from", "0", "--radius", "3"),

@@ -69,7 +69,10 @@ TEST_CASE("ARegionIsTheSameInAUrlAndInJson") {
       {"faces:7,10-99,3", R"({"faces":[7,[10,99],[3,3]]})"},
       {"part:2", R"({"part":2})"},
       {"sphere:1,-2.5,3e2,0", R"({"sphere":{"center":[1,-2.5,300],"radius":0}})"},
-      {"box:0,0,0,1,2,3", R"({"box":{"min":[0,0,0],"max":[1,2,3.0]}})"}};
+      {"box:0,0,0,1,2,3", R"({"box":{"min":[0,0,0],"max":[1,2,3.0]}})"},
+      {"inside:v:1;f:2,0.25,0.5;p:1,2,3;ray:0,0,9,0,0,-1",
+       R"({"inside":["v:1",{"face":2,"bary":[0.25,0.5,0.25]},{"xyz":[1,2,3]},
+           {"ray":{"origin":[0,0,9],"direction":[0,0,-1]}}]})"}};
   for (const auto& both : kBoth) {
     const std::string& text = both.first;
     CAPTURE(text);
@@ -86,6 +89,52 @@ TEST_CASE("ARegionIsTheSameInAUrlAndInJson") {
   CHECK_FALSE(forbid("faces:1")->is_everything());
   CHECK(forbid(json::array({"faces:1", "part:0"}))->names_parts());
   CHECK_FALSE(forbid("faces:1")->names_parts());
+}
+
+TEST_CASE("AWallIsTheSameInAUrlAndInJson") {
+  const auto walls = [](const json& value) { return read(json{{"walls", value}}.dump()); };
+  const std::string known = text_of(walls(json::parse(R"({"points":["v:1",{"vertex":2}]})")));
+  CHECK(known == text_of(walls("v:1;v:2")));
+  CHECK(known == text_of(walls(json::array({"v:1;v:2"}))));
+  Parameters url = Parameters::from_query({{"walls", "v:1;v:2"}});
+  CHECK(known == text_of(read_regions(url)));
+  for (const json& other :
+       {json("v:2;v:1"), json("v:1;v:2;v:1"), json("v:1;f:2,0.5,0.5"), json("v:12;v:2"),
+        json::array({"v:1;v:2", "v:1;v:2"}), json("p:1,2,3;v:2"),
+        json::parse(R"({"points":["v:1",{"xyz":[1,2,3]}]})"),
+        json::parse(R"({"points":["v:1",{"xyz":[1,2,3],"max_snap":1}]})")}) {
+    CHECK(known != text_of(walls(other)));
+  }
+  CHECK(walls("v:1;v:2")->has_lines());
+  CHECK_FALSE(walls("v:1;v:2")->is_everything());
+  CHECK(forbid("inside:v:1;v:2;v:3")->has_lines());
+  CHECK_FALSE(forbid("faces:1")->has_lines());
+  const ErrorCode syntax = InputCode::bad_syntax;
+  const ErrorCode range = ErrorCode::value_out_of_range;
+  refused(walls("v:1"), range, "walls");
+  refused(walls(""), syntax, "walls.points[0]");
+  refused(walls(json::array({"v:1;v:2", "v:1;v:x"})), syntax, "walls[1].points[1]");
+  refused(walls(json::array()), range, "walls");
+  refused(walls(7), syntax, "walls");
+  refused(walls(json::object()), syntax, "walls");
+  refused(walls({{"points", "v:1;v:2"}}), syntax, "walls.points");
+  refused(walls({{"points", {"v:1", 2}}}), syntax, "walls.points[1]");
+  refused(walls({{"points", {"v:1", "v:2"}}, {"closed", true}}), InputCode::unknown_parameter,
+          "walls.closed");
+  refused(walls({{"points", {"v:1", {{"vertex", 2}, {"offset", 1}}}}}), range,
+          "walls.points[1].offset");
+  refused(forbid("inside:v:1;v:2"), range, "forbid.inside");
+  refused(forbid("inside:"), syntax, "forbid.inside[0]");
+  refused(forbid(json::parse(R"({"inside":"v:1"})")), syntax, "forbid.inside");
+  // All lines of a query are counted together.
+  json half = json::array();
+  for (std::size_t i = 0; i <= kMaxLinePoints / 2; ++i) half.push_back("v:1");
+  refused(read(json{{"forbid", {{"inside", half}}}, {"walls", {{"points", half}}}}.dump()),
+          ErrorCode::too_large, "walls");
+  CHECK(walls({{"points", half}}));
+  json many = json::array();
+  for (std::size_t i = 0; i <= kMaxWalls; ++i) many.push_back("v:1;v:2");
+  refused(walls(many), ErrorCode::too_large, "walls");
 }
 
 TEST_CASE("RegionsThatAreNoneAreRefusedByName") {
@@ -213,7 +262,7 @@ TEST_CASE("RegionsAreUnionsAndForbiddenIsTakenAwayFromWithin") {
       }
       return region;
     };
-    const Regions regions{draw_region(), draw_region()};
+    const Regions regions{draw_region(), draw_region(), {}};
     std::vector<std::uint32_t> expected;
     for (std::uint32_t f = 0; f < faces; ++f) {
       const bool is_within = regions.within.empty() || has(regions.within, f);

@@ -99,6 +99,8 @@ const std::vector<Query> queries{
     {"distance",
      "from=v:0",
      {"from", "method", "max", "at", "labels", "precision", "format", "attribute"}},
+    {"distance", "from=curve:v:0;v:1", {"from", "at"}},
+    {"path", "from=boundary&to=v:1", {"from", "to"}},
     {"path", "from=v:0&to=v:1", {"from", "to", "via", "method", "refine", "precision", "format"}},
     {"table",
      "from=v:0",
@@ -147,6 +149,15 @@ const std::vector<std::string> hostile_values{
     "faces:18446744073709551615",
     "sphere:0,0,0,1e999",
     "box:0,0,0,-1,0,0",
+    "v:0;v:1e9",
+    "v:0;;v:1",
+    "inside:v:0;v:1",
+    "p:1e61,0,0;v:0",
+    "1e999*faces:0",
+    "-1*faces:0",
+    "2*faces:99999999",
+    "0:1,0:1",
+    "0:nan",
     "%7B%22vertex%22%3A0%7D",
     "%27%3B+DROP+TABLE+meshes",
     "%25s%25n%25x",
@@ -162,7 +173,8 @@ TEST_CASE("hostile bytes in any parameter are refused, and nothing leaks") {
   const std::string base = "/v1/meshes/" + attacked.id + "/";
   for (const Query& query : queries) {
     std::vector<const char*> parameters = query.parameters;
-    parameters.insert(parameters.end(), {"within", "forbid"});
+    parameters.insert(parameters.end(),
+                      {"within", "forbid", "walls", "weights", "face_weights", "slope", "steepest", "up"});
     for (const char* parameter : parameters) {
       for (const std::string& value : hostile_values) {
         attacked.check_refused(

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "tests/server/routes/plane_service.h"
 #include "tests/server/routes/service_fixture.h"
 
 using namespace geodesic;

@@ -162,7 +162,11 @@ std::vector<RouteCase> routes_of(const std::string& id) {
            {"extent", "of=mean&fields=1", R"({"of":"mean","fields":1})"},
            {"voronoi", "from=v:0&relax=1", R"({"from":"v:0","relax":1})"},
            {"loop", "through=v:0&through=v:5", R"({"through":["v:0","v:5"]})"},
+           {"distance", "from=boundary", R"({"from":{"boundary":"all"}})"},
            {"samples", "count=1&forbid=faces:0", R"({"count":1,"forbid":"faces:0"})"},
+           {"samples", "count=1&walls=v:0;v:5", R"({"count":1,"walls":"v:0;v:5"})"},
+           {"path", "from=v:0&to=v:1&weights=2*faces:0",
+            R"({"from":"v:0","to":"v:1","weights":"2*faces:0"})"},
            {"logmap", "from=v:0", R"({"from":"v:0"})"},
            {"nearest", "point=v:0", R"({"point":"v:0"})"}}) {
     cases.push_back({"GET", mesh + "/" + query + "?" + parameters, read, ""});

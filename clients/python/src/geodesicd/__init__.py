@@ -15,6 +15,7 @@
 from .arrays import ply_bytes
 from .async_client import AsyncClient, AsyncMesh
 from .client import Client, Mesh
+from .costs import Costs
 from .errors import (
     ConnectionFailed,
     DeadlineExceeded,
@@ -50,7 +51,8 @@ from .results import (
     Trace,
     Voronoi,
 )
-from .surface_regions import RegionLike, RegionsLike
+from .source_lines import Boundary, Curve, Faces
+from .surface_regions import RegionLike, RegionsLike, WallLike, WallsLike
 
 __version__ = "0.1.0"
 
@@ -60,10 +62,14 @@ __all__ = [
     "AsyncMesh",
     "BatchReply",
     "Bisector",
+    "Boundary",
     "Client",
     "ConnectionFailed",
+    "Costs",
+    "Curve",
     "DeadlineExceeded",
     "Extent",
+    "Faces",
     "Finding",
     "GeodesicError",
     "GeodesicWarning",
@@ -97,6 +103,8 @@ __all__ = [
     "Trace",
     "Vertex",
     "Voronoi",
+    "WallLike",
+    "WallsLike",
     "Xyz",
     "connect",
     "glb_bytes",

@@ -42,13 +42,14 @@ from . import (
     tables,
 )
 from .client import _single, method_signature
+from .costs import Costs
 from .errors import GeodesicError, error_of
 from .flows import Flow, Progress, Request, Retries, Send, Step, Stream, Watch, with_retries
 from .mesh_input import body_of, warn_of_rounding
 from .metadata import Metadata
 from .points import PointsLike
 from .results import FloatArray, LabelledDistances
-from .surface_regions import RegionsLike
+from .surface_regions import RegionsLike, WallsLike
 from .wire import Body, Reply
 
 P = ParamSpec("P")
@@ -121,6 +122,8 @@ class AsyncMesh(Metadata):
         tolerance: float | None = None,
         within: RegionsLike | None = None,
         forbid: RegionsLike | None = None,
+        walls: WallsLike | None = None,
+        costs: Costs | None = None,
         deadline: float | None = None,
         progress: Progress | None = None,
     ) -> FloatArray: ...
@@ -137,6 +140,8 @@ class AsyncMesh(Metadata):
         tolerance: float | None = None,
         within: RegionsLike | None = None,
         forbid: RegionsLike | None = None,
+        walls: WallsLike | None = None,
+        costs: Costs | None = None,
         deadline: float | None = None,
         progress: Progress | None = None,
     ) -> LabelledDistances: ...

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from . import wire
+from .costs import Costs, costing
 from .encoding import as_points, body_json
 from .errors import error_of_problem, refusal
 from .flows import Flow, Progress, Request, ask, part_of
@@ -15,7 +16,7 @@ from .points import PointLike
 from .queries import Refine
 from .remarks import remark
 from .results import BatchReply, Path
-from .surface_regions import RegionsLike, kept_to
+from .surface_regions import RegionsLike, WallsLike, kept_to
 from .wire import Reply
 
 # Well below the server's own limit on a body (8 MiB unless it is set otherwise).
@@ -71,6 +72,8 @@ def paths(
     method: str | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
+    costs: Costs | None = None,
     progress: Progress | None = None,
 ) -> Flow[list[Path]]:
     """The shortest paths of many pairs (source, target) in one request. Pairs that share a
@@ -80,7 +83,13 @@ def paths(
         GeodesicError: the first pair that the server refuses; ``parameter`` begins with
             ``pairs[i]``.
     """
-    common = {"query": "path", "refine": refine, "method": method, **kept_to(within, forbid)}
+    common = {
+        "query": "path",
+        "refine": refine,
+        "method": method,
+        **kept_to(within, forbid, walls),
+        **costing(costs),
+    }
     queries = [{**common, "from": source, "to": target} for source, target in pairs]
     answers = yield from _replies(mesh, queries, progress)
     remark(_remarks(answers, "pairs"))

@@ -44,13 +44,14 @@ from . import (
     spreads,
     tables,
 )
+from .costs import Costs
 from .errors import GeodesicError, error_of
 from .flows import Flow, Progress, Request, Retries, Send, Step, Stream, Watch, with_retries
 from .mesh_input import body_of, warn_of_rounding
 from .metadata import Metadata
 from .points import PointsLike
 from .results import FloatArray, LabelledDistances
-from .surface_regions import RegionsLike
+from .surface_regions import RegionsLike, WallsLike
 from .wire import Body, Reply
 
 P = ParamSpec("P")
@@ -133,6 +134,8 @@ class Mesh(Metadata):
         tolerance: float | None = None,
         within: RegionsLike | None = None,
         forbid: RegionsLike | None = None,
+        walls: WallsLike | None = None,
+        costs: Costs | None = None,
         deadline: float | None = None,
         progress: Progress | None = None,
     ) -> FloatArray: ...
@@ -149,6 +152,8 @@ class Mesh(Metadata):
         tolerance: float | None = None,
         within: RegionsLike | None = None,
         forbid: RegionsLike | None = None,
+        walls: WallsLike | None = None,
+        costs: Costs | None = None,
         deadline: float | None = None,
         progress: Progress | None = None,
     ) -> LabelledDistances: ...
@@ -168,8 +173,9 @@ class Mesh(Metadata):
             points_per_edge: for ``method="steiner"`` only.
             bound: for ``method="auto"`` only; "upper": no distance is below the true one.
             tolerance: for ``method="auto"`` only: the largest relative error, 0 for none.
-            within, forbid: the part of the surface that it is about
+            within, forbid, walls: the part of the surface that it is about
                 (:mod:`geodesicd.surface_regions`).
+            costs: of ways that are cheap instead of short (:mod:`geodesicd.costs`).
             deadline: seconds, after which DeadlineExceeded is raised.
             progress: called with the part that is done, from 0 to 1.
 

@@ -15,6 +15,7 @@ import numpy as np
 from rich.console import Console
 
 from .client import Client, Mesh
+from .costs import Costs
 from .digits import number, numbers, short
 from .encoding import milliseconds
 from .errors import NotFound, printable
@@ -107,12 +108,40 @@ def surface(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--forbid", action="append", metavar="REGION", help="faces:0-99, sphere:X,Y,Z,R, box:…"
     )
+    parser.add_argument(
+        "--walls", action="append", metavar="LINE", help="POINT;POINT…, which no path crosses"
+    )
+
+
+def costs(parser: argparse.ArgumentParser) -> None:
+    """What ways cost instead of their length. Up is +Y: `upload --up` turns other files."""
+    parser.add_argument(
+        "--weight", action="append", default=[], metavar="N*REGION", help="cost of length there"
+    )
+    parser.add_argument("--slope", metavar="HOW", help="tobler, in seconds, or -1:3,0:1,1:4")
+    parser.add_argument("--steepest", type=float, metavar="SLOPE", help="steeper is not walked")
+
+
+def _costs_of(options: argparse.Namespace) -> Costs | None:
+    """What :func:`costs` added; None where nothing of it is given."""
+    weights = []
+    for text in options.weight:
+        weight, star, region = text.partition("*")
+        if not star:
+            raise ValueError(f"--weight {text}: it is NUMBER*REGION, such as 3*faces:0-99")
+        weights.append((float(weight), region))
+    found = Costs(weights, None, options.slope, options.steepest)
+    return None if found == Costs([]) else found
 
 
 def exactness_of(options: argparse.Namespace) -> dict[str, Any]:
-    """What :func:`exactness` and :func:`surface` added, as the queries take it."""
-    names = ("method", "tolerance", "bound", "points_per_edge", "deadline", "within", "forbid")
-    return {name: getattr(options, name) for name in names if hasattr(options, name)}
+    """What :func:`exactness`, :func:`surface` and :func:`costs` added, as the queries take it."""
+    names = ("method", "tolerance", "bound", "points_per_edge", "deadline")
+    kept = ("within", "forbid", "walls")
+    found = {name: getattr(options, name) for name in names + kept if hasattr(options, name)}
+    if hasattr(options, "weight"):
+        found["costs"] = _costs_of(options)
+    return found
 
 
 def into(parser: argparse.ArgumentParser) -> None:

@@ -27,6 +27,7 @@ from .command_line import (
     bar,
     connect,
     connection,
+    costs,
     exactness,
     exactness_of,
     into,
@@ -149,6 +150,7 @@ def _parser() -> argparse.ArgumentParser:
     into(distance)
     exactness(distance)
     surface(distance)
+    costs(distance)
     connection(distance)
 
     path = command(
@@ -170,6 +172,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     exactness(path)
     surface(path)
+    costs(path)
     connection(path)
 
     table = command("table", "MESH --from POINT", _table, "Print distances among points, as CSV.")
@@ -185,6 +188,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     exactness(table)
     surface(table)
+    costs(table)
     connection(table)
 
     from . import extent_command, logmap_command, loop_command, measure_command, voronoi_command
@@ -401,7 +405,7 @@ def _path(options: argparse.Namespace) -> int:
     if not path.reachable:
         people.print("geodesic: there is no path", style="red")
         return 1
-    print(number(path.length))
+    print(number(path.length if path.cost is None else path.cost))
     if options.output is not None:
         save_line(options.output, path)
     return 0

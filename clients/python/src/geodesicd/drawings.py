@@ -12,7 +12,7 @@ from .encoding import as_bound, computed_by, encode
 from .flows import Flow, Progress, ask
 from .points import PointLike, PointsLike, point_of, points_of
 from .results import FloatArray
-from .surface_regions import RegionsLike, kept_to
+from .surface_regions import RegionsLike, WallsLike, kept_to
 
 
 def _glb(
@@ -34,6 +34,7 @@ def cells_glb(
     tolerance: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[bytes]:
@@ -49,7 +50,7 @@ def cells_glb(
         "part": part,
         "relax": relax,
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
     }
     return _glb(mesh, "voronoi", parameters, progress)
 
@@ -67,6 +68,7 @@ def discs_glb(
     tolerance: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[bytes]:
@@ -78,7 +80,7 @@ def discs_glb(
         "max": as_bound(max),
         "colormap": colormap,
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
     }
     return _glb(mesh, "measure", parameters, progress)
 
@@ -95,6 +97,7 @@ def map_glb(
     tolerance: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[bytes]:
@@ -105,6 +108,6 @@ def map_glb(
         "radius": as_bound(radius),
         "angle": angle,
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
     }
     return _glb(mesh, "logmap", parameters, progress)

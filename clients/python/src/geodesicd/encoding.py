@@ -11,9 +11,10 @@ from urllib.parse import urlencode
 import numpy as np
 from numpy.typing import DTypeLike
 
+from .costs import costing
 from .flows import Request
 from .points import Point, point_of, points_of
-from .surface_regions import regions_of
+from .surface_regions import Region, regions_of, walls_of
 
 _LONGEST_URL = 4000  # what proxies and logs bear; longer ones are asked in a body
 
@@ -82,10 +83,22 @@ def as_points(parameters: Mapping[str, Any]) -> dict[str, Any]:
     for name in ("within", "forbid"):
         if (value := found.get(name)) is not None:
             found[name] = regions_of(value)
-    for name in ("direction", "normal"):
-        if name in found:
+    if (value := found.get("walls")) is not None:
+        found["walls"] = walls_of(value)
+    if (costs := found.pop("costs", None)) is not None:
+        found |= costing(costs)
+    for name in ("weights", "slope"):  # a URL says texts alone
+        if (value := found.get(name)) is not None and not isinstance(value, str):
+            several = value if isinstance(value, list) else [value]
+            found[name] = [_verbatim(one) for one in several]
+    for name in ("direction", "normal", "up"):
+        if found.get(name) is not None:
             found[name] = tuple(found[name])
     return found
+
+
+def _verbatim(value: Any) -> Any:
+    return Region(None, value) if isinstance(value, Mapping | list | tuple) else value
 
 
 def milliseconds(seconds: float | None) -> int | None:

@@ -15,12 +15,13 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from . import pieces, wire
+from .costs import Costs, costing
 from .encoding import as_bound, body_json, computed_by, encode, format_of, milliseconds
 from .errors import ConnectionFailed, GeodesicError, Overloaded
 from .flows import Flow, Progress, Retries, Sleep, Stream, ask
 from .points import Point, PointsLike, points_of
 from .results import FloatArray, SparseTable
-from .surface_regions import RegionsLike, kept_to
+from .surface_regions import RegionsLike, WallsLike, kept_to
 
 _MOST = "max_streamed_entries"
 _SAVE_EVERY = 2.0  # seconds between notes of how far a file has come
@@ -41,6 +42,8 @@ def table_file(
     tolerance: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
+    costs: Costs | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[FloatArray]:
@@ -69,7 +72,8 @@ def table_file(
     parameters = {
         "max": as_bound(max),
         **computed_by(method, points_per_edge, bound, tolerance, None),
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
+        **costing(costs),
         "format": format_of(dtype),
         "stream": True,
     }
@@ -213,6 +217,8 @@ def sparse_table(
     tolerance: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
+    costs: Costs | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[SparseTable]:
@@ -233,7 +239,8 @@ def sparse_table(
     parameters = {
         "max": as_bound(max),
         **computed_by(method, points_per_edge, bound, tolerance, None),
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
+        **costing(costs),
         "sparse": True,
         "format": "frame",
     }

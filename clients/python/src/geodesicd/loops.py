@@ -8,7 +8,7 @@ from .encoding import computed_by, encode
 from .flows import Flow, Progress, ask
 from .points import PointLike, PointsLike, Triple, point_of, some_points_of, triple
 from .results import Loop
-from .surface_regions import RegionsLike, kept_to
+from .surface_regions import RegionsLike, WallsLike, kept_to
 
 
 def loop(
@@ -25,6 +25,7 @@ def loop(
     tolerance: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[Loop]:
@@ -47,7 +48,7 @@ def loop(
         "normal": None if normal is None else triple(normal, "normal"),
         "hull": hull or None,
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
         "format": "frame",
     }
     return ask(encode(mesh, "loop", parameters), wire.loop_of_frame, progress)

@@ -19,7 +19,7 @@ from .points import PointLike, PointsLike, points_of
 from .queries import Refine
 from .raster import Camera, Seen, corner_normals, render
 from .results import Float64, FloatArray, Geometry, Isoline, Path, SurfacePoint
-from .surface_regions import RegionsLike
+from .surface_regions import RegionsLike, WallsLike
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,6 +50,7 @@ def plot(
     refine: Refine | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
     isolines: int = 12,
     view: str | View | None = None,
     up: Literal["y", "z"] = "y",
@@ -65,7 +66,7 @@ def plot(
         sources: points; a path starts at the first of them.
         method: how distances are computed; without it the server's default, which the title names.
         bound, tolerance: for ``method="auto"``, of the field and its isolines.
-        within, forbid: the part of the surface that the answers are about
+        within, forbid, walls: the part of the surface that the answers are about
             (:mod:`geodesicd.surface_regions`).
         isolines: how many, evenly spaced; 0 for none.
         view: ``"front"``, ``"back"``, ``"left"``, ``"right"``, ``"top"``, ``"bottom"``,
@@ -80,7 +81,7 @@ def plot(
     Raises:
         GeodesicError: from the server. ImportError: matplotlib is not installed.
     """
-    kept: dict[str, Any] = {"within": within, "forbid": forbid}
+    kept: dict[str, Any] = {"within": within, "forbid": forbid, "walls": walls}
     exactness: dict[str, Any] = {"method": method, "bound": bound, "tolerance": tolerance}
     # A frame, because it says by which method: a bare array does not.
     asked = {"from": points_of(sources), **exactness, **kept}

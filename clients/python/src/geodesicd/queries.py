@@ -7,10 +7,11 @@ server's default), ``points_per_edge`` (for ``method="steiner"`` only), ``bound`
 ``method="auto"`` only), ``tolerance`` (for ``method="auto"``: the largest relative error of a
 vertex's distance), ``within`` and ``forbid`` (the part of the surface that the answer is about, as
 :mod:`geodesicd.surface_regions` says: what is outside of ``within`` and what is in ``forbid`` is as
-if it were cut away), ``deadline`` (seconds, after which DeadlineExceeded is raised) and
-``progress`` (called with the part that is done, from 0 to 1; the query is a job of the server's
-then, cancelled if the caller is interrupted). All raise GeodesicError. Lengths are in mesh units.
-Points are given as :mod:`geodesicd.points` says.
+if it were cut away), ``walls`` (lines that no path crosses), ``costs`` where ways may be cheap
+instead of short (:mod:`geodesicd.costs`), ``deadline`` (seconds, after which DeadlineExceeded is
+raised) and ``progress`` (called with the part that is done, from 0 to 1; the query is a job of the
+server's then, cancelled if the caller is interrupted). All raise GeodesicError. Lengths are in mesh
+units. Points are given as :mod:`geodesicd.points` says.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from . import wire
+from .costs import Costs, costing
 from .encoding import as_bound, as_points, computed_by, encode, format_of, milliseconds
 from .flows import Flow, Progress, Request, ask
 from .pieces import in_pieces
@@ -45,7 +47,7 @@ from .results import (
     SurfacePoint,
     Trace,
 )
-from .surface_regions import RegionsLike, kept_to
+from .surface_regions import RegionsLike, WallsLike, kept_to
 
 Refine: TypeAlias = Literal["none", "shortest"]
 
@@ -63,6 +65,8 @@ def distance(
     tolerance: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
+    costs: Costs | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[FloatArray]:
@@ -81,7 +85,8 @@ def distance(
         "from": points_of(sources),
         "max": as_bound(max),
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
+        **costing(costs),
         "format": "u16" if quantised else format_of(dtype),
     }
     return ask(encode(mesh, "distance", parameters), wire.array, progress)
@@ -98,6 +103,8 @@ def regions(
     tolerance: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
+    costs: Costs | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[LabelledDistances]:
@@ -113,7 +120,8 @@ def regions(
         "max": as_bound(max),
         "labels": True,
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
+        **costing(costs),
         "format": "frame",
     }
     return ask(encode(mesh, "distance", parameters), wire.labelled_of_frame, progress)
@@ -131,6 +139,8 @@ def distance_at(
     tolerance: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
+    costs: Costs | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[FloatArray]:
@@ -149,7 +159,8 @@ def distance_at(
         "points_per_edge": points_per_edge,
         "bound": bound,
         "tolerance": tolerance,
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
+        **costing(costs),
         "format": "f64",
     }
 
@@ -174,6 +185,8 @@ def path(
     tolerance: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
+    costs: Costs | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[Path]:
@@ -193,7 +206,8 @@ def path(
         "to": point_of(target),
         "refine": refine,
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
+        **costing(costs),
         "format": "frame",
     }
     return ask(encode(mesh, "path", parameters), wire.path_of_frame, progress)
@@ -208,6 +222,7 @@ def trace(
     angle: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[Trace]:
@@ -219,7 +234,7 @@ def trace(
         "direction": None if direction is None else triple(direction, "direction"),
         "angle": angle,
         "length": length,
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
         "deadline_ms": milliseconds(deadline),
         "format": "frame",
     }
@@ -238,6 +253,7 @@ def logmap(
     tolerance: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[Logmap]:
@@ -262,7 +278,7 @@ def logmap(
         "radius": as_bound(radius),
         "angle": angle,
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
         "format": "frame",
     }
     return ask(encode(mesh, "logmap", parameters), wire.logmap_of_frame, progress)
@@ -274,13 +290,14 @@ def nearest(
     *,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[list[SurfacePoint]]:
     """Where on the surface points are: the closest points of places in space, the first hits
     of rays."""
 
-    kept = kept_to(within, forbid)
+    kept = kept_to(within, forbid, walls)
 
     def some(
         asked: list[Point], seconds: float | None, part: Progress | None
@@ -307,6 +324,8 @@ def picture(
     method: str | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
+    costs: Costs | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[bytes]:
@@ -328,7 +347,8 @@ def picture(
         "view": view if view is None or isinstance(view, str) else f"{view[0]:g},{view[1]:g}",
         "colormap": colormap,
         "stripes": stripes,
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
+        **costing(costs),
         "deadline_ms": milliseconds(deadline),
         "format": "png",
     }
@@ -356,6 +376,7 @@ def annotated(
     tolerance: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[bytes]:
@@ -374,7 +395,7 @@ def annotated(
         "max": as_bound(max),
         "labels": labels or None,
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
         "attribute": attribute,
         "label_attribute": label_attribute,
         "format": "annotated",

@@ -28,6 +28,10 @@ class SurfacePoint:
         snap_distance: from what was asked to what was found, mesh units.
         vertex: the source vertex, when it is one, else None.
         ray_distance: of a ray's hit, its distance from the ray's origin, else None.
+        kind: ``curve``, ``boundary`` or ``faces`` of a source that is no point, whose first point
+            this is; else None.
+        length: of the lines of such a source, mesh units; else None.
+        pieces: of these lines, each straight within a face or along an edge; else None.
     """
 
     face: int
@@ -36,6 +40,9 @@ class SurfacePoint:
     snap_distance: float
     vertex: int | None = None
     ray_distance: float | None = None
+    kind: str | None = None
+    length: float | None = None
+    pieces: int | None = None
 
     def text(self) -> str | None:
         """As in a URL."""
@@ -79,6 +86,9 @@ class Path(_Line):
         source, via, target: the points asked for, as found on the surface.
         method: how distances were computed.
         refine: ``"none"`` or ``"shortest"``.
+        cost: what the whole costs, with ``costs``; infinite when not reachable, else None.
+        unit: what costs are in: ``"seconds"``, ``"length"`` or ``"cost"``; None without costs.
+        segment_costs: (n - 1,) float64, from each point to the next; None without costs.
     """
 
     points: Float64
@@ -91,6 +101,9 @@ class Path(_Line):
     target: SurfacePoint
     method: str
     refine: str
+    cost: float | None = None
+    unit: str | None = None
+    segment_costs: Float64 | None = None
 
     def __len__(self) -> int:
         return len(self.points)

@@ -9,11 +9,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from . import wire
+from .costs import Costs, costing
 from .encoding import as_bound, computed_by, encode
 from .flows import Flow, Progress, ask
 from .points import PointsLike, points_of, some_points_of
 from .results import Extent, FloatArray, Isoline, Measure, Samples, Voronoi
-from .surface_regions import RegionsLike, kept_to
+from .surface_regions import RegionsLike, WallsLike, kept_to
 
 
 def isolines(
@@ -30,6 +31,8 @@ def isolines(
     tolerance: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
+    costs: Costs | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[list[Isoline]]:
@@ -42,7 +45,8 @@ def isolines(
         "count": count,
         "max": as_bound(max),
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
+        **costing(costs),
     }
     return ask(encode(mesh, "isolines", parameters), wire.isolines_of_json, progress)
 
@@ -58,6 +62,7 @@ def samples(
     tolerance: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[Samples]:
@@ -67,7 +72,7 @@ def samples(
         "count": count,
         "from": some_points_of(covered),
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
     }
     return ask(encode(mesh, "samples", parameters), wire.samples_of_json, progress)
 
@@ -84,6 +89,7 @@ def measure(
     tolerance: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[Measure]:
@@ -97,7 +103,7 @@ def measure(
         "radii": np.atleast_1d(np.asarray(radii, dtype=np.float64)).tolist(),
         "max": as_bound(max),
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
     }
     return ask(encode(mesh, "measure", parameters), wire.measure_of_json, progress)
 
@@ -113,6 +119,7 @@ def extent(
     tolerance: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[Extent]:
@@ -130,7 +137,7 @@ def extent(
         "of": of,
         "fields": fields,
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
     }
     return ask(encode(mesh, "extent", parameters), wire.extent_of_json, progress)
 
@@ -146,6 +153,7 @@ def voronoi(
     tolerance: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[Voronoi]:
@@ -163,6 +171,6 @@ def voronoi(
         "from": points_of(sites),
         "relax": relax,
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
     }
     return ask(encode(mesh, "voronoi", parameters), wire.voronoi_of_json, progress)

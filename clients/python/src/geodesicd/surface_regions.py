@@ -1,11 +1,16 @@
 """Regions of a surface, as a caller has them and as the server reads them: what a query is to keep
-to (``within``) and what it is to leave out (``forbid``).
+to (``within``), what it is to leave out (``forbid``) and which lines no path crosses (``walls``).
 
 One region is a text of the URL grammar (``"faces:0-99"``, ``"part:2"``, ``"sphere:X,Y,Z,R"``,
 ``"box:X,Y,Z,X,Y,Z"``), a mapping as the contract's JSON has it (``{"sphere": {"center": (0, 0, 0),
 "radius": 2}}``), an integer array of source faces, or a boolean one with an element for each source
 face. A list of those is their union. Of spheres and boxes a region has the faces whose centroids
-lie in them.
+lie in them. ``{"inside": points}``, or ``"inside:v:1;v:2;v:3"``, is what a line through points and
+back to the first goes round; points are as :mod:`geodesicd.points` says.
+
+One wall is a text (``"v:1;v:2"``), a mapping ``{"points": points}``, or a float array of shape
+(n, 3), places in order. It goes from point to point by shortest paths, and is closed if it ends
+with the point that it begins with. A list of those is several walls.
 """
 
 from __future__ import annotations
@@ -17,10 +22,13 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from .points import triple
+from .points import points_of, triple
 
 RegionLike: TypeAlias = "str | Mapping[str, Any] | NDArray[Any]"
 RegionsLike: TypeAlias = "RegionLike | Sequence[RegionLike]"
+
+WallLike: TypeAlias = "str | Mapping[str, Any] | NDArray[Any]"
+WallsLike: TypeAlias = "WallLike | Sequence[WallLike]"
 
 
 @dataclass(frozen=True)
@@ -73,9 +81,52 @@ def regions_of(value: RegionsLike | None) -> list[Region] | None:
     return [region_of(value)]  # type: ignore[arg-type]
 
 
-def kept_to(within: RegionsLike | None, forbid: RegionsLike | None) -> dict[str, Any]:
+def walls_of(value: WallsLike | None) -> list[Region] | None:
+    """Several walls, or one as a list of one; None stays None.
+
+    Raises:
+        TypeError: there is none among them; the message says what would be one.
+    """
+    if value is None:
+        return None
+    if isinstance(value, list | tuple):
+        if not value:
+            raise ValueError("there is no wall in this list; None is for no walls")
+        return [_wall(one) for one in value]
+    return [_wall(value)]  # type: ignore[arg-type]
+
+
+def kept_to(
+    within: RegionsLike | None, forbid: RegionsLike | None, walls: WallsLike | None
+) -> dict[str, Any]:
     """The part of the surface that a query is about, in the contract's words."""
-    return {"within": regions_of(within), "forbid": regions_of(forbid)}
+    return {"within": regions_of(within), "forbid": regions_of(forbid), "walls": walls_of(walls)}
+
+
+def _wall(value: WallLike) -> Region:
+    if isinstance(value, Region):
+        return value
+    if isinstance(value, str):
+        return Region(value, None)
+    if isinstance(value, Mapping):
+        if set(value) == {"points"}:
+            return _line("", "points", value["points"])
+        return Region(None, dict(value))
+    if isinstance(value, np.ndarray) and value.ndim == 2 and value.shape[1] == 3:
+        return _line("", "points", value.astype(np.float64))
+    raise TypeError(
+        f"a {type(value).__name__} is no wall: give a text such as 'v:1;v:2', a mapping "
+        "{'points': points}, or an array of places of shape (n, 3)"
+    )
+
+
+def _line(kind: str, name: str, value: Any) -> Region:
+    """Points in a row: as text where a URL can say them all."""
+    points = points_of(value if isinstance(value, np.ndarray) else list(value))
+    texts = [point.text() for point in points]
+    if points and None not in texts:
+        return Region(kind + ";".join(text for text in texts if text is not None), None)
+    return Region(None, {name: [point.json() for point in points]})
 
 
 def _faces(faces: NDArray[Any]) -> Region:
@@ -105,6 +156,8 @@ def _shape(value: Mapping[str, Any]) -> Region:
                 return _numbers("box", *triple(box["min"], "min"), *triple(box["max"], "max"))
         case {"faces": np.ndarray() as faces, **rest} if not rest:
             return region_of(faces)
+        case {"inside": list() | tuple() | np.ndarray() as points, **rest} if not rest:
+            return _line("inside:", "inside", points)
     return Region(None, dict(value))
 
 

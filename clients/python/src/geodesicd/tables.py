@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from . import pieces, wire
+from .costs import Costs, costing
 from .encoding import as_bound, computed_by, encode, format_of, milliseconds
 from .errors import GeodesicError
 from .flows import Flow, Progress, ask, part_of
 from .points import Point, PointsLike, points_of
 from .results import FloatArray
-from .surface_regions import RegionsLike, kept_to
+from .surface_regions import RegionsLike, WallsLike, kept_to
 
 
 def table(
@@ -31,6 +32,8 @@ def table(
     tolerance: float | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
+    walls: WallsLike | None = None,
+    costs: Costs | None = None,
     deadline: float | None = None,
     progress: Progress | None = None,
 ) -> Flow[FloatArray]:
@@ -53,7 +56,8 @@ def table(
     parameters = {
         "max": as_bound(max),
         **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid),
+        **kept_to(within, forbid, walls),
+        **costing(costs),
         "format": format_of(dtype),
     }
     limits = pieces.LIMITS

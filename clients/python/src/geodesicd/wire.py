@@ -7,7 +7,7 @@ import io
 import json
 import math
 import struct
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -157,6 +157,9 @@ def surface_point(reply: Mapping[str, Any]) -> SurfacePoint:
         snap_distance=float(reply["snap_distance"]),
         vertex=reply.get("vertex"),
         ray_distance=reply.get("ray_distance"),
+        kind=reply.get("kind"),
+        length=reply.get("length"),
+        pieces=reply.get("pieces"),
     )
 
 
@@ -181,7 +184,14 @@ def _path(document: Mapping[str, Any], xyz: Float64, faces: Index, bary: Float64
         target=surface_point(document["to"]),
         method=document["method"],
         refine=document["refine"],
+        cost=_length(document["cost"]) if "cost" in document else None,
+        unit=document.get("unit"),
+        segment_costs=_costs(document["segments"]) if "segments" in document else None,
     )
+
+
+def _costs(segments: Sequence[Mapping[str, Any]]) -> Float64:
+    return np.array([segment["cost"] for segment in segments], dtype=np.float64)
 
 
 def path_of_json(document: Mapping[str, Any]) -> Path:

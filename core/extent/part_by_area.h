@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/cancel.h"
+#include "core/mesh/mesh.h"
 #include "core/surface/adjacency.h"
 
 namespace geodesic {
@@ -25,6 +26,10 @@ struct PartByArea {
   // of share times value.
   [[nodiscard]] double share_of(std::size_t place) const { return weights[place] / all_weight; }
 };
+
+// Whether it is a vertex of the file: not one that lines have made, and of those that walls have
+// doubled the first.
+[[nodiscard]] bool is_of_file(const Mesh& mesh, std::uint32_t vertex);
 
 // Of no use if the poll says to stop.
 [[nodiscard]] PartByArea largest_part(const Adjacency& adjacency, Poll& poll);

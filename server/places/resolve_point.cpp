@@ -1,4 +1,4 @@
-#include "server/query/resolve_point.h"
+#include "server/places/resolve_point.h"
 
 #include <cmath>
 #include <string>
@@ -14,13 +14,20 @@ std::optional<std::uint64_t> source_face(const Mesh& mesh, std::uint32_t face) {
   return mesh.source_of_face(face);
 }
 
-PlacedPoint placed(const Mesh& mesh, const SurfacePoint& point) {
-  return {point, reply_point(mesh, point)};
-}
+// A surface, and what its faces are parts of.
+struct Split {
+  const Adjacency& adjacency;
+  const Refinement* refinement;
 
-Result<PlacedPoint> at_vertex(const Adjacency& adjacency, std::uint64_t vertex,
+  [[nodiscard]] const Mesh& mesh() const { return adjacency.mesh(); }
+  [[nodiscard]] PlacedPoint placed(const SurfacePoint& point) const {
+    return {point, reply_point(mesh(), refinement, point)};
+  }
+};
+
+Result<PlacedPoint> at_vertex(const Split& surface, std::uint64_t vertex,
                               const std::string& parameter) {
-  const Mesh& mesh = adjacency.mesh();
+  const Mesh& mesh = surface.mesh();
   if (vertex >= mesh.source_vertex_count()) {
     return fail_limit(ErrorCode::index_out_of_range, "the mesh has no such vertex",
                       mesh.source_vertex_count() - 1, vertex, parameter);
@@ -30,17 +37,18 @@ Result<PlacedPoint> at_vertex(const Adjacency& adjacency, std::uint64_t vertex,
     return fail(ServiceCode::outside_region,
                 "no face at this vertex is left: it is forbidden, or not within", parameter);
   }
-  PlacedPoint result = placed(mesh, point_at_vertex(adjacency, there));
+  PlacedPoint result = surface.placed(point_at_vertex(surface.adjacency, there));
   result.echo.vertex = vertex;  // the one that was asked for, of those welded together
   return result;
 }
 
 // A face that welding left with two equal corners has become an edge: its points
 // are those of the edge.
-Result<PlacedPoint> on_dropped_face(const Adjacency& adjacency, std::uint32_t face,
+Result<PlacedPoint> on_dropped_face(const Split& surface, std::uint32_t face,
                                     const std::array<double, 3>& bary,
                                     const std::string& parameter) {
-  const Mesh& mesh = adjacency.mesh();
+  const Adjacency& adjacency = surface.adjacency;
+  const Mesh& mesh = surface.mesh();
   const Triangle t = mesh.dropped_face(face);
   double at_first = 0;  // the weight of all corners that are t[0]
   std::uint32_t other = t[0];
@@ -51,7 +59,7 @@ Result<PlacedPoint> on_dropped_face(const Adjacency& adjacency, std::uint32_t fa
       other = t[c];
     }
   }
-  if (other == t[0]) return placed(mesh, point_at_vertex(adjacency, t[0]));
+  if (other == t[0]) return surface.placed(point_at_vertex(adjacency, t[0]));
   const Halfedge h = adjacency.find_edge(t[0], other);
   if (h == kNone) {
     return fail(ErrorCode::mesh_invalid, "this face has no surface and touches no other face",
@@ -62,12 +70,17 @@ Result<PlacedPoint> on_dropped_face(const Adjacency& adjacency, std::uint32_t fa
   std::array<double, 3> weights{0, 0, 0};
   weights[forward ? c : next_corner(c)] = at_first;
   weights[forward ? next_corner(c) : c] = 1 - at_first;
-  return placed(mesh, point_on_face(adjacency, face_of(h), weights));
+  return surface.placed(point_on_face(adjacency, face_of(h), weights));
 }
 
-Result<PlacedPoint> on_face(const Adjacency& adjacency, const proto::FaceRequest& request,
+tl::unexpected<Error> not_left(const std::string& parameter) {
+  return fail(ServiceCode::outside_region,
+              "this face is not on the part of the surface that is left", parameter);
+}
+
+Result<PlacedPoint> on_face(const Split& surface, const proto::FaceRequest& request,
                             const std::string& parameter) {
-  const Mesh& mesh = adjacency.mesh();
+  const Mesh& mesh = surface.mesh();
   if (request.face >= mesh.source_face_count()) {
     return fail_limit(ErrorCode::index_out_of_range, "the mesh has no such face",
                       mesh.source_face_count() - 1, request.face, parameter);
@@ -75,11 +88,15 @@ Result<PlacedPoint> on_face(const Adjacency& adjacency, const proto::FaceRequest
   const auto source = static_cast<std::uint32_t>(request.face);
   const std::uint32_t face = mesh.face_of_source(source);
   if (face == kNone && !mesh.is_dropped(source)) {
-    return fail(ServiceCode::outside_region,
-                "this face is not on the part of the surface that is left", parameter);
+    return not_left(parameter);
   }
-  if (face == kNone) return on_dropped_face(adjacency, source, request.bary, parameter);
-  return placed(mesh, point_on_face(adjacency, face, request.bary));
+  if (face == kNone) return on_dropped_face(surface, source, request.bary, parameter);
+  if (surface.refinement == nullptr || !surface.refinement->is_split(source)) {
+    return surface.placed(point_on_face(surface.adjacency, face, request.bary));
+  }
+  const auto part = surface.refinement->in_piece(source, request.bary);
+  if (!part) return not_left(parameter);
+  return surface.placed(point_on_face(surface.adjacency, part->face, part->bary));
 }
 
 Result<void> check_coordinates(Vec3 point, const std::string& parameter) {
@@ -91,7 +108,7 @@ Result<void> check_coordinates(Vec3 point, const std::string& parameter) {
   return {};
 }
 
-Result<PlacedPoint> closest_to(const Adjacency& adjacency, const ClosestPointIndex& index,
+Result<PlacedPoint> closest_to(const Split& surface, const ClosestPointIndex& index,
                                const proto::SpaceRequest& request, const std::string& parameter,
                                const Cancel& cancel) {
   if (auto usable = check_coordinates(request.xyz, parameter); !usable) return fail(usable.error());
@@ -101,12 +118,12 @@ Result<PlacedPoint> closest_to(const Adjacency& adjacency, const ClosestPointInd
     return fail(ServiceCode::snap_too_far,
                 "the surface is " + std::to_string(found->distance) + " away", parameter);
   }
-  PlacedPoint result = placed(adjacency.mesh(), found->point);
+  PlacedPoint result = surface.placed(found->point);
   result.echo.snap_distance = found->distance;
   return result;
 }
 
-Result<PlacedPoint> first_on_ray(const Adjacency& adjacency, const ClosestPointIndex& index,
+Result<PlacedPoint> first_on_ray(const Split& surface, const ClosestPointIndex& index,
                                  const proto::RayRequest& request, const std::string& parameter,
                                  const Cancel& cancel) {
   if (auto usable = check_coordinates(request.origin, parameter); !usable) {
@@ -115,7 +132,7 @@ Result<PlacedPoint> first_on_ray(const Adjacency& adjacency, const ClosestPointI
   const auto hit = index.first_hit(request.origin, request.direction, cancel);
   if (!hit) return fail(hit.error());
   if (!*hit) return fail(ErrorCode::no_hit, "the ray does not meet the surface", parameter);
-  PlacedPoint result = placed(adjacency.mesh(), (*hit)->point);
+  PlacedPoint result = surface.placed((*hit)->point);
   result.echo.ray_distance = (*hit)->distance;
   return result;
 }
@@ -133,27 +150,36 @@ bool is_on_dropped_face(const Mesh& mesh, const proto::PointRequest& request) {
          mesh.is_dropped(static_cast<std::uint32_t>(asked->face));
 }
 
-Result<PlacedPoint> resolve_point(const Adjacency& adjacency, const ClosestPointIndex* index,
+Result<PlacedPoint> resolve_point(const Adjacency& adjacency, const Refinement* refinement,
+                                  const ClosestPointIndex* index,
                                   const proto::PointRequest& request, const Cancel& cancel) {
+  const Split surface{adjacency, refinement};
   if (const auto* vertex = std::get_if<proto::VertexRequest>(&request.where)) {
-    return at_vertex(adjacency, vertex->vertex, request.parameter);
+    return at_vertex(surface, vertex->vertex, request.parameter);
   }
   if (const auto* face = std::get_if<proto::FaceRequest>(&request.where)) {
-    return on_face(adjacency, *face, request.parameter);
+    return on_face(surface, *face, request.parameter);
   }
   if (const auto* ray = std::get_if<proto::RayRequest>(&request.where)) {
-    return first_on_ray(adjacency, *index, *ray, request.parameter, cancel);
+    return first_on_ray(surface, *index, *ray, request.parameter, cancel);
   }
-  return closest_to(adjacency, *index, std::get<proto::SpaceRequest>(request.where),
+  return closest_to(surface, *index, std::get<proto::SpaceRequest>(request.where),
                     request.parameter, cancel);
 }
 
-proto::ResolvedPoint reply_point(const Mesh& mesh, const SurfacePoint& point) {
+proto::ResolvedPoint reply_point(const Mesh& mesh, const Refinement* refinement,
+                                 const SurfacePoint& point) {
   proto::ResolvedPoint reply;
   reply.face = source_face(mesh, point.face);
   reply.bary = point.bary;
+  if (refinement != nullptr && point.face != kNone) {
+    reply.bary = refinement->in_parent(point.face, point.bary).value_or(point.bary);
+  }
   reply.xyz = position_of(mesh, point);
-  if (point.at_vertex()) reply.vertex = mesh.source_of_vertex(point.vertex);
+  // One that a line has made has no number in the file.
+  if (point.at_vertex() && mesh.source_of_vertex(point.vertex) < mesh.source_vertex_count()) {
+    reply.vertex = mesh.source_of_vertex(point.vertex);
+  }
   return reply;
 }
 

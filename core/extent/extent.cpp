@@ -1,4 +1,4 @@
-#include "core/solve/extent.h"
+#include "core/extent/extent.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 #include <limits>
 #include <utility>
 
+#include "core/extent/mean_distances.h"
+#include "core/extent/part_by_area.h"
 #include "core/field/field.h"
-#include "core/solve/mean_distances.h"
-#include "core/solve/part_by_area.h"
 #include "core/solve/solve_field.h"
 
 namespace geodesic {
@@ -212,6 +212,20 @@ Result<Extent> bounded(ExtentOf what, Survey& survey, Surveyor& surveyor, bool m
   return found;
 }
 
+// What is told is a vertex of the file. Means are over the area about these.
+void keep_those_of_file(PartByArea& part, const Mesh& mesh) {
+  std::size_t kept = 0;
+  part.all_weight = 0;
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    if (!is_of_file(mesh, part.vertices[i])) continue;
+    part.vertices[kept] = part.vertices[i];
+    part.weights[kept] = part.weights[i];
+    part.all_weight += part.weights[kept++];
+  }
+  part.vertices.resize(kept);
+  part.weights.resize(kept);
+}
+
 Extent mean_of(const MeanDistances& means) {
   Extent found;
   found.value = means.overall;
@@ -238,8 +252,9 @@ Result<Extent> extent(ExtentOf what, Method method, const MethodOptions& options
   if (!poll.may_take(std::uint64_t{80} * adjacency.mesh().vertex_count())) {
     return fail_stopped(poll);
   }
-  const PartByArea part = largest_part(adjacency, poll);
+  PartByArea part = largest_part(adjacency, poll);
   if (poll.stopped()) return fail_stopped(poll);
+  keep_those_of_file(part, adjacency.mesh());
   Survey survey(part);
   fields = std::max<std::uint64_t>(1, fields);
   Surveyor surveyor(method, options, adjacency, fields, scratch, cancel, survey);

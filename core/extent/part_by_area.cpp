@@ -1,4 +1,4 @@
-#include "core/solve/part_by_area.h"
+#include "core/extent/part_by_area.h"
 
 #include <algorithm>
 #include <array>
@@ -36,6 +36,11 @@ std::vector<std::uint32_t> vertices_of_largest_part(const Adjacency& adjacency, 
 }
 
 }  // namespace
+
+bool is_of_file(const Mesh& mesh, std::uint32_t vertex) {
+  const std::uint32_t source = mesh.source_of_vertex(vertex);
+  return source < mesh.source_vertex_count() && mesh.vertex_of_source()[source] == vertex;
+}
 
 PartByArea largest_part(const Adjacency& adjacency, Poll& poll) {
   PartByArea part;

@@ -1,4 +1,4 @@
-#include "core/solve/mean_distances.h"
+#include "core/extent/mean_distances.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "core/base/polled_fill.h"
+#include "core/extent/part_by_area.h"
 #include "core/field/field.h"
-#include "core/solve/part_by_area.h"
 #include "core/solve/solve_field.h"
 
 namespace geodesic {
@@ -123,7 +123,10 @@ Result<MeanDistances> mean_distances(Method method, const MethodOptions& options
   MeanDistances found;
   found.is_exact = sources.are_all;
   found.fields = sources.places.size();
-  found.part_vertices = part.size();
+  for (const std::uint32_t v : part.vertices) {
+    if (poll.cancelled()) return fail_stopped(poll);
+    if (is_of_file(adjacency.mesh(), v)) ++found.part_vertices;
+  }
   polled_assign(found.mean, count, kUnreached, poll);
   polled_assign(found.margin, count, std::numeric_limits<double>::infinity(), poll);
   for (std::size_t i = 0; i < part.size(); ++i) {

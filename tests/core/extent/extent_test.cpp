@@ -1,4 +1,4 @@
-#include "core/solve/extent.h"
+#include "core/extent/extent.h"
 
 #include <doctest/doctest.h>
 
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/mesh/shapes.h"
-#include "core/solve/mean_distances.h"
+#include "core/extent/mean_distances.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/surface.h"

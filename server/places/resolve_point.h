@@ -4,6 +4,7 @@
 #include "core/base/cancel.h"
 #include "core/base/error.h"
 #include "core/locate/closest_point.h"
+#include "core/refine/refinement.h"
 #include "core/surface/adjacency.h"
 #include "core/surface/point.h"
 #include "proto/wire/point_request.h"
@@ -23,16 +24,20 @@ struct PlacedPoint {
 // long as a vertex has faces, so it belongs into a compute slot, too.
 [[nodiscard]] bool is_on_dropped_face(const Mesh& mesh, const proto::PointRequest& request);
 
-// `index` may be null unless the point is searched. Errors: index_out_of_range, outside_region (a
-// face that was cut away, or a vertex with no other), snap_too_far,
-// no_hit, value_out_of_range, mesh_invalid (a point on a face without surface that touches no
-// other), cancelled.
+// `index` may be null unless the point is searched, `refinement` where no face is split. A point on
+// the border between parts of a face is in the one of the least number, and a vertex that walls
+// have doubled is that of the side with the face of the least number. Errors: index_out_of_range,
+// outside_region (a face that was cut away, or a vertex with no other), snap_too_far, no_hit,
+// value_out_of_range, mesh_invalid (a point on a face without surface that touches no other),
+// cancelled.
 [[nodiscard]] Result<PlacedPoint> resolve_point(const Adjacency& adjacency,
+                                                const Refinement* refinement,
                                                 const ClosestPointIndex* index,
                                                 const proto::PointRequest& request,
                                                 const Cancel& cancel);
 
 // What a reply says of a place on the mesh.
-[[nodiscard]] proto::ResolvedPoint reply_point(const Mesh& mesh, const SurfacePoint& point);
+[[nodiscard]] proto::ResolvedPoint reply_point(const Mesh& mesh, const Refinement* refinement,
+                                               const SurfacePoint& point);
 
 }  // namespace geodesic::server

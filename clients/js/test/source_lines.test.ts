@@ -1,0 +1,34 @@
+/** Fields from curves, boundaries and whole faces. */
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { GeodesicClient, type SourceLines } from 'geodesicd-client';
+import { fixture, watchedFetch } from './fixture.js';
+
+const { server, plane } = await fixture();
+const seen: string[] = [];
+const client = new GeodesicClient(server.url, { fetch: watchedFetch(seen) });
+const base = `/v1/meshes/${plane}`;
+
+test('sources that are no points go by GET where a URL can say them', async () => {
+  const said: [SourceLines, string][] = [
+    [{ boundary: 'all' }, 'boundary'],
+    [{ boundary: 0 }, 'boundary:0'],
+    [{ curve: { points: [1, { vertex: 7 }, 'p:1,2,0'] } }, 'curve:v:1;v:7;p:1,2,0'],
+    [{ curve: { points: [1, 7, 990], closed: true } }, 'curve:closed;v:1;v:7;v:990'],
+    [{ faces: [7, [10, 99]] }, 'faces:7,10-99'],
+  ];
+  for (const [from, text] of said) {
+    seen.length = 0;
+    await client.isolines(plane, { from, levels: [1], method: 'exact' });
+    assert.equal(
+      decodeURIComponent(seen[0]!),
+      `GET ${base}/isolines?from=${text}&levels=1&method=exact`,
+    );
+  }
+  seen.length = 0;
+  const from: SourceLines = { curve: { points: [{ xyz: [10, 10, 0], max_snap: 1 }, 1090] } };
+  const path = await client.path(plane, { from, to: 'p:40.25,3,0', method: 'exact' });
+  assert.equal(seen[0], `POST ${base}/path`);
+  assert.ok(Math.abs(path.length! - 7) < 1e-9);
+  assert.equal(path.from.kind, 'curve');
+});

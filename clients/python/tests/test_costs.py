@@ -1,0 +1,84 @@
+"""Cheap ways instead of short ones: by the client, and by the command."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_commands import geodesic
+
+import geodesicd
+from geodesicd import Costs
+
+
+def least_by_snell(width: float, height: float, weight: float) -> float:
+    """Across two halves of a plane, of which the second costs more, from corner to corner."""
+    heights = np.linspace(0, height, 100_001)
+    half = width / 2
+    return float((np.hypot(half, heights) + weight * np.hypot(half, height - heights)).min())
+
+
+def test_all_ways_to_say_weights_are_the_same(plane: geodesicd.Mesh) -> None:
+    positions, triangles = plane.geometry()
+    right = positions[triangles].mean(axis=1)[:, 0] > 50
+    dear = {"box": {"min": (50, -1, -1), "max": (100, 100, 1)}}
+    expected = least_by_snell(98, 99, 3)
+    found = [
+        plane.path(0, 9998, costs=Costs(weights=[(3, region)]))
+        for region in (right, np.flatnonzero(right), dear, "box:50,-1,-1,100,100,1")
+    ]
+    found.append(plane.path(0, 9998, costs=Costs(face_weights=np.where(right, 3, 1))))
+    for path in found:
+        assert path.cost == found[0].cost
+        assert path.unit == "length"
+        assert path.method == "steiner"
+        assert path.segment_costs is not None
+        assert path.segment_costs.sum() == pytest.approx(path.cost)
+        assert len(path.segment_costs) == len(path) - 1
+    assert path.cost is not None
+    # Its halves are 50 and 48 wide.
+    assert path.cost == pytest.approx(expected, rel=0.03)
+    assert path.cost > path.length > math.hypot(98, 99)
+
+
+def test_distances_are_costs_of_walking_there(plane: geodesicd.Mesh) -> None:
+    # Up is along x: the plane is a wall, of which one side is the other's mirror.
+    costs = Costs(slope=[(-1, 2), (1, 4)], up=(1, 0, 0))
+    field = plane.distance(0, costs=costs)
+    assert field[99] == pytest.approx(99 * 4)
+    assert plane.distance_at(99, 0, costs=costs)[0] == pytest.approx(99 * 2)
+    assert plane.table([0, 99], costs=costs)[0, 1] == field[99]
+    assert plane.table([0, 99], costs=costs)[1, 0] == pytest.approx(99 * 2)
+    labelled = plane.regions([0, 99], costs=costs)
+    assert labelled.labels[49] == 1
+    lines = plane.isolines(0, levels=[40], costs=costs)
+    assert [line.level for line in lines] == [40]
+    assert plane.path(0, 99).cost is None
+    [one] = plane.paths([(0, 99)], costs=costs)
+    assert one.cost == pytest.approx(99 * 4)
+    assert one.unit == "cost"
+    level = plane.distance(0, costs=Costs(steepest=1e-6, up=(1, 0, 0)))
+    assert np.isfinite(level).sum() == 100
+    assert plane.path(0, 99, costs=Costs(steepest=0.1, up=(1, 0, 0))).reachable is False
+    with pytest.raises(geodesicd.GeodesicError) as refused:
+        plane.path(0, 99, costs=costs, method="exact")
+    assert refused.value.parameter == "method"
+
+
+def test_commands_walk_cheaply(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
+) -> None:
+    asked = [plane.id, "--from", "v:0", "--to", "v:99"]
+
+    def cost(*more: str | Path) -> float:
+        return float(geodesic(server, "path", *asked, *more).stdout)
+
+    assert cost("--slope", "1:4") == pytest.approx(99 * 4)
+    assert cost("--weight", "2*box:-1,-1,-1,101,101,1") == pytest.approx(99 * 2)
+    glb = tmp_path / "path.glb"
+    assert cost("--weight", "2*part:0", "-o", glb) == pytest.approx(99 * 2)
+    assert glb.read_bytes().startswith(b"glTF")
+    wrong = geodesic(server, "path", *asked, "--weight", "2", status=1)
+    assert "NUMBER*REGION" in wrong.stderr

@@ -1,0 +1,64 @@
+"""Fields from curves, boundaries and whole faces."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from test_commands import geodesic
+
+import geodesicd
+from geodesicd import Boundary, Curve, Faces
+
+
+def test_all_sources_that_are_no_points(plane: geodesicd.Mesh) -> None:
+    positions, _ = plane.geometry()
+    x, y = positions[:, 0], positions[:, 1]
+    from_boundary = plane.distance(Boundary(), method="exact")
+    assert np.allclose(from_boundary, np.minimum.reduce([x, y, 99 - x, 99 - y]), atol=1e-9)
+    assert np.array_equal(plane.distance(Boundary(0), method="exact"), from_boundary)
+    assert np.array_equal(plane.distance("boundary", method="exact"), from_boundary)
+    # From (10, 10) to (90, 10).
+    aside = np.maximum.reduce([10 - x, x - 90, 0 * x])
+    expected = np.hypot(aside, y - 10)
+    curves: list[Any] = [
+        Curve([1010, 1090]),
+        Curve(np.array([1010, 1090])),
+        "curve:v:1010;v:1090",
+        {"curve": {"points": ["v:1010", {"vertex": 1090}]}},
+    ]
+    for curve in curves:
+        assert np.allclose(plane.distance(curve, method="exact"), expected, atol=1e-9)
+    field = plane.distance([Faces(np.array([0, 1])), 9999], method="exact")
+    assert field[0] == field[101] == field[9999] == 0
+    assert math.isclose(field[303], 2 * math.sqrt(2))
+
+
+def test_paths_from_a_curve_begin_on_it(plane: geodesicd.Mesh) -> None:
+    curve = Curve([(10.0, 10.0, 0.0), (90.0, 10.0, 0.0)])
+    path = plane.path(curve, (40.25, 3.0, 0.0), method="exact")
+    assert math.isclose(path.length, 7)
+    assert path.source.kind == "curve"
+    assert path.source.length is not None and math.isclose(path.source.length, 80)
+    assert np.allclose(path.points[0], (40.25, 10, 0))
+
+
+def test_curves_that_are_none_are_refused_at_once() -> None:
+    with pytest.raises(ValueError, match="has 2 points"):
+        Curve([5])
+    with pytest.raises(ValueError, match="has 3 points"):
+        Curve([5, 6], closed=True)
+    assert Curve([1, 2, 3], closed=True).text() == "curve:closed;v:1;v:2;v:3"
+    assert Curve([1, geodesicd.Xyz((0, 0, 0), max_snap=1)]).text() is None
+    assert Boundary(2).json() == {"boundary": 2}
+    assert Faces({"part": 2}).text() == "part:2"
+
+
+def test_the_command_takes_them_as_text(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh
+) -> None:
+    asked = ["--from", "boundary", "--method", "exact", "--at", "303"]
+    told = geodesic(server, "distance", plane.id, *asked).stdout
+    assert math.isclose(float(told), 3)

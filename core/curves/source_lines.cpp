@@ -1,0 +1,174 @@
+#include "core/curves/source_lines.h"
+
+#include <algorithm>
+#include <unordered_set>
+
+#include "core/base/polled_fill.h"
+#include "core/surface/point.h"
+
+namespace geodesic {
+namespace {
+
+bool is_on_boundary(const Adjacency& adjacency, Halfedge h) { return adjacency.ring(h) == h; }
+
+std::uint32_t other_end(const Adjacency& adjacency, Halfedge h, std::uint32_t vertex) {
+  return adjacency.tail(h) == vertex ? adjacency.head(h) : adjacency.tail(h);
+}
+
+// The boundary edge that ends the fan of faces about `pivot` that h begins; kNone where the fan
+// ends at a non-manifold edge.
+Halfedge next_on_boundary(const Adjacency& adjacency, Halfedge h, std::uint32_t pivot, Poll& poll) {
+  while (!poll.cancelled()) {
+    // The other edge at the pivot in the same face.
+    const std::uint32_t f = face_of(h);
+    const std::uint32_t c = corner_of(h);
+    h = adjacency.face(f).vertex[c] == pivot ? halfedge(f, previous_corner(c))
+                                             : halfedge(f, next_corner(c));
+    const Halfedge across = adjacency.ring(h);
+    if (across == h) return h;
+    if (adjacency.ring(across) != h) return kNone;
+    h = across;
+  }
+  return kNone;
+}
+
+std::uint64_t least_source_vertex(const Adjacency& adjacency, const BoundaryLoop& loop) {
+  const Mesh& mesh = adjacency.mesh();
+  std::uint64_t least = kNone;
+  for (const Halfedge h : loop.edges) {
+    least = std::min<std::uint64_t>(least, mesh.source_of_vertex(adjacency.tail(h)));
+    least = std::min<std::uint64_t>(least, mesh.source_of_vertex(adjacency.head(h)));
+  }
+  return least;
+}
+
+void add_end(const Adjacency& adjacency, std::uint32_t vertex, std::uint32_t item,
+             std::unordered_set<std::uint32_t>& known, SourceLines& lines,
+             std::vector<Source>& sources) {
+  if (!known.insert(vertex).second) return;
+  sources.push_back({point_at_vertex(adjacency, vertex), 0});
+  lines.item_of_source.push_back(item);
+}
+
+LineSegment whole_edge(Halfedge h, std::uint32_t item) {
+  LineSegment segment;
+  segment.face = face_of(h);
+  segment.from[corner_of(h)] = 1;
+  segment.to[next_corner(corner_of(h))] = 1;
+  segment.item = item;
+  return segment;
+}
+
+}  // namespace
+
+std::vector<BoundaryLoop> boundary_loops(const Adjacency& adjacency, Poll& poll) {
+  std::vector<BoundaryLoop> loops;
+  if (adjacency.report().edges_boundary == 0) return loops;
+  std::vector<bool> passed(4 * adjacency.faces().size(), false);
+  const auto positions = adjacency.mesh().positions();
+  for (std::uint32_t f = 0; f < adjacency.faces().size() && !poll.cancelled(); ++f) {
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      const Halfedge start = halfedge(f, c);
+      if (passed[start] || !is_on_boundary(adjacency, start)) continue;
+      BoundaryLoop loop;
+      // On from one end, until it comes round; if it does not, from the other end, too.
+      const auto walk = [&](std::uint32_t pivot) {
+        for (Halfedge h = start; h != kNone && !poll.cancelled();) {
+          h = next_on_boundary(adjacency, h, pivot, poll);
+          if (h == start) return true;
+          if (h == kNone || passed[h]) return false;
+          passed[h] = true;
+          loop.edges.push_back(h);
+          pivot = other_end(adjacency, h, pivot);
+        }
+        return false;
+      };
+      passed[start] = true;
+      loop.edges.push_back(start);
+      loop.is_closed = walk(adjacency.head(start));
+      if (!loop.is_closed) {
+        std::reverse(loop.edges.begin(), loop.edges.end());
+        (void)walk(adjacency.tail(start));
+      }
+      for (const Halfedge h : loop.edges) {
+        loop.length += distance(positions[adjacency.tail(h)], positions[adjacency.head(h)]);
+      }
+      loops.push_back(std::move(loop));
+    }
+  }
+  if (poll.stopped()) return loops;
+  std::vector<std::pair<double, std::uint64_t>> key;
+  key.reserve(loops.size());
+  for (const BoundaryLoop& loop : loops) {
+    if (poll.cancelled_after(loop.edges.size())) return loops;
+    key.emplace_back(-loop.length, least_source_vertex(adjacency, loop));
+  }
+  std::vector<std::uint32_t> order(loops.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return key[a] < key[b]; });
+  std::vector<BoundaryLoop> sorted;
+  sorted.reserve(loops.size());
+  for (const std::uint32_t i : order) sorted.push_back(std::move(loops[i]));
+  return sorted;
+}
+
+void add_edges(const Adjacency& adjacency, std::span<const Halfedge> edges, std::uint32_t item,
+               SourceLines& lines, std::vector<Source>& sources, Poll& poll) {
+  constexpr std::size_t kOfEdge = sizeof(LineSegment) + sizeof(Source) + 8 * sizeof(std::uint32_t);
+  if (!poll.may_take(2 * edges.size() * kOfEdge)) return;
+  std::unordered_set<std::uint32_t> known;
+  for (const Halfedge h : edges) {
+    if (poll.cancelled()) return;
+    lines.segments.push_back(whole_edge(h, item));
+    add_end(adjacency, adjacency.tail(h), item, known, lines, sources);
+    add_end(adjacency, adjacency.head(h), item, known, lines, sources);
+  }
+}
+
+void add_faces(const Adjacency& adjacency, std::span<const std::uint32_t> faces, std::uint32_t item,
+               SourceLines& lines, std::vector<Source>& sources, Poll& poll) {
+  if (lines.item_of_face.empty()) {
+    polled_assign(lines.item_of_face, adjacency.faces().size(), kNone, poll);
+  }
+  if (poll.stopped()) return;
+  for (const std::uint32_t f : faces) {
+    if (lines.item_of_face[f] == kNone) lines.item_of_face[f] = item;
+  }
+  std::vector<Halfedge> border;
+  for (const std::uint32_t f : faces) {
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      const Halfedge h = halfedge(f, c);
+      for (Halfedge g = adjacency.ring(h); g != h; g = adjacency.ring(g)) {
+        if (poll.cancelled()) return;
+        if (lines.item_of_face[face_of(g)] != kNone) continue;
+        border.push_back(h);
+        break;
+      }
+    }
+  }
+  constexpr std::size_t kOfEdge = sizeof(LineSegment) + sizeof(Source) + 8 * sizeof(std::uint32_t);
+  if (!poll.may_take(2 * border.size() * kOfEdge)) return;
+  for (const Halfedge h : border) lines.segments.push_back(whole_edge(h, item));
+  // Faces that share no edge with the set may share a vertex. Of a set that is all of a component,
+  // any vertex is a source as well as another.
+  std::unordered_set<std::uint32_t> known;
+  std::vector<bool> seen(adjacency.mesh().vertex_count(), false);
+  for (const std::uint32_t f : faces) {
+    for (const std::uint32_t v : adjacency.face(f).vertex) {
+      if (poll.cancelled()) return;
+      if (seen[v]) continue;
+      seen[v] = true;
+      for (const std::uint32_t corner : adjacency.corners(v)) {
+        if (poll.cancelled()) return;
+        if (lines.item_of_face[face_of(corner)] != kNone) continue;
+        add_end(adjacency, v, item, known, lines, sources);
+        break;
+      }
+    }
+  }
+  if (!known.empty() || faces.empty()) return;
+  add_end(adjacency, adjacency.face(faces.front()).vertex[0], item, known, lines, sources);
+}
+
+}  // namespace geodesic

@@ -1,0 +1,35 @@
+// Lines that a mesh has by itself: its boundary, and the borders of sets of faces.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/cancel.h"
+#include "core/field/field.h"
+#include "core/field/line_waves.h"
+#include "core/surface/adjacency.h"
+
+namespace geodesic {
+
+// Boundary edges in a row, each followed by the one that ends the same fan of faces.
+struct BoundaryLoop {
+  std::vector<Halfedge> edges;
+  double length = 0;      // mesh units
+  bool is_closed = true;  // false where it ends at an edge of three faces or more
+};
+
+// The longest first, and of those as long the one with the lesser source vertex. As many as
+// TopologyReport::boundary_loops. Of no use if the poll says to stop.
+[[nodiscard]] std::vector<BoundaryLoop> boundary_loops(const Adjacency& adjacency, Poll& poll);
+
+// Adds whole edges as lines of an item, and their ends as sources.
+void add_edges(const Adjacency& adjacency, std::span<const Halfedge> edges, std::uint32_t item,
+               SourceLines& lines, std::vector<Source>& sources, Poll& poll);
+
+// Adds faces of an item: at no distance, with the edges between them and other faces as lines.
+// `faces`: ascending. Of a face that two items have, the first has it.
+void add_faces(const Adjacency& adjacency, std::span<const std::uint32_t> faces, std::uint32_t item,
+               SourceLines& lines, std::vector<Source>& sources, Poll& poll);
+
+}  // namespace geodesic

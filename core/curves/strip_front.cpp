@@ -1,0 +1,461 @@
+#include "core/curves/strip_front.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <new>
+#include <numbers>
+#include <queue>
+#include <unordered_map>
+#include <utility>
+
+#include "core/base/polled_fill.h"
+#include "core/base/tolerances.h"
+
+namespace geodesic {
+namespace {
+
+// Of an edge's length: a strip that is so narrow, square to its flow, is a line. What it would
+// bring comes past the vertices at its sides, longer by no more than its width.
+constexpr double kLeastStrip = 1e-13;
+
+// What waits: a strip, or a vertex whose bound is handed to its neighbours.
+struct Waiting {
+  double key;
+  std::uint32_t number;
+  bool is_vertex;
+
+  // The nearest first, and of those as near always the same.
+  friend bool operator<(const Waiting& a, const Waiting& b) {
+    if (a.key != b.key) return a.key > b.key;
+    if (a.is_vertex != b.is_vertex) return b.is_vertex;
+    return a.number > b.number;
+  }
+};
+
+// A side of the face that a strip crosses, from one end of its base to the apex; the part of it
+// that the strip leaves by, and the wave there. `out`: the share of its direction square to the
+// side.
+struct Leaving {
+  Halfedge side;
+  std::uint32_t origin;  // the vertex that the part is counted from
+  double length;
+  double begin;
+  double end;
+  double value;  // at `begin`
+  double along;
+  double out;
+};
+
+class StripFront {
+ public:
+  StripFront(const Adjacency& adjacency, const SourceLines& lines, const StripLimits& limits,
+             Poll& poll)
+      : adjacency_(adjacency), lines_(lines), limits_(limits), poll_(poll) {
+    const std::size_t vertices = adjacency.mesh().vertex_count();
+    polled_assign(bound_, vertices, kUnreached, poll);
+    polled_assign(met_, vertices, kUnreached, poll);
+    polled_assign(met_from_, vertices, kNone, poll);
+  }
+
+  void start(std::span<const Source> sources) {
+    for (const Source& source : sources) {
+      if (source.point.at_vertex()) {
+        lower(source.point.vertex, source.offset);
+        continue;
+      }
+      for (const SurfacePoint& place : in_all_faces(adjacency_, source.point)) {
+        if (poll_.cancelled()) return;
+        for (std::uint32_t c = 0; c < 3; ++c) {
+          lower(adjacency_.face(place.face).vertex[c],
+                source.offset + distance_to_corner(adjacency_.mesh(), place, c));
+        }
+      }
+    }
+    for (std::uint32_t s = 0; s < lines_.segments.size() && !poll_.cancelled(); ++s) {
+      const Halfedge along = lines_.segments[s].along();
+      if (along != kNone) {
+        leave_edge(along, s);
+      } else {
+        leave_within(s);
+      }
+    }
+  }
+
+  // False when there were too many.
+  bool run() {
+    const std::uint64_t vertices = bound_.size();
+    std::uint64_t passed = 0;
+    std::uint64_t settled = 0;
+    while (!queue_.empty() && !poll_.cancelled(settled, vertices)) {
+      const Waiting next = queue_.top();
+      queue_.pop();
+      if (next.is_vertex) {
+        if (next.key == bound_[next.number]) relax(next.number);
+        ++settled;
+        continue;
+      }
+      if (passed++ == limits_.most) return false;
+      pass(next.number);
+    }
+    return true;
+  }
+
+  [[nodiscard]] std::vector<LineStrip> take_strips() { return std::move(strips_); }
+
+  [[nodiscard]] std::vector<MetVertex> met() const {
+    std::vector<MetVertex> vertices;
+    for (std::uint32_t v = 0; v < met_.size() && !poll_.cancelled(); ++v) {
+      // What is farther than along an edge is on no shortest path.
+      if (met_[v] == kUnreached || met_[v] > bound_[v] || met_[v] > limits_.max) continue;
+      vertices.push_back({v, met_[v], lines_.segments[met_from_[v]].item});
+    }
+    return vertices;
+  }
+
+ private:
+  void lower(std::uint32_t vertex, double distance) {
+    if (!(distance < bound_[vertex]) || !(distance <= limits_.max)) return;
+    bound_[vertex] = distance;
+    queue_.push({distance, vertex, true});
+  }
+
+  void meet(std::uint32_t vertex, double distance, std::uint32_t segment) {
+    distance = std::max(distance, 0.0);
+    lower(vertex, distance);
+    if (!(distance < met_[vertex])) return;
+    met_[vertex] = distance;
+    met_from_[vertex] = segment;
+  }
+
+  // A step of Dijkstra's along the edges: bounds for where no strip has come yet.
+  void relax(std::uint32_t vertex) {
+    const auto positions = adjacency_.mesh().positions();
+    for (const std::uint32_t corner : adjacency_.corners(vertex)) {
+      if (poll_.cancelled()) return;
+      const FaceRecord& face = adjacency_.face(face_of(corner));
+      const std::uint32_t c = corner_of(corner);
+      for (const std::uint32_t v : {face.vertex[next_corner(c)], face.vertex[previous_corner(c)]}) {
+        lower(v, bound_[vertex] + distance(positions[vertex], positions[v]));
+      }
+    }
+  }
+
+  // Both ways from a segment along an edge, into all faces there.
+  void leave_edge(Halfedge h, std::uint32_t s) {
+    const LineSegment& segment = lines_.segments[s];
+    const FaceOverEdge over = FaceOverEdge::of(adjacency_, h);
+    const std::uint32_t n = next_corner(corner_of(h));
+    const auto [begin, end] = std::minmax({segment.from[n] * over.base, segment.to[n] * over.base});
+    const Leaving leaving{h, adjacency_.tail(h), over.base, begin, end, 0, 0, 1};
+    enter(h, leaving, kNone, s, 0);
+    enter_across(leaving, kNone, s, 0);
+  }
+
+  // From a segment inside a face to its three sides, both ways.
+  void leave_within(std::uint32_t s) {
+    const LineSegment& segment = lines_.segments[s];
+    const std::uint32_t f = segment.face;
+    if (lines_.has_face(f)) return;
+    const FaceOverEdge over = FaceOverEdge::of(adjacency_, halfedge(f, 0));
+    std::array<BesideSegment, 3> corner{};
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      std::array<double, 3> bary{};
+      bary[c] = 1;
+      corner[c] = beside(over, segment, bary);
+      const double slack = kStripSlack * over.base;
+      if (corner[c].length > 0 && corner[c].along >= -slack &&
+          corner[c].along <= corner[c].length + slack) {
+        meet(adjacency_.face(f).vertex[c], std::abs(corner[c].aside), s);
+      }
+    }
+    const double length = corner[0].length;
+    if (!(length > 0)) return;
+    const std::array<double, 3> sides{over.base, over.right, over.left};
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      const BesideSegment& a = corner[c];
+      const BesideSegment& b = corner[next_corner(c)];
+      for (const double sign : {1.0, -1.0}) {
+        // The part of the side, from 0 to 1, whose foot is on the segment, and that is on this
+        // side.
+        double first = 0;
+        double last = 1;
+        const auto keep_above = [&](double at_a, double at_b, double least) {
+          if (at_a < least && at_b < least) {
+            last = -1;
+          } else if (at_a < least) {
+            first = std::max(first, (least - at_a) / (at_b - at_a));
+          } else if (at_b < least) {
+            last = std::min(last, (at_a - least) / (at_a - at_b));
+          }
+        };
+        keep_above(a.along, b.along, 0);
+        keep_above(-a.along, -b.along, -length);
+        keep_above(sign * a.aside, sign * b.aside, 0);
+        if (!(first < last)) continue;
+        const double side = sides[c];
+        const double along = sign * (b.aside - a.aside) / side;
+        // The face lies on the left of its sides: outwards is to the right.
+        const double out = sign * (a.along - b.along) / side;
+        const double value = sign * (a.aside + first * (b.aside - a.aside));
+        enter_across({halfedge(f, c), adjacency_.face(f).vertex[c], side, first * side, last * side,
+                      std::max(value, 0.0), along, out},
+                     kNone, s, 0);
+      }
+    }
+  }
+
+  void enter_across(const Leaving& leaving, std::uint32_t parent, std::uint32_t segment,
+                    std::uint32_t crossed) {
+    for (Halfedge g = adjacency_.ring(leaving.side); g != leaving.side; g = adjacency_.ring(g)) {
+      if (poll_.cancelled()) return;
+      enter(g, leaving, parent, segment, crossed);
+    }
+  }
+
+  void enter(Halfedge g, const Leaving& leaving, std::uint32_t parent, std::uint32_t segment,
+             std::uint32_t crossed) {
+    if (lines_.has_face(face_of(g)) || crossed > adjacency_.faces().size()) return;
+    const double norm = std::sqrt(leaving.along * leaving.along + leaving.out * leaving.out);
+    if (!(leaving.out > 0) || !(norm > 0)) return;
+    LineStrip strip{
+        leaving.begin, leaving.end, leaving.value, leaving.along / norm, leaving.out / norm, g,
+        parent,        segment,     crossed};
+    if (adjacency_.tail(g) != leaving.origin) {
+      strip.value = strip.at(leaving.end);
+      strip.begin = leaving.length - leaving.end;
+      strip.end = leaving.length - leaving.begin;
+      strip.b = -strip.b;
+    }
+    if (!trim(strip, leaving.length)) return;
+    if (!(strip.least() <= limits_.max)) return;
+    push(strip);
+  }
+
+  // Cuts off what is farther than along the edge from one of its ends. False if nothing is left.
+  [[nodiscard]] bool trim(LineStrip& strip, double length) const {
+    const double at_tail = bound_[adjacency_.tail(strip.into)];
+    const double at_head = bound_[adjacency_.head(strip.into)];
+    const double rounding = tolerance::kSameWay * (length + std::abs(strip.value));
+    const double begin = strip.begin;
+    double end = strip.end;
+    double first = begin;
+    // What the wave gains on the way along the edge in a unit of it, without cancellation.
+    const double square = strip.c * strip.c;
+    const double gain = strip.b > 0 ? square / (1 + strip.b) : 1 - strip.b;
+    const double gain_back = strip.b < 0 ? square / (1 - strip.b) : 1 + strip.b;
+    // strip.at(p) < at_tail + p
+    const double late = strip.value - (at_tail + begin) - rounding;
+    if (late > 0) first = begin + late / gain;
+    // strip.at(p) < at_head + length - p
+    const double early = strip.at(end) - (at_head + length - end) - rounding;
+    if (early > 0) end -= early / gain_back;
+    if (!((end - first) * strip.c > kLeastStrip * length)) return false;
+    strip.value = strip.at(first);
+    strip.begin = first;
+    strip.end = end;
+    return true;
+  }
+
+  void push(const LineStrip& strip) {
+    std::uint32_t number = 0;
+    if (!free_.empty()) {
+      number = free_.back();
+      free_.pop_back();
+      strips_[number] = strip;
+    } else {
+      if (strips_.size() == strips_.capacity()) {
+        const std::size_t more = std::max<std::size_t>(strips_.capacity(), 64);
+        if (strips_.size() >= kMostStrips) throw std::bad_alloc();
+        if (!poll_.may_take(2 * more * (sizeof(LineStrip) + sizeof(Waiting)))) return;
+        strips_.reserve(strips_.size() + more);
+      }
+      number = static_cast<std::uint32_t>(strips_.size());
+      strips_.push_back(strip);
+    }
+    queue_.push({strip.least(), number, false});
+  }
+
+  // What is kept of a strip that came to nothing is nowhere.
+  void drop(std::uint32_t number) {
+    if (limits_.keep_strips) {
+      strips_[number].end = strips_[number].begin - 2 * kNowhere;
+      strips_[number].begin += kNowhere;
+    } else {
+      free_.push_back(number);
+    }
+  }
+
+  void pass(std::uint32_t number) {
+    const FaceOverEdge over = FaceOverEdge::of(adjacency_, strips_[number].into);
+    LineStrip strip = strips_[number];
+    if (!trim(strip, over.base) || !trim_by_earlier(strip, over.base)) return drop(number);
+    strips_[number] = strip;
+    const Halfedge h = strip.into;
+    const std::uint32_t f = face_of(h);
+    const std::uint32_t c = corner_of(h);
+    const double turn = over.apex_y * (strip.b / strip.c);
+    // Where the line of flow through the apex crosses the base, from both of its ends.
+    const double split = over.apex_x - turn;
+    const double split_back = over.apex_back + turn;
+    const auto value_at = [&](double x, double y) {
+      return strip.value + strip.b * (x - strip.begin) + strip.c * y;
+    };
+    const double slack = kStripSlack * over.base;
+    if (strip.begin - slack <= split && split <= strip.end + slack) {
+      meet(adjacency_.apex(h), value_at(over.apex_x, over.apex_y), strip.segment);
+    }
+    const std::uint32_t parent = limits_.keep_strips ? number : kNone;
+    if (strip.begin < split && split > 0) {
+      const double x = over.apex_x / over.left;
+      const double y = over.apex_y / over.left;
+      const double first = std::min(over.left * (strip.begin / split), over.left);
+      const double last =
+          strip.end < split ? std::min(over.left * (strip.end / split), over.left) : over.left;
+      enter_across(
+          {halfedge(f, previous_corner(c)), adjacency_.tail(h), over.left, first, last,
+           value_at(first * x, first * y), strip.b * x + strip.c * y, strip.c * split / over.left},
+          parent, strip.segment, strip.crossed + 1);
+    }
+    if (strip.end > split && split_back > 0) {
+      const double x = -over.apex_back / over.right;
+      const double y = over.apex_y / over.right;
+      const double first =
+          std::min(over.right * ((over.base - strip.end) / split_back), over.right);
+      const double last =
+          strip.begin > split
+              ? std::min(over.right * ((over.base - strip.begin) / split_back), over.right)
+              : over.right;
+      enter_across({halfedge(f, next_corner(c)), adjacency_.head(h), over.right, first, last,
+                    value_at(over.base + first * x, first * y), strip.b * x + strip.c * y,
+                    strip.c * split_back / over.right},
+                   parent, strip.segment, strip.crossed + 1);
+    }
+    if (!limits_.keep_strips) free_.push_back(number);
+  }
+
+  // A strip on an edge, counted from the tail of the edge's first halfedge.
+  struct OnEdge {
+    Halfedge into;
+    double begin;
+    double end;
+    double at_begin;
+    double at_end;
+    [[nodiscard]] double at(double p) const {
+      const double width = end - begin;
+      return width > 0 ? at_begin + (at_end - at_begin) * ((p - begin) / width) : at_begin;
+    }
+  };
+
+  // On an edge of three faces or more: only where none that came before is as near. One into
+  // another face has to be nearer, or the two that one strip becomes beyond the edge would drop
+  // each other.
+  [[nodiscard]] bool trim_by_earlier(LineStrip& strip, double length) {
+    Halfedge first = strip.into;
+    std::uint32_t faces = 0;
+    for (Halfedge g = adjacency_.ring(strip.into);; g = adjacency_.ring(g)) {
+      if (poll_.cancelled()) return false;
+      first = std::min(first, g);
+      ++faces;
+      if (g == strip.into) break;
+    }
+    if (faces < 3) return true;
+    const bool is_mirrored = adjacency_.tail(strip.into) != adjacency_.tail(first);
+    OnEdge own{strip.into, strip.begin, strip.end, strip.value, strip.at(strip.end)};
+    const auto mirror = [&] {
+      if (!is_mirrored) return;
+      own = {own.into, length - own.end, length - own.begin, own.at_end, own.at_begin};
+    };
+    mirror();
+    std::vector<OnEdge>& earlier = on_edge_[first];
+    const double rounding = tolerance::kSameWay * (length + std::abs(strip.value));
+    for (const OnEdge& other : earlier) {
+      if (poll_.cancelled()) return false;
+      const double begin = std::max(own.begin, other.begin);
+      const double end = std::min(own.end, other.end);
+      if (!(begin < end)) continue;
+      const double lead = other.into == own.into ? 0 : rounding;
+      if (other.at(begin) + lead > own.at(begin) || other.at(end) + lead > own.at(end)) continue;
+      const bool at_begin = begin <= own.begin;
+      const bool at_end = end >= own.end;
+      if (at_begin && at_end) return false;
+      // Cut off at an end, never in the middle.
+      if (at_begin) {
+        own = {own.into, end, own.end, own.at(end), own.at_end};
+      } else if (at_end) {
+        own = {own.into, own.begin, begin, own.at_begin, own.at(begin)};
+      }
+      if (!((own.end - own.begin) * strip.c > kLeastStrip * length)) return false;
+    }
+    if (earlier.size() == earlier.capacity()) {
+      if (!poll_.may_take((earlier.size() + 1) * 2 * sizeof(OnEdge))) return false;
+    }
+    earlier.push_back(own);
+    mirror();
+    const double begin = std::max(own.begin, strip.begin);
+    strip.value = strip.at(begin);
+    strip.begin = begin;
+    strip.end = std::min(own.end, strip.end);
+    return strip.begin < strip.end;
+  }
+
+  static constexpr std::size_t kMostStrips = 0xfffffff0U;
+  static constexpr double kNowhere = 1e300;
+
+  const Adjacency& adjacency_;
+  const SourceLines& lines_;
+  const StripLimits& limits_;
+  Poll& poll_;
+  std::vector<double> bound_;  // by vertex: the length of some way there
+  std::vector<double> met_;    // by vertex: the least straight way by a strip
+  std::vector<std::uint32_t> met_from_;
+  std::priority_queue<Waiting> queue_;
+  std::vector<LineStrip> strips_;
+  std::vector<std::uint32_t> free_;
+  std::unordered_map<Halfedge, std::vector<OnEdge>> on_edge_;
+};
+
+// As thin as core/base says that rounding decides.
+bool is_thin(const FaceRecord& face) { return !(face.area2 > tolerance::kThin * face.longest2()); }
+
+}  // namespace
+
+bool may_bend(const Adjacency& adjacency, std::uint32_t vertex, Poll& poll) {
+  if (adjacency.is_pinched(vertex)) return true;
+  double angles = 0;
+  for (const std::uint32_t corner : adjacency.corners(vertex)) {
+    if (poll.cancelled()) return true;
+    const FaceRecord& face = adjacency.face(face_of(corner));
+    const std::uint32_t c = corner_of(corner);
+    if (is_thin(face)) return true;
+    angles += std::atan2(face.area2, face.dot[c]);
+    for (const Halfedge side : {corner, halfedge(face_of(corner), previous_corner(c))}) {
+      // In one other face, neither more nor fewer.
+      const Halfedge across = adjacency.ring(side);
+      if (across == side || adjacency.ring(across) != side) return true;
+    }
+  }
+  return angles > 2 * std::numbers::pi * (1 + tolerance::kSaddle);
+}
+
+Result<StripsOfLines> spread_strips(const Adjacency& adjacency, std::span<const Source> sources,
+                                    std::shared_ptr<const SourceLines> lines,
+                                    const StripLimits& limits, const Cancel& cancel) {
+  Poll poll(cancel, 256);
+  StripFront front(adjacency, *lines, limits, poll);
+  if (poll.stopped()) return fail_stopped(poll);
+  StripsOfLines result;
+  front.start(sources);
+  result.is_complete = front.run();
+  if (poll.stopped()) return fail_stopped(poll);
+  result.met = front.met();
+  std::vector<LineStrip> strips;
+  if (limits.keep_strips) strips = front.take_strips();
+  result.waves = std::make_shared<LineWaves>(adjacency, std::move(lines),
+                                             static_cast<std::uint32_t>(sources.size()),
+                                             std::move(strips), limits.keep_strips, poll);
+  if (poll.stopped()) return fail_stopped(poll);
+  return result;
+}
+
+}  // namespace geodesic

@@ -1,0 +1,57 @@
+#include "core/field/travel_cost.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace geodesic {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+TravelCost::TravelCost(Parts parts) : parts_(std::move(parts)) {
+  parts_.up = 1 / norm(parts_.up) * parts_.up;
+}
+
+double TravelCost::slope_of(Vec3 along) const {
+  const double rise = dot(along, parts_.up);
+  const double run = norm(along - rise * parts_.up);
+  if (rise == 0) return 0;
+  return rise / run;
+}
+
+double TravelCost::rate_at(double slope) const {
+  if (parts_.rate == Rate::none) return 1;
+  if (parts_.rate == Rate::tobler) {
+    constexpr double kSecondsPerMetre = 3.6 / 6;
+    return kSecondsPerMetre * std::exp(3.5 * std::abs(slope + 0.05));
+  }
+  const auto above =
+      std::upper_bound(parts_.table.begin(), parts_.table.end(), slope,
+                       [](double s, const SlopeRate& entry) { return s < entry.slope; });
+  if (above == parts_.table.begin()) return above->rate;
+  const SlopeRate& below = *(above - 1);
+  if (above == parts_.table.end()) return below.rate;
+  const double part = (slope - below.slope) / (above->slope - below.slope);
+  return (1 - part) * below.rate + part * above->rate;
+}
+
+double TravelCost::of_walked(std::uint32_t face, Vec3 from, Vec3 to) const {
+  const Vec3 along = to - from;
+  const double length = norm(along);
+  if (length == 0) return 0;
+  const double flat = weight(face) * length;
+  return parts_.rate == Rate::none ? flat : flat * rate_at(slope_of(along));
+}
+
+double TravelCost::of(std::uint32_t face, Vec3 from, Vec3 to) const {
+  if (parts_.steepest < kInfinite) {
+    const Vec3 along = to - from;
+    if (!(std::abs(slope_of(along)) <= parts_.steepest)) return kInfinite;
+  }
+  return of_walked(face, from, to);
+}
+
+}  // namespace geodesic

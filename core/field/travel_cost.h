@@ -1,0 +1,68 @@
+// What it costs to walk over a surface, where that is not the length: a weight for each face, and a
+// rate that depends on the slope of the segment, up or down.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "core/base/vec3.h"
+
+namespace geodesic {
+
+// What a unit of length costs on ground that rises by `slope` for each unit of length on the map:
+// positive uphill, negative downhill.
+struct SlopeRate {
+  double slope;  // -1e9 to 1e9
+  double rate;   // above 0
+};
+
+// A segment of length l inside face f costs weight(f) * rate(slope) * l. Along an edge that is the
+// least of what its faces ask. The weighted region problem: Mitchell, Papadimitriou, "The weighted
+// region problem: finding shortest paths through a weighted planar subdivision", J. ACM 38, 1991.
+class TravelCost {
+ public:
+  enum class Rate : std::uint8_t {
+    none,    // 1 on every slope
+    table,   // linear between the entries, and beyond the first and the last of them as there
+    tobler,  // seconds a metre, by the hiking function
+  };
+  struct Parts {
+    std::vector<double> weights = {};  // by face, above 0; empty: all are 1
+    Rate rate = Rate::none;
+    std::vector<SlopeRate> table = {};  // ascending, at least one if it is the rate
+    // Steeper segments are not walked, neither up nor down.
+    double steepest = std::numeric_limits<double>::infinity();
+    Vec3 up{0, 1, 0};  // not zero
+  };
+  explicit TravelCost(Parts parts);
+
+  // Of a segment that is walked from `from` to `to`; infinite if it is too steep. Not the same the
+  // other way where the rate depends on the slope.
+  [[nodiscard]] double of(std::uint32_t face, Vec3 from, Vec3 to) const;
+  // The same of what is known to be walked, however steep.
+  [[nodiscard]] double of_walked(std::uint32_t face, Vec3 from, Vec3 to) const;
+
+  [[nodiscard]] double weight(std::uint32_t face) const {
+    return parts_.weights.empty() ? 1 : parts_.weights[face];
+  }
+  [[nodiscard]] bool has_weights() const { return !parts_.weights.empty(); }
+
+  // Of a unit of length on this slope, without the face's weight. W. Tobler, "Three presentations
+  // on geographical analysis and modeling", NCGIA Technical Report 93-1, 1993: one walks
+  // 6 exp(-3.5 |slope + 0.05|) kilometres an hour.
+  [[nodiscard]] double rate_at(double slope) const;
+
+  [[nodiscard]] std::size_t bytes() const {
+    return sizeof(TravelCost) + parts_.weights.capacity() * sizeof(double) +
+           parts_.table.capacity() * sizeof(SlopeRate);
+  }
+
+ private:
+  [[nodiscard]] double slope_of(Vec3 along) const;
+
+  Parts parts_;
+};
+
+}  // namespace geodesic

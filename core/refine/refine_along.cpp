@@ -1,0 +1,356 @@
+#include "core/refine/refine_along.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "core/base/polled_fill.h"
+#include "core/mesh/triangle_soup.h"
+#include "core/refine/refined_numbers.h"
+
+namespace geodesic {
+namespace {
+
+// What a new vertex takes here, about, with the pieces about it.
+constexpr std::uint64_t kBytesOfVertex = 1000;
+
+// Two points of a line in a face of both, by their weights there.
+struct Segment {
+  std::uint32_t line;
+  std::uint32_t first;  // the place in the line of `a`
+  Weights a;
+  Weights b;
+};
+
+struct EdgePlace {
+  std::uint32_t low;  // the edge's vertices
+  std::uint32_t high;
+  double t;  // from low to high
+  friend bool operator<(const EdgePlace& a, const EdgePlace& b) {
+    return std::tie(a.low, a.high, a.t) < std::tie(b.low, b.high, b.t);
+  }
+};
+
+// The same point, with weights that are next to nothing left out.
+SurfacePoint snapped(const Adjacency& adjacency, const SurfacePoint& point) {
+  if (point.at_vertex()) return point;
+  Weights bary = point.bary;
+  for (double& weight : bary) {
+    if (weight < kSnap) weight = 0;
+  }
+  return point_on_face(adjacency, point.face, bary);
+}
+
+// The side on which weights lie, from its corner on; 3 for none, and at a corner.
+std::uint32_t side_under(const Weights& weights) {
+  std::uint32_t zeros = 0;
+  std::uint32_t side = 3;
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    if (weights[(c + 2) % 3] != 0) continue;
+    ++zeros;
+    side = c;
+  }
+  return zeros == 1 ? side : 3;
+}
+
+class Refiner {
+ public:
+  Refiner(const Adjacency& whole, std::span<const SurfacePolyline> lines,
+          std::uint64_t most_vertices, const Cancel& cancel)
+      : whole_(whole),
+        mesh_(whole.mesh()),
+        lines_(lines),
+        most_vertices_(most_vertices),
+        cancel_(cancel),
+        poll_(cancel),
+        chains_(lines.size()) {}
+
+  Result<RefinedMesh> run() {
+    for (std::uint32_t i = 0; i < lines_.size(); ++i) {
+      if (auto placed = place(i); !placed) return fail(std::move(placed.error()));
+    }
+    for (const auto& [face, segments] : faces_) {
+      if (auto split = split_face(face, segments); !split) return fail(std::move(split.error()));
+    }
+    if (poll_.ask()) return fail_stopped(poll_);
+    return assemble();
+  }
+
+ private:
+  // Finds the faces of a line's segments, and the points on edges.
+  Result<void> place(std::uint32_t line) {
+    const SurfacePolyline& points = lines_[line];
+    if (points.empty()) return fail(ErrorCode::value_out_of_range, "a line has no points");
+    chains_[line].resize(std::max<std::size_t>(1, points.size() - 1));
+    SurfacePoint a = snapped(whole_, points.front());
+    if (points.size() == 1 && a.face == kNone) {
+      chains_[line][0] = {a.vertex};
+      return {};
+    }
+    for (std::uint32_t i = 0; i < chains_[line].size(); ++i) {
+      if (poll_.cancelled()) return fail_stopped(poll_);
+      const SurfacePoint b = points.size() == 1 ? a : snapped(whole_, points[i + 1]);
+      const std::uint32_t face = face_in_common(whole_, a, b, poll_);
+      if (poll_.stopped()) return fail_stopped(poll_);
+      if (face == kNone) {
+        return fail(ErrorCode::value_out_of_range, "points " + std::to_string(i) + " and " +
+                                                       std::to_string(i + 1) +
+                                                       " of a line are in no face together");
+      }
+      const Segment segment{line, i, *weights_in_face(whole_, face, a),
+                            *weights_in_face(whole_, face, b)};
+      faces_[face].push_back(segment);
+      for (const Weights& weights : {segment.a, segment.b}) {
+        if (auto noted = note_on_edge(face, weights); !noted) return noted;
+      }
+      a = b;
+    }
+    return {};
+  }
+
+  // A point on an edge is one of all the edge's faces.
+  Result<void> note_on_edge(std::uint32_t face, const Weights& weights) {
+    const std::uint32_t side = side_under(weights);
+    if (side == 3) return {};
+    const EdgePlace edge = on_edge(face, side, weights);
+    if (find_on_edge(edge) != kNone) return {};
+    const Vec3 low = mesh_.positions()[edge.low];
+    const Vec3 high = mesh_.positions()[edge.high];
+    const auto made = add_vertex(low + edge.t * (high - low));
+    if (!made) return fail(made.error());
+    on_edges_.emplace(edge, *made);
+    const Halfedge under = halfedge(face, side);
+    Halfedge h = under;
+    do {
+      if (poll_.cancelled()) return fail_stopped(poll_);
+      faces_[face_of(h)];
+      h = whole_.ring(h);
+    } while (h != under);
+    return {};
+  }
+
+  [[nodiscard]] EdgePlace on_edge(std::uint32_t face, std::uint32_t side,
+                                  const Weights& weights) const {
+    const auto& corners = whole_.face(face).vertex;
+    const std::uint32_t next = next_corner(side);
+    if (corners[side] < corners[next]) return {corners[side], corners[next], weights[next]};
+    return {corners[next], corners[side], weights[side]};
+  }
+
+  // The new vertex there, the nearer of two; kNone if there is none.
+  [[nodiscard]] std::uint32_t find_on_edge(const EdgePlace& edge) const {
+    std::uint32_t found = kNone;
+    double nearest = 0;
+    auto at = on_edges_.lower_bound({edge.low, edge.high, edge.t - kSnap});
+    for (; at != on_edges_.end(); ++at) {
+      const auto& [place, vertex] = *at;
+      if (place.low != edge.low || place.high != edge.high) break;
+      if (place.t > edge.t + kSnap) break;
+      const double off = std::abs(place.t - edge.t);
+      if (found != kNone && off >= nearest) continue;
+      nearest = off;
+      found = vertex;
+    }
+    return found;
+  }
+
+  Result<std::uint32_t> add_vertex(Vec3 position) {
+    if (new_positions_.size() >= most_vertices_) {
+      return fail_limit(ErrorCode::too_large, "lines that cross so many edges split too many faces",
+                        most_vertices_, new_positions_.size() + 1);
+    }
+    if (new_positions_.size() % kAtOnce == 0 && !poll_.may_take(kAtOnce * kBytesOfVertex)) {
+      return fail_stopped(poll_);
+    }
+    new_positions_.push_back(position);
+    return static_cast<std::uint32_t>(mesh_.vertex_count() + new_positions_.size() - 1);
+  }
+
+  Result<void> split_face(std::uint32_t face, const std::vector<Segment>& segments) {
+    FacePieces pieces;
+    const auto& corners = whole_.face(face).vertex;
+    std::vector<std::uint32_t> global(corners.begin(), corners.end());
+    std::map<std::uint32_t, std::uint32_t> local;  // of new vertices on sides
+    for (std::uint32_t side = 0; side < 3; ++side) {
+      const bool forward = corners[side] < corners[next_corner(side)];
+      const std::uint32_t low = std::min(corners[side], corners[next_corner(side)]);
+      const std::uint32_t high = std::max(corners[side], corners[next_corner(side)]);
+      for (auto at = on_edges_.lower_bound({low, high, 0});
+           at != on_edges_.end() && at->first.low == low && at->first.high == high; ++at) {
+        if (poll_.cancelled()) return fail_stopped(poll_);
+        const double t = at->first.t;
+        local[at->second] = pieces.add_on_side(side, forward ? t : 1 - t);
+        global.push_back(at->second);
+      }
+    }
+    const auto point = [&](const Weights& weights) {
+      const std::uint32_t side = side_under(weights);
+      if (side < 3) return local[find_on_edge(on_edge(face, side, weights))];
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        if (weights[next_corner(c)] == 0 && weights[previous_corner(c)] == 0) return c;
+      }
+      return pieces.add_inside(weights, poll_);
+    };
+    std::vector<std::vector<std::uint32_t>> chains(segments.size());
+    // Where the last segment ended, the next one goes on.
+    std::uint32_t end = kNone;
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+      const Segment& segment = segments[i];
+      const bool goes_on = i > 0 && segments[i - 1].line == segment.line &&
+                           segments[i - 1].first + 1 == segment.first;
+      const std::uint32_t begin = goes_on ? end : point(segment.a);
+      end = point(segment.b);
+      chains[i] = pieces.join(begin, end, poll_);
+      if (poll_.ask()) return fail_stopped(poll_);
+      if (auto grown = take_over_points(face, pieces, global); !grown) return grown;
+    }
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+      auto& chain = chains_[segments[i].line][segments[i].first];
+      for (const std::uint32_t p : pieces.with_splits(chains[i])) chain.push_back(global[p]);
+    }
+    if (pieces.triangles().size() == 1) return {};
+    auto& parts = parts_[face];
+    for (const auto& triangle : pieces.triangles()) {
+      Part part;
+      for (std::size_t c = 0; c < 3; ++c) {
+        part.vertices[c] = global[triangle[c]];
+        part.corners[c] = pieces.points()[triangle[c]];
+      }
+      parts.push_back(part);
+    }
+    return {};
+  }
+
+  // Gives the points that a face has got inside numbers of the whole.
+  Result<void> take_over_points(std::uint32_t face, const FacePieces& pieces,
+                                std::vector<std::uint32_t>& global) {
+    const Triangle& t = mesh_.faces()[face];
+    const Vec3 origin = mesh_.positions()[t[0]];
+    while (global.size() < pieces.points().size()) {
+      const Weights& weights = pieces.points()[global.size()];
+      const auto made = add_vertex(origin + weights[1] * (mesh_.positions()[t[1]] - origin) +
+                                   weights[2] * (mesh_.positions()[t[2]] - origin));
+      if (!made) return fail(made.error());
+      global.push_back(*made);
+    }
+    return {};
+  }
+
+  Result<RefinedMesh> assemble() {
+    RefinedSoup soup;
+    std::vector<std::uint32_t> number;  // in the soup
+    polled_assign(number, mesh_.vertex_count() + new_positions_.size(), kNone, poll_);
+    std::uint64_t face_count = mesh_.face_count();
+    for (const auto& [face, parts] : parts_) face_count += parts.size() - 1;
+    if (poll_.stopped() || !soup.reserve(number.size(), face_count, poll_)) {
+      return fail_stopped(poll_);
+    }
+    // In the order of the file, so that a mesh that is not split stays the same.
+    for (std::uint32_t s = 0; s < mesh_.source_vertex_count() && !poll_.cancelled(); ++s) {
+      const std::uint32_t v = mesh_.vertex_of_source()[s];
+      if (v == kNone || mesh_.source_of_vertex(v) != s) continue;
+      number[v] = soup.add_vertex(mesh_.positions()[v], s);
+    }
+    for (std::uint32_t i = 0; i < new_positions_.size() && !poll_.cancelled(); ++i) {
+      number[mesh_.vertex_count() + i] =
+          soup.add_vertex(new_positions_[i], mesh_.source_vertex_count() + i);
+    }
+    for (std::uint32_t s = 0; s < mesh_.source_face_count() && !poll_.cancelled(); ++s) {
+      const std::uint32_t face = mesh_.face_of_source(s);
+      if (face == kNone) continue;
+      const auto parts = parts_.find(face);
+      if (parts == parts_.end()) {
+        const Triangle& t = mesh_.faces()[face];
+        soup.add_face({number[t[0]], number[t[1]], number[t[2]]}, s);
+        continue;
+      }
+      for (const Part& part : parts->second) {
+        soup.add_piece(
+            {number[part.vertices[0]], number[part.vertices[1]], number[part.vertices[2]]}, s,
+            part.corners);
+      }
+    }
+    if (poll_.ask()) return fail_stopped(poll_);
+    auto built = soup.build(mesh_, cancel_);
+    if (!built) return fail(std::move(built.error()));
+    RefinedMesh refined{std::move(built->mesh), std::move(built->refinement), {}};
+    for (const auto& segments : chains_) {
+      auto& chain = refined.chains.emplace_back();
+      for (const auto& segment : segments) {
+        for (const std::uint32_t id : segment) {
+          if (poll_.cancelled()) return fail_stopped(poll_);
+          const std::uint32_t v = built->vertex_of_soup[number[id]];
+          if (chain.empty() || chain.back() != v) chain.push_back(v);
+        }
+      }
+    }
+    return refined;
+  }
+
+  struct Part {
+    Triangle vertices;
+    std::array<Weights, 3> corners;
+  };
+  static constexpr std::size_t kAtOnce = 1024;
+
+  const Adjacency& whole_;
+  const Mesh& mesh_;
+  std::span<const SurfacePolyline> lines_;
+  std::uint64_t most_vertices_;
+  const Cancel& cancel_;
+  Poll poll_;
+  std::map<std::uint32_t, std::vector<Segment>> faces_;
+  std::map<EdgePlace, std::uint32_t> on_edges_;
+  std::vector<Vec3> new_positions_;  // of vertices from the whole's vertex_count() on
+  std::map<std::uint32_t, std::vector<Part>> parts_;
+  std::vector<std::vector<std::vector<std::uint32_t>>> chains_;  // by line and segment
+};
+
+}  // namespace
+
+std::optional<Weights> weights_in_face(const Adjacency& adjacency, std::uint32_t face,
+                                       const SurfacePoint& point) {
+  const auto& corners = adjacency.face(face).vertex;
+  if (point.face == face && !point.at_vertex()) return point.bary;
+  Weights weights{0, 0, 0};
+  const auto put = [&](std::uint32_t vertex, double weight) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (corners[c] == vertex) return weights[c] = weight, true;
+    }
+    return false;
+  };
+  if (point.at_vertex()) return put(point.vertex, 1) ? std::optional(weights) : std::nullopt;
+  if (edge_under(point) == kNone) return std::nullopt;
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (point.bary[c] == 0) continue;
+    if (!put(adjacency.face(point.face).vertex[c], point.bary[c])) return std::nullopt;
+  }
+  return weights;
+}
+
+std::uint32_t face_in_common(const Adjacency& adjacency, const SurfacePoint& a,
+                             const SurfacePoint& b, Poll& poll) {
+  for (const std::uint32_t face : {a.face, b.face}) {
+    if (face != kNone && weights_in_face(adjacency, face, a) &&
+        weights_in_face(adjacency, face, b)) {
+      return face;
+    }
+  }
+  for (const SurfacePoint& there : in_all_faces(adjacency, a)) {
+    if (poll.cancelled()) return kNone;
+    if (weights_in_face(adjacency, there.face, b)) return there.face;
+  }
+  return kNone;
+}
+
+Result<RefinedMesh> refine_along(const Adjacency& whole, std::span<const SurfacePolyline> lines,
+                                 std::uint64_t most_vertices, const Cancel& cancel) {
+  return Refiner(whole, lines, most_vertices, cancel).run();
+}
+
+}  // namespace geodesic

@@ -1,0 +1,145 @@
+#include "core/solve/solve_from_lines.h"
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "core/base/tolerances.h"
+#include "core/curves/strip_front.h"
+#include "core/paths/arrive_at_point.h"
+#include "core/paths/join_paths.h"
+#include "core/paths/path_over_strips.h"
+
+namespace geodesic {
+namespace {
+
+// Of methods that are not exact.
+constexpr std::uint64_t kStripsAFace = 8;
+// Of `auto`, which goes by windows here: waves that are traced back go out from a point each. The
+// part by which a distance may be above the shortest.
+constexpr double kTolerance = 1e-3;
+
+// A vertex that becomes a source.
+void add_source(const Adjacency& adjacency, const MetVertex& met, std::vector<Source>& sources,
+                LineWaves& waves) {
+  sources.push_back({point_at_vertex(adjacency, met.vertex), met.distance});
+  waves.add_item(met.item);
+}
+
+// The vertices of faces that are sources, at no distance.
+std::vector<MetVertex> vertices_within(const Adjacency& adjacency, const SourceLines& lines,
+                                       Poll& poll) {
+  std::vector<MetVertex> within;
+  if (lines.item_of_face.empty()) return within;
+  for (std::uint32_t v = 0; v < adjacency.mesh().vertex_count() && !poll.cancelled(); ++v) {
+    for (const std::uint32_t corner : adjacency.corners(v)) {
+      const std::uint32_t item = lines.item_of_face[face_of(corner)];
+      if (item == kNone) continue;
+      within.push_back({v, 0, item});
+      break;
+    }
+  }
+  return within;
+}
+
+// An upper bound stays one: what rounding may have taken off is added.
+double not_below(double distance, double extent) {
+  return distance == 0 ? 0 : distance + tolerance::kWindows * (distance + extent);
+}
+
+// Takes the vertices into a field of doubles that is done, as sources.
+void lower_to(const Adjacency& adjacency, const std::vector<MetVertex>& met, Field& field,
+              LineWaves& waves, Poll& poll) {
+  if (field.nearest_source.empty()) {
+    for (std::size_t v = 0; v < field.distance.size(); ++v) {
+      if (poll.cancelled()) return;
+      field.nearest_source.push_back(field.distance[v] == kUnreached ? kNone : 0);
+    }
+  }
+  std::vector<double>& distance = field.distance.doubles();
+  for (const MetVertex& vertex : met) {
+    if (poll.cancelled()) return;
+    if (!(vertex.distance < distance[vertex.vertex])) continue;
+    distance[vertex.vertex] = vertex.distance;
+    field.nearest_source[vertex.vertex] = static_cast<std::uint32_t>(field.sources.size());
+    add_source(adjacency, vertex, field.sources, waves);
+  }
+}
+
+}  // namespace
+
+Result<Field> solve_from_lines(Method method, const MethodOptions& options,
+                               const Adjacency& adjacency, std::span<const Source> sources,
+                               std::shared_ptr<const SourceLines> lines, const FieldLimits& limits,
+                               SolveScratch& scratch, const Cancel& cancel) {
+  const MethodTraits traits = traits_of(method);
+  StripLimits strips;
+  strips.max = limits.max;
+  strips.keep_strips = limits.keep_details;
+  if (!traits.has_windows) strips.most = kStripsAFace * adjacency.faces().size();
+  MethodOptions taken = options;
+  if (method == Method::back_traced && !options.error_at_most) taken.error_at_most = kTolerance;
+  constexpr double kStripsPart = 0.5;
+  auto spread = spread_strips(adjacency, sources, lines, strips, cancel);
+  if (!spread) return fail(std::move(spread.error()));
+  cancel.report(kStripsPart);
+
+  Poll poll(cancel);
+  LineWaves& waves = *spread->waves;
+  std::vector<MetVertex> within = vertices_within(adjacency, *lines, poll);
+  const bool is_bound = options.bound == Bound::upper || options.error_at_most;
+  const Box& box = adjacency.mesh().box();
+  const double extent = norm(box.max - box.min);
+  const std::uint64_t most = sources.size() + spread->met.size() + within.size();
+  if (!poll.may_take(2 * most * sizeof(Source))) return fail_stopped(poll);
+  std::vector<Source> all(sources.begin(), sources.end());
+  for (MetVertex& met : spread->met) {
+    if (poll.cancelled()) return fail_stopped(poll);
+    if (is_bound) met.distance = not_below(met.distance, extent);
+    // Where strips have ended for there were too many, their vertices go on as points.
+    if (!spread->is_complete || may_bend(adjacency, met.vertex, poll)) {
+      add_source(adjacency, met, all, waves);
+    }
+  }
+  FieldLimits whole = limits;
+  whole.targets = {};
+  whole.detour = {};
+  auto field =
+      solve_field(method, taken, adjacency, all, whole, scratch, cancel.part(kStripsPart, 1));
+  if (!field) return field;
+  field->bound = is_bound ? Bound::upper : Bound::none;
+  lower_to(adjacency, spread->met, *field, waves, poll);
+  lower_to(adjacency, within, *field, waves, poll);
+  if (poll.stopped()) return fail_stopped(poll);
+  field->count_reached();
+  field->lines = std::move(spread->waves);
+  return field;
+}
+
+Result<std::optional<Path>> path_from_lines(const Adjacency& adjacency, const Field& field,
+                                            const SurfacePoint& target, PathWork work,
+                                            const Cancel& cancel) {
+  if (!field.lines) return path_through(adjacency, field, target, work, cancel);
+  Poll poll(cancel);
+  const PointArrivals arrivals(adjacency, field, &poll);
+  const double round = arrivals.distance_at(target);
+  const LineArrival straight = field.lines->arrive(adjacency, target, &poll);
+  if (poll.stopped()) return fail_stopped(poll);
+  if (straight.distance < kUnreached && straight.distance <= round * (1 + tolerance::kSameWay)) {
+    return path_over_strips(adjacency, *field.lines, straight, poll);
+  }
+  auto path = path_through(adjacency, field, target, work, cancel);
+  if (!path || !*path) return path;
+  const std::uint32_t source = (*path)->source;
+  if (source < field.lines->given()) return path;
+  const SurfacePoint& bend = field.sources[source].point;
+  const LineArrival start = field.lines->arrive(adjacency, bend, &poll);
+  if (poll.stopped()) return fail_stopped(poll);
+  if (start.distance == kUnreached) return path;
+  auto first = path_over_strips(adjacency, *field.lines, start, poll);
+  if (!first || !*first) return first;
+  const std::array<Path, 2> both{std::move(**first), std::move(**path)};
+  return std::optional(join_paths(both));
+}
+
+}  // namespace geodesic

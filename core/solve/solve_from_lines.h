@@ -1,0 +1,44 @@
+// The distance field from lines and faces besides points, by any method.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/field/field.h"
+#include "core/field/line_waves.h"
+#include "core/paths/path.h"
+#include "core/solve/solve_field.h"
+#include "core/straighten/refine_path.h"
+#include "core/surface/adjacency.h"
+
+namespace geodesic {
+
+// What leaves the lines straight is exact by every method (curves/strip_front.h). What bends, at
+// the ends of lines and at vertices, is as exact as the method is: by `exact` and `chen_han` all of
+// it, but for rounding. `back_traced` without a tolerance takes one of 0.1 %, by windows. But for
+// the first two, strips end once there have been 8 a face, and the vertices that they have met go
+// on as points. `wavefront` and `novotni` have a wave for each point: on large surfaces they are
+// slow.
+//
+// `sources` are points, among them the ends of all segments; lines->item_of_source says of each
+// what it belongs to. The field is whole, up to limits.max, whatever targets there are.
+// Errors: as solve_field; too_much_memory.
+[[nodiscard]] Result<Field> solve_from_lines(Method method, const MethodOptions& options,
+                                             const Adjacency& adjacency,
+                                             std::span<const Source> sources,
+                                             std::shared_ptr<const SourceLines> lines,
+                                             const FieldLimits& limits, SolveScratch& scratch,
+                                             const Cancel& cancel);
+
+// The path from the nearest place on the lines, or the nearest source, to the target; nothing where
+// there is none. It starts at the foot of the perpendicular, or at an end. The field has details;
+// where it has no lines, this is path_through. Errors: cancelled.
+[[nodiscard]] Result<std::optional<Path>> path_from_lines(const Adjacency& adjacency,
+                                                          const Field& field,
+                                                          const SurfacePoint& target, PathWork work,
+                                                          const Cancel& cancel);
+
+}  // namespace geodesic

@@ -1,0 +1,139 @@
+// Fields from lines, and curves on planes that are held against closed forms.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "core/curves/source_lines.h"
+#include "core/mesh/shapes.h"
+#include "core/paths/arrive_at_point.h"
+#include "core/solve/curve_lines.h"
+#include "core/solve/distance_at_point.h"
+#include "core/solve/solve_from_lines.h"
+#include "tests/fixtures/surface.h"
+#include "tests/fixtures/test_seed.h"
+
+namespace geodesic::fixtures {
+
+constexpr std::size_t kManyPieces = 1'000'000;
+
+class LineQuestion {
+ public:
+  explicit LineQuestion(const Surface& surface) : surface_(surface) {}
+
+  double curve(const std::vector<SurfacePoint>& points, bool is_closed) {
+    const auto length = add_curve(surface_.adjacency(), points, is_closed, items_++, kManyPieces,
+                                  lines_, sources_, scratch_, Cancel());
+    REQUIRE(length);
+    return *length;
+  }
+  void boundary() {
+    Poll poll(cancel_);
+    for (const BoundaryLoop& loop : boundary_loops(surface_.adjacency(), poll)) {
+      add_edges(surface_.adjacency(), loop.edges, items_, lines_, sources_, poll);
+    }
+    ++items_;
+  }
+  void loop(const BoundaryLoop& of) {
+    Poll poll(cancel_);
+    add_edges(surface_.adjacency(), of.edges, items_++, lines_, sources_, poll);
+  }
+  void faces(const std::vector<std::uint32_t>& of) {
+    Poll poll(cancel_);
+    add_faces(surface_.adjacency(), of, items_++, lines_, sources_, poll);
+  }
+  void point(const SurfacePoint& at) {
+    sources_.push_back({at, 0});
+    lines_.item_of_source.push_back(items_++);
+  }
+
+  [[nodiscard]] Field field(Method method, FieldLimits limits = {}) {
+    auto found =
+        solve_from_lines(method, {}, surface_.adjacency(), sources_,
+                         std::make_shared<const SourceLines>(lines_), limits, scratch_, cancel_);
+    REQUIRE(found);
+    return std::move(*found);
+  }
+  [[nodiscard]] double at(const Field& field, const SurfacePoint& point) const {
+    const PointArrivals arrivals(surface_.adjacency(), field);
+    const auto found = distance_at_point(surface_.adjacency(), field, arrivals, point, cancel_);
+    REQUIRE(found);
+    return *found;
+  }
+  [[nodiscard]] std::optional<Path> path(const Field& field, const SurfacePoint& to) const {
+    auto found = path_from_lines(surface_.adjacency(), field, to, PathWork::traced, cancel_);
+    REQUIRE(found);
+    return std::move(*found);
+  }
+  [[nodiscard]] const std::vector<Source>& sources() const { return sources_; }
+  [[nodiscard]] const SourceLines& lines() const { return lines_; }
+
+ private:
+  const Surface& surface_;
+  Cancel cancel_;
+  SourceLines lines_;
+  std::vector<Source> sources_;
+  SolveScratch scratch_;
+  std::uint32_t items_ = 0;
+};
+
+// A point of some face, in its middle, on one of its sides or at a corner.
+inline SurfacePoint some_point(const Surface& surface, std::mt19937& random) {
+  const auto f = static_cast<std::uint32_t>(random() % surface.mesh().face_count());
+  const auto unit = [&] { return 0.01 + 0.98 * (random() / 4294967296.0); };
+  std::array<double, 3> bary{unit(), unit(), unit()};
+  if (random() % 4 == 0) bary[random() % 3] = 0;
+  if (random() % 4 == 0)
+    return point_at_vertex(surface.adjacency(), surface.adjacency().face(f).vertex[random() % 3]);
+  return point_on_face(surface.adjacency(), f, bary);
+}
+
+inline double to_segment(Vec3 p, Vec3 a, Vec3 b) {
+  const Vec3 ahead = b - a;
+  const double square = dot(ahead, ahead);
+  const double part = square > 0 ? std::clamp(dot(p - a, ahead) / square, 0.0, 1.0) : 0;
+  return norm(p - (a + part * ahead));
+}
+
+inline double to_polyline(Vec3 p, const std::vector<Vec3>& line, bool is_closed) {
+  double least = norm(p - line.front());
+  for (std::size_t i = 0; i + 1 < line.size() + (is_closed ? 1 : 0); ++i) {
+    least = std::min(least, to_segment(p, line[i], line[(i + 1) % line.size()]));
+  }
+  return least;
+}
+
+// A rectangle cut into random triangles, turned in space.
+inline TriangleSoup turned_plane(std::uint32_t columns, std::uint32_t rows, std::mt19937& random) {
+  TriangleSoup soup = shapes::plane(columns, rows);
+  const auto unit = [&] { return random() / 4294967296.0 - 0.5; };
+  const auto on_edge = [&](Vec3 p) {
+    double least_x = 1e9, most_x = -1e9, least_y = 1e9, most_y = -1e9;
+    for (const Vec3 q : soup.positions) {
+      least_x = std::min(least_x, q.x), most_x = std::max(most_x, q.x);
+      least_y = std::min(least_y, q.y), most_y = std::max(most_y, q.y);
+    }
+    return p.x == least_x || p.x == most_x || p.y == least_y || p.y == most_y;
+  };
+  std::vector<Vec3> moved = soup.positions;
+  for (Vec3& p : moved) {
+    if (!on_edge(p)) p = p + Vec3{0.5 * unit(), 0.5 * unit(), 0};
+  }
+  const double a = 6 * unit();
+  const double b = 6 * unit();
+  for (Vec3& p : moved) {
+    const Vec3 q{std::cos(a) * p.x - std::sin(a) * p.y, std::sin(a) * p.x + std::cos(a) * p.y, 0};
+    p = {q.x + 3, std::cos(b) * q.y - 1, std::sin(b) * q.y};
+  }
+  soup.positions = std::move(moved);
+  return soup;
+}
+
+}  // namespace geodesic::fixtures

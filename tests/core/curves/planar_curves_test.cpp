@@ -1,0 +1,130 @@
+// Distances from curves in a plane, where their closed form is known.
+#include <doctest/doctest.h>
+
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "tests/core/curves/curve_fixtures.h"
+
+using namespace geodesic;
+using fixtures::LineQuestion;
+using fixtures::some_point;
+using fixtures::Surface;
+using fixtures::test_seed;
+using fixtures::to_polyline;
+using fixtures::turned_plane;
+
+namespace {
+
+constexpr double kExact = 1e-9;
+
+struct PlaneAndCurve {
+  Surface surface;
+  std::vector<SurfacePoint> points;
+  std::vector<Vec3> line;
+  bool is_closed;
+};
+
+PlaneAndCurve some_curve(std::mt19937& random) {
+  PlaneAndCurve made{
+      Surface(turned_plane(6 + random() % 8, 5 + random() % 8, random)), {}, {}, random() % 2 == 0};
+  const std::size_t count = 2 + random() % 4;
+  for (std::size_t i = 0; i < count; ++i) {
+    made.points.push_back(some_point(made.surface, random));
+    made.line.push_back(position_of(made.surface.mesh(), made.points.back()));
+  }
+  return made;
+}
+
+}  // namespace
+
+TEST_CASE("PlanarCurvesHaveTheDistancesOfTheClosedForm") {
+  std::mt19937 random(test_seed());
+  for (int round = 0; round < 20; ++round) {
+    CAPTURE(round);
+    const PlaneAndCurve made = some_curve(random);
+    LineQuestion question(made.surface);
+    const double length = question.curve(made.points, made.is_closed);
+    double sum = 0;
+    for (std::size_t i = 0; i + 1 < made.line.size() + (made.is_closed ? 1 : 0); ++i) {
+      sum += norm(made.line[(i + 1) % made.line.size()] - made.line[i]);
+    }
+    CHECK(length == doctest::Approx(sum).epsilon(kExact));
+    for (const Method method : {Method::exact, Method::chen_han}) {
+      const Field field = question.field(method);
+      CHECK(field.reached == made.surface.mesh().vertex_count());
+      double worst = 0;
+      for (std::uint32_t v = 0; v < made.surface.mesh().vertex_count(); ++v) {
+        const double wanted =
+            to_polyline(made.surface.mesh().positions()[v], made.line, made.is_closed);
+        worst = std::max(worst, std::abs(field.distance[v] - wanted));
+      }
+      for (int i = 0; i < 60; ++i) {
+        const SurfacePoint point = some_point(made.surface, random);
+        const Vec3 position = position_of(made.surface.mesh(), point);
+        const double wanted = to_polyline(position, made.line, made.is_closed);
+        worst = std::max(worst, std::abs(question.at(field, point) - wanted));
+        const auto path = question.path(field, point);
+        REQUIRE(path);
+        CHECK(std::abs(path->length - wanted) < kExact);
+        CHECK(norm(path->points.back().position - position) < kExact);
+        CHECK(to_polyline(path->points.front().position, made.line, made.is_closed) < kExact);
+      }
+      CHECK(worst < kExact);
+    }
+  }
+}
+
+TEST_CASE("PlanarCurvesByOtherMethodsAreNear") {
+  std::mt19937 random(test_seed() + 1);
+  for (int round = 0; round < 12; ++round) {
+    CAPTURE(round);
+    const PlaneAndCurve made = some_curve(random);
+    LineQuestion question(made.surface);
+    (void)question.curve(made.points, made.is_closed);
+    for (const Method method : {Method::back_traced, Method::wavefront, Method::novotni,
+                                Method::fast_marching, Method::dijkstra, Method::steiner}) {
+      CAPTURE(int(method));
+      const Field field = question.field(method);
+      for (std::uint32_t v = 0; v < made.surface.mesh().vertex_count(); ++v) {
+        const double wanted =
+            to_polyline(made.surface.mesh().positions()[v], made.line, made.is_closed);
+        CHECK(field.distance[v] > wanted - 1e-3 * (1 + wanted));
+        // Edges are about one long. Beyond the ends of the line and between its corners these
+        // methods have their own errors, the greatest next to a source inside a face.
+        const bool is_coarse = method == Method::dijkstra || method == Method::fast_marching;
+        CHECK(field.distance[v] < (is_coarse ? 1.45 * wanted + 1 : 1.1 * wanted + 0.5));
+      }
+    }
+  }
+}
+
+TEST_CASE("PlanarBoundariesAreAsFarAsTheNearestSide") {
+  std::mt19937 random(test_seed() + 2);
+  const Surface surface(turned_plane(9, 7, random));
+  LineQuestion question(surface);
+  question.boundary();
+  // The corners of the rectangle are the ends of its longest diagonals.
+  std::vector<Vec3> corners;
+  const auto positions = surface.mesh().positions();
+  for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+    double angles = 0;
+    for (const std::uint32_t corner : surface.adjacency().corners(v)) {
+      const FaceRecord& face = surface.adjacency().face(face_of(corner));
+      angles += std::atan2(face.area2, face.dot[corner_of(corner)]);
+    }
+    if (angles < 0.51 * std::numbers::pi) corners.push_back(positions[v]);
+  }
+  REQUIRE(corners.size() == 4);
+  // In a ring: the one that is opposite the first goes third.
+  std::sort(corners.begin() + 1, corners.end(),
+            [&](Vec3 a, Vec3 b) { return norm(a - corners[0]) < norm(b - corners[0]); });
+  std::swap(corners[2], corners[3]);
+  const Field field = question.field(Method::exact);
+  for (int i = 0; i < 300; ++i) {
+    const SurfacePoint point = some_point(surface, random);
+    const double wanted = to_polyline(position_of(surface.mesh(), point), corners, true);
+    CHECK(std::abs(question.at(field, point) - wanted) < kExact);
+  }
+}

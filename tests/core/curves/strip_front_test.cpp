@@ -1,0 +1,278 @@
+// Distances from lines on any surface, against points as dense as they please and each other.
+#include "core/curves/strip_front.h"
+
+#include <doctest/doctest.h>
+
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "tests/core/curves/curve_fixtures.h"
+#include "tests/fixtures/awkward_meshes.h"
+#include "tests/fixtures/faces_thrown_together.h"
+#include "tests/fixtures/random_meshes.h"
+
+using namespace geodesic;
+using fixtures::LineQuestion;
+using fixtures::RandomMesh;
+using fixtures::some_point;
+using fixtures::Surface;
+using fixtures::test_seed;
+
+namespace {
+
+// Lines of some kind, with points as dense as `spacing` on all of them.
+struct DensePoints {
+  std::vector<Source> sources;
+  double spacing = 0;
+};
+
+DensePoints dense_points(const Surface& surface, const SourceLines& lines,
+                         const std::vector<Source>& ends, int parts) {
+  DensePoints dense{ends, 0};
+  for (const LineSegment& segment : lines.segments) {
+    const auto at = [&](double part) {
+      std::array<double, 3> bary{};
+      for (std::size_t c = 0; c < 3; ++c) {
+        bary[c] = segment.from[c] + part * (segment.to[c] - segment.from[c]);
+      }
+      return point_on_face(surface.adjacency(), segment.face, bary);
+    };
+    for (int i = 1; i < parts; ++i) dense.sources.push_back({at(double(i) / parts), 0});
+    dense.spacing = std::max(
+        dense.spacing,
+        norm(position_of(surface.mesh(), at(0)) - position_of(surface.mesh(), at(1))) / parts);
+  }
+  return dense;
+}
+
+void ask_some_lines(const Surface& surface, std::mt19937& random, LineQuestion& question) {
+  const auto faces = static_cast<std::uint32_t>(surface.mesh().face_count());
+  switch (random() % 4) {
+    case 0:
+      if (surface.adjacency().report().edges_boundary > 0) return question.boundary();
+      [[fallthrough]];
+    case 1: {
+      std::vector<std::uint32_t> set;
+      const std::uint32_t first = random() % faces;
+      for (std::uint32_t f = first; f < std::min(faces, first + 1 + faces / 8); ++f) {
+        set.push_back(f);
+      }
+      return question.faces(set);
+    }
+    default: {
+      // Along a path between two places of one piece.
+      const SurfacePoint from = some_point(surface, random);
+      const Field field = surface.field_by(Method::exact, {Source{from, 0}});
+      for (int tries = 0; tries < 50; ++tries) {
+        const SurfacePoint to = some_point(surface, random);
+        if (!surface.path(field, to)) continue;
+        (void)question.curve({from, to}, random() % 2 == 0);
+        return;
+      }
+      question.point(from);
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("LinesAreTheLimitOfDensePoints") {
+  std::mt19937 random(test_seed());
+  for (int round = 0; round < 12; ++round) {
+    CAPTURE(round);
+    RandomMesh mesh(random());
+    const Surface surface(mesh.soup());
+    LineQuestion question(surface);
+    ask_some_lines(surface, random, question);
+    const Field exact = question.field(Method::exact);
+    const Field other = question.field(Method::chen_han);
+    const Field ends = surface.field_by(Method::exact, question.sources());
+    const DensePoints dense = dense_points(surface, question.lines(), question.sources(), 16);
+    const Field limit = surface.field_by(Method::exact, dense.sources);
+    const double size = norm(surface.mesh().box().max - surface.mesh().box().min);
+    const double rounding = 1e-9 * size;
+    for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+      CAPTURE(v);
+      if (ends.distance[v] == kUnreached) {
+        // All of another component may be a source.
+        CHECK((exact.distance[v] == kUnreached || exact.distance[v] == 0));
+        continue;
+      }
+      CHECK(std::abs(exact.distance[v] - other.distance[v]) <= rounding);
+      CHECK(exact.distance[v] <= ends.distance[v] + rounding);
+      CHECK(exact.distance[v] <= limit.distance[v] + rounding);
+      // A set has no points within.
+      if (question.lines().item_of_face.empty()) {
+        CHECK(exact.distance[v] >= limit.distance[v] - dense.spacing / 2 - rounding);
+      }
+    }
+    const auto positions = surface.mesh().positions();
+    for (const FaceRecord& face : surface.adjacency().faces()) {
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        const std::uint32_t a = face.vertex[c];
+        const std::uint32_t b = face.vertex[next_corner(c)];
+        if (exact.distance[a] == kUnreached) continue;
+        CHECK(exact.distance[a] <=
+              exact.distance[b] + norm(positions[a] - positions[b]) + rounding);
+      }
+    }
+  }
+}
+
+TEST_CASE("PointsInFacesAndPathsAgreeWithTheLimitOfDensePoints") {
+  std::mt19937 random(test_seed() + 1);
+  for (int round = 0; round < 8; ++round) {
+    CAPTURE(round);
+    RandomMesh mesh(random());
+    const Surface surface(mesh.soup());
+    LineQuestion question(surface);
+    ask_some_lines(surface, random, question);
+    const Field exact = question.field(Method::exact);
+    const Field other = question.field(Method::chen_han);
+    const DensePoints dense = dense_points(surface, question.lines(), question.sources(), 12);
+    const Field limit = surface.field_by(Method::exact, dense.sources);
+    const PointArrivals arrivals(surface.adjacency(), limit);
+    const double size = norm(surface.mesh().box().max - surface.mesh().box().min);
+    const double rounding = 1e-9 * size;
+    for (int i = 0; i < 40; ++i) {
+      const SurfacePoint point = some_point(surface, random);
+      const double distance = question.at(exact, point);
+      const double above = arrivals.distance_at(point);
+      if (above == kUnreached) continue;
+      CHECK(distance <= above + rounding);
+      CHECK(std::abs(distance - question.at(other, point)) <= rounding);
+      if (question.lines().item_of_face.empty()) {
+        CHECK(distance >= above - dense.spacing / 2 - rounding);
+      }
+      const auto path = question.path(exact, point);
+      REQUIRE(path);
+      CHECK(std::abs(path->length - distance) <= 10 * rounding);
+      const double start = question.at(exact, path->points.front().point);
+      CHECK(start <= rounding);
+    }
+  }
+}
+
+TEST_CASE("TheRingOfACylinderIsAsFarAsItsHeight") {
+  constexpr std::uint32_t kColumns = 17;
+  constexpr std::uint32_t kRows = 9;
+  TriangleSoup soup;
+  for (std::uint32_t j = 0; j < kRows; ++j) {
+    for (std::uint32_t i = 0; i < kColumns; ++i) {
+      const double turn = 2 * std::numbers::pi * i / kColumns;
+      soup.positions.push_back({2 * std::cos(turn), 2 * std::sin(turn), 0.7 * j});
+      if (j == 0) continue;
+      const std::uint32_t ahead = (i + 1) % kColumns;
+      const std::uint32_t below = (j - 1) * kColumns;
+      soup.faces.push_back({below + i, below + ahead, below + kColumns + ahead});
+      soup.faces.push_back({below + i, below + kColumns + ahead, below + kColumns + i});
+    }
+  }
+  const Surface surface(soup);
+  const Cancel never;
+  Poll poll(never);
+  const auto loops = boundary_loops(surface.adjacency(), poll);
+  REQUIRE(loops.size() == 2);
+  CHECK(loops[0].is_closed);
+  CHECK(loops[0].edges.size() == kColumns);
+  CHECK(loops[0].length == doctest::Approx(loops[1].length));
+  LineQuestion question(surface);
+  question.loop(loops[0]);
+  const double of_ring = surface.mesh().positions()[surface.adjacency().tail(loops[0].edges[0])].z;
+  const Field field = question.field(Method::exact);
+  for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+    const double up = std::abs(surface.mesh().positions()[v].z - of_ring);
+    CHECK(std::abs(field.distance[v] - up) <= 1e-12);
+  }
+}
+
+// Faces thrown together share edges as they please: strips branch at each of them.
+TEST_CASE("LinesOnAwkwardMeshesAgreeByBothExactMethods") {
+  std::mt19937 random(test_seed() + 2);
+  std::vector<TriangleSoup> soups;
+  for (auto& awkward : fixtures::awkward_meshes()) soups.push_back(std::move(awkward.soup));
+  for (int i = 0; i < 10; ++i) soups.push_back(fixtures::faces_thrown_together(random, 30));
+  for (std::size_t i = 0; i < soups.size(); ++i) {
+    CAPTURE(i);
+    const Surface surface(soups[i]);
+    LineQuestion question(surface);
+    ask_some_lines(surface, random, question);
+    const Field exact = question.field(Method::exact);
+    const Field other = question.field(Method::chen_han);
+    const DensePoints dense = dense_points(surface, question.lines(), question.sources(), 12);
+    const Field limit = surface.field_by(Method::exact, dense.sources);
+    const double size = norm(surface.mesh().box().max - surface.mesh().box().min);
+    for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+      if (limit.distance[v] == kUnreached) continue;
+      CHECK(std::abs(exact.distance[v] - other.distance[v]) <= 1e-8 * size);
+      CHECK(exact.distance[v] <= limit.distance[v] + 1e-8 * size);
+      if (question.lines().item_of_face.empty()) {
+        CHECK(exact.distance[v] >= limit.distance[v] - dense.spacing / 2 - 1e-8 * size);
+      }
+    }
+  }
+}
+
+TEST_CASE("AFieldFromLinesEndsAtItsMax") {
+  std::mt19937 random(test_seed() + 3);
+  const Surface surface(shapes::terrain(9, 3, test_seed()));
+  LineQuestion question(surface);
+  question.boundary();
+  const Field whole = question.field(Method::exact);
+  FieldLimits limits;
+  limits.max = whole.max / 2;
+  for (const Method method : {Method::exact, Method::chen_han, Method::back_traced}) {
+    const Field part = question.field(method, limits);
+    CHECK(part.max <= limits.max);
+    for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+      if (part.distance[v] == kUnreached) {
+        CHECK(whole.distance[v] > limits.max * (1 - 1e-2));
+      } else {
+        CHECK(part.distance[v] == doctest::Approx(whole.distance[v]).epsilon(1e-2));
+      }
+    }
+  }
+}
+
+TEST_CASE("LoopsOfABoundaryAreAsManyAsTheReportSays") {
+  std::mt19937 random(test_seed() + 4);
+  for (int round = 0; round < 40; ++round) {
+    RandomMesh mesh(random());
+    const Surface surface(mesh.soup());
+    const Cancel never;
+    Poll poll(never);
+    const auto loops = boundary_loops(surface.adjacency(), poll);
+    CHECK(loops.size() == surface.adjacency().report().boundary_loops);
+    std::size_t edges = 0;
+    for (const BoundaryLoop& loop : loops) edges += loop.edges.size();
+    CHECK(edges == surface.adjacency().report().edges_boundary);
+  }
+}
+
+TEST_CASE("StripsStopWhenTheyAreTold") {
+  const Surface surface(shapes::terrain(40, 3, 5));
+  LineQuestion question(surface);
+  question.boundary();
+  std::uint64_t asked = 0;
+  std::uint64_t most = ~std::uint64_t{0};
+  const Cancel cancel([&] { return ++asked > most; });
+  const auto lines = std::make_shared<const SourceLines>(question.lines());
+  REQUIRE(spread_strips(surface.adjacency(), question.sources(), lines, {}, cancel));
+  const std::uint64_t all = asked;
+  CHECK(all > 10);
+  for (const std::uint64_t few : {std::uint64_t{0}, all / 3, all - 2}) {
+    asked = 0;
+    most = few;
+    const auto stopped = spread_strips(surface.adjacency(), question.sources(), lines, {}, cancel);
+    REQUIRE(!stopped);
+    CHECK(stopped.error().code == ErrorCode::cancelled);
+  }
+  MemoryBudget none([](std::uint64_t) {
+    return std::optional(Error{ErrorCode::too_large, "no room", {}, {}, {}});
+  });
+  const Cancel poor({}, {}, &none);
+  const auto refused = spread_strips(surface.adjacency(), question.sources(), lines, {}, poor);
+  REQUIRE(!refused);
+  CHECK(refused.error().code == ErrorCode::too_large);
+}

@@ -1,0 +1,267 @@
+#include "core/refine/refine_along.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "core/base/memory_budget.h"
+#include "core/mesh/shapes.h"
+#include "tests/core/refine/lines_on_meshes.h"
+#include "tests/fixtures/awkward_meshes.h"
+#include "tests/fixtures/surface.h"
+#include "tests/fixtures/test_seed.h"
+
+using namespace geodesic;
+using fixtures::random_line;
+using fixtures::RandomMesh;
+using fixtures::Surface;
+using fixtures::test_seed;
+
+namespace {
+
+constexpr std::uint64_t kPlenty = 1'000'000;
+
+double size_of(const Mesh& mesh) { return distance(mesh.box().min, mesh.box().max); }
+
+double length_of(const Mesh& mesh, const SurfacePolyline& line) {
+  double length = 0;
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    length += distance(position_of(mesh, line[i - 1]), position_of(mesh, line[i]));
+  }
+  return length;
+}
+
+double length_of(const Mesh& mesh, const std::vector<std::uint32_t>& chain) {
+  double length = 0;
+  for (std::size_t i = 1; i < chain.size(); ++i) {
+    length += distance(mesh.positions()[chain[i - 1]], mesh.positions()[chain[i]]);
+  }
+  return length;
+}
+
+// Parts cover each face once, and lie where they say.
+void check_pieces(const RefinedMesh& refined, const Mesh& whole) {
+  std::vector<double> covered(whole.source_face_count(), 0);
+  for (std::uint32_t f = 0; f < refined.mesh.face_count(); ++f) {
+    const std::uint32_t parent = refined.mesh.source_of_face(f);
+    const FacePiece* piece = refined.refinement.piece(f);
+    const Triangle& t = refined.mesh.faces()[f];
+    const Triangle& whole_corners = whole.faces()[whole.face_of_source(parent)];
+    if (piece == nullptr) {
+      CHECK(covered[parent] == 0);
+      covered[parent] = 1;
+      CHECK(refined.mesh.face_of_source(parent) == f);
+      continue;
+    }
+    CHECK(piece->parent == parent);
+    const auto& [a, b, c] = piece->corners;
+    const double part = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
+    CHECK(part >= -1e-15);
+    covered[parent] += part;
+    for (std::size_t k = 0; k < 3; ++k) {
+      Vec3 there{};
+      for (std::size_t j = 0; j < 3; ++j) {
+        there = there + piece->corners[k][j] * whole.positions()[whole_corners[j]];
+      }
+      CHECK(distance(there, refined.mesh.positions()[t[k]]) < 1e-12 * size_of(whole));
+    }
+    // There and back again.
+    const Weights middle{0.3, 0.3, 0.4};
+    const auto in_parent = refined.refinement.in_parent(f, middle);
+    REQUIRE(in_parent);
+    const auto back = refined.refinement.in_piece(parent, *in_parent);
+    REQUIRE(back);
+    if (part > 1e-6) {
+      CHECK(back->face == f);
+      for (std::size_t k = 0; k < 3; ++k) {
+        CHECK(back->bary[k] == doctest::Approx(middle[k]).epsilon(1e-6));
+      }
+    }
+  }
+  for (std::uint32_t s = 0; s < whole.source_face_count(); ++s) {
+    if (whole.face_of_source(s) == kNone) continue;
+    CHECK(covered[s] == doctest::Approx(1).epsilon(1e-9));
+    CHECK(refined.mesh.face_of_source(s) != kNone);
+  }
+}
+
+void check_chains(const RefinedMesh& refined, const Adjacency& adjacency, const Mesh& whole,
+                  const std::vector<SurfacePolyline>& lines) {
+  const double near = 1e-7 * size_of(whole);
+  REQUIRE(refined.chains.size() == lines.size());
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const auto& chain = refined.chains[i];
+    REQUIRE(!chain.empty());
+    for (std::size_t k = 1; k < chain.size(); ++k) {
+      CHECK(chain[k - 1] != chain[k]);
+      CHECK(adjacency.find_edge(chain[k - 1], chain[k]) != kNone);
+    }
+    CHECK(std::abs(length_of(refined.mesh, chain) - length_of(whole, lines[i])) <
+          near * static_cast<double>(lines[i].size()));
+    // In this order.
+    std::size_t at = 0;
+    for (const SurfacePoint& point : lines[i]) {
+      const Vec3 place = position_of(whole, point);
+      while (at < chain.size() && distance(refined.mesh.positions()[chain[at]], place) > near) ++at;
+      REQUIRE(at < chain.size());
+    }
+  }
+}
+
+// The same surface: as many pieces and holes, and as far from everywhere to everywhere.
+void check_is_same_surface(const Adjacency& refined, const Adjacency& whole, RandomMesh& random) {
+  const auto euler = [](const Adjacency& of) {
+    return static_cast<std::int64_t>(of.mesh().vertex_count()) -
+           static_cast<std::int64_t>(of.report().edges) + of.mesh().face_count();
+  };
+  CHECK(euler(refined) == euler(whole));
+  CHECK(refined.report().components == whole.report().components);
+  CHECK(refined.report().boundary_loops == whole.report().boundary_loops);
+  CHECK(refined.mesh().area() == doctest::Approx(whole.mesh().area()).epsilon(1e-9));
+  const std::uint32_t from = random.vertex();
+  const auto field = [&](const Adjacency& of) {
+    SolveScratch scratch;
+    const Source source{point_at_vertex(of, of.mesh().vertex_of_source()[from]), 0};
+    auto found = solve_field(Method::exact, {}, of, {&source, 1}, {}, scratch, Cancel());
+    REQUIRE(found);
+    return std::move(*found);
+  };
+  const Field before = field(whole);
+  const Field after = field(refined);
+  for (std::uint32_t s = 0; s < whole.mesh().source_vertex_count(); ++s) {
+    const double a = before.distance[whole.mesh().vertex_of_source()[s]];
+    const double b = after.distance[refined.mesh().vertex_of_source()[s]];
+    CAPTURE(s);
+    if (a == kUnreached || b == kUnreached) {
+      CHECK(a == b);
+    } else {
+      CHECK(std::abs(a - b) <= 1e-9 * size_of(whole.mesh()));
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("AMeshRefinedAlongLinesHasThemAsEdgesAndIsTheSameSurface") {
+  constexpr std::uint32_t kMeshes = 40;
+  for (std::uint32_t i = 0; i < kMeshes; ++i) {
+    const std::uint32_t number = test_seed() + i;
+    CAPTURE(number);
+    RandomMesh random(number);
+    const Surface surface(random.soup());
+    std::vector<SurfacePolyline> lines;
+    const std::uint32_t count = 1 + random.below(4);
+    for (std::uint32_t k = 0; k < count; ++k) {
+      lines.push_back(random_line(random, surface.adjacency(), 1 + random.below(12)));
+    }
+    const auto refined = refine_along(surface.adjacency(), lines, kPlenty, Cancel());
+    REQUIRE(refined);
+    const Adjacency adjacency = Adjacency::build(std::make_shared<const Mesh>(refined->mesh));
+    check_pieces(*refined, surface.mesh());
+    check_chains(*refined, adjacency, surface.mesh(), lines);
+    check_is_same_surface(adjacency, surface.adjacency(), random);
+  }
+}
+
+TEST_CASE("ManyLinesInOneFaceCrossEachOther") {
+  RandomMesh random(test_seed());
+  TriangleSoup soup;
+  soup.positions = {{0, 0, 0}, {3, 0, 0}, {1, 2, 0}};
+  soup.faces = {{0, 1, 2}};
+  const Surface surface(soup);
+  std::vector<SurfacePolyline> lines;
+  for (int i = 0; i < 12; ++i) {
+    SurfacePolyline& line = lines.emplace_back();
+    for (int k = 0; k < 3; ++k) {
+      line.push_back(surface.on(0, {random.unit() + 1e-3, random.unit(), random.unit()}));
+    }
+    // Over what is there already, and back.
+    line.push_back(line[1]);
+    if (i > 0) {
+      line.push_back(lines[static_cast<std::size_t>(i) - 1][0]);
+      line.push_back(lines[static_cast<std::size_t>(i) - 1][1]);
+    }
+  }
+  const auto refined = refine_along(surface.adjacency(), lines, kPlenty, Cancel());
+  REQUIRE(refined);
+  const Adjacency adjacency = Adjacency::build(std::make_shared<const Mesh>(refined->mesh));
+  check_pieces(*refined, surface.mesh());
+  check_chains(*refined, adjacency, surface.mesh(), lines);
+  // A field of a triangle is the straight distance.
+  const Source source{point_at_vertex(adjacency, adjacency.mesh().vertex_of_source()[0]), 0};
+  SolveScratch scratch;
+  const auto field = solve_field(Method::exact, {}, adjacency, {&source, 1}, {}, scratch, Cancel());
+  REQUIRE(field);
+  for (std::uint32_t v = 0; v < adjacency.mesh().vertex_count(); ++v) {
+    CHECK(std::abs(field->distance[v] - norm(adjacency.mesh().positions()[v])) < 1e-8);
+  }
+}
+
+TEST_CASE("LinesAlongEdgesSplitNothing") {
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    RandomMesh random(test_seed() + i);
+    const Surface surface(random.soup());
+    const Mesh& mesh = surface.mesh();
+    SurfacePolyline line{point_at_vertex(surface.adjacency(), mesh.faces()[0][0])};
+    for (int k = 0; k < 5; ++k) {
+      const auto corners = surface.adjacency().corners(line.back().vertex);
+      const auto at = corners[random.below(static_cast<std::uint32_t>(corners.size()))];
+      line.push_back(point_at_vertex(
+          surface.adjacency(), surface.adjacency().face(face_of(at)).vertex[random.below(3)]));
+    }
+    const std::vector<SurfacePolyline> lines{line};
+    const auto refined = refine_along(surface.adjacency(), lines, 0, Cancel());
+    REQUIRE(refined);
+    CHECK(refined->refinement.pieces().empty());
+    REQUIRE(refined->mesh.vertex_count() == mesh.vertex_count());
+    REQUIRE(refined->mesh.face_count() == mesh.face_count());
+    for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+      REQUIRE(refined->mesh.positions()[v] == mesh.positions()[v]);
+      REQUIRE(refined->mesh.source_of_vertex(v) == mesh.source_of_vertex(v));
+    }
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+      REQUIRE(refined->mesh.faces()[f] == mesh.faces()[f]);
+      REQUIRE(refined->mesh.source_of_face(f) == mesh.source_of_face(f));
+    }
+    std::vector<std::uint32_t> vertices;
+    for (const SurfacePoint& point : line) {
+      if (vertices.empty() || vertices.back() != point.vertex) vertices.push_back(point.vertex);
+    }
+    CHECK(refined->chains[0] == vertices);
+  }
+}
+
+TEST_CASE("RefiningIsBoundedAndCanBeStopped") {
+  const Surface surface(shapes::plane(20, 20));
+  RandomMesh random(test_seed());
+  const std::vector<SurfacePolyline> lines{random_line(random, surface.adjacency(), 300),
+                                           random_line(random, surface.adjacency(), 300)};
+  const auto all = refine_along(surface.adjacency(), lines, kPlenty, Cancel());
+  REQUIRE(all);
+  const std::uint32_t made = all->mesh.vertex_count() - surface.mesh().vertex_count();
+  CHECK(refine_along(surface.adjacency(), lines, made, Cancel()));
+  if (made > 0) {
+    const auto over = refine_along(surface.adjacency(), lines, made - 1, Cancel());
+    REQUIRE(!over);
+    CHECK(over.error().code == ErrorCode::too_large);
+    CHECK(over.error().limit == made - 1);
+  }
+  const auto stopped =
+      refine_along(surface.adjacency(), lines, kPlenty, Cancel([] { return true; }));
+  REQUIRE(!stopped);
+  CHECK(stopped.error().code == ErrorCode::cancelled);
+  MemoryBudget budget([](std::uint64_t) -> std::optional<Error> {
+    return Error{ErrorCode("too_much_memory"), "no", {}, {}, {}};
+  });
+  const auto refused = refine_along(surface.adjacency(), lines, kPlenty, Cancel({}, {}, &budget));
+  REQUIRE(!refused);
+  CHECK(refused.error().code == ErrorCode("too_much_memory"));
+  const std::vector<SurfacePolyline> apart{{surface.at(0), surface.at(200)}};
+  const auto bad = refine_along(surface.adjacency(), apart, kPlenty, Cancel());
+  REQUIRE(!bad);
+  CHECK(bad.error().code == ErrorCode::value_out_of_range);
+  CHECK(!refine_along(surface.adjacency(), std::vector<SurfacePolyline>(1), kPlenty, Cancel()));
+}

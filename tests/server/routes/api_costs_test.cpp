@@ -1,0 +1,254 @@
+// Cheap ways instead of short ones: weights of faces, and slopes.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "core/mesh/shapes.h"
+#include "tests/fixtures/random_meshes.h"
+#include "tests/fixtures/test_seed.h"
+#include "tests/server/routes/plane_service.h"
+
+using namespace geodesic;
+using namespace geodesic::server;
+using namespace geodesic::server::test;
+
+namespace {
+
+// Hills whose up is +Y, as in glTF, and whose edges rise by a quarter at most: who climbs more
+// steeply zigzags, and the finer the better.
+TriangleSoup hills(std::uint32_t side, std::uint32_t number) {
+  TriangleSoup soup = shapes::terrain(side, 5, number);
+  double steepest = 0;
+  for (const Triangle& t : soup.faces) {
+    for (int c = 0; c < 3; ++c) {
+      const Vec3 along = soup.positions[t[(c + 1) % 3]] - soup.positions[t[c]];
+      steepest = std::max(steepest, std::abs(along.z) / std::hypot(along.x, along.y));
+    }
+  }
+  for (Vec3& p : soup.positions) p = {p.x, 0.25 / steepest * p.z, -p.y};
+  return soup;
+}
+
+double seconds(Vec3 from, Vec3 to) {
+  const Vec3 along = to - from;
+  const double slope = along.y / std::hypot(along.x, along.z);
+  return norm(along) / (6 / 3.6 * std::exp(-3.5 * std::abs(slope + 0.05)));
+}
+
+Vec3 xyz_of(const json& point) { return {point["xyz"][0], point["xyz"][1], point["xyz"][2]}; }
+
+}  // namespace
+
+TEST_CASE("ACheapestPathSaysWhatItCostsAndHowLongItIs") {
+  PlaneService plane;
+  // Four times as dear in the middle, along the whole of it: no way round.
+  const json reply = plane.ask("/path?from=v:0&to=v:119&weights=4*box:4,-1,-1,7,99,1");
+  CHECK(reply["method"] == "steiner");
+  CHECK(reply["refine"] == "none");
+  CHECK(reply["unit"] == "length");
+  REQUIRE(reply["segments"].size() + 1 == reply["points"].size());
+  double length = 0;
+  double cost = 0;
+  for (std::size_t i = 0; i < reply["segments"].size(); ++i) {
+    const json& segment = reply["segments"][i];
+    const Vec3 from = xyz_of(reply["points"][i]);
+    const Vec3 to = xyz_of(reply["points"][i + 1]);
+    CHECK(segment["length"] == doctest::Approx(distance(from, to)));
+    const double middle = (from.x + to.x) / 2;
+    const double weight = middle > 4 && middle < 7 ? 4 : 1;
+    CHECK(segment["cost"] == doctest::Approx(weight * distance(from, to)));
+    length += segment["length"].get<double>();
+    cost += segment["cost"].get<double>();
+  }
+  CHECK(reply["length"] == doctest::Approx(length));
+  CHECK(reply["cost"] == doctest::Approx(cost));
+  // Snell's law: the least by two heights, looked for on a fine grid.
+  double truth = 1e9;
+  for (double y = 0; y <= 9; y += 0.01) {
+    for (double z = y; z <= 9; z += 0.01) {
+      truth = std::min(truth, std::hypot(4, y) + 4 * std::hypot(3, z - y) + std::hypot(4, 9 - z));
+    }
+  }
+  CHECK(cost <= truth * 1.005);
+  CHECK(cost >= truth * (1 - 1e-4));
+}
+
+TEST_CASE("TimesOnAHillAreThoseOfTheirSegmentsAndDependOnTheDirection") {
+  const std::uint32_t number = fixtures::test_seed();
+  CAPTURE(number);
+  PlaneService plane;
+  const TriangleSoup soup = hills(16, number);
+  const std::string base = plane.add(soup);
+  double back = 0;  // along the same way, the other way
+  const auto time = [&](int from, int to) {
+    const HttpResponse response = plane.service.get(
+        base + "/path?slope=tobler&from=v:" + std::to_string(from) + "&to=v:" + std::to_string(to));
+    REQUIRE(response.status == 200);
+    const json reply = body_of(response);
+    CHECK(reply["unit"] == "seconds");
+    double sum = 0;
+    for (std::size_t i = 0; i < reply["segments"].size(); ++i) {
+      const double each = seconds(xyz_of(reply["points"][i]), xyz_of(reply["points"][i + 1]));
+      CHECK(reply["segments"][i]["cost"] == doctest::Approx(each));
+      sum += each;
+    }
+    CHECK(reply["cost"] == doctest::Approx(sum));
+    back = 0;
+    for (std::size_t i = 0; i < reply["segments"].size(); ++i) {
+      back += seconds(xyz_of(reply["points"][i + 1]), xyz_of(reply["points"][i]));
+    }
+    return reply["cost"].get<double>();
+  };
+  int up = 0;
+  int down = 0;
+  for (int v = 0; v < 256; ++v) {
+    if (soup.positions[v].y > soup.positions[up].y) up = v;
+    if (soup.positions[v].y < soup.positions[down].y) down = v;
+  }
+  const double climb = time(down, up);
+  const double climbed_back = back;
+  const double descent = time(up, down);
+  CHECK(climb != descent);
+  CHECK(descent <= climbed_back * 1.05);
+  CHECK(climb <= back * 1.05);
+  // A field goes outwards: what it says is at most refined by the path, whose steps are as said.
+  const HttpResponse field =
+      plane.service.get(base + "/distance?slope=tobler&from=v:" + std::to_string(down));
+  REQUIRE(field.status == 200);
+  const json all = body_of(field);
+  CHECK(all["unit"] == "seconds");
+  const double there = all["distances"][up];
+  CHECK(climb <= there * (1 + 1e-6));
+  CHECK(climb >= there * 0.9);
+  // Isochrones, and the same numbers in a table.
+  const HttpResponse lines =
+      plane.service.get(base + "/isolines?slope=tobler&count=6&from=v:" + std::to_string(down));
+  REQUIRE(lines.status == 200);
+  CHECK(body_of(lines)["unit"] == "seconds");
+  CHECK(body_of(lines)["max"] == all["max"]);
+  CHECK(body_of(lines)["isolines"].size() > 1);
+  const HttpResponse table =
+      plane.service.get(base + "/table?slope=tobler&from=v:" + std::to_string(down) +
+                        "&from=v:" + std::to_string(up));
+  REQUIRE(table.status == 200);
+  CHECK(body_of(table)["unit"] == "seconds");
+  CHECK(body_of(table)["distances"][0][1] == all["distances"][up]);
+  CHECK(body_of(table)["distances"][1][0] >= descent * (1 - 1e-6));
+}
+
+TEST_CASE("CostsAreTheSameWhateverWasAskedBefore") {
+  PlaneService plane;
+  const std::string costs = "&weights=3*faces:0-60&weights=0.5*faces:50-90&slope=0:1,1:2&up=1,0,1";
+  const std::string inside =
+      "/distance?from=f:3,0.2,0.3&from=v:90&labels=1&at=f:100,0.1,0.5&at=v:5";
+  const json before = plane.ask(inside + costs);
+  const json field = plane.ask("/distance?from=f:3,0.2,0.3&from=v:90&labels=1" + costs);
+  const json after = plane.ask(inside + costs);
+  CHECK(before == after);
+  CHECK(before["distances"][1] == field["distances"][5]);
+  CHECK(before["labels"][1] == field["labels"][5]);
+  CHECK(before["unit"] == "cost");
+  // Other costs are other fields.
+  CHECK(plane.ask(inside + "&weights=2*faces:0-60")["distances"] != before["distances"]);
+  CHECK(plane.ask("/distance?from=v:0&at=v:119&method=steiner")["distances"][0] ==
+        plane.ask("/distance?from=v:0&at=v:119&weights=1*faces:0")["distances"][0]);
+  // In a part of the surface.
+  const json part =
+      plane.ask("/path?from=v:0&to=v:11&forbid=box:4,-1,-1,5,5,1&weights=2*box:0,0,0,99,3,0");
+  CHECK(part["reachable"] == true);
+  CHECK(part["length"] > 11.5);
+  const json none = plane.ask("/path?from=v:0&to=v:11&forbid=box:4,-1,-1,5,99,1&weights=2*faces:0");
+  CHECK(none["reachable"] == false);
+  CHECK(none["cost"] == nullptr);
+  CHECK(none["segments"].empty());
+}
+
+TEST_CASE("WeightsByFaceAreThoseOfRegions") {
+  PlaneService plane;
+  json weights = json::array();
+  for (int f = 0; f < 198; ++f) weights.push_back(f < 60 ? 3 : 1);
+  const HttpResponse by_face = plane.service.ask(
+      "POST", plane.base + "/distance", json{{"from", "v:0"}, {"face_weights", weights}}.dump());
+  REQUIRE(by_face.status == 200);
+  CHECK(body_of(by_face)["distances"] ==
+        plane.ask("/distance?from=v:0&weights=3*faces:0-59")["distances"]);
+  plane.check_same(
+      "/path?from=v:0&to=v:9&weights=3*faces:0-59&weights=2*sphere:1,2,0,3&slope=-1:2,1:3"
+      "&steepest=2&up=0,0,1",
+      R"({"from":"v:0","to":"v:9","weights":[{"weight":3,"region":{"faces":[[0,59]]}},)"
+      R"({"weight":2,"region":{"sphere":{"center":[1,2,0],"radius":3}}}],)"
+      R"("slope":[[-1,2],[1,3]],"steepest":2,"up":[0,0,1]})");
+}
+
+TEST_CASE("WhatIsWrongWithCostsIsSaid") {
+  PlaneService plane;
+  const std::string path = "/path?from=v:0&to=v:9&";
+  for (const auto& [asked, status, code, parameter] :
+       std::vector<std::tuple<std::string, int, std::string, std::string>>{
+           {"weights=3", 400, "bad_syntax", "weights[0]"},
+           {"weights=x*faces:0", 400, "bad_syntax", "weights[0]"},
+           {"weights=3*ball:0", 400, "bad_syntax", "weights[0]"},
+           {"weights=0*faces:0", 422, "value_out_of_range", "weights[0].weight"},
+           {"weights=2*faces:0&weights=-1*faces:0", 422, "value_out_of_range", "weights[1].weight"},
+           {"weights=1e10*faces:0", 422, "value_out_of_range", "weights[0].weight"},
+           {"weights=2*faces:198", 422, "index_out_of_range", "weights[0].faces[0]"},
+           {"weights=2*part:7", 422, "index_out_of_range", "weights[0].part"},
+           {"face_weights=1&face_weights=2", 422, "value_out_of_range", "face_weights"},
+           {"face_weights=0", 422, "value_out_of_range", "face_weights[0]"},
+           {"face_weights=x", 400, "bad_syntax", "face_weights[0]"},
+           {"slope=naismith", 400, "bad_syntax", "slope"},
+           {"slope=1:2:3", 400, "bad_syntax", "slope"},
+           {"slope=0:1,0:2", 422, "value_out_of_range", "slope[1]"},
+           {"slope=1e10:1", 422, "value_out_of_range", "slope[0]"},
+           {"slope=0:0", 422, "value_out_of_range", "slope[0]"},
+           {"slope=tobler&slope=tobler", 400, "bad_syntax", "slope"},
+           {"slope=tobler&up=0,0,0", 422, "value_out_of_range", "up"},
+           {"slope=tobler&up=1", 400, "bad_syntax", "up"},
+           {"steepest=0", 422, "value_out_of_range", "steepest"},
+           {"up=0,1,0", 400, "unknown_parameter", "up"},
+           {"slope=tobler&method=exact", 422, "value_out_of_range", "method"},
+           {"slope=tobler&refine=shortest", 422, "value_out_of_range", "refine"},
+       }) {
+    plane.check_refused(path + asked, status, code, parameter);
+  }
+  // Elsewhere there is no such parameter.
+  plane.check_refused("/samples?count=2&slope=tobler", 400, "unknown_parameter", "slope");
+  plane.check_refused("/trace?from=v:0&angle=0&length=1&weights=2*faces:0", 400,
+                      "unknown_parameter", "weights");
+  const auto too_many = [&](const json& asked, const char* parameter, int limit) {
+    const HttpResponse response = plane.service.ask("POST", plane.base + "/distance", asked.dump());
+    check_problem(response, 413, "too_large", parameter);
+    CHECK(body_of(response)["limit"] == limit);
+  };
+  too_many({{"from", "v:0"}, {"weights", std::vector<std::string>(1001, "2*faces:0")}}, "weights",
+           1000);
+  json steps = json::array();
+  for (int i = 0; i <= 1000; ++i) steps.push_back({i, 1});
+  too_many({{"from", "v:0"}, {"slope", steps}}, "slope", 1000);
+  json ranges = json::array();
+  for (int i = 0; i <= 100'000; ++i) ranges.push_back(0);
+  too_many({{"from", "v:0"}, {"weights", {{{"weight", 2}, {"region", {{"faces", ranges}}}}}}},
+           "weights", 100'000);
+  for (const char* body :
+       {R"({"from":"v:0","weights":[{"weight":2}]})",
+        R"({"from":"v:0","weights":[{"weight":"2","region":"faces:0"}]})",
+        R"({"from":"v:0","weights":7})", R"({"from":"v:0","slope":[1,2]})",
+        R"({"from":"v:0","slope":[[1,"2"]]})", R"({"from":"v:0","slope":7})",
+        R"({"from":"v:0","slope":["tobler",[1,2]]})", R"({"from":"v:0","slope":[]})"}) {
+    CAPTURE(body);
+    CHECK(plane.service.ask("POST", plane.base + "/distance", body).status == 400);
+  }
+}
+
+TEST_CASE("CostsThatTakeTooMuchMemoryAreRefused") {
+  Config config;
+  config.query_memory_bytes = 1 << 20;
+  PlaneService plane(config);
+  const std::string base = plane.add(hills(100, 1));
+  const HttpResponse response = plane.service.get(base + "/path?from=v:0&to=v:9999&slope=tobler");
+  check_problem(response, 422, "too_much_memory");
+}

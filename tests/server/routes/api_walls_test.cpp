@@ -1,0 +1,302 @@
+// Walls, which no path crosses, and the insides of lines.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/memory_budget.h"
+#include "proto/region/read_regions.h"
+#include "proto/wire/query_limits.h"
+#include "server/places/walled_surface.h"
+#include "tests/fixtures/random_meshes.h"
+#include "tests/fixtures/test_seed.h"
+#include "tests/server/routes/plane_service.h"
+
+using namespace geodesic;
+using namespace geodesic::server;
+using namespace geodesic::server::test;
+using fixtures::RandomMesh;
+using fixtures::test_seed;
+
+namespace {
+
+constexpr std::size_t kVertices = 120;  // of the plane, 12 x 10
+
+// Upright, through faces, from below the middle of the plane nearly to its upper border.
+const std::string kWall = "&walls=p:5.3,1.2,0;p:5.3,8.1,0";
+const double kRound = std::hypot(3.3, 3.1) + std::hypot(3.7, 3.1);  // (2, 5) to (9, 5), above
+
+std::string point(Vec3 p) {
+  return "p:" + std::to_string(p.x) + "," + std::to_string(p.y) + "," + std::to_string(p.z);
+}
+
+}  // namespace
+
+TEST_CASE("EveryQueryGoesRoundTheEndOfAWall") {
+  PlaneService plane;
+  const std::string from = "from=v:62";  // (2, 5)
+  const json path = plane.ask("/path?" + from + "&to=v:69&method=exact" + kWall);
+  CHECK(path["length"] == doctest::Approx(kRound).epsilon(1e-12));
+  // The points are on faces of the file.
+  const TriangleSoup soup = shapes::plane(12, 10);
+  for (const json& p : path["points"]) {
+    Vec3 there{0, 0, 0};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto v = soup.faces[p["face"].get<std::size_t>()][c];
+      there = there + p["bary"][c].get<double>() * soup.positions[v];
+    }
+    CHECK(there.x == doctest::Approx(p["xyz"][0].get<double>()));
+    CHECK(there.y == doctest::Approx(p["xyz"][1].get<double>()));
+  }
+  const json whole = plane.ask("/distance?" + from + "&method=exact" + kWall);
+  CHECK(whole["distances"].size() == kVertices);
+  CHECK(whole["distances"][69] == doctest::Approx(kRound));
+  CHECK(plane.ask("/distance?" + from + "&at=v:69&at=f:0,0.2,0.3&method=exact" +
+                  kWall)["distances"][0] == doctest::Approx(kRound));
+  CHECK(plane.ask("/table?" + from + "&to=v:69&method=exact" + kWall)["distances"][0][0] ==
+        doctest::Approx(kRound));
+  CHECK(plane.ask("/measure?" + from + kWall)["area"] == doctest::Approx(99));
+  CHECK(plane.ask("/voronoi?from=v:62&from=v:69" + kWall)["cells"][0]["area"] ==
+        doctest::Approx(5.3 * 9).epsilon(0.06));
+  CHECK(plane.ask("/trace?from=v:62&direction=1,0,0&length=8" + kWall)["length"] ==
+        doctest::Approx(3.3));
+  CHECK(plane.ask("/loop?around=v:62&around=v:69&around=v:9" + kWall).contains("length"));
+  CHECK(plane.ask("/isolines?" + from + "&count=5" + kWall)["isolines"].size() >= 5);
+  CHECK(plane.ask("/logmap?" + from + "&radius=4" + kWall)["vertices"].size() > 20);
+  // What lines have made is none of the file's vertices.
+  const json samples = plane.ask("/samples?count=200" + kWall)["samples"];
+  for (const json& sample : samples) {
+    CHECK(sample["vertex"].get<std::size_t>() < kVertices);
+  }
+  const json diameter = plane.ask("/extent?of=diameter&fields=200&method=exact" + kWall);
+  CHECK(diameter["part_vertices"] == kVertices);
+  for (const json& end : diameter["vertices"]) {
+    CHECK(end["vertex"].get<std::size_t>() < kVertices);
+  }
+  const json near = plane.ask("/nearest?point=p:5.4,3.3,2" + kWall)["points"][0];
+  const json bare = plane.ask("/nearest?point=p:5.4,3.3,2")["points"][0];
+  CHECK(near["face"] == bare["face"]);
+  for (std::size_t c = 0; c < 3; ++c) {
+    CHECK(near["bary"][c] == doctest::Approx(bare["bary"][c].get<double>()));
+  }
+}
+
+TEST_CASE("MethodsGoRoundAWallTogether") {
+  PlaneService plane;
+  const json methods = body_of(plane.service.get("/v1/methods"))["methods"];
+  for (const json& method : methods) {
+    const std::string by = method["name"];
+    CAPTURE(by);
+    const json found = plane.ask("/distance?from=v:62&at=v:69&method=" + by + kWall);
+    const double rough = by == "dijkstra" ? 0.35 : 0.06;
+    CHECK(found["distances"][0] == doctest::Approx(kRound).epsilon(rough));
+    const json path = plane.ask("/path?from=v:62&to=v:69&method=" + by + kWall);
+    CHECK(path["length"] == doctest::Approx(kRound).epsilon(by == "dijkstra" ? 0.35 : 1e-3));
+  }
+}
+
+TEST_CASE("AVertexOnAWallIsAsFarAsTheNearerOfItsSides") {
+  PlaneService plane;
+  // Up the sixth column of vertices, (5, 1) to (5, 8).
+  const std::string wall = "&walls=v:17;v:101";
+  const json found = plane.ask("/distance?from=v:62&method=exact&labels=1" + wall);
+  CHECK(found["distances"][65] == doctest::Approx(3));
+  CHECK(found["labels"][65] == 0);
+  const json other = plane.ask("/distance?from=v:69&method=exact" + wall);
+  CHECK(other["distances"][65] == doctest::Approx(4));
+  CHECK(other["distances"][62] == doctest::Approx(std::hypot(3, 3) + std::hypot(4, 3)));
+}
+
+TEST_CASE("WhatIsInsideALineIsARegion") {
+  PlaneService plane;
+  const std::string square = "inside:p:2.5,2.5,0;p:6.5,2.5,0;p:6.5,6.5,0;p:2.5,6.5,0";
+  CHECK(plane.ask("/measure?from=v:52&method=exact&within=" + square)["area"] ==
+        doctest::Approx(16));
+  CHECK(plane.ask("/measure?from=v:0&method=exact&forbid=" + square)["area"] ==
+        doctest::Approx(99 - 16));
+  // Together with others.
+  CHECK(plane.ask("/measure?from=v:0&within=" + square +
+                  "&within=sphere:0,0,0,99&forbid=faces:0")["area"] == doctest::Approx(98.5));
+  const std::string round = "/path?from=p:1,4.5,0&to=p:8,4.5,0&method=exact&forbid=";
+  CHECK(plane.ask(round + square)["length"] ==
+        doctest::Approx(2 * std::hypot(1.5, 2) + 4).epsilon(1e-9));
+  plane.check_refused("/distance?from=v:52&forbid=" + square, 422, "outside_region", "from[0]");
+  plane.check_refused("/distance?from=f:74,0.3,0.3&forbid=" + square, 422, "outside_region",
+                      "from[0]");
+  // A wall round it closes it off.
+  const json closed = plane.ask(
+      "/distance?from=v:52&method=exact&walls=p:2.5,2.5,0;p:6.5,2.5,0;p:6.5,6.5,0;p:2.5,6.5,0;"
+      "p:2.5,2.5,0");
+  CHECK(closed["reached"] == 16);
+  CHECK(closed["distances"][0].is_null());
+  CHECK(plane.ask("/path?from=v:52&to=v:0&walls=p:2.5,2.5,0;p:6.5,2.5,0;p:6.5,6.5,0;"
+                  "p:2.5,6.5,0;p:2.5,2.5,0")["reachable"] == false);
+}
+
+TEST_CASE("WallsThatCannotBeAreRefused") {
+  PlaneService plane;
+  const auto refused = [&](const std::string& walls, int status, const char* code,
+                           const char* parameter) {
+    plane.check_refused("/distance?from=v:0&" + walls, status, code, parameter);
+    plane.check_refused("/nearest?point=v:0&" + walls, status, code, parameter);
+  };
+  refused("walls=v:0", 422, "value_out_of_range", "walls");
+  refused("walls=", 400, "bad_syntax", "walls.points[0]");
+  refused("walls=v:0;", 400, "bad_syntax", "walls.points[1]");
+  refused("walls=v:0;v:120", 422, "index_out_of_range", "walls.points[1]");
+  refused("walls=v:0;v:1&walls=v:0;f:999,0,1", 422, "index_out_of_range", "walls[1].points[1]");
+  refused("walls=v:0;ray:0,0,9,0,0,1", 422, "no_hit", "walls.points[1]");
+  refused("forbid=inside:v:0;v:5", 422, "value_out_of_range", "forbid.inside");
+  refused("within=inside:v:0;v:5;x", 400, "bad_syntax", "within.inside[2]");
+  // There and back again goes round nothing.
+  refused("within=inside:v:0;v:5;v:3", 422, "value_out_of_range", "within.inside");
+  refused("walls=v:0;v:5&forbid=faces:0-197", 422, "value_out_of_range", "forbid");
+  const auto refused_body = [&](const json& walls, int status, const char* code,
+                                const char* parameter) {
+    const json body{{"count", 1}, {"walls", walls}};
+    check_problem(plane.service.ask("POST", plane.base + "/samples", body.dump()), status, code,
+                  parameter);
+  };
+  refused_body(json::array(), 422, "value_out_of_range", "walls");
+  refused_body(7, 400, "bad_syntax", "walls");
+  refused_body({{"points", 7}}, 400, "bad_syntax", "walls.points");
+  refused_body({{"points", {"v:0", 7}}}, 400, "bad_syntax", "walls.points[1]");
+  refused_body({{"points", {"v:0", "v:1"}}, {"x", 1}}, 400, "unknown_parameter", "walls.x");
+  refused_body({{"points", {"v:0", {{"vertex", 1}, {"offset", 2}}}}}, 422, "value_out_of_range",
+               "walls.points[1].offset");
+  refused_body({{"points", {{{"xyz", {0, 0, 5}}, {"max_snap", 1}}, "v:0"}}}, 422, "snap_too_far",
+               "walls.points[0]");
+  json many = json::array();
+  for (std::size_t i = 0; i <= proto::kMaxWalls; ++i) many.push_back("v:0;v:1");
+  refused_body(many, 413, "too_large", "walls");
+  json points = json::array();
+  for (std::size_t i = 0; i <= proto::kMaxLinePoints; ++i) points.push_back("v:0");
+  refused_body({{"points", points}}, 413, "too_large", "walls");
+  plane.check_same("/samples?count=3&walls=v:1;p:3.3,4.4,0&forbid=inside:v:70;v:72;v:94",
+                   R"({"count":3,"walls":{"points":["v:1",{"xyz":[3.3,4.4,0]}]},
+                       "forbid":[{"inside":[{"vertex":70},"v:72","v:94"]}]})");
+}
+
+TEST_CASE("NoWayLeadsFromOnePartOfTheSurfaceToAnother") {
+  PlaneService plane;
+  const std::string base = plane.add(fixtures::two_components());
+  const json all = body_of(plane.service.get(base + "/samples?count=99"))["samples"];
+  // The second sample is on the other part.
+  const std::string there = std::to_string(all[1]["vertex"].get<int>());
+  check_problem(plane.service.get(base + "/samples?count=1&walls=v:0;v:" + there), 422,
+                "value_out_of_range", "walls.points[0]");
+}
+
+TEST_CASE("ASurfaceWithWallsIsPreparedOnceAndDrawn") {
+  PlaneService plane;
+  const auto made = [&] { return plane.service.catalog.adjacency_cache().makes; };
+  plane.ask("/distance?from=v:50" + kWall);
+  const std::uint64_t before = made();
+  plane.ask("/distance?from=v:51" + kWall);
+  CHECK(made() == before);
+  plane.ask("/distance?from=v:50&walls=p:5.3,1.2,0;p:5.3,8.2,0");
+  CHECK(made() == before + 1);
+  // A wall of no length changes nothing.
+  const auto distances = [&](const std::string& walls) {
+    return plane.ask("/distance?from=v:50" + walls)["distances"];
+  };
+  CHECK(distances("&walls=v:7;v:7") == distances(""));
+  const std::string target = plane.base + "/distance?from=v:62" + kWall + "&format=";
+  CHECK(numbers_of<double>(plane.service.get(target + "f64")).size() == kVertices);
+  for (const char* format : {"glb", "png", "annotated"}) {
+    CAPTURE(format);
+    CHECK(plane.service.get(target + format).status == 200);
+  }
+  const HttpResponse glb = plane.service.get(target + "glb");
+  std::uint32_t length = 0;
+  std::memcpy(&length, glb.body->data() + 12, sizeof length);
+  const json gltf = json::parse(glb.body->substr(20, length));
+  const json& primitive = gltf["meshes"][0]["primitives"][0];
+  CHECK(gltf["accessors"][primitive["attributes"]["POSITION"].get<int>()]["count"] > kVertices);
+  for (const std::string query :
+       {"/logmap?from=v:62&format=glb", "/voronoi?from=v:62&format=glb",
+        "/measure?from=v:62&format=glb", "/isolines?from=v:62&count=3&format=glb",
+        "/voronoi?from=v:62&format=png", "/path?from=v:62&to=v:69&format=png",
+        "/logmap?from=v:62&format=annotated"}) {
+    CAPTURE(query);
+    CHECK(plane.service.get(plane.base + query + kWall).status == 200);
+  }
+}
+
+TEST_CASE("FindingAndCuttingLinesStopsWhenItIsToldTo") {
+  const auto mesh = Mesh::build(shapes::terrain(30, 4, test_seed()));
+  REQUIRE(mesh);
+  const Adjacency adjacency = Adjacency::build(std::make_shared<const Mesh>(*mesh));
+  auto parameters = proto::Parameters::from_query(
+      {{"walls", "v:0;v:455;v:29"}, {"forbid", "inside:v:93;v:777;v:810"}});
+  const auto regions = proto::read_regions(parameters);
+  REQUIRE(regions);
+  std::uint64_t asked = 0;
+  const auto whole = cut_lines(adjacency, nullptr, *regions, {}, Cancel([&] {
+                                 ++asked;
+                                 return false;
+                               }));
+  REQUIRE(whole);
+  CHECK(whole->mesh.area() < mesh->area());
+  REQUIRE(asked > 10);
+  for (std::uint64_t most = 0; most < asked; most += 1 + asked / 40) {
+    std::uint64_t times = 0;
+    const auto stopped =
+        cut_lines(adjacency, nullptr, *regions, {}, Cancel([&] { return ++times > most; }));
+    REQUIRE(!stopped);
+    CHECK(stopped.error().code == ErrorCode::cancelled);
+  }
+  MemoryBudget none([](std::uint64_t) {
+    return std::optional(Error{ErrorCode("too_much_memory"), "no", {}, {}, {}});
+  });
+  const auto refused = cut_lines(adjacency, nullptr, *regions, {}, Cancel({}, {}, &none));
+  REQUIRE(!refused);
+  CHECK(refused.error().code == ErrorCode("too_much_memory"));
+}
+
+// On surfaces of all kinds queries with walls succeed, and no way becomes shorter.
+TEST_CASE("WallsOnRandomMeshesOnlyMakeWaysLonger") {
+  const TemporaryFolder folder;
+  Service service(folder.path());
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    const std::uint32_t number = test_seed() + i;
+    CAPTURE(number);
+    RandomMesh random(number);
+    const std::string base = "/v1/meshes/" + service.upload(glb_of(random.soup()));
+    const auto spot = [&] {
+      const std::uint32_t kind = random.below(3);
+      if (kind == 0) return "v:" + std::to_string(random.vertex());
+      if (kind == 1) return "f:" + std::to_string(random.below(random.face_count())) + ",0.2,0.3";
+      return point(random.soup().positions[random.vertex()] +
+                   Vec3{random.unit(), random.unit(), random.unit()});
+    };
+    std::string walls = "&walls=" + spot() + ";" + spot() + ";" + spot();
+    if (random.unit() < 0.5) walls += "&walls=" + spot() + ";" + spot();
+    CAPTURE(walls);
+    const std::string from = "/distance?method=exact&from=v:" + std::to_string(random.vertex());
+    const json bare = body_of(service.get(base + from))["distances"];
+    const HttpResponse reply = service.get(base + from + walls);
+    CAPTURE(*reply.body);
+    if (reply.status == 422) {
+      CHECK(body_of(reply)["code"] == "value_out_of_range");  // on another part
+      continue;
+    }
+    REQUIRE(reply.status == 200);
+    const json walled = body_of(reply)["distances"];
+    REQUIRE(walled.size() == bare.size());
+    for (std::size_t v = 0; v < bare.size(); ++v) {
+      if (bare[v].is_null()) CHECK(walled[v].is_null());
+      if (walled[v].is_null()) continue;
+      const double before = bare[v];
+      CHECK(walled[v].get<double>() >= before - 1e-6 * (1 + before));
+    }
+    for (const char* query : {"/samples?count=9", "/extent?of=diameter&fields=3"}) {
+      CHECK(service.get(base + query + walls).status == 200);
+    }
+  }
+}
