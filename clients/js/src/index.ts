@@ -30,7 +30,7 @@ export type { JobOptions } from './jobs.js';
 export { decodeNpy } from './npy.js';
 export { plyOf, type GeometryLike, type MeshArrays } from './ply.js';
 export type { OneOrMore, Point, Source, SourceLines } from './points.js';
-export type { Region, Wall, WeightedRegion } from './regions.js';
+export type { Region, Wall, WeightedRegion, WholeFaces } from './regions.js';
 export type * from './queries.js';
 export { parseTiming, type BareArray, type ToldFrame } from './replies.js';
 export type { Call, Reply } from './transport.js';

@@ -3,7 +3,7 @@
  * makes queries that browsers can cache, and JSON, which can say all.
  */
 import type { Xyz } from './contract.js';
-import { regionInUrl, type Region } from './regions.js';
+import { regionInUrl, type WholeFaces } from './regions.js';
 
 /** A point; a bare number is a source vertex, a text is the grammar of URLs (`v:12`). */
 export type Point =
@@ -27,7 +27,7 @@ export type Source =
 export type SourceLines =
   | { readonly boundary: number | 'all' }
   | { readonly curve: { readonly points: readonly Point[]; readonly closed?: boolean } }
-  | Exclude<Region, string>;
+  | WholeFaces;
 
 export type OneOrMore<T> = T | readonly T[];
 

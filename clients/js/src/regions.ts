@@ -4,19 +4,20 @@
 import type { Xyz } from './contract.js';
 import { pointInJson, pointInUrl, type Source } from './points.js';
 
+/** Faces by their numbers, a part of the file, or those whose middle a sphere or a box holds. */
+export type WholeFaces =
+  | { readonly faces: readonly (number | readonly [number, number])[] }
+  | { readonly part: number }
+  | { readonly sphere: { readonly center: Xyz; readonly radius: number } }
+  | { readonly box: { readonly min: Xyz; readonly max: Xyz } };
+
 /**
  * A part of a surface: source faces and ranges of them with both ends, a part of the file by its
  * place in the metadata's `parts`, the faces whose centroids are in a ball or in a box along the
  * axes, what a line through points and back to the first goes round, or a text in the grammar of
  * URLs (`faces:0-99`).
  */
-export type Region =
-  | string
-  | { readonly faces: readonly (number | readonly [number, number])[] }
-  | { readonly part: number }
-  | { readonly sphere: { readonly center: Xyz; readonly radius: number } }
-  | { readonly box: { readonly min: Xyz; readonly max: Xyz } }
-  | { readonly inside: readonly Source[] };
+export type Region = string | WholeFaces | { readonly inside: readonly Source[] };
 
 /**
  * A line that no path crosses, from point to point by shortest paths, closed if it ends with the
@@ -78,7 +79,7 @@ function lineInUrl(points: unknown): string | undefined {
 }
 
 /** A weight of a region: what a unit of length costs there; or a text, `3*faces:0-99`. */
-export type WeightedRegion = string | { readonly weight: number; readonly region: Region };
+export type WeightedRegion = string | { readonly weight: number; readonly region: string | WholeFaces };
 
 /** The weight in a URL; undefined where the grammar of URLs cannot say it. */
 export function weightInUrl(weighted: WeightedRegion): string | undefined {

@@ -147,9 +147,12 @@ def exactness_of(options: argparse.Namespace) -> dict[str, Any]:
 def into(parser: argparse.ArgumentParser) -> None:
     """How to have the mesh's own file with the answer in it."""
     parser.add_argument(
-        "--into", type=Path, metavar="FILE", help="the mesh's .glb or .gltf with it as an attribute"
+        "--into",
+        type=Path,
+        metavar="FILE",
+        help="its own .glb or .gltf with it; --attribute NAME names it",
     )
-    parser.add_argument("--attribute", metavar="NAME", help="of --into: what to call it, as _HEAT")
+    parser.add_argument("--attribute", metavar="NAME", help=argparse.SUPPRESS)
 
 
 def save_annotated(
