@@ -254,6 +254,7 @@ Result<Extent> extent(ExtentOf what, Method method, const MethodOptions& options
   }
   PartByArea part = largest_part(adjacency, poll);
   if (poll.stopped()) return fail_stopped(poll);
+  if (part.size() == 0) return no_vertex_of_file();
   keep_those_of_file(part, adjacency.mesh());
   Survey survey(part);
   fields = std::max<std::uint64_t>(1, fields);

@@ -99,6 +99,8 @@ Result<MeanDistances> mean_distances(Method method, const MethodOptions& options
   const std::uint64_t count = adjacency.mesh().vertex_count();
   if (!poll.may_take(32 * count + 24 * std::min(fields, count))) return fail_stopped(poll);
   const PartByArea part = largest_part(adjacency, poll);
+  if (poll.stopped()) return fail_stopped(poll);
+  if (part.size() == 0) return no_vertex_of_file();
   const Sources sources = choose_sources(part, std::max<std::uint64_t>(1, fields), poll);
   Means means;
   polled_assign(means.of_vertices, part.size(), RunningMean(), poll);

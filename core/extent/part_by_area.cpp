@@ -7,13 +7,21 @@
 #include <utility>
 
 namespace geodesic {
+
+bool is_of_file(const Mesh& mesh, std::uint32_t vertex) {
+  const std::uint32_t source = mesh.source_of_vertex(vertex);
+  return source < mesh.source_vertex_count() && mesh.vertex_of_source()[source] == vertex;
+}
+
 namespace {
 
-// The vertices of the part that has most; of the first of several. Empty if the poll says to stop.
+// The vertices of the part that has most of the file's; of the first of several. Empty if there is
+// none, or the poll says to stop.
 std::vector<std::uint32_t> vertices_of_largest_part(const Adjacency& adjacency, Poll& poll) {
   const std::uint32_t count = adjacency.mesh().vertex_count();
   std::vector<bool> is_known(count);
   std::vector<std::uint32_t> largest;
+  std::size_t most_of_file = 0;
   for (std::uint32_t start = 0; start < count; ++start) {
     if (poll.cancelled()) return {};
     if (is_known[start] || adjacency.corners(start).empty()) continue;
@@ -29,18 +37,21 @@ std::vector<std::uint32_t> vertices_of_largest_part(const Adjacency& adjacency, 
         }
       }
     }
-    if (part.size() > largest.size()) largest = std::move(part);
+    std::size_t of_file = 0;
+    for (const std::uint32_t v : part) {
+      if (poll.cancelled()) return {};
+      if (is_of_file(adjacency.mesh(), v)) ++of_file;
+    }
+    if (of_file > most_of_file) {
+      most_of_file = of_file;
+      largest = std::move(part);
+    }
   }
   std::sort(largest.begin(), largest.end());
   return largest;
 }
 
 }  // namespace
-
-bool is_of_file(const Mesh& mesh, std::uint32_t vertex) {
-  const std::uint32_t source = mesh.source_of_vertex(vertex);
-  return source < mesh.source_vertex_count() && mesh.vertex_of_source()[source] == vertex;
-}
 
 PartByArea largest_part(const Adjacency& adjacency, Poll& poll) {
   PartByArea part;
@@ -57,6 +68,10 @@ PartByArea largest_part(const Adjacency& adjacency, Poll& poll) {
   part.weights.assign(part.size(), 1);
   part.all_weight = static_cast<double>(part.size());
   return part;
+}
+
+tl::unexpected<Error> no_vertex_of_file() {
+  return fail(ErrorCode::value_out_of_range, "no vertex of the file is on what is left", "within");
 }
 
 DrawByArea::DrawByArea(const PartByArea& part)

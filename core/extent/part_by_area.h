@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "core/base/cancel.h"
+#include "core/base/error.h"
 #include "core/mesh/mesh.h"
 #include "core/surface/adjacency.h"
 
 namespace geodesic {
 
-// The part, joined through vertices, that has most vertices; the first of several.
+// The part, joined through vertices, that has most of the file's vertices; the first of several.
 struct PartByArea {
   std::vector<std::uint32_t> vertices;  // ascending
   // By place in `vertices`: the area of the vertex's faces, up to one factor; or 1, if no face of
@@ -45,6 +46,9 @@ class DrawByArea {
   std::mt19937_64 random_;
   std::discrete_distribution<std::size_t> chances_;
 };
+
+// Where the largest part has none of the file's vertices. value_out_of_range
+[[nodiscard]] tl::unexpected<Error> no_vertex_of_file();
 
 // So many standard errors of the mean of a sample of `draws`, two or more, to either side have a
 // confidence of 95 %: Student's t distribution. Off by less than 2e-4.

@@ -92,6 +92,10 @@ Result<void> read_weights(Parameters& parameters, Costs& costs) {
 }
 
 Result<void> read_face_weights(Parameters& parameters, Costs& costs) {
+  const json* given = parameters.values("face_weights");
+  if (given != nullptr && given->empty()) {
+    return fail(InputCode::bad_syntax, "a weight for each source face is wanted", "face_weights");
+  }
   auto weights = parameters.numbers("face_weights");
   if (!weights) return fail(std::move(weights.error()));
   for (std::size_t i = 0; i < weights->size(); ++i) {

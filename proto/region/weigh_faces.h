@@ -12,11 +12,13 @@
 
 namespace geodesic::proto {
 
-// By face, 1 where nothing else is said; empty if that is everywhere. Of what regions have left of
-// a mesh, too. `parts`: by their numbers. Asks the budget for 16 bytes a face. Errors:
+// By face of `mesh`, 1 where nothing else is said; empty if that is everywhere. `whole`: the mesh
+// of the file, by whose faces shapes are; what regions have left of it, or lines have split, may be
+// `mesh`. `parts`: by their numbers. Asks the budget for 16 bytes a face. Errors:
 // index_out_of_range (a face or a part that there is not), value_out_of_range (not as many weights
 // as faces), cancelled.
-[[nodiscard]] Result<std::vector<double>> weigh_faces(const Mesh& mesh, const Costs& costs,
+[[nodiscard]] Result<std::vector<double>> weigh_faces(const Mesh& mesh, const Mesh& whole,
+                                                      const Costs& costs,
                                                       std::span<const PartFaces> parts,
                                                       const Cancel& cancel);
 

@@ -52,6 +52,7 @@ inline constexpr Format kArrayFormats[] = {Format::json, Format::f32, Format::f6
 inline constexpr Format kPathFormats[] = {Format::json,  Format::f32, Format::f64, Format::npy,
                                           Format::frame, Format::glb, Format::png};
 // Several arrays of several types.
+inline constexpr Format kLabelsAtPoints[] = {Format::json, Format::frame};
 inline constexpr Format kLabelFormats[] = {Format::json, Format::frame, Format::annotated};
 inline constexpr Format kArraysOrSurface[] = {Format::json, Format::frame, Format::glb,
                                               Format::annotated};

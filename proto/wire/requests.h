@@ -143,6 +143,7 @@ struct NearestRequest {
 
 // The formats that a query can be answered in.
 [[nodiscard]] inline std::span<const Format> formats_of(const DistanceRequest& request) {
+  if (request.labels && !request.at.empty()) return kLabelsAtPoints;
   if (request.labels) return kLabelFormats;
   if (!request.at.empty()) return kArrayFormats;
   return kFieldFormats;

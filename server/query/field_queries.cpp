@@ -119,9 +119,11 @@ Result<std::shared_ptr<const TravelCost>> FieldQueries::cost_of(const AskedSurfa
       if (!listed) return fail(std::move(listed.error()));
       parts = std::move(*listed);
     }
+    const auto whole = catalog_.adjacency(surface.mesh(), caller.part(0, 0));
+    if (!whole) return fail(whole.error());
     auto weights = fields_.compute(
         [&](SolveScratch&, const Cancel& cancel) {
-          return proto::weigh_faces(mesh, costs, parts, cancel);
+          return proto::weigh_faces(mesh, (*whole)->mesh(), costs, parts, cancel);
         },
         caller.part(0, 0));
     if (!weights) return fail(std::move(weights.error()));

@@ -78,11 +78,12 @@ std::string key_of_lines(const FieldSources& from) {
 // Adds one thing after the other to what a field starts from. In a compute slot.
 class FieldQueries::Place::LineBuilder {
  public:
-  LineBuilder(const Place& place, const std::vector<SurfacePoint>& points,
+  LineBuilder(const Place& place, const Mesh* whole, const std::vector<SurfacePoint>& points,
               const std::vector<proto::ResolvedPoint>& echoes,
               const std::vector<proto::PartFaces>& parts, SolveScratch& scratch,
               const Cancel& cancel)
       : place_(place),
+        whole_(whole),
         adjacency_(*place.adjacency()),
         points_(points),
         echoes_(echoes),
@@ -180,7 +181,7 @@ class FieldQueries::Place::LineBuilder {
       }
     }
     const Mesh& mesh = adjacency_.mesh();
-    const auto marked = proto::faces_of_shape(mesh, *shape, parts_, cancel_);
+    const auto marked = proto::faces_of_shape(*whole_, *shape, parts_, cancel_);
     if (!marked) return fail(marked.error());
     std::vector<std::uint32_t> faces;
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
@@ -205,6 +206,7 @@ class FieldQueries::Place::LineBuilder {
   }
 
   const Place& place_;
+  const Mesh* whole_;  // of the file; not null if faces are named
   const Adjacency& adjacency_;
   const std::vector<SurfacePoint>& points_;
   const std::vector<proto::ResolvedPoint>& echoes_;
@@ -237,6 +239,7 @@ Result<FieldSources> FieldQueries::Place::sources(const std::vector<proto::Point
     return from;
   }
   std::vector<proto::PartFaces> parts;
+  std::shared_ptr<const Adjacency> whole;  // shapes are by its faces, whatever walls have split
   const bool has_faces = std::any_of(requests.begin(), requests.end(), [](const auto& request) {
     return std::holds_alternative<proto::FacesRequest>(request.where);
   });
@@ -246,11 +249,15 @@ Result<FieldSources> FieldQueries::Place::sources(const std::vector<proto::Point
     auto listed = proto::faces_of_parts(*description);
     if (!listed) return fail(std::move(listed.error()));
     parts = std::move(*listed);
+    auto prepared = queries_.catalog_.adjacency(surface_.mesh(), caller_.part(0, 0));
+    if (!prepared) return fail(std::move(prepared.error()));
+    whole = std::move(*prepared);
   }
   return queries_.fields_.compute(
       [&](SolveScratch& scratch, const Cancel& cancel) -> Result<FieldSources> {
         echo.clear();  // it may be run again
-        LineBuilder builder(*this, *found, echoes, parts, scratch, cancel);
+        LineBuilder builder(*this, whole != nullptr ? &whole->mesh() : nullptr, *found, echoes,
+                            parts, scratch, cancel);
         for (const proto::PointRequest& request : requests) {
           if (auto added = builder.add(request, echo); !added) return fail(added.error());
         }

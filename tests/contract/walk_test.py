@@ -128,7 +128,8 @@ def walk_annotated(walk, server, operation):
     """A mesh that was uploaded as a .gltf comes back as one, with a name of one's own in it."""
     uploaded = server.ask("POST", "/v1/meshes", bodies.NEEDLE)
     path = f"/v1/meshes/{json.loads(uploaded.body)['id']}/" + operation.path.rsplit("/", 1)[1]
-    asked = {"from": "v:0", "format": "annotated", "attribute": "_HEAT"}
+    what = {"of": "means"} if operation.path.endswith("/extent") else {"from": "v:0"}
+    asked = {**what, "format": "annotated", "attribute": "_HEAT"}
     if operation.method == "GET":
         reply = walk.ask_for(200, server, operation, path + "?" + urllib.parse.urlencode(asked))
     else:
@@ -158,7 +159,7 @@ def walk_formats(walk, server, operation, value):
             asked = {**least, **large} if operation.path.endswith("/table") else least
             walk.ask_for(200, server, operation, operation.target(), asked, {"Accept": kind})
     if formats or isinstance(value, dict):
-        if operation.path.endswith(("/distance", "/logmap")):
+        if operation.path.endswith(("/distance", "/logmap", "/extent")):
             walk_annotated(walk, server, operation)
         missing = set(described) - walk.types[operation.id]
         if missing:

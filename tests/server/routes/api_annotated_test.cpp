@@ -412,6 +412,14 @@ TEST_CASE("AFileThatCouldNotBeUploadedAgainIsRefused") {
   CHECK(body_of(refused)["limit"] == config.max_body_bytes);
 }
 
+TEST_CASE("DistancesOfPointsAreNoneOfTheFilesVertices") {
+  PlaneService plane;
+  for (const char* more : {"", "&labels=1"}) {
+    plane.check_refused(std::string("/distance?from=v:0&format=annotated&at=v:1") + more, 406,
+                        "not_acceptable", "format");
+  }
+}
+
 TEST_CASE("WhereAnimationsNameMeshesNoneIsCopied") {
   const TemporaryFolder folder;
   Service service(folder.path());

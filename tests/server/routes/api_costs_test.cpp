@@ -224,6 +224,9 @@ TEST_CASE("WhatIsWrongWithCostsIsSaid") {
     check_problem(response, 413, "too_large", parameter);
     CHECK(body_of(response)["limit"] == limit);
   };
+  check_problem(
+      plane.service.ask("POST", plane.base + "/distance", R"({"from":"v:0","face_weights":[]})"),
+      400, "bad_syntax", "face_weights");
   too_many({{"from", "v:0"}, {"weights", std::vector<std::string>(1001, "2*faces:0")}}, "weights",
            1000);
   json steps = json::array();

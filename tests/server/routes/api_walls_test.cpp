@@ -300,3 +300,49 @@ TEST_CASE("WallsOnRandomMeshesOnlyMakeWaysLonger") {
     }
   }
 }
+
+// A wall over a large triangle leaves the middle of the file's face where it was.
+TEST_CASE("ShapesAreByTheFacesOfTheFileThoughAWallSplitsThem") {
+  PlaneService plane;
+  const std::string base = plane.add({{{0, 0, 0}, {3, 0, 0}, {0, 3, 0}}, {{0, 1, 2}}});
+  const std::string wall = "&walls=f:0,0.6,0.2;f:0,0.2,0.6";
+  const auto ask = [&](const std::string& target) {
+    const HttpResponse response = plane.service.get(base + target);
+    CAPTURE(target);
+    REQUIRE(response.status == 200);
+    return body_of(response);
+  };
+  for (const std::string& more : {std::string(), wall}) {
+    const json path = ask("/path?from=v:1&to=v:2&weights=5*sphere:1,1,0,0.1" + more);
+    CHECK(path["cost"] == doctest::Approx(5 * std::sqrt(18)).epsilon(1e-6));
+    const json distances = ask("/distance?from=sphere:1,1,0,0.1" + more)["distances"];
+    CHECK(distances == json::array({0, 0, 0}));
+    CHECK(ask("/distance?from=box:0.9,0.9,-1,1.1,1.1,1" + more)["distances"] == distances);
+  }
+}
+
+TEST_CASE("ExtentsAreOfThePartWithMostVerticesOfTheFile") {
+  PlaneService plane;
+  const std::string base =
+      plane.add({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {{0, 1, 3}, {0, 3, 2}}});
+  // A ring of many points, in which there are more vertices than the square has by itself.
+  std::string ring;
+  for (int i = 0; i <= 40; ++i) {
+    const double angle = 0.15707963267948966 * (i % 40);
+    ring += point({0.7 + 0.05 * std::cos(angle), 0.3 + 0.05 * std::sin(angle), 0}) + ";";
+  }
+  ring.pop_back();
+  const json extent =
+      body_of(plane.service.get(base + "/extent?of=diameter&method=exact&walls=" + ring));
+  CHECK(extent["value"] == doctest::Approx(std::sqrt(2)).epsilon(0.02));
+  CHECK(extent["part_vertices"] == 4);
+  const json means = body_of(plane.service.get(base + "/extent?of=means&walls=" + ring))["means"];
+  for (const json& mean : means) CHECK(mean > 0);
+  const HttpResponse drawn = plane.service.get(base + "/extent?of=means&format=glb&walls=" + ring);
+  CHECK(drawn.status == 200);
+  ring.resize(ring.rfind(';'));  // an inside is closed by itself
+  for (const char* of : {"diameter", "means"}) {
+    check_problem(plane.service.get(base + "/extent?of=" + of + "&within=inside:" + ring), 422,
+                  "value_out_of_range", "within");
+  }
+}
