@@ -166,7 +166,7 @@ void append_unit(std::string& out, std::optional<std::string_view> unit) {
   out += '"';
 }
 
-void append_path_costs(std::string& out, const PathReply::Costs& costs, bool reachable, int digits,
+void append_path_costs(std::string& out, const PathCosts& costs, bool reachable, int digits,
                        Poll* poll) {
   append_unit(out, costs.unit);
   append_member(out, "cost", reachable ? costs.whole : std::numeric_limits<double>::infinity(),

@@ -69,6 +69,14 @@ struct PathReplyPoint {
   std::array<double, 3> bary{};
 };
 
+// What a path costs, and each of its segments, one fewer than it has points.
+struct PathCosts {
+  std::string_view unit;
+  double whole = 0;
+  std::vector<double> lengths;  // mesh units
+  std::vector<double> costs;
+};
+
 struct PathReply {
   std::string mesh;
   Method method = Method::wavefront;
@@ -80,14 +88,7 @@ struct PathReply {
   double length = 0;          // mesh units; meaningless when not reachable
   Bound bound = Bound::none;  // upper: the length is rounded up where digits are cut
   std::vector<PathReplyPoint> points;
-  // Where ways are cheap instead of short: of each segment, one fewer than there are points.
-  struct Costs {
-    std::string_view unit;
-    double whole = 0;
-    std::vector<double> lengths;  // mesh units
-    std::vector<double> costs;
-  };
-  std::optional<Costs> costs;
+  std::optional<PathCosts> costs;  // where ways are cheap instead of short
   Warnings warnings;
 };
 
@@ -164,16 +165,16 @@ struct ExtentReply {
   std::string mesh;
   Method method = Method::wavefront;
   ExtentRequest::Of of = ExtentRequest::Of::diameter;
-  double value = 0;  // mesh units
-  double lower = 0;  // the true one is not below
-  double upper = 0;  // nor above; infinite: nothing is known
+  double value = 0;       // mesh units
+  double lower = 0;       // the true one is not below
+  double upper = 0;       // nor above; infinite: nothing is known
   double confidence = 1;  // with which that is so
   bool is_exact = false;
   std::vector<Vertex> vertices;     // two of a diameter, one of a centre or a median
   std::uint64_t fields = 0;         // that were computed
   std::uint64_t part_vertices = 0;  // of the part that was measured, copies counted once
-  // Of `means` alone, by source vertex: its mean distance, infinite outside of the part, and what is
-  // to be added to either side.
+  // Of `means` alone, by source vertex: its mean distance, infinite outside of the part, and what
+  // is to be added to either side.
   std::vector<double> means;
   std::vector<double> margins;
 };

@@ -140,7 +140,7 @@ class LegFinder {
 };
 
 // What each segment costs and how long it is.
-void tell_costs(const Path& path, const TravelCost& cost, proto::PathReply::Costs& told) {
+void tell_costs(const Path& path, const TravelCost& cost, proto::PathCosts& told) {
   told.costs = segment_costs(path, cost);
   told.lengths.reserve(told.costs.size());
   for (std::size_t i = 0; i < told.costs.size(); ++i) {
