@@ -197,17 +197,18 @@ TEST_CASE("the rows' progress is that of the caller") {
     CHECK(done <= 1);
     most = std::max(most, done);
   };
-  const auto rows = begun(pool, 20, 6, name_of_row, caller);
+  auto rows = begun(pool, 20, 6, name_of_row, caller);
   for (int i = 0; i < 10; ++i) REQUIRE(rows->next());
   {
+    // A row may be taken before it is told that it is done: two are in the making.
     const std::lock_guard lock(mutex);
-    CHECK(most >= 0.5);
+    CHECK(most >= 0.4);
   }
   while (true) {
     const auto row = rows->next();
     REQUIRE(row);
     if (!*row) break;
   }
-  const std::lock_guard lock(mutex);
+  rows.reset();  // and so is the last one: its slot has ended
   CHECK(most == doctest::Approx(1));
 }
