@@ -11,15 +11,33 @@ import json
 import sys
 import urllib.request
 
+import matplotlib.patheffects
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.collections import LineCollection, PolyCollection
 
-from page_pictures import geometry_of, get_json, light_on, save
+from page_pictures import (
+    WATER,
+    draw_ground,
+    draw_isolines,
+    draw_way,
+    geometry_of,
+    get_json,
+    line_round,
+    map_of,
+    save,
+)
 
 FROM, TO = "ray:300,999,300,0,-1,0", "ray:2700,999,2300,0,-1,0"
-LAKE = "sphere:1050,-45,700,220"
-LIGHT = (-0.5, 0.75, -0.43)
+# The shore of docs/costs.md, x and z.
+TURNS = np.arange(16) * 0.3927
+SHORE = zip(np.round(1050 + 220 * np.cos(TURNS)), np.round(700 + 220 * np.sin(TURNS)))
+STOPS = [f"ray:{x:.0f},999,{z:.0f},0,-1,0" for x, z in SHORE]
+LAKE = "inside:" + ";".join(STOPS)
+ORANGE, GREY = "#D55E00", "#222222"
+LABEL = {
+    **{"color": "white", "fontsize": 8, "fontweight": "bold", "ha": "center", "va": "center"},
+    "path_effects": [matplotlib.patheffects.withStroke(linewidth=2.5, foreground="#30503a")],
+}
 
 
 def hills():
@@ -35,19 +53,24 @@ def hills():
     return "\n".join(lines).encode()
 
 
-def way(axes, path, style, colour):
-    """A path from above."""
-    x, _, z = np.array([point["xyz"] for point in path["points"]]).T
-    axes.plot(x, z, style, color=colour, lw=1.8, solid_capstyle="round")
-    for end in (0, -1):
-        axes.plot(x[end], z[end], "o", color=colour, ms=5)
+def label(axes, found, path):
+    """The minutes of each isoline, where the path and other labels leave most room."""
+    taken = list(map_of(path["points"]).T)
+    for level in found["levels"]:
+        places = np.concatenate(
+            [map_of(line["points"]).T for line in found["isolines"] if line["level"] == level]
+        )
+        inside = places[np.all((places > 200) & (places < 2800), axis=1)]
+        room = np.min([np.linalg.norm(inside - place, axis=1) for place in taken], axis=0)
+        taken.append(inside[room.argmax()])
+        axes.text(*taken[-1], f"{level / 60:.0f} min", **LABEL)
 
 
-def profile(axes, path, colour, label):
+def profile(axes, path, colour, told):
     """Its heights over its length."""
     points = np.array([point["xyz"] for point in path["points"]])
     along = np.concatenate([[0], np.linalg.norm(np.diff(points, axis=0), axis=1).cumsum()])
-    axes.plot(along / 1000, points[:, 1], color=colour, lw=1.6, label=label)
+    axes.plot(along / 1000, points[:, 1], color=colour, lw=1.6, label=told)
 
 
 def main():
@@ -56,7 +79,6 @@ def main():
     with urllib.request.urlopen(f"{server}/v1/meshes", data=hills()) as reply:
         mesh = f"{server}/v1/meshes/" + json.load(reply)["id"]
     positions, triangles = geometry_of(mesh)
-    corners = positions[triangles]
     ends = f"from={FROM}&to={TO}"
     shortest = get_json(f"{mesh}/path?{ends}&method=exact")
     quickest = get_json(f"{mesh}/path?{ends}&slope=tobler&forbid={LAKE}")
@@ -64,34 +86,20 @@ def main():
 
     figure = plt.figure(figsize=(9, 4.4))
     axes = figure.add_axes((0.01, 0.02, 0.47, 0.96))
-    heights = corners[:, :, 1].mean(axis=1)
-    colours = plt.get_cmap("YlGn_r")(np.clip((heights + 250) / 560, 0, 1))[:, :3]
-    shades = np.clip(colours * light_on(corners, LIGHT, 0.6, 0.45), 0, 1)
-    x, z, reach = map(float, (LAKE[7:].split(",")[i] for i in (0, 2, 3)))
-    y = float(LAKE[7:].split(",")[1])
-    away = np.linalg.norm(corners.mean(axis=1) - (x, y, z), axis=1)
-    shades[away <= reach] = (0.55, 0.74, 0.90)
-    axes.add_collection(
-        PolyCollection(corners[:, :, ::2], facecolors=shades, edgecolors=shades, lw=0.2)
-    )
-    axes.add_collection(
-        LineCollection(
-            [np.array(line["points"])[:, ::2] for line in lines["isolines"]],
-            colors="white",
-            linewidths=0.9,
-        )
-    )
-    way(axes, shortest, ":", "#222222")
-    way(axes, quickest, "-", "#D55E00")
+    height = np.clip((positions[:, 1] + 250) / 560, 0, 1)
+    draw_ground(axes, positions, triangles, plt.get_cmap("YlGn_r")(0.2 + 0.8 * height)[:, :3])
+    axes.fill(*map_of(line_round(mesh, STOPS)["points"]), color=WATER, lw=0)
+    draw_isolines(axes, lines, "white", 1.2)
+    draw_way(axes, shortest, ":", GREY)
+    draw_way(axes, quickest, "-", ORANGE)
+    label(axes, lines, quickest)
     axes.set_xlim(0, 3000)
     axes.set_ylim(3000, 0)
-    axes.set_aspect("equal")
-    axes.set_axis_off()
 
     axes = figure.add_axes((0.57, 0.14, 0.41, 0.78))
-    profile(axes, shortest, "#222222", f"shortest: {shortest['length']:.0f} m")
-    label = f"quickest: {quickest['length']:.0f} m, {quickest['cost'] / 60:.0f} min"
-    profile(axes, quickest, "#D55E00", label)
+    profile(axes, shortest, GREY, f"shortest: {shortest['length']:.0f} m")
+    told = f"quickest: {quickest['length']:.0f} m, {quickest['cost'] / 60:.0f} min"
+    profile(axes, quickest, ORANGE, told)
     axes.set_xlabel("way (km)")
     axes.set_ylabel("height (m)")
     axes.legend(frameon=False, loc="upper right", fontsize=9)

@@ -1,5 +1,5 @@
 """What the scripts that draw the documentation's pictures share: the server's sample meshes and its
-replies, light on faces, and small PNG files."""
+replies, light on faces, the ground from above, and small PNG files."""
 
 import io
 import json
@@ -11,11 +11,14 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.collections import LineCollection, TriMesh
+from matplotlib.tri import Triangulation
 from PIL import Image
 
 DOCS = pathlib.Path(__file__).resolve().parent.parent / "docs"
-_WIDTHS = {"SCALAR": 1, "VEC3": 3}
-_TYPES = {5123: "<u2", 5125: "<u4", 5126: "<f4"}
+GROUND, WATER = (0.93, 0.92, 0.88), (0.62, 0.79, 0.93)
+_WIDTHS = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}
+_TYPES = {5121: "u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 
 
 def get(address):
@@ -78,6 +81,52 @@ def light_on(corners, towards, least, more):
     return np.minimum(least + more * np.abs(normals @ np.array(towards)), 1)[:, None]
 
 
+def draw_ground(axes, positions, triangles, colours=GROUND):
+    """Ground with y up, from above, in a colour or one for each vertex (n, 3), shaded lightly and
+    without a seam between faces."""
+    corners = positions[triangles]
+    normals = np.zeros(positions.shape)
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    for corner in triangles.T:
+        np.add.at(normals, corner, across)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True) + 1e-30
+    shades = np.minimum(0.72 + 0.32 * np.abs(normals @ np.array((-0.5, 0.75, -0.43))), 1)
+    mesh = TriMesh(Triangulation(positions[:, 0], positions[:, 2], triangles))
+    mesh.set_facecolor(shades[:, None] * np.array(colours))
+    axes.add_collection(mesh)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+
+
+def map_of(points):
+    """Where points of a path, or of an isoline, are on the map: x and z."""
+    return np.array([p["xyz"] if isinstance(p, dict) else p for p in points])[:, ::2].T
+
+
+def draw_way(axes, path, style, colour, width=2.2, ends=(0, -1)):
+    """A path over the ground from above, with dots at its ends."""
+    x, z = map_of(path["points"])
+    axes.plot(x, z, style, color=colour, lw=width, solid_capstyle="round")
+    for end in ends:
+        axes.plot(x[end], z[end], "o", color=colour, ms=6, mec="white", mew=0.8)
+
+
+def draw_isolines(axes, found, colour, width):
+    """Isolines over the ground from above; `colour` is one, or tells one of a level."""
+    lines = [[*line["points"], *line["points"][: line["closed"]]] for line in found["isolines"]]
+    if callable(colour):
+        colour = [colour(line["level"]) for line in found["isolines"]]
+    axes.add_collection(
+        LineCollection([map_of(line).T for line in lines], colors=colour, lw=width, joinstyle="round")
+    )
+
+
+def line_round(mesh, stops):
+    """The closed line through points, as `inside:` of a region has it."""
+    via = "".join(f"&via={stop}" for stop in stops[1:])
+    return get_json(f"{mesh}/path?from={stops[0]}{via}&to={stops[0]}&method=exact")
+
+
 def show_from_above(axes, middle, reach, zoom):
     """A view of 3D axes along z, of `reach` about `middle` on each axis."""
     for set_limits, at, size in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, reach):
@@ -93,4 +142,5 @@ def save(figure, name):
     picture = io.BytesIO()
     figure.savefig(picture, dpi=90, facecolor="white")
     plt.close(figure)
-    Image.open(picture).convert("RGB").quantize(256).save(DOCS / name, optimize=True)
+    # In all its colours: a palette would speckle or band what is smooth.
+    Image.open(picture).convert("RGB").save(DOCS / name, optimize=True)
