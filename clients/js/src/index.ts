@@ -24,13 +24,14 @@ export {
   type Status,
   type Xyz,
 } from './contract.js';
+export type { WeightedRegion } from './costs.js';
 export { GeodesicError, NetworkError } from './errors.js';
 export { decodeFrame, type Frame, type FrameArray, type FrameHeader } from './frame.js';
 export type { JobOptions } from './jobs.js';
 export { decodeNpy } from './npy.js';
 export { plyOf, type GeometryLike, type MeshArrays } from './ply.js';
 export type { OneOrMore, Point, Source, SourceLines } from './points.js';
-export type { Region, Wall, WeightedRegion, WholeFaces } from './regions.js';
+export type { Region, Wall } from './regions.js';
 export type * from './queries.js';
 export { parseTiming, type BareArray, type ToldFrame } from './replies.js';
 export type { Call, Reply } from './transport.js';
@@ -43,3 +44,4 @@ export {
   type UploadJobOptions,
   type UploadOptions,
 } from './upload.js';
+export type { WholeFaces } from './whole_faces.js';

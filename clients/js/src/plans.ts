@@ -3,17 +3,9 @@
  * carried out at once or as a job, with the same outcome.
  */
 import type { MeshMetadata, Schemas } from './contract.js';
+import { slopeInUrl, weightInUrl } from './costs.js';
 import { pointInJson, pointInUrl, type Source } from './points.js';
-import {
-  lineInJson,
-  regionInUrl,
-  slopeInUrl,
-  wallInUrl,
-  weightInUrl,
-  type Region,
-  type Wall,
-  type WeightedRegion,
-} from './regions.js';
+import { regionInJson, regionInUrl, wallInUrl } from './regions.js';
 import type { Ask, Field, Precision, Queries, QueryOptions } from './queries.js';
 import * as replies from './replies.js';
 import type { Call, Reply } from './transport.js';
@@ -28,6 +20,23 @@ const LONGEST_TARGET = 2000;
 
 const POINTS = new Set(['from', 'to', 'via', 'at', 'point', 'through', 'around']);
 const REGIONS = new Set(['within', 'forbid', 'walls']);
+
+type InUrl = (value: never) => string | undefined;
+/** How each value of a parameter stands in a URL; those of any other as `plain` says. */
+const EACH_IN_URL = new Map<string, InUrl>([
+  ...[...POINTS].map((name): [string, InUrl] => [name, pointInUrl]),
+  ['within', regionInUrl],
+  ['forbid', regionInUrl],
+  ['walls', wallInUrl],
+  ['weights', weightInUrl],
+]);
+/** Of parameters whose value, be it an array, is one. */
+const WHOLE_IN_URL = new Map<string, InUrl>([
+  ['direction', vectorInUrl],
+  ['normal', vectorInUrl],
+  ['up', vectorInUrl],
+  ['slope', slopeInUrl],
+]);
 
 /** The path of a mesh or of what is below it. */
 export function meshPath(id: string, below = ''): string {
@@ -62,7 +71,7 @@ export function queryCall(
 export function parametersInJson(parameters: object): Record<string, unknown> {
   const body: Record<string, unknown> = {};
   for (const [name, value] of Object.entries(parameters)) {
-    if (REGIONS.has(name)) body[name] = lineInJson(value);
+    if (REGIONS.has(name)) body[name] = regionInJson(value);
     else if (!POINTS.has(name)) body[name] = value;
     else body[name] = Array.isArray(value) ? value.map(pointInJson) : pointInJson(value as Source);
   }
@@ -72,33 +81,20 @@ export function parametersInJson(parameters: object): Record<string, unknown> {
 function inUrl(entries: [string, unknown][]): string | undefined {
   const search = new URLSearchParams();
   for (const [name, value] of entries) {
-    if (name === 'direction' || name === 'normal' || name === 'up') {
-      search.append(name, Array.isArray(value) ? value.join(',') : String(value));
-      continue;
-    }
-    if (name === 'slope') {
-      const text = slopeInUrl(value);
-      if (text === undefined) return undefined;
-      search.append(name, text);
-      continue;
-    }
+    const whole = WHOLE_IN_URL.get(name);
     if (REGIONS.has(name) && Array.isArray(value) && value.length === 0) return undefined;
-    for (const one of Array.isArray(value) ? value : [value]) {
-      const text = POINTS.has(name)
-        ? pointInUrl(one as Source)
-        : name === 'walls'
-          ? wallInUrl(one as Wall)
-          : REGIONS.has(name)
-            ? regionInUrl(one as Region)
-            : name === 'weights'
-              ? weightInUrl(one as WeightedRegion)
-              : plain(one);
+    for (const one of Array.isArray(value) && !whole ? value : [value]) {
+      const text = (whole ?? EACH_IN_URL.get(name) ?? plain)(one as never);
       if (text === undefined) return undefined;
       search.append(name, text);
     }
   }
   // Only what must be is escaped: `from=v:0` is what people read in their network panel.
   return search.toString().replaceAll('%3A', ':').replaceAll('%2C', ',').replaceAll('%3B', ';');
+}
+
+function vectorInUrl(value: unknown): string {
+  return Array.isArray(value) ? value.join(',') : String(value);
 }
 
 function plain(value: unknown): string | undefined {

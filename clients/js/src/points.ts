@@ -3,7 +3,7 @@
  * makes queries that browsers can cache, and JSON, which can say all.
  */
 import type { Xyz } from './contract.js';
-import { regionInUrl, type WholeFaces } from './regions.js';
+import { isWholeFaces, wholeFacesInUrl, type WholeFaces } from './whole_faces.js';
 
 /** A point; a bare number is a source vertex, a text is the grammar of URLs (`v:12`). */
 export type Point =
@@ -31,15 +31,16 @@ export type SourceLines =
 
 export type OneOrMore<T> = T | readonly T[];
 
+export function listOf<T>(some: OneOrMore<T>): readonly T[] {
+  return Array.isArray(some) ? (some as readonly T[]) : [some as T];
+}
+
 /** The point in a URL; undefined where the grammar of URLs cannot say the same. */
 export function pointInUrl(point: Source | SourceLines): string | undefined {
   if (typeof point === 'string') return point;
   if (typeof point === 'number') return `v:${point}`;
-  if ('boundary' in point) return linesInUrl(point);
-  if ('curve' in point) return linesInUrl(point);
-  if ('faces' in point || 'part' in point || 'sphere' in point || 'box' in point) {
-    return regionInUrl(point);
-  }
+  if ('boundary' in point || 'curve' in point) return linesInUrl(point);
+  if (isWholeFaces(point)) return wholeFacesInUrl(point);
   if (point.offset !== undefined) return undefined;
   if ('vertex' in point) return `v:${point.vertex}`;
   if ('face' in point) return faceInUrl(point.face, point.bary);
@@ -47,6 +48,17 @@ export function pointInUrl(point: Source | SourceLines): string | undefined {
     return point.max_snap === undefined ? `p:${point.xyz.join(',')}` : undefined;
   }
   return `ray:${[...point.ray.origin, ...point.ray.direction].join(',')}`;
+}
+
+/** The points of a line, each in a URL; undefined where they are no points, or one cannot be said so. */
+export function pointsInUrl(points: unknown): string[] | undefined {
+  if (!Array.isArray(points)) return undefined;
+  const texts = points.map((point) =>
+    point !== null && ['object', 'number', 'string'].includes(typeof point)
+      ? pointInUrl(point as Source)
+      : undefined,
+  );
+  return texts.includes(undefined) ? undefined : (texts as string[]);
 }
 
 /** The point in JSON. */
@@ -65,10 +77,10 @@ function linesInUrl(lines: Extract<SourceLines, { boundary: unknown } | { curve:
     return lines.boundary === 'all' ? 'boundary' : `boundary:${lines.boundary}`;
   }
   const { points, closed, ...rest } = lines.curve;
-  if (!Array.isArray(points) || Object.keys(rest).length > 0) return undefined;
+  if (Object.keys(rest).length > 0) return undefined;
   if (closed !== undefined && typeof closed !== 'boolean') return undefined;
-  const texts = points.map(pointInUrl);
-  if (texts.includes(undefined)) return undefined;
+  const texts = pointsInUrl(points);
+  if (!texts) return undefined;
   return `curve:${[...(closed === true ? ['closed'] : []), ...texts].join(';')}`;
 }
 

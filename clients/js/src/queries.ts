@@ -3,8 +3,9 @@
  * Lengths are in mesh units throughout.
  */
 import type { Isoline, Method, PathPoint, ResolvedPoint, Sample, Schemas, Xyz } from './contract.js';
+import type { WeightedRegion } from './costs.js';
 import type { OneOrMore, Point, Source, SourceLines } from './points.js';
-import type { Region, Wall, WeightedRegion } from './regions.js';
+import type { Region, Wall } from './regions.js';
 
 /** What one call may have beside its parameters. */
 export interface CallOptions {

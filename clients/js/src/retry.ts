@@ -61,3 +61,11 @@ export function sleep(milliseconds: number, signal?: AbortSignal): Promise<void>
     signal?.addEventListener('abort', stop, { once: true });
   });
 }
+
+/** Milliseconds until a time that is a deadline. Throws what the server answers where it is over. */
+export function msUntil(end: number): number {
+  const left = Math.ceil(end - Date.now());
+  if (left > 0) return left;
+  const detail = 'the time that deadlineMs allowed is over';
+  throw new GeodesicError(504, { code: 'deadline', detail });
+}

@@ -2,9 +2,10 @@
  * Tables of thousands: rows as the server computes them, asked for again from where a connection
  * broke, and tables of which only what is near is kept.
  */
-import { GeodesicError, NetworkError } from './errors.js';
+import { chunksOf } from './chunks.js';
+import { NetworkError } from './errors.js';
 import { queryCall } from './plans.js';
-import type { Point } from './points.js';
+import { listOf } from './points.js';
 import type {
   QueryOptions,
   SparseTable,
@@ -13,7 +14,7 @@ import type {
   TableRow,
 } from './queries.js';
 import { sparseTableOf } from './replies.js';
-import { sleep } from './retry.js';
+import { msUntil, sleep } from './retry.js';
 import type { Transport } from './transport.js';
 
 /** Tries in a row that bring nothing, before an interruption is an error. */
@@ -30,32 +31,33 @@ export async function* tableRows(
   query: TableQuery,
   options: QueryOptions,
 ): AsyncGenerator<TableRow, void, undefined> {
-  const from = (Array.isArray(query.from) ? query.from : [query.from]) as readonly Point[];
-  const to = query.to ?? query.from;
-  const columns = Array.isArray(to) ? to.length : 1;
+  const from = listOf(query.from);
+  const columns = query.to === undefined ? from.length : listOf(query.to).length;
   const end = options.deadlineMs === undefined ? undefined : Date.now() + options.deadlineMs;
+  const left = () => (end === undefined ? undefined : msUntil(end));
+  let { deadlineMs } = options;
   let row = 0;
   for (let tried = 0; row < from.length; ) {
     const before = row;
-    const deadlineMs = end === undefined ? undefined : Math.max(1, Math.ceil(end - Date.now()));
     const asked = { ...query, stream: true, format: 'f64', rows: `${row}-` };
     const call = queryCall(id, 'table', asked, { ...options, deadlineMs });
+    const url = transport.url(call.path);
     try {
       const response = await transport.open(call);
-      for await (const distances of rowsOf(response.body!, columns, transport.url(call.path))) {
+      for await (const distances of rowsOf(response.body!, columns, url)) {
         yield { row, distances };
         ++row;
       }
+      // Somebody on the way may end a reply early as if it were whole.
+      if (row < from.length) throw new NetworkError(url, new Error('rows are missing'));
     } catch (error) {
       options.signal?.throwIfAborted();
       if (!(error instanceof NetworkError)) throw error;
       tried = row > before ? 0 : tried + 1;
-      if (end !== undefined && Date.now() >= end) {
-        const detail = 'the time that deadlineMs allowed is over';
-        throw new GeodesicError(504, { code: 'deadline', detail });
-      }
+      left();
       if (tried >= MOST_TRIES) throw error;
       await sleep(FIRST_PAUSE * 2 ** tried, options.signal);
+      deadlineMs = left();
     }
   }
 }
@@ -66,20 +68,12 @@ async function* rowsOf(
   columns: number,
   url: string,
 ): AsyncGenerator<Float64Array, void, undefined> {
-  const reader = body.getReader();
   let bytes = new Uint8Array(8 * columns);
   let filled = 0;
-  let ended = false;
   try {
-    for (;;) {
-      const { done, value } = await reader.read().catch((cause: unknown) => {
-        ended = true;
-        throw new NetworkError(url, cause);
-      });
-      ended = done;
-      if (done) break;
-      for (let used = 0; used < value.length; ) {
-        const some = value.subarray(used, used + bytes.length - filled);
+    for await (const chunk of chunksOf(body)) {
+      for (let used = 0; used < chunk.length; ) {
+        const some = chunk.subarray(used, used + bytes.length - filled);
         bytes.set(some, filled);
         used += some.length;
         filled += some.length;
@@ -89,10 +83,10 @@ async function* rowsOf(
         filled = 0;
       }
     }
-    if (filled > 0) throw new NetworkError(url, new Error('the last row is not whole'));
-  } finally {
-    if (!ended) await reader.cancel().catch(() => undefined);
+  } catch (cause) {
+    throw new NetworkError(url, cause);
   }
+  if (filled > 0) throw new NetworkError(url, new Error('the last row is not whole'));
 }
 
 /** What of a table is within `max`. */

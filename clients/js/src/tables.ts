@@ -5,9 +5,10 @@
 import type { Status } from './contract.js';
 import { GeodesicError } from './errors.js';
 import { planOf } from './plans.js';
-import { pointInJson, type OneOrMore, type Point } from './points.js';
+import { listOf, pointInJson, type Point } from './points.js';
 import type { QueryOptions, Table, TableQuery, Timing } from './queries.js';
 import { jsonOf } from './replies.js';
+import { msUntil } from './retry.js';
 import type { Transport } from './transport.js';
 
 /** What servers take that do not say otherwise: up to here none is asked for its limits. */
@@ -88,10 +89,6 @@ function joined(answers: readonly [Block, Table][], distances: Float64Array): Ta
   };
 }
 
-function listOf<T>(points: OneOrMore<T>): readonly T[] {
-  return Array.isArray(points) ? (points as readonly T[]) : [points as T];
-}
-
 function slice(points: readonly Point[], { begin, end }: Run): readonly Point[] {
   return points.slice(begin, end);
 }
@@ -167,11 +164,4 @@ function told(error: GeodesicError, { rows, columns }: Block): GeodesicError {
   if (!found) return error;
   const { begin } = found[1] === 'from' ? rows : columns;
   return error.of(`${found[1]}[${Number(found[2]) + begin}]${found[3]}`);
-}
-
-function msUntil(end: number): number {
-  const left = Math.ceil(end - Date.now());
-  if (left > 0) return left;
-  const detail = 'the time that deadlineMs allowed is over';
-  throw new GeodesicError(504, { code: 'deadline', detail });
 }

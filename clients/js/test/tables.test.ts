@@ -111,8 +111,8 @@ test('where the limits may not be asked for, they are those of every server', as
   assert.equal(whole.distances.length, 1001);
 });
 
-/** A client whose replies to tables break off after so many bytes, one after the other. */
-function cut(...cuts: number[]): GeodesicClient {
+/** A client whose replies to tables break off, or end, after so many bytes, one after the other. */
+function cut(how: 'broken' | 'ended', ...cuts: number[]): GeodesicClient {
   return new GeodesicClient(server.url, {
     fetch: async (input, init) => {
       const reply = await fetch(input, init);
@@ -123,7 +123,10 @@ function cut(...cuts: number[]): GeodesicClient {
         new TransformStream<Uint8Array, Uint8Array>({
           transform(chunk, controller) {
             controller.enqueue(chunk.subarray(0, left));
-            if (chunk.length > left) controller.error(new TypeError('terminated'));
+            if (chunk.length > left) {
+              if (how === 'broken') controller.error(new TypeError('terminated'));
+              else controller.terminate();
+            }
             left -= chunk.length;
           },
         }),
@@ -157,8 +160,11 @@ test('rows go on where the connection breaks', async () => {
   };
   const whole = await all(client);
   assert.equal(whole.length, 9);
-  assert.deepEqual(await all(cut(9 * 8 * 2 + 3, 0, 9 * 8)), whole);
-  await assert.rejects(all(cut(0, 0, 0, 0, 0, 0)), NetworkError);
+  for (const how of ['broken', 'ended'] as const) {
+    // In a row, between two, and before the first of all.
+    assert.deepEqual(await all(cut(how, 9 * 8 * 2 + 3, 0, 9 * 8)), whole);
+    await assert.rejects(all(cut(how, 0, 0, 0, 0, 0, 0)), NetworkError);
+  }
 });
 
 test('errors of rows are those of the table', async () => {

@@ -132,6 +132,13 @@ test('one grammar in the box: vertices, faces and places, and what is wrong is s
   await page.getByLabel('Via', { exact: true }).check();
   await place('v:500 v:600');
   await until(async () => (await page.locator('.point.via').count()) === 2, 'two via points');
+  const many = Array.from({ length: 120 }, (_, index) => `v:${50 * index}`).join(';');
+  await place(many);
+  await page.locator('.trouble', { hasText: /No more via points.*a hundred/ }).waitFor();
+  assert.equal(await page.locator('.point.via').count(), 100);
+  await page.getByLabel('Loop', { exact: true }).check();
+  await place(many);
+  await page.locator('.trouble', { hasText: /No more points of a loop.*a hundred/ }).waitFor();
   assert.deepEqual(page.faults, []);
   await page.context().close();
 });

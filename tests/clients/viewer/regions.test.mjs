@@ -1,23 +1,10 @@
 // Regions of many sources: those that touch are told apart, by eye and by the shader.
 import assert from 'node:assert/strict';
-import { createRequire } from 'node:module';
-import { join } from 'node:path';
 import { test } from 'node:test';
 import { openMesh, picture, textAt, until } from './browser.mjs';
+import { viewerModule } from './modules.mjs';
 import { statistics } from './pixels.mjs';
 import { served } from './served.mjs';
-
-const { VIEWER_SOURCES } = process.env;
-const { buildSync } = createRequire(createRequire(join(VIEWER_SOURCES, 'package.json')).resolve('vite'))('esbuild');
-
-/** A module of the viewer's for Node. */
-async function viewerModule(name) {
-  const { outputFiles } = buildSync({
-    entryPoints: [join(VIEWER_SOURCES, 'src', name)], bundle: true, write: false, format: 'esm', logLevel: 'error',
-    alias: { 'geodesicd-client': join(VIEWER_SOURCES, '../../js/src/index.ts') },
-  });
-  return import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString('base64')}`);
-}
 
 const { lookOf } = await viewerModule('regions.ts');
 const { oklabOf, colourOf } = await viewerModule('oklab.ts');

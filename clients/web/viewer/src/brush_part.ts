@@ -4,6 +4,7 @@ import { countText, lengthText } from './numbers.ts';
 import { countOf } from './painted.ts';
 import { choice } from './panel.ts';
 import type { Parts } from './parts.ts';
+import { differ } from './state.ts';
 
 export function brushPart({ state, results }: Parts): HTMLElement {
   const does = choice(
@@ -63,7 +64,7 @@ export function brushPart({ state, results }: Parts): HTMLElement {
   state.listen((now, before) => {
     // Where no paint is left, there is none to take away.
     if (now.erasing && !now.painted.faces.length) return state.set({ erasing: false });
-    if ((['tool', 'painted', 'brush', 'erasing'] as const).some((name) => now[name] !== before[name])) show();
+    if (differ(now, before, 'tool', 'painted', 'brush', 'erasing')) show();
   });
   results.listen((now, before) => now.surface !== before.surface && show());
   show();

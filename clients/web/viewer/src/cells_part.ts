@@ -1,8 +1,9 @@
 /** The panel's list of cells: the area that is nearest to each source, and sources into their middles. */
-import { regionColour } from './colour_maps.ts';
 import { element } from './element.ts';
 import { countText, lengthText } from './numbers.ts';
 import type { Parts } from './parts.ts';
+import { hueOf } from './regions.ts';
+import { differ } from './state.ts';
 import { unitOf } from './units.ts';
 
 /** Rows of cells, unless all are asked for. */
@@ -47,7 +48,7 @@ export function cellsPart({ state, results, actions }: Parts): HTMLElement {
     rows.replaceChildren(
       ...answered.slice(0, all ? answered.length : LISTED).map(({ area, perimeter }, index) => {
         const colour = element('i', { aria: { hidden: 'true' } });
-        colour.style.setProperty('--hue', regions?.colours[index] ?? regionColour(index));
+        colour.style.setProperty('--hue', hueOf(regions, index));
         return element('tr', null,
           element('th', { scope: 'row' }, colour, `${index + 1}`),
           element('td', { className: 'area' }, lengthText(area)),
@@ -57,7 +58,7 @@ export function cellsPart({ state, results, actions }: Parts): HTMLElement {
   };
   state.listen((now, before) => now.show !== before.show && show());
   results.listen((now, before) => {
-    if (now.cells !== before.cells || now.regions !== before.regions || now.surface !== before.surface) show();
+    if (differ(now, before, 'cells', 'regions', 'surface')) show();
   });
   show();
   return root;

@@ -8,40 +8,21 @@ import type { Connection } from './connection.ts';
 import { troubleOf } from './messages.ts';
 import { Newest } from './newest.ts';
 import type { Notices } from './notices.ts';
-import { regionsOf } from './painted.ts';
-import {
-  computing, fieldKey, fieldQuestion, pathKey, Questions, type FieldQuestion, type PathQuestion,
-} from './questions.ts';
+import { Paths } from './paths.ts';
+import { fieldKey, fieldQuestion, Questions, type Attempt, type FieldQuestion } from './questions.ts';
 import { lookOf, type RegionLook } from './regions.ts';
-import { errorAgainst, surfaceOf, type KnownField, type Results } from './results.ts';
+import { errorAgainst, surfaceOf, UNANSWERED, type KnownField, type Results } from './results.ts';
 import { Shapes } from './shapes.ts';
-import { byRegion, REGIONS, type Arrow, type Line, type Measure, type Painted, type Spot, type State, type Store } from './state.ts';
-
-interface TraceQuestion {
-  readonly mesh: string;
-  readonly arrow: Arrow;
-  readonly painted: Painted;
-}
-
-/** Milliseconds without a movement after which the path of a held point is at full strength again. */
-const AT_REST = 300;
+import { byRegion, differ, REGIONS, type Measure, type State, type Store } from './state.ts';
 
 export class Conductor {
   readonly #questions: Questions;
   readonly #field = new Newest<FieldQuestion>((asked, signal) => this.#askField(asked, signal), fieldKey);
   readonly #exact = new Newest<FieldQuestion>((asked, signal) => this.#askExact(asked, signal));
   readonly #apart = new Newest<FieldQuestion>((asked, signal) => this.#askApart(asked, signal));
-  readonly #path = new Newest<PathQuestion>((asked, signal) => this.#askPath(asked, signal));
-  readonly #trace = new Newest<TraceQuestion>((asked, signal) => this.#askTrace(asked, signal));
-  readonly #measures = new Newest<readonly Measure[]>((asked, signal) => this.#askMeasures(asked, signal));
   readonly #trials = new Newest<State>((asked, signal) => this.#askTrials(asked, signal));
+  readonly #paths: Paths;
   readonly #shapes: Shapes;
-  /** Of which state the path is that is shown. */
-  #pathKey = '';
-  #held = false;
-  #moved = 0;
-  #strengthening = 0;
-  readonly #paths = new Map<Measure, Path>();
 
   constructor(
     private readonly access: Access,
@@ -51,11 +32,12 @@ export class Conductor {
     private readonly connection: Connection,
   ) {
     this.#questions = new Questions(() => access.client, results, notices);
-    this.#shapes = new Shapes(this.#questions, state, results, (...given) => this.#attempt(...given));
+    const attempt: Attempt = (...given) => this.#attempt(...given);
+    this.#paths = new Paths(access, this.#questions, state, results, connection, attempt);
+    this.#shapes = new Shapes(this.#questions, state, results, attempt);
     state.listen((now, before) => this.#follow(now, before));
     results.listen((now, before) => {
-      // A path by a long method waits for its field; so does the choice among several sources.
-      if (now.field && now.field !== before.field) this.#wantPath(this.state.value, false);
+      if (now.field && now.field !== before.field) this.#paths.fieldHasCome();
       if (now.surface !== before.surface && now.surface) this.askAgain();
     });
     connection.onBack(() => {
@@ -68,14 +50,12 @@ export class Conductor {
   askAgain(): void {
     const now = this.state.value;
     this.#wantField(now, false);
-    this.#wantPath(now, false);
-    this.#wantTrace(now);
-    this.#wantMeasures(now);
+    this.#paths.want(now);
     this.#shapes.want(now);
   }
 
   get busy(): boolean {
-    return this.#shapes.busy || [this.#field, this.#exact, this.#apart, this.#path, this.#trace, this.#measures, this.#trials].some(({ busy }) => busy);
+    return [this.#field, this.#exact, this.#apart, this.#trials, this.#paths, this.#shapes].some(({ busy }) => busy);
   }
 
   /** Stops everything that is under way, as its reader wishes. */
@@ -100,14 +80,17 @@ export class Conductor {
 
   /** Without a change of the state. */
   cancel(): void {
-    for (const running of [this.#field, this.#exact, this.#apart, this.#path, this.#trace, this.#measures, this.#trials]) running.cancel();
-    this.#shapes.cancel();
+    for (const running of [this.#field, this.#exact, this.#apart, this.#trials, this.#paths, this.#shapes]) running.cancel();
   }
 
   /** Whether a point is being dragged. */
   hold(held: boolean): void {
-    this.#held = held;
-    this.#judge();
+    this.#paths.hold(held);
+  }
+
+  /** Takes a path that is there already into the list, so that it is not asked again. */
+  keep(measure: Measure, path: Path): void {
+    this.#paths.keep(measure, path);
   }
 
   /** Moves the sources towards the middles of their cells. */
@@ -123,23 +106,18 @@ export class Conductor {
   #follow(now: State, before: State): void {
     if (now.mesh !== before.mesh) {
       this.cancel();
-      this.#paths.clear();
-      this.results.set({ field: null, error: null, apart: null, regions: null, trials: {}, stopped: false, path: null, stale: false, pathMs: null, trace: null, lines: new Map(), drawn: null, noLoop: null, disc: null, cells: null, measured: [] });
+      this.#paths.forget();
+      this.results.set(UNANSWERED);
       return; // whoever loads the mesh sets the surface, and then all is asked
     }
-    const byOther = now.method !== before.method || now.pointsPerEdge !== before.pointsPerEdge;
-    const fromOther = now.sources !== before.sources || now.curves !== before.curves;
-    const onOther = now.painted !== before.painted || now.walking !== before.walking;
-    if (fromOther || onOther) {
+    const byOther = differ(now, before, 'method', 'pointsPerEdge');
+    const others = differ(now, before, 'sources', 'curves', 'painted', 'walking');
+    if (others) {
       this.#trials.cancel();
       this.results.set({ trials: {}, stopped: false });
     }
-    if (byOther || fromOther || onOther || now.show !== before.show) this.#wantField(now, byOther || this.#questions.isLong(before.method));
-    if (byOther || fromOther || onOther || now.via !== before.via || now.target !== before.target || now.refine !== before.refine) {
-      this.#wantPath(now, byOther);
-    }
-    if (onOther || now.arrow !== before.arrow) this.#wantTrace(now);
-    if (now.measures !== before.measures) this.#wantMeasures(now);
+    if (byOther || others || now.show !== before.show) this.#wantField(now, byOther || this.#questions.isLong(before.method));
+    this.#paths.follow(now, before);
     this.#shapes.follow(now, before);
   }
 
@@ -276,104 +254,6 @@ export class Conductor {
       }
     });
     progress.end();
-  }
-
-  #wantPath(now: State, interrupt: boolean): void {
-    const { mesh, sources, curves, target, via, method, pointsPerEdge, refine, painted, walking } = now;
-    const count = sources.length + curves.length;
-    const { field, methods } = this.results.value;
-    if (!methods.length) return;
-    if (!mesh || !target || !count || !surfaceOf(now, this.results.value)) {
-      this.#path.cancel();
-      return this.results.set({ path: null, stale: false, along: null, pathMs: null });
-    }
-    const present = field?.key === fieldKey(fieldQuestion(now)!);
-    this.#moved = performance.now();
-    this.#judge();
-    if (!present && (count > 1 || this.#questions.isLong(method))) return; // asked once it has come
-    const starts = this.#nearest(now, via[0] ?? target);
-    this.#path.ask({ mesh, from: sources[0] ?? target, starts, via, to: target, method, pointsPerEdge, refine, painted, walking, key: pathKey(now) }, interrupt);
-  }
-
-  /** The sources of which one is nearest to a spot: one, or those that meet in its face. */
-  #nearest({ sources, curves }: State, spot: Spot): readonly (Spot | Line)[] {
-    const all = [...sources, ...curves];
-    const { field, surface } = this.results.value;
-    if (all.length === 1 || !field?.labels || !surface) return all.slice(0, 1);
-    const labels = new Set(surface.cornersOf(spot.face).map((vertex) => field.labels![vertex]!));
-    const starts = [...labels].map((label) => all[label]).filter((start) => start !== undefined);
-    return starts.length ? starts : all.slice(0, 1);
-  }
-
-  async #askPath(asked: PathQuestion, signal: AbortSignal): Promise<void> {
-    await this.#attempt(signal, 'path', async () => {
-      const path = await this.#questions.path(asked, signal, () => this.#path.cancel());
-      if (signal.aborted || !this.state.value.target) return;
-      this.#pathKey = asked.key;
-      const stale = this.results.value.stale || asked.key !== pathKey(this.state.value);
-      this.results.set({ path, stale, along: null, pathMs: computing(path.timing) });
-      this.#judge();
-    });
-  }
-
-  /**
-   * A path of other points than the present ones is faded at once and for as long as it is
-   * shown, be it that none comes. What is dragged stays faded until it rests: it would flicker.
-   */
-  #judge(): void {
-    clearTimeout(this.#strengthening);
-    const { path, stale } = this.results.value;
-    if (!path) return;
-    if (this.#pathKey !== pathKey(this.state.value)) return this.results.set({ stale: true });
-    if (!stale) return;
-    const rest = this.#held ? this.#moved + AT_REST - performance.now() : 0;
-    if (rest <= 0) this.results.set({ stale: false });
-    else this.#strengthening = window.setTimeout(() => this.#judge(), rest);
-  }
-
-  #wantTrace(now: State): void {
-    const { mesh, arrow, painted } = now;
-    if (mesh && arrow && surfaceOf(now, this.results.value)) this.#trace.ask({ mesh, arrow, painted });
-    else {
-      this.#trace.cancel();
-      this.results.set({ trace: null });
-    }
-  }
-
-  async #askTrace({ mesh, arrow, painted }: TraceQuestion, signal: AbortSignal): Promise<void> {
-    await this.#attempt(signal, 'trace', async () => {
-      const { from, direction, length } = arrow;
-      const trace = await this.access.client.trace(mesh, { from, direction, length, ...regionsOf(painted) }, { signal });
-      if (this.state.value.arrow && !signal.aborted) this.results.set({ trace });
-    }, () => this.results.set({ trace: null }));
-  }
-
-  #wantMeasures(now: State): void {
-    const { measures } = now;
-    const measured = measures.map((measure) => this.#paths.get(measure) ?? null);
-    this.results.set({ measured });
-    if (surfaceOf(now, this.results.value) && this.results.value.methods.length && measured.includes(null)) this.#measures.ask(measures);
-  }
-
-  /** Takes a path that is there already into the list, so that it is not asked again. */
-  keep(measure: Measure, path: Path): void {
-    this.#paths.set(measure, path);
-  }
-
-  async #askMeasures(asked: readonly Measure[], signal: AbortSignal): Promise<void> {
-    const { mesh } = this.state.value;
-    if (!mesh) return;
-    for (const [index, measure] of asked.entries()) {
-      if (this.#paths.has(measure)) continue;
-      if (signal.aborted || this.connection.lost) return;
-      // One that fails is told, and keeps none of those after it back.
-      await this.#attempt(signal, `measure ${index}`, async () => {
-        const question = { ...measure, mesh, walking: null, starts: [measure.from], key: '' };
-        this.#paths.set(measure, await this.#questions.path(question, signal, () => this.#measures.cancel()));
-        const { measures } = this.state.value;
-        this.results.set({ measured: measures.map((each) => this.#paths.get(each) ?? null) });
-      });
-    }
   }
 
   /**

@@ -2,6 +2,7 @@
 import { element } from './element.ts';
 import { lengthText } from './numbers.ts';
 import type { Parts } from './parts.ts';
+import { differ } from './state.ts';
 import { unitOf } from './units.ts';
 
 /** Of the greatest distance, when the disc is switched on. */
@@ -32,8 +33,8 @@ export function discPart({ state, results }: Parts): HTMLElement {
     root.classList.toggle('stale', answered?.radius !== disc);
     said.textContent = answered ? `${lengthText(answered.area)}${unit && ` ${unit}²`} · outline ${lengthText(answered.outline)}${unit && ` ${unit}`}` : '…';
   };
-  state.listen((now, before) => (now.disc !== before.disc || now.walking !== before.walking || now.sources !== before.sources || now.curves !== before.curves) && show());
-  results.listen((now, before) => (now.disc !== before.disc || now.field !== before.field || now.surface !== before.surface) && show());
+  state.listen((now, before) => differ(now, before, 'disc', 'walking', 'sources', 'curves') && show());
+  results.listen((now, before) => differ(now, before, 'disc', 'field', 'surface') && show());
   show();
   return root;
 }

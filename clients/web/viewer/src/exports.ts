@@ -2,12 +2,13 @@
  * What leaves the page as a file: the view with its labels and legend as PNG, the path as
  * GLB, JSON or CSV, the field as NPY, the list of measures as CSV.
  */
-import type { Path } from 'geodesicd-client';
+import type { GlbQuery, Path } from 'geodesicd-client';
 import type { Access } from './access.ts';
 import { colourAt } from './colour_maps.ts';
 import { legendOf, type LegendText } from './legend.ts';
 import { meshName } from './mesh_names.ts';
-import { letterOf, type Overlay } from './overlay.ts';
+import { letterOf } from './measures.ts';
+import type { Overlay } from './overlay.ts';
 import type { ExportKind } from './parts.ts';
 import { regionsOf } from './painted.ts';
 import { costsOf, fieldQuestion, sourcesOf } from './questions.ts';
@@ -15,7 +16,8 @@ import type { Results } from './results.ts';
 import { scaleOf } from './scale_bar.ts';
 import { cellsOf, queryOf } from './shapes.ts';
 import type { Stage } from './stage.ts';
-import type { Spot, State } from './state.ts';
+import { resolvedSpot } from './spot_text.ts';
+import type { State } from './state.ts';
 
 export interface Exporting {
   readonly access: Access;
@@ -39,24 +41,24 @@ const MAKERS: Record<ExportKind, (from: Exporting) => Promise<Blob | null>> = {
   'path.glb': async ({ access, state, results }) => {
     if (!results.path || !state.mesh) return null;
     const { from, via, to, refine } = results.path;
-    const query = { from: spotIn(from), via: via.map(spotIn), to: spotIn(to), refine, ...costsOf(state), ...regionsOf(state.painted) };
-    return new Blob([await access.client.glb(state.mesh, { of: 'path', ...query })], { type: 'model/gltf-binary' });
+    const query = { from: resolvedSpot(from), via: via.map(resolvedSpot), to: resolvedSpot(to), refine, ...costsOf(state), ...regionsOf(state.painted) };
+    return glb(access, state.mesh, { of: 'path', ...query });
   },
   'field.glb': async ({ access, state }) => {
     const query = { from: sourcesOf(state), colormap: state.colours, ...costsOf(state), ...regionsOf(state.painted) };
-    return new Blob([await access.client.glb(state.mesh!, { of: 'distance', ...query })], { type: 'model/gltf-binary' });
+    return glb(access, state.mesh!, { of: 'distance', ...query });
   },
   'loop.glb': async ({ access, state }) => {
     const asked = state.loop && queryOf(state, state.loop);
     if (!asked || asked.query !== 'loop' || !state.mesh) return null;
     const { query, ...rest } = asked;
-    return new Blob([await access.client.glb(state.mesh, { of: query, ...rest })], { type: 'model/gltf-binary' });
+    return glb(access, state.mesh, { of: query, ...rest });
   },
   'cells.glb': async ({ access, state }) => {
     const question = fieldQuestion(state);
     if (!question) return null;
     const { query, ...rest } = cellsOf(question, 0);
-    return new Blob([await access.client.glb(question.mesh, { of: query, ...rest })], { type: 'model/gltf-binary' });
+    return glb(access, question.mesh, { of: query, ...rest });
   },
   'path.json': async ({ results: { path } }) => {
     if (!path) return null;
@@ -85,12 +87,12 @@ const MAKERS: Record<ExportKind, (from: Exporting) => Promise<Blob | null>> = {
   },
 };
 
-function spotIn({ face, bary }: { face: number | null; bary: readonly number[] | null }): Spot {
-  return { face: face!, bary: bary as unknown as Spot['bary'] };
+async function glb(access: Access, mesh: string, query: GlbQuery): Promise<Blob> {
+  return new Blob([await access.client.glb(mesh, query)], { type: 'model/gltf-binary' });
 }
 
 /** A row a point: x, y, z and the distance walked, in mesh units; then face and weights. */
-export function pathCsv({ points }: Path): string {
+function pathCsv({ points }: Path): string {
   let walked = 0;
   const rows = points.map(({ xyz, face, bary }, index) => {
     const before = points[index - 1]?.xyz;

@@ -8,7 +8,7 @@ import type { Meshes } from './meshes.ts';
 import { troubleOf } from './messages.ts';
 import { SLOW, type Notices } from './notices.ts';
 import type { Results } from './results.ts';
-import { START, type State, type Store } from './state.ts';
+import { differ, POINTS, START, type State, type Store } from './state.ts';
 
 export class FirstQuestions {
   #asking: Promise<void> | null = null;
@@ -38,8 +38,7 @@ export class FirstQuestions {
   /** A change that needs an answer asks for the methods again, where they did not come. */
   follow(now: State, before: State, then: () => void): void {
     if (this.results.value.methods.length || this.connection.lost) return;
-    const parts = ['mesh', 'sources', 'curves', 'via', 'target', 'arrow', 'loop', 'measures'] as const;
-    if (parts.some((part) => now[part] !== before[part])) void this.#methods().then(then);
+    if (differ(now, before, 'mesh', ...POINTS, 'measures')) void this.#methods().then(then);
   }
 
   /** One question at a time. */

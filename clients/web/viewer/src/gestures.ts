@@ -5,12 +5,12 @@
  */
 import { Vector3, Plane } from 'three';
 import { element } from './element.ts';
-import { closed, withPoint } from './drawing.ts';
+import { closed, withPoints } from './drawing.ts';
 import type { Overlay, Handle } from './overlay.ts';
 import type { Painter } from './painter.ts';
 import type { Hit, Picking } from './picking.ts';
 import type { Stage } from './stage.ts';
-import { MOST_SOURCES, type Spot, type State, type Store, type Tool } from './state.ts';
+import { MOST_SOURCES, MOST_VIA, type Spot, type State, type Store, type Tool } from './state.ts';
 import type { Surface } from './surface.ts';
 
 const STILL = 5; // CSS pixels that a click may move
@@ -179,10 +179,11 @@ export class Gestures {
       case 'target':
         return state.set({ target: spot });
       case 'via':
+        if (via.length >= MOST_VIA) return full(tool);
         return state.set({ via: [...via, spot] });
       case 'loop': {
-        const longer = withPoint(loop, spot);
-        return longer ? state.set({ loop: longer }) : full(tool);
+        const longer = withPoints(loop, [spot]);
+        return longer.full ? full(tool) : state.set({ loop: longer.line });
       }
       case 'brush':
         return painter.dab(spot);

@@ -5,6 +5,8 @@ import type { State, Store } from './state.ts';
 const STEPS = ['sources', 'via', 'target', 'arrow', 'loop', 'painted', 'curves', 'disc', 'measures', 'method', 'pointsPerEdge', 'refine', 'walking'] as const;
 const KEPT = [...STEPS, 'tool', 'show'] as const;
 const MOST = 200;
+/** Steps back have together at most so many ranges of painted faces: some tens of megabytes. */
+const MOST_RANGES = 1_000_000;
 /** Milliseconds in which changes of the arrow, or of the disc, are one: a slider is pulled. */
 const TOGETHER = 600;
 
@@ -81,7 +83,7 @@ export class History {
     }
     if (same) return;
     this.#past.push(stepOf(before));
-    if (this.#past.length > MOST) this.#past.shift();
+    this.#past.splice(0, tooOld(this.#past));
     this.#future = [];
     this.#tell();
   }
@@ -97,6 +99,17 @@ export class History {
   #tell(): void {
     for (const listener of this.#listeners) listener();
   }
+}
+
+/** How many of the oldest steps are to be forgotten; the last stays. */
+function tooOld(past: readonly Step[]): number {
+  let ranges = 0;
+  for (let index = past.length - 1; index >= 0; index--) {
+    const { painted } = past[index]!;
+    if (painted !== past[index + 1]?.painted) ranges += painted.faces.length; // steps beside each other share theirs
+    if (ranges > MOST_RANGES || past.length - index > MOST) return Math.min(index + 1, past.length - 1);
+  }
+  return 0;
 }
 
 function stepOf(state: State): Step {

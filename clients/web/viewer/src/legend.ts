@@ -1,7 +1,8 @@
 /** The legend: which colour is which distance, with round numbers, or which source. */
-import { colourAt, REGION_COLOURS, regionColour, type ColourMap } from './colour_maps.ts';
+import { colourAt, REGION_COLOURS, type ColourMap } from './colour_maps.ts';
 import { element } from './element.ts';
 import { lengthText, roundStep, shareText, tickText } from './numbers.ts';
+import { hueOf } from './regions.ts';
 import type { Results } from './results.ts';
 import { byRegion, type State } from './state.ts';
 import { lineStepOf } from './surface_view.ts';
@@ -23,7 +24,7 @@ export function legendOf(state: State, { field, error, regions }: Results): Lege
   const note = step > 0 ? `Lines every ${tickText(step)}` : '';
   if (byRegion(state.show) && field.labels) {
     const count = Math.min(field.sources, REGION_COLOURS.length);
-    const ticks = Array.from({ length: count }, (_, index) => ({ at: 0, text: `${index + 1}`, colour: regions?.colours[index] ?? regionColour(index) }));
+    const ticks = Array.from({ length: count }, (_, index) => ({ at: 0, text: `${index + 1}`, colour: hueOf(regions, index) }));
     if (field.sources > count) return { title: `Nearest of ${field.sources}`, map: null, ticks: ticks.map((tick) => ({ ...tick, text: '' })), note };
     return { title: state.show === 'cells' ? 'Cells' : 'Nearest source', map: null, ticks, note };
   }

@@ -4,36 +4,11 @@
  * and v:VERTEX. What a link says wrongly is left out, and told where it is a point.
  */
 import { LONGEST_TEXT, paintedIn, paintedText } from './painted.ts';
+import { lineIn, lineText, numbersIn, spotIn, spotText } from './spot_text.ts';
 import {
-  MOST_LINES, MOST_LOOP, MOST_MEASURES, MOST_SOURCES, MOST_VIA, START, UNPAINTED,
+  isPlanar, MOST_LINES, MOST_LOOP, MOST_MEASURES, MOST_SOURCES, MOST_VIA, START, UNPAINTED,
   type Arrow, type Axis, type Drawn, type Line, type Measure, type Painted, type Spot, type State,
 } from './state.ts';
-
-/** Rounds weights so that the link is short and says the same point as the page. */
-export function spotOf(face: number, first: number, second: number): Spot {
-  const a = Math.round(Math.min(1, Math.max(0, first)) * 1e6);
-  const b = Math.min(1e6 - a, Math.round(Math.min(1, Math.max(0, second)) * 1e6));
-  return { face, bary: [a / 1e6, b / 1e6, (1e6 - a - b) / 1e6] };
-}
-
-export function spotText({ face, bary, vertex }: Spot): string {
-  return vertex === undefined ? `${face},${bary[0]},${bary[1]}` : `v:${vertex}`;
-}
-
-function spotIn(text: string | null | undefined): Spot | null {
-  const vertex = /^v:(\d+)$/.exec(text ?? '')?.[1];
-  if (vertex !== undefined) return { face: -1, bary: [1, 0, 0], vertex: Number(vertex) };
-  const parts = numbersIn(text?.replace(/^f:/, ''), 3);
-  if (!parts || !Number.isInteger(parts[0]) || parts[0]! < 0) return null;
-  const [face, first, second] = parts as [number, number, number];
-  if (first < 0 || second < 0 || first + second > 1 + 1e-9) return null;
-  return spotOf(face, first, second);
-}
-
-function numbersIn(text: string | null | undefined, count: number): number[] | null {
-  const parts = text?.split(',').map(Number) ?? [];
-  return parts.length === count && parts.every(Number.isFinite) ? parts : null;
-}
 
 function numberIn(text: string | null, least: number, most: number): number | null {
   const value = text === null ? NaN : Number(text);
@@ -61,28 +36,23 @@ function arrowIn(text: string | null): Arrow | null {
   return { from, direction, length };
 }
 
-/** Empty, too, where it would be too long: `tooMuchPainted` says so. */
-function regionText(painted: Painted): string {
-  const text = paintedText(painted);
-  return text.length > LONGEST_TEXT ? '' : text;
+/** So long texts of kept paths go into a link together. */
+const LONGEST_KEPT = 300_000;
+
+function fits(painted: Painted): boolean {
+  return paintedText(painted).length <= LONGEST_TEXT;
+}
+
+/** The list's paths as a link has them: without those for which it has no room. A path without its painting would be another. */
+function keptTexts(measures: readonly Measure[]): string[] {
+  let room = LONGEST_KEPT;
+  const texts = measures.filter(({ painted }) => fits(painted)).map(measureText);
+  return texts.filter((text) => (room -= text.length) >= 0);
 }
 
 /** Whether more is painted than a link can hold. */
-export function tooMuchPainted({ painted }: State): boolean {
-  return paintedText(painted) !== regionText(painted);
-}
-
-/** Such as `closed;5,0.3,0.3;9,0.2,0.5`. */
-export function lineText({ points, closed }: Line): string {
-  return [...(closed ? ['closed'] : []), ...points.map(spotText)].join(';');
-}
-
-function lineIn(text: string): Line | null {
-  const closed = text.startsWith('closed;');
-  const parts = (closed ? text.slice(7) : text).split(';');
-  const points = parts.map(spotIn).filter((spot) => spot !== null);
-  const right = points.length === parts.length && points.length >= (closed ? 3 : 2) && points.length <= MOST_LOOP;
-  return right ? { points, closed } : null;
+export function tooMuchPainted({ painted, measures }: State): boolean {
+  return !fits(painted) || keptTexts(measures).length < measures.length;
 }
 
 function linesIn(all: URLSearchParams, name: string): readonly Line[] {
@@ -95,8 +65,8 @@ function drawnText({ kind, normal, points }: Drawn): string {
 
 function drawnIn(text: string | null): Drawn | null {
   const [kind, ...parts] = text?.split(';') ?? [];
-  const planar = kind === 'plane' || kind === 'tape';
-  if (!planar && kind !== 'open' && kind !== 'through' && kind !== 'around') return null;
+  if (kind !== 'open' && kind !== 'through' && kind !== 'around' && kind !== 'plane' && kind !== 'tape') return null;
+  const planar = isPlanar({ kind });
   const normal = planar ? (numbersIn(parts.shift(), 3) as [number, number, number] | null) : null;
   if (planar && !normal?.some((part) => part !== 0)) return null;
   const points = parts.map(spotIn).filter((spot) => spot !== null);
@@ -107,7 +77,7 @@ function drawnIn(text: string | null): Drawn | null {
 
 function measureText({ from, via, to, method, pointsPerEdge, refine, painted }: Measure): string {
   const by = method === 'steiner' && pointsPerEdge !== null ? `${method}-${pointsPerEdge}` : method;
-  const on = regionText(painted);
+  const on = paintedText(painted);
   const walls = painted.walls.map((wall) => `wall:${lineText(wall).replaceAll(';', '_')}`);
   return [by, refine ? 1 : 0, ...[from, ...via, to].map(spotText), ...walls, ...(on ? [on] : [])].join(';');
 }
@@ -136,12 +106,12 @@ export function linkOf(state: State): string {
   if (state.target) all.set('to', spotText(state.target));
   if (state.arrow) all.set('arrow', arrowText(state.arrow));
   if (state.loop) all.set('loop', drawnText(state.loop));
-  const [, on, faces] = /^(\w+):(.*)$/.exec(regionText(state.painted)) ?? [];
+  const [, on, faces] = /^(\w+):(.*)$/.exec(fits(state.painted) ? paintedText(state.painted) : '') ?? [];
   if (on && faces) all.set(on, faces);
   for (const wall of state.painted.walls) all.append('wall', lineText(wall));
   for (const curve of state.curves) all.append('curve', lineText(curve));
   if (state.disc !== null) all.set('disc', `${short(state.disc)}`);
-  for (const measure of state.measures) all.append('kept', measureText(measure));
+  for (const text of keptTexts(state.measures)) all.append('kept', text);
   if (state.method !== START.method) all.set('method', state.method);
   if (state.pointsPerEdge !== null) all.set('points_per_edge', `${state.pointsPerEdge}`);
   if (!state.refine) all.set('refine', 'none');

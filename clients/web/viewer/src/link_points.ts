@@ -1,6 +1,6 @@
 /** The points of a link on the mesh that it speaks of, which is only known once that is here. */
-import { spotText } from './link.ts';
 import { paintedOn, paintedText } from './painted.ts';
+import { spotText } from './spot_text.ts';
 import { START, type Line, type Measure, type Spot, type State } from './state.ts';
 import type { Surface } from './surface.ts';
 

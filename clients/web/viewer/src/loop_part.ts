@@ -6,7 +6,7 @@ import { choice } from './panel.ts';
 import type { Parts } from './parts.ts';
 import type { Results } from './results.ts';
 import { drawnKey } from './shapes.ts';
-import type { Drawn, State } from './state.ts';
+import { differ, isPlanar, type Drawn, type State } from './state.ts';
 import { unitOf } from './units.ts';
 
 const ROUND: readonly { across: Across; label: string; title: string }[] = [
@@ -60,9 +60,9 @@ export function loopPart({ state, results, actions }: Parts): HTMLElement {
     const { surface, drawn, noLoop, offers } = results.value;
     root.hidden = !loop && tool !== 'loop';
     if (root.hidden) return;
-    const planar = loop?.kind === 'plane' || loop?.kind === 'tape';
+    const planar = loop !== null && isPlanar(loop);
     const count = loop?.points.length ?? 0;
-    title.textContent = loop && count > 1 ? TITLES[loop.kind] : planar ? TITLES[loop!.kind] : 'Loop';
+    title.textContent = loop && (count > 1 || planar) ? TITLES[loop.kind] : 'Loop';
     root.classList.toggle('stale', loop !== null && !noLoop && drawn?.key !== drawnKey(state.value));
     number.hidden = !loop || (!planar && count < 2);
     const length = drawn?.length ?? null;
@@ -81,9 +81,9 @@ export function loopPart({ state, results, actions }: Parts): HTMLElement {
     if (loop?.kind === 'plane' || loop?.kind === 'tape') byPlane.set(loop.kind);
     round.hidden = count !== 1;
   };
-  state.listen((now, before) => (now.loop !== before.loop || now.tool !== before.tool) && show());
+  state.listen((now, before) => differ(now, before, 'loop', 'tool') && show());
   results.listen((now, before) => {
-    if (now.drawn !== before.drawn || now.noLoop !== before.noLoop || now.offers !== before.offers || now.surface !== before.surface) show();
+    if (differ(now, before, 'drawn', 'noLoop', 'offers', 'surface')) show();
   });
   show();
   return root;

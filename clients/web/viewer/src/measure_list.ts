@@ -1,13 +1,11 @@
 /** The panel's list of kept paths: lengths to compare, to show again and to take away. */
-import { element, icon } from './element.ts';
+import { element } from './element.ts';
 import { lengthText } from './numbers.ts';
-import { letterOf } from './overlay.ts';
-import { part } from './panel.ts';
+import { letterOf } from './measures.ts';
+import { part, removeButton } from './panel.ts';
 import type { Parts } from './parts.ts';
 import { nameOf } from './questions.ts';
 import type { Measure } from './state.ts';
-
-const CROSS = 'M6 6l8 8M14 6l-8 8';
 
 export function measureList({ state, results, actions }: Parts): HTMLElement {
   const list = element('ol', { className: 'measures' });
@@ -36,16 +34,7 @@ export function measureList({ state, results, actions }: Parts): HTMLElement {
             element('span', { className: 'number' }, length),
             element('small', null, nameOf(measure.method)),
           ),
-          element(
-            'button',
-            {
-              type: 'button',
-              className: 'remove',
-              onclick: () => state.set({ measures: state.value.measures.filter((other) => other !== measure) }),
-              aria: { label: `Remove measure ${letter}` },
-            },
-            icon(CROSS),
-          ),
+          removeButton(`measure ${letter}`, () => state.set({ measures: state.value.measures.filter((other) => other !== measure) })),
         );
       }),
     );

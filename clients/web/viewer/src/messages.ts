@@ -71,6 +71,22 @@ export interface Trouble extends Message {
   readonly about?: string;
 }
 
+/** That a loop has as many points as the server takes. */
+export const LOOP_IS_FULL: Trouble = {
+  title: 'No more points of a loop', advice: 'The server takes a hundred: close the loop.', detail: '', about: 'points',
+};
+
+/** The same of a path. */
+export const VIA_IS_FULL: Trouble = {
+  title: 'No more via points', advice: 'The server takes a hundred.', detail: '', about: 'points',
+};
+
+/** That there are as many sources as the server takes; `count` were wanted at once. */
+export function fullText(count?: number): Trouble {
+  const taken = count === undefined ? '.' : `; the first of ${countText(count)} were taken.`;
+  return { title: 'No more sources', advice: `The server takes a thousand${taken}`, detail: '', about: 'points' };
+}
+
 export function troubleOf(error: unknown): Trouble {
   if (error instanceof GeodesicError) {
     const known = Object.hasOwn(MESSAGES, error.code) ? MESSAGES[error.code as ErrorCode] : UNRECOGNISED;

@@ -4,15 +4,16 @@
  */
 import { Vector3 } from 'three';
 import type { Path } from 'geodesicd-client';
-import { regionColour } from './colour_maps.ts';
-import { element } from './element.ts';
+import { Labels, type Label } from './labels.ts';
 import { Marker, REACH, type MarkerKind } from './marker.ts';
+import { letterOf } from './measures.ts';
 import { lengthText, roundStep, tickText } from './numbers.ts';
 import type { Picking } from './picking.ts';
+import { hueOf } from './regions.ts';
 import { surfaceOf, type Results } from './results.ts';
 import { drawnKey } from './shapes.ts';
 import type { Stage } from './stage.ts';
-import { byRegion, type Line, type Spot, type State } from './state.ts';
+import { byRegion, differ, type Line, type Spot, type State } from './state.ts';
 import type { Surface } from './surface.ts';
 import { ThickLine } from './thick_line.ts';
 
@@ -24,19 +25,8 @@ export interface Handle {
 
 type AddMarker = (kind: MarkerKind, place: Vector3, handle: Handle | null, colour?: string) => void;
 
-interface Label {
-  readonly text: string;
-  readonly place: Vector3;
-  readonly strong: boolean;
-  /** Whether it stands on a path of the list, which is never out of date. */
-  readonly kept?: boolean;
-}
-
 /** Drawn units from an arrow's start to its handle, in parts of the distance to the eye. */
 export const ARROW = 0.085;
-
-/** CSS pixels that two labels are apart at least, in one of the two ways. */
-const APART = { x: 46, y: 24 };
 
 const DARK = '#10131a';
 
@@ -51,47 +41,42 @@ export class Overlay {
   readonly #kept: ThickLine[] = [];
   readonly #walker = new Marker('end', '#1f2a37');
   #line: Float32Array = new Float32Array();
-  readonly #layer = element('div', { className: 'labels', aria: { hidden: 'true' } });
+  readonly #labels: Labels;
   #markers: { handle: Handle | null; marker: Marker }[] = [];
-  #labels: { label: Label; tag: HTMLElement }[] = [];
   #state: State | null = null;
   #surface: Surface | null = null;
 
   constructor(
     private readonly stage: Stage,
-    private readonly picking: Picking,
+    picking: Picking,
   ) {
-    document.body.append(this.#layer);
+    this.#labels = new Labels(stage, picking);
     stage.add(this.#path, this.#trace, this.#shaft, this.#drawn, this.#borders, this.#walls, this.#curves);
-    stage.beforeFrame(() => this.#beforeFrame());
+    stage.beforeFrame(() => this.#aim());
     stage.onResize((width, height) => this.#markers.forEach(({ marker }) => marker.fit(width, height)));
   }
 
-  follow(state: State, before: State | null, results: Results, resultsBefore: Results | null): void {
+  follow(state: State, before: State, results: Results, resultsBefore: Results): void {
     this.#state = state;
     this.#surface = surfaceOf(state, results);
-    const other = results.surface !== resultsBefore?.surface;
-    const moved =
-      other || state.mesh !== before?.mesh || state.sources !== before.sources || state.via !== before.via || state.target !== before.target ||
-      state.arrow !== before.arrow || state.loop !== before.loop || state.show !== before.show || results.trace !== resultsBefore?.trace ||
-      results.regions !== resultsBefore?.regions;
+    const other = results.surface !== resultsBefore.surface;
+    const moved = other || differ(state, before, 'mesh', 'sources', 'via', 'target', 'arrow', 'loop', 'show') || differ(results, resultsBefore, 'trace', 'regions');
     if (moved) this.#placeMarkers(state, results);
-    const relabel = state.ticks !== before?.ticks || results.measured !== resultsBefore?.measured ||
-      results.drawn !== resultsBefore?.drawn || results.cells !== resultsBefore?.cells;
+    const relabel = state.ticks !== before.ticks || differ(results, resultsBefore, 'path', 'measured', 'drawn', 'cells');
     const surface = results.surface;
-    if (other || results.path !== resultsBefore?.path) this.#path.setPoints(pointsOf(surface, results.path));
-    if (results.stale !== resultsBefore?.stale) {
+    if (other || results.path !== resultsBefore.path) this.#path.setPoints(pointsOf(surface, results.path));
+    if (results.stale !== resultsBefore.stale) {
       this.#path.faded = results.stale;
-      this.#layer.classList.toggle('stale', results.stale);
+      this.#labels.stale = results.stale;
     }
-    if (other || results.path !== resultsBefore?.path || results.along !== resultsBefore?.along) this.#walk(results);
-    if (other || results.trace !== resultsBefore?.trace) this.#trace.setPoints(pointsOf(surface, results.trace));
-    if (other || results.drawn !== resultsBefore?.drawn) this.#drawn.setPoints(pointsOf(surface, results.drawn));
+    if (other || differ(results, resultsBefore, 'path', 'along')) this.#walk(results);
+    if (other || results.trace !== resultsBefore.trace) this.#trace.setPoints(pointsOf(surface, results.trace));
+    if (other || results.drawn !== resultsBefore.drawn) this.#drawn.setPoints(pointsOf(surface, results.drawn));
     this.#drawn.faded = results.drawn !== null && results.drawn.key !== drawnKey(state);
-    if (other || results.lines !== resultsBefore?.lines) this.#placeLines(state, results);
-    if (other || results.cells !== resultsBefore?.cells) this.#placeBorders(results);
-    if (other || results.measured !== resultsBefore?.measured) this.#placeMeasures(results);
-    if (other || relabel || results.path !== resultsBefore?.path) this.#label(state, results);
+    if (other || results.lines !== resultsBefore.lines) this.#placeLines(state, results);
+    if (other || results.cells !== resultsBefore.cells) this.#placeBorders(results);
+    if (other || results.measured !== resultsBefore.measured) this.#placeMeasures(results);
+    if (other || relabel) this.#label(state, results);
     this.stage.wake();
   }
 
@@ -154,12 +139,9 @@ export class Overlay {
     return { start: this.#surface.placeOf(arrow.from), normal: this.#surface.normalOf(arrow.from.face) };
   }
 
-  /** The labels that are shown, for an export that draws them. */
-  get texts(): { text: string; x: number; y: number; strong: boolean }[] {
-    return this.#labels.flatMap(({ label, tag }) => {
-      const at = tag.hidden || tag.classList.contains('behind') ? null : this.stage.onPage(label.place);
-      return at ? [{ text: label.text, strong: label.strong, ...at }] : [];
-    });
+  /** The labels that are seen, for an export that draws them. */
+  get texts(): Labels['texts'] {
+    return this.#labels.texts;
   }
 
   #placeMarkers(state: State, results: Results): void {
@@ -194,7 +176,7 @@ export class Overlay {
       if (surface.has(spot)) add(kind, surface.placeOf(spot), { kind, index }, colour);
     };
     const shown = byRegion(state.show) && state.sources.length > 1;
-    state.sources.forEach((spot, index) => at('source', spot, index, shown ? (regions?.colours[index] ?? regionColour(index)) : undefined));
+    state.sources.forEach((spot, index) => at('source', spot, index, shown ? hueOf(regions, index) : undefined));
     state.via.forEach((spot, index) => at('via', spot, index));
     if (state.target) at('target', state.target, 0);
     state.loop?.points.forEach((spot, index) => at('loop', spot, index));
@@ -244,15 +226,7 @@ export class Overlay {
     for (const { site, area } of surface && cells ? cells.answered.cells : []) {
       labels.push({ text: lengthText(area), place: new Vector3().fromArray(surface!.drawn([site])), strong: false, kept: true });
     }
-    // Tags are used again: the path changes with every movement of a pointer.
-    while (this.#labels.length > labels.length) this.#labels.pop()!.tag.remove();
-    this.#labels = labels.map((label, index) => {
-      const tag = this.#labels[index]?.tag ?? this.#layer.appendChild(element('span'));
-      if (tag.textContent !== label.text) tag.textContent = label.text;
-      tag.classList.toggle('strong', label.strong);
-      tag.classList.toggle('kept', label.kept ?? false);
-      return { label, tag };
-    });
+    this.#labels.show(labels);
   }
 
   /** Of drawn places that which is nearest to the eye, where a label is seen. */
@@ -264,21 +238,6 @@ export class Overlay {
       if (place.distanceToSquared(position) < nearest.distanceToSquared(position)) nearest = place;
     }
     return nearest;
-  }
-
-  #beforeFrame(): void {
-    this.#aim();
-    const taken: { x: number; y: number }[] = [];
-    // Where labels are close the strong ones stand, and of the others the first.
-    const inOrder = [...this.#labels].sort((a, b) => Number(b.label.strong) - Number(a.label.strong));
-    for (const { label, tag } of inOrder) {
-      const at = this.stage.onPage(label.place);
-      tag.hidden = !at || taken.some(({ x, y }) => Math.abs(x - at.x) < APART.x && Math.abs(y - at.y) < APART.y);
-      if (!at || tag.hidden) continue;
-      taken.push(at);
-      tag.style.transform = `translate(${at.x.toFixed(1)}px, ${at.y.toFixed(1)}px) translate(-50%, -160%)`;
-      tag.classList.toggle('behind', this.picking.hides(label.place, this.stage.camera));
-    }
   }
 
   /** The arrow has one length on the screen, however near one is. */
@@ -294,12 +253,6 @@ export class Overlay {
     tip.updateMatrixWorld();
     this.#shaft.setPoints(new Float32Array([...start.toArray(), ...tip.position.toArray()]));
   }
-}
-
-/** A, B, …, Z, A1, … for the list of measures. */
-export function letterOf(index: number): string {
-  const letter = String.fromCharCode(65 + (index % 26));
-  return index < 26 ? letter : `${letter}${Math.floor(index / 26)}`;
 }
 
 function pointsOf(surface: Surface | null, line: { points: Path['points'] } | null): Float32Array {

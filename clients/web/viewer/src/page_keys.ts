@@ -1,9 +1,11 @@
 /** The page's keys and gestures: what each does, and the sheet that lists them. */
+import type { History } from './history.ts';
 import type { Parts } from './parts.ts';
 import { TOOLS } from './points_part.ts';
 import { shortcuts } from './shortcuts.ts';
 
 export interface KeyActions extends Parts {
+  readonly steps: History;
   theme(): void;
   fold(): void;
   nextUp(): void;
@@ -27,7 +29,7 @@ const byPointer = () =>
       ];
 
 /** Listens for the keys; the returned function shows the sheet. */
-export function pageKeys({ state, results, actions, theme, fold, nextUp, escape, say }: KeyActions): () => void {
+export function pageKeys({ state, results, actions, steps, theme, fold, nextUp, escape, say }: KeyActions): () => void {
   const nextMethod = () => {
     const names = results.value.methods.map(({ name }) => name);
     const next = names[(names.indexOf(state.value.method as never) + 1) % names.length];
@@ -78,5 +80,19 @@ export function pageKeys({ state, results, actions, theme, fold, nextUp, escape,
       ],
     },
   ]);
+  undoKeys(steps);
   return showKeys;
+}
+
+/** Ctrl Z, with Shift or as Ctrl Y the other way; where one types they are the text's own. */
+function undoKeys(steps: History): void {
+  addEventListener('keydown', (event) => {
+    if (!(event.ctrlKey || event.metaKey) || event.altKey || (event.target instanceof HTMLInputElement && event.target.type === 'text')) return;
+    if (document.querySelector('dialog[open]')) return; // what is undone would be behind it
+    const key = event.key.toLowerCase();
+    if (key !== 'z' && key !== 'y') return;
+    event.preventDefault();
+    if (key === 'y' || event.shiftKey) steps.redo();
+    else steps.undo();
+  });
 }

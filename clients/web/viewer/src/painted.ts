@@ -1,6 +1,7 @@
 /** Painted faces and walls: as the regions of a query, as a text for links and keys, and as a byte a face. */
 import type { Region } from 'geodesicd-client';
-import type { Line, Painted, Spot } from './state.ts';
+import { wallText } from './spot_text.ts';
+import type { Painted } from './state.ts';
 
 type Ranges = Painted['faces'];
 
@@ -12,20 +13,6 @@ export function regionsOf({ as, faces, walls }: Painted): { within?: Region; for
   const closed = walls.length ? { walls: walls.map(wallText) } : {};
   if (!faces.length) return closed;
   return { ...closed, [as]: { faces: faces.map(([first, last]) => (first === last ? first : ([first, last] as const))) } };
-}
-
-/** In the grammar of the API; a closed one comes back to its first point. */
-function wallText({ points, closed }: Line): string {
-  return (closed ? [...points, points[0]!] : points).map(apiText).join(';');
-}
-
-/** A curve as a source. */
-export function curveText({ points, closed }: Line): string {
-  return `curve:${closed ? 'closed;' : ''}${points.map(apiText).join(';')}`;
-}
-
-function apiText({ face, bary }: Spot): string {
-  return `f:${face},${bary[0]},${bary[1]}`;
 }
 
 /** A byte a face, 1 where it is painted. */

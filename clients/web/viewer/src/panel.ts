@@ -5,6 +5,7 @@
 import { element, icon } from './element.ts';
 
 const CHEVRON = 'M5 8l5 5 5-5';
+const CROSS = 'M6 6l8 8M14 6l-8 8';
 const NARROW = matchMedia('(max-width: 720px)');
 
 export interface PanelButton {
@@ -102,4 +103,9 @@ export function choice<Value extends string>(
       if (input) input.disabled = !on;
     },
   };
+}
+
+/** A button that takes something away. */
+export function removeButton(what: string, remove: () => void): HTMLButtonElement {
+  return element('button', { type: 'button', className: 'remove', onclick: remove, aria: { label: `Remove ${what}` } }, icon(CROSS));
 }

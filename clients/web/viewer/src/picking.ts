@@ -6,7 +6,7 @@
 import { DoubleSide, Raycaster, Triangle, Vector2, Vector3, type Camera } from 'three';
 import { MeshBVH } from 'three-mesh-bvh';
 import type { BvhOrder } from './bvh_worker.ts';
-import { spotOf } from './link.ts';
+import { spotOf } from './spot_text.ts';
 import type { Spot } from './state.ts';
 import type { Surface } from './surface.ts';
 

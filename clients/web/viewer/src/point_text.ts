@@ -2,7 +2,7 @@
  * The grammar of points as text, one for what is typed and for files: a vertex, a place on
  * a face, a place in space. What cannot be read is told with the reason.
  */
-import { spotOf } from './link.ts';
+import { spotOf } from './spot_text.ts';
 import { countText } from './numbers.ts';
 import type { Spot, Xyz } from './state.ts';
 import type { Surface } from './surface.ts';

@@ -1,13 +1,12 @@
 /** The panel's part for points: what the next click places, and what stands where. */
-import { regionColour } from './colour_maps.ts';
-import { element, icon } from './element.ts';
+import { element } from './element.ts';
 import { lengthText } from './numbers.ts';
-import { choice } from './panel.ts';
+import { choice, removeButton } from './panel.ts';
 import type { Parts } from './parts.ts';
+import { hueOf } from './regions.ts';
 import type { Results } from './results.ts';
-import { byRegion, MOST_SOURCES, type Spot, type State, type Tool } from './state.ts';
+import { byRegion, MOST_SOURCES, type State, type Tool } from './state.ts';
 
-const CROSS = 'M6 6l8 8M14 6l-8 8';
 /** Rows of sources in the panel, unless all are asked for. */
 const LISTED = 6;
 
@@ -45,14 +44,16 @@ export function pointsPart({ state, results, actions }: Parts): HTMLElement {
   const clear = element('button', { type: 'button', className: 'quiet', onclick: actions.clear }, 'Clear points');
   const root = element('section', { className: 'points-part' }, element('h2', { className: 'out-of-sight' }, 'Points'), tools.root, list, clear);
 
-  const without = (spots: readonly Spot[], index: number) => spots.filter((_, other) => other !== index);
+  const without = <T>(some: readonly T[], index: number) => some.filter((_, other) => other !== index);
+  /** With its number where there are several. */
+  const named = (name: string, index: number, { length }: readonly unknown[]) => (length > 1 ? `${name} ${index + 1}` : name);
   const row = (kind: string, name: string, remove: () => void, region?: string) => {
     const made = element(
       'li',
       { className: `point ${kind}${region ? ' region' : ''}` },
       element('i', { aria: { hidden: 'true' } }),
       name,
-      element('button', { type: 'button', className: 'remove', onclick: remove, aria: { label: `Remove ${name}` } }, icon(CROSS)),
+      removeButton(name, remove),
     );
     if (region) made.style.setProperty('--region', region);
     return made;
@@ -78,23 +79,27 @@ export function pointsPart({ state, results, actions }: Parts): HTMLElement {
       ...now.sources.slice(0, listed(now)).map((_, index) =>
         row(
           'source',
-          several ? `Source ${index + 1}` : 'Source',
+          named('Source', index, now.sources),
           () => state.set({ sources: without(state.value.sources, index) }),
-          several && byRegion(now.show) ? (results.value.regions?.colours[index] ?? regionColour(index)) : undefined,
+          several && byRegion(now.show) ? hueOf(results.value.regions, index) : undefined,
         ),
       ),
       ...more(now),
       ...now.via.map((_, index) =>
-        row('via', now.via.length > 1 ? `Via ${index + 1}` : 'Via', () => state.set({ via: without(state.value.via, index) })),
+        row('via', named('Via', index, now.via), () => state.set({ via: without(state.value.via, index) })),
       ),
     ];
     if (now.target) rows.push(row('target', 'Target', () => state.set({ target: null })));
     if (now.arrow) rows.push(row('arrow', 'Arrow', () => state.set({ arrow: null })));
-    now.curves.forEach((_, at) => rows.push(row('source', now.curves.length > 1 ? `Curve ${at + 1}` : 'Curve', () => state.set({ curves: state.value.curves.filter((_, other) => other !== at) }))));
-    now.painted.walls.forEach((_, at) => rows.push(row('wall', now.painted.walls.length > 1 ? `Wall ${at + 1}` : 'Wall', () => {
-      const { painted } = state.value;
-      state.set({ painted: { ...painted, walls: painted.walls.filter((_, other) => other !== at) } });
-    })));
+    const { curves } = now;
+    const { walls } = now.painted;
+    rows.push(
+      ...curves.map((_, index) => row('source', named('Curve', index, curves), () => state.set({ curves: without(state.value.curves, index) }))),
+      ...walls.map((_, index) => row('wall', named('Wall', index, walls), () => {
+        const { painted } = state.value;
+        state.set({ painted: { ...painted, walls: without(painted.walls, index) } });
+      })),
+    );
     if (now.loop) rows.push(row('loop', 'Loop', () => state.set({ loop: null })));
     list.replaceChildren(...rows);
     clear.hidden = rows.length === 0;

@@ -6,10 +6,10 @@
 import {
   GeodesicError, type Ask, type GeodesicClient, type Method, type Path, type Queries, type Timing,
 } from 'geodesicd-client';
-import { lineText, spotText } from './link.ts';
-import { curveText, paintedKey, regionsOf } from './painted.ts';
 import { SLOW, type Notices } from './notices.ts';
+import { paintedKey, regionsOf } from './painted.ts';
 import type { KnownField, Results } from './results.ts';
+import { curveText, lineText, spotText } from './spot_text.ts';
 import type { Axis, Line, Measure, Painted, Spot, State, Store } from './state.ts';
 
 export interface FieldQuestion {
@@ -30,6 +30,9 @@ export interface PathQuestion extends Measure {
   /** Of the state that asks, as `pathKey` gives it. */
   readonly key: string;
 }
+
+/** Runs what may fail, and tells; `about` is what settles it. */
+export type Attempt = (signal: AbortSignal, about: string, run: () => Promise<void>, failed?: () => void) => Promise<void>;
 
 /** Meshes above this many vertices take long by any method. */
 const LARGE = 400_000;
@@ -193,12 +196,13 @@ export class Questions {
 
   #keep(field: KnownField): void {
     this.#kept.set(field.key, field);
+    const bytesOf = ({ values, labels }: KnownField) => values.byteLength + (labels?.byteLength ?? 0);
     let bytes = 0;
-    for (const { values } of this.#kept.values()) bytes += values.byteLength;
-    for (const [key, { values }] of this.#kept) {
+    for (const each of this.#kept.values()) bytes += bytesOf(each);
+    for (const [key, each] of this.#kept) {
       if (bytes <= KEEP || key === field.key) break;
       this.#kept.delete(key);
-      bytes -= values.byteLength;
+      bytes -= bytesOf(each);
     }
   }
 }

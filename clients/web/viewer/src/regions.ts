@@ -15,6 +15,11 @@ export interface RegionLook {
   readonly colours: readonly string[];
 }
 
+/** The colour of a source's region, whether or not it is known yet what it touches. */
+export function hueOf(look: RegionLook | null, index: number): string {
+  return look?.colours[index] ?? regionColour(index);
+}
+
 /** Regions that touch are at least so far apart in OKLab. */
 const APART = 0.09;
 

@@ -3,6 +3,7 @@ import { element } from './element.ts';
 import { lengthText, timeText } from './numbers.ts';
 import type { Parts } from './parts.ts';
 import { nameOf } from './questions.ts';
+import { differ } from './state.ts';
 import { unitOf } from './units.ts';
 
 export function resultPart({ state, results, actions }: Parts): HTMLElement {
@@ -43,8 +44,7 @@ export function resultPart({ state, results, actions }: Parts): HTMLElement {
       const about = results.value.surface?.about;
       unit.textContent = about ? unitOf(about) : '';
       const said = [nameOf(path.method)];
-      // Of a way on foot, in seconds; only some servers know of costs.
-      const { cost } = path as { cost?: number | null };
+      const { cost } = path; // of a way on foot, in seconds
       if (cost != null) said.unshift(cost < 90 ? `${lengthText(cost)} s on foot` : `${lengthText(cost / 60)} min on foot`);
       if (path.refine === 'shortest') said.push('pulled straight');
       if (path.via.length) said.push(path.via.length === 1 ? 'via 1 point' : `via ${path.via.length} points`);
@@ -52,7 +52,7 @@ export function resultPart({ state, results, actions }: Parts): HTMLElement {
       sub.textContent = said.join(' · ');
     }
   };
-  state.listen((now, before) => (now.target !== before.target || now.sources !== before.sources || now.curves !== before.curves) && show());
+  state.listen((now, before) => differ(now, before, 'target', 'sources', 'curves') && show());
   results.listen((now, before) => {
     if (now.path !== before.path) show();
     root.classList.toggle('stale', now.stale);

@@ -83,11 +83,8 @@ export interface Results {
   readonly measured: readonly (Path | null)[];
 }
 
-export const NOTHING: Results = {
-  meshes: [],
-  methods: [],
-  surface: null,
-  offers: { walls: false, curves: false, walking: false },
+/** Before anything is answered about what the state says of a mesh. */
+export const UNANSWERED = {
   field: null,
   error: null,
   apart: null,
@@ -98,7 +95,6 @@ export const NOTHING: Results = {
   stale: false,
   pathMs: null,
   along: null,
-  profiled: false,
   trace: null,
   lines: new Map(),
   drawn: null,
@@ -106,6 +102,15 @@ export const NOTHING: Results = {
   disc: null,
   cells: null,
   measured: [],
+} as const satisfies Partial<Results>;
+
+export const NOTHING: Results = {
+  meshes: [],
+  methods: [],
+  surface: null,
+  offers: { walls: false, curves: false, walking: false },
+  profiled: false,
+  ...UNANSWERED,
 };
 
 /** The surface of the state's mesh; null while it is on its way and another one is still drawn. */

@@ -3,12 +3,12 @@
  * of the sources while these are shown. Beside the conductor, which asks for fields and paths.
  */
 import { GeodesicError, type Ask } from 'geodesicd-client';
-import { spotOf, spotText } from './link.ts';
 import { Newest } from './newest.ts';
 import { regionsOf } from './painted.ts';
-import { fieldKey, fieldQuestion, keyOf, methodOf, sourcesOf, type FieldQuestion, type Questions } from './questions.ts';
+import { fieldKey, fieldQuestion, keyOf, methodOf, sourcesOf, type Attempt, type FieldQuestion, type Questions } from './questions.ts';
 import { surfaceOf, type Results } from './results.ts';
-import { UNPAINTED, type Drawn, type Line, type State, type Store } from './state.ts';
+import { spotOf, spotText } from './spot_text.ts';
+import { differ, isPlanar, UNPAINTED, type Drawn, type Line, type State, type Store } from './state.ts';
 
 /** Rounds of Lloyd's algorithm at a press. */
 const ROUNDS = 5;
@@ -19,12 +19,8 @@ interface DrawnQuestion {
   readonly key: string;
 }
 
-/** Runs what may fail, and tells. */
-export type Attempt = (signal: AbortSignal, about: string, run: () => Promise<void>, failed?: () => void) => Promise<void>;
-
-function isPlanar({ kind }: Drawn): boolean {
-  return kind === 'plane' || kind === 'tape';
-}
+/** What the sources' field depends on, and with it cells and discs. */
+const OF_FIELD = ['sources', 'curves', 'walking', 'method', 'pointsPerEdge', 'painted'] as const;
 
 /** What the drawn line depends on; null where there is none to ask for. */
 export function drawnKey(state: State): string | null {
@@ -38,9 +34,10 @@ export function drawnKey(state: State): string | null {
 export class Shapes {
   readonly #drawn = new Newest<DrawnQuestion>((asked, signal) => this.#askDrawn(asked, signal), ({ key }) => key);
   readonly #cells = new Newest<FieldQuestion>((asked, signal) => this.#askCells(asked, signal), fieldKey);
-  readonly #disc = new Newest<FieldQuestion & { radius: number }>((asked, signal) => this.#askDisc(asked, signal));
+  readonly #disc = new Newest<FieldQuestion & { radius: number }>((asked, signal) => this.#askDisc(asked, signal), (asked) => `${fieldKey(asked)}|${asked.radius}`);
   readonly #lines = new Newest<State>((asked, signal) => this.#askLines(asked, signal));
   readonly #relaxing = new Newest<FieldQuestion>((asked, signal) => this.#askRelaxed(asked, signal));
+  readonly #all = [this.#drawn, this.#lines, this.#disc, this.#cells, this.#relaxing] as const;
 
   constructor(
     private readonly questions: Questions,
@@ -50,11 +47,11 @@ export class Shapes {
   ) {}
 
   get busy(): boolean {
-    return this.#drawn.busy || this.#lines.busy || this.#disc.busy || this.#cells.busy || this.#relaxing.busy;
+    return this.#all.some(({ busy }) => busy);
   }
 
   cancel(): void {
-    for (const running of [this.#drawn, this.#lines, this.#disc, this.#cells, this.#relaxing]) running.cancel();
+    for (const running of this.#all) running.cancel();
   }
 
   /** Asks for whatever the state wants and the results lack. */
@@ -66,12 +63,12 @@ export class Shapes {
   }
 
   follow(now: State, before: State): void {
-    const key = drawnKey(now);
-    if (key !== drawnKey(before)) this.#wantDrawn(now);
+    if (drawnKey(now) !== drawnKey(before)) this.#wantDrawn(now);
     if (now.curves !== before.curves || now.painted.walls !== before.painted.walls) this.#wantLines(now);
-    const names = ['sources', 'curves', 'walking', 'method', 'pointsPerEdge', 'painted', 'show'] as const;
-    if (names.some((name) => now[name] !== before[name])) this.#wantCells(now);
-    if (now.disc !== before.disc || names.some((name) => now[name] !== before[name])) this.#wantDisc(now);
+    const fieldChanged = differ(now, before, ...OF_FIELD);
+    if (fieldChanged || now.show !== before.show) this.#wantCells(now);
+    if (fieldChanged || now.disc !== before.disc) this.#wantDisc(now);
+    if (now.sources !== before.sources) this.#relaxing.cancel(); // the answer would be about others
   }
 
   /** Moves each source towards the middle of its cell. */
@@ -150,13 +147,15 @@ export class Shapes {
     if ([...lines.keys()].some((line) => !wanted.includes(line))) {
       this.results.set({ lines: new Map([...lines].filter(([line]) => wanted.includes(line))) });
     }
-    if (this.#ready(now) && wanted.some((line) => !lines.has(line))) this.#lines.ask(now);
+    if (wanted.every((line) => lines.has(line))) this.#lines.cancel();
+    else if (this.#ready(now)) this.#lines.ask(now);
   }
 
   /** As the server lays them: shortest paths over the whole surface. */
   async #askLines(asked: State, signal: AbortSignal): Promise<void> {
     for (const line of linesOf(asked)) {
-      if (signal.aborted || this.results.value.lines.has(line)) continue;
+      if (signal.aborted) return;
+      if (this.results.value.lines.has(line) || !linesOf(this.state.value).includes(line)) continue;
       await this.attempt(signal, 'lines', async () => {
         const query = queryOf({ ...asked, method: 'auto', painted: UNPAINTED }, { kind: line.closed ? 'through' : 'open', points: line.points, normal: null });
         const stop = () => this.#lines.cancel();
@@ -211,6 +210,7 @@ export function queryOf(state: State, { kind, points, normal }: Drawn): Ask<'pat
   return { query: 'loop', at: points[0]!, normal: normal!, ...(kind === 'tape' && { hull: true }), ...on };
 }
 
+/** What cells are asked as; `relax`: rounds of Lloyd's algorithm before. */
 export function cellsOf({ sources, curves: _curves, walking: _walking, painted, ...by }: FieldQuestion, relax: number): Ask<'voronoi'> {
   return { query: 'voronoi', from: sources, ...(relax && { relax }), ...methodOf(by), ...regionsOf(painted) };
 }

@@ -41,6 +41,11 @@ export interface Drawn {
   readonly normal: Xyz | null;
 }
 
+/** Whether it lies round its one point, by a plane. */
+export function isPlanar({ kind }: Pick<Drawn, 'kind'>): boolean {
+  return kind === 'plane' || kind === 'tape';
+}
+
 /** A line on the surface, of shortest paths from point to point; closed: and back to the first. */
 export interface Line {
   readonly points: readonly Spot[];
@@ -146,20 +151,29 @@ export const START: State = {
   camera: null,
 };
 
-/** What a new mesh takes away: all that stands on the old one. */
-export const WITHOUT_POINTS = {
+/** What is placed on the surface. */
+export const POINTS = ['sources', 'via', 'target', 'arrow', 'loop', 'curves'] as const;
+
+/** What is left when the points are cleared. */
+export const CLEARED = {
   sources: [],
   via: [],
   target: null,
   arrow: null,
   loop: null,
-  painted: UNPAINTED,
   curves: [],
   disc: null,
-  measures: [],
   show: 'distance',
   tool: 'source',
 } as const satisfies Partial<State>;
+
+/** What a new mesh takes away: all that stands on the old one. */
+export const WITHOUT_POINTS = { ...CLEARED, painted: UNPAINTED, measures: [] } as const satisfies Partial<State>;
+
+/** Whether one of these parts is another than before. */
+export function differ<T>(now: T, before: T, ...names: readonly (keyof T)[]): boolean {
+  return names.some((name) => now[name] !== before[name]);
+}
 
 /** Holds one plain value; whoever listens is told of each change, after it. */
 export class Store<T extends object> {

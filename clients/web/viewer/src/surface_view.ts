@@ -10,7 +10,7 @@ import { roundStep } from './numbers.ts';
 import type { KnownField, Results } from './results.ts';
 import { wantsMotion, type Stage } from './stage.ts';
 import type { RegionLook } from './regions.ts';
-import { byRegion as showsRegions, type State } from './state.ts';
+import { byRegion as showsRegions, differ, type State } from './state.ts';
 
 const FLOOD = 650; // milliseconds from the source to the farthest vertex
 
@@ -52,10 +52,10 @@ export class SurfaceView {
     this.stage.wake();
   }
 
-  follow(state: State, before: State | null, results: Results, resultsBefore: Results | null): void {
+  follow(state: State, before: State, results: Results, resultsBefore: Results): void {
     const { surface, field, error, regions } = results;
     const apart = field && results.apart?.key === field.key ? results.apart.fields : null;
-    if (surface && surface !== resultsBefore?.surface) {
+    if (surface && surface !== resultsBefore.surface) {
       this.stage.remove(this.#mesh);
       this.#mesh.geometry = surface.geometry;
       this.#radius = surface.radius;
@@ -63,21 +63,14 @@ export class SurfaceView {
       this.#shown = null;
     }
     if (!surface) return void this.stage.remove(this.#mesh, this.#edges);
-    if (surface !== resultsBefore?.surface || state.edges !== before?.edges) {
+    if (surface !== resultsBefore.surface || state.edges !== before.edges) {
       this.stage.remove(this.#edges);
       this.#edges.geometry = surface.geometry;
       if (state.edges) this.stage.add(this.#edges);
     }
     this.#material.setDisc(state.walking ? 0 : (state.disc ?? 0) / surface.radius);
-    if (state.disc !== before?.disc || state.walking !== before?.walking) this.stage.wake();
-    const repaint =
-      field !== this.#shown ||
-      error !== resultsBefore?.error ||
-      results.apart !== resultsBefore?.apart ||
-      regions !== resultsBefore?.regions ||
-      state.show !== before?.show ||
-      state.colours !== before.colours ||
-      state.lines !== before.lines;
+    if (differ(state, before, 'disc', 'walking')) this.stage.wake();
+    const repaint = field !== this.#shown || differ(results, resultsBefore, 'error', 'apart', 'regions') || differ(state, before, 'show', 'colours', 'lines');
     if (!repaint) return;
     if (!field) {
       this.#shown = null;

@@ -5,15 +5,16 @@
 import type { GeodesicClient } from 'geodesicd-client';
 import type { Access } from './access.ts';
 import type { Connection } from './connection.ts';
-import { spotOf } from './link.ts';
-import { troubleOf, type Trouble } from './messages.ts';
+import { withPoints } from './drawing.ts';
+import { spotOf } from './spot_text.ts';
+import { fullText, LOOP_IS_FULL, troubleOf, VIA_IS_FULL, type Trouble } from './messages.ts';
 import type { Notices } from './notices.ts';
 import { countText, lengthText } from './numbers.ts';
 import { regionsOf } from './painted.ts';
 import { checked, entriesIn, entriesInFile, type Entry, type Typed } from './point_text.ts';
 import { surfaceOf, type Results } from './results.ts';
 import { tooLarge } from './sources_file.ts';
-import { MOST_LOOP, MOST_SOURCES, type Painted, type Spot, type State, type Store, type Tool, type Xyz } from './state.ts';
+import { MOST_SOURCES, MOST_VIA, type Painted, type Spot, type State, type Store, type Tool, type Xyz } from './state.ts';
 import type { Surface } from './surface.ts';
 
 /** Points that are farther from the surface than this part of the mesh's size are remarked on. */
@@ -101,11 +102,13 @@ export class TypedPoints {
     const spots = found.spots as Spot[];
     if (tool === 'source' && spots.length > 1) this.#sources(spots, spots.length);
     else if (tool === 'add') this.#sources([...sources, ...spots], sources.length + spots.length);
-    else if (tool === 'via') state.set({ via: [...via, ...spots] });
-    else if (tool === 'loop') {
-      const points = [...(loop?.kind === 'open' ? loop.points : []), ...spots];
-      if (points.length > MOST_LOOP) notices.remark(LOOP_IS_FULL);
-      state.set({ loop: { kind: 'open', points: points.slice(0, MOST_LOOP), normal: null } });
+    else if (tool === 'via') {
+      state.set({ via: [...via, ...spots].slice(0, MOST_VIA) });
+      if (via.length + spots.length > MOST_VIA) notices.remark(VIA_IS_FULL); // now: points that move take such words away
+    } else if (tool === 'loop') {
+      const { line, full } = withPoints(loop, spots);
+      state.set({ loop: line });
+      if (full) notices.remark(LOOP_IS_FULL);
     } else for (const spot of spots) place(tool, spot);
     if (found.far) notices.remark(farText(found.far));
     return true;
@@ -150,17 +153,6 @@ export class TypedPoints {
     state.set({ sources: sources.slice(0, MOST_SOURCES), tool: state.value.target ? state.value.tool : 'target' });
     if (count > MOST_SOURCES) notices.remark(fullText(count));
   }
-}
-
-/** That a loop has as many points as the server takes. */
-export const LOOP_IS_FULL: Trouble = {
-  title: 'No more points of a loop', advice: 'The server takes a hundred: close the loop.', detail: '', about: 'points',
-};
-
-/** That there are as many sources as the server takes; `count` were wanted at once. */
-export function fullText(count?: number): Trouble {
-  const taken = count === undefined ? '.' : `; the first of ${countText(count)} were taken.`;
-  return { title: 'No more sources', advice: `The server takes a thousand${taken}`, detail: '', about: 'points' };
 }
 
 function fileTrouble(name: string, wrong: readonly Entry[], taken: number): Trouble {

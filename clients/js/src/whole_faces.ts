@@ -1,0 +1,37 @@
+/**
+ * Sets of whole faces: as regions, as sources, and as what weights are given to. In JSON they are
+ * as they are.
+ */
+import type { Xyz } from './contract.js';
+
+/** Faces by their numbers, a part of the file, or those whose middle a sphere or a box holds. */
+export type WholeFaces =
+  | { readonly faces: readonly (number | readonly [number, number])[] }
+  | { readonly part: number }
+  | { readonly sphere: { readonly center: Xyz; readonly radius: number } }
+  | { readonly box: { readonly min: Xyz; readonly max: Xyz } };
+
+/** Whether a value is to be a set of whole faces, well formed or not. */
+export function isWholeFaces(value: object): value is WholeFaces {
+  return 'faces' in value || 'part' in value || 'sphere' in value || 'box' in value;
+}
+
+/** The faces in a URL. What is not well formed goes as JSON, for the server to refuse it. */
+export function wholeFacesInUrl(value: WholeFaces): string | undefined {
+  if (Object.keys(value).length !== 1) return undefined;
+  if ('faces' in value && Array.isArray(value.faces) && value.faces.length > 0) {
+    return `faces:${value.faces.map((one) => (typeof one === 'number' ? one : one.join('-'))).join(',')}`;
+  }
+  if ('part' in value) return `part:${value.part}`;
+  if ('sphere' in value && isPlace(value.sphere?.center) && Object.keys(value.sphere).length === 2) {
+    return `sphere:${[...value.sphere.center, value.sphere.radius].join(',')}`;
+  }
+  if ('box' in value && isPlace(value.box?.min) && isPlace(value.box.max) && Object.keys(value.box).length === 2) {
+    return `box:${[...value.box.min, ...value.box.max].join(',')}`;
+  }
+  return undefined;
+}
+
+function isPlace(value: unknown): value is Xyz {
+  return Array.isArray(value) && value.length === 3;
+}
