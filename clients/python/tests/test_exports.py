@@ -112,3 +112,28 @@ def test_help_shows_the_real_signature(kind: type) -> None:
     # Python 3.13 puts each parameter of a long signature on a line of its own.
     assert re.search(r"table\(\s*self,\s*sources", told)
     assert re.search(r"path\(\W*self", pydoc.plain(pydoc.render_doc(kind)))
+
+
+@pytest.mark.parametrize("kind", [geodesicd.Mesh, geodesicd.AsyncMesh])
+def test_help_tells_every_option_by_its_name(kind: type) -> None:
+    for query in ("table_file", "sparse_table", "path", "isolines"):
+        told = inspect.signature(getattr(kind, query)).parameters
+        assert {"method", "bound", "walls", "costs", "deadline", "progress"} <= set(told), query
+    for query in ("logmap", "voronoi", "cells_glb", "loop", "annotated"):
+        told = inspect.signature(getattr(kind, query)).parameters
+        assert {"method", "bound", "walls", "deadline", "progress"} <= set(told), query
+        assert "costs" not in told, query
+    for query in ("trace", "nearest"):
+        told = inspect.signature(getattr(kind, query)).parameters
+        assert {"walls", "deadline", "progress"} <= set(told), query
+        assert "method" not in told, query
+
+
+def test_an_option_that_a_query_does_not_take_is_refused(pair: geodesicd.Mesh) -> None:
+    refused = r"^{}\(\) got an unexpected keyword argument '{}'$"
+    with pytest.raises(TypeError, match=refused.format("path", "wall")):
+        pair.path(0, 1, wall="v:0;v:1")  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match=refused.format("logmap", "costs")):
+        pair.logmap(0, costs=geodesicd.Costs(slope="tobler"))  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match=refused.format("table_file", "stream")):
+        pair.table_file("nowhere.npy", 0, stream=False)  # type: ignore[call-arg]

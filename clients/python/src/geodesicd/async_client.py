@@ -42,14 +42,13 @@ from . import (
     tables,
 )
 from .client import _single, method_signature
-from .costs import Costs
 from .errors import GeodesicError, error_of
 from .flows import Flow, Progress, Request, Retries, Send, Step, Stream, Watch, with_retries
 from .mesh_input import body_of, warn_of_rounding
 from .metadata import Metadata
+from .options import CostOptions
 from .points import PointsLike
 from .results import FloatArray, LabelledDistances
-from .surface_regions import RegionsLike, WallsLike
 from .wire import Body, Reply
 
 P = ParamSpec("P")
@@ -116,16 +115,7 @@ class AsyncMesh(Metadata):
         max: float | None = None,
         dtype: DTypeLike = np.float64,
         quantised: bool = False,
-        method: str | None = None,
-        points_per_edge: int | None = None,
-        bound: str | None = None,
-        tolerance: float | None = None,
-        within: RegionsLike | None = None,
-        forbid: RegionsLike | None = None,
-        walls: WallsLike | None = None,
-        costs: Costs | None = None,
-        deadline: float | None = None,
-        progress: Progress | None = None,
+        **options: Unpack[CostOptions],
     ) -> FloatArray: ...
     @overload
     async def distance(
@@ -134,16 +124,7 @@ class AsyncMesh(Metadata):
         *,
         labels: Literal[True],
         max: float | None = None,
-        method: str | None = None,
-        points_per_edge: int | None = None,
-        bound: str | None = None,
-        tolerance: float | None = None,
-        within: RegionsLike | None = None,
-        forbid: RegionsLike | None = None,
-        walls: WallsLike | None = None,
-        costs: Costs | None = None,
-        deadline: float | None = None,
-        progress: Progress | None = None,
+        **options: Unpack[CostOptions],
     ) -> LabelledDistances: ...
     async def distance(
         self, sources: PointsLike, *, labels: bool = False, **options: Any

@@ -8,15 +8,16 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from . import wire
-from .costs import Costs, costing
+from .costs import Costs
 from .encoding import as_points, body_json
 from .errors import error_of_problem, refusal
 from .flows import Flow, Progress, Request, ask, part_of
+from .options import asked_by
 from .points import PointLike
 from .queries import Refine
 from .remarks import remark
 from .results import BatchReply, Path
-from .surface_regions import RegionsLike, WallsLike, kept_to
+from .surface_regions import RegionsLike, WallsLike
 from .wire import Reply
 
 # Well below the server's own limit on a body (8 MiB unless it is set otherwise).
@@ -86,9 +87,7 @@ def paths(
     common = {
         "query": "path",
         "refine": refine,
-        "method": method,
-        **kept_to(within, forbid, walls),
-        **costing(costs),
+        **asked_by(method=method, within=within, forbid=forbid, walls=walls, costs=costs),
     }
     queries = [{**common, "from": source, "to": target} for source, target in pairs]
     answers = yield from _replies(mesh, queries, progress)

@@ -44,14 +44,13 @@ from . import (
     spreads,
     tables,
 )
-from .costs import Costs
 from .errors import GeodesicError, error_of
 from .flows import Flow, Progress, Request, Retries, Send, Step, Stream, Watch, with_retries
 from .mesh_input import body_of, warn_of_rounding
 from .metadata import Metadata
+from .options import CostOptions
 from .points import PointsLike
 from .results import FloatArray, LabelledDistances
-from .surface_regions import RegionsLike, WallsLike
 from .wire import Body, Reply
 
 P = ParamSpec("P")
@@ -128,16 +127,7 @@ class Mesh(Metadata):
         max: float | None = None,
         dtype: DTypeLike = np.float64,
         quantised: bool = False,
-        method: str | None = None,
-        points_per_edge: int | None = None,
-        bound: str | None = None,
-        tolerance: float | None = None,
-        within: RegionsLike | None = None,
-        forbid: RegionsLike | None = None,
-        walls: WallsLike | None = None,
-        costs: Costs | None = None,
-        deadline: float | None = None,
-        progress: Progress | None = None,
+        **options: Unpack[CostOptions],
     ) -> FloatArray: ...
     @overload
     def distance(
@@ -146,16 +136,7 @@ class Mesh(Metadata):
         *,
         labels: Literal[True],
         max: float | None = None,
-        method: str | None = None,
-        points_per_edge: int | None = None,
-        bound: str | None = None,
-        tolerance: float | None = None,
-        within: RegionsLike | None = None,
-        forbid: RegionsLike | None = None,
-        walls: WallsLike | None = None,
-        costs: Costs | None = None,
-        deadline: float | None = None,
-        progress: Progress | None = None,
+        **options: Unpack[CostOptions],
     ) -> LabelledDistances: ...
     def distance(
         self, sources: PointsLike, *, labels: bool = False, **options: Any

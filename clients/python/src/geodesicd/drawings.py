@@ -1,42 +1,36 @@
 """What the server draws as .glb files: cells, discs and maps, to open in any 3D program.
-What their parameters have in common with others is told in ``queries.py``."""
+What they take like other queries is told in ``options.py``."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
-from .encoding import as_bound, computed_by, encode
+from . import wire
+from .encoding import as_bound, encode
 from .flows import Flow, Progress, ask
+from .options import Options, asked_by, spelled_out
 from .points import PointLike, PointsLike, point_of, points_of
 from .results import FloatArray
-from .surface_regions import RegionsLike, WallsLike, kept_to
 
 
 def _glb(
     mesh: str, query: str, parameters: dict[str, Any], progress: Progress | None
 ) -> Flow[bytes]:
     request = encode(mesh, query, {**parameters, "format": "glb"})
-    return ask(request, lambda reply: bytes(reply.body), progress)
+    return ask(request, wire.raw, progress)
 
 
+@spelled_out
 def cells_glb(
     mesh: str,
     sites: PointsLike,
     *,
     part: str | None = None,
     relax: int | None = None,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[Options],
 ) -> Flow[bytes]:
     """The Voronoi diagram of :meth:`voronoi` as the bytes of a .glb file.
 
@@ -49,12 +43,12 @@ def cells_glb(
         "from": points_of(sites),
         "part": part,
         "relax": relax,
-        **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid, walls),
+        **asked_by(**options),
     }
-    return _glb(mesh, "voronoi", parameters, progress)
+    return _glb(mesh, "voronoi", parameters, options.get("progress"))
 
 
+@spelled_out
 def discs_glb(
     mesh: str,
     sources: PointsLike,
@@ -62,15 +56,7 @@ def discs_glb(
     *,
     max: float | None = None,
     colormap: str | None = None,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[Options],
 ) -> Flow[bytes]:
     """The discs of :meth:`measure` as the bytes of a .glb file: a mesh for each strip between two
     of the ``radii`` (mesh units), cut out of the surface, with its area in its ``extras``."""
@@ -79,27 +65,19 @@ def discs_glb(
         "radii": np.atleast_1d(np.asarray(radii, dtype=np.float64)).tolist(),
         "max": as_bound(max),
         "colormap": colormap,
-        **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid, walls),
+        **asked_by(**options),
     }
-    return _glb(mesh, "measure", parameters, progress)
+    return _glb(mesh, "measure", parameters, options.get("progress"))
 
 
+@spelled_out
 def map_glb(
     mesh: str,
     point: PointLike,
     radius: float | None = None,
     *,
     angle: float = 0.0,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[Options],
 ) -> Flow[bytes]:
     """The faces of :meth:`logmap` as the bytes of a .glb file, with texture coordinates: a decal
     about the point. ``radius`` and ``angle`` as there."""
@@ -107,7 +85,6 @@ def map_glb(
         "from": point_of(point),
         "radius": as_bound(radius),
         "angle": angle,
-        **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid, walls),
+        **asked_by(**options),
     }
-    return _glb(mesh, "logmap", parameters, progress)
+    return _glb(mesh, "logmap", parameters, options.get("progress"))

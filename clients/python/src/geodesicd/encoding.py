@@ -111,23 +111,6 @@ def as_bound(max: float | None) -> float | None:
     return None if max is None or max == math.inf else max
 
 
-def computed_by(
-    method: str | None,
-    points_per_edge: int | None,
-    bound: str | None,
-    tolerance: float | None,
-    deadline: float | None,
-) -> dict[str, Any]:
-    """How distances are computed, in the contract's words; the deadline in seconds."""
-    return {
-        "method": method,
-        "points_per_edge": points_per_edge,
-        "bound": bound,
-        "tolerance": tolerance,
-        "deadline_ms": milliseconds(deadline),
-    }
-
-
 def format_of(dtype: DTypeLike) -> str:
     """The format of bare arrays of that dtype.
 

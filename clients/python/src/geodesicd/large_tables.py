@@ -9,24 +9,24 @@ import os
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import DTypeLike
 
 from . import pieces, wire
-from .costs import Costs, costing
-from .encoding import as_bound, body_json, computed_by, encode, format_of, milliseconds
+from .encoding import as_bound, body_json, encode, format_of, milliseconds
 from .errors import ConnectionFailed, GeodesicError, Overloaded
-from .flows import Flow, Progress, Retries, Sleep, Stream, ask
+from .flows import Flow, Progress, Retries, Sleep, Stream, ask, part_of
+from .options import CostOptions, asked_by, spelled_out
 from .points import Point, PointsLike, points_of
 from .results import FloatArray, SparseTable
-from .surface_regions import RegionsLike, WallsLike, kept_to
 
 _MOST = "max_streamed_entries"
 _SAVE_EVERY = 2.0  # seconds between notes of how far a file has come
 
 
+@spelled_out
 def table_file(
     mesh: str,
     file: str | os.PathLike[str],
@@ -36,16 +36,7 @@ def table_file(
     resume: bool = True,
     max: float | None = None,
     dtype: DTypeLike = np.float64,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    costs: Costs | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[CostOptions],
 ) -> Flow[FloatArray]:
     """Distances from each of several points to each of several others (without ``targets``: to
     each of the same), written to a .npy file row by row as they are computed: a table that need
@@ -65,19 +56,15 @@ def table_file(
     Returns:
         (sources, targets) distances, infinite where unreached: the file, mapped into memory.
     """
-    rows = points_of(sources)
-    columns = rows if targets is None else points_of(targets)
-    if not rows or not columns:
-        raise ValueError("a table has at least one row and one column")
+    rows, columns = _sides(sources, targets)
+    deadline, progress = options.pop("deadline", None), options.get("progress")
     parameters = {
         "max": as_bound(max),
-        **computed_by(method, points_per_edge, bound, tolerance, None),
-        **kept_to(within, forbid, walls),
-        **costing(costs),
+        **asked_by(**options),
         "format": format_of(dtype),
         "stream": True,
     }
-    end = None if deadline is None else time.monotonic() + deadline
+    end = pieces.end_of(deadline)  # each request has a deadline of its own, what is left then
     part = _Part(Path(file), mesh, {"from": rows, "to": columns, **parameters}, dtype, resume)
     if progress is not None:
         progress(part.rows / len(rows))
@@ -174,7 +161,7 @@ def _receive(
         while part.rows < run.stop:
             before = part.rows
             asked = {"from": rows[run], "to": columns, "rows": f"{before - run.start}-"}
-            left = None if end is None else milliseconds(pieces.left(end))
+            left = milliseconds(pieces.left(end))
             request = encode(mesh, "table", {**asked, **parameters, "deadline_ms": left})
             part.begin_again()
             failed: GeodesicError | None = None
@@ -205,22 +192,14 @@ def _runs(rows: list[Point], columns: list[Point], most: int, entries: int) -> I
         yield slice(begin, min(begin + step, len(rows)))
 
 
+@spelled_out
 def sparse_table(
     mesh: str,
     sources: PointsLike,
     targets: PointsLike | None = None,
     *,
     max: float | None = None,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    costs: Costs | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[CostOptions],
 ) -> Flow[SparseTable]:
     """The distances from each of several points to those of several others (without ``targets``:
     of the same) that are within ``max``. Fields end there, so that near ones are quick. Where the
@@ -232,27 +211,22 @@ def sparse_table(
         deadline: seconds for the whole.
         progress: called with the part that is done, from 0 to 1.
     """
-    rows = points_of(sources)
-    columns = rows if targets is None else points_of(targets)
-    if not rows or not columns:
-        raise ValueError("a table has at least one row and one column")
+    rows, columns = _sides(sources, targets)
+    deadline, progress = options.pop("deadline", None), options.get("progress")
     parameters = {
         "max": as_bound(max),
-        **computed_by(method, points_per_edge, bound, tolerance, None),
-        **kept_to(within, forbid, walls),
-        **costing(costs),
+        **asked_by(**options),
         "sparse": True,
         "format": "frame",
     }
-    end = None if deadline is None else time.monotonic() + deadline
+    end = pieces.end_of(deadline)  # each request has a deadline of its own, what is left then
     found: list[SparseTable] = []
     begin, step = 0, len(rows)
     while begin < len(rows):
         some = rows[begin : begin + step]
-        left = None if end is None else milliseconds(pieces.left(end))
+        left = milliseconds(pieces.left(end))
         asked = {"from": some, "to": columns, **parameters, "deadline_ms": left}
-        base, size = begin / len(rows), len(some) / len(rows)
-        own = None if progress is None else _part_of(progress, base, size)
+        own = part_of(progress, begin / len(rows), len(some) / len(rows))
         try:
             found.append((yield from ask(encode(mesh, "table", asked), wire.sparse_of_frame, own)))
         except GeodesicError as error:
@@ -265,5 +239,10 @@ def sparse_table(
     return SparseTable.joined(found)
 
 
-def _part_of(progress: Progress, base: float, size: float) -> Progress:
-    return lambda done: progress(base + size * done)
+def _sides(sources: PointsLike, targets: PointsLike | None) -> tuple[list[Point], list[Point]]:
+    """A table's rows and columns."""
+    rows = points_of(sources)
+    columns = rows if targets is None else points_of(targets)
+    if not rows or not columns:
+        raise ValueError("a table has at least one row and one column")
+    return rows, columns

@@ -1,16 +1,18 @@
-"""The query for closed curves; what its parameters have in common with others is told in
-``queries.py``."""
+"""The query for closed curves. What it takes like other queries is told in ``options.py``."""
 
 from __future__ import annotations
 
+from typing import Unpack
+
 from . import wire
-from .encoding import computed_by, encode
-from .flows import Flow, Progress, ask
+from .encoding import encode
+from .flows import Flow, ask
+from .options import Options, asked_by, spelled_out
 from .points import PointLike, PointsLike, Triple, point_of, some_points_of, triple
 from .results import Loop
-from .surface_regions import RegionsLike, WallsLike, kept_to
 
 
+@spelled_out
 def loop(
     mesh: str,
     *,
@@ -19,15 +21,7 @@ def loop(
     at: PointLike | None = None,
     normal: Triple | None = None,
     hull: bool = False,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[Options],
 ) -> Flow[Loop]:
     """A closed curve, by exactly one of ``through``, ``around`` and ``at``. GeodesicError with the
     code ``no_loop``: it contracts to a point, or there is none.
@@ -47,8 +41,7 @@ def loop(
         "at": None if at is None else point_of(at),
         "normal": None if normal is None else triple(normal, "normal"),
         "hull": hull or None,
-        **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid, walls),
+        **asked_by(**options),
         "format": "frame",
     }
-    return ask(encode(mesh, "loop", parameters), wire.loop_of_frame, progress)
+    return ask(encode(mesh, "loop", parameters), wire.loop_of_frame, options.get("progress"))

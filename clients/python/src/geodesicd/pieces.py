@@ -56,12 +56,19 @@ def cuts(sizes: list[int], most: int, room: int) -> Iterator[slice]:
     yield slice(begin, len(sizes))
 
 
-def left(end: float) -> float:
-    """Seconds up to then, by time.monotonic().
+def end_of(deadline: float | None) -> float | None:
+    """When that many seconds from now are over, by time.monotonic(); None: never."""
+    return None if deadline is None else time.monotonic() + deadline
+
+
+def left(end: float | None) -> float | None:
+    """Seconds up to then; None: no end.
 
     Raises:
-        DeadlineExceeded: none.
+        DeadlineExceeded: none are left.
     """
+    if end is None:
+        return None
     left = end - time.monotonic()
     if left <= 0:
         raise DeadlineExceeded(504, "deadline", "the time that deadline allowed is over")
@@ -93,13 +100,12 @@ def in_pieces(
     runs = list(cuts(sizes, limits["max_points"], body_limit(limits)))
     if len(runs) == 1:
         return [(yield from ask_for(points, deadline, progress))]
-    end = None if deadline is None else time.monotonic() + deadline
+    end = end_of(deadline)
     found = []
     for run in runs:
         part = part_of(progress, run.start / len(points), (run.stop - run.start) / len(points))
         try:
-            seconds = None if end is None else left(end)
-            found.append((yield from ask_for(points[run], seconds, part)))
+            found.append((yield from ask_for(points[run], left(end), part)))
         except GeodesicError as error:
             error.parameter = in_whole(error.parameter, {name: run.start})
             raise

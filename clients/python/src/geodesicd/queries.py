@@ -2,30 +2,23 @@
 are in ``spreads.py``, ``tables.py`` and ``batches.py``. The first parameter of each is the mesh's
 id; the methods of ``Mesh`` and ``AsyncMesh`` are made of these.
 
-All take ``method`` (how distances are computed; ``client.methods()`` lists them; without it, the
-server's default), ``points_per_edge`` (for ``method="steiner"`` only), ``bound`` (for
-``method="auto"`` only), ``tolerance`` (for ``method="auto"``: the largest relative error of a
-vertex's distance), ``within`` and ``forbid`` (the part of the surface that the answer is about, as
-:mod:`geodesicd.surface_regions` says: what is outside of ``within`` and what is in ``forbid`` is as
-if it were cut away), ``walls`` (lines that no path crosses), ``costs`` where ways may be cheap
-instead of short (:mod:`geodesicd.costs`), ``deadline`` (seconds, after which DeadlineExceeded is
-raised) and ``progress`` (called with the part that is done, from 0 to 1; the query is a job of the
-server's then, cancelled if the caller is interrupted). All raise GeodesicError. Lengths are in mesh
-units. Points are given as :mod:`geodesicd.points` says.
+What most of them take by keyword is told in :mod:`geodesicd.options`. All raise GeodesicError.
+Lengths are in mesh units. Points are given as :mod:`geodesicd.points` says.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, Unpack
 
 import numpy as np
 from numpy.typing import DTypeLike
 
 from . import wire
-from .costs import Costs, costing
-from .encoding import as_bound, as_points, computed_by, encode, format_of, milliseconds
+from .costs import Costs
+from .encoding import as_bound, as_points, encode, format_of, milliseconds
 from .flows import Flow, Progress, Request, ask
+from .options import CostOptions, Options, SurfaceOptions, asked_by, spelled_out
 from .pieces import in_pieces
 from .points import (
     Point,
@@ -47,11 +40,12 @@ from .results import (
     SurfacePoint,
     Trace,
 )
-from .surface_regions import RegionsLike, WallsLike, kept_to
+from .surface_regions import RegionsLike, WallsLike
 
 Refine: TypeAlias = Literal["none", "shortest"]
 
 
+@spelled_out
 def distance(
     mesh: str,
     sources: PointsLike,
@@ -59,16 +53,7 @@ def distance(
     max: float | None = None,
     dtype: DTypeLike = np.float64,
     quantised: bool = False,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    costs: Costs | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[CostOptions],
 ) -> Flow[FloatArray]:
     """The distance field: from the nearest of the sources to every source vertex.
 
@@ -84,29 +69,19 @@ def distance(
     parameters = {
         "from": points_of(sources),
         "max": as_bound(max),
-        **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid, walls),
-        **costing(costs),
+        **asked_by(**options),
         "format": "u16" if quantised else format_of(dtype),
     }
-    return ask(encode(mesh, "distance", parameters), wire.array, progress)
+    return ask(encode(mesh, "distance", parameters), wire.array, options.get("progress"))
 
 
+@spelled_out
 def regions(
     mesh: str,
     sources: PointsLike,
     *,
     max: float | None = None,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    costs: Costs | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[CostOptions],
 ) -> Flow[LabelledDistances]:
     """The distance field and, for each vertex, which source is nearest: a geodesic Voronoi
     diagram.
@@ -119,30 +94,22 @@ def regions(
         "from": points_of(sources),
         "max": as_bound(max),
         "labels": True,
-        **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid, walls),
-        **costing(costs),
+        **asked_by(**options),
         "format": "frame",
     }
-    return ask(encode(mesh, "distance", parameters), wire.labelled_of_frame, progress)
+    return ask(
+        encode(mesh, "distance", parameters), wire.labelled_of_frame, options.get("progress")
+    )
 
 
+@spelled_out
 def distance_at(
     mesh: str,
     sources: PointsLike,
     at: PointsLike,
     *,
     max: float | None = None,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    costs: Costs | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[CostOptions],
 ) -> Flow[FloatArray]:
     """From the nearest of the sources to some points only.
 
@@ -155,12 +122,7 @@ def distance_at(
     parameters = {
         "from": points_of(sources),
         "max": as_bound(max),
-        "method": method,
-        "points_per_edge": points_per_edge,
-        "bound": bound,
-        "tolerance": tolerance,
-        **kept_to(within, forbid, walls),
-        **costing(costs),
+        **asked_by(**options),
         "format": "f64",
     }
 
@@ -168,10 +130,13 @@ def distance_at(
         more = {"at": at, "deadline_ms": milliseconds(seconds)}
         return ask(encode(mesh, "distance", {**parameters, **more}), wire.array, part)
 
-    found = yield from in_pieces(asked, "at", some, deadline, progress)
+    found = yield from in_pieces(
+        asked, "at", some, options.get("deadline"), options.get("progress")
+    )
     return found[0] if len(found) == 1 else np.concatenate(found)
 
 
+@spelled_out
 def path(
     mesh: str,
     source: PointLike,
@@ -179,16 +144,7 @@ def path(
     *,
     via: PointsLike = (),
     refine: Refine | None = None,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    costs: Costs | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[CostOptions],
 ) -> Flow[Path]:
     """The shortest path between two points. One that cannot be is no error:
     ``reachable`` is false then.
@@ -205,14 +161,13 @@ def path(
         "via": some_points_of(via),
         "to": point_of(target),
         "refine": refine,
-        **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid, walls),
-        **costing(costs),
+        **asked_by(**options),
         "format": "frame",
     }
-    return ask(encode(mesh, "path", parameters), wire.path_of_frame, progress)
+    return ask(encode(mesh, "path", parameters), wire.path_of_frame, options.get("progress"))
 
 
+@spelled_out
 def trace(
     mesh: str,
     start: PointLike,
@@ -220,11 +175,7 @@ def trace(
     *,
     direction: Triple | None = None,
     angle: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[SurfaceOptions],
 ) -> Flow[Trace]:
     """A straightest geodesic: straight ahead from ``start`` for ``length`` (mesh units), by a
     ``direction`` in space, (3,), projected onto the surface, or by an ``angle`` (radians, from
@@ -234,28 +185,20 @@ def trace(
         "direction": None if direction is None else triple(direction, "direction"),
         "angle": angle,
         "length": length,
-        **kept_to(within, forbid, walls),
-        "deadline_ms": milliseconds(deadline),
+        **asked_by(**options),
         "format": "frame",
     }
-    return ask(encode(mesh, "trace", parameters), wire.trace_of_frame, progress)
+    return ask(encode(mesh, "trace", parameters), wire.trace_of_frame, options.get("progress"))
 
 
+@spelled_out
 def logmap(
     mesh: str,
     point: PointLike,
     radius: float | None = None,
     *,
     angle: float = 0.0,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[Options],
 ) -> Flow[Logmap]:
     """The logarithmic map: the surface round a point, laid into the plane, for decals, texture
     coordinates and patterns. :meth:`trace` by an angle and a length is its inverse, as far as the
@@ -277,35 +220,31 @@ def logmap(
         "from": point_of(point),
         "radius": as_bound(radius),
         "angle": angle,
-        **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid, walls),
+        **asked_by(**options),
         "format": "frame",
     }
-    return ask(encode(mesh, "logmap", parameters), wire.logmap_of_frame, progress)
+    return ask(encode(mesh, "logmap", parameters), wire.logmap_of_frame, options.get("progress"))
 
 
+@spelled_out
 def nearest(
     mesh: str,
     points: PointsLike,
-    *,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[SurfaceOptions],
 ) -> Flow[list[SurfacePoint]]:
     """Where on the surface points are: the closest points of places in space, the first hits
     of rays."""
-
-    kept = kept_to(within, forbid, walls)
+    common = asked_by(**options)
 
     def some(
         asked: list[Point], seconds: float | None, part: Progress | None
     ) -> Flow[list[SurfacePoint]]:
-        parameters = {"point": asked, **kept, "deadline_ms": milliseconds(seconds)}
+        parameters = {"point": asked, **common, "deadline_ms": milliseconds(seconds)}
         return ask(encode(mesh, "nearest", parameters), wire.nearest_of_json, part)
 
-    found = yield from in_pieces(points_of(points), "point", some, deadline, progress)
+    found = yield from in_pieces(
+        points_of(points), "point", some, options.get("deadline"), options.get("progress")
+    )
     return [point for piece in found for point in piece]
 
 
@@ -341,15 +280,19 @@ def picture(
     """
     parameters: dict[str, Any] = {
         "from": points_of(sources),
-        "method": method,
         "width": width,
         "height": height,
         "view": view if view is None or isinstance(view, str) else f"{view[0]:g},{view[1]:g}",
         "colormap": colormap,
         "stripes": stripes,
-        **kept_to(within, forbid, walls),
-        **costing(costs),
-        "deadline_ms": milliseconds(deadline),
+        **asked_by(
+            method=method,
+            within=within,
+            forbid=forbid,
+            walls=walls,
+            costs=costs,
+            deadline=deadline,
+        ),
         "format": "png",
     }
     query = "distance"
@@ -359,9 +302,10 @@ def picture(
             raise ValueError("a path has one source")
         parameters["from"] = parameters["from"][0]
         parameters.update(to=point_of(target), via=some_points_of(via), refine=refine)
-    return ask(encode(mesh, query, parameters), lambda reply: bytes(reply.body), progress)
+    return ask(encode(mesh, query, parameters), wire.raw, progress)
 
 
+@spelled_out
 def annotated(
     mesh: str,
     sources: PointsLike,
@@ -370,15 +314,7 @@ def annotated(
     labels: bool = False,
     label_attribute: str | None = None,
     max: float | None = None,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[Options],
 ) -> Flow[bytes]:
     """The .glb or .gltf that was uploaded, with the distance field of the sources as an attribute
     of its vertices and all else as it was. What is not reached has -1.
@@ -394,13 +330,16 @@ def annotated(
         "from": points_of(sources),
         "max": as_bound(max),
         "labels": labels or None,
-        **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid, walls),
+        **asked_by(**options),
         "attribute": attribute,
         "label_attribute": label_attribute,
         "format": "annotated",
     }
-    return ask(encode(mesh, "distance", parameters), lambda reply: bytes(reply.body), progress)
+    return ask(
+        encode(mesh, "distance", parameters),
+        wire.raw,
+        options.get("progress"),
+    )
 
 
 def query(
@@ -435,10 +374,10 @@ def geometry(mesh: str) -> Flow[Geometry]:
 def geometry_glb(mesh: str) -> Flow[bytes]:
     """The same as the bytes of a .glb file, positions rounded to float32."""
     request = Request("GET", f"/v1/meshes/{mesh}/geometry?format=glb")
-    return ask(request, lambda reply: bytes(reply.body))
+    return ask(request, wire.raw)
 
 
 def source(mesh: str) -> Flow[bytes]:
     """The uploaded file's bytes."""
     request = Request("GET", f"/v1/meshes/{mesh}/source")
-    return ask(request, lambda reply: bytes(reply.body))
+    return ask(request, wire.raw)

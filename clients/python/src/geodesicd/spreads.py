@@ -5,18 +5,19 @@ The same holds of them as of those of :mod:`geodesicd.queries`."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Unpack
 
 import numpy as np
 
 from . import wire
-from .costs import Costs, costing
-from .encoding import as_bound, computed_by, encode
-from .flows import Flow, Progress, ask
+from .encoding import as_bound, encode
+from .flows import Flow, ask
+from .options import CostOptions, Options, asked_by, spelled_out
 from .points import PointsLike, points_of, some_points_of
 from .results import Extent, FloatArray, Isoline, Measure, Samples, Voronoi
-from .surface_regions import RegionsLike, WallsLike, kept_to
 
 
+@spelled_out
 def isolines(
     mesh: str,
     sources: PointsLike,
@@ -25,16 +26,7 @@ def isolines(
     step: float | None = None,
     count: int | None = None,
     max: float | None = None,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    costs: Costs | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[CostOptions],
 ) -> Flow[list[Isoline]]:
     """Lines of equal distance, ascending by level. Exactly one of ``levels`` (mesh units),
     ``step`` (mesh units) and ``count`` says which levels; ``max`` is the farthest."""
@@ -44,54 +36,37 @@ def isolines(
         "step": step,
         "count": count,
         "max": as_bound(max),
-        **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid, walls),
-        **costing(costs),
+        **asked_by(**options),
     }
-    return ask(encode(mesh, "isolines", parameters), wire.isolines_of_json, progress)
+    return ask(encode(mesh, "isolines", parameters), wire.isolines_of_json, options.get("progress"))
 
 
+@spelled_out
 def samples(
     mesh: str,
     count: int,
     *,
     covered: PointsLike = (),
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[Options],
 ) -> Flow[Samples]:
     """Farthest-point sampling: ``count`` vertices, each the farthest from all before it and
     from the ``covered`` points."""
     parameters = {
         "count": count,
         "from": some_points_of(covered),
-        **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid, walls),
+        **asked_by(**options),
     }
-    return ask(encode(mesh, "samples", parameters), wire.samples_of_json, progress)
+    return ask(encode(mesh, "samples", parameters), wire.samples_of_json, options.get("progress"))
 
 
+@spelled_out
 def measure(
     mesh: str,
     sources: PointsLike,
     radii: float | Sequence[float] | FloatArray = (),
     *,
     max: float | None = None,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[Options],
 ) -> Flow[Measure]:
     """What geodesic discs measure: for each of the ``radii`` (mesh units) the area, the outline
     and the topology of all that is no farther from the nearest source; and of the whole field the
@@ -102,26 +77,18 @@ def measure(
         "from": points_of(sources),
         "radii": np.atleast_1d(np.asarray(radii, dtype=np.float64)).tolist(),
         "max": as_bound(max),
-        **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid, walls),
+        **asked_by(**options),
     }
-    return ask(encode(mesh, "measure", parameters), wire.measure_of_json, progress)
+    return ask(encode(mesh, "measure", parameters), wire.measure_of_json, options.get("progress"))
 
 
+@spelled_out
 def extent(
     mesh: str,
     of: str,
     *,
     fields: int | None = None,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[Options],
 ) -> Flow[Extent]:
     """How large the surface is, or where its middle is, from at most ``fields`` distance fields
     (100 without it), with what the true value is not below and not above. By ``method="exact"``
@@ -136,26 +103,18 @@ def extent(
     parameters = {
         "of": of,
         "fields": fields,
-        **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid, walls),
+        **asked_by(**options),
     }
-    return ask(encode(mesh, "extent", parameters), wire.extent_of_json, progress)
+    return ask(encode(mesh, "extent", parameters), wire.extent_of_json, options.get("progress"))
 
 
+@spelled_out
 def voronoi(
     mesh: str,
     sites: PointsLike,
     *,
     relax: int | None = None,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[Options],
 ) -> Flow[Voronoi]:
     """The geodesic Voronoi diagram of some sites: for each the area, outline and centroid of what
     is nearer to it than to the others; the bisectors between cells as lines on the surface; and
@@ -170,7 +129,6 @@ def voronoi(
     parameters = {
         "from": points_of(sites),
         "relax": relax,
-        **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid, walls),
+        **asked_by(**options),
     }
-    return ask(encode(mesh, "voronoi", parameters), wire.voronoi_of_json, progress)
+    return ask(encode(mesh, "voronoi", parameters), wire.voronoi_of_json, options.get("progress"))

@@ -96,13 +96,6 @@ def walls_of(value: WallsLike | None) -> list[Region] | None:
     return [_wall(value)]  # type: ignore[arg-type]
 
 
-def kept_to(
-    within: RegionsLike | None, forbid: RegionsLike | None, walls: WallsLike | None
-) -> dict[str, Any]:
-    """The part of the surface that a query is about, in the contract's words."""
-    return {"within": regions_of(within), "forbid": regions_of(forbid), "walls": walls_of(walls)}
-
-
 def _wall(value: WallLike) -> Region:
     if isinstance(value, Region):
         return value

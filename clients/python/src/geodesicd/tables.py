@@ -3,22 +3,22 @@ blocks, and put together here."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Mapping
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import DTypeLike
 
 from . import pieces, wire
-from .costs import Costs, costing
-from .encoding import as_bound, computed_by, encode, format_of, milliseconds
+from .encoding import as_bound, encode, format_of, milliseconds
 from .errors import GeodesicError
-from .flows import Flow, Progress, ask, part_of
+from .flows import Flow, ask, part_of
+from .options import CostOptions, asked_by, spelled_out
 from .points import Point, PointsLike, points_of
 from .results import FloatArray
-from .surface_regions import RegionsLike, WallsLike, kept_to
 
 
+@spelled_out
 def table(
     mesh: str,
     sources: PointsLike,
@@ -26,16 +26,7 @@ def table(
     *,
     max: float | None = None,
     dtype: DTypeLike = np.float64,
-    method: str | None = None,
-    points_per_edge: int | None = None,
-    bound: str | None = None,
-    tolerance: float | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    costs: Costs | None = None,
-    deadline: float | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[CostOptions],
 ) -> Flow[FloatArray]:
     """Distances from each of several points to each of several others (without ``targets``: to
     each of the same). A table of any size that fits into memory here: one that is over the
@@ -53,11 +44,10 @@ def table(
     """
     rows = points_of(sources)
     columns = rows if targets is None else points_of(targets)
+    progress = options.get("progress")
     parameters = {
         "max": as_bound(max),
-        **computed_by(method, points_per_edge, bound, tolerance, deadline),
-        **kept_to(within, forbid, walls),
-        **costing(costs),
+        **asked_by(**options),
         "format": format_of(dtype),
     }
     limits = pieces.LIMITS
@@ -67,12 +57,11 @@ def table(
         asked = {"from": rows, "to": None if targets is None else columns, **parameters}
         return (yield from ask(encode(mesh, "table", asked), wire.array, progress))
     found = np.empty((len(rows), len(columns)), dtype=np.dtype(dtype))
-    end = None if deadline is None else time.monotonic() + deadline
+    end = pieces.end_of(options.get("deadline"))
     done = 0
     for row, column in _blocks(rows, columns, limits):
-        if end is not None:
-            parameters["deadline_ms"] = milliseconds(pieces.left(end))
-        asked = {"from": rows[row], "to": columns[column], **parameters}
+        left = milliseconds(pieces.left(end))
+        asked = {"from": rows[row], "to": columns[column], **parameters, "deadline_ms": left}
         size = found[row, column].size
         part = part_of(progress, done / found.size, size / found.size)
         try:

@@ -78,6 +78,11 @@ class Reply:
         return json.loads(self.body)
 
 
+def raw(reply: Reply) -> bytes:
+    """The body of a reply as it came."""
+    return bytes(reply.body)
+
+
 def bare_array(reply: Reply) -> NDArray[Any]:
     """The bare array of a reply, in the shape that its headers tell: a view of the body, without
     a copy."""
@@ -111,7 +116,7 @@ def answer(reply: Reply, format: str) -> Answer:
     elif format in ("f32", "f64", "u16"):
         arrays = {"array": bare_array(reply)}
     else:
-        data = bytes(reply.body)
+        data = raw(reply)
     greatest = reply.headers.get("geo-max")
     media_type = reply.headers.get("content-type", "").partition(";")[0]
     return Answer(document, arrays, data, media_type, None if greatest is None else float(greatest))
