@@ -13,12 +13,13 @@
 #include "core/base/cancel.h"
 #include "core/base/error.h"
 #include "core/field/field.h"
-#include "core/field/line_waves.h"
 #include "core/field/method.h"
 #include "core/solve/solve_field.h"
 #include "core/surface/adjacency.h"
 
 namespace geodesic {
+
+struct SourceLines;  // core/field/line_waves.h
 
 struct FarthestPoint {
   std::uint32_t vertex = kNone;
