@@ -225,9 +225,10 @@ def questions(chance, vertices, faces, method):
         found.append(("distance", {"from": f"curve:{spots[0]};{spots[-1]}", "at": spots}))
         found.append(("path", {"from": "faces:1", "to": spots[-2]}))
     found.append(("path", {"from": spots[1], "to": spots[0], "forbid": "faces:0"}))
-    found.append(("distance", {"from": spots[1], "at": spots[:1], "walls": {"points": spots[:2]}}))
-    found.append(("samples", {"count": 2, "forbid": {"inside": spots[:3]}}))
-    found.append(("path", {"from": spots[1], "to": spots[0], "weights": "3*faces:0", "slope": "tobler"}))
+    found.append(("distance", {"from": spots[1], "at": spots[:1], "walls": ";".join(spots[:2])}))
+    found.append(("samples", {"count": 2, "forbid": "inside:" + ";".join(spots[:3])}))
+    if method.get("method") == "steiner":  # the only one that knows costs
+        found.append(("path", {"from": spots[1], "to": spots[0], "weights": "3*faces:0", "slope": "tobler"}))
     found.append(("logmap", {"from": spots[0], "radius": 0.5}))
     found.append(("logmap", {"from": spots[1]}))
     found.append(("loop", {"through": spots[:4]}))
