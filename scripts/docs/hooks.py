@@ -84,6 +84,21 @@ def smaller(file):
         return out.getvalue(), picture.size
 
 
+def is_of_numbers(table):
+    """Whether most cells of a table begin with a digit."""
+    cells = [re.sub(r"<[^>]*>", "", cell).strip() for cell in re.findall(r"<td[^>]*>(.*?)</td>", table, re.S)]
+    return 2 * sum(cell[:1].isdigit() for cell in cells) > len(cells) > 0
+
+
+def without_numbers_in_search(html):
+    """Nobody searches for a figure, and each page loads what the search knows."""
+
+    def mark(match):
+        return match.group(0).replace("<table", "<table data-search-exclude", 1) if is_of_numbers(match.group(0)) else match.group(0)
+
+    return re.sub(r"<table.*?</table>", mark, html, flags=re.S)
+
+
 def on_page_content(html, page, config, **_):
     """Gives each picture its size, and leads from a small copy of a large one to the whole."""
     site = (pathlib.Path(config.site_dir) / page.file.dest_uri).parent
@@ -107,7 +122,7 @@ def on_page_content(html, page, config, **_):
         return (f'<a href="{source}"><img{before}src="{address}"{after} width="{width}" '
                 f'height="{height}" loading="lazy"></a>')
 
-    return re.sub(r'<img([^>]*?)src="([^":]+)"([^>]*?) ?/?>', put, html)
+    return without_numbers_in_search(re.sub(r'<img([^>]*?)src="([^":]+)"([^>]*?) ?/?>', put, html))
 
 
 def on_post_page(output, page, config):
