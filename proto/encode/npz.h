@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "proto/wire/replies.h"
+#include "proto/replies/replies.h"
 
 namespace geodesic::proto {
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <charconv>
 #include <cstdint>
+#include <nlohmann/json.hpp>
+#include <utility>
 
 #include "proto/wire/input_codes.h"
 
@@ -163,6 +165,48 @@ std::string field_key(const MethodChoice& choice) {
     if (parameter.key != nullptr) key += parameter.key(choice.options);
   }
   return key;
+}
+
+std::string methods_json() {
+  using nlohmann::ordered_json;
+  const auto bound = [](const MethodParameter& parameter, double value) {
+    return parameter.whole ? ordered_json(static_cast<std::uint64_t>(value)) : ordered_json(value);
+  };
+  const auto users_of = [](const MethodParameter& parameter) {
+    return parameter.serves == Serves::all     ? "all"
+           : parameter.serves == Serves::paths ? "paths"
+                                               : "distances";
+  };
+  ordered_json methods = ordered_json::array();
+  for (const MethodInfo& info : all_methods()) {
+    ordered_json parameters = ordered_json::array();
+    for (const MethodParameter& parameter : info.parameters) {
+      if (!parameter.choices.empty()) {
+        parameters.push_back({{"name", parameter.name},
+                              {"type", "choice"},
+                              {"choices", parameter.choices},
+                              {"default", parameter.choices[std::size_t(parameter.standard)]},
+                              {"for", users_of(parameter)},
+                              {"meaning", parameter.meaning}});
+        continue;
+      }
+      parameters.push_back({{"name", parameter.name},
+                            {"type", parameter.whole ? "integer" : "number"},
+                            {"minimum", bound(parameter, parameter.minimum)},
+                            {"maximum", bound(parameter, parameter.maximum)},
+                            {"default", bound(parameter, parameter.standard)},
+                            {"for", users_of(parameter)},
+                            {"meaning", parameter.meaning}});
+    }
+    methods.push_back({{"name", info.name},
+                       {"default", info.method == kDefaultMethod},
+                       {"about", info.about},
+                       {"paper", info.paper},
+                       {"exact", info.exact},
+                       {"cost", info.cost},
+                       {"parameters", std::move(parameters)}});
+  }
+  return ordered_json{{"methods", std::move(methods)}}.dump();
 }
 
 }  // namespace geodesic::proto

@@ -82,4 +82,7 @@ struct MethodChoice {
 // A text that is the same for two choices exactly if their fields are.
 [[nodiscard]] std::string field_key(const MethodChoice& choice);
 
+// All of them as JSON, for clients to choose from.
+[[nodiscard]] std::string methods_json();
+
 }  // namespace geodesic::proto

@@ -8,7 +8,7 @@
 #include "core/surface/adjacency.h"
 #include "core/surface/point.h"
 #include "proto/wire/point_request.h"
-#include "proto/wire/replies.h"
+#include "proto/replies/replies.h"
 
 namespace geodesic::server {
 

@@ -7,7 +7,7 @@
 
 #include "core/mesh/mesh.h"
 #include "proto/wire/point_request.h"
-#include "proto/wire/replies.h"
+#include "proto/replies/replies.h"
 
 namespace geodesic::server {
 

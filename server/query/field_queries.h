@@ -13,7 +13,7 @@
 
 #include "core/base/error.h"
 #include "core/surface/point.h"
-#include "proto/wire/replies.h"
+#include "proto/replies/replies.h"
 #include "proto/wire/requests.h"
 #include "server/base/lru_cache.h"
 #include "server/compute/pool.h"

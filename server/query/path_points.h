@@ -6,7 +6,7 @@
 #include "core/paths/path.h"
 #include "core/refine/refinement.h"
 #include "core/surface/adjacency.h"
-#include "proto/wire/replies.h"
+#include "proto/replies/replies.h"
 
 namespace geodesic::server {
 

@@ -12,7 +12,7 @@
 #include "core/surface/adjacency.h"
 #include "core/surface/point.h"
 #include "proto/wire/point_request.h"
-#include "proto/wire/replies.h"
+#include "proto/replies/replies.h"
 #include "server/query/far_points.h"
 #include "server/query/field_queries.h"
 

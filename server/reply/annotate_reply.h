@@ -6,7 +6,7 @@
 #include "core/base/cancel.h"
 #include "core/base/error.h"
 #include "proto/gltf_file/annotation.h"
-#include "proto/wire/replies.h"
+#include "proto/replies/replies.h"
 #include "proto/wire/reply_format.h"
 #include "proto/wire/requests.h"
 #include "server/http/message.h"

@@ -4,7 +4,7 @@
 
 #include "core/base/cancel.h"
 #include "core/base/error.h"
-#include "proto/wire/replies.h"
+#include "proto/replies/replies.h"
 #include "proto/wire/reply_format.h"
 #include "server/http/message.h"
 #include "server/query/field_queries.h"

@@ -9,7 +9,7 @@
 
 #include "core/base/cancel.h"
 #include "core/base/error.h"
-#include "proto/wire/replies.h"
+#include "proto/replies/replies.h"
 #include "proto/wire/reply_format.h"
 #include "server/http/message.h"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "proto/wire/query_limits.h"
-#include "proto/wire/replies.h"
+#include "proto/replies/replies.h"
 #include "server/base/service_codes.h"
 #include "server/base/stage_times.h"
 #include "server/http/finish_reply.h"

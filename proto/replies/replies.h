@@ -22,8 +22,6 @@
 
 namespace geodesic::proto {
 
-// A point found on a mesh, in the client's numbers. Every reply echoes the points
-// of its request in this form.
 // What a source that is no point has become.
 struct ResolvedLines {
   std::string_view kind;     // "curve", "boundary" or "faces"
@@ -32,6 +30,8 @@ struct ResolvedLines {
   std::uint64_t faces = 0;   // at distance 0
 };
 
+// A point found on a mesh, in the client's numbers. Every reply echoes the points of its request in
+// this form.
 struct ResolvedPoint {
   std::optional<std::uint64_t> vertex;  // a source vertex, when it is one
   std::optional<std::uint64_t> face;    // a source face; none at a vertex without faces
@@ -280,6 +280,5 @@ struct NearestReply {
 [[nodiscard]] std::string to_json(const LoopReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const LogmapReply& reply, int digits, Poll* poll = nullptr);
 [[nodiscard]] std::string to_json(const NearestReply& reply, int digits, Poll* poll = nullptr);
-[[nodiscard]] std::string methods_json();
 
 }  // namespace geodesic::proto
