@@ -1,7 +1,11 @@
 #include "core/curves/source_lines.h"
 
 #include <algorithm>
+#include <array>
+#include <set>
+#include <tuple>
 #include <unordered_set>
+#include <utility>
 
 #include "core/base/polled_fill.h"
 #include "core/surface/point.h"
@@ -57,6 +61,54 @@ LineSegment whole_edge(Halfedge h, std::uint32_t item) {
   segment.to[next_corner(corner_of(h))] = 1;
   segment.item = item;
   return segment;
+}
+
+// What two segments that are the same have in common: the face, or of those on an edge its least
+// halfedge, and where the ends are.
+struct SegmentKey {
+  std::uint32_t place;
+  std::array<double, 6> ends;
+  std::uint32_t number;
+
+  [[nodiscard]] bool is_same(const SegmentKey& other) const {
+    return place == other.place && ends == other.ends;
+  }
+  friend bool operator<(const SegmentKey& a, const SegmentKey& b) {
+    return std::tie(a.place, a.ends, a.number) < std::tie(b.place, b.ends, b.number);
+  }
+};
+
+SegmentKey key_of(const Adjacency& adjacency, const LineSegment& segment, std::uint32_t number,
+                  Poll& poll) {
+  const Halfedge along = segment.along();
+  std::array<double, 3> from = segment.from;
+  std::array<double, 3> to = segment.to;
+  std::uint32_t place = segment.face;
+  if (along != kNone) {
+    Halfedge least = along;
+    for (Halfedge g = adjacency.ring(along); g != along && !poll.cancelled();
+         g = adjacency.ring(g)) {
+      least = std::min(least, g);
+    }
+    place = least;
+    // By the weight of the least halfedge's tail.
+    const std::uint32_t c = corner_of(along);
+    const std::uint32_t tail = adjacency.tail(least) == adjacency.tail(along) ? c : next_corner(c);
+    from = {segment.from[tail], 0, 0};
+    to = {segment.to[tail], 0, 0};
+  }
+  if (to < from) std::swap(from, to);
+  return {place, {from[0], from[1], from[2], to[0], to[1], to[2]}, number};
+}
+
+// Keeps the elements that are marked.
+template <class Value>
+void keep_marked(std::vector<Value>& values, const std::vector<bool>& marked) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (marked[i]) values[kept++] = values[i];
+  }
+  values.resize(kept);
 }
 
 }  // namespace
@@ -169,6 +221,38 @@ void add_faces(const Adjacency& adjacency, std::span<const std::uint32_t> faces,
   }
   if (!known.empty() || faces.empty()) return;
   add_end(adjacency, adjacency.face(faces.front()).vertex[0], item, known, lines, sources);
+}
+
+void merge_repeated(const Adjacency& adjacency, SourceLines& lines, std::vector<Source>& sources,
+                    Poll& poll) {
+  const std::size_t count = lines.segments.size();
+  using Place = std::tuple<std::uint32_t, std::array<double, 3>, double>;
+  constexpr std::size_t kOfPlace = sizeof(Place) + 6 * sizeof(void*);
+  if (!poll.may_take(count * sizeof(SegmentKey) + sources.size() * kOfPlace)) return;
+  std::vector<SegmentKey> keys;
+  keys.reserve(count);
+  for (std::uint32_t s = 0; s < count && !poll.cancelled(); ++s) {
+    keys.push_back(key_of(adjacency, lines.segments[s], s, poll));
+  }
+  if (poll.stopped()) return;
+  std::sort(keys.begin(), keys.end());
+  std::vector<bool> is_first(count, true);
+  for (std::size_t i = 1; i < keys.size() && !poll.cancelled(); ++i) {
+    if (keys[i].is_same(keys[i - 1])) is_first[keys[i].number] = false;
+  }
+  keep_marked(lines.segments, is_first);
+  std::vector<bool> is_kept(sources.size(), true);
+  std::set<Place> places;
+  for (std::size_t i = 0; i < sources.size() && !poll.cancelled(); ++i) {
+    const SurfacePoint& at = sources[i].point;
+    is_kept[i] =
+        at.at_vertex()
+            ? places.emplace(at.vertex, std::array{0.0, 0.0, 0.0}, sources[i].offset).second
+            : places.emplace(at.face, at.bary, sources[i].offset).second;
+  }
+  if (poll.stopped()) return;
+  keep_marked(sources, is_kept);
+  keep_marked(lines.item_of_source, is_kept);
 }
 
 }  // namespace geodesic

@@ -32,4 +32,9 @@ void add_edges(const Adjacency& adjacency, std::span<const Halfedge> edges, std:
 void add_faces(const Adjacency& adjacency, std::span<const std::uint32_t> faces, std::uint32_t item,
                SourceLines& lines, std::vector<Source>& sources, Poll& poll);
 
+// Leaves of lines and sources that are there several times the first: each of the same waves would
+// go over the whole surface. A line is the same backwards, and in any face on its edge.
+void merge_repeated(const Adjacency& adjacency, SourceLines& lines, std::vector<Source>& sources,
+                    Poll& poll);
+
 }  // namespace geodesic

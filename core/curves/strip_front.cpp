@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <new>
 #include <numbers>
-#include <queue>
 #include <unordered_map>
 #include <utility>
 
@@ -88,8 +86,9 @@ class StripFront {
     std::uint64_t passed = 0;
     std::uint64_t settled = 0;
     while (!queue_.empty() && !poll_.cancelled(settled, vertices)) {
-      const Waiting next = queue_.top();
-      queue_.pop();
+      std::pop_heap(queue_.begin(), queue_.end());
+      const Waiting next = queue_.back();
+      queue_.pop_back();
       if (next.is_vertex) {
         if (next.key == bound_[next.number]) relax(next.number);
         ++settled;
@@ -101,7 +100,10 @@ class StripFront {
     return true;
   }
 
-  [[nodiscard]] std::vector<LineStrip> take_strips() { return std::move(strips_); }
+  [[nodiscard]] std::vector<LineStrip> take_strips() {
+    for (const std::uint32_t number : free_) strips_[number].into = kNone;
+    return std::move(strips_);
+  }
 
   [[nodiscard]] std::vector<MetVertex> met() const {
     std::vector<MetVertex> vertices;
@@ -117,7 +119,23 @@ class StripFront {
   void lower(std::uint32_t vertex, double distance) {
     if (!(distance < bound_[vertex]) || !(distance <= limits_.max)) return;
     bound_[vertex] = distance;
-    queue_.push({distance, vertex, true});
+    wait({distance, vertex, true});
+  }
+
+  void wait(const Waiting& waiting) {
+    if (!has_room_for_one(queue_)) return;
+    queue_.push_back(waiting);
+    std::push_heap(queue_.begin(), queue_.end());
+  }
+
+  // False where the poll stops it.
+  template <class Value>
+  [[nodiscard]] bool has_room_for_one(std::vector<Value>& values) {
+    if (values.size() < values.capacity()) return true;
+    const std::size_t more = std::max<std::size_t>(values.capacity(), 64);
+    if (!poll_.may_take(2 * more * sizeof(Value))) return false;
+    values.reserve(values.size() + more);
+    return true;
   }
 
   void meet(std::uint32_t vertex, double distance, std::uint32_t segment) {
@@ -264,32 +282,20 @@ class StripFront {
       free_.pop_back();
       strips_[number] = strip;
     } else {
-      if (strips_.size() == strips_.capacity()) {
-        const std::size_t more = std::max<std::size_t>(strips_.capacity(), 64);
-        if (strips_.size() >= kMostStrips) throw std::bad_alloc();
-        if (!poll_.may_take(2 * more * (sizeof(LineStrip) + sizeof(Waiting)))) return;
-        strips_.reserve(strips_.size() + more);
-      }
+      if (!has_room_for_one(strips_)) return;
       number = static_cast<std::uint32_t>(strips_.size());
       strips_.push_back(strip);
     }
-    queue_.push({strip.least(), number, false});
-  }
-
-  // What is kept of a strip that came to nothing is nowhere.
-  void drop(std::uint32_t number) {
-    if (limits_.keep_strips) {
-      strips_[number].end = strips_[number].begin - 2 * kNowhere;
-      strips_[number].begin += kNowhere;
-    } else {
-      free_.push_back(number);
-    }
+    wait({strip.least(), number, false});
   }
 
   void pass(std::uint32_t number) {
     const FaceOverEdge over = FaceOverEdge::of(adjacency_, strips_[number].into);
     LineStrip strip = strips_[number];
-    if (!trim(strip, over.base) || !trim_by_earlier(strip, over.base)) return drop(number);
+    if (!trim(strip, over.base) || !trim_by_earlier(strip, over.base)) {
+      free_.push_back(number);  // no other came from it
+      return;
+    }
     strips_[number] = strip;
     const Halfedge h = strip.into;
     const std::uint32_t f = face_of(h);
@@ -399,9 +405,6 @@ class StripFront {
     return strip.begin < strip.end;
   }
 
-  static constexpr std::size_t kMostStrips = 0xfffffff0U;
-  static constexpr double kNowhere = 1e300;
-
   const Adjacency& adjacency_;
   const SourceLines& lines_;
   const StripLimits& limits_;
@@ -409,7 +412,7 @@ class StripFront {
   std::vector<double> bound_;  // by vertex: the length of some way there
   std::vector<double> met_;    // by vertex: the least straight way by a strip
   std::vector<std::uint32_t> met_from_;
-  std::priority_queue<Waiting> queue_;
+  std::vector<Waiting> queue_;  // a heap
   std::vector<LineStrip> strips_;
   std::vector<std::uint32_t> free_;
   std::unordered_map<Halfedge, std::vector<OnEdge>> on_edge_;

@@ -215,15 +215,14 @@ Result<Extent> bounded(ExtentOf what, Survey& survey, Surveyor& surveyor, bool m
 // What is told is a vertex of the file. Means are over the area about these.
 void keep_those_of_file(PartByArea& part, const Mesh& mesh) {
   std::size_t kept = 0;
-  part.all_weight = 0;
   for (std::size_t i = 0; i < part.size(); ++i) {
     if (!is_of_file(mesh, part.vertices[i])) continue;
     part.vertices[kept] = part.vertices[i];
-    part.weights[kept] = part.weights[i];
-    part.all_weight += part.weights[kept++];
+    part.weights[kept++] = part.weights[i];
   }
   part.vertices.resize(kept);
   part.weights.resize(kept);
+  part.sum_weights();
 }
 
 Extent mean_of(const MeanDistances& means) {

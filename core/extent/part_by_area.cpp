@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace geodesic {
@@ -62,12 +63,16 @@ PartByArea largest_part(const Adjacency& adjacency, Poll& poll) {
       if (poll.cancelled()) return part;
       part.weights[i] += std::max(0.0, adjacency.face(face_of(corner)).area2);
     }
-    part.all_weight += part.weights[i];
   }
-  if (part.all_weight > 0) return part;
-  part.weights.assign(part.size(), 1);
-  part.all_weight = static_cast<double>(part.size());
+  part.sum_weights();
   return part;
+}
+
+void PartByArea::sum_weights() {
+  all_weight = std::accumulate(weights.begin(), weights.end(), 0.0);
+  if (all_weight > 0) return;
+  weights.assign(size(), 1);
+  all_weight = static_cast<double>(size());
 }
 
 tl::unexpected<Error> no_vertex_of_file() {

@@ -17,11 +17,13 @@ namespace geodesic {
 // The part, joined through vertices, that has most of the file's vertices; the first of several.
 struct PartByArea {
   std::vector<std::uint32_t> vertices;  // ascending
-  // By place in `vertices`: the area of the vertex's faces, up to one factor; or 1, if no face of
-  // the part has an area.
+  // By place in `vertices`: the area of the vertex's faces, up to one factor; or 1, if no vertex
+  // has any.
   std::vector<double> weights;
-  double all_weight = 0;
+  double all_weight = 0;  // above 0
 
+  // Makes `all_weight` of the weights, or these 1.
+  void sum_weights();
   [[nodiscard]] std::size_t size() const { return vertices.size(); }
   // So that the mean over the area of what is linear inside each face is the sum over the vertices
   // of share times value.

@@ -62,13 +62,13 @@ LineWaves::LineWaves(const Adjacency& adjacency, std::shared_ptr<const SourceLin
   if (poll.stopped()) return;
   for (const LineStrip& strip : strips_) {
     if (poll.cancelled()) return;
-    ++begin_[strip.into + 1];
+    if (strip.into != kNone) ++begin_[strip.into + 1];
   }
   for (std::size_t h = 1; h < begin_.size() && !poll.cancelled(); ++h) begin_[h] += begin_[h - 1];
   std::vector<std::uint32_t> next;
   polled_copy(next, std::span<const std::uint32_t>(begin_), poll);
   for (std::uint32_t i = 0; i < strips_.size() && !poll.cancelled(); ++i) {
-    order_[next[strips_[i].into]++] = i;
+    if (strips_[i].into != kNone) order_[next[strips_[i].into]++] = i;
   }
   for (std::uint32_t s = 0; s < lines_->segments.size() && !poll.cancelled(); ++s) {
     if (lines_->segments[s].along() == kNone) in_face_.push_back(s);

@@ -1,11 +1,11 @@
 // Sources that are lines or faces, and the waves that leave the lines.
 //
-// Near a line a distance field is no heap of circles: at right angles from it goes a wave whose
-// distances are linear. Bommes, Kobbelt, "Accurate computation of geodesic distance fields for
-// polygonal curves on triangle meshes", 2007. A strip is the part of such a wave that crosses one
-// edge. Its lines of flow are straight over any number of faces. Where they meet a vertex, the
-// strip parts; what bends round that vertex is no strip any more, but the circles of a source
-// there.
+// Round a point, lines of equal distance are circles. Beside a line they are straight: a wave
+// leaves it at right angles, and distances there are linear. Bommes, Kobbelt, "Accurate computation
+// of geodesic distance fields for polygonal curves on triangle meshes", 2007. A strip, there a
+// linear window, is the part of such a wave that crosses one edge. Its lines of flow are straight
+// over any number of faces. Where they meet a vertex, the strip parts; what bends round that vertex
+// is no strip any more, but the circles of a source there.
 #pragma once
 
 #include <array>
@@ -93,7 +93,8 @@ struct LineArrival {
 class LineWaves {
  public:
   // `given`: how many sources were there before vertices that waves have met became some.
-  // `strips` in any order, empty if no details are kept. Of no use if the poll says to stop.
+  // `strips` in any order, empty if no details are kept; one whose `into` is kNone is none. Of no
+  // use if the poll says to stop.
   LineWaves(const Adjacency& adjacency, std::shared_ptr<const SourceLines> lines,
             std::uint32_t given, std::vector<LineStrip> strips, bool has_strips, Poll& poll);
 
@@ -107,7 +108,6 @@ class LineWaves {
 
   [[nodiscard]] const SourceLines& lines() const { return *lines_; }
   [[nodiscard]] const LineStrip& strip(std::uint32_t number) const { return strips_[number]; }
-  [[nodiscard]] bool has_strips() const { return has_strips_; }
   [[nodiscard]] std::uint32_t given() const { return given_; }
 
   // The item that a source of the field belongs to.

@@ -4,17 +4,16 @@
 //   v:12                  {"vertex":12}                           a source vertex
 //   f:40,0.2,0.3          {"face":40,"bary":[0.2,0.3,0.5]}        a point on a source face
 //   p:1,2,3               {"xyz":[1,2,3],"max_snap":0.1}          the closest point of the surface
-//   ray:0,0,9,0,0,-1      {"ray":{"origin":[0,0,9],               the first hit of a ray: its
-//   origin
-//                                 "direction":[0,0,-1]}}          and its direction, of any length
+//   ray:0,0,9,0,0,-1      {"ray":{"origin":[0,0,9],               the first hit of a ray, which has
+//                                 "direction":[0,0,-1]}}          any length
 // JSON accepts the URL's text as well.
 //
 // What a field starts from may be more than points (docs: "Sources" in openapi.yaml):
 //   boundary              {"boundary":"all"}              all edges that have one face
-//   boundary:0            {"boundary":0}                  a loop of them, by its place in the
-//   metadata curve:v:1;v:7;p:1,2,3 {"curve":{"points":["v:1",…]}}  from point to point by the
-//   shortest way curve:closed;v:1;v:7… {"curve":{"points":[…],"closed":true}} part:2,
-//   faces:7,10-99, sphere:…, box:…                whole faces, as regions have them
+//   boundary:0            {"boundary":0}                  a loop of them, 0 the longest
+//   curve:v:1;p:1,2,3     {"curve":{"points":["v:1",…]}}  the shortest way, point to point
+//   curve:closed;v:1;v:7  {"curve":{…,"closed":true}}     and back to the first
+//   faces:7,10-99         {"faces":[7,[10,99]]}           whole faces, and other shapes of regions
 #pragma once
 
 #include <array>

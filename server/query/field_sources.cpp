@@ -49,12 +49,18 @@ std::vector<proto::PointRequest> points_in(const std::vector<proto::PointRequest
   return points;
 }
 
-// The same for the same lines, to the last bit.
-std::string key_of_lines(const FieldSources& from) {
+// The same for the same lines, to the last bit. Of no use if the poll says to stop.
+std::string key_of_lines(const FieldSources& from, Poll& poll) {
+  Sha256 digest;
   std::string bytes;
   const auto add = [&](const auto& value) {
+    constexpr std::size_t kAtOnce = 65'536;
     bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
+    if (bytes.size() < kAtOnce || poll.cancelled()) return;
+    digest.add(bytes);
+    bytes.clear();
   };
+  add(from.points.size());
   for (const Source& source : from.points) {
     add(source.point.face);
     for (const double weight : source.point.bary) add(weight);
@@ -70,7 +76,8 @@ std::string key_of_lines(const FieldSources& from) {
     add(segment.item);
   }
   for (const std::uint32_t item : from.lines->item_of_face) add(item);
-  return sha256_hex(bytes);
+  digest.add(bytes);
+  return digest.hex();
 }
 
 }  // namespace
@@ -116,9 +123,12 @@ class FieldQueries::Place::LineBuilder {
   }
 
   Result<FieldSources> take() {
+    merge_repeated(adjacency_, lines_, sources_, poll_);
+    if (poll_.stopped()) return fail_stopped(poll_);
     FieldSources from{std::move(sources_), {}, {}};
     from.lines = std::make_shared<const SourceLines>(std::move(lines_));
-    from.key = key_of_lines(from);
+    from.key = key_of_lines(from, poll_);
+    if (poll_.stopped()) return fail_stopped(poll_);
     return from;
   }
 
@@ -244,9 +254,7 @@ Result<FieldSources> FieldQueries::Place::sources(const std::vector<proto::Point
     return std::holds_alternative<proto::FacesRequest>(request.where);
   });
   if (has_faces) {
-    const auto description = queries_.catalog_.metadata(surface_.mesh(), caller_);
-    if (!description) return fail(description.error());
-    auto listed = proto::faces_of_parts(*description);
+    auto listed = queries_.catalog_.parts(surface_.mesh(), caller_.part(0, 0));
     if (!listed) return fail(std::move(listed.error()));
     parts = std::move(*listed);
     auto prepared = queries_.catalog_.adjacency(surface_.mesh(), caller_.part(0, 0));

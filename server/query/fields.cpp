@@ -217,9 +217,11 @@ Result<Pair> Fields::search(const FieldQuestion& question, const SurfacePoint& t
 Result<PointDistances> Fields::at_points(const FieldQuestion& question,
                                          std::span<const SurfacePoint> points, bool labels,
                                          const Caller& caller) {
-  if (points.size() == 1 && can_be_searched(question)) {
+  // Fields from lines and of costs are whole, however few points are asked for.
+  const bool is_whole = question.from.lines != nullptr || question.cost != nullptr;
+  if (is_whole || (points.size() == 1 && can_be_searched(question))) {
     const Details details = details_for(points);
-    if (!is_to_be_searched(question, details)) {
+    if (is_whole || !is_to_be_searched(question, details)) {
       const auto field = whole(question, details, caller);
       if (!field) return fail(field.error());
       auto read = compute(

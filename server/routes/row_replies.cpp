@@ -91,9 +91,13 @@ Result<std::shared_ptr<const void>> Routes::collect_rows(Answered<proto::TableRe
   constexpr std::uint64_t kBytesOfEntry = 2 * 12;
   const auto held = std::make_shared<std::vector<std::shared_ptr<ReplyBudget::Share>>>();
   const std::uint64_t row_bytes = answer.reply.columns.size() * 12;
+  const std::size_t block = rows_at_once(row_bytes, pool_.slots());
+  auto under_way = reply_budget_.reserve(
+      row_bytes * std::min<std::uint64_t>(2 * block + 1, answer.reply.rows.size()), caller.client);
+  if (!under_way) return fail(std::move(under_way.error()));
   auto rows = answer.rows([](std::size_t, std::span<const double> distances,
                              const Cancel& cancel) { return encode_sparse_row(distances, cancel); },
-                          rows_at_once(row_bytes, pool_.slots()));
+                          block);
   if (!rows) return fail(std::move(rows.error()));
   proto::SparseEntries& entries = answer.reply.sparse.emplace();
   while (true) {

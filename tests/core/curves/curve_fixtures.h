@@ -49,6 +49,10 @@ class LineQuestion {
     Poll poll(cancel_);
     add_faces(surface_.adjacency(), of, items_++, lines_, sources_, poll);
   }
+  void merge() {
+    Poll poll(cancel_);
+    merge_repeated(surface_.adjacency(), lines_, sources_, poll);
+  }
   void point(const SurfacePoint& at) {
     sources_.push_back({at, 0});
     lines_.item_of_source.push_back(items_++);

@@ -276,3 +276,51 @@ TEST_CASE("StripsStopWhenTheyAreTold") {
   REQUIRE(!refused);
   CHECK(refused.error().code == ErrorCode::too_large);
 }
+
+TEST_CASE("LinesThatAreThereAgainAreLeftOut") {
+  std::mt19937 random(test_seed());
+  for (int i = 0; i < 20; ++i) {
+    const auto number = static_cast<std::uint32_t>(random());
+    CAPTURE(number);
+    const Surface surface(RandomMesh(number).soup());
+    LineQuestion once(surface);
+    LineQuestion again(surface);
+    const std::uint32_t state = random();
+    for (int round = 0; round < 3; ++round) {
+      std::mt19937 same(state);
+      ask_some_lines(surface, same, again);
+      if (round > 0) continue;
+      same.seed(state);
+      ask_some_lines(surface, same, once);
+    }
+    const std::size_t thrice = again.lines().segments.size();
+    once.merge();
+    again.merge();
+    CHECK(again.lines().segments.size() == once.lines().segments.size());
+    if (thrice > 0) CHECK(again.lines().segments.size() < thrice);
+    CHECK(again.sources().size() == once.sources().size());
+    CHECK(again.lines().item_of_source.size() == again.sources().size());
+    for (const std::uint32_t item : again.lines().item_of_source) CHECK(item == 0);
+    const Field one = once.field(Method::exact);
+    const Field other = again.field(Method::exact);
+    for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+      CHECK(one.distance[v] == other.distance[v]);
+    }
+  }
+  // Backwards, and from the other face.
+  const Surface plane(shapes::plane(3, 3));
+  LineQuestion both(plane);
+  const Adjacency& adjacency = plane.adjacency();
+  for (std::uint32_t f = 0; f < plane.mesh().face_count(); ++f) {
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      const Halfedge h = halfedge(f, c);
+      for (const auto& [from, to] : {std::pair(adjacency.tail(h), adjacency.head(h)),
+                                     std::pair(adjacency.head(h), adjacency.tail(h))}) {
+        both.curve({point_at_vertex(adjacency, from), point_at_vertex(adjacency, to)}, false);
+      }
+    }
+  }
+  both.merge();
+  CHECK(both.lines().segments.size() == 16);  // edges of the plane
+  CHECK(both.sources().size() == 9);
+}

@@ -181,6 +181,16 @@ TEST_CASE("WhatIsNoCurveIsRefused") {
                 422, "no_loop", "from[0].points[1]");
 }
 
+// As many times as there may be sources.
+TEST_CASE("TheSameBoundaryAThousandTimesIsNoMoreWork") {
+  PlaneService plane;
+  std::string many = "/distance?method=exact";
+  for (int i = 0; i < 1000; ++i) many += "&from=boundary";
+  const json all = plane.ask(many);
+  CHECK(all["distances"] == plane.ask("/distance?method=exact&from=boundary")["distances"]);
+  CHECK(all["from"].size() == 1000);
+}
+
 TEST_CASE("CurvesOfAPartOfTheSurface") {
   PlaneService plane;
   // The boundary of what is left is nearer.
