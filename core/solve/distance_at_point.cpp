@@ -110,34 +110,64 @@ class WaysToSources {
 
 // Of a face's longest side, its height. In a lower one, circles round two corners meet anywhere.
 constexpr double kLow = 0.1;
-// Of a corner's distance, by how much it may differ from what circles round the other two say. Of
-// 2 % the errors above 1 % are four times as many. Of 0.2 % every tenth point of a scan asks for a
-// path.
-constexpr double kDiffers = 0.005;
+// By what part of a distance the pairs of corners may differ. Of 0.5 % errors above 1 % are four
+// times as many round holes; of 0.1 % every fourth point of a scan asks for a path.
+constexpr double kDiffers = 0.002;
 
-// Whether the ways to a face's corners come from different sides, as far as its distances tell:
-// then circles round two of them meet in no source. Circles round two corners meet on either side
-// of the side between them. The meeting that is beyond the side is no nearer to the third corner
-// than the source is, and for the farthest corner it is the source.
-bool ways_differ(const FaceRecord& face, const Field& field) {
-  std::array<double, 3> d{};
-  for (std::uint32_t c = 0; c < 3; ++c) d[c] = field.distance[face.vertex[c]];
-  const double farthest = *std::max_element(d.begin(), d.end());
-  if (!(farthest < kUnreached)) return false;
-  for (std::uint32_t base = 0; base < 3; ++base) {
-    const std::uint32_t n = next_corner(base);
-    const double third = d[previous_corner(base)];
-    const double said = arrive(d[base], d[n], face.apex_over(base)).distance;
-    if (!(said >= third * (1 - kDiffers))) return true;
-    if (third == farthest && !(said <= third * (1 + kDiffers))) return true;
+// How far it is from a point where circles round two corners of a face meet, in plane coordinates
+// times the length of the side between them, as in virtual_source.h: the side from p to q lies on
+// the x axis, the face above it. They meet beyond the side, and mirrored on the face's own side.
+struct Meeting {
+  double base2;
+  double x;
+  double y;  // below the side if positive
+
+  Meeting(double square, double dp, double dq)
+      : base2(square),
+        x(0.5 * (base2 + (dp - dq) * (dp + dq))),
+        y(0.5 * std::sqrt(std::max(
+                    0.0, ((dp + dq) * (dp + dq) - base2) * (base2 - (dp - dq) * (dp - dq))))) {}
+
+  [[nodiscard]] double to(double along, double height) const {
+    return std::sqrt(((along - x) * (along - x) + (height + y) * (height + y)) / base2);
   }
-  return false;
+};
+
+// Whether the ways to a face's corners come from different sides, as far as the distances tell.
+// One source far away is where the circles round any two corners meet: the third corner is as far
+// from there as its distance says, and by each pair the point is as far as by the others. `about`:
+// what the nearest meeting says of the point.
+bool ways_differ(const FaceRecord& face, const Field& field, const SurfacePoint& point,
+                 double about) {
+  double least = about;
+  double most = about;
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    const std::uint32_t n = next_corner(c);
+    const std::uint32_t third = previous_corner(c);
+    const double wanted = field.distance[face.vertex[third]];
+    const UnfoldedApex apex = face.apex_over(c);
+    Meeting meeting(apex.base2(), field.distance[face.vertex[c]], field.distance[face.vertex[n]]);
+    Meeting mirrored = meeting;
+    mirrored.y = -meeting.y;
+    const auto wrong = [&](const Meeting& at) {
+      return std::abs(at.to(apex.from_p, apex.height) - wanted);
+    };
+    if (wrong(mirrored) < wrong(meeting)) meeting = mirrored;
+    if (!(wrong(meeting) <= kDiffers * wanted)) return true;
+    const double above = point.bary[third];
+    const double said =
+        meeting.to(point.bary[n] * apex.base2() + above * apex.from_p, above * apex.height);
+    least = std::min(least, said);
+    most = std::max(most, said);
+  }
+  return !(most - least <= kDiffers * least);
 }
 
-// Whether circles say little of points in the face.
-bool is_awkward(const Adjacency& adjacency, const Field& field, std::uint32_t f) {
-  const FaceRecord& face = adjacency.face(f);
-  return !(face.area2 > kLow * face.longest2()) || ways_differ(face, field);
+// Whether circles say little of the point.
+bool is_awkward(const Adjacency& adjacency, const Field& field, const SurfacePoint& point,
+                double about) {
+  const FaceRecord& face = adjacency.face(point.face);
+  return !(face.area2 > kLow * face.longest2()) || ways_differ(face, field, point, about);
 }
 
 // A path that is longer by this factor than the circles say has gone round the wrong side.
@@ -161,7 +191,7 @@ Result<double> length_of_way(const Adjacency& adjacency, const Field& field,
   if (!path) return least;
   least = std::min(least, field.sources[path->source].offset + not_below_length(*path));
   WaysToSources ways(adjacency, field, point, cancel);
-  if (least > kAstray * about && is_awkward(adjacency, field, point.face)) {
+  if (least > kAstray * about && is_awkward(adjacency, field, point, about)) {
     auto along_edges = ways.from(path->source);
     if (!along_edges) return along_edges;
     least = std::min(least, *along_edges);
@@ -172,10 +202,11 @@ Result<double> length_of_way(const Adjacency& adjacency, const Field& field,
 }
 
 // Whether the field says by itself how far the point is.
-bool is_told(const Adjacency& adjacency, const Field& field, const SurfacePoint& point) {
+bool is_told(const Adjacency& adjacency, const Field& field, const SurfacePoint& point,
+             double told) {
   if (point.at_vertex() || field.windows) return true;
   if (field.bound == Bound::upper) return false;
-  return field.method != Method::back_traced || !is_awkward(adjacency, field, point.face);
+  return field.method != Method::back_traced || !is_awkward(adjacency, field, point, told);
 }
 
 // With more sources nobody is asked for each how far it is straight.
@@ -200,7 +231,7 @@ Result<double> distance_by_points(const Adjacency& adjacency, const Field& field
                                   const std::optional<Path>* refined, const Cancel& cancel) {
   const double told = arrivals.distance_at(point);
   if (arrivals.was_stopped()) return fail_stopped(cancel);
-  if (is_told(adjacency, field, point)) {
+  if (is_told(adjacency, field, point, told)) {
     return not_below_straight_line(adjacency, field, point, told);
   }
   if (refined != nullptr) return length_of_way(adjacency, field, point, *refined, told, cancel);

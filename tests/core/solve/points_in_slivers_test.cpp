@@ -29,6 +29,21 @@ TriangleSoup stretched(TriangleSoup soup, double by) {
   return soup;
 }
 
+// Few faces between holes, so that fronts from their two sides meet in many.
+TriangleSoup plate(std::mt19937& random) {
+  const auto below = [&](std::uint32_t count) {
+    return static_cast<std::uint32_t>(random() % count);
+  };
+  const std::uint32_t columns = 6 + below(10);
+  const std::uint32_t rows = 6 + below(10);
+  std::vector<shapes::Hole> holes;
+  for (int i = 0; i < 2; ++i) {
+    const std::uint32_t size = 1 + below(3);
+    holes.push_back({1 + below(columns - 2 - size), 1 + below(rows - 2 - size), size});
+  }
+  return shapes::plane_with_holes(columns, rows, holes);
+}
+
 struct Sample {
   std::string name;
   TriangleSoup soup;
@@ -40,7 +55,8 @@ std::vector<Sample> samples(std::mt19937& random) {
   return {{"tube", fixtures::tube(sides, times(100))},
           {"stretched terrain", stretched(shapes::terrain(16, 4, 2), times(100))},
           {"stretched sphere", stretched(shapes::icosphere(3), times(30))},
-          {"sphere", shapes::icosphere(2)}};
+          {"sphere", shapes::icosphere(2)},
+          {"plate", stretched(plate(random), times(10))}};
 }
 
 SurfacePoint inside_a_face(const Surface& surface, std::mt19937& random) {
@@ -71,7 +87,7 @@ TEST_CASE("DistancesInsideSliversAreNearTheTruth") {
       for (int s = 0; s < 4; ++s) {
         const SurfacePoint source =
             s % 2 == 0
-                ? surface.at(static_cast<std::uint32_t>(random() % sample.soup.positions.size()))
+                ? surface.at(surface.mesh().faces()[random() % surface.mesh().face_count()][0])
                 : inside_a_face(surface, random);
         const Field field = surface.field_by(Method::back_traced, {{source, 0}});
         FieldLimits details;
@@ -81,7 +97,11 @@ TEST_CASE("DistancesInsideSliversAreNearTheTruth") {
         for (int i = 0; i < 50; ++i, ++count) {
           const SurfacePoint to = inside_a_face(surface, random);
           const double exact = read(surface, truth, to);
-          const double error = read(surface, field, to) / exact - 1;
+          const double told = read(surface, field, to);
+          // Two holes may leave faces between them that no way leads to.
+          CHECK((told == kUnreached) == (exact == kUnreached));
+          if (exact == kUnreached) continue;
+          const double error = told / exact - 1;
           low = std::min(low, error);
           high = std::max(high, error);
           sum += std::abs(error);
@@ -90,8 +110,8 @@ TEST_CASE("DistancesInsideSliversAreNearTheTruth") {
       }
       MESSAGE(sample.name << ": mean " << sum / count << ", low " << low << ", high " << high
                           << "; by circles " << circles_low);
-      // Of 3,200,000 points on 16,000 meshes 2 were 11 % below, none more than 7 % above.
-      CHECK(sum / count < 0.005);
+      // Of 3,000 meshes the worst had a mean of 0.06 % and single errors of 9 % below, 5 % above.
+      CHECK(sum / count < 0.002);
       CHECK(low > -0.2);
       CHECK(high < 0.2);
     }
