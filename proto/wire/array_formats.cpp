@@ -56,7 +56,11 @@ std::string_view dtype_of(NumberType type) {
 
 std::string f32_bytes(std::span<const double> values, Bound bound, Poll* poll) {
   if (bound == Bound::none) {
-    return converted<float>(values, poll, [](double value) { return static_cast<float>(value); });
+    return converted<float>(values, poll, [](double value) {
+      // Costs may be larger than any float. Infinite would say that there is no way.
+      constexpr double kLargest = std::numeric_limits<float>::max();
+      return static_cast<float>(std::isfinite(value) ? std::min(value, kLargest) : value);
+    });
   }
   return converted<float>(values, poll, [](double value) {
     const auto next = static_cast<float>(value);

@@ -27,7 +27,8 @@ struct Array {
 };
 
 // These are cut short if the poll, where there is one, says to stop.
-// Rounded to the next float; with Bound::upper to the next that is not below.
+// Rounded to the next float, of finite numbers beyond them the largest; with Bound::upper to the
+// next that is not below, infinity if need be.
 [[nodiscard]] std::string f32_bytes(std::span<const double> values, Bound bound = Bound::none,
                                     Poll* poll = nullptr);
 [[nodiscard]] std::string f64_bytes(std::span<const double> values, Poll* poll = nullptr);

@@ -14,6 +14,10 @@ namespace geodesic::server {
 // What a job costs besides bodies, generously: its request's head, its reply's.
 inline constexpr std::uint64_t kBytesOfJob = 4096;
 
+inline constexpr const char* kTooLargeToKeep =
+    "the reply is too large to be kept: ask for a part of it, such as fewer rows, or for the reply "
+    "itself, not a job";
+
 // Guarded by the registry's mutex, but for `request`, which is the thread's once the
 // job runs, and what is atomic.
 struct Jobs::Job {

@@ -259,8 +259,14 @@ HttpResponse Jobs::reply_to(Job& job) {
       std::string body;
       std::string chunk;
       const std::uint64_t before = charged(job);
+      const std::uint64_t least = reply.stream_bytes;
+      if (auto room = grow(job, before + least); !room) {
+        return HttpResponse::problem(room.error(), job.request);
+      }
       while (body.size() <= most && reply.stream(chunk)) {
-        if (auto room = grow(job, before + body.size() + chunk.size()); !room) {
+        if (auto room =
+                grow(job, before + std::max<std::uint64_t>(least, body.size() + chunk.size()));
+            !room) {
           return HttpResponse::problem(room.error(), job.request);
         }
         body += chunk;
@@ -271,12 +277,8 @@ HttpResponse Jobs::reply_to(Job& job) {
       reply.body = std::make_shared<const std::string>(std::move(body));
     }
     if (!reply.body || reply.body->size() <= most) return reply;
-    return HttpResponse::problem(Error{ErrorCode::too_large,
-                                       "the reply is too large to be kept",
-                                       {},
-                                       most,
-                                       reply.body->size()},
-                                 job.request);
+    return HttpResponse::problem(
+        Error{ErrorCode::too_large, kTooLargeToKeep, {}, most, reply.body->size()}, job.request);
   } catch (const std::bad_alloc&) {
     spdlog::error("{} a job ran out of memory", job.request.id);
     return problem(ServiceCode::overloaded, "out of memory");

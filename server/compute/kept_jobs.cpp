@@ -22,8 +22,7 @@ Result<void> Jobs::grow(Job& job, std::uint64_t bytes) {
   const std::lock_guard lock(mutex_);
   if (has_ended(job.report.state)) return fail(ServiceCode::job_cancelled, "the job was cancelled");
   if (bytes > limits_.bytes) {  // at no time
-    return fail_limit(ErrorCode::too_large, "the reply is too large to be kept", limits_.bytes,
-                      bytes);
+    return fail_limit(ErrorCode::too_large, kTooLargeToKeep, limits_.bytes, bytes);
   }
   while (bytes_ - job.bytes + bytes > limits_.bytes && !ended_.empty()) forget(next_to_forget());
   if (bytes_ - job.bytes + bytes > limits_.bytes) {

@@ -2,6 +2,7 @@
 // sockets and of the library underneath.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -62,6 +63,8 @@ struct HttpResponse {
   // after the other until it returns false (that last chunk is not sent).
   // May block, but not for longer than a client should wait for a sign of life.
   std::function<bool(std::string& chunk)> stream;
+  // The stream has at least so many bytes. Who has to keep it can refuse before it is computed.
+  std::uint64_t stream_bytes = 0;
   // If it names an error once `stream` has returned false, that was not the reply's end: the
   // connection is closed without one, so that the client can tell. May be null.
   std::shared_ptr<const std::optional<Error>> broken;

@@ -31,6 +31,12 @@ std::uint64_t bytes_of_row(const RowEncoding& encoding) {
   return columns * (type_of_rows(encoding.format.format) == NumberType::f32 ? 4 : 8);
 }
 
+std::uint64_t least_bytes_of_row(const RowEncoding& encoding) {
+  if (encoding.format.format != Format::lines) return bytes_of_row(encoding);
+  // A digit and a comma.
+  return encoding.sparse ? 0 : 2 * encoding.table->columns.size();
+}
+
 std::uint64_t bytes_before_rows(const RowEncoding& encoding) {
   constexpr std::uint64_t kRest = 4096;
   const bool is_text = encoding.format.format == Format::lines;

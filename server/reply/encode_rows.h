@@ -27,6 +27,8 @@ struct RowEncoding {
 // Bytes of a row and of what is before the rows, at most.
 [[nodiscard]] std::uint64_t bytes_of_row(const RowEncoding& encoding);
 [[nodiscard]] std::uint64_t bytes_before_rows(const RowEncoding& encoding);
+// Bytes of a row at least.
+[[nodiscard]] std::uint64_t least_bytes_of_row(const RowEncoding& encoding);
 
 // The reply without its rows: its head, and in `begin` what its body begins with.
 [[nodiscard]] HttpResponse reply_before_rows(const RowEncoding& encoding, std::string& begin);

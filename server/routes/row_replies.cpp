@@ -63,6 +63,7 @@ Result<HttpResponse> Routes::stream_rows(Answered<proto::TableReply> answer,
   table->rows = std::move(*rows);
   table->reserved = std::move(*reserved);
   HttpResponse response = reply_before_rows(encoding, table->begin);
+  response.stream_bytes = table->begin.size() + least_bytes_of_row(encoding) * request.from.size();
   // What fails before the first row has a status of its own.
   auto first = table->rows->next();
   if (!first) return fail(std::move(first.error()));

@@ -49,6 +49,15 @@ std::vector<T> numbers(const std::string& bytes) {
 
 }  // namespace
 
+TEST_CASE("FiniteCostsBeyondFloatsStayFinitee") {
+  const double infinity = std::numeric_limits<double>::infinity();
+  const std::vector<double> values{1e300, 1, infinity};
+  const auto floats = numbers<float>(proto::f32_bytes(values));
+  CHECK(floats[0] == std::numeric_limits<float>::max());
+  CHECK(floats[1] == 1);
+  CHECK(floats[2] == infinity);
+}
+
 TEST_CASE("ABoundInFewDigitsIsNotBelowAndNoFartherThanOneOfTheLast") {
   std::mt19937_64 random(fixtures::test_seed());
   for (int round = 0; round < 20'000; ++round) {

@@ -92,6 +92,28 @@ TEST_CASE("AReplyThatIsTooLargeToKeepIsAnError") {
   CHECK(jobs.result(started->id)->body->find("too_large") != std::string::npos);
 }
 
+TEST_CASE("AStreamThatSaysItIsTooLargeToKeepIsNotComputed") {
+  Jobs::Limits limits;
+  limits.bytes = 50'000;
+  std::atomic<int> chunks{0};
+  Jobs jobs(limits, [&](HttpRequest&) {
+    HttpResponse response;
+    response.stream_bytes = 60'000;
+    response.stream = [&](std::string& chunk) {
+      chunk = std::string(1000, 'x');
+      return ++chunks < 60;
+    };
+    return response;
+  });
+  const auto started = jobs.start(HttpRequest());
+  REQUIRE(started);
+  const auto job = jobs.hold(started->id);
+  JobReport report = jobs.report(job);
+  while (!has_ended(report.state)) report = jobs.wait_for_news(job, report, kJobPatience);
+  CHECK(report.status == 413);
+  CHECK(chunks == 0);
+}
+
 // Jobs that gather at the same time have one memory, not one each.
 TEST_CASE("WhatJobsGatherIsChargedAsItGrows") {
   Jobs::Limits limits;
