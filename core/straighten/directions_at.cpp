@@ -101,13 +101,42 @@ Result<void> DirectionsAt::turn(Halfedge side, bool is_backward, Poll& poll) {
   return {};
 }
 
+double DirectionsAt::scale() const {
+  constexpr double kHardlyAny = 1e-9;  // of faces that are lines
+  const bool fills_a_turn = (all_round_ && total_ > kHardlyAny) || total_ > kAllRound;
+  return fills_a_turn ? kAllRound / total_ : 1;
+}
+
+const DirectionsAt::Sector* DirectionsAt::sector_of(std::uint32_t face) const {
+  const auto sector = std::lower_bound(sectors_.begin(), sectors_.end(), face,
+                                       [](const Sector& s, std::uint32_t f) { return s.face < f; });
+  return sector == sectors_.end() || sector->face != face ? nullptr : &*sector;
+}
+
+Halfedge DirectionsAt::beyond_edge(std::uint32_t face) const {
+  if (across_ == kNone) return kNone;
+  const Halfedge beyond = adjacency_->ring(halfedge(from_.face, across_));
+  return face_of(beyond) == face ? beyond : kNone;
+}
+
+std::optional<int> DirectionsAt::sense_of(std::uint32_t face) const {
+  if (from_.at_vertex()) {
+    const Sector* const sector = sector_of(face);
+    if (sector == nullptr) return std::nullopt;
+    return sector->from_next == (all_round_ || !sector->is_backward) ? 1 : -1;
+  }
+  if (face == from_.face) return 1;
+  const Halfedge beyond = beyond_edge(face);
+  if (beyond == kNone) return std::nullopt;
+  // Faces that are wound alike go along their edge in opposite ways.
+  return adjacency_->tail(beyond) == adjacency_->head(halfedge(from_.face, across_)) ? 1 : -1;
+}
+
 std::optional<double> DirectionsAt::angle_of(std::uint32_t face, Vec3 direction) const {
   const Mesh& mesh = adjacency_->mesh();
   if (from_.at_vertex()) {
-    const auto sector =
-        std::lower_bound(sectors_.begin(), sectors_.end(), face,
-                         [](const Sector& s, std::uint32_t f) { return s.face < f; });
-    if (sector == sectors_.end() || sector->face != face) return std::nullopt;
+    const Sector* const sector = sector_of(face);
+    if (sector == nullptr) return std::nullopt;
     const auto [along, inward] = FlatFace(mesh, halfedge(face, sector->corner)).axes(mesh);
     double to_next = std::atan2(dot(direction, inward), dot(direction, along));
     if (!all_round_) to_next = std::clamp(to_next, 0.0, sector->size);  // as rounded
@@ -120,9 +149,8 @@ std::optional<double> DirectionsAt::angle_of(std::uint32_t face, Vec3 direction)
     const double angle = std::atan2(dot(direction, inward), dot(direction, along));
     return all_round_ ? in_turn(angle, total_) : angle;
   }
-  const Halfedge beyond =
-      across_ == kNone ? kNone : adjacency_->ring(halfedge(from_.face, across_));
-  if (across_ == kNone || face != face_of(beyond)) return std::nullopt;
+  const Halfedge beyond = beyond_edge(face);
+  if (beyond == kNone) return std::nullopt;
   // In the face beyond the edge, laid into the plane of the point's own.
   const FlatFace flat(mesh, halfedge(from_.face, 0));
   const Vec3 edge = FlatFace(mesh, halfedge(from_.face, across_)).axes(mesh).first;

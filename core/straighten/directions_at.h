@@ -25,11 +25,18 @@ class DirectionsAt {
   // below `total` if directions go all round; if not, between the two edges of the boundary. None
   // if the face is not at the point.
   [[nodiscard]] std::optional<double> angle_of(std::uint32_t face, Vec3 direction) const;
+  // 1 if angles grow counter-clockwise in a face at the point, by the face's own winding, and -1 if
+  // clockwise. None if the face is not at the point.
+  [[nodiscard]] std::optional<int> sense_of(std::uint32_t face) const;
 
   // The sum of the angles of all faces there: 2 pi inside a face.
   [[nodiscard]] double total() const { return total_; }
   // Whether no boundary is in the way.
   [[nodiscard]] bool all_round() const { return all_round_; }
+  // What angles are multiplied by so that they make a full turn: round a vertex where they are more
+  // or less; on a boundary only if they are more. Knoppel, Crane, Pinkall and Schroder, "Globally
+  // optimal direction fields", 2013.
+  [[nodiscard]] double scale() const;
 
  private:
   // A face at a vertex, and where it begins in the turn round it.
@@ -44,6 +51,10 @@ class DirectionsAt {
 
   DirectionsAt(const Adjacency& adjacency, const SurfacePoint& from)
       : adjacency_(&adjacency), from_(from) {}
+  // That of a face at the vertex; null if it is not at it.
+  [[nodiscard]] const Sector* sector_of(std::uint32_t face) const;
+  // What is beyond the edge that the point is on, as a side of `face`; kNone if it is not there.
+  [[nodiscard]] Halfedge beyond_edge(std::uint32_t face) const;
   [[nodiscard]] Result<void> turn_round_vertex(Poll& poll);
   [[nodiscard]] Result<void> look_across_edge(std::uint32_t side);
   // Adds the faces from that of `side` on, to where the fan ends or has come round.

@@ -61,6 +61,9 @@ class GlbWriter {
     if (!part.texture.empty()) {
       primitive["attributes"]["TEXCOORD_0"] = add_texture_coordinates(part.texture);
     }
+    if (!part.directions.empty()) {
+      primitive["attributes"][kDirectionAttribute] = add_positions(part.directions);
+    }
     if (!part.indices.empty()) primitive["indices"] = add_indices(part.indices);
     if (!part.colours.empty() || part.mode == GlbPart::Mode::line_strip) {
       primitive["material"] = unlit_material();

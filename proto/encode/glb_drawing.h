@@ -15,6 +15,9 @@
 
 namespace geodesic::proto {
 
+// What readers of glTF find directions of vertices by.
+inline constexpr const char* kDirectionAttribute = "_GEODESIC_DIRECTION";
+
 // One node with one mesh of one primitive.
 struct GlbPart {
   enum class Mode : std::uint8_t { line_strip = 3, triangles = 4 };  // glTF's numbers
@@ -26,6 +29,7 @@ struct GlbPart {
   std::vector<Colour> colours;                // one per position, sRGB; empty: none
   std::vector<std::array<float, 2>> texture;  // coordinates, one pair per position; empty: none
   std::vector<std::pair<std::string, double>> extras;  // of the node: numbers by name
+  std::vector<Vec3> directions = {};  // one per position, as kDirectionAttribute; empty: none
 };
 
 // A valid glTF 2.0 binary with a node for each part; a part without positions is a

@@ -5,6 +5,7 @@
 //   slope=tobler                    {"slope":"tobler"}
 //   slope=-0.5:2,0:1,0.5:3          {"slope":[[-0.5,2],[0,1],[0.5,3]]}
 //   up=0,0,1, steepest=0.6          {"up":[0,0,1],"steepest":0.6}
+//   weight_attribute=_MUD           {"weight_attribute":"_MUD"}
 // and in JSON {"face_weights":[1,2.5,…]}, one for each source face. Where regions overlap, the one
 // that is named last counts.
 #pragma once
@@ -26,6 +27,7 @@ struct WeightedRegion {
 
 struct Costs {
   std::vector<double> face_weights;  // by source face, before regions; empty: 1
+  std::string weight_attribute;      // of the file, where they are to be read; empty: none
   std::vector<WeightedRegion> weights;
   TravelCost::Parts walk;  // all of it but the weights
 

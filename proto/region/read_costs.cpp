@@ -12,6 +12,7 @@
 #include "proto/wire/number.h"
 #include "proto/wire/point_request.h"
 #include "proto/wire/query_limits.h"
+#include "proto/wire/reply_format.h"
 
 namespace geodesic::proto {
 namespace {
@@ -102,6 +103,14 @@ Result<void> read_face_weights(Parameters& parameters, Costs& costs) {
     if (auto fine = check_price((*weights)[i], numbered("face_weights", i)); !fine) return fine;
   }
   costs.face_weights = std::move(*weights);
+  if (auto read = read_attribute(parameters, "weight_attribute", costs.weight_attribute); !read) {
+    return read;
+  }
+  if (!costs.weight_attribute.empty() && given != nullptr) {
+    return fail(InputCode::bad_syntax,
+                "weights of faces are sent, or read from an attribute of the file, not both",
+                "weight_attribute");
+  }
   return {};
 }
 

@@ -5,6 +5,23 @@
 #include "proto/replies/reply_json.h"
 
 namespace geodesic::proto {
+namespace {
+
+// Arrays of numbers, after another member.
+template <class Tuples>
+void append_tuples(std::string& out, const char* name, const Tuples& tuples, int digits,
+                   Poll* poll) {
+  out.append(",\"").append(name).append("\":[");
+  const char* before = "";
+  for (const auto& tuple : tuples) {
+    if (is_stopped(poll)) break;
+    out += std::exchange(before, ",");
+    append_numbers(out, tuple, digits);
+  }
+  out += ']';
+}
+
+}  // namespace
 
 std::string to_json(const VoronoiReply& reply, int digits, Poll* poll) {
   std::string out = opening(reply.mesh);
@@ -81,13 +98,8 @@ std::string to_json(const LogmapReply& reply, int digits, Poll* poll) {
   append_numbers(out, reply.angles, digits, poll);
   out += ",\"straight\":";
   append_wholes(out, reply.straight, poll);
-  out += ",\"coordinates\":[";
-  for (std::size_t i = 0; i < reply.coordinates.size(); ++i) {
-    if (is_stopped(poll)) break;
-    if (i > 0) out += ',';
-    append_numbers(out, reply.coordinates[i], digits);
-  }
-  out += ']';
+  append_tuples(out, "coordinates", reply.coordinates, digits, poll);
+  if (reply.directions) append_tuples(out, "directions", *reply.directions, digits, poll);
   append_warnings(out, reply.warnings);
   out += '}';
   return out;

@@ -251,6 +251,8 @@ struct LogmapReply {
   std::vector<double> angles;                      // as TraceRequest has them
   std::vector<std::uint32_t> straight;             // 1: going straight ahead leads there; or 0
   std::vector<std::array<double, 2>> coordinates;  // mesh units
+  // The x axis' direction carried along the path, of length one, or zeros; none: not asked for.
+  std::optional<std::vector<std::array<double, 3>>> directions;
   Warnings warnings;
 };
 

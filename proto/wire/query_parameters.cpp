@@ -78,7 +78,8 @@ Result<void> check_curves(const std::vector<PointRequest>& sources) {
 }  // namespace
 
 bool asks_for_costs(const Parameters& parameters) {
-  constexpr std::array<std::string_view, 4> kNames{"weights", "face_weights", "slope", "steepest"};
+  constexpr std::array<std::string_view, 5> kNames{"weights", "face_weights", "weight_attribute",
+                                                   "slope", "steepest"};
   return std::any_of(kNames.begin(), kNames.end(),
                      [&](std::string_view name) { return parameters.count(name) > 0; });
 }

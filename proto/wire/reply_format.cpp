@@ -177,6 +177,16 @@ bool is_attribute_name(std::string_view name) {
          });
 }
 
+Result<void> read_attributes(Parameters& parameters, ReplyFormat& reply) {
+  if (auto read = read_attribute(parameters, "attribute", reply.attribute); !read) return read;
+  const auto labels = parameters.flag("labels");
+  if (!labels) return fail(labels.error());
+  if (!labels->value_or(false)) return {};
+  return read_attribute(parameters, "label_attribute", reply.label_attribute);
+}
+
+}  // namespace
+
 Result<void> read_attribute(Parameters& parameters, const char* parameter, std::string& name) {
   auto given = parameters.text(parameter);
   if (!given) return fail(given.error());
@@ -190,16 +200,6 @@ Result<void> read_attribute(Parameters& parameters, const char* parameter, std::
   name = std::move(**given);
   return {};
 }
-
-Result<void> read_attributes(Parameters& parameters, ReplyFormat& reply) {
-  if (auto read = read_attribute(parameters, "attribute", reply.attribute); !read) return read;
-  const auto labels = parameters.flag("labels");
-  if (!labels) return fail(labels.error());
-  if (!labels->value_or(false)) return {};
-  return read_attribute(parameters, "label_attribute", reply.label_attribute);
-}
-
-}  // namespace
 
 std::string_view name_of(Format format) { return row_of(format).name; }
 std::string_view media_type_of(Format format) { return row_of(format).media_type; }

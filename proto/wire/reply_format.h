@@ -75,4 +75,9 @@ inline constexpr Format kGeometryFormats[] = {Format::glb, Format::frame};
 [[nodiscard]] Result<ReplyFormat> parse_format(Parameters& parameters, const std::string* accept,
                                                std::span<const Format> offered);
 
+// The name of an attribute of vertices in a glTF file, left as it is where there is no such
+// parameter. Errors: bad_syntax, value_out_of_range.
+[[nodiscard]] Result<void> read_attribute(Parameters& parameters, const char* parameter,
+                                          std::string& name);
+
 }  // namespace geodesic::proto

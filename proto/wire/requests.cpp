@@ -364,6 +364,9 @@ Result<void> parse_request(Parameters& parameters, LogmapRequest& request) {
     return fail(ErrorCode::value_out_of_range, "a radius is above 0", "radius");
   }
   request.radius = *radius;
+  const auto transport = parameters.flag("transport");
+  if (!transport) return fail(transport.error());
+  request.transport = transport->value_or(false);
   return read_method(parameters, Purpose::paths, request.method);
 }
 

@@ -117,6 +117,7 @@ struct LogmapRequest {
   PointRequest from;
   double angle = 0;              // of the direction that becomes the x axis, radians
   std::optional<double> radius;  // mesh units, above 0
+  bool transport = false;        // the direction of the x axis is carried along each path
   MethodChoice method;
 };
 

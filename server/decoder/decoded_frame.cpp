@@ -236,6 +236,7 @@ void order_fields(Archive& archive, Order& order) {
     array(archive, attribute.name);
     field(archive, attribute.components);
   }
+  array(archive, order.weights);
   field(archive, order.limits.max_vertices);
   field(archive, order.limits.max_faces);
   field(archive, order.limits.max_nodes);
@@ -251,9 +252,10 @@ void order_fields(Archive& archive, Order& order) {
 // What a frame says first that it holds.
 constexpr std::uint64_t kError = 0;
 template <class Content>
-constexpr std::uint64_t kKind = std::is_same_v<Content, proto::DecodedMesh> ? 1
-                                : std::is_same_v<Content, FormFile>         ? 2
-                                                                            : 3;
+constexpr std::uint64_t kKind = std::is_same_v<Content, proto::DecodedMesh>      ? 1
+                                : std::is_same_v<Content, FormFile>              ? 2
+                                : std::is_same_v<Content, proto::GltfAnnotation> ? 3
+                                                                                 : 4;
 
 template <class Archive, class Mesh>
 requires std::is_same_v<std::remove_const_t<Mesh>, proto::DecodedMesh>
@@ -274,6 +276,10 @@ void content_fields(Archive& archive, Annotation& annotation) {
   array(archive, annotation.runs);
 }
 
+template <class Archive, class Weights>
+requires std::is_same_v<std::remove_const_t<Weights>, proto::FaceWeights>
+void content_fields(Archive& archive, Weights& weights) { array(archive, weights.by_face); }
+
 template <class Archive, class Content>
 void frame_fields(Archive& archive, const Result<Content>& answer) {
   const std::uint64_t kind = answer ? kKind<Content> : kError;
@@ -289,6 +295,7 @@ void frame_fields(Archive& archive, const Result<Content>& answer) {
 bool is_known(const proto::DecodedMesh& mesh) { return !proto::name_of(mesh.format).empty(); }
 bool is_known(const FormFile& /*file*/) { return true; }
 bool is_known(const proto::GltfAnnotation& /*annotation*/) { return true; }
+bool is_known(const proto::FaceWeights& /*weights*/) { return true; }
 
 }  // namespace
 
@@ -343,12 +350,16 @@ std::optional<Result<Content>> read_frame(std::span<const std::byte> frame, cons
 template std::size_t frame_size(const Decoded&);
 template std::size_t frame_size(const Result<FormFile>&);
 template std::size_t frame_size(const Result<proto::GltfAnnotation>&);
+template std::size_t frame_size(const Result<proto::FaceWeights>&);
 template void write_frame(const Decoded&, std::span<std::byte>);
 template void write_frame(const Result<FormFile>&, std::span<std::byte>);
 template void write_frame(const Result<proto::GltfAnnotation>&, std::span<std::byte>);
+template void write_frame(const Result<proto::FaceWeights>&, std::span<std::byte>);
 template std::optional<Decoded> read_frame(std::span<const std::byte>, const Cancel&);
 template std::optional<Result<FormFile>> read_frame(std::span<const std::byte>, const Cancel&);
 template std::optional<Result<proto::GltfAnnotation>> read_frame(std::span<const std::byte>,
                                                                  const Cancel&);
+template std::optional<Result<proto::FaceWeights>> read_frame(std::span<const std::byte>,
+                                                              const Cancel&);
 
 }  // namespace geodesic::server

@@ -14,6 +14,7 @@
 
 #include "core/base/cancel.h"
 #include "core/base/error.h"
+#include "proto/gltf/weights.h"
 #include "proto/gltf_file/annotation.h"
 #include "proto/mesh/decoded_mesh.h"
 #include "proto/wire/import_options.h"
@@ -25,6 +26,7 @@ struct DecodeOrder {
   std::string boundary;  // of the form in which the file is to be found; empty: decode it
   // To be added to a glTF file; empty: decode it.
   std::vector<proto::VertexAttribute> attributes;
+  std::string weights;  // the attribute of which weights of faces are to be made; empty: none
   proto::DecodeLimits limits;
   proto::ImportOptions options;
   std::uint64_t file_bytes = 0;
@@ -37,7 +39,7 @@ struct DecodeOrder {
 
 using Decoded = Result<proto::DecodedMesh>;
 
-// `Content` is a proto::DecodedMesh, a FormFile or a proto::GltfAnnotation.
+// `Content` is a proto::DecodedMesh, a FormFile, a proto::GltfAnnotation or proto::FaceWeights.
 template <class Content>
 [[nodiscard]] std::size_t frame_size(const Result<Content>& answer);
 // `frame` has just that size.

@@ -20,6 +20,7 @@
 #include "core/mesh/shapes.h"
 #include "proto/encode/encode_mesh.h"
 #include "proto/gltf/annotate.h"
+#include "proto/gltf/weights.h"
 #include "server/decoder/confine_process.h"
 #include "server/decoder/decoded_frame.h"
 #include "server/decoder/local_message.h"
@@ -96,6 +97,10 @@ void serve(const LocalMessage& message, Decode& decode, const Confinement& confi
   if (!order->attributes.empty()) {
     answer(*order, file, frame, reply, [&](Bytes bytes) {
       return proto::annotate_gltf(bytes, order->limits, order->options, order->attributes);
+    });
+  } else if (!order->weights.empty()) {
+    answer(*order, file, frame, reply, [&](Bytes bytes) {
+      return proto::read_face_weights(bytes, order->limits, order->options, order->weights);
     });
   } else if (order->boundary.empty()) {
     answer(*order, file, frame, reply,

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "proto/gltf/weights.h"
 #include "proto/gltf_file/annotation.h"
 #include "proto/mesh/decoded_mesh.h"
 #include "server/base/caller.h"
@@ -69,6 +70,13 @@ class DecoderProcesses {
   [[nodiscard]] Result<proto::GltfAnnotation> annotation(
       std::string_view bytes, const std::vector<proto::VertexAttribute>& attributes,
       const proto::DecodeLimits& limits, const proto::ImportOptions& options, const Caller& caller);
+
+  // Does what proto::read_face_weights does, with the same further errors.
+  [[nodiscard]] Result<proto::FaceWeights> face_weights(std::string_view bytes,
+                                                        const std::string& attribute,
+                                                        const proto::DecodeLimits& limits,
+                                                        const proto::ImportOptions& options,
+                                                        const Caller& caller);
 
   [[nodiscard]] Stats stats() const;
 

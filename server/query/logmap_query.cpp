@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -18,6 +19,7 @@ namespace {
 constexpr double kFieldOfLogmap = 0.2;
 // Its own, its distance, its angle, two coordinates, and whether the way is straight.
 constexpr std::uint64_t kNumbersOfVertex = 6;
+constexpr std::uint64_t kNumbersOfDirection = 3;
 
 // How many vertices of the client have a place: copies of a vertex have the same.
 std::uint64_t count_places(const LogMap& map, const Mesh& mesh, Poll& poll) {
@@ -47,6 +49,9 @@ void take_over(const LogMap& map, const Mesh& mesh, proto::LogmapReply& reply) {
     reply.angles.push_back(entry->angle);
     reply.straight.push_back(entry->is_straight ? 1 : 0);
     reply.coordinates.push_back({at.x, at.y});
+    if (!reply.directions) continue;
+    const Vec3 d = map.directions[static_cast<std::size_t>(entry - map.entries.begin())];
+    reply.directions->push_back({d.x, d.y, d.z});
   }
 }
 
@@ -63,6 +68,7 @@ Result<Answered<proto::LogmapReply>> FieldQueries::answer(const AskedSurface& su
   reply.mesh = surface.mesh();
   reply.method = request.method.which;
   reply.angle = request.angle;
+  if (request.transport) reply.directions.emplace();
   auto from = place->point(request.from, reply.from, reply.warnings);
   if (!from) return fail(from.error());
   *from = snap_to_edges(*place->adjacency(), *from);
@@ -81,9 +87,11 @@ Result<Answered<proto::LogmapReply>> FieldQueries::answer(const AskedSurface& su
   auto found = fields_.compute(
       [&](SolveScratch&, const Cancel& cancel) -> Result<LogMap> {
         const Timed tracing(caller, Stage::trace);
-        auto map = log_map(*place->adjacency(), *field->value, *from, radius, cancel);
+        auto map = log_map(*place->adjacency(), *field->value, *from, radius, cancel,
+                           request.transport ? std::optional(request.angle) : std::nullopt);
         Poll poll(cancel);
-        if (map) answer.numbers = kNumbersOfVertex * count_places(*map, place->mesh(), poll);
+        const std::uint64_t each = kNumbersOfVertex + (request.transport ? kNumbersOfDirection : 0);
+        if (map) answer.numbers = each * count_places(*map, place->mesh(), poll);
         if (poll.stopped()) return fail_stopped(poll);
         return map;
       },

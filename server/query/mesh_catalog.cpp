@@ -11,6 +11,7 @@
 #include "core/mesh/weld.h"
 #include "proto/formats/decode_mesh.h"
 #include "proto/gltf/annotate.h"
+#include "proto/gltf/weights.h"
 #include "proto/mesh/metadata.h"
 #include "proto/region/cut_regions.h"
 #include "proto/wire/input_codes.h"
@@ -316,6 +317,25 @@ Result<UploadedGltf> MeshCatalog::uploaded_gltf(
       caller);
   if (!annotation) return fail(std::move(annotation.error()));
   return UploadedGltf{std::move(*bytes), std::move(*annotation), nullptr};
+}
+
+Result<std::vector<double>> MeshCatalog::face_weights(const std::string& id,
+                                                      const std::string& attribute,
+                                                      const Caller& caller) {
+  const auto bytes = store_.get_source(id);
+  if (!bytes) return fail(bytes.error());
+  const auto options = options_of(id);
+  if (!options) return fail(options.error());
+  auto weights = pool_.run(
+      [&](Worker&) {
+        const auto limits = decode_limits_.get();
+        return decoders_ != nullptr
+                   ? decoders_->face_weights(*bytes, attribute, *limits, *options, caller)
+                   : proto::read_face_weights(as_bytes(*bytes), *limits, *options, attribute);
+      },
+      caller);
+  if (!weights) return fail(std::move(weights.error()));
+  return std::move(weights->by_face);
 }
 
 Result<void> MeshCatalog::remove(const std::string& id) {

@@ -125,7 +125,12 @@ class MeshCatalog {
   [[nodiscard]] Result<UploadedGltf> uploaded_gltf(
       const std::string& id, const std::vector<proto::VertexAttribute>& attributes,
       const Caller& caller);
-  // The same as a file; null where they cannot be had as one. Errors besides: cancelled.
+  // Weights of the faces of a GLB or glTF file, by an attribute of its vertices. Errors besides:
+  // those of proto::read_face_weights; overloaded, draining, cancelled.
+  [[nodiscard]] Result<std::vector<double>> face_weights(const std::string& id,
+                                                         const std::string& attribute,
+                                                         const Caller& caller);
+  // The uploaded bytes as a file; null where they cannot be had as one. Errors besides: cancelled.
   [[nodiscard]] Result<std::shared_ptr<const ReplyFile>> source_file(const std::string& id,
                                                                      const Caller& caller) {
     return store_.open_source(id, std::cref(caller));

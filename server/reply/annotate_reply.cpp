@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/polled_fill.h"
+#include "proto/encode/glb_drawing.h"
 #include "proto/wire/array_formats.h"
 #include "server/reply/annotated_file.h"
 #include "server/reply/encode_reply.h"
@@ -29,8 +30,10 @@ Attributes distance_attributes(bool has_labels, const proto::ReplyFormat& format
   return attributes;
 }
 
-Attributes logmap_attributes(const proto::ReplyFormat& format) {
-  return {{name_or(format.attribute, "_GEODESIC_LOGMAP"), 3}};
+Attributes logmap_attributes(bool has_directions, const proto::ReplyFormat& format) {
+  Attributes attributes{{name_or(format.attribute, "_GEODESIC_LOGMAP"), 3}};
+  if (has_directions) attributes.push_back({proto::kDirectionAttribute, 3});
+  return attributes;
 }
 
 std::string name_of_means(const proto::ReplyFormat& format) {
@@ -68,9 +71,12 @@ Result<Attributes> attributes_of(const proto::DistanceRequest& request,
   return attributes;
 }
 
-Result<Attributes> attributes_of(const proto::LogmapRequest& /*request*/,
+Result<Attributes> attributes_of(const proto::LogmapRequest& request,
                                  const proto::ReplyFormat& format) {
-  return logmap_attributes(format);
+  if (request.transport && format.attribute == proto::kDirectionAttribute) {
+    return fail(ErrorCode::value_out_of_range, "the directions are called so", "attribute");
+  }
+  return logmap_attributes(request.transport, format);
 }
 
 Result<Attributes> attributes_of(const proto::ExtentRequest& /*request*/,
@@ -126,8 +132,17 @@ Result<HttpResponse> annotate(Answered<proto::LogmapReply> answer, const proto::
     value[1] = as_finite(reply.coordinates[i][1]);
     value[2] = as_finite(reply.distances[i]);
   }
-  const std::vector<std::string> floats{proto::f32_bytes(values, Bound::none, &poll)};
-  return file_reply(*answer.upload, logmap_attributes(format), floats, answer.cache_hit, poll);
+  std::vector<std::string> floats{proto::f32_bytes(values, Bound::none, &poll)};
+  if (reply.directions) {
+    std::fill(values.begin(), values.end(), 0.0);
+    for (std::size_t i = 0; i < reply.vertices.size(); ++i) {
+      if (poll.cancelled()) return fail_stopped(poll);
+      std::copy_n((*reply.directions)[i].begin(), 3, &values[std::size_t{3} * reply.vertices[i]]);
+    }
+    floats.push_back(proto::f32_bytes(values, Bound::none, &poll));
+  }
+  return file_reply(*answer.upload, logmap_attributes(reply.directions.has_value(), format), floats,
+                    answer.cache_hit, poll);
 }
 
 }  // namespace geodesic::server

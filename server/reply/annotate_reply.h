@@ -31,7 +31,8 @@ namespace geodesic::server {
 // A float: the mean distance, or -1.
 [[nodiscard]] Result<HttpResponse> annotate(Answered<proto::ExtentReply> answer,
                                             const proto::ReplyFormat& format, const Cancel& cancel);
-// Three floats: the coordinates, and the distance; 0, 0, -1 where there is no place.
+// Three floats: the coordinates, and the distance; 0, 0, -1 where there is no place. Three more
+// where directions are carried; 0, 0, 0 where there is none.
 [[nodiscard]] Result<HttpResponse> annotate(Answered<proto::LogmapReply> answer,
                                             const proto::ReplyFormat& format, const Cancel& cancel);
 

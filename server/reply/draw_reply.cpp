@@ -273,6 +273,9 @@ Result<HttpResponse> draw(const Answered<proto::LogmapReply>& answer, const prot
     const double size = 2 * (reply.radius > 0 ? reply.radius : 1);
     part.texture.push_back(
         {static_cast<float>(0.5 + x / size), static_cast<float>(0.5 - y / size)});
+    if (!reply.directions) continue;
+    const auto [dx, dy, dz] = (*reply.directions)[i];
+    part.directions.push_back({dx, dy, dz});
   }
   for (const Triangle& face : mesh.faces()) {
     if (poll.cancelled()) return fail_stopped(poll);

@@ -1,6 +1,8 @@
 #include "server/reply/encode_reply.h"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
@@ -72,6 +74,17 @@ HttpResponse frame_reply(const Reply& rest, std::initializer_list<const char*> t
   HttpResponse response;
   response.set_body(proto::frame(about, arrays), std::string(proto::media_type_of(Format::frame)));
   return response;
+}
+
+template <std::size_t Width>
+Numbers as_rows(const std::vector<std::array<double, Width>>& rows, Poll& poll) {
+  Numbers numbers{{}, {rows.size(), Width}};
+  numbers.values.reserve(Width * rows.size());
+  for (const std::array<double, Width>& row : rows) {
+    if (poll.cancelled()) break;
+    numbers.values.insert(numbers.values.end(), row.begin(), row.end());
+  }
+  return numbers;
 }
 
 Array f64_array(const char* name, const Numbers& numbers, Poll& poll) {
@@ -264,17 +277,15 @@ Result<HttpResponse> encode(Answered<proto::LogmapReply> answer, const proto::Re
     return whole(encode_as_json(reply, format, poll), answer.cache_hit, poll);
   }
   const std::uint64_t count = reply.vertices.size();
-  Numbers coordinates{{}, {count, 2}};
-  coordinates.values.reserve(2 * count);
-  for (const auto& [x, y] : std::exchange(reply.coordinates, {})) {
-    if (poll.cancelled()) break;
-    coordinates.values.insert(coordinates.values.end(), {x, y});
-  }
+  const Numbers coordinates = as_rows(std::exchange(reply.coordinates, {}), poll);
+  std::optional<Numbers> directions;
+  if (reply.directions) directions = as_rows(*std::exchange(reply.directions, {}), poll);
   std::vector<Array> arrays{u32_array("vertices", std::exchange(reply.vertices, {}), poll)};
   arrays.push_back(f64_array("distances", {std::exchange(reply.distances, {}), {count}}, poll));
   arrays.push_back(f64_array("angles", {std::exchange(reply.angles, {}), {count}}, poll));
   arrays.push_back(u32_array("straight", std::exchange(reply.straight, {}), poll));
   arrays.push_back(f64_array("coordinates", coordinates, poll));
+  if (directions) arrays.push_back(f64_array("directions", *directions, poll));
   return whole(frame_reply(reply, {"vertices", "distances", "angles", "straight", "coordinates"},
                            arrays, poll),
                answer.cache_hit, poll);

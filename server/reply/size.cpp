@@ -16,7 +16,7 @@ constexpr std::uint64_t kNumbersOfLinePoint = 9;
 
 template <class Reply>
 ReplySize size_by(std::uint64_t numbers, const Answered<Reply>& answer,
-                  const proto::ReplyFormat& format) {
+                  const proto::ReplyFormat& format, std::uint64_t floats_of_vertex = 3) {
   // The number itself, its text of at most 25 characters, and about as much for that in gzip.
   constexpr std::uint64_t kJson = 8 + 25 + 25;
   // The number, its encoded bytes, and these once more with a header before them.
@@ -37,9 +37,10 @@ ReplySize size_by(std::uint64_t numbers, const Answered<Reply>& answer,
                   std::uint64_t{100} * std::max(mesh.source_vertex_count(), mesh.vertex_count()) +
                   std::uint64_t{36} * mesh.face_count() + kRest};
     case Format::annotated:
-      // Three floats a vertex at most, and the doubles that they are made of.
-      return {numbers, numbers * kBinary + std::uint64_t{3 * 12} * mesh.source_vertex_count() +
-                           answer.upload->bytes_to_write(3) + kRest};
+      // The floats of each vertex, at most, and the doubles that they are made of.
+      return {numbers, numbers * kBinary +
+                           12 * floats_of_vertex * std::uint64_t{mesh.source_vertex_count()} +
+                           answer.upload->bytes_to_write(floats_of_vertex) + kRest};
     default:
       return {numbers, numbers * kBinary + kRest};
   }
@@ -116,7 +117,7 @@ ReplySize size_of(const Answered<proto::LoopReply>& answer, const proto::ReplyFo
 }
 
 ReplySize size_of(const Answered<proto::LogmapReply>& answer, const proto::ReplyFormat& format) {
-  return size_by(answer.numbers + kNumbersOfPoint, answer, format);
+  return size_by(answer.numbers + kNumbersOfPoint, answer, format, answer.reply.directions ? 6 : 3);
 }
 
 ReplySize size_of(const Answered<proto::NearestReply>& answer, const proto::ReplyFormat& format) {

@@ -1,4 +1,4 @@
-// Queries whose numbers go into the file that was uploaded.
+// Queries whose numbers go into the file that was uploaded, or come from there.
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -8,16 +8,30 @@
 namespace geodesic::server {
 
 // Before anything is computed.
-Result<std::uint64_t> Routes::bytes_of_gltf(const Query& query, const Caller& caller) {
+Result<std::uint64_t> Routes::bytes_of_gltf(const Query& query, const char* parameter,
+                                            const Caller& caller) {
   const auto metadata = catalog_.metadata(query.mesh, caller);
   if (!metadata) return fail(metadata.error());
   const auto description = nlohmann::ordered_json::parse(*metadata, nullptr, false);
   const std::string format = description.value("format", "");
   if (format == "glb" || format == "gltf") return description.value("bytes", std::uint64_t{0});
   return fail(InputCode::not_acceptable,
-              "only a .glb or .gltf can be had back annotated, and this mesh was uploaded as ." +
+              "only a .glb or .gltf has attributes of vertices, and this mesh was uploaded as ." +
                   format + "; format=glb makes a file of it",
-              "format");
+              parameter);
+}
+
+Result<void> Routes::read_weights(const Query& query, proto::Costs& costs, const Caller& caller) {
+  if (costs.weight_attribute.empty()) return {};
+  const auto file_bytes = bytes_of_gltf(query, "weight_attribute", caller);
+  if (!file_bytes) return fail(file_bytes.error());
+  // The file, and once more for who decodes it.
+  const auto reserved = reply_budget_.reserve(2 * *file_bytes, caller.client);
+  if (!reserved) return fail(reserved.error());
+  auto weights = catalog_.face_weights(query.mesh, costs.weight_attribute, caller);
+  if (!weights) return fail(std::move(weights.error()));
+  costs.face_weights = std::move(*weights);
+  return {};
 }
 
 Result<std::shared_ptr<const UploadedGltf>> Routes::upload_to_annotate(

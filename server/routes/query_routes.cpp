@@ -153,7 +153,6 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
     if (!read) return fail(std::move(read.error()));
     costs = std::move(*read);
   }
-  const AskedSurface surface(query.mesh, std::move(*regions), std::move(costs));
   std::span<const proto::Format> offered = proto::formats_of(request);
   if (query.json_only) {
     if (is_streamed(request)) {
@@ -180,7 +179,7 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
       auto named = attributes_of(request, *format);
       if (!named) return fail(std::move(named.error()));
       attributes = std::move(*named);
-      const auto bytes = bytes_of_gltf(query, *caller);
+      const auto bytes = bytes_of_gltf(query, "format", *caller);
       if (!bytes) return fail(bytes.error());
       file_bytes = *bytes;
     }
@@ -191,6 +190,8 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
   if (!identity.empty()) {
     if (auto known = known_reply(query, identity, tag)) return std::move(*known);
   }
+  if (auto read = read_weights(query, costs, *caller); !read) return fail(std::move(read.error()));
+  const AskedSurface surface(query.mesh, std::move(*regions), std::move(costs));
   auto answer = queries_.answer(surface, request, *caller);
   if (!answer) return fail(std::move(answer.error()));
   if (!attributes.empty()) {

@@ -13,6 +13,7 @@
 #include <string>
 #include <string_view>
 
+#include "proto/region/costs.h"
 #include "proto/wire/parameters.h"
 #include "proto/wire/reply_format.h"
 #include "server/base/caller.h"
@@ -141,9 +142,14 @@ class Routes {
   // those of ReplyBudget::reserve.
   [[nodiscard]] Result<std::shared_ptr<const void>> collect_rows(
       Answered<proto::TableReply>& answer, const Caller& caller);
-  // How large the file is that a mesh is of. Errors: mesh_unknown; not_acceptable where it is no
-  // glTF.
-  [[nodiscard]] Result<std::uint64_t> bytes_of_gltf(const Query& query, const Caller& caller);
+  // How large the file is that a mesh is of. Errors: mesh_unknown; not_acceptable, naming the
+  // parameter, where it is no glTF.
+  [[nodiscard]] Result<std::uint64_t> bytes_of_gltf(const Query& query, const char* parameter,
+                                                    const Caller& caller);
+  // Weights of faces that are in the file, once they are asked for. Errors: those of bytes_of_gltf,
+  // of MeshCatalog::face_weights and of ReplyBudget::reserve.
+  [[nodiscard]] Result<void> read_weights(const Query& query, proto::Costs& costs,
+                                          const Caller& caller);
   // Errors: those of MeshCatalog::uploaded_gltf and of ReplyBudget::reserve.
   [[nodiscard]] Result<std::shared_ptr<const UploadedGltf>> upload_to_annotate(
       const Query& query, const std::vector<proto::VertexAttribute>& attributes,

@@ -13,9 +13,9 @@
 #include "core/paths/trace_path.h"
 #include "core/solve/solve_field.h"
 #include "core/straighten/log_map.h"
-#include "core/voronoi/voronoi.h"
 #include "core/straighten/loop_straightness.h"
 #include "core/straighten/tighten_loop.h"
+#include "core/voronoi/voronoi.h"
 #include "tests/fuzz/small_soup.h"
 
 namespace geodesic::fuzz {
@@ -35,7 +35,7 @@ Field field_of(Method method, const Adjacency& adjacency, const Source& source) 
 // Each vertex that a path leads to has its place, unless the faces at the source are no fan.
 void check_log_map(const Adjacency& adjacency, const Field& exact, const SurfacePoint& from,
                    double slack) {
-  const auto map = log_map(adjacency, exact, from, kUnreached, Cancel());
+  const auto map = log_map(adjacency, exact, from, kUnreached, Cancel(), 0.5);
   if (!map) {
     expect(map.error().code == ErrorCode::value_out_of_range, "only a point without a fan");
     return;
@@ -49,6 +49,11 @@ void check_log_map(const Adjacency& adjacency, const Field& exact, const Surface
     const Vec2 at = map->coordinates(entry, 0.5);
     expect(std::abs(norm(at) - entry.distance) <= kRounding * entry.distance,
            "a place so far away");
+  }
+  expect(map->directions.size() == map->entries.size(), "a direction for each place");
+  for (const Vec3& direction : map->directions) {
+    const double length = norm(direction);
+    expect(length == 0 || std::abs(length - 1) <= kRounding, "of length one, or none");
   }
 }
 

@@ -95,6 +95,7 @@ void check_regions(const proto::Regions& regions) {
 void check_costs(const proto::Costs& costs) {
   const auto is_price = [](double value) { return value >= 1e-9 && value <= 1e9; };
   for (const auto& region : costs.weights) expect(is_price(region.weight), "a weight is a price");
+  expect(costs.weight_attribute.empty() || costs.face_weights.empty(), "weights come one way");
   for (const double weight : costs.face_weights) expect(is_price(weight), "so is a face's");
   const TravelCost cost(costs.walk);
   for (const double slope : {-1e9, -1.0, 0.0, 0.3}) {

@@ -188,6 +188,7 @@ std::vector<std::string> request_seeds() {
       R"({"from":"v:0","face_weights":[1,2,3],"slope":"tobler","steepest":0.6,"up":[0,0,1]})",
       "from=v:0&to=v:9&weights=3*faces:7,10-99&weights=2*sphere:1,2,3,0.5&slope=-0.5:2,0:1,0.5:3&"
       "up=0,0,1",
+      "from=v:0&to=v:9&weight_attribute=_MUD&slope=tobler",
       "count=1&within=faces:7,10-99&within=part:2&forbid=sphere:1,2,3,0.5&forbid=box:0,0,0,1,2,3",
       "from=v:0&to=v:9&via=f:1,0.2,0.3&refine=none&precision=6",
       "from=v:0&from=p:1,2,3&at=v:1&max=2e3&method=steiner&points_per_edge=5",

@@ -230,7 +230,7 @@ def questions(chance, vertices, faces, method):
     if method.get("method") == "steiner":  # the only one that knows costs
         found.append(("path", {"from": spots[1], "to": spots[0], "weights": "3*faces:0", "slope": "tobler"}))
     found.append(("logmap", {"from": spots[0], "radius": 0.5}))
-    found.append(("logmap", {"from": spots[1]}))
+    found.append(("logmap", {"from": spots[1], "transport": True}))
     found.append(("loop", {"through": spots[:4]}))
     found.append(("loop", {"around": spots[-4:]}))
     chance.shuffle(found)

@@ -71,6 +71,7 @@ def systematic(vertices):
     yield "/samples?count=3&walls=v:0;v:7;v:20"
     yield "/measure?from=v:0&within=inside:v:0;v:7;v:20"
     yield "/logmap?from=f:0,0.3,0.3&radius=3"
+    yield "/logmap?from=v:0&radius=3&transport=1"
     yield "/distance?from=v:0&labels=1&format=annotated"
 
 

@@ -100,6 +100,8 @@ def parameters_of(chance, mesh, query):
         asked.pop("tolerance", None)
         if chance.random() < 0.3:
             asked["angle"] = chance.uniform(-7, 7)
+        if chance.random() < 0.3:
+            asked["transport"] = 1
         return asked, ["json", "frame", "glb"]
     if query == "measure":
         asked["from"] = some(chance, mesh, 3)

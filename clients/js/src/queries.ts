@@ -47,6 +47,8 @@ interface AtACost {
   weights?: OneOrMore<WeightedRegion>;
   /** One for each source face. */
   face_weights?: readonly number[];
+  /** An attribute of the file's vertices, such as `_MUD`: a face's weight is the mean at its corners. */
+  weight_attribute?: string;
   /** `tobler`, in seconds where lengths are metres, or slopes and what a unit of length costs there. */
   slope?: string | readonly (readonly [number, number])[];
   /** What is steeper, uphill or downhill, is not walked. */
@@ -141,6 +143,8 @@ export interface LogmapQuery extends ByMethod {
   radius?: number;
   /** The direction that becomes the x axis, radians, as `trace` has them; 0 without it. */
   angle?: number;
+  /** Carry the direction of the x axis along each path: `directions`. */
+  transport?: boolean;
   /** Only with the method `steiner`. */
   tolerance?: Schemas['Tolerance'];
 }
@@ -334,6 +338,8 @@ export interface Logmap extends Told {
   straight: Uint32Array;
   /** x and y of each, y to the left of x. Mesh units. */
   coordinates: Float64Array;
+  /** With `transport`: x, y and z of the direction of the x axis at the point, carried to each. */
+  directions?: Float64Array;
 }
 
 /** What the server computes on, in source-vertex and source-face order. */

@@ -126,6 +126,7 @@ export function logmapOf(reply: Reply): Logmap {
     angles: arrays['angles'] as Float64Array,
     straight: arrays['straight'] as Uint32Array,
     coordinates: arrays['coordinates'] as Float64Array,
+    ...(arrays['directions'] && { directions: arrays['directions'] as Float64Array }),
     ...told(reply, header),
   };
 }

@@ -152,10 +152,11 @@ function shaped(name: string, value: Loose): Outcome {
     return { json, arrays: { distances: plain(distances, shape) } };
   }
   if (name === 'logmap') {
-    const { vertices, distances, angles, straight, coordinates, ...json } = value;
+    const { vertices, distances, angles, straight, coordinates, directions, ...json } = value;
     const lists = Object.entries({ vertices, distances, angles, straight });
     const arrays = Object.fromEntries(lists.map(([key, list]) => [key, plain(list, [list.length])]));
-    return { json, arrays: { ...arrays, coordinates: plain(coordinates, [coordinates.length / 2, 2]) } };
+    const carried = directions && { directions: plain(directions, [directions.length / 3, 3]) };
+    return { json, arrays: { ...arrays, coordinates: plain(coordinates, [coordinates.length / 2, 2]), ...carried } };
   }
   return { json: value };
 }

@@ -22,7 +22,7 @@ def costs_among(arguments: dict[str, Any]) -> geodesicd.Costs:
     for one in arguments.pop("weights", ()):
         weight, _, region = one.partition("*") if isinstance(one, str) else (one["weight"], "", "")
         weights.append((float(weight), region or one["region"]))
-    names = ("face_weights", "slope", "steepest", "up")
+    names = ("face_weights", "slope", "steepest", "up", "weight_attribute")
     return geodesicd.Costs(weights, *(arguments.pop(name, None) for name in names))
 
 
@@ -141,7 +141,7 @@ class Call:
         arguments["progress"] = self.progress
         if "deadline_ms" in arguments:
             arguments["deadline"] = arguments.pop("deadline_ms") / 1000
-        if set(arguments) & {"weights", "face_weights", "slope", "steepest"}:
+        if set(arguments) & {"weights", "face_weights", "weight_attribute", "slope", "steepest"}:
             arguments["costs"] = costs_among(arguments)
         start = arguments.pop("from", ())
         if name == "distance" and "at" in arguments:
@@ -211,6 +211,9 @@ def agrees(value: Any, answer: geodesicd.Answer, name: str) -> None:
     elif isinstance(value, geodesicd.Logmap):
         for key in ("vertices", "distances", "angles", "straight", "coordinates"):
             np.testing.assert_array_equal(getattr(value, key), answer.arrays[key])
+        if value.directions is not None:
+            np.testing.assert_array_equal(value.directions, answer.arrays["directions"])
+        assert (value.directions is None) == ("directions" not in answer.arrays)
         for key in ("angle", "radius", "total_angle", "all_round", "method"):
             assert getattr(value, key) == document[key]
         assert value.source.xyz.tolist() == document["from"]["xyz"]

@@ -82,3 +82,23 @@ def test_commands_walk_cheaply(
     assert glb.read_bytes().startswith(b"glTF")
     wrong = geodesic(server, "path", *asked, "--weight", "2", status=1)
     assert "NUMBER*REGION" in wrong.stderr
+
+
+def test_weights_may_come_from_the_file(
+    server: geodesicd.LocalServer, client: geodesicd.Client, plane: geodesicd.Mesh
+) -> None:
+    point = (50.3, 50.2, 0.0)
+    muddy = client.upload(plane.annotated(point, attribute="_MUD"))
+    at_corners = plane.distance(point).astype(np.float32).astype(np.float64)
+    weights = at_corners[plane.geometry().triangles].mean(axis=1)
+    read = muddy.path(0, 9998, costs=Costs(weight_attribute="_MUD"))
+    sent = muddy.path(0, 9998, costs=Costs(face_weights=weights))
+    assert read.cost is not None
+    assert read.cost == pytest.approx(sent.cost, rel=1e-9)
+    asked = ("path", muddy.id, "--from", "0", "--to", "9998")
+    told = geodesic(server, *asked, "--weight-attribute", "_MUD").stdout
+    assert float(told) == pytest.approx(read.cost, rel=1e-4)
+    with pytest.raises(geodesicd.GeodesicError) as caught:
+        muddy.path(0, 9998, costs=Costs(weight_attribute="_SNOW"))
+    assert caught.value.parameter == "weight_attribute"
+    assert "_MUD" in str(caught.value)

@@ -132,6 +132,17 @@ def test_where_directions_have_no_angle(client: geodesicd.Client) -> None:
     assert len(book.logmap((0.2, 0.2, 0.0))) == 5
 
 
+def test_a_direction_carried_over_a_plane_is_the_x_axis(plane: geodesicd.Mesh) -> None:
+    found = plane.logmap(5050, 5, angle=0.4, transport=True, method="exact")
+    assert found.directions is not None
+    assert found.directions.shape == (len(found), 3)
+    there = plane.geometry().positions[found.vertices] - found.source.xyz
+    along = (there * found.directions).sum(1)
+    np.testing.assert_allclose(along, found.coordinates[:, 0], atol=1e-9)
+    np.testing.assert_allclose(found.directions - found.directions[0], 0, atol=1e-9)
+    assert plane.logmap(5050, 5).directions is None
+
+
 def test_in_a_batch_and_asynchronously(
     server: geodesicd.LocalServer, plane: geodesicd.Mesh
 ) -> None:
@@ -199,6 +210,10 @@ def test_the_command(server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_p
     assert (document["radius"], document["angle"], document["all_round"]) == (3, 0.5, True)
     assert float(arrays["total_angle"]) == found.total_angle
     assert (tmp_path / "map.glb").read_bytes().startswith(b"glTF")
+    carried = geodesic(server, "logmap", *asked, "--transport").stdout
+    assert carried.startswith("vertex,distance,angle,straight,x,y,dx,dy,dz\n")
+    geodesic(server, "logmap", *asked, "--transport", "-o", tmp_path / "carried.npz")
+    assert np.load(tmp_path / "carried.npz")["directions"].shape == (len(found), 3)
     wrong = geodesic(server, "logmap", *asked, "-o", tmp_path / "map.obj", status=1)
     assert "should end with" in wrong.stderr
     refused = geodesic(server, "logmap", plane.id, "--from", "0", "--radius", "0", status=1)

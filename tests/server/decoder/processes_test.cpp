@@ -22,6 +22,7 @@
 #include "core/mesh/shapes.h"
 #include "proto/encode/encode_mesh.h"
 #include "proto/gltf/annotate.h"
+#include "proto/gltf/weights.h"
 #include "server/base/service_codes.h"
 #include "server/decoder/confine_process.h"
 #include "server/decoder/decoded_frame.h"
@@ -123,6 +124,18 @@ TEST_CASE("AFileIsAnnotatedAsInThisProcess") {
   const auto refused = processes->annotation("no mesh", attributes, {}, {}, {});
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ErrorCode::mesh_invalid);
+}
+
+TEST_CASE("WeightsAreReadAsInThisProcess") {
+  const auto processes = started(short_limits());
+  const std::string file = knot_file();
+  const auto there = processes->face_weights(file, "_MUD", {}, {}, {});
+  const auto here = proto::read_face_weights(
+      {reinterpret_cast<const std::byte*>(file.data()), file.size()}, {}, {}, "_MUD");
+  REQUIRE_FALSE(there);
+  REQUIRE_FALSE(here);
+  CHECK(there.error().detail == here.error().detail);
+  CHECK(there.error().parameter == "weight_attribute");
 }
 
 TEST_CASE("AFilesFaultIsToldAsInThisProcess") {

@@ -281,6 +281,30 @@ TEST_CASE("LabelsAreAnAttributeBesideTheDistances") {
   CHECK(floats_as_bytes(read_back(*named.body, "_B", 1)) == floats_as_bytes(labels));
 }
 
+TEST_CASE("ACarriedDirectionIsAnAttributeBesideTheMap") {
+  PlaneService plane;
+  const std::string before = *plane.service.get(plane.base + "/source").body;
+  const std::string asked = "/logmap?from=v:53&radius=3&transport=1";
+  const json map = plane.ask(asked);
+  const HttpResponse reply = plane.service.get(plane.base + asked + "&format=annotated");
+  REQUIRE(reply.status == 200);
+  check_all_else_is_as_it_was(before, *reply.body, {"_GEODESIC_LOGMAP", "_GEODESIC_DIRECTION"});
+  CHECK(read_back(*reply.body, "_GEODESIC_LOGMAP", 3).size() == 360);
+  const auto values = read_back(*reply.body, "_GEODESIC_DIRECTION", 3);
+  REQUIRE(values.size() == 360);
+  std::size_t placed = 0;
+  for (std::size_t v = 0; v < 120; ++v) {
+    const bool has_place = placed < map["vertices"].size() && map["vertices"][placed] == v;
+    for (std::size_t k = 0; k < 3; ++k) {
+      CHECK(values[3 * v + k] == (has_place ? map["directions"][placed][k].get<float>() : 0.0F));
+    }
+    if (has_place) ++placed;
+  }
+  CHECK(placed == map["vertices"].size());
+  plane.check_refused(asked + "&format=annotated&attribute=_GEODESIC_DIRECTION", 422,
+                      "value_out_of_range", "attribute");
+}
+
 TEST_CASE("AMapIsAnAttributeOfThreeFloats") {
   PlaneService plane;
   const std::string before = *plane.service.get(plane.base + "/source").body;

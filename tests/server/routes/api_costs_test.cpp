@@ -43,6 +43,76 @@ Vec3 xyz_of(const json& point) { return {point["xyz"][0], point["xyz"][1], point
 
 }  // namespace
 
+// What `format=annotated` writes is read again: distances from elsewhere, as weights.
+TEST_CASE("WeightsAreReadFromAnAttributeOfTheFile") {
+  PlaneService plane;
+  const json source = {{"from", {{{"vertex", 7}, {"offset", 50}}}}};
+  json annotated_with = source;
+  annotated_with.update({{"format", "annotated"}, {"attribute", "_MUD"}});
+  const HttpResponse file =
+      plane.service.ask("POST", plane.base + "/distance", annotated_with.dump());
+  REQUIRE(file.status == 200);
+  const HttpResponse upload = plane.service.ask("POST", "/v1/meshes", *file.body);
+  REQUIRE(upload.status == 201);
+  const std::string base = "/v1/meshes/" + body_of(upload)["id"].get<std::string>();
+  // By the corners of each face, as the client has them.
+  const json field =
+      body_of(plane.service.ask("POST", plane.base + "/distance", source.dump()))["distances"];
+  const TriangleSoup soup = shapes::plane(12, 10);
+  json weights = json::array();
+  for (const Triangle& face : soup.faces) {
+    double sum = 0;
+    for (const std::uint32_t v : face) sum += static_cast<float>(field[v].get<double>());
+    weights.push_back(sum / 3);
+  }
+  const auto both = [&](const std::string& query, json asked) {
+    asked["face_weights"] = weights;
+    const HttpResponse sent = plane.service.ask("POST", base + query, asked.dump());
+    REQUIRE(sent.status == 200);
+    asked.erase("face_weights");
+    asked["weight_attribute"] = "_MUD";
+    const HttpResponse read = plane.service.ask("POST", base + query, asked.dump());
+    REQUIRE(read.status == 200);
+    CHECK(*sent.body == *read.body);
+  };
+  both("/distance", {{"from", "v:0"}});
+  both("/path", {{"from", "v:0"},
+                 {"to", "v:119"},
+                 {"weights", "2*faces:7"},
+                 {"up", {0, 0, 1}},
+                 {"slope", "-1:2,1:3"}});
+  both("/isolines", {{"from", "v:0"}, {"levels", {60}}});
+  both("/table", {{"from", {"v:0", "v:5"}}, {"to", {"v:9"}}});
+  CHECK(body_of(plane.service.get(
+            base + "/distance?from=v:0&at=v:9&weight_attribute=_MUD"))["unit"] == "length");
+  const auto refused = [&](const std::string& where, const std::string& query, int status,
+                           const std::string& code) {
+    CAPTURE(query);
+    const HttpResponse reply = plane.service.get(where + query);
+    check_problem(reply, status, code, "weight_attribute");
+    return body_of(reply)["detail"].get<std::string>();
+  };
+  const std::string none =
+      refused(base, "/distance?from=v:0&weight_attribute=_SNOW", 422, "value_out_of_range");
+  CHECK(none.find("_MUD") != std::string::npos);
+  CHECK(none.find("POSITION") != std::string::npos);
+  refused(base, "/distance?from=v:0&weight_attribute=MUD", 422, "value_out_of_range");
+  refused(base, "/distance?from=v:0&weight_attribute=_MUD&face_weights=1", 400, "bad_syntax");
+  plane.check_refused("/measure?from=v:0&radii=1&weight_attribute=_MUD", 400, "unknown_parameter",
+                      "weight_attribute");
+  // A vertex at no distance, and an attribute of three numbers.
+  const auto again = [&](const std::string& query) {
+    const HttpResponse annotated = plane.service.get(plane.base + query);
+    REQUIRE(annotated.status == 200);
+    return "/v1/meshes/" + body_of(plane.service.ask("POST", "/v1/meshes", *annotated.body))["id"]
+                               .get<std::string>();
+  };
+  refused(again("/distance?from=v:0&format=annotated&attribute=_ZERO"),
+          "/path?from=v:0&to=v:5&weight_attribute=_ZERO", 422, "value_out_of_range");
+  refused(again("/logmap?from=v:0&format=annotated&attribute=_THREE"),
+          "/path?from=v:0&to=v:5&weight_attribute=_THREE", 422, "value_out_of_range");
+}
+
 TEST_CASE("ACheapestPathSaysWhatItCostsAndHowLongItIs") {
   PlaneService plane;
   // Four times as dear in the middle, along the whole of it: no way round.

@@ -104,6 +104,44 @@ TEST_CASE("AFrameOfTheMapHasTheNumbersOfItsJson") {
   CHECK(about["arrays"][4]["shape"] == json::array({text["vertices"].size(), 2}));
 }
 
+TEST_CASE("ADirectionThatIsCarriedOverAPlaneIsItsXAxis") {
+  PlaneService plane;
+  const json reply = plane.ask("/logmap?from=v:53&radius=3&angle=0.5&transport=1&method=exact");
+  const auto at = [&](std::size_t i, const char* name, std::size_t k) {
+    return reply[name][i][k].get<double>();
+  };
+  const std::size_t count = reply["vertices"].size();
+  REQUIRE(reply["directions"].size() == count);
+  for (std::size_t i = 0; i < count; ++i) {
+    // By how far along it a vertex lies from the point.
+    const int v = reply["vertices"][i];
+    const double along =
+        (v % 12 - 5.0) * at(i, "directions", 0) + (v / 12 - 4.0) * at(i, "directions", 1);
+    CHECK(along == doctest::Approx(at(i, "coordinates", 0)));
+    CHECK(at(i, "directions", 2) == 0);
+    CHECK(std::hypot(at(i, "directions", 0), at(i, "directions", 1)) == doctest::Approx(1));
+  }
+  CHECK_FALSE(plane.ask("/logmap?from=v:53&radius=3").contains("directions"));
+  const HttpResponse frame =
+      plane.service.get(plane.base + "/logmap?from=v:53&radius=3&transport=1&format=frame");
+  REQUIRE(frame.status == 200);
+  std::uint32_t length = 0;
+  std::memcpy(&length, frame.body->data() + 8, sizeof length);
+  const json about = json::parse(frame.body->substr(24, length));
+  CHECK(about["arrays"][5]["name"] == "directions");
+  CHECK(about["arrays"][5]["shape"] == json::array({count, 3}));
+  CHECK_FALSE(about.contains("directions"));
+  const HttpResponse glb =
+      plane.service.get(plane.base + "/logmap?from=v:53&radius=3&transport=1&format=glb");
+  REQUIRE(glb.status == 200);
+  std::memcpy(&length, glb.body->data() + 12, sizeof length);
+  const json gltf = json::parse(glb.body->substr(20, length));
+  const json& attributes = gltf["meshes"][0]["primitives"][0]["attributes"];
+  const json& accessor = gltf["accessors"][attributes["_GEODESIC_DIRECTION"].get<int>()];
+  CHECK(accessor["count"] == count);
+  CHECK(accessor["type"] == "VEC3");
+}
+
 TEST_CASE("AsGlbTheMapIsTextureCoordinatesOfTheFacesWithin") {
   PlaneService plane;
   const HttpResponse reply =
@@ -139,6 +177,9 @@ TEST_CASE("WhatTheMapRefuses") {
   plane.check_refused("/logmap?from=v:0&radius=0", 422, "value_out_of_range", "radius");
   plane.check_refused("/logmap?from=v:0&radius=-1", 422, "value_out_of_range", "radius");
   plane.check_refused("/logmap?from=v:0&angle=x", 400, "bad_syntax", "angle");
+  plane.check_refused("/logmap?from=v:0&transport=x", 400, "bad_syntax", "transport");
+  plane.check_same("/logmap?from=v:0&radius=3&transport=1",
+                   R"({"from":"v:0","radius":3,"transport":true})");
   plane.check_refused("/logmap?from=v:999", 422, "index_out_of_range", "from");
   plane.check_refused("/logmap?from=v:0&max=2", 400, "unknown_parameter", "max");
   plane.check_same("/logmap?from=v:0&radius=3&angle=0.25",

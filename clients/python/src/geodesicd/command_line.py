@@ -118,6 +118,9 @@ def costs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--weight", action="append", default=[], metavar="N*REGION", help="cost of length there"
     )
+    parser.add_argument(
+        "--weight-attribute", metavar="NAME", help="of the file's vertices: weights of its faces"
+    )
     parser.add_argument("--slope", metavar="HOW", help="tobler, in seconds, or -1:3,0:1,1:4")
     parser.add_argument("--steepest", type=float, metavar="SLOPE", help="steeper is not walked")
 
@@ -130,7 +133,13 @@ def _costs_of(options: argparse.Namespace) -> Costs | None:
         if not star:
             raise ValueError(f"--weight {text}: it is NUMBER*REGION, such as 3*faces:0-99")
         weights.append((float(weight), region))
-    found = Costs(weights, None, options.slope, options.steepest)
+    found = Costs(
+        weights,
+        None,
+        options.slope,
+        options.steepest,
+        weight_attribute=options.weight_attribute,
+    )
     return None if found == Costs([]) else found
 
 

@@ -44,6 +44,8 @@ class Costs:
         weights: pairs of a weight and a region (:mod:`geodesicd.surface_regions`). Where they
             overlap, the last counts; elsewhere it is 1.
         face_weights: (faces,) one for each source face; ``weights`` go over them.
+        weight_attribute: instead of ``face_weights`` the name of an attribute of the .glb's or
+            .gltf's vertices, such as ``"_MUD"``; a face's weight is the mean at its corners.
         slope: ``"tobler"``, seconds a metre by Tobler's hiking function, or pairs of a slope and
             what a unit of length costs there, ascending. A slope is the rise for each unit of
             length on the map, negative downhill.
@@ -56,6 +58,7 @@ class Costs:
     slope: str | Sequence[tuple[float, float]] | None = None
     steepest: float | None = None
     up: Triple | None = None
+    weight_attribute: str | None = None
 
 
 def costing(costs: Costs | None) -> dict[str, Any]:
@@ -69,6 +72,7 @@ def costing(costs: Costs | None) -> dict[str, Any]:
     return {
         "weights": weights_of(costs.weights),
         "face_weights": None if faces is None else np.asarray(faces, np.float64).tolist(),
+        "weight_attribute": costs.weight_attribute,
         "slope": slope,
         "steepest": costs.steepest,
         "up": None if costs.up is None else triple(costs.up, "up"),

@@ -77,14 +77,16 @@ def map_glb(
     radius: float | None = None,
     *,
     angle: float = 0.0,
+    transport: bool = False,
     **options: Unpack[Options],
 ) -> Flow[bytes]:
     """The faces of :meth:`logmap` as the bytes of a .glb file, with texture coordinates: a decal
-    about the point. ``radius`` and ``angle`` as there."""
+    about the point. ``radius``, ``angle`` and ``transport`` as there."""
     parameters = {
         "from": point_of(point),
         "radius": as_bound(radius),
         "angle": angle,
+        "transport": transport or None,
         **asked_by(**options),
     }
     return _glb(mesh, "logmap", parameters, options.get("progress"))

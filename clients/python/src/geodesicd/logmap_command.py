@@ -40,6 +40,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--angle", type=float, default=0.0, metavar="A", help="of the x axis, radians (%(default)s)"
     )
     parser.add_argument(
+        "--transport", action="store_true", help="carry the direction of the x axis along the paths"
+    )
+    parser.add_argument(
         "-o", "--output", type=Path, metavar="FILE",
         help=".csv, .npz, .json or .glb; else printed as CSV",
     )  # fmt: skip
@@ -53,6 +56,8 @@ def run(options: argparse.Namespace) -> int:
         require(file, _ENDINGS)
     asked: dict[str, Any] = {"radius": as_bound(options.radius), "angle": options.angle}
     asked |= exactness_of(options)
+    if options.transport:
+        asked["transport"] = True
     source = point(options.sources)
     with mesh_of(options) as mesh, bar("logmap") as progress:
         if options.into is not None:
@@ -77,19 +82,24 @@ def run(options: argparse.Namespace) -> int:
 
 def _rows(found: Logmap) -> Iterator[str]:
     """The lines of its CSV."""
-    yield "vertex,distance,angle,straight,x,y"
-    columns = (found.distances, found.angles, found.straight, *found.coordinates.T)
+    carried = () if found.directions is None else tuple(found.directions.T)
+    yield "vertex,distance,angle,straight,x,y" + (",dx,dy,dz" if carried else "")
+    columns = (found.distances, found.angles, found.straight, *found.coordinates.T, *carried)
     vertices = map(str, found.vertices.tolist())
     yield from map(",".join, zip(vertices, *map(numbers, columns), strict=True))
+
+
+def _names(found: Logmap) -> tuple[str, ...]:
+    return _NAMES if found.directions is None else (*_NAMES, "directions")
 
 
 def _save(file: Path, found: Logmap) -> None:
     if file.suffix == ".csv":
         file.write_text("\n".join(_rows(found)) + "\n", encoding="utf-8")
     elif file.suffix == ".npz":
-        np.savez(file, **{name: getattr(found, name) for name in _NAMES})
+        np.savez(file, **{name: getattr(found, name) for name in _names(found)})
     elif file.suffix == ".json":
-        document = {name: _plain(getattr(found, name)) for name in _NAMES}
+        document = {name: _plain(getattr(found, name)) for name in _names(found)}
         file.write_text(json.dumps(document) + "\n", encoding="utf-8")
 
 

@@ -198,6 +198,7 @@ def logmap(
     radius: float | None = None,
     *,
     angle: float = 0.0,
+    transport: bool = False,
     **options: Unpack[Options],
 ) -> Flow[Logmap]:
     """The logarithmic map: the surface round a point, laid into the plane, for decals, texture
@@ -210,6 +211,7 @@ def logmap(
         radius: vertices that are farther have no place, mesh units; without it all have one that
             a path leads to.
         angle: the direction that becomes the x axis, radians, as :meth:`trace` has them.
+        transport: also carry that direction along each path: ``directions``.
         tolerance: for ``method="steiner"`` only, relative.
 
     Raises:
@@ -220,6 +222,7 @@ def logmap(
         "from": point_of(point),
         "radius": as_bound(radius),
         "angle": angle,
+        "transport": transport or None,
         **asked_by(**options),
         "format": "frame",
     }

@@ -260,6 +260,7 @@ def logmap_of_frame(reply: Reply) -> Logmap:
         all_round=bool(document["all_round"]),
         source=surface_point(document["from"]),
         method=document["method"],
+        directions=arrays.get("directions"),
     )
 
 

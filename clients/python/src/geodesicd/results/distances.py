@@ -84,6 +84,8 @@ class Logmap:
         straight: (n,) bool, whether ``mesh.trace`` by that angle and distance leads to the vertex:
             where its path passes no other vertex, and no edge with more than two faces.
         coordinates: (n, 2) float64, in the plane, mesh units; y is to the left of x.
+        directions: (n, 3) float64 or None, with ``transport``: the direction of the x axis at the
+            point, carried along each path, of length one; zeros where there is none.
         angle: of the x axis, radians.
         radius: the one asked for, or else the greatest distance, mesh units.
         total_angle: of all directions at the point, radians; 2 pi inside a face.
@@ -103,6 +105,7 @@ class Logmap:
     all_round: bool
     source: SurfacePoint
     method: str
+    directions: Float64 | None = None
 
     def __len__(self) -> int:
         return len(self.vertices)
