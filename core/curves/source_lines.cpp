@@ -111,18 +111,19 @@ void keep_marked(std::vector<Value>& values, const std::vector<bool>& marked) {
   values.resize(kept);
 }
 
-}  // namespace
-
-std::vector<BoundaryLoop> boundary_loops(const Adjacency& adjacency, Poll& poll) {
-  std::vector<BoundaryLoop> loops;
-  if (adjacency.report().edges_boundary == 0) return loops;
+// Tells `found` of one loop after the other, which it may take.
+template <class Found>
+void walk_boundaries(const Adjacency& adjacency, Poll& poll, const Found& found) {
+  if (adjacency.report().edges_boundary == 0) return;
   std::vector<bool> passed(4 * adjacency.faces().size(), false);
   const auto positions = adjacency.mesh().positions();
+  BoundaryLoop loop;
   for (std::uint32_t f = 0; f < adjacency.faces().size() && !poll.cancelled(); ++f) {
     for (std::uint32_t c = 0; c < 3; ++c) {
       const Halfedge start = halfedge(f, c);
       if (passed[start] || !is_on_boundary(adjacency, start)) continue;
-      BoundaryLoop loop;
+      loop.edges.clear();
+      loop.length = 0;
       // On from one end, until it comes round; if it does not, from the other end, too.
       const auto walk = [&](std::uint32_t pivot) {
         for (Halfedge h = start; h != kNone && !poll.cancelled();) {
@@ -145,9 +146,16 @@ std::vector<BoundaryLoop> boundary_loops(const Adjacency& adjacency, Poll& poll)
       for (const Halfedge h : loop.edges) {
         loop.length += distance(positions[adjacency.tail(h)], positions[adjacency.head(h)]);
       }
-      loops.push_back(std::move(loop));
+      found(loop);
     }
   }
+}
+
+}  // namespace
+
+std::vector<BoundaryLoop> boundary_loops(const Adjacency& adjacency, Poll& poll) {
+  std::vector<BoundaryLoop> loops;
+  walk_boundaries(adjacency, poll, [&](BoundaryLoop& loop) { loops.push_back(std::move(loop)); });
   if (poll.stopped()) return loops;
   std::vector<std::pair<double, std::uint64_t>> key;
   key.reserve(loops.size());
@@ -163,6 +171,36 @@ std::vector<BoundaryLoop> boundary_loops(const Adjacency& adjacency, Poll& poll)
   sorted.reserve(loops.size());
   for (const std::uint32_t i : order) sorted.push_back(std::move(loops[i]));
   return sorted;
+}
+
+std::vector<BoundarySize> longest_boundaries(const Adjacency& adjacency, std::size_t most,
+                                             Poll& poll) {
+  struct Numbered {
+    BoundarySize size;
+    std::uint64_t number;
+  };
+  // As boundary_loops has them.
+  const auto is_before = [](const Numbered& a, const Numbered& b) {
+    return std::tuple(-a.size.length, a.size.vertex, a.number) <
+           std::tuple(-b.size.length, b.size.vertex, b.number);
+  };
+  std::vector<Numbered> first;  // a heap with the last of them on top
+  std::uint64_t number = 0;
+  walk_boundaries(adjacency, poll, [&](const BoundaryLoop& loop) {
+    if (poll.cancelled_after(loop.edges.size())) return;
+    first.push_back(
+        {{loop.length, loop.edges.size(), least_source_vertex(adjacency, loop), loop.is_closed},
+         number++});
+    std::push_heap(first.begin(), first.end(), is_before);
+    if (first.size() <= most) return;
+    std::pop_heap(first.begin(), first.end(), is_before);
+    first.pop_back();
+  });
+  std::sort_heap(first.begin(), first.end(), is_before);
+  std::vector<BoundarySize> sizes;
+  sizes.reserve(first.size());
+  for (const Numbered& loop : first) sizes.push_back(loop.size);
+  return sizes;
 }
 
 void add_edges(const Adjacency& adjacency, std::span<const Halfedge> edges, std::uint32_t item,

@@ -1,6 +1,7 @@
 // Lines that a mesh has by itself: its boundary, and the borders of sets of faces.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -22,6 +23,19 @@ struct BoundaryLoop {
 // The longest first, and of those as long the one with the lesser source vertex. As many as
 // TopologyReport::boundary_loops. Of no use if the poll says to stop.
 [[nodiscard]] std::vector<BoundaryLoop> boundary_loops(const Adjacency& adjacency, Poll& poll);
+
+// What is told of one of them.
+struct BoundarySize {
+  double length = 0;  // mesh units
+  std::uint64_t edges = 0;
+  std::uint64_t vertex = 0;  // the least source vertex on it
+  bool is_closed = true;
+};
+
+// The first `most` of boundary_loops, in memory for so many and one of the others at a time. Of no
+// use if the poll says to stop.
+[[nodiscard]] std::vector<BoundarySize> longest_boundaries(const Adjacency& adjacency,
+                                                           std::size_t most, Poll& poll);
 
 // Adds whole edges as lines of an item, and their ends as sources.
 void add_edges(const Adjacency& adjacency, std::span<const Halfedge> edges, std::uint32_t item,

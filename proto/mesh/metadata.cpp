@@ -1,5 +1,6 @@
 #include "proto/mesh/metadata.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -77,6 +78,17 @@ ordered_json parts_of(const DecodedMesh& decoded) {
   return parts;
 }
 
+ordered_json boundaries_told(std::span<const ToldBoundary> boundaries) {
+  ordered_json told = ordered_json::array();
+  for (const ToldBoundary& loop : boundaries.first(std::min(boundaries.size(), kMostBoundaries))) {
+    told.push_back({{"length", loop.length},
+                    {"edges", loop.edges},
+                    {"closed", loop.is_closed},
+                    {"vertex", loop.vertex}});
+  }
+  return told;
+}
+
 // A description's members once it is known how many parts it lists.
 void tell_of_missing_parts(ordered_json& description, std::uint64_t part_count) {
   const std::size_t listed = description["parts"].size();
@@ -127,7 +139,8 @@ ordered_json warnings_of(const DecodedMesh& decoded, const Mesh& mesh,
 }  // namespace
 
 std::string describe_mesh(std::string_view id, std::uint64_t bytes, const ImportOptions& options,
-                          const DecodedMesh& decoded, const Adjacency& adjacency) {
+                          const DecodedMesh& decoded, const Adjacency& adjacency,
+                          std::span<const ToldBoundary> boundaries) {
   const Mesh& mesh = adjacency.mesh();
   const TopologyReport& topology = adjacency.report();
   const std::string import = canonical_text(options);
@@ -142,6 +155,7 @@ std::string describe_mesh(std::string_view id, std::uint64_t bytes, const Import
       {"welded_vertices", mesh.vertex_count()},
       {"components", topology.components},
       {"boundary_loops", topology.boundary_loops},
+      {"boundaries", boundaries_told(boundaries)},
       {"edges_non_manifold", topology.edges_non_manifold},
       {"faces_degenerate", mesh.dropped_face_count() + mesh.zero_area_face_count()},
       {"bbox",

@@ -2,8 +2,10 @@
 // the bytes, and completed with what changes (`state`, `prepared`) when asked for.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,12 +21,24 @@ namespace geodesic::proto {
 // What a description takes at most, so that any number of them can be read, listed and sent.
 inline constexpr std::size_t kMostDescriptionBytes = std::size_t{2} << 20;
 
+// Of a mesh's boundary loops, those that are told of: the longest ones.
+inline constexpr std::size_t kMostBoundaries = 100;
+
+// A loop of the boundary. They are numbered as sources `boundary:K` are.
+struct ToldBoundary {
+  double length = 0;  // mesh units
+  std::uint64_t edges = 0;
+  std::uint64_t vertex = 0;  // a source vertex on it
+  bool is_closed = true;
+};
+
 // The part that changes by a `name` alone, as a JSON object of kMostDescriptionBytes at most: of
 // very many parts the first ones, and a finding that says how many are left out. Of `decoded` all
-// but the soup.
+// but the soup; of `boundaries` the first kMostBoundaries.
 [[nodiscard]] std::string describe_mesh(std::string_view id, std::uint64_t bytes,
                                         const ImportOptions& options, const DecodedMesh& decoded,
-                                        const Adjacency& adjacency);
+                                        const Adjacency& adjacency,
+                                        std::span<const ToldBoundary> boundaries = {});
 
 // The options that such an object tells of. Errors: store_corrupt.
 [[nodiscard]] Result<ImportOptions> import_options_of(const std::string& description);

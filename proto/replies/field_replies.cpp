@@ -13,6 +13,7 @@ std::string to_json(const DistanceReply& reply, int digits, Poll* poll) {
   append_unit(out, reply.unit);
   out += ",\"from\":";
   append_points(out, reply.from, digits, poll);
+  if (reply.is_signed) out += ",\"signed\":true";
   if (reply.at) {
     out += ",\"at\":";
     append_points(out, *reply.at, digits, poll);

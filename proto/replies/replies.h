@@ -53,11 +53,12 @@ struct DistanceReply {
   std::optional<std::vector<ResolvedPoint>> at;
   std::vector<double> distances;  // one per source vertex, or one per `at`; infinite: unreached
   std::uint64_t reached = 0;      // how many of them are finite
-  std::optional<double> max;      // the greatest of them
+  std::optional<double> max;      // the greatest of them, without its sign
   std::optional<std::uint64_t> farthest;  // and where: a source vertex, or a place in `at`
   bool short_digits = false;              // see append_distance
   Bound bound = Bound::none;              // upper: rounded up where digits are cut
   std::optional<std::string_view> unit;   // of costs, where distances are those
+  bool is_signed = false;                 // below 0 inside
   // Only if asked for: which of `from` each distance is from, kNone where infinite.
   std::optional<std::vector<std::uint32_t>> labels;
   Warnings warnings;

@@ -64,7 +64,8 @@ std::string f32_bytes(std::span<const double> values, Bound bound, Poll* poll) {
   }
   return converted<float>(values, poll, [](double value) {
     const auto next = static_cast<float>(value);
-    return next < value ? std::nextafter(next, std::numeric_limits<float>::infinity()) : next;
+    if (!(std::abs(next) < std::abs(value))) return next;
+    return std::nextafter(next, std::copysign(std::numeric_limits<float>::infinity(), next));
   });
 }
 

@@ -62,8 +62,13 @@ inline void append_number(std::string& out, double value, int digits = 0) {
 }
 
 // The same of a number that is not to be read as less than it is: with Bound::upper it is rounded
-// up to its digits.
+// up to its digits; one below 0 away from 0, too.
 inline void append_bound(std::string& out, double value, int digits, Bound bound) {
+  if (value < 0 && std::isfinite(value)) {
+    out += '-';
+    append_bound(out, -value, digits, bound);
+    return;
+  }
   const std::size_t begin = out.size();
   append_number(out, value, digits);
   if (bound == Bound::none || digits <= 0 || !(std::isfinite(value) && value > 0)) return;

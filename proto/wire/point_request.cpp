@@ -1,9 +1,11 @@
 #include "proto/wire/point_request.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,6 +19,17 @@ using nlohmann::json;
 
 // Weights may miss their sum by this much, as decimal fractions do.
 constexpr double kWeightSlack = 1e-6;
+
+// What only a field can start from, by the word that it begins with or the member that it has.
+constexpr std::array<std::string_view, 6> kNoPoints{"boundary", "curve",  "faces",
+                                                    "part",     "sphere", "box"};
+
+tl::unexpected<Error> no_point(std::string parameter) {
+  return fail(ErrorCode::value_out_of_range,
+              "this is to be a point; curves, boundaries and faces are what distance, path, "
+              "isolines, measure and samples take as from",
+              std::move(parameter));
+}
 
 tl::unexpected<Error> bad(std::string detail, std::string parameter) {
   return fail(InputCode::bad_syntax, std::move(detail), std::move(parameter));
@@ -165,6 +178,10 @@ Result<PointRequest> parse_point(std::string_view text, std::string parameter) {
                         std::move(parameter)};
   }
   if (text.starts_with("ray:")) return parse_ray(text.substr(4), std::move(parameter));
+  const std::string_view word = text.substr(0, text.find(':'));
+  if (std::find(kNoPoints.begin(), kNoPoints.end(), word) != kNoPoints.end()) {
+    return no_point(std::move(parameter));
+  }
   return bad("a point is written v:VERTEX, f:FACE,W0,W1, p:X,Y,Z or ray:OX,OY,OZ,DX,DY,DZ",
              std::move(parameter));
 }
@@ -213,6 +230,9 @@ Result<PointRequest> parse_json_point(const json& value, std::string parameter) 
       return fail(known.error());
     }
     return parse_json_ray(*it, offset->value_or(0), std::move(parameter));
+  }
+  for (const std::string_view name : kNoPoints) {
+    if (value.contains(name)) return no_point(std::move(parameter));
   }
   return bad("a point has \"vertex\", \"face\", \"xyz\" or \"ray\"", std::move(parameter));
 }

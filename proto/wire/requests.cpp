@@ -11,6 +11,7 @@
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <variant>
 
 #include "proto/wire/input_codes.h"
 #include "proto/wire/number.h"
@@ -108,6 +109,16 @@ Result<void> read_plane(Parameters& parameters, LoopRequest& request) {
   return {};
 }
 
+// Whether the sources may be a line with two sides; only the mesh says whether it has.
+Result<void> check_has_sides(const std::vector<PointRequest>& from) {
+  const auto* curve = std::get_if<std::shared_ptr<const CurveRequest>>(&from.front().where);
+  if (from.size() == 1 && curve != nullptr && (*curve)->is_closed) return {};
+  return fail(ErrorCode::value_out_of_range,
+              "only the distances of one closed curve have a sign; let from be "
+              "curve:closed;... and nothing else",
+              "signed");
+}
+
 // Ascending, each once.
 Result<void> check_levels(std::vector<double>& levels, const std::string& parameter) {
   for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -173,7 +184,10 @@ Result<void> parse_request(Parameters& parameters, DistanceRequest& request) {
   const auto labels = parameters.flag("labels");
   if (!labels) return fail(labels.error());
   request.labels = labels->value_or(false);
-  return {};
+  const auto is_signed = parameters.flag("signed");
+  if (!is_signed) return fail(is_signed.error());
+  request.is_signed = is_signed->value_or(false);
+  return request.is_signed ? check_has_sides(request.from) : Result<void>();
 }
 
 Result<void> parse_request(Parameters& parameters, PathRequest& request) {

@@ -30,6 +30,7 @@ struct DistanceRequest {
   MethodChoice method;
   std::optional<double> max;  // mesh units
   bool labels = false;        // say which source each distance is from
+  bool is_signed = false;     // below 0 inside the closed curve that is the only source
 };
 
 enum class Refine : std::uint8_t { none, shortest };
@@ -144,7 +145,8 @@ struct NearestRequest {
 
 // The formats that a query can be answered in.
 [[nodiscard]] inline std::span<const Format> formats_of(const DistanceRequest& request) {
-  if (request.labels && !request.at.empty()) return kLabelsAtPoints;
+  if (request.labels && (request.is_signed || !request.at.empty())) return kLabelsAtPoints;
+  if (request.is_signed) return request.at.empty() ? kSignedFormats : kSignedAtPoints;
   if (request.labels) return kLabelFormats;
   if (!request.at.empty()) return kArrayFormats;
   return kFieldFormats;

@@ -1,6 +1,7 @@
 #include "server/query/field_queries.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -11,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/refine/line_sides.h"
 #include "core/surface/around_points.h"
 #include "proto/region/weigh_faces.h"
 #include "proto/wire/number.h"
@@ -46,17 +48,22 @@ void summarise(proto::DistanceReply& reply) {
     const double d = reply.distances[i];
     if (d == kUnreached) continue;
     ++reply.reached;
-    if (!reply.max || d > *reply.max) {
-      reply.max = d;
+    if (!reply.max || std::abs(d) > *reply.max) {
+      reply.max = std::abs(d);
       reply.farthest = i;
     }
   }
 }
 
+// Below 0 if it is inside, and not at the line.
+double with_sign(double distance, bool is_inside) {
+  return is_inside && distance > 0 && distance < kUnreached ? -distance : distance;
+}
+
 // Every vertex's distance, and its label if wanted, in source-vertex order. `is_split`: whether
-// walls may have doubled vertices.
+// walls may have doubled vertices. `sides`: null unless distances have a sign.
 void take_whole_field(const Mesh& mesh, const Field& field, bool labels, bool is_split,
-                      proto::DistanceReply& reply) {
+                      const LineSides* sides, proto::DistanceReply& reply) {
   std::vector<std::uint32_t> copies;
   auto vertex_of_source = mesh.vertex_of_source();
   if (is_split) vertex_of_source = copies = nearest_copies(mesh, field.distance, true);
@@ -64,7 +71,10 @@ void take_whole_field(const Mesh& mesh, const Field& field, bool labels, bool is
   const auto distance_at = [&](std::uint32_t v) {
     return v == kNone ? kUnreached : field.distance[v];
   };
-  for (const std::uint32_t v : vertex_of_source) reply.distances.push_back(distance_at(v));
+  for (const std::uint32_t v : vertex_of_source) {
+    const bool is_inside = sides != nullptr && v != kNone && sides->is_inside(v);
+    reply.distances.push_back(with_sign(distance_at(v), is_inside));
+  }
   if (!labels) return;
   auto& out = reply.labels.emplace();
   out.reserve(vertex_of_source.size());
@@ -132,6 +142,22 @@ Result<std::shared_ptr<const TravelCost>> FieldQueries::cost_of(const AskedSurfa
   return std::make_shared<const TravelCost>(std::move(walk));
 }
 
+Result<std::shared_ptr<const LineSides>> FieldQueries::sides_of(const Adjacency& adjacency,
+                                                                const SurfacePolyline& line,
+                                                                const Caller& caller) {
+  auto sides = fields_.compute(
+      [&](SolveScratch&, const Cancel& cancel) {
+        return LineSides::find(adjacency, line, proto::kMaxLineVertices, cancel);
+      },
+      caller.part(0, 0));
+  if (sides) return std::make_shared<const LineSides>(std::move(*sides));
+  Error error = std::move(sides.error());
+  const bool is_of_the_line =
+      error.code == ErrorCode::value_out_of_range || error.code == ErrorCode::too_large;
+  if (is_of_the_line && error.parameter.empty()) error.parameter = "signed";
+  return tl::unexpected(std::move(error));
+}
+
 Result<Answered<proto::DistanceReply>> FieldQueries::answer(const AskedSurface& surface,
                                                             const proto::DistanceRequest& request,
                                                             const Caller& caller) {
@@ -145,8 +171,17 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const AskedSurface& 
   reply.short_digits = has_short_digits(request.method);
   reply.bound = proto::bound_of(request.method);
   if (place->cost()) reply.unit = proto::unit_of(surface.costs());
-  auto sources = place->sources(request.from, reply.from, reply.warnings);
+  SurfacePolyline round;
+  auto sources = place->sources(request.from, reply.from, reply.warnings,
+                                request.is_signed ? &round : nullptr);
   if (!sources) return fail(std::move(sources.error()));
+  std::shared_ptr<const LineSides> sides;
+  if (request.is_signed) {
+    auto found = sides_of(*place->adjacency(), round, caller);
+    if (!found) return fail(std::move(found.error()));
+    sides = std::move(*found);
+    reply.is_signed = true;
+  }
   const FieldQuestion question{surface.field_key(),
                                place->adjacency(),
                                request.method,
@@ -161,9 +196,10 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const AskedSurface& 
     answer.numbers = place->mesh().source_vertex_count() * (request.labels ? 2 : 1);
     const bool is_split = place->refinement() != nullptr;
     if (is_split) answer.drawn_field = field->value;
+    if (is_split && sides != nullptr) answer.drawn_inside = {sides, &sides->vertices()};
     answer.complete = [adjacency = place->adjacency(), kept = field->value, labels = request.labels,
-                       is_split](proto::DistanceReply& whole) {
-      take_whole_field(adjacency->mesh(), *kept, labels, is_split, whole);
+                       is_split, sides](proto::DistanceReply& whole) {
+      take_whole_field(adjacency->mesh(), *kept, labels, is_split, sides.get(), whole);
       summarise(whole);
     };
   } else {
@@ -173,6 +209,9 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const AskedSurface& 
     if (!found) return fail(std::move(found.error()));
     answer.cache_hit = found->hit;
     reply.distances = std::move(found->distances);
+    for (std::size_t i = 0; sides != nullptr && i < at->size(); ++i) {
+      reply.distances[i] = with_sign(reply.distances[i], sides->is_inside((*at)[i]));
+    }
     if (request.labels) reply.labels = std::move(found->labels);
     summarise(reply);
   }

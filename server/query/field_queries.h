@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/refine/line_sides.h"
 #include "core/surface/point.h"
 #include "proto/replies/replies.h"
 #include "proto/wire/requests.h"
@@ -42,6 +43,8 @@ struct Answered {
   // Where lines have split faces, the field: a drawing has the vertices of the surface itself then,
   // for those of the file are not all of them.
   std::shared_ptr<const Field> drawn_field;
+  // Of signed distances, by vertex of that surface: 1 where they are below 0.
+  std::shared_ptr<const std::vector<std::uint8_t>> drawn_inside;
   // The file that the numbers are to be written into, where they are.
   std::shared_ptr<const UploadedGltf> upload;
   // Of a table whose rows go another way: begins them, each as the bytes that `encode` makes of it
@@ -137,6 +140,11 @@ class FieldQueries {
   // What ways over the surface cost, which are not their lengths.
   [[nodiscard]] Result<std::shared_ptr<const TravelCost>> cost_of(const AskedSurface& surface,
                                                                   const Mesh& mesh,
+                                                                  const Caller& caller);
+
+  // What is inside a closed line. Errors, naming `signed`: those of LineSides::find.
+  [[nodiscard]] Result<std::shared_ptr<const LineSides>> sides_of(const Adjacency& adjacency,
+                                                                  const SurfacePolyline& line,
                                                                   const Caller& caller);
 
   MeshCatalog& catalog_;

@@ -88,7 +88,7 @@ class FieldQueries::Place::LineBuilder {
   LineBuilder(const Place& place, const Mesh* whole, const std::vector<SurfacePoint>& points,
               const std::vector<proto::ResolvedPoint>& echoes,
               const std::vector<proto::PartFaces>& parts, SolveScratch& scratch,
-              const Cancel& cancel)
+              SurfacePolyline* round, const Cancel& cancel)
       : place_(place),
         whole_(whole),
         adjacency_(*place.adjacency()),
@@ -96,6 +96,7 @@ class FieldQueries::Place::LineBuilder {
         echoes_(echoes),
         parts_(parts),
         scratch_(scratch),
+        round_(round),
         cancel_(cancel),
         poll_(cancel) {}
 
@@ -135,6 +136,7 @@ class FieldQueries::Place::LineBuilder {
  private:
   Result<void> add_curve_of(const proto::PointRequest& request, proto::ResolvedLines& made) {
     const proto::CurveRequest& curve = *curve_in(request);
+    const std::size_t first = sources_.size();
     const std::vector<SurfacePoint> points(
         points_.begin() + static_cast<std::ptrdiff_t>(next_),
         points_.begin() + static_cast<std::ptrdiff_t>(next_ + curve.points.size()));
@@ -153,6 +155,12 @@ class FieldQueries::Place::LineBuilder {
     }
     made.kind = "curve";
     made.length = *length;
+    if (round_ == nullptr || !curve.is_closed) return {};
+    round_->clear();
+    if (!poll_.may_take((sources_.size() - first) * sizeof(SurfacePoint))) {
+      return fail_stopped(poll_);
+    }
+    for (std::size_t i = first; i < sources_.size(); ++i) round_->push_back(sources_[i].point);
     return {};
   }
 
@@ -222,6 +230,7 @@ class FieldQueries::Place::LineBuilder {
   const std::vector<proto::ResolvedPoint>& echoes_;
   const std::vector<proto::PartFaces>& parts_;
   SolveScratch& scratch_;
+  SurfacePolyline* const round_;
   const Cancel& cancel_;
   Poll poll_;
   std::vector<Source> sources_;
@@ -234,7 +243,8 @@ class FieldQueries::Place::LineBuilder {
 
 Result<FieldSources> FieldQueries::Place::sources(const std::vector<proto::PointRequest>& requests,
                                                   std::vector<proto::ResolvedPoint>& echo,
-                                                  std::vector<std::string>& warnings) const {
+                                                  std::vector<std::string>& warnings,
+                                                  SurfacePolyline* round) const {
   const bool is_points = is_all_points(requests);
   std::vector<proto::ResolvedPoint> echoes;
   const auto found =
@@ -265,7 +275,7 @@ Result<FieldSources> FieldQueries::Place::sources(const std::vector<proto::Point
       [&](SolveScratch& scratch, const Cancel& cancel) -> Result<FieldSources> {
         echo.clear();  // it may be run again
         LineBuilder builder(*this, whole != nullptr ? &whole->mesh() : nullptr, *found, echoes,
-                            parts, scratch, cancel);
+                            parts, scratch, round, cancel);
         for (const proto::PointRequest& request : requests) {
           if (auto added = builder.add(request, echo); !added) return fail(added.error());
         }

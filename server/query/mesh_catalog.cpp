@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/team.h"
+#include "core/curves/source_lines.h"
 #include "core/mesh/weld.h"
 #include "proto/formats/decode_mesh.h"
 #include "proto/gltf/annotate.h"
@@ -222,8 +223,15 @@ Result<MeshCatalog::Described> MeshCatalog::describe(const std::string& id,
   });
   if (!prepared) return fail(prepared.error());
   auto adjacency = *prepared;
+  const Cancel cancel = cancel_of(caller);
+  Poll poll(cancel);
+  std::vector<proto::ToldBoundary> boundaries;
+  for (const BoundarySize& loop : longest_boundaries(*adjacency, proto::kMostBoundaries, poll)) {
+    boundaries.push_back({loop.length, loop.edges, loop.vertex, loop.is_closed});
+  }
+  if (poll.stopped()) return fail_stopped(poll);
   std::string description =
-      proto::describe_mesh(id, bytes.size(), options, built->decoded, *adjacency);
+      proto::describe_mesh(id, bytes.size(), options, built->decoded, *adjacency, boundaries);
   return Described{std::move(built->mesh), std::move(adjacency), std::move(description)};
 }
 

@@ -9,10 +9,11 @@
 #include "core/base/error.h"
 #include "core/field/field.h"
 #include "core/field/travel_cost.h"
+#include "core/refine/refine_along.h"
 #include "core/surface/adjacency.h"
 #include "core/surface/point.h"
-#include "proto/wire/point_request.h"
 #include "proto/replies/replies.h"
+#include "proto/wire/point_request.h"
 #include "server/query/far_points.h"
 #include "server/query/field_queries.h"
 
@@ -56,9 +57,11 @@ class FieldQueries::Place {
   // of what is no point, in a compute slot. In `echo` one for each of `requests`. Errors besides:
   // index_out_of_range (a loop, a part or a face that there is not), value_out_of_range (no
   // boundary at all), outside_region, no_loop (a curve between pieces of the surface), too_large.
+  // `round`, if it is not null, becomes the line of the last closed curve, back to its first point.
   [[nodiscard]] Result<FieldSources> sources(const std::vector<proto::PointRequest>& requests,
                                              std::vector<proto::ResolvedPoint>& echo,
-                                             std::vector<std::string>& warnings) const;
+                                             std::vector<std::string>& warnings,
+                                             SurfacePolyline* round = nullptr) const;
 
   // One place.
   [[nodiscard]] Result<SurfacePoint> point(const proto::PointRequest& request,

@@ -46,6 +46,13 @@ Result<HttpResponse> png_reply(const Mesh& mesh, const proto::PictureContent& co
   return response;
 }
 
+// Of signed distances the line has the colour in the middle.
+proto::Colour colour_of(proto::ColourMap map, double distance, double max, bool is_signed) {
+  if (distance == kUnreached) return kGrey;
+  const double part = max > 0 ? std::clamp(distance / max, -1.0, 1.0) : 0;
+  return proto::colour_at(map, is_signed ? 0.5 + 0.5 * part : part);
+}
+
 GlbPart coloured_surface(const Mesh& mesh, const proto::DistanceReply& reply, proto::ColourMap map,
                          Poll& poll) {
   GlbPart part;
@@ -59,8 +66,7 @@ GlbPart coloured_surface(const Mesh& mesh, const proto::DistanceReply& reply, pr
     // makes visible.
     const std::uint32_t vertex = mesh.vertex_of_source()[v];
     part.positions.push_back(mesh.positions()[vertex == kNone ? 0 : vertex]);
-    const double d = reply.distances[v];
-    part.colours.push_back(d == kUnreached ? kGrey : proto::colour_at(map, max > 0 ? d / max : 0));
+    part.colours.push_back(colour_of(map, reply.distances[v], max, reply.is_signed));
   }
   part.indices.reserve(3 * mesh.faces().size());
   for (std::uint32_t f = 0; f < mesh.faces().size(); ++f) {
@@ -71,19 +77,22 @@ GlbPart coloured_surface(const Mesh& mesh, const proto::DistanceReply& reply, pr
 }
 
 // The same of a surface whose faces lines have split, by its own vertices.
-GlbPart coloured_surface(const Mesh& mesh, const Field& field, std::optional<double> farthest,
-                         proto::ColourMap map, Poll& poll) {
+GlbPart coloured_surface(const Answered<proto::DistanceReply>& answer, proto::ColourMap map,
+                         Poll& poll) {
+  const Mesh& mesh = answer.adjacency->mesh();
+  const Field& field = *answer.drawn_field;
+  const auto* const inside = answer.drawn_inside.get();
   GlbPart part;
   part.name = "distance";
-  const double max = farthest.value_or(0);
+  const double max = answer.reply.max.value_or(0);
   part.positions.reserve(mesh.vertex_count());
   part.colours.reserve(mesh.vertex_count());
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
     if (poll.cancelled()) break;
     part.positions.push_back(mesh.positions()[v]);
     const double d = field.distance[v];
-    part.colours.push_back(
-        d == kUnreached ? kGrey : proto::colour_at(map, max > 0 ? std::min(d / max, 1.0) : 0));
+    const bool is_below = inside != nullptr && (*inside)[v] != 0 && d != kUnreached;
+    part.colours.push_back(colour_of(map, is_below ? -d : d, max, inside != nullptr));
   }
   part.indices.reserve(3 * mesh.faces().size());
   for (const Triangle& face : mesh.faces()) {
@@ -193,9 +202,8 @@ Result<HttpResponse> draw(const Answered<proto::DistanceReply>& answer,
   Result<HttpResponse> response;
   if (format.format == Format::glb) {
     const proto::ColourMap map = format.picture.colour_map;
-    response = glb_reply({answer.drawn_field != nullptr
-                              ? coloured_surface(mesh, *answer.drawn_field, reply.max, map, poll)
-                              : coloured_surface(mesh, reply, map, poll)},
+    response = glb_reply({answer.drawn_field != nullptr ? coloured_surface(answer, map, poll)
+                                                        : coloured_surface(mesh, reply, map, poll)},
                          poll);
   } else {
     std::vector<double> values(mesh.vertex_count());

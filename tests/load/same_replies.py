@@ -50,6 +50,7 @@ def systematic(vertices):
                            + urllib.parse.urlencode(asked))
     yield "/distance?from=boundary&from=v:9&method=exact&format=f64"
     yield "/distance?from=curve:closed;v:0;v:7;f:0,0.3,0.3&at=f:1,0.1,0.7"
+    yield "/distance?from=curve:closed;v:0;v:7;f:0,0.3,0.3&signed=1"
     yield "/path?from=faces:0-3&to=v:9"
     yield "/samples?count=5"
     yield "/trace?from=f:0,0.3,0.3&angle=1&length=1"

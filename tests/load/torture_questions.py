@@ -129,6 +129,8 @@ def parameters_of(chance, mesh, query):
             asked["at"] = some(chance, mesh, 4)
         if chance.random() < 0.15:
             asked["labels"] = 1
+        if chance.random() < 0.1:
+            asked["signed"] = 1
         formats = ["json", "f32", "f64", "npy", "frame", "u16"]
         return asked, formats if "at" in asked else formats + ["png", "glb", "annotated"]
     if query == "table":

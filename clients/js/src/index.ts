@@ -7,6 +7,7 @@ export { colourAt, COLOUR_MAPS_GLSL, type ColourMap, type Rgb } from './colour_m
 export {
   UNREACHED,
   type ErrorCode,
+  type BoundaryLoop,
   type Format,
   type Isoline,
   type Job,

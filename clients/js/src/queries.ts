@@ -73,6 +73,11 @@ export interface DistanceQuery extends ByMethod, WithinTolerance, AtACost {
   max?: number;
   /** Say with each distance which source it is from. */
   labels?: boolean;
+  /**
+   * Below 0 inside `from`, which is one closed curve that separates the surface: on the smaller
+   * side, by area.
+   */
+  signed?: boolean;
 }
 
 export interface DistancesAtQuery extends DistanceQuery, InDigits {

@@ -32,3 +32,21 @@ test('sources that are no points go by GET where a URL can say them', async () =
   assert.ok(Math.abs(path.length! - 7) < 1e-9);
   assert.equal(path.from.kind, 'curve');
 });
+
+test('distances are below 0 inside a closed curve', async () => {
+  // From (20, 30) to (60, 50).
+  const from: SourceLines = { curve: { points: [3020, 3060, 5060, 5020], closed: true } };
+  const { values } = await client.distance(plane, { from, signed: true, method: 'exact' });
+  assert.equal(values[4040], -10);
+  assert.equal(values[4070], 10);
+  const at = await client.distancesAt(plane, {
+    from, signed: true, method: 'exact', at: ['p:40.5,40.5,0'],
+  });
+  assert.equal(at.signed, true);
+  assert.ok(Math.abs(at.distances[0]! + 9.5) < 1e-9);
+});
+
+test('the metadata lists the loops of the boundary', async () => {
+  const { boundaries } = await client.mesh(plane);
+  assert.deepEqual(boundaries, [{ length: 396, edges: 396, closed: true, vertex: 0 }]);
+});

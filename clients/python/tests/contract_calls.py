@@ -64,7 +64,7 @@ class Call:
     def subject(self) -> geodesicd.Mesh:
         """The mesh without asking whether it is there: a token may not allow to."""
         known: dict[str, Any] = dict.fromkeys(geodesicd.Metadata.__annotations__, 0)
-        lists: dict[str, Any] = {"parts": [], "warnings": [], "report": []}
+        lists: dict[str, Any] = {"parts": [], "warnings": [], "report": [], "boundaries": []}
         empty = {**known, **lists, "id": self.identity, "name": None, "import": {}}
         return geodesicd.Mesh(self.client, {**empty, "bbox": {"min": [0] * 3, "max": [0] * 3}})
 
@@ -263,6 +263,7 @@ def as_json(mesh: geodesicd.Mesh) -> dict[str, Any]:
         del document["name"]
     document["bbox"] = {"min": mesh.bbox[0].tolist(), "max": mesh.bbox[1].tolist()}
     document["parts"] = [vars(part) for part in mesh.parts]
+    document["boundaries"] = [vars(loop) for loop in mesh.boundaries]
     document["warnings"] = list(mesh.warnings)
     document["import"] = document.pop("reading")
     document["report"] = [vars(finding) for finding in mesh.report]

@@ -36,6 +36,12 @@ def test_all_sources_that_are_no_points(plane: geodesicd.Mesh) -> None:
     assert math.isclose(field[303], 2 * math.sqrt(2))
 
 
+def test_loops_of_the_boundary_are_listed(plane: geodesicd.Mesh) -> None:
+    assert plane.boundaries == (geodesicd.BoundaryLoop(396.0, 396, True, 0),)
+    loop = plane.path(Boundary(0), 303).source
+    assert loop.length == plane.boundaries[0].length
+
+
 def test_paths_from_a_curve_begin_on_it(plane: geodesicd.Mesh) -> None:
     curve = Curve([(10.0, 10.0, 0.0), (90.0, 10.0, 0.0)])
     path = plane.path(curve, (40.25, 3.0, 0.0), method="exact")
@@ -43,6 +49,31 @@ def test_paths_from_a_curve_begin_on_it(plane: geodesicd.Mesh) -> None:
     assert path.source.kind == "curve"
     assert path.source.length is not None and math.isclose(path.source.length, 80)
     assert np.allclose(path.points[0], (40.25, 10, 0))
+
+
+def test_signed_distances_are_below_0_inside(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh
+) -> None:
+    x, y = plane.geometry()[0][:, :2].T
+    # From (20, 30) to (60, 50).
+    square = Curve([3020, 3060, 5060, 5020], closed=True)
+    across, up = np.maximum(20 - x, x - 60), np.maximum(30 - y, y - 50)
+    expected = np.where(
+        np.maximum(across, up) < 0,
+        np.maximum(across, up),
+        np.hypot(np.maximum(across, 0), np.maximum(up, 0)),
+    )
+    field = plane.distance(square, signed=True, method="exact")
+    assert np.allclose(field, expected, atol=1e-9)
+    at = plane.distance_at(square, [(40.5, 40.5, 0.0), 0], signed=True, method="exact")
+    assert np.allclose(at, [-9.5, math.hypot(20, 30)], atol=1e-9)
+    with pytest.raises(geodesicd.GeodesicError, match="only the distances of one closed curve"):
+        plane.distance(0, signed=True)
+    told = geodesic(
+        server, "distance", plane.id, "--from", "curve:closed;v:3020;v:3060;v:5060;v:5020",
+        "--signed", "--at", "4040", "--method", "exact",
+    ).stdout  # fmt: skip
+    assert math.isclose(float(told), -10)
 
 
 def test_curves_that_are_none_are_refused_at_once() -> None:

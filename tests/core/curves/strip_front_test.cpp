@@ -247,6 +247,22 @@ TEST_CASE("LoopsOfABoundaryAreAsManyAsTheReportSays") {
     std::size_t edges = 0;
     for (const BoundaryLoop& loop : loops) edges += loop.edges.size();
     CHECK(edges == surface.adjacency().report().edges_boundary);
+    for (const std::size_t most : {std::size_t{0}, std::size_t{2}, loops.size() + 1}) {
+      const auto sizes = longest_boundaries(surface.adjacency(), most, poll);
+      REQUIRE(sizes.size() == std::min(most, loops.size()));
+      for (std::size_t i = 0; i < sizes.size(); ++i) {
+        CHECK(sizes[i].length == loops[i].length);
+        CHECK(sizes[i].edges == loops[i].edges.size());
+        CHECK(sizes[i].is_closed == loops[i].is_closed);
+        std::uint64_t least = kNone;
+        for (const Halfedge h : loops[i].edges) {
+          for (const std::uint32_t v : {surface.adjacency().tail(h), surface.adjacency().head(h)}) {
+            least = std::min<std::uint64_t>(least, surface.mesh().source_of_vertex(v));
+          }
+        }
+        CHECK(sizes[i].vertex == least);
+      }
+    }
   }
 }
 

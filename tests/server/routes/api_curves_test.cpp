@@ -1,6 +1,9 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <string>
 
 #include "proto/wire/query_limits.h"
@@ -36,6 +39,42 @@ TEST_CASE("ABoundaryIsAsFarAsTheNearestSide") {
                    R"({"from":{"boundary":"all"},"method":"exact"})");
   plane.check_same("/distance?from=boundary:0&method=exact",
                    R"({"from":[{"boundary":0}],"method":"exact"})");
+}
+
+TEST_CASE("TheMetadataListsTheLoopsOfTheBoundary") {
+  PlaneService plane;
+  const json mesh = plane.ask("");
+  CHECK(mesh["boundaries"] ==
+        json::array({{{"length", 40.0}, {"edges", 40}, {"closed", true}, {"vertex", 0}}}));
+  // 102 faces that touch nobody, the later the larger, of which the longest 100 are listed.
+  TriangleSoup soup;
+  constexpr std::uint32_t kFaces = 102;
+  for (std::uint32_t f = 0; f < kFaces; ++f) {
+    const double z = 2 * f;
+    const double side = 1 + f;
+    soup.positions.push_back({0, 0, z});
+    soup.positions.push_back({3 * side, 0, z});
+    soup.positions.push_back({0, 4 * side, z});
+    soup.faces.push_back({3 * f, 3 * f + 1, 3 * f + 2});
+  }
+  const std::string base = plane.add(soup);
+  const json many = body_of(plane.service.get(base));
+  CHECK(many["boundary_loops"] == kFaces);
+  REQUIRE(many["boundaries"].size() == 100);
+  for (std::uint32_t k = 0; k < 100; ++k) {
+    const json& loop = many["boundaries"][k];
+    CHECK(loop["length"] == 12.0 * (kFaces - k));
+    CHECK(loop["edges"] == 3);
+    CHECK(loop["vertex"] == 3 * (kFaces - 1 - k));
+  }
+  // The same one as a source.
+  const json from = body_of(plane.service.get(
+      base + "/distance?from=boundary:7&at=v:" + many["boundaries"][7]["vertex"].dump()));
+  CHECK(from["distances"][0] == 0);
+  CHECK(from["from"][0]["length"] == many["boundaries"][7]["length"]);
+  CHECK(body_of(plane.service.get("/v1/meshes/" +
+                                  plane.service.upload(glb_of(shapes::icosphere(1)))))["boundaries"]
+            .empty());
 }
 
 // From (1, 4) to (8, 4): at right angles above and below it, and round its ends.
@@ -127,16 +166,23 @@ TEST_CASE("WhatIsNoCurveIsRefused") {
   plane.check_refused("/distance?from=boundary:x", 400, "bad_syntax", "from[0]");
   plane.check_refused("/distance?from=curve:v:1", 422, "value_out_of_range", "from[0]");
   plane.check_refused("/distance?from=curve:closed;v:1;v:3", 422, "value_out_of_range", "from[0]");
-  plane.check_refused("/distance?from=curve:v:1;boundary", 400, "bad_syntax", "from[0].points[1]");
+  plane.check_refused("/distance?from=curve:v:1;boundary", 422, "value_out_of_range",
+                      "from[0].points[1]");
   plane.check_refused("/distance?from=curve:v:1;v:500", 422, "index_out_of_range",
                       "from[0].points[1]");
   plane.check_refused("/distance?from=faces:99999", 422, "index_out_of_range", "from[0].faces[0]");
   plane.check_refused("/distance?from=part:7", 422, "index_out_of_range", "from[0].part");
   plane.check_refused("/distance?from=box:50,50,50,51,51,51", 422, "value_out_of_range", "from[0]");
   plane.check_refused("/path?from=boundary:9&to=v:1", 422, "index_out_of_range", "from");
-  plane.check_refused("/voronoi?from=boundary", 400, "bad_syntax", "from[0]");
-  plane.check_refused("/table?from=boundary", 400, "bad_syntax", "from[0]");
-  plane.check_refused("/path?from=v:0&to=boundary", 400, "bad_syntax", "to");
+  for (const std::string line :
+       {"boundary", "boundary:0", "curve:v:1;v:7", "faces:1", "part:0", "box:0,0,0,1,1,1"}) {
+    plane.check_refused("/voronoi?from=" + line, 422, "value_out_of_range", "from[0]");
+    plane.check_refused("/table?from=" + line, 422, "value_out_of_range", "from[0]");
+    plane.check_refused("/path?from=v:0&to=" + line, 422, "value_out_of_range", "to");
+  }
+  plane.check_refused("/voronoi?from=boundaries", 400, "bad_syntax", "from[0]");
+  check_problem(plane.service.ask("POST", plane.base + "/table", R"({"from":[{"curve":[]}]})"), 422,
+                "value_out_of_range", "from[0]");
   for (const std::string method : {"wavefront", "novotni"}) {
     for (const std::string query :
          {"distance?", "isolines?levels=1&", "measure?", "samples?count=2&", "path?to=v:5&"}) {
@@ -200,4 +246,129 @@ TEST_CASE("CurvesOfAPartOfTheSurface") {
   const json inner =
       plane.ask("/distance?from=boundary&within=box:0,0,-1,4,9,1&method=exact&at=p:3,5,0");
   CHECK(inner["distances"][0].get<double>() == doctest::Approx(1));
+}
+
+namespace {
+
+// Of a rectangle's sides, below 0 inside.
+double to_rectangle(double x, double y, double left, double low, double right, double high) {
+  const double across = std::max(left - x, x - right);
+  const double up = std::max(low - y, y - high);
+  if (across <= 0 && up <= 0) return std::max(across, up);
+  return std::hypot(std::max(across, 0.0), std::max(up, 0.0));
+}
+
+// From (2, 2) to (8, 7).
+constexpr const char* kRound = "/distance?from=curve:closed;v:26;v:32;v:92;v:86";
+
+}  // namespace
+
+TEST_CASE("DistancesHaveASignInsideAClosedCurve") {
+  PlaneService plane;
+  for (const std::string method : {"exact", "auto", "dijkstra"}) {
+    CAPTURE(method);
+    const std::string asked = kRound + ("&method=" + method);
+    const json plain = plane.ask(asked);
+    CHECK_FALSE(plain.contains("signed"));
+    const json reply = plane.ask(asked + "&signed=1");
+    CHECK(reply["signed"] == true);
+    CHECK(reply["max"] == plain["max"]);
+    CHECK(reply["farthest"] == plain["farthest"]);
+    for (std::size_t v = 0; v < 120; ++v) {
+      const double found = reply["distances"][v];
+      CHECK(std::abs(found) == plain["distances"][v]);
+      const double wanted = to_rectangle(x_of(v), y_of(v), 2, 2, 8, 7);
+      CHECK((found < 0) == (wanted < 0));
+      if (method == "exact") CHECK(std::abs(found - wanted) < 1e-12);
+    }
+  }
+  // The smaller side of (1, 1) to (10, 8) is about it.
+  const json large = plane.ask(
+      "/distance?from=curve:closed;v:13;v:22;v:106;v:97&signed=1&method=exact&at=v:65&at=v:0");
+  CHECK(large["distances"][0].get<double>() == doctest::Approx(3));
+  CHECK(large["distances"][1].get<double>() == doctest::Approx(-std::sqrt(2)));
+  plane.check_same(
+      std::string(kRound) + "&signed=1",
+      R"({"from":{"curve":{"points":["v:26","v:32","v:92","v:86"],"closed":true}},"signed":true})");
+}
+
+TEST_CASE("SignsOfPointsFormatsAndDigits") {
+  PlaneService plane;
+  const std::string asked = std::string(kRound) + "&signed=1&method=exact";
+  const json at = plane.ask(asked + "&at=p:2.6,4.3,0&at=p:1.4,4.3,0&at=v:26&at=p:9.5,3,0&labels=1");
+  const double wanted[] = {-0.6, 0.6, 0, 1.5};
+  for (int i = 0; i < 4; ++i) CHECK(std::abs(at["distances"][i].get<double>() - wanted[i]) < 1e-12);
+  CHECK(at["labels"] == json::array({0, 0, 0, 0}));
+  CHECK_FALSE(at["distances"].dump().find("-0.0") == 1);
+  // Beyond max nothing has a sign.
+  const json near = plane.ask(asked + "&max=1");
+  for (std::size_t v = 0; v < 120; ++v) {
+    const double d = to_rectangle(x_of(v), y_of(v), 2, 2, 8, 7);
+    CHECK(near["distances"][v].is_null() == (std::abs(d) > 1));
+  }
+  const json whole = plane.ask(asked);
+  const HttpResponse bytes = plane.service.get(plane.base + asked + "&format=f64");
+  REQUIRE(bytes.status == 200);
+  REQUIRE(bytes.body->size() == 120 * sizeof(double));
+  for (std::size_t v = 0; v < 120; ++v) {
+    double d = 0;
+    std::memcpy(&d, bytes.body->data() + v * sizeof d, sizeof d);
+    CHECK(d == whole["distances"][v].get<double>());
+  }
+  for (const char* format : {"f32", "npy", "frame", "glb"}) {
+    CHECK(plane.service.get(plane.base + asked + "&format=" + format).status == 200);
+  }
+  for (const char* format : {"u16", "png", "annotated"}) {
+    plane.check_refused(asked + "&format=" + format, 406, "not_acceptable", "format");
+  }
+  plane.check_refused(asked + "&at=v:0&format=glb", 406, "not_acceptable", "format");
+  plane.check_refused(asked + "&labels=1&format=annotated", 406, "not_acceptable", "format");
+  // An upper bound is one of the length: inside it is rounded down.
+  const std::string upper = std::string(kRound) + "&signed=1&bound=upper&at=p:4.123456,4.2345678,0";
+  const double exact = plane.ask(upper)["distances"][0];
+  const double cut = plane.ask(upper + "&precision=3")["distances"][0];
+  CHECK(exact < -2.123);
+  CHECK(cut <= exact);
+  CHECK(cut > exact - 0.011);
+}
+
+TEST_CASE("WhatHasNoSidesHasNoSign") {
+  PlaneService plane;
+  for (const char* from : {"from=v:0", "from=boundary", "from=curve:v:26;v:32;v:92",
+                           "from=faces:0-9", "from=curve:closed;v:26;v:32;v:92&from=v:0"}) {
+    plane.check_refused("/distance?" + std::string(from) + "&signed=1", 422, "value_out_of_range",
+                        "signed");
+    CHECK(plane.service.get(plane.base + "/distance?" + from + "&signed=0").status == 200);
+  }
+  plane.check_refused(std::string(kRound) + "&signed=maybe", 400, "bad_syntax", "signed");
+  // There and back again.
+  plane.check_refused("/distance?from=curve:closed;v:26;v:32;v:29&signed=1", 422,
+                      "value_out_of_range", "signed");
+  constexpr std::uint32_t kAround = 8;
+  const std::string knot = plane.add(shapes::torus_knot(40, kAround, 0.3));
+  const std::string ring = "/distance?from=curve:closed;v:0;v:2;v:5";
+  CHECK(plane.service.get(knot + ring).status == 200);
+  check_problem(plane.service.get(knot + ring + "&signed=1"), 422, "value_out_of_range", "signed");
+}
+
+TEST_CASE("SignsOnAPartOfTheSurface") {
+  PlaneService plane;
+  const std::string asked = std::string(kRound) + "&signed=1&method=exact";
+  const json whole = plane.ask(asked);
+  // A wall inside, which is across no way to the line, splits faces and doubles vertices.
+  const json walled = plane.ask(asked + "&walls=p:4.1,4.5,0;p:6.1,4.5,0");
+  for (std::size_t v = 0; v < 120; ++v) {
+    CHECK(walled["distances"][v].get<double>() ==
+          doctest::Approx(whole["distances"][v].get<double>()));
+  }
+  CHECK(
+      plane.service.get(plane.base + asked + "&walls=p:4.1,4.5,0;p:6.1,4.5,0&format=glb").status ==
+      200);
+  const json near = plane.ask(asked + "&walls=p:4.1,4.5,0;p:6.1,4.5,0&at=p:5.05,4.6,0&at=p:1,1,0");
+  CHECK(near["distances"][0].get<double>() == doctest::Approx(-2.4));
+  CHECK(near["distances"][1].get<double>() == doctest::Approx(std::sqrt(2)));
+  // A hole in the middle: what is left inside has a sign.
+  const json part = plane.ask(asked + "&forbid=box:4,4,-1,6,5,1");
+  CHECK(part["distances"][3 + 3 * 12].get<double>() == doctest::Approx(-1));
+  CHECK(part["distances"][0].get<double>() == doctest::Approx(std::sqrt(8)));
 }

@@ -30,7 +30,7 @@ from .errors import (
 from .flows import Retries
 from .glb import glb_bytes
 from .local_server import LocalServer, connect, local, serve
-from .metadata import Finding, Metadata, Part
+from .metadata import BoundaryLoop, Finding, Metadata, Part
 from .points import OnFace, Point, PointLike, PointsLike, Ray, Vertex, Xyz
 from .progress import progress_bar
 from .results import (
@@ -63,6 +63,7 @@ __all__ = [
     "BatchReply",
     "Bisector",
     "Boundary",
+    "BoundaryLoop",
     "Client",
     "ConnectionFailed",
     "Costs",

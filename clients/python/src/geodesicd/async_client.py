@@ -115,6 +115,7 @@ class AsyncMesh(Metadata):
         max: float | None = None,
         dtype: DTypeLike = np.float64,
         quantised: bool = False,
+        signed: bool = False,
         **options: Unpack[CostOptions],
     ) -> FloatArray: ...
     @overload

@@ -127,6 +127,7 @@ class Mesh(Metadata):
         max: float | None = None,
         dtype: DTypeLike = np.float64,
         quantised: bool = False,
+        signed: bool = False,
         **options: Unpack[CostOptions],
     ) -> FloatArray: ...
     @overload
@@ -149,6 +150,8 @@ class Mesh(Metadata):
             max: what is farther counts as unreached; mesh units.
             dtype: float64 or float32, which is half to send.
             quantised: send 2 bytes a vertex; float32 in steps of the greatest distance / 65534.
+            signed: below 0 inside ``sources``, which is one closed :class:`geodesicd.Curve` that
+                separates the surface: on the smaller side, by area. Not ``quantised``.
             method: how distances are computed; ``client.methods()`` lists them. Without it, the
                 server's default.
             points_per_edge: for ``method="steiner"`` only.

@@ -143,7 +143,13 @@ def _parser() -> argparse.ArgumentParser:
     )
     mesh_and_sources(distance)
     distance.add_argument("--at", action="append", default=[], metavar="POINT", help="only there")
-    distance.add_argument("--max", type=float, metavar="N", help="farther is unreached")
+    distance.add_argument(
+        "--max",
+        type=float,
+        metavar="N",
+        help="farther is unreached; --signed: below 0 inside a curve",
+    )
+    distance.add_argument("--signed", action="store_true", help=argparse.SUPPRESS)
     distance.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help="a .npy file, or .csv; else printed"
     )
@@ -369,9 +375,12 @@ def _distance(options: argparse.Namespace) -> int:
         if options.into is not None:
             if options.at or options.output is not None:
                 raise ValueError("--into has the whole field, and is a file of its own")
+            if options.signed:
+                raise ValueError("--into has no signs: -1 is what nothing reaches")
             asked = {"max": options.max, **exactness_of(options), "from": sources}
             asked["deadline_ms"] = milliseconds(asked.pop("deadline"))
             return save_annotated(options, mesh, "distance", asked, progress)
+        asked["signed"] = options.signed
         if options.at:
             field = mesh.distance_at(sources, points(options.at), **asked)
         else:

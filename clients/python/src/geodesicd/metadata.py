@@ -33,6 +33,21 @@ class Part:
 
 
 @dataclass(frozen=True)
+class BoundaryLoop:
+    """A loop of the boundary, edges that are in one face only.
+
+    ``mesh.boundaries[k]`` is the source ``Boundary(k)``. ``length`` is in mesh units, ``vertex`` is
+    the least source vertex on it. It is not ``closed`` where it ends at an edge of three faces or
+    more.
+    """
+
+    length: float
+    edges: int
+    closed: bool
+    vertex: int
+
+
+@dataclass(frozen=True)
 class Finding:
     """What was found when a file was read, and what it means for answers.
 
@@ -59,6 +74,8 @@ class Metadata:
         vertices, faces: how many source vertices and faces there are.
         welded_vertices: vertices once those that share a position are one.
         components, boundary_loops, edges_non_manifold, faces_degenerate: counts.
+        boundaries: the loops of the boundary, the longest first, at most 100 of them; none where an
+            older version of the server has described the mesh.
         bbox: (2, 3) float64, least and greatest coordinates, mesh units.
         area: square mesh units.
         mean_edge: mesh units.
@@ -80,6 +97,7 @@ class Metadata:
     welded_vertices: int
     components: int
     boundary_loops: int
+    boundaries: tuple[BoundaryLoop, ...]
     edges_non_manifold: int
     faces_degenerate: int
     bbox: Float64
@@ -97,9 +115,13 @@ class Metadata:
 
     def _read(self, reply: Mapping[str, Any]) -> None:
         for name in Metadata.__annotations__:
-            if name != "name":
+            if name not in ("name", "boundaries"):
                 setattr(self, name, reply[_IN_REPLY.get(name, name)])
         self.name = reply.get("name")
+        self.boundaries = tuple(
+            BoundaryLoop(**{name: loop[name] for name in BoundaryLoop.__annotations__})
+            for loop in reply.get("boundaries", ())
+        )
         box = reply["bbox"]
         self.bbox = np.array([box["min"], box["max"]], dtype=np.float64)
         self.parts = tuple(

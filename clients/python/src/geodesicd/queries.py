@@ -53,6 +53,7 @@ def distance(
     max: float | None = None,
     dtype: DTypeLike = np.float64,
     quantised: bool = False,
+    signed: bool = False,
     **options: Unpack[CostOptions],
 ) -> Flow[FloatArray]:
     """The distance field: from the nearest of the sources to every source vertex.
@@ -62,6 +63,8 @@ def distance(
         max: what is farther counts as unreached; mesh units.
         dtype: float64 or float32, which is half to send.
         quantised: send 2 bytes a vertex; float32 in steps of the greatest distance / 65534.
+        signed: below 0 inside ``sources``, which is one closed :class:`Curve` that separates the
+            surface: on the smaller side, by area. Not ``quantised``.
 
     Returns:
         (vertices,) distances, infinite where unreached.
@@ -69,6 +72,7 @@ def distance(
     parameters = {
         "from": points_of(sources),
         "max": as_bound(max),
+        "signed": signed or None,
         **asked_by(**options),
         "format": "u16" if quantised else format_of(dtype),
     }
@@ -109,9 +113,13 @@ def distance_at(
     at: PointsLike,
     *,
     max: float | None = None,
+    signed: bool = False,
     **options: Unpack[CostOptions],
 ) -> Flow[FloatArray]:
     """From the nearest of the sources to some points only.
+
+    Args:
+        signed: as of :func:`distance`.
 
     Returns:
         (n,) float64, one a point of ``at``; infinite where unreached.
@@ -122,6 +130,7 @@ def distance_at(
     parameters = {
         "from": points_of(sources),
         "max": as_bound(max),
+        "signed": signed or None,
         **asked_by(**options),
         "format": "f64",
     }
