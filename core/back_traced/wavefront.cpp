@@ -18,8 +18,8 @@
 namespace geodesic {
 namespace {
 
-// Coarse meshes bend more from vertex to vertex than fine ones of the same shape, and small ones are
-// soon done however far traces go.
+// Coarse meshes bend more from vertex to vertex than fine ones of the same shape, and small ones
+// are soon done however far traces go.
 bool looks_deep(const Adjacency& adjacency) {
   constexpr std::uint32_t kFewVertices = 20'000;
   return adjacency.is_rough() || adjacency.mesh().vertex_count() <= kFewVertices;
