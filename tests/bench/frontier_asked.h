@@ -1,0 +1,53 @@
+// What the rows of queries share: a mesh, its source, and what a row says.
+#pragma once
+
+#include <algorithm>
+#include <utility>
+
+#include "core/solve/solve_field.h"
+#include "tests/bench/frontier_meshes.h"
+#include "tests/bench/prepared.h"
+
+namespace geodesic::bench {
+
+template <class Value>
+Value take(Result<Value> result) {
+  if (!result) give_up(result.error().detail);
+  return std::move(*result);
+}
+
+struct Figures {
+  double ms = 0;
+  double off = 0;  // relative
+};
+
+// The mesh of a row, and what all queries need of it.
+class Asked {
+ public:
+  Asked(const Prepared& prepared, const FrontierMesh& mesh)
+      : prepared_(prepared), source_(prepared.source_at(mesh.first_source)) {
+    for (const double d : field(Method::exact, kUnreached, false).distance.values()) {
+      if (d < kUnreached) farthest_ = std::max(farthest_, d);
+    }
+  }
+
+  [[nodiscard]] const Adjacency& adjacency() const { return prepared_.adjacency(); }
+  [[nodiscard]] const Source& source() const { return source_; }
+  [[nodiscard]] double farthest() const { return farthest_; }
+  [[nodiscard]] SolveScratch& scratch() { return scratch_; }
+
+  [[nodiscard]] Field field(Method method, double max, bool keep_details) {
+    FieldLimits limits;
+    limits.max = max;
+    limits.keep_details = keep_details;
+    return take(solve_field(method, {}, adjacency(), {&source_, 1}, limits, scratch_, Cancel()));
+  }
+
+ private:
+  const Prepared& prepared_;
+  Source source_;
+  double farthest_ = 0;
+  SolveScratch scratch_;
+};
+
+}  // namespace geodesic::bench
