@@ -119,6 +119,13 @@ Result<FaceWeights> read_face_weights(std::span<const std::byte> bytes, const De
     if (!draws_triangles(known->meshes[one.mesh].primitives[one.primitive])) continue;
     const auto accessor = attributes.accessor_of(one);
     if (!accessor) return fail(accessor.error());
+    // Before it is read: elements that no bytes stand for may be as many as it says.
+    const GltfAccessor& claimed = known->accessors[*accessor];
+    if (claimed.components != 1 || claimed.count != one.vertices ||
+        one.first_vertex + one.vertices > of_vertex.size()) {
+      return no_weights(primitive_name(one) + ": its attribute " + attribute +
+                        " is not one number for each of its vertices");
+    }
     auto elements = read.find(*accessor);
     if (elements == read.end()) {
       auto found = read_accessor(*known, buffers, *accessor, GltfUse::any, bytes.size());
@@ -126,11 +133,6 @@ Result<FaceWeights> read_face_weights(std::span<const std::byte> bytes, const De
       elements = read.emplace(*accessor, std::move(*found)).first;
     }
     const GltfElements& values = elements->second;
-    if (values.components != 1 || values.count != one.vertices ||
-        one.first_vertex + one.vertices > of_vertex.size()) {
-      return no_weights(primitive_name(one) + ": its attribute " + attribute +
-                        " is not one number for each of its vertices");
-    }
     for (std::uint64_t i = 0; i < one.vertices; ++i) {
       of_vertex[one.first_vertex + i] = static_cast<float>(values.number(i, 0));
     }
