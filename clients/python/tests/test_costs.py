@@ -96,7 +96,7 @@ def test_weights_may_come_from_the_file(
     assert read.cost is not None
     assert read.cost == pytest.approx(sent.cost, rel=1e-9)
     asked = ("path", muddy.id, "--from", "0", "--to", "9998")
-    told = geodesic(server, *asked, "--weight-attribute", "_MUD").stdout
+    told = geodesic(server, *asked, "--weight", "_MUD").stdout
     assert float(told) == pytest.approx(read.cost, rel=1e-4)
     with pytest.raises(geodesicd.GeodesicError) as caught:
         muddy.path(0, 9998, costs=Costs(weight_attribute="_SNOW"))

@@ -116,10 +116,11 @@ def surface(parser: argparse.ArgumentParser) -> None:
 def costs(parser: argparse.ArgumentParser) -> None:
     """What ways cost instead of their length. Up is +Y: `upload --up` turns other files."""
     parser.add_argument(
-        "--weight", action="append", default=[], metavar="N*REGION", help="cost of length there"
-    )
-    parser.add_argument(
-        "--weight-attribute", metavar="NAME", help="of the file's vertices: weights of its faces"
+        "--weight",
+        action="append",
+        default=[],
+        metavar="N*REGION",
+        help="cost of length there, or _NAME of the file's",
     )
     parser.add_argument("--slope", metavar="HOW", help="tobler, in seconds, or -1:3,0:1,1:4")
     parser.add_argument("--steepest", type=float, metavar="SLOPE", help="steeper is not walked")
@@ -128,17 +129,24 @@ def costs(parser: argparse.ArgumentParser) -> None:
 def _costs_of(options: argparse.Namespace) -> Costs | None:
     """What :func:`costs` added; None where nothing of it is given."""
     weights = []
+    attribute = None
     for text in options.weight:
         weight, star, region = text.partition("*")
-        if not star:
-            raise ValueError(f"--weight {text}: it is NUMBER*REGION, such as 3*faces:0-99")
-        weights.append((float(weight), region))
+        if star:
+            weights.append((float(weight), region))
+        elif text.startswith("_") and attribute in (None, text):
+            attribute = text
+        else:
+            raise ValueError(
+                f"--weight {text}: it is NUMBER*REGION, such as 3*faces:0-99, or one attribute of "
+                "the file's vertices, such as _MUD"
+            )
     found = Costs(
         weights,
         None,
         options.slope,
         options.steepest,
-        weight_attribute=options.weight_attribute,
+        weight_attribute=attribute,
     )
     return None if found == Costs([]) else found
 
