@@ -19,6 +19,9 @@ std::uint64_t wall_key(std::uint32_t a, std::uint32_t b) {
   return std::uint64_t{std::min(a, b)} << 32U | std::max(a, b);
 }
 
+// Of an edge of a wall among the edges, and of its end with the faces there.
+constexpr std::uint64_t kBytesOfWallEdge = 256;
+
 // Which are joined.
 class Groups {
  public:
@@ -50,7 +53,8 @@ class Cutter {
         poll_(cancel) {
     for (const std::uint32_t wall : walls) {
       const auto& chain = refined.chains[wall];
-      for (std::size_t i = 1; i < chain.size(); ++i) {
+      if (!poll_.may_take(kBytesOfWallEdge * chain.size())) return;
+      for (std::size_t i = 1; i < chain.size() && !poll_.cancelled(); ++i) {
         edges_.insert(wall_key(chain[i - 1], chain[i]));
         for (const std::uint32_t v : {chain[i - 1], chain[i]}) faces_at_.try_emplace(v);
       }
@@ -208,6 +212,8 @@ class Cutter {
 
 SurfacePolyline as_wall(const Adjacency& adjacency, const SurfacePolyline& line, Poll& poll) {
   SurfacePolyline wall;
+  if (line.empty() || !poll.may_take(2 * line.size() * sizeof(SurfacePoint))) return wall;
+  wall.reserve(2 * line.size() - 1);
   for (std::size_t i = 0; i < line.size() && !poll.cancelled(); ++i) {
     if (i > 0) {
       const std::uint32_t face = face_in_common(adjacency, line[i - 1], line[i], poll);

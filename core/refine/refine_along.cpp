@@ -86,6 +86,7 @@ class Refiner {
   Result<void> place(std::uint32_t line) {
     const SurfacePolyline& points = lines_[line];
     if (points.empty()) return fail(ErrorCode::value_out_of_range, "a line has no points");
+    if (!poll_.may_take(kBytesOfSegment * points.size())) return fail_stopped(poll_);
     chains_[line].resize(std::max<std::size_t>(1, points.size() - 1));
     SurfacePoint a = snapped(whole_, points.front());
     if (points.size() == 1 && a.face == kNone) {
@@ -297,6 +298,9 @@ class Refiner {
     std::array<Weights, 3> corners;
   };
   static constexpr std::size_t kAtOnce = 1024;
+  // In its face's list, which doubles, and its chain with the vertices on it.
+  static constexpr std::uint64_t kBytesOfSegment =
+      2 * sizeof(Segment) + sizeof(std::vector<std::uint32_t>) + 32;
 
   const Adjacency& whole_;
   const Mesh& mesh_;

@@ -34,8 +34,9 @@ std::pair<std::size_t, std::size_t> Refinement::parts_of(std::uint32_t source_fa
   const auto first = std::lower_bound(
       by_parent_.begin(), by_parent_.end(), source_face,
       [&](std::uint32_t place, std::uint32_t parent) { return pieces_[place].parent < parent; });
-  auto last = first;
-  while (last != by_parent_.end() && pieces_[*last].parent == source_face) ++last;
+  const auto last = std::upper_bound(
+      first, by_parent_.end(), source_face,
+      [&](std::uint32_t parent, std::uint32_t place) { return parent < pieces_[place].parent; });
   return {first - by_parent_.begin(), last - by_parent_.begin()};
 }
 

@@ -150,6 +150,12 @@ bool is_on_dropped_face(const Mesh& mesh, const proto::PointRequest& request) {
          mesh.is_dropped(static_cast<std::uint32_t>(asked->face));
 }
 
+bool is_on_split_face(const Refinement* refinement, const proto::PointRequest& request) {
+  const auto* asked = std::get_if<proto::FaceRequest>(&request.where);
+  return refinement != nullptr && asked != nullptr && asked->face < kNone &&
+         refinement->is_split(static_cast<std::uint32_t>(asked->face));
+}
+
 Result<PlacedPoint> resolve_point(const Adjacency& adjacency, const Refinement* refinement,
                                   const ClosestPointIndex* index,
                                   const proto::PointRequest& request, const Cancel& cancel) {

@@ -7,8 +7,8 @@
 #include "core/refine/refinement.h"
 #include "core/surface/adjacency.h"
 #include "core/surface/point.h"
-#include "proto/wire/point_request.h"
 #include "proto/replies/replies.h"
+#include "proto/wire/point_request.h"
 
 namespace geodesic::server {
 
@@ -23,6 +23,11 @@ struct PlacedPoint {
 // Whether it lies on a face that welding has dropped. To find the edge that it has become takes as
 // long as a vertex has faces, so it belongs into a compute slot, too.
 [[nodiscard]] bool is_on_dropped_face(const Mesh& mesh, const proto::PointRequest& request);
+
+// Whether it lies on a face that lines have split: its parts are looked through one by one, so it
+// belongs into a compute slot, too. `refinement`: null where no face is split.
+[[nodiscard]] bool is_on_split_face(const Refinement* refinement,
+                                    const proto::PointRequest& request);
 
 // `index` may be null unless the point is searched, `refinement` where no face is split. A point on
 // the border between parts of a face is in the one of the least number, and a vertex that walls

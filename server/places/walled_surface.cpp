@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <utility>
 #include <variant>
@@ -34,6 +35,9 @@ bool is_same_place(const SurfacePoint& a, const SurfacePoint& b) {
   return a.face == b.face && a.bary == b.bary;
 }
 
+// Of a point in a list that is read and in a line that grows, which doubles.
+constexpr std::uint64_t kBytesOfPoint = 3 * sizeof(SurfacePoint);
+
 // The lines of a query on the whole surface.
 class LineFinder {
  public:
@@ -42,6 +46,7 @@ class LineFinder {
 
   // From point to point; with `is_round` back to the first.
   Result<SurfacePolyline> line(const Requests& requests, bool is_round) {
+    if (!poll_.may_take(kBytesOfPoint * (requests.size() + 1))) return fail_stopped(poll_);
     std::vector<SurfacePoint> points;
     points.reserve(requests.size() + 1);
     for (const proto::PointRequest& request : requests) {
@@ -78,6 +83,7 @@ class LineFinder {
     if (!pair) return fail(std::move(pair.error()));
     if (!pair->path) return {};
     const auto& points = pair->path->points;
+    if (!poll_.may_take(kBytesOfPoint * points.size())) return fail_stopped(poll_);
     for (std::size_t i = 1; i + 1 < points.size(); ++i) line.push_back(points[i].point);
     line.push_back(next);
     return {};
@@ -117,7 +123,11 @@ class LineCutter {
  private:
   Result<void> find_lines() {
     Poll poll(cancel_);
+    // A wall that is there again cuts nothing more.
+    std::set<std::string> seen;
     for (const proto::Wall& wall : regions_.walls) {
+      if (poll.cancelled()) return fail_stopped(poll);
+      if (!seen.insert(proto::canonical_text(proto::Regions{{}, {}, {wall}})).second) continue;
       auto line = finder_.line(wall.points, false);
       if (!line) return fail(std::move(line.error()));
       walls_.push_back(static_cast<std::uint32_t>(lines_.size()));

@@ -33,7 +33,7 @@ Result<std::vector<SurfacePoint>> FieldQueries::Place::points(
   };
   const bool may_be_long =
       searches || std::any_of(requests.begin(), requests.end(), [&](const auto& request) {
-        return is_on_dropped_face(mesh(), request);
+        return is_on_dropped_face(mesh(), request) || is_on_split_face(refinement(), request);
       });
   // To look the others up takes less time than to wait in a queue.
   if (!may_be_long) {

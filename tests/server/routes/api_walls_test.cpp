@@ -1,6 +1,7 @@
 // Walls, which no path crosses, and the insides of lines.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -257,6 +258,39 @@ TEST_CASE("FindingAndCuttingLinesStopsWhenItIsToldTo") {
   const auto refused = cut_lines(adjacency, nullptr, *regions, {}, Cancel({}, {}, &none));
   REQUIRE(!refused);
   CHECK(refused.error().code == ErrorCode("too_much_memory"));
+}
+
+// What a wall is asked memory for is asked once, however often the wall is there.
+TEST_CASE("AWallThatIsThereAgainIsNoMoreWork") {
+  const auto mesh = Mesh::build(shapes::terrain(30, 4, test_seed()));
+  REQUIRE(mesh);
+  const Adjacency adjacency = Adjacency::build(std::make_shared<const Mesh>(*mesh));
+  const auto cut = [&](const proto::Regions& regions, std::uint64_t& taken) {
+    MemoryBudget sum([&](std::uint64_t bytes) {
+      taken += bytes;
+      return std::optional<Error>();
+    });
+    return cut_lines(adjacency, nullptr, regions, {}, Cancel({}, {}, &sum));
+  };
+  auto parameters = proto::Parameters::from_query({{"walls", "v:0;v:455;v:29"}});
+  auto regions = proto::read_regions(parameters);
+  REQUIRE(regions);
+  std::uint64_t taken_once = 0;
+  const auto once = cut(*regions, taken_once);
+  REQUIRE(once);
+  CHECK(taken_once > 0);
+  regions->walls.resize(500, proto::Wall(regions->walls[0]));
+  std::uint64_t taken_often = 0;
+  const auto often = cut(*regions, taken_often);
+  REQUIRE(often);
+  CHECK(taken_often == taken_once);
+  CHECK(std::ranges::equal(often->mesh.faces(), once->mesh.faces()));
+  CHECK(std::ranges::equal(often->mesh.positions(), once->mesh.positions()));
+  // Another way along the same edges is another wall.
+  std::reverse(regions->walls[0].points.begin(), regions->walls[0].points.end());
+  std::uint64_t taken_both = 0;
+  REQUIRE(cut(*regions, taken_both));
+  CHECK(taken_both > taken_once);
 }
 
 // On surfaces of all kinds queries with walls succeed, and no way becomes shorter.
