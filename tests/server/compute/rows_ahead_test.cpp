@@ -200,9 +200,10 @@ TEST_CASE("the rows' progress is that of the caller") {
   auto rows = begun(pool, 20, 6, name_of_row, caller);
   for (int i = 0; i < 10; ++i) REQUIRE(rows->next());
   {
-    // A row may be taken before it is told that it is done: two are in the making.
+    // A row may be taken before it is told that it is done: two are in the making, so 8 of 20 are
+    // told, summed up with rounding.
     const std::lock_guard lock(mutex);
-    CHECK(most >= 0.4);
+    CHECK(most > 0.39);
   }
   while (true) {
     const auto row = rows->next();
