@@ -1,10 +1,8 @@
 #include "proto/gltf/weights.h"
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string_view>
 #include <utility>
 

@@ -8,30 +8,36 @@
 namespace geodesic::server {
 
 // Before anything is computed.
-Result<std::uint64_t> Routes::bytes_of_gltf(const Query& query, const char* parameter,
-                                            const Caller& caller) {
+Result<Routes::GltfSize> Routes::size_of_gltf(const Query& query, const char* parameter,
+                                              const Caller& caller) {
   const auto metadata = catalog_.metadata(query.mesh, caller);
   if (!metadata) return fail(metadata.error());
   const auto description = nlohmann::ordered_json::parse(*metadata, nullptr, false);
   const std::string format = description.value("format", "");
-  if (format == "glb" || format == "gltf") return description.value("bytes", std::uint64_t{0});
+  if (format == "glb" || format == "gltf") {
+    return GltfSize{description.value("bytes", std::uint64_t{0}),
+                    description.value("faces", std::uint64_t{0})};
+  }
   return fail(InputCode::not_acceptable,
               "only a .glb or .gltf has attributes of vertices, and this mesh was uploaded as ." +
                   format + "; format=glb makes a file of it",
               parameter);
 }
 
-Result<void> Routes::read_weights(const Query& query, proto::Costs& costs, const Caller& caller) {
-  if (costs.weight_attribute.empty()) return {};
-  const auto file_bytes = bytes_of_gltf(query, "weight_attribute", caller);
-  if (!file_bytes) return fail(file_bytes.error());
+Result<std::shared_ptr<const void>> Routes::read_weights(const Query& query, proto::Costs& costs,
+                                                         const Caller& caller) {
+  if (costs.weight_attribute.empty()) return nullptr;
+  const auto file = size_of_gltf(query, "weight_attribute", caller);
+  if (!file) return fail(file.error());
+  const std::uint64_t bytes_of_weights = file->faces * sizeof(double);
   // The file, and once more for who decodes it.
-  const auto reserved = reply_budget_.reserve(2 * *file_bytes, caller.client);
-  if (!reserved) return fail(reserved.error());
+  auto reserved = reply_budget_.reserve(2 * file->bytes + bytes_of_weights, caller.client);
+  if (!reserved) return fail(std::move(reserved.error()));
   auto weights = catalog_.face_weights(query.mesh, costs.weight_attribute, caller);
   if (!weights) return fail(std::move(weights.error()));
   costs.face_weights = std::move(*weights);
-  return {};
+  (*reserved)->shrink(bytes_of_weights);
+  return std::shared_ptr<const void>(std::move(*reserved));
 }
 
 Result<std::shared_ptr<const UploadedGltf>> Routes::upload_to_annotate(

@@ -179,9 +179,9 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
       auto named = attributes_of(request, *format);
       if (!named) return fail(std::move(named.error()));
       attributes = std::move(*named);
-      const auto bytes = bytes_of_gltf(query, "format", *caller);
-      if (!bytes) return fail(bytes.error());
-      file_bytes = *bytes;
+      const auto file = size_of_gltf(query, "format", *caller);
+      if (!file) return fail(file.error());
+      file_bytes = file->bytes;
     }
   }
   const bool is_kept = query.reader != nullptr && !is_streamed(request);
@@ -190,7 +190,8 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
   if (!identity.empty()) {
     if (auto known = known_reply(query, identity, tag)) return std::move(*known);
   }
-  if (auto read = read_weights(query, costs, *caller); !read) return fail(std::move(read.error()));
+  const auto weights = read_weights(query, costs, *caller);
+  if (!weights) return fail(weights.error());
   const AskedSurface surface(query.mesh, std::move(*regions), std::move(costs));
   auto answer = queries_.answer(surface, request, *caller);
   if (!answer) return fail(std::move(answer.error()));

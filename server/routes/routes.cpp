@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "proto/wire/query_limits.h"
 #include "proto/replies/replies.h"
+#include "proto/wire/query_limits.h"
 #include "server/base/service_codes.h"
 #include "server/base/stage_times.h"
 #include "server/http/finish_reply.h"

@@ -144,12 +144,18 @@ class Routes {
       Answered<proto::TableReply>& answer, const Caller& caller);
   // How large the file is that a mesh is of. Errors: mesh_unknown; not_acceptable, naming the
   // parameter, where it is no glTF.
-  [[nodiscard]] Result<std::uint64_t> bytes_of_gltf(const Query& query, const char* parameter,
-                                                    const Caller& caller);
-  // Weights of faces that are in the file, once they are asked for. Errors: those of bytes_of_gltf,
-  // of MeshCatalog::face_weights and of ReplyBudget::reserve.
-  [[nodiscard]] Result<void> read_weights(const Query& query, proto::Costs& costs,
-                                          const Caller& caller);
+  struct GltfSize {
+    std::uint64_t bytes = 0;
+    std::uint64_t faces = 0;
+  };
+  [[nodiscard]] Result<GltfSize> size_of_gltf(const Query& query, const char* parameter,
+                                              const Caller& caller);
+  // Weights of faces that are in the file, if they are asked for, and the reservation of their
+  // memory. Errors: those of size_of_gltf, of MeshCatalog::face_weights and of
+  // ReplyBudget::reserve.
+  [[nodiscard]] Result<std::shared_ptr<const void>> read_weights(const Query& query,
+                                                                 proto::Costs& costs,
+                                                                 const Caller& caller);
   // Errors: those of MeshCatalog::uploaded_gltf and of ReplyBudget::reserve.
   [[nodiscard]] Result<std::shared_ptr<const UploadedGltf>> upload_to_annotate(
       const Query& query, const std::vector<proto::VertexAttribute>& attributes,

@@ -84,9 +84,7 @@ TEST_CASE("AReplyThatIsTooLargeToKeepIsAnError") {
   });
   const auto started = jobs.start(HttpRequest());
   REQUIRE(started);
-  const auto job = jobs.hold(started->id);
-  JobReport report = jobs.report(job);
-  while (!has_ended(report.state)) report = jobs.wait_for_news(job, report, kJobPatience);
+  const JobReport report = ended(jobs, started->id);
   CHECK(report.state == JobState::failed);
   CHECK(report.status == 413);
   CHECK(jobs.result(started->id)->body->find("too_large") != std::string::npos);
@@ -107,9 +105,7 @@ TEST_CASE("AStreamThatSaysItIsTooLargeToKeepIsNotComputed") {
   });
   const auto started = jobs.start(HttpRequest());
   REQUIRE(started);
-  const auto job = jobs.hold(started->id);
-  JobReport report = jobs.report(job);
-  while (!has_ended(report.state)) report = jobs.wait_for_news(job, report, kJobPatience);
+  const JobReport report = ended(jobs, started->id);
   CHECK(report.status == 413);
   CHECK(chunks == 0);
 }

@@ -62,6 +62,19 @@ class Gate {
   std::set<std::string> open_;
 };
 
+// The job once it has ended.
+inline JobReport ended(Jobs& jobs, const std::string& id) {
+  const auto job = jobs.hold(id);
+  REQUIRE(job);
+  JobReport report = jobs.report(job);
+  const auto end = std::chrono::steady_clock::now() + kJobPatience;
+  while (!has_ended(report.state)) {
+    REQUIRE(std::chrono::steady_clock::now() < end);
+    report = jobs.wait_for_news(job, report, 1s);
+  }
+  return report;
+}
+
 struct JobsFixture {
   explicit JobsFixture(Jobs::Limits limits = {}) : jobs(limits, std::ref(gate)) {}
 
