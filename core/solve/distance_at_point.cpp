@@ -110,8 +110,8 @@ class WaysToSources {
 
 // Of a face's longest side, its height. In a lower one, circles round two corners meet anywhere.
 constexpr double kLow = 0.1;
-// By what part of a distance the pairs of corners may differ. Of 0.5 % errors above 1 % are four
-// times as many round holes; of 0.1 % every fourth point of a scan asks for a path.
+// By what part of a distance the pairs of corners may differ. With more, points round holes are
+// farther off; with less, many points of fine meshes ask for a path.
 constexpr double kDiffers = 0.002;
 
 // How far it is from a point where circles round two corners of a face meet, in plane coordinates

@@ -4,8 +4,8 @@
 //   v:12                  {"vertex":12}                           a source vertex
 //   f:40,0.2,0.3          {"face":40,"bary":[0.2,0.3,0.5]}        a point on a source face
 //   p:1,2,3               {"xyz":[1,2,3],"max_snap":0.1}          the closest point of the surface
-//   ray:0,0,9,0,0,-1      {"ray":{"origin":[0,0,9],               the first hit of a ray, which has
-//                                 "direction":[0,0,-1]}}          any length
+//   ray:0,0,9,0,0,-1      {"ray":{"origin":[0,0,9],               the first hit of a ray; its
+//                                 "direction":[0,0,-1]}}          direction is of any length
 // JSON accepts the URL's text as well.
 //
 // What a field starts from may be more than points (docs: "Sources" in openapi.yaml):
