@@ -78,23 +78,34 @@ export async function ready(page, state = 'ready') {
   await page.waitForSelector(`body[data-state="${state}"]`);
 }
 
-/** Asks `condition` until its answer is true-like, and gives that. From outside: the page's policy allows no eval. */
-export async function until(condition, what) {
+/** Loads the page again, once its link says all that was done. */
+export async function reload(page) {
+  await page.waitForSelector('body:not([data-link])');
+  await page.reload();
+}
+
+/**
+ * Asks `condition` until its answer is true-like, and gives that. From outside: the page's policy allows no eval.
+ * `seen` says what there was instead.
+ */
+export async function until(condition, what, seen = () => '') {
   const end = Date.now() + PATIENCE;
   for (;;) {
     const answer = await condition();
     if (answer) return answer;
-    if (Date.now() > end) throw new Error(`never came: ${what}`);
+    if (Date.now() > end) throw new Error(`never came: ${what}${seen()}`);
     await new Promise((resolve) => setTimeout(resolve, 50));
   }
 }
 
 /** The text at a selector once it fulfils a condition. */
 export function textAt(page, selector, fits) {
-  return until(async () => {
-    const text = await page.locator(selector).textContent();
+  let text;
+  const condition = async () => {
+    text = await page.locator(selector).textContent();
     return fits(text) && text;
-  }, `text at ${selector}`);
+  };
+  return until(condition, `text at ${selector}`, () => `; the last was '${text}', at ${page.url()}`);
 }
 
 /** The length of the path as the panel says it, other than `before`. */

@@ -1,7 +1,7 @@
 // The brush: faces that are painted are forbidden, or all there is, to whatever is asked; erased, undone, in links.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { openMesh, pathLength, picture, settled, textAt, until } from './browser.mjs';
+import { openMesh, pathLength, picture, reload, settled, textAt, until } from './browser.mjs';
 import { difference, statistics } from './pixels.mjs';
 import { served } from './served.mjs';
 
@@ -76,7 +76,7 @@ test('a path goes round what is painted; all is erased and undone', async () => 
   await page.getByRole('button', { name: 'Clear the painting' }).click();
   await textAt(page, '#length', (text) => text === straight);
   await until(async () => decodeURIComponent(page.url()).includes(`;forbid:${forbid.slice(6)}`), 'the kept path in the link');
-  await page.reload();
+  await reload(page);
   await textAt(page, '#length', (text) => text === straight);
   await textAt(page, '.measure .number', (text) => text === longer);
   await page.locator('.measure').click();

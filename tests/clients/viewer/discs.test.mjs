@@ -1,7 +1,7 @@
 // The disc within a radius: what it measures, how it is set off, undone and in the link.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { openMesh, picture, settled, textAt, until } from './browser.mjs';
+import { openMesh, picture, reload, settled, textAt, until } from './browser.mjs';
 import { difference } from './pixels.mjs';
 import { served } from './served.mjs';
 
@@ -31,8 +31,7 @@ test('the area within a radius is told and set off; a slider pulled is one step'
   await until(async () => (await numbers())[0] > area, 'a larger disc');
   await page.keyboard.press('Control+z');
   await until(async () => (await numbers())[0] === area, 'as before, in one step');
-  await page.waitForTimeout(300);
-  await page.reload();
+  await reload(page);
   await until(async () => (await numbers())[0] === area, 'the disc of a link');
   await page.getByLabel('Area within a radius').uncheck();
   assert.ok(difference(field, await settled(page)) < 0.001);

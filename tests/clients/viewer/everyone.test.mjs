@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { test } from 'node:test';
-import { axe, openMesh, pathLength, picture, ready, until } from './browser.mjs';
+import { axe, openMesh, pathLength, picture, ready, reload, until } from './browser.mjs';
 import { difference, statistics } from './pixels.mjs';
 import { served } from './served.mjs';
 
@@ -51,7 +51,7 @@ test('dark and light: as the system says, and by the switch', async () => {
   await page.getByRole('button', { name: 'Dark or light' }).click();
   const light = await picture(page, '42-light');
   assert.ok(difference(dark, light) > 0.5);
-  await page.reload();
+  await reload(page);
   await ready(page);
   assert.ok(difference(light, await picture(page, '43-light-again')) < 0.01, 'the switch is remembered');
   await page.context().close();

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { drop, newPage, openMesh, pathLength, picture, ready, until } from './browser.mjs';
+import { drop, newPage, openMesh, pathLength, picture, ready, reload, until } from './browser.mjs';
 import { boxOfWhatIsDrawn, difference, statistics } from './pixels.mjs';
 import { served } from './served.mjs';
 import { wavyMesh, wavyObj } from './wavy_mesh.mjs';
@@ -122,7 +122,7 @@ test('an import option that is none is marked, and nothing is read; a mesh shows
   await until(async () => /scale 0\.5/.test(await page.locator('#mesh option:checked').textContent()), 'half as large');
   await ready(page);
   await until(async () => decodeURIComponent(page.url()).includes('~'), 'the reading in the link');
-  await page.reload();
+  await reload(page);
   await ready(page);
   assert.deepEqual([await scale.inputValue(), await weld.inputValue()], ['0.5', 'off']);
   assert.ok(await scale.isVisible(), 'where it is not as usual, it is seen');
@@ -159,6 +159,7 @@ test('a broken file is explained, and what was there stays', async () => {
 async function lastUrl(page) {
   for (let url = page.url(); ; url = page.url()) {
     await page.waitForTimeout(1500);
+    await page.waitForSelector('body:not([data-link])');
     if (page.url() === url) return url;
   }
 }
@@ -186,7 +187,7 @@ test('a link reproduces the mesh, the points, the method and the view', async ()
   const seen = await picture(page, '25-linked');
   const link = await lastUrl(page);
   assert.match(link, /camera=/);
-  await page.reload();
+  await reload(page);
   await ready(page);
   assert.equal(await pathLength(page), length);
   const again = await picture(page, '26-reloaded');

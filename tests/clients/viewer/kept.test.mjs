@@ -2,7 +2,7 @@
 // undone, names, jobs of the server.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { openMesh, pathLength, ready, textAt, until } from './browser.mjs';
+import { openMesh, pathLength, ready, reload, textAt, until } from './browser.mjs';
 import { served } from './served.mjs';
 import { wavyMesh } from './wavy_mesh.mjs';
 
@@ -19,7 +19,7 @@ test('a kept path of the method steiner has its points per edge in the link', as
   });
   const finer = await pathLength(page, length);
   await until(() => /kept=steiner-1;/.test(page.url()) && /points_per_edge=12/.test(page.url()), 'both in the link');
-  await page.reload();
+  await reload(page);
   await ready(page);
   assert.equal(await pathLength(page), finer);
   assert.equal(await textAt(page, '.measures .number', (text) => /\d/.test(text)), length);

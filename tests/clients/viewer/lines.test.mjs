@@ -1,7 +1,7 @@
 // Lines that are drawn by clicks become walls and sources, where the server has these; undone, and in links.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { newPage, openMesh, pathLength, picture, ready, settled, textAt, until } from './browser.mjs';
+import { newPage, openMesh, pathLength, picture, ready, reload, settled, textAt, until } from './browser.mjs';
 import { shareOf } from './pixels.mjs';
 import { served } from './served.mjs';
 
@@ -41,8 +41,7 @@ test('a drawn line becomes a wall in every question, and is undone', async () =>
   assert.equal(await page.locator('.loop-part h2').textContent(), 'Line');
   await page.keyboard.press('Control+Shift+z');
   await until(async () => page.url().includes('&wall='), 'again');
-  await page.waitForTimeout(300);
-  await page.reload();
+  await reload(page);
   await ready(page);
   await until(async () => shareOf(await settled(page), WALL) > without + 0.0005, 'the wall of a link');
   await page.getByRole('button', { name: 'Remove Wall' }).click();

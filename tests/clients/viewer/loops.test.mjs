@@ -2,7 +2,7 @@
 // that all of it is undone, and that links carry it.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { openMesh, picture, settled, textAt, until } from './browser.mjs';
+import { openMesh, picture, reload, settled, textAt, until } from './browser.mjs';
 import { shareOf } from './pixels.mjs';
 import { served } from './served.mjs';
 
@@ -89,8 +89,7 @@ test('a line ends with Enter, with a double click and with a click on its first 
   await page.keyboard.press('Control+Shift+z');
   await textAt(page, '#round', (text) => text === dragged);
   await until(async () => page.url().includes('loop=through'), 'the link');
-  await page.waitForTimeout(300);
-  await page.reload();
+  await reload(page);
   await textAt(page, '#round', (text) => text === dragged);
   await page.keyboard.press('x');
   await until(async () => !(await page.locator('.loop-part').isVisible()), 'cleared');

@@ -5,7 +5,7 @@ import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { drop, newPage, openMesh, picture, ready, until } from './browser.mjs';
+import { drop, newPage, openMesh, picture, ready, reload, until } from './browser.mjs';
 import { proxied } from './proxy.mjs';
 import { served } from './served.mjs';
 import { started } from './service.mjs';
@@ -180,7 +180,7 @@ test('a mesh is deleted after a question, and another is shown; at last none', a
   const [{ id: last }] = (await own.json('/v1/meshes')).meshes;
   await until(async () => page.url().includes(last), 'the link to the last');
   // Those that somebody else deleted are known to be gone once the page is loaded again.
-  await page.reload();
+  await reload(page);
   await ready(page);
   assert.equal((await names(page)).length, 1);
   await remove('Delete');

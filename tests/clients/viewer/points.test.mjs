@@ -2,7 +2,7 @@
 // what the page says of each.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { openMesh, pathLength, picture, ready, textAt, until } from './browser.mjs';
+import { openMesh, pathLength, picture, ready, reload, textAt, until } from './browser.mjs';
 import { served } from './served.mjs';
 
 const { browser, service } = await served();
@@ -71,7 +71,7 @@ test('after a reload a click places a target, as before it, and no source is los
   await pathLength(page);
   assert.equal(await page.locator('.point.source').count(), 3);
   await until(async () => page.url().includes('to='), 'the target in the link');
-  await page.reload();
+  await reload(page);
   await pathLength(page);
   assert.ok(await page.getByLabel('Target', { exact: true }).isChecked());
   assert.equal(await page.locator('.point').count(), 4);
@@ -81,6 +81,16 @@ test('after a reload a click places a target, as before it, and no source is los
   assert.deepEqual([...page.faults, ...other.faults], []);
   await page.context().close();
   await other.context().close();
+});
+
+test('who leaves the page at once after a click and comes back finds the point', async () => {
+  const page = await openMesh(browser, service, plane);
+  await page.mouse.click(300, 380);
+  await page.goto('about:blank');
+  await page.goBack();
+  await ready(page);
+  await until(async () => (await page.locator('.point.source').count()) === 1, 'the source');
+  await page.context().close();
 });
 
 test('one grammar in the box: vertices, faces and places, and what is wrong is said', async () => {

@@ -16,16 +16,19 @@ export class AddressBar {
     private readonly drawn: () => boolean,
   ) {
     this.#mesh = state.value.mesh;
+    // Whoever comes back to this page finds it as it was left.
+    addEventListener('pagehide', () => this.#timer && this.writeNow());
   }
 
-  /** Soon: browsers allow a hundred links in half a minute. */
+  /** Soon: browsers allow a hundred links in half a minute. Until then the page's body has `data-link="late"`. */
   write(): void {
     clearTimeout(this.#timer);
     this.#timer = window.setTimeout(() => this.writeNow(), 250);
+    document.body.dataset.link = 'late';
   }
 
   writeNow(): void {
-    clearTimeout(this.#timer);
+    this.#rest();
     const { mesh } = this.state.value;
     const step = this.#mesh !== null && mesh !== this.#mesh;
     if (step && !this.drawn()) return;
@@ -37,12 +40,19 @@ export class AddressBar {
 
   /** The browser has gone to a link by itself: that of this mesh. */
   arrived(mesh: string | null): void {
-    clearTimeout(this.#timer);
+    this.#rest();
     this.#mesh = mesh;
   }
 
   /** The mesh of the present step is not to be had: what is seen instead takes its place, and Back leads further. */
   forget(): void {
     this.#mesh = null;
+  }
+
+  /** Nothing is to be written. */
+  #rest(): void {
+    clearTimeout(this.#timer);
+    this.#timer = 0;
+    delete document.body.dataset.link;
   }
 }
