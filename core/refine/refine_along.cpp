@@ -11,6 +11,7 @@
 
 #include "core/base/polled_fill.h"
 #include "core/mesh/triangle_soup.h"
+#include "core/refine/flat_faces.h"
 #include "core/refine/refined_numbers.h"
 
 namespace geodesic {
@@ -22,7 +23,7 @@ constexpr std::uint64_t kBytesOfVertex = 1000;
 // Two points of a line in a face of both, by their weights there.
 struct Segment {
   std::uint32_t line;
-  std::uint32_t first;  // the place in the line of `a`
+  std::uint32_t number;  // in its line
   Weights a;
   Weights b;
 };
@@ -84,32 +85,42 @@ class Refiner {
  private:
   // Finds the faces of a line's segments, and the points on edges.
   Result<void> place(std::uint32_t line) {
-    const SurfacePolyline& points = lines_[line];
+    SurfacePolyline points;
+    if (!poll_.may_take(lines_[line].size() * sizeof(SurfacePoint))) return fail_stopped(poll_);
+    points.reserve(lines_[line].size());
+    for (const SurfacePoint& point : lines_[line]) points.push_back(snapped(whole_, point));
     if (points.empty()) return fail(ErrorCode::value_out_of_range, "a line has no points");
-    if (!poll_.may_take(kBytesOfSegment * points.size())) return fail_stopped(poll_);
-    chains_[line].resize(std::max<std::size_t>(1, points.size() - 1));
-    SurfacePoint a = snapped(whole_, points.front());
-    if (points.size() == 1 && a.face == kNone) {
-      chains_[line][0] = {a.vertex};
+    if (points.size() == 1) {
+      const SurfacePoint& point = points.front();
+      if (point.face != kNone) return add_segment(line, point, point, point.face);
+      chains_[line] = {{point.vertex}};
       return {};
     }
-    for (std::uint32_t i = 0; i < chains_[line].size(); ++i) {
-      if (poll_.cancelled()) return fail_stopped(poll_);
-      const SurfacePoint b = points.size() == 1 ? a : snapped(whole_, points[i + 1]);
-      const std::uint32_t face = face_in_common(whole_, a, b, poll_);
+    points = with_flat_faces(whole_, points, poll_);
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      const std::uint32_t face = face_in_common(whole_, points[i - 1], points[i], poll_);
       if (poll_.stopped()) return fail_stopped(poll_);
       if (face == kNone) {
-        return fail(ErrorCode::value_out_of_range, "points " + std::to_string(i) + " and " +
-                                                       std::to_string(i + 1) +
+        return fail(ErrorCode::value_out_of_range, "points " + std::to_string(i - 1) + " and " +
+                                                       std::to_string(i) +
                                                        " of a line are in no face together");
       }
-      const Segment segment{line, i, *weights_in_face(whole_, face, a),
-                            *weights_in_face(whole_, face, b)};
-      faces_[face].push_back(segment);
-      for (const Weights& weights : {segment.a, segment.b}) {
-        if (auto noted = note_on_edge(face, weights); !noted) return noted;
-      }
-      a = b;
+      auto added = add_segment(line, points[i - 1], points[i], face);
+      if (!added) return added;
+    }
+    return {};
+  }
+
+  Result<void> add_segment(std::uint32_t line, const SurfacePoint& a, const SurfacePoint& b,
+                           std::uint32_t face) {
+    if (poll_.cancelled() || !poll_.may_take(kBytesOfSegment)) return fail_stopped(poll_);
+    const auto number = static_cast<std::uint32_t>(chains_[line].size());
+    chains_[line].emplace_back();
+    const Segment segment{line, number, *weights_in_face(whole_, face, a),
+                          *weights_in_face(whole_, face, b)};
+    faces_[face].push_back(segment);
+    for (const Weights& weights : {segment.a, segment.b}) {
+      if (auto noted = note_on_edge(face, weights); !noted) return noted;
     }
     return {};
   }
@@ -203,7 +214,7 @@ class Refiner {
     for (std::size_t i = 0; i < segments.size(); ++i) {
       const Segment& segment = segments[i];
       const bool goes_on = i > 0 && segments[i - 1].line == segment.line &&
-                           segments[i - 1].first + 1 == segment.first;
+                           segments[i - 1].number + 1 == segment.number;
       const std::uint32_t begin = goes_on ? end : point(segment.a);
       end = point(segment.b);
       chains[i] = pieces.join(begin, end, poll_);
@@ -211,7 +222,7 @@ class Refiner {
       if (auto grown = take_over_points(face, pieces, global); !grown) return grown;
     }
     for (std::size_t i = 0; i < segments.size(); ++i) {
-      auto& chain = chains_[segments[i].line][segments[i].first];
+      auto& chain = chains_[segments[i].line][segments[i].number];
       for (const std::uint32_t p : pieces.with_splits(chains[i])) chain.push_back(global[p]);
     }
     if (pieces.triangles().size() == 1) return {};

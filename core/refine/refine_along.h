@@ -28,8 +28,9 @@ struct RefinedMesh {
 };
 
 // A line from point to point; two in a row lie in one face, and what is between them is straight
-// there. Closed where the last is at the place of the first. May run through vertices and along
-// edges, and touch and cross itself and others.
+// there; or only faces without width lie between their faces, as paths leave such faces out. Closed
+// where the last is at the place of the first. May run through vertices and along edges, and touch
+// and cross itself and others.
 using SurfacePolyline = std::vector<SurfacePoint>;
 
 // A point nearer than 1e-9 of a face (of an edge's length, of a height) to a vertex or an edge, or

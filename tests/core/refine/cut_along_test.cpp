@@ -16,97 +16,24 @@
 #include "core/refine/faces_inside.h"
 #include "core/solve/distance_at_point.h"
 #include "core/solve/pair_search.h"
+#include "tests/core/refine/cut_surface.h"
 #include "tests/core/refine/lines_on_meshes.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 #include "tests/fixtures/tube.h"
 
 using namespace geodesic;
+using fixtures::Cut;
+using fixtures::kPlenty;
 using fixtures::random_line;
+using fixtures::random_point;
 using fixtures::RandomMesh;
+using fixtures::straight;
 using fixtures::Surface;
 using fixtures::test_seed;
+using fixtures::uneven_plane;
 
 namespace {
-
-constexpr std::uint64_t kPlenty = 1'000'000;
-
-// A surface with lines put in, and cut along all of them.
-struct Cut {
-  RefinedMesh refined;
-  CutMesh cut;
-  std::unique_ptr<Adjacency> adjacency;
-
-  Cut(const Surface& surface, const std::vector<SurfacePolyline>& lines)
-      : refined(*refine_along(surface.adjacency(), walls_of(surface, lines), kPlenty, Cancel())),
-        cut(along_all(refined)),
-        adjacency(
-            std::make_unique<Adjacency>(Adjacency::build(std::make_shared<const Mesh>(cut.mesh)))) {
-  }
-
-  static std::vector<SurfacePolyline> walls_of(const Surface& surface,
-                                               const std::vector<SurfacePolyline>& lines) {
-    const Cancel never;
-    Poll poll(never);
-    std::vector<SurfacePolyline> walls;
-    for (const SurfacePolyline& line : lines) {
-      walls.push_back(as_wall(surface.adjacency(), line, poll));
-    }
-    return walls;
-  }
-
-  static CutMesh along_all(const RefinedMesh& refined) {
-    std::vector<std::uint32_t> walls(refined.chains.size());
-    for (std::uint32_t i = 0; i < walls.size(); ++i) walls[i] = i;
-    const std::vector<std::uint8_t> all(refined.mesh.face_count(), 1);
-    auto cut = cut_along(refined, walls, all, Cancel());
-    REQUIRE(cut);
-    return std::move(*cut);
-  }
-
-  [[nodiscard]] Field field(const SurfacePoint& from) const {
-    SolveScratch scratch;
-    const Source source{from, 0};
-    auto found = solve_field(Method::exact, {}, *adjacency, {&source, 1}, {}, scratch, Cancel());
-    REQUIRE(found);
-    return std::move(*found);
-  }
-  // A point of a source face of the whole.
-  [[nodiscard]] SurfacePoint on(std::uint32_t source_face, const Weights& bary) const {
-    if (const auto there = cut.refinement.in_piece(source_face, bary)) {
-      return point_on_face(*adjacency, there->face, there->bary);
-    }
-    return point_on_face(*adjacency, cut.mesh.face_of_source(source_face), bary);
-  }
-};
-
-// The straight line between two points of a plane, which is the shortest there.
-SurfacePolyline straight(const Surface& plane, const SurfacePoint& a, const SurfacePoint& b) {
-  SolveScratch scratch;
-  const auto pair = pair_search(Method::exact, {}, plane.adjacency(), {a, 0}, b, PairPath::refined,
-                                scratch, Cancel());
-  REQUIRE(pair);
-  REQUIRE(pair->path);
-  SurfacePolyline line;
-  for (const PathPoint& point : pair->path->points) line.push_back(point.point);
-  return line;
-}
-
-// A square with vertices where they happen to be.
-TriangleSoup uneven_plane(RandomMesh& random, std::uint32_t side) {
-  TriangleSoup soup = shapes::plane(
-      side, side, random.unit() < 0.5 ? shapes::Diagonal::rising : shapes::Diagonal::falling);
-  for (Vec3& p : soup.positions) {
-    if (p.x == 0 || p.y == 0 || p.x == side - 1 || p.y == side - 1) continue;
-    p = p + Vec3{0.4 * random.unit(), 0.4 * random.unit(), 0};
-  }
-  return soup;
-}
-
-SurfacePoint random_point(RandomMesh& random, const Surface& surface) {
-  return surface.on(random.below(surface.mesh().source_face_count()),
-                    {random.unit() + 0.01, random.unit() + 0.01, random.unit() + 0.01});
-}
 
 double turn(Vec3 a, Vec3 b, Vec3 c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);

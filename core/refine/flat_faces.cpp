@@ -1,0 +1,163 @@
+#include "core/refine/flat_faces.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "core/refine/face_pieces.h"
+#include "core/refine/refine_along.h"
+
+namespace geodesic {
+namespace {
+
+// Of a face, a place and a step, with their places in the lists.
+constexpr std::uint64_t kBytesOfStep = 200;
+
+// The faces that have a point, then those that have a place of these where the point is, and so on.
+class FacesAt {
+ public:
+  FacesAt(const Adjacency& adjacency, const SurfacePoint& point, Poll& poll)
+      : adjacency_(adjacency), position_(position_of(adjacency.mesh(), point)), poll_(poll) {
+    reach(point, kNone);
+  }
+
+  // Finds the next faces; false if there are none.
+  bool go_on() {
+    if (next_ == steps_.size() || poll_.stopped()) return false;
+    const std::uint32_t step = next_++;
+    for (std::uint32_t side = 0; side < 3; ++side) {
+      const SurfacePoint closest = closest_on_side(steps_[step].face, side);
+      if (distance(position_of(adjacency_.mesh(), closest), position_) <= width_of(step)) {
+        reach(closest, step);
+      }
+    }
+    return true;
+  }
+
+  // How many faces are found. They have numbers in the order in which they were.
+  [[nodiscard]] std::uint32_t count() const { return static_cast<std::uint32_t>(steps_.size()); }
+  [[nodiscard]] std::uint32_t face(std::uint32_t step) const { return steps_[step].face; }
+  // The face's number, or kNone.
+  [[nodiscard]] std::uint32_t step_of(std::uint32_t face) const {
+    const auto found = step_of_face_.find(face);
+    return found == step_of_face_.end() ? kNone : found->second;
+  }
+
+  // The places from the face of a step back to the point, without the point.
+  [[nodiscard]] std::vector<SurfacePoint> back_from(std::uint32_t step) const {
+    std::vector<SurfacePoint> places;
+    for (; steps_[step].before != kNone; step = steps_[step].before) {
+      places.push_back(steps_[step].place);
+    }
+    return places;
+  }
+
+ private:
+  struct Step {
+    std::uint32_t face;
+    SurfacePoint place;    // in this face, and in that of the step before
+    std::uint32_t before;  // kNone at the point itself
+  };
+
+  // Each vertex and each edge is gone over once, however many faces it has.
+  void reach(const SurfacePoint& place, std::uint32_t before) {
+    if (!gone_over_.insert(key_of(place)).second) return;
+    for (const SurfacePoint& there : in_all_faces(adjacency_, place)) {
+      if (poll_.cancelled() || !poll_.may_take(kBytesOfStep)) return;
+      const auto number = static_cast<std::uint32_t>(steps_.size());
+      if (step_of_face_.emplace(there.face, number).second) {
+        steps_.push_back({there.face, there, before});
+      }
+    }
+  }
+
+  [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> key_of(const SurfacePoint& place) const {
+    if (place.at_vertex()) return {place.vertex, place.vertex};
+    const Halfedge under = edge_under(place);
+    if (under == kNone) return {kNone, place.face};
+    const auto& corners = adjacency_.face(place.face).vertex;
+    const std::uint32_t c = corner_of(under);
+    return std::minmax({corners[c], corners[next_corner(c)]});
+  }
+
+  [[nodiscard]] SurfacePoint closest_on_side(std::uint32_t face, std::uint32_t side) const {
+    const auto& corners = adjacency_.face(face).vertex;
+    const auto positions = adjacency_.mesh().positions();
+    const Vec3 begin = positions[corners[side]];
+    const Vec3 along = positions[corners[next_corner(side)]] - begin;
+    const double square = dot(along, along);
+    double t = square > 0 ? std::clamp(dot(position_ - begin, along) / square, 0.0, 1.0) : 0;
+    if (t < kSnap) t = 0;
+    if (t > 1 - kSnap) t = 1;
+    std::array<double, 3> bary{0, 0, 0};
+    bary[side] = 1 - t;
+    bary[next_corner(side)] = t;
+    return point_on_face(adjacency_, face, bary);
+  }
+
+  // What is no distance in the face of a step.
+  [[nodiscard]] double width_of(std::uint32_t step) const {
+    const auto positions = adjacency_.mesh().positions();
+    const auto& corners = adjacency_.face(steps_[step].face).vertex;
+    double longest = 0;
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      longest =
+          std::max(longest, distance(positions[corners[c]], positions[corners[next_corner(c)]]));
+    }
+    return kSnap * longest;
+  }
+
+  const Adjacency& adjacency_;
+  Vec3 position_;
+  Poll& poll_;
+  std::vector<Step> steps_;
+  std::uint32_t next_ = 0;
+  std::map<std::uint32_t, std::uint32_t> step_of_face_;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> gone_over_;
+};
+
+// The points that a line has left out between two of it; none if there are none.
+std::vector<SurfacePoint> cross_flat_faces(const Adjacency& adjacency, const SurfacePoint& a,
+                                           const SurfacePoint& b, Poll& poll) {
+  FacesAt from(adjacency, a, poll);
+  while (from.go_on()) {
+  }
+  FacesAt to(adjacency, b, poll);
+  std::uint32_t step = 0;
+  do {
+    for (; step < to.count(); ++step) {
+      const std::uint32_t met = from.step_of(to.face(step));
+      if (met == kNone) continue;
+      std::vector<SurfacePoint> places = from.back_from(met);
+      std::reverse(places.begin(), places.end());
+      const std::vector<SurfacePoint> rest = to.back_from(step);
+      places.insert(places.end(), rest.begin(), rest.end());
+      return places;
+    }
+  } while (to.go_on());
+  return {};
+}
+
+}  // namespace
+
+std::vector<SurfacePoint> with_flat_faces(const Adjacency& adjacency,
+                                          const std::vector<SurfacePoint>& line, Poll& poll) {
+  std::vector<SurfacePoint> whole;
+  if (!poll.may_take(line.size() * sizeof(SurfacePoint))) return whole;
+  whole.reserve(line.size());
+  for (const SurfacePoint& point : line) {
+    if (poll.cancelled()) break;
+    if (!whole.empty() && face_in_common(adjacency, whole.back(), point, poll) == kNone) {
+      const std::vector<SurfacePoint> left_out =
+          cross_flat_faces(adjacency, whole.back(), point, poll);
+      if (!poll.may_take(2 * left_out.size() * sizeof(SurfacePoint))) break;
+      whole.insert(whole.end(), left_out.begin(), left_out.end());
+    }
+    whole.push_back(point);
+  }
+  return whole;
+}
+
+}  // namespace geodesic
