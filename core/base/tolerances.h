@@ -145,6 +145,9 @@ inline constexpr double kTouch = 1e-13;
 // The least width of a window; of the shorter of its edge and its rays in `exact`, of the edge and
 // in radians as seen from the source in `chen_han`.
 inline constexpr double kLeastWidth = 1e-12;
+// Of a face's longest side: from a source that is nearer to a corner, the windows that go round the
+// corner may be too narrow to be kept. So what comes to the corner bends there too.
+inline constexpr double kBesideCorner = 1e-6;
 // Gaps below this need not be looked into: what is in them is no farther than from their ends.
 inline constexpr double kLeastGap = 1e-9;
 // Windows of one source that are no farther apart may be one, if it makes no difference …

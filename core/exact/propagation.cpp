@@ -147,6 +147,7 @@ void Propagation::start(const Source& source, std::uint32_t number) {
     const std::uint32_t pseudo_source = add_pseudo_source({source.offset, kNone, number});
     for (const SurfacePoint& place : in_all_faces(adjacency_, source.point)) {
       if (poll_.cancelled()) return;
+      bend_at_corners_of(place);
       domain.send_inside(adjacency_.mesh(), place, pseudo_source);
     }
   } else if (source.offset < state_.distance[v]) {
@@ -158,6 +159,21 @@ void Propagation::start(const Source& source, std::uint32_t number) {
     domain.send_everywhere(v, add_pseudo_source({source.offset, kNone, number}));
   }
   for (Domain& each : domains_) each.take_in(std::span(domains_).first(1), poll_);
+}
+
+void Propagation::bend_at_corners_of(const SurfacePoint& place) {
+  const Mesh& mesh = adjacency_.mesh();
+  const auto& corners = adjacency_.face(place.face).vertex;
+  double longest = 0;
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    longest = std::max(
+        longest, distance(mesh.positions()[corners[c]], mesh.positions()[corners[next_corner(c)]]));
+  }
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    if (distance_to_corner(mesh, place, c) <= tolerance::kBesideCorner * longest) {
+      memory_.shared.bends[corners[c]] = Bends::everywhere;
+    }
+  }
 }
 
 bool Propagation::step() {

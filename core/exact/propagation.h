@@ -110,6 +110,8 @@ class Propagation {
   [[nodiscard]] std::uint64_t propagated() const;
 
  private:
+  // What comes to a corner right beside a source goes on in every direction.
+  void bend_at_corners_of(const SurfacePoint& place);
   [[nodiscard]] std::uint32_t add_pseudo_source(const PseudoSource& pseudo_source);
   void make_room_for_pseudo_sources();
   void forget_room_for_pseudo_sources();

@@ -3,6 +3,12 @@
 #include <algorithm>
 
 namespace geodesic {
+namespace {
+
+// Of the largest weight. Positions have no more digits.
+constexpr double kNoWeight = 1e-13;
+
+}  // namespace
 
 SurfacePoint point_at_vertex(const Adjacency& adjacency, std::uint32_t vertex) {
   SurfacePoint point;
@@ -21,6 +27,9 @@ SurfacePoint point_on_face(const Adjacency& adjacency, std::uint32_t face,
   // Divided by the largest first, so that neither the sum nor a part overflows.
   const double largest = std::max({bary[0], bary[1], bary[2]});
   for (double& weight : bary) weight /= largest;
+  for (double& weight : bary) {
+    if (weight < kNoWeight) weight = 0;
+  }
   const double sum = bary[0] + bary[1] + bary[2];
   for (double& weight : bary) weight /= sum;
   SurfacePoint point{face, bary, kNone};

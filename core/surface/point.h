@@ -27,7 +27,7 @@ struct SurfacePoint {
 
 // A point of a face; weights that leave only one corner make it that vertex.
 // The weights must be finite, not negative, and not all zero; they are divided
-// by their sum.
+// by their sum. One below 1e-13 of the largest is rounding, and taken as zero.
 [[nodiscard]] SurfacePoint point_on_face(const Adjacency& adjacency, std::uint32_t face,
                                          std::array<double, 3> bary);
 

@@ -1,6 +1,8 @@
 // Distances from curves in a plane, where their closed form is known.
 #include <doctest/doctest.h>
 
+#include <array>
+#include <cmath>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -75,6 +77,41 @@ TEST_CASE("PlanarCurvesHaveTheDistancesOfTheClosedForm") {
         CHECK(to_polyline(path->points.front().position, made.line, made.is_closed) < kBeside);
       }
       CHECK(worst < kBeside);
+    }
+  }
+}
+
+TEST_CASE("CurvesNextToSidesAndCornersHaveTheDistancesOfTheClosedForm") {
+  std::mt19937 random(test_seed() + 3);
+  // From what rounding leaves up to what is seen.
+  const auto small = [&] {
+    return random() % 4 == 0 ? 0 : std::pow(10.0, -6 - static_cast<double>(random() % 120) / 10);
+  };
+  for (int round = 0; round < 150; ++round) {
+    CAPTURE(round);
+    const Surface surface(turned_plane(4 + random() % 4, 4 + random() % 4, random));
+    const Mesh& mesh = surface.mesh();
+    const auto face = static_cast<std::uint32_t>(random() % mesh.face_count());
+    const std::size_t side = random() % 3;
+    const auto beside = [&] {
+      std::array<double, 3> bary{};
+      const double along =
+          random() % 4 == 0 ? small() : static_cast<double>(random() % 1000) / 1000;
+      bary[side] = along;
+      bary[(side + 1) % 3] = 1 - along;
+      bary[(side + 2) % 3] = small();
+      return point_on_face(surface.adjacency(), face, bary);
+    };
+    const std::vector<SurfacePoint> points{beside(), beside()};
+    const std::vector<Vec3> line{position_of(mesh, points[0]), position_of(mesh, points[1])};
+    LineQuestion question(surface);
+    (void)question.curve(points, false);
+    for (const Method method : {Method::exact, Method::chen_han}) {
+      const Field field = question.field(method);
+      for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+        CHECK(std::abs(field.distance[v] - to_polyline(mesh.positions()[v], line, false)) <
+              kBeside);
+      }
     }
   }
 }
