@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,6 +27,11 @@ class ObjReader {
     if (!soup) return fail(std::move(soup.error()));
     DecodedMesh mesh = mesh_of_one_part(MeshFormat::obj, std::move(*soup), name_);
     mesh.findings = findings.done();
+    mesh.materials = std::move(materials_);
+    if (const auto& runs = mesh.materials.runs;
+        runs.size() == 1 && runs[0].material != kNoMaterial) {
+      mesh.parts[0].material = runs[0].material;
+    }
     return mesh;
   }
 
@@ -35,6 +41,8 @@ class ObjReader {
     if (keyword == "f" || keyword == "fo") return face();
     if (keyword == "o" && name_.empty()) {
       name_ = std::string(tokens_.word_on_line().substr(0, 128));
+    } else if (keyword == "usemtl") {
+      use_material(tokens_.words_on_line());
     } else if (keyword == "l" || keyword == "p") {
       findings_.add("points_or_lines", tokens_.line(), "draws points or lines, which are left out");
     } else if (keyword == "curv" || keyword == "curv2" || keyword == "surf") {
@@ -58,6 +66,21 @@ class ObjReader {
     return soup_.add_vertex({xyz[0], xyz[1], xyz[2]});
   }
 
+  // Of the faces that follow. Names may have blanks in them, as programs write them.
+  void use_material(std::string_view name) {
+    material_ = kNoMaterial;
+    if (name.empty()) return;
+    if (const auto known = places_.find(name); known != places_.end()) {
+      material_ = known->second;
+      return;
+    }
+    // Those behind the first kMostMaterials are not told apart.
+    material_ = static_cast<std::uint32_t>(places_.size());
+    if (places_.size() == kMostMaterials) return;
+    places_.emplace(name, material_);
+    materials_.add_name(name);
+  }
+
   Result<void> face() {
     corners_.clear();
     for (auto word = tokens_.word_on_line(); !word.empty() && word[0] != '#';
@@ -75,6 +98,7 @@ class ObjReader {
     if (corners_.size() < 3) {
       return invalid("the face has " + std::to_string(corners_.size()) + " corners.");
     }
+    materials_.add_faces(corners_.size() - 2, material_);  // it becomes so many triangles
     return soup_.add_face(corners_);
   }
 
@@ -83,6 +107,9 @@ class ObjReader {
   Findings findings_;
   std::string name_;
   std::vector<std::uint32_t> corners_;
+  FaceMaterials materials_;
+  std::uint32_t material_ = kNoMaterial;
+  std::map<std::string_view, std::uint32_t> places_;  // of materials, by names in the text
 };
 
 }  // namespace

@@ -54,6 +54,7 @@ class Assembly {
     mesh.soup.positions.resize(room_.vertices);
     mesh.soup.faces.resize(room_.faces);
     mesh.parts.reserve(std::min(parts_, kMostParts));
+    mesh.materials.names = document_.material_names;
     Cursor cursor;
     for (const GltfInstance& instance : *instances) {
       if (const auto done = write(instance, mesh, cursor); !done) return fail(done.error());
@@ -146,13 +147,29 @@ class Assembly {
                       cursor.vertex,
                       geometry->vertices,
                       cursor.face,
-                      geometry->faces};
+                      geometry->faces,
+                      material_of(primitive, instance.mesh, i)};
+        mesh.materials.add_faces(part.face_count, part.material < 0
+                                                      ? kNoMaterial
+                                                      : static_cast<std::uint32_t>(part.material));
         mesh.add_part(std::move(part), node.name.empty() ? source.name : node.name);
       }
       cursor.vertex += geometry->vertices;
       cursor.face += geometry->faces;
     }
     return {};
+  }
+
+  // Its place among the file's; -1: none.
+  [[nodiscard]] std::int64_t material_of(const GltfPrimitive& primitive, std::size_t mesh,
+                                         std::size_t index) {
+    if (!primitive.material) return -1;
+    if (*primitive.material < document_.materials) {
+      return static_cast<std::int64_t>(*primitive.material);
+    }
+    findings_.add("material_not_there", name_of_primitive(mesh, index),
+                  "names a material that the file does not have, and is taken to have none");
+    return -1;
   }
 
   Result<void> write_positions(const GltfGeometry& geometry, const GltfPrimitive& primitive,

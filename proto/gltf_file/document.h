@@ -89,6 +89,7 @@ struct GltfPrimitive {
   std::optional<std::size_t> position;
   std::optional<std::size_t> indices;
   std::optional<GltfDraco> draco;
+  std::optional<std::size_t> material;  // not proved to be there: geometry does not depend on it
   // Of each morph target the accessor of what it adds to the positions, if it does.
   std::vector<std::optional<std::size_t>> targets;
 };
@@ -121,6 +122,8 @@ struct GltfDocument {
   std::vector<GltfBufferView> views;
   std::vector<GltfAccessor> accessors;
   std::vector<GltfMesh> meshes;
+  std::vector<std::string> material_names;  // the first kMostMaterials
+  std::size_t materials = 0;                // of the file
   std::vector<GltfNode> nodes;
   std::vector<std::vector<std::size_t>> scenes;  // root nodes of each
   std::vector<std::string> scene_names;

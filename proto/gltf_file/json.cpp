@@ -28,6 +28,7 @@ class Reduction {
   Result<ReducedGltf> run(json root) {
     if (!asset(root) || !extensions(root) || !arrays(root) || !buffers(root))
       return checks_.failed();
+    materials(root);
     if (!views(root) || !accessors(root) || !meshes(root) || !nodes(root) || !scenes(root)) {
       return checks_.failed();
     }
@@ -208,6 +209,28 @@ class Reduction {
            checks_.whole(values, "byteOffset", 0, kGltfMaxInt, place);
   }
 
+  // What they are called is all that is kept. Nothing that is wrong with them is a reason to refuse
+  // a mesh.
+  void materials(json& root) {
+    const auto it = root.find("materials");
+    if (it == root.end() || !it->is_array()) return;
+    out_.materials = it->size();
+    for (std::size_t i = 0; i < std::min(out_.materials, kMostMaterials); ++i) {
+      const json& one = (*it)[i];
+      const bool is_named = one.is_object() && one.contains("name") && one["name"].is_string();
+      out_.material_names.push_back(is_named ? told_name(one["name"].get_ref<const std::string&>())
+                                             : std::string());
+    }
+  }
+
+  // A number that is no material's stands for one that is not there.
+  static void material(json& primitive) {
+    const auto it = primitive.find("material");
+    if (it == primitive.end()) return;
+    make_whole(*it);
+    if (!it->is_number_unsigned() || it->get<std::uint64_t>() > kGltfMaxInt) *it = kGltfMaxInt;
+  }
+
   bool meshes(json& root) {
     out_.meshes = size_of(root, "meshes");
     for (std::size_t i = 0; i < out_.meshes; ++i) {
@@ -245,7 +268,8 @@ class Reduction {
     keep_members(*attributes, {"POSITION"});
     if (primitive.contains("targets") && !targets(primitive["targets"], place)) return false;
     if (!reduce_draco(primitive, place, out_.absent_view, checks_)) return false;
-    keep_members(primitive, {"attributes", "indices", "mode", "targets", "extensions"});
+    material(primitive);
+    keep_members(primitive, {"attributes", "indices", "mode", "targets", "extensions", "material"});
     return true;
   }
 

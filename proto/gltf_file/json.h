@@ -25,6 +25,8 @@ struct ReducedGltf {
   std::vector<GltfBuffer> buffers;
   std::map<std::size_t, GltfMeshopt> meshopt;
   std::map<std::size_t, GltfInstancing> instancing;
+  std::vector<std::string> material_names;  // the first kMostMaterials
+  std::size_t materials = 0;                // of the file
   bool has_rtc_center = false;
   // An accessor without a buffer view refers to this one, one past the file's
   // own: tinygltf refuses such accessors where Draco or sparse ones have them.

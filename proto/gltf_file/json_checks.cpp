@@ -25,12 +25,7 @@ bool GltfChecks::whole(json& object, const char* key, std::uint64_t low, std::ui
   if (it == object.end()) {
     return !required || invalid(place.text() + " has no `" + key + "`.");
   }
-  if (it->is_number_float()) {  // 10.0 is a whole number too
-    const double value = it->get<double>();
-    if (value >= 0 && value < static_cast<double>(kGltfMaxBytes) && value == std::floor(value)) {
-      *it = static_cast<std::uint64_t>(value);
-    }
-  }
+  make_whole(*it);
   if (!it->is_number_unsigned() || it->get<std::uint64_t>() < low ||
       it->get<std::uint64_t>() > high) {
     return invalid(place.text() + ": `" + key + "` is not a whole number from " +
@@ -77,6 +72,14 @@ bool GltfChecks::any_numbers(const json& object, const char* key, const GltfPlac
   if (it == object.end()) return true;
   const bool good = it->is_array() && std::ranges::all_of(*it, is_finite_number);
   return good || invalid(place.text() + ": `" + key + "` is not an array of numbers.");
+}
+
+void make_whole(nlohmann::json& value) {
+  if (!value.is_number_float()) return;
+  const double number = value.get<double>();
+  if (number >= 0 && number < static_cast<double>(kGltfMaxBytes) && number == std::floor(number)) {
+    value = static_cast<std::uint64_t>(number);
+  }
 }
 
 std::string quotable(const std::string& text) {

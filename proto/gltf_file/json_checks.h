@@ -69,6 +69,9 @@ class GltfChecks {
 // The message about a name that comes twice in one object, which readers take to mean either.
 [[nodiscard]] std::string repeated_name(const std::string& name);
 
+// 10.0 is a whole number too, and becomes 10. Leaves alone what is none.
+void make_whole(nlohmann::json& value);
+
 // Erases all other members of an object.
 void keep_members(nlohmann::json& object, std::initializer_list<const char*> keys);
 

@@ -69,6 +69,7 @@ GltfPrimitive convert(const tinygltf::Primitive& from) {
   GltfPrimitive primitive;
   primitive.mode = from.mode;
   primitive.indices = reference(from.indices);
+  primitive.material = reference(from.material);
   for (const auto& target : from.targets) {
     const auto it = target.find("POSITION");
     primitive.targets.push_back(it == target.end() ? std::nullopt : reference(it->second));
@@ -108,6 +109,8 @@ Result<GltfDocument> convert(const tinygltf::Model& model, ReducedGltf reduced) 
   GltfDocument document;
   document.buffers = std::move(reduced.buffers);
   document.has_rtc_center = reduced.has_rtc_center;
+  document.material_names = std::move(reduced.material_names);
+  document.materials = reduced.materials;
   for (std::size_t i = 0; i < reduced.absent_view; ++i) {
     document.views.push_back(convert(model.bufferViews[i]));
   }

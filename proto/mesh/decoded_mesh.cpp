@@ -24,9 +24,14 @@ std::string_view name_of(MeshFormat format) {
   return "";
 }
 
+std::string told_name(std::string_view name) {
+  // Cut first, so that no more is looked at than is kept; what is no UTF-8 may get longer.
+  return cut_to(as_utf8(cut_to(name, kMostNameBytes)), kMostNameBytes);
+}
+
 void DecodedMesh::add_part(MeshPart part, std::string_view name) {
   if (++part_count > kMostParts) return;
-  part.name = cut_to(name, kMostNameBytes);
+  part.name = told_name(name);
   parts.push_back(std::move(part));
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/mesh/triangle_soup.h"
+#include "proto/mesh/face_materials.h"
 #include "proto/mesh/findings.h"
 
 namespace geodesic::proto {
@@ -38,6 +39,7 @@ struct MeshPart {
   std::uint64_t vertex_count = 0;
   std::uint64_t first_face = 0;
   std::uint64_t face_count = 0;
+  std::int64_t material = -1;  // of all its faces, its place in the file; -1: none, or several
 };
 
 // Of a file's parts, those that are kept and told of: the first ones. A file of megabytes can
@@ -46,11 +48,15 @@ inline constexpr std::size_t kMostParts = 10'000;
 // Of a name in a file.
 inline constexpr std::size_t kMostNameBytes = 200;
 
+// Such a name as clients read it and say it again: UTF-8, cut to kMostNameBytes.
+[[nodiscard]] std::string told_name(std::string_view name);
+
 struct DecodedMesh {
   MeshFormat format = MeshFormat::glb;
-  TriangleSoup soup;              // in source-vertex order, node transforms applied
-  std::vector<MeshPart> parts;    // the first kMostParts
-  std::uint64_t part_count = 0;   // of the file
+  TriangleSoup soup;             // in source-vertex order, node transforms applied
+  std::vector<MeshPart> parts;   // the first kMostParts
+  std::uint64_t part_count = 0;  // of the file
+  FaceMaterials materials;
   std::vector<Finding> findings;  // what was ignored or taken otherwise
 
   // Counts a part, and keeps it under that name if it is one of the first.

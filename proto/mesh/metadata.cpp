@@ -56,23 +56,40 @@ ordered_json number_or_null(std::int64_t value) {
   return value < 0 ? ordered_json() : ordered_json(value);
 }
 
-// What parts take of a description, the rest is for all else.
-constexpr std::size_t kMostPartsBytes = kMostDescriptionBytes * 7 / 8;
+// What parts and materials take of a description together, the rest is for all else; and of it what
+// materials take, which come first.
+constexpr std::size_t kMostListedBytes = kMostDescriptionBytes * 7 / 8;
+constexpr std::size_t kMostMaterialBytes = kMostDescriptionBytes / 8;
 
-ordered_json parts_of(const DecodedMesh& decoded) {
+// Adds what they take to `bytes`.
+ordered_json materials_of(const DecodedMesh& decoded, std::size_t& bytes) {
+  ordered_json materials = ordered_json::array();
+  const std::vector<std::uint64_t> counts = decoded.materials.face_counts();
+  for (const std::string& name : decoded.materials.names) {
+    ordered_json told{{"name", name}, {"face_count", counts[materials.size()]}};
+    const std::size_t more = dumped(told).size() + 1;
+    if (bytes + more > kMostMaterialBytes) break;
+    bytes += more;
+    materials.push_back(std::move(told));
+  }
+  return materials;
+}
+
+// `bytes`: what is taken of kMostListedBytes already.
+ordered_json parts_of(const DecodedMesh& decoded, std::size_t bytes) {
   ordered_json parts = ordered_json::array();
-  std::size_t bytes = 0;
   for (const MeshPart& part : decoded.parts) {
     ordered_json told{{"node", number_or_null(part.node)},
                       {"mesh", number_or_null(part.mesh)},
                       {"primitive", number_or_null(part.primitive)},
-                      {"name", cut_to(part.name, kMostNameBytes)},
+                      {"name", part.name},
                       {"first_vertex", part.first_vertex},
                       {"vertex_count", part.vertex_count},
                       {"first_face", part.first_face},
-                      {"face_count", part.face_count}};
+                      {"face_count", part.face_count},
+                      {"material", number_or_null(part.material)}};
     bytes += dumped(told).size() + 1;
-    if (parts.size() == kMostParts || bytes > kMostPartsBytes) break;
+    if (parts.size() == kMostParts || bytes > kMostListedBytes) break;
     parts.push_back(std::move(told));
   }
   return parts;
@@ -89,6 +106,26 @@ ordered_json boundaries_told(std::span<const ToldBoundary> boundaries) {
   return told;
 }
 
+// A sentence for people and for programs.
+void add_finding(ordered_json& description, const char* code, std::uint64_t count,
+                 const std::string& text) {
+  description["warnings"].push_back(text);
+  description["report"].push_back(
+      {{"code", code}, {"count", count}, {"examples", ordered_json::array()}, {"text", text}});
+}
+
+// A description's members once it is known how many materials it lists.
+void tell_of_missing_materials(ordered_json& description, const FaceMaterials& materials) {
+  const std::size_t listed = description["materials"].size();
+  const std::uint64_t faces = materials.faces_beyond(listed);
+  if (faces == 0) return;
+  add_finding(description, "materials_not_listed", faces,
+              std::to_string(faces) +
+                  " faces have materials that are not listed: `materials` has "
+                  "the first " +
+                  std::to_string(listed) + ".");
+}
+
 // A description's members once it is known how many parts it lists.
 void tell_of_missing_parts(ordered_json& description, std::uint64_t part_count) {
   const std::size_t listed = description["parts"].size();
@@ -97,11 +134,7 @@ void tell_of_missing_parts(ordered_json& description, std::uint64_t part_count) 
                            std::to_string(part_count) + " parts are not listed: `parts` has the " +
                            "first " + std::to_string(listed) + ". All are in the mesh.";
   description["parts_total"] = part_count;
-  description["warnings"].push_back(text);
-  description["report"].push_back({{"code", "parts_not_listed"},
-                                   {"count", part_count - listed},
-                                   {"examples", ordered_json::array()},
-                                   {"text", text}});
+  add_finding(description, "parts_not_listed", part_count - listed, text);
 }
 
 tl::unexpected<Error> unreadable() {
@@ -145,6 +178,8 @@ std::string describe_mesh(std::string_view id, std::uint64_t bytes, const Import
   const TopologyReport& topology = adjacency.report();
   const std::string import = canonical_text(options);
   const Box& box = mesh.box();
+  std::size_t listed_bytes = 0;
+  ordered_json materials = materials_of(decoded, listed_bytes);
   ordered_json description{
       {"id", id},
       {"bytes", bytes},
@@ -162,10 +197,12 @@ std::string describe_mesh(std::string_view id, std::uint64_t bytes, const Import
        {{"min", {box.min.x, box.min.y, box.min.z}}, {"max", {box.max.x, box.max.y, box.max.z}}}},
       {"area", mesh.area()},
       {"mean_edge", topology.mean_edge},
-      {"parts", parts_of(decoded)},
+      {"parts", parts_of(decoded, listed_bytes)},
+      {"materials", std::move(materials)},
       {"warnings", warnings_of(decoded, mesh, topology)},
       {"report", report_of(decoded, adjacency)},
       {"unit", "mesh"}};
+  tell_of_missing_materials(description, decoded.materials);
   tell_of_missing_parts(description, decoded.part_count);
   return dumped(description);
 }
@@ -232,28 +269,35 @@ Result<ImportOptions> import_options_of(const std::string& description) {
   return unreadable();
 }
 
-Result<std::vector<std::pair<std::uint64_t, std::uint64_t>>> faces_of_parts(
-    const std::string& description) {
-  const ordered_json::parser_callback_t is_parts = [](int depth, ordered_json::parse_event_t event,
-                                                      ordered_json& value) {
-    return depth != 1 || event != ordered_json::parse_event_t::key || value == "parts";
+Result<ToldParts> parts_in(const std::string& description) {
+  const ordered_json::parser_callback_t is_wanted = [](int depth, ordered_json::parse_event_t event,
+                                                       ordered_json& value) {
+    return depth != 1 || event != ordered_json::parse_event_t::key || value == "parts" ||
+           value == "parts_total" || value == "materials";
   };
-  const auto object = ordered_json::parse(description, is_parts, /*allow_exceptions=*/false);
+  const auto object = ordered_json::parse(description, is_wanted, /*allow_exceptions=*/false);
   const auto parts = object.is_object() ? object.find("parts") : object.end();
   if (parts == object.end() || !parts->is_array()) return unreadable();
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> faces;
-  faces.reserve(parts->size());
+  ToldParts told;
+  told.parts.reserve(parts->size());
   for (const ordered_json& part : *parts) {
     if (!part.is_object()) return unreadable();
     const auto first = part.find("first_face");
     const auto count = part.find("face_count");
-    if (first == part.end() || count == part.end() || !first->is_number_unsigned() ||
-        !count->is_number_unsigned()) {
+    const auto name = part.find("name");
+    if (first == part.end() || count == part.end() || name == part.end() ||
+        !first->is_number_unsigned() || !count->is_number_unsigned() || !name->is_string()) {
       return unreadable();
     }
-    faces.emplace_back(first->get<std::uint64_t>(), count->get<std::uint64_t>());
+    told.parts.push_back({first->get<std::uint64_t>(), count->get<std::uint64_t>(),
+                          name->get_ref<const std::string&>()});
   }
-  return faces;
+  const auto total = object.find("parts_total");
+  const bool is_total = total != object.end() && total->is_number_unsigned();
+  told.total = is_total ? total->get<std::uint64_t>() : told.parts.size();
+  const auto materials = object.find("materials");
+  told.has_no_materials = materials != object.end() && materials->empty();
+  return told;
 }
 
 Result<std::string> with_state(const std::string& description, bool resident, bool prepared) {

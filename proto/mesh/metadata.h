@@ -8,7 +8,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "core/base/error.h"
@@ -32,9 +31,22 @@ struct ToldBoundary {
   bool is_closed = true;
 };
 
+// Of a part: its faces, which are in a row, and its name as clients read it.
+struct ToldPart {
+  std::uint64_t first_face;
+  std::uint64_t face_count;
+  std::string name;
+};
+
+struct ToldParts {
+  std::vector<ToldPart> parts;    // the first ones of the file
+  std::uint64_t total = 0;        // of the file
+  bool has_no_materials = false;  // it says so; older descriptions say nothing of materials
+};
+
 // The part that changes by a `name` alone, as a JSON object of kMostDescriptionBytes at most: of
-// very many parts the first ones, and a finding that says how many are left out. Of `decoded` all
-// but the soup; of `boundaries` the first kMostBoundaries.
+// very many parts and materials the first ones, and findings that say how many are left out. Of
+// `decoded` all but the soup; of `boundaries` the first kMostBoundaries.
 [[nodiscard]] std::string describe_mesh(std::string_view id, std::uint64_t bytes,
                                         const ImportOptions& options, const DecodedMesh& decoded,
                                         const Adjacency& adjacency,
@@ -54,9 +66,8 @@ struct ToldBoundary {
 // The name that it has, if any.
 [[nodiscard]] std::optional<std::string> name_in(const std::string& description);
 
-// The faces of each part that it lists: the first one, and how many. Errors: store_corrupt.
-[[nodiscard]] Result<std::vector<std::pair<std::uint64_t, std::uint64_t>>> faces_of_parts(
-    const std::string& description);
+// What it tells of the file's parts. Errors: store_corrupt.
+[[nodiscard]] Result<ToldParts> parts_in(const std::string& description);
 
 // That object, whose options have been read, with `state` and `prepared` added. Takes no longer
 // than a copy. Errors: store_corrupt.

@@ -50,6 +50,15 @@ class TextTokens {
     }
   }
 
+  // What is left of the line, without blanks at its ends.
+  std::string_view words_on_line() {
+    std::string_view found = rest_.substr(0, rest_.find_first_of("\r\n"));
+    rest_.remove_prefix(found.size());
+    while (!found.empty() && is_blank(found.front())) found.remove_prefix(1);
+    while (!found.empty() && is_blank(found.back())) found.remove_suffix(1);
+    return found;
+  }
+
   // Steps over what is left of the line. False at the end of the text.
   bool next_line() {
     const std::size_t end = rest_.find_first_of("\r\n");

@@ -1,8 +1,6 @@
 #include "proto/region/costs.h"
 
-#include <algorithm>
 #include <limits>
-#include <variant>
 
 #include "proto/wire/number.h"
 
@@ -21,10 +19,10 @@ bool Costs::are_lengths() const {
          walk.steepest == std::numeric_limits<double>::infinity();
 }
 
-bool Costs::names_parts() const {
-  return std::any_of(weights.begin(), weights.end(), [](const WeightedRegion& region) {
-    return std::holds_alternative<PartShape>(region.shape.what);
-  });
+NamedOfFile Costs::named_of_file() const {
+  NamedOfFile named;
+  for (const WeightedRegion& region : weights) named.add(region.shape);
+  return named;
 }
 
 std::string_view unit_of(const Costs& costs) {

@@ -34,7 +34,7 @@ struct Costs {
   // Whether ways cost what they are long.
   [[nodiscard]] bool are_lengths() const;
   [[nodiscard]] bool have_weights() const { return !face_weights.empty() || !weights.empty(); }
-  [[nodiscard]] bool names_parts() const;
+  [[nodiscard]] NamedOfFile named_of_file() const;
 };
 
 // In what costs are: "seconds" by Tobler's function, "length" in mesh units if there is no slope,

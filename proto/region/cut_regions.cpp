@@ -14,9 +14,9 @@ namespace {
 using Faces = std::vector<std::uint8_t>;
 
 // All shapes but insides, whose faces are split first.
-Result<void> mark_all(const std::vector<Shape>& region, const Mesh& mesh,
-                      std::span<const PartFaces> parts, Faces& faces, Poll& poll) {
-  FaceMarker<std::uint8_t> marker(mesh, parts, faces, poll);
+Result<void> mark_all(const std::vector<Shape>& region, const Mesh& mesh, const FileFaces& file,
+                      Faces& faces, Poll& poll) {
+  FaceMarker<std::uint8_t> marker(mesh, file, faces, poll);
   for (const Shape& shape : region) {
     if (std::holds_alternative<InsideShape>(shape.what)) continue;
     if (auto marked = marker.mark(shape, 1); !marked) return marked;
@@ -27,17 +27,17 @@ Result<void> mark_all(const std::vector<Shape>& region, const Mesh& mesh,
 }  // namespace
 
 Result<RegionFaces> faces_of_regions(const Mesh& whole, const Regions& regions,
-                                     std::span<const PartFaces> parts, const Cancel& cancel) {
+                                     const FileFaces& file, const Cancel& cancel) {
   Poll poll(cancel);
   RegionFaces faces;
   polled_assign(faces.within, whole.source_face_count(), std::uint8_t{regions.within.empty()},
                 poll);
   polled_assign(faces.forbid, whole.source_face_count(), std::uint8_t{0}, poll);
   if (poll.stopped()) return fail_stopped(poll);
-  if (auto kept = mark_all(regions.within, whole, parts, faces.within, poll); !kept) {
+  if (auto kept = mark_all(regions.within, whole, file, faces.within, poll); !kept) {
     return fail(std::move(kept.error()));
   }
-  if (auto taken = mark_all(regions.forbid, whole, parts, faces.forbid, poll); !taken) {
+  if (auto taken = mark_all(regions.forbid, whole, file, faces.forbid, poll); !taken) {
     return fail(std::move(taken.error()));
   }
   return faces;
@@ -52,20 +52,19 @@ Error nothing_left(const Regions& regions) {
 }
 
 Result<std::vector<std::uint8_t>> faces_of_shape(const Mesh& whole, const Shape& shape,
-                                                 std::span<const PartFaces> parts,
-                                                 const Cancel& cancel) {
+                                                 const FileFaces& file, const Cancel& cancel) {
   Poll poll(cancel);
   Faces marked;
   polled_assign(marked, whole.source_face_count(), std::uint8_t{0}, poll);
   if (poll.stopped()) return fail_stopped(poll);
-  FaceMarker<std::uint8_t> marker(whole, parts, marked, poll);
+  FaceMarker<std::uint8_t> marker(whole, file, marked, poll);
   if (auto done = marker.mark(shape, 1); !done) return fail(std::move(done.error()));
   return marked;
 }
 
-Result<Mesh> cut_regions(const Mesh& whole, const Regions& regions,
-                         std::span<const PartFaces> parts, const Cancel& cancel) {
-  auto faces = faces_of_regions(whole, regions, parts, cancel);
+Result<Mesh> cut_regions(const Mesh& whole, const Regions& regions, const FileFaces& file,
+                         const Cancel& cancel) {
+  auto faces = faces_of_regions(whole, regions, file, cancel);
   if (!faces) return fail(std::move(faces.error()));
   Faces& left = faces->within;
   Poll poll(cancel);

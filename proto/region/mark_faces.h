@@ -2,8 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -28,12 +28,11 @@ inline Vec3 centroid_of(const Mesh& mesh, std::uint32_t source) {
 template <class Value>
 class FaceMarker {
  public:
-  FaceMarker(const Mesh& mesh, std::span<const PartFaces> parts, std::vector<Value>& faces,
-             Poll& poll)
-      : mesh_(mesh), parts_(parts), faces_(faces), poll_(poll) {}
+  FaceMarker(const Mesh& mesh, const FileFaces& file, std::vector<Value>& faces, Poll& poll)
+      : mesh_(mesh), file_(file), faces_(faces), poll_(poll) {}
 
   // Gives `value` to the faces of a shape. Errors: index_out_of_range, value_out_of_range (an
-  // inside), cancelled.
+  // inside), those of parts_meant and materials_meant, cancelled.
   Result<void> mark(const Shape& shape, Value value) {
     value_ = value;
     parameter_ = &shape.parameter;
@@ -63,16 +62,35 @@ class FaceMarker {
   }
 
   Result<void> operator()(const PartShape& shape) {
-    if (shape.part >= parts_.size()) {
-      return fail_limit(ErrorCode::index_out_of_range,
-                        parts_.empty() ? "the mesh lists no parts" : "the mesh lists no such part",
-                        parts_.empty() ? 0 : parts_.size() - 1, shape.part, *parameter_ + ".part");
+    const auto parts = parts_meant(file_, shape, *parameter_ + ".part");
+    if (!parts) return fail(parts.error());
+    for (const std::size_t place : *parts) {
+      const ToldPart& part = file_.parts.parts[place];
+      for (std::uint64_t f = part.first_face;
+           f < faces_.size() && f - part.first_face < part.face_count; ++f) {
+        if (poll_.cancelled()) return fail_stopped(poll_);
+        faces_[f] = value_;
+      }
     }
-    const auto [first, count] = parts_[shape.part];
-    for (std::uint64_t f = first; f < faces_.size() && f - first < count; ++f) {
-      if (poll_.cancelled()) return fail_stopped(poll_);
-      faces_[f] = value_;
+    return {};
+  }
+
+  Result<void> operator()(const MaterialShape& shape) {
+    const auto meant = materials_meant(file_, shape, *parameter_ + ".material");
+    if (!meant) return fail(meant.error());
+    std::uint64_t next = 0;
+    const auto mark_until = [&](std::uint64_t end, std::uint32_t material) {
+      const bool is_meant = meant->has(material);
+      for (end = std::min<std::uint64_t>(end, faces_.size()); next < end; ++next) {
+        if (poll_.cancelled()) return;
+        if (is_meant) faces_[next] = value_;
+      }
+    };
+    if (file_.materials != nullptr) {
+      for (const MaterialRun& run : file_.materials->runs) mark_until(run.end, run.material);
     }
+    mark_until(faces_.size(), kNoMaterial);
+    if (poll_.stopped()) return fail_stopped(poll_);
     return {};
   }
 
@@ -107,7 +125,7 @@ class FaceMarker {
   }
 
   const Mesh& mesh_;
-  std::span<const PartFaces> parts_;
+  const FileFaces& file_;
   std::vector<Value>& faces_;
   Poll& poll_;
   Value value_ = 0;

@@ -66,9 +66,25 @@ Result<Shape> faces_of(const json& list, std::string parameter) {
 }
 
 Result<Shape> part_of(const json& value, std::string parameter) {
+  if (value.is_string()) return Shape{PartShape{value.get<std::string>()}, std::move(parameter)};
   const auto part = whole_number(value);
-  if (!part) return no_shape("\"part\" is not a whole number", parameter + ".part");
+  if (!part) {
+    return no_shape("\"part\" is neither a whole number nor a name", parameter + ".part");
+  }
   return Shape{PartShape{*part}, std::move(parameter)};
+}
+
+Result<Shape> material_of(const json& value, std::string parameter) {
+  if (value.is_null()) return Shape{MaterialShape{NoMaterial{}}, std::move(parameter)};
+  if (value.is_string()) {
+    return Shape{MaterialShape{value.get<std::string>()}, std::move(parameter)};
+  }
+  const auto material = whole_number(value);
+  if (!material) {
+    return no_shape("\"material\" is neither a whole number, nor a name, nor null",
+                    parameter + ".material");
+  }
+  return Shape{MaterialShape{*material}, std::move(parameter)};
 }
 
 Result<Shape> sphere_of(const json& sphere, std::string parameter) {
@@ -200,9 +216,10 @@ Result<Shape> parse_json_shape(const json& value, std::string parameter) {
     return parse_shape(value.get_ref<const std::string&>(), std::move(parameter));
   }
   if (!value.is_object()) return no_shape("a region is an object or a text", std::move(parameter));
-  constexpr std::array<std::pair<const char*, Result<Shape> (*)(const json&, std::string)>, 5>
+  constexpr std::array<std::pair<const char*, Result<Shape> (*)(const json&, std::string)>, 6>
       kKinds{{{"faces", faces_of},
               {"part", part_of},
+              {"material", material_of},
               {"sphere", sphere_of},
               {"box", box_of},
               {"inside", inside_of}}};
@@ -211,7 +228,7 @@ Result<Shape> parse_json_shape(const json& value, std::string parameter) {
     if (auto ok = check_members(value, {name}, parameter); !ok) return fail(ok.error());
     return shape_of(value[name], std::move(parameter));
   }
-  return no_shape(R"(a region has "faces", "part", "sphere", "box" or "inside")",
+  return no_shape(R"(a region has "faces", "part", "material", "sphere", "box" or "inside")",
                   std::move(parameter));
 }
 

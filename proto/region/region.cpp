@@ -36,6 +36,13 @@ void append_points(std::string& out, const std::vector<PointRequest>& points) {
   }
 }
 
+// Whatever a name has in it, what follows cannot be taken for a part of it.
+void append_name(std::string& out, const std::string& name) {
+  out += std::to_string(name.size());
+  out += ':';
+  out += name;
+}
+
 struct ShapeText {
   std::string& out;
 
@@ -50,7 +57,11 @@ struct ShapeText {
   }
   void operator()(const PartShape& shape) const {
     out += "part,";
-    out += std::to_string(shape.part);
+    append_place_or_name(shape.part);
+  }
+  void operator()(const MaterialShape& shape) const {
+    out += "material,";
+    append_place_or_name(shape.material);
   }
   void operator()(const SphereShape& shape) const {
     append_numbers(out, "sphere", {shape.center.x, shape.center.y, shape.center.z, shape.radius});
@@ -62,6 +73,18 @@ struct ShapeText {
   void operator()(const InsideShape& shape) const {
     out += "inside";
     append_points(out, shape.points);
+  }
+
+ private:
+  template <class PlaceOrName>
+  void append_place_or_name(const PlaceOrName& value) const {
+    if (const auto* place = std::get_if<std::uint64_t>(&value)) {
+      out += std::to_string(*place);
+    } else if (const auto* name = std::get_if<std::string>(&value)) {
+      append_name(out, *name);
+    } else {
+      out += "none";
+    }
   }
 };
 
@@ -77,13 +100,18 @@ bool is_inside_of_line(const Shape& shape) {
   return std::holds_alternative<InsideShape>(shape.what);
 }
 
-bool is_part(const Shape& shape) { return std::holds_alternative<PartShape>(shape.what); }
-
 }  // namespace
 
-bool Regions::names_parts() const {
-  return std::any_of(within.begin(), within.end(), is_part) ||
-         std::any_of(forbid.begin(), forbid.end(), is_part);
+void NamedOfFile::add(const Shape& shape) {
+  parts = parts || std::holds_alternative<PartShape>(shape.what);
+  materials = materials || std::holds_alternative<MaterialShape>(shape.what);
+}
+
+NamedOfFile Regions::named_of_file() const {
+  NamedOfFile named;
+  for (const Shape& shape : within) named.add(shape);
+  for (const Shape& shape : forbid) named.add(shape);
+  return named;
 }
 
 bool Regions::has_lines() const {

@@ -3,16 +3,24 @@
 //   in a URL                 in JSON
 //   faces:7,10-99            {"faces":[7,[10,99]]}                         source faces
 //   part:2                   {"part":2}                                    a part of the file
+//   part:roof                {"part":"roof"}                               all parts of that name
+//   material:3               {"material":3}                                faces of a material
+//   material:glass           {"material":"glass"}                          of all of that name
+//   material:none            {"material":null}                             faces without one
 //   sphere:X,Y,Z,R           {"sphere":{"center":[X,Y,Z],"radius":R}}      a ball in space
 //   box:X,Y,Z,X,Y,Z          {"box":{"min":[X,Y,Z],"max":[X,Y,Z]}}         a box in space
 //   inside:POINT;POINT;POINT {"inside":[POINT,POINT,POINT]}                what a line goes round
 // and a wall, which is a line that nothing crosses, POINT;POINT or {"points":[POINT,POINT]}; closed
 // if it ends with the point that it begins with.
-// JSON accepts the URL's text as well. Of a ball or a box, with its border, the region has the
-// faces whose centroids (the means of their corners) lie in it. Several shapes are their union.
-// Lines go from point to point straight in a face that has both, or by the shortest path. A line
-// that goes round leads back from its last point to the first; the largest of the parts into which
-// it divides the surface is outside, the others are inside, cut out of faces where it crosses them.
+// JSON accepts the URL's text as well. There, a name goes on to the end of the text. What is
+// written in digits is a number, and none is no material, unless it stands in double quotes:
+// material:"3" is what {"material":"3"} is. These are taken away from any name that begins and ends
+// with them, and all between them is the name as it is. Of a ball or a box, with its border, the
+// region has the faces whose centroids (the means of their corners) lie in it. Several shapes are
+// their union. Lines go from point to point straight in a face that has both, or by the shortest
+// path. A line that goes round leads back from its last point to the first; the largest of the
+// parts into which it divides the surface is outside, the others are inside, cut out of faces where
+// it crosses them.
 #pragma once
 
 #include <cstdint>
@@ -31,9 +39,16 @@ struct FaceRange {
   std::uint64_t last;
 };
 
-// By its place in the metadata's `parts`.
+// By its place in the metadata's `parts`, or all that have a name there.
 struct PartShape {
-  std::uint64_t part;
+  std::variant<std::uint64_t, std::string> part;
+};
+
+struct NoMaterial {};
+
+// By its place in the metadata's `materials`, or all that have a name there.
+struct MaterialShape {
+  std::variant<std::uint64_t, std::string, NoMaterial> material;
 };
 
 struct SphereShape {
@@ -51,8 +66,17 @@ struct InsideShape {
 };
 
 struct Shape {
-  std::variant<std::vector<FaceRange>, PartShape, SphereShape, BoxShape, InsideShape> what;
+  std::variant<std::vector<FaceRange>, PartShape, MaterialShape, SphereShape, BoxShape, InsideShape>
+      what;
   std::string parameter;  // where the client wrote it, such as "forbid[2]", for errors
+};
+
+// What shapes name that only the file tells.
+struct NamedOfFile {
+  bool parts = false;
+  bool materials = false;
+
+  void add(const Shape& shape);
 };
 
 struct Wall {
@@ -70,7 +94,7 @@ struct Regions {
   [[nodiscard]] bool is_everything() const {
     return within.empty() && forbid.empty() && walls.empty();
   }
-  [[nodiscard]] bool names_parts() const;
+  [[nodiscard]] NamedOfFile named_of_file() const;
   // Whether faces have to be split: there are walls or insides.
   [[nodiscard]] bool has_lines() const;
 };

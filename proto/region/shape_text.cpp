@@ -1,6 +1,8 @@
 // Shapes as a URL has them.
 #include <optional>
+#include <string>
 #include <utility>
+#include <variant>
 
 #include "proto/region/read_regions.h"
 #include "proto/region/shapes.h"
@@ -9,6 +11,18 @@
 
 namespace geodesic::proto {
 namespace {
+
+// 2, roof or "2" with its quotes (region.h); nothing if it is neither.
+std::optional<std::variant<std::uint64_t, std::string>> place_or_name(std::string_view text) {
+  if (text.empty()) return std::nullopt;
+  if (text.find_first_not_of("0123456789") == text.npos) {
+    const auto place = parse_whole(text);
+    if (!place) return std::nullopt;
+    return *place;
+  }
+  const bool is_quoted = text.size() > 1 && text.front() == '"' && text.back() == '"';
+  return std::string(is_quoted ? text.substr(1, text.size() - 2) : text);
+}
 
 tl::unexpected<Error> badly_written(const char* how, std::string parameter) {
   return fail(InputCode::bad_syntax, how, std::move(parameter));
@@ -59,10 +73,26 @@ Result<Wall> parse_wall(std::string_view text, std::string parameter) {
 Result<Shape> parse_shape(std::string_view text, std::string parameter) {
   if (text.starts_with("faces:")) return parse_faces(text.substr(6), std::move(parameter));
   if (text.starts_with("part:")) {
-    if (const auto part = parse_whole(text.substr(5))) {
-      return Shape{PartShape{*part}, std::move(parameter)};
+    if (auto part = place_or_name(text.substr(5))) {
+      return Shape{PartShape{std::move(*part)}, std::move(parameter)};
     }
-    return badly_written("a part is written part:NUMBER, such as part:2", std::move(parameter));
+    return badly_written(
+        "a part is written part:NUMBER or part:NAME, such as part:2, part:roof or part:\"2\"",
+        std::move(parameter));
+  }
+  if (text.starts_with("material:")) {
+    const std::string_view said = text.substr(9);
+    if (said == "none") return Shape{MaterialShape{NoMaterial{}}, std::move(parameter)};
+    if (auto material = place_or_name(said)) {
+      return Shape{
+          std::visit([](auto& value) { return MaterialShape{std::move(value)}; }, *material),
+          std::move(parameter)};
+    }
+    return badly_written(
+        "a material is written material:NUMBER, material:NAME or material:none, such as "
+        "material:3, "
+        "material:glass or material:\"3\"",
+        std::move(parameter));
   }
   if (text.starts_with("sphere:")) {
     const auto n = numbers_between_commas(text.substr(7));
@@ -88,7 +118,8 @@ Result<Shape> parse_shape(std::string_view text, std::string parameter) {
     return inside_shape(std::move(*points), std::move(parameter));
   }
   return badly_written(
-      "a region is written faces:FIRST-LAST, part:NUMBER, sphere:X,Y,Z,RADIUS, "
+      "a region is written faces:FIRST-LAST, part:NUMBER, part:NAME, material:NAME, "
+      "sphere:X,Y,Z,RADIUS, "
       "box:MINX,MINY,MINZ,MAXX,MAXY,MAXZ or inside:POINT;POINT;POINT",
       std::move(parameter));
 }

@@ -9,7 +9,7 @@
 namespace geodesic::proto {
 
 Result<std::vector<double>> weigh_faces(const Mesh& mesh, const Mesh& whole, const Costs& costs,
-                                        std::span<const PartFaces> parts, const Cancel& cancel) {
+                                        const FileFaces& file, const Cancel& cancel) {
   std::vector<double> of_source;
   std::vector<double> weights;
   if (!costs.have_weights()) return weights;
@@ -24,7 +24,7 @@ Result<std::vector<double>> weigh_faces(const Mesh& mesh, const Mesh& whole, con
   of_source = costs.face_weights;
   if (of_source.empty()) polled_assign(of_source, faces, 1.0, poll);
   if (poll.stopped()) return fail_stopped(poll);
-  FaceMarker<double> marker(whole, parts, of_source, poll);
+  FaceMarker<double> marker(whole, file, of_source, poll);
   for (const WeightedRegion& region : costs.weights) {
     if (auto marked = marker.mark(region.shape, region.weight); !marked) {
       return fail(std::move(marked.error()));

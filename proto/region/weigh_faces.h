@@ -1,7 +1,6 @@
 // The weights of a mesh's faces.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "core/base/cancel.h"
@@ -14,12 +13,10 @@ namespace geodesic::proto {
 
 // By face of `mesh`, 1 where nothing else is said; empty if that is everywhere. `whole`: the mesh
 // of the file, by whose faces shapes are; what regions have left of it, or lines have split, may be
-// `mesh`. `parts`: by their numbers. Asks the budget for 16 bytes a face. Errors:
-// index_out_of_range (a face or a part that there is not), value_out_of_range (not as many weights
-// as faces), cancelled.
+// `mesh`.  Asks the budget for 16 bytes a face. Errors:
+// those of faces_of_regions, and value_out_of_range (not as many weights as faces).
 [[nodiscard]] Result<std::vector<double>> weigh_faces(const Mesh& mesh, const Mesh& whole,
-                                                      const Costs& costs,
-                                                      std::span<const PartFaces> parts,
+                                                      const Costs& costs, const FileFaces& file,
                                                       const Cancel& cancel);
 
 }  // namespace geodesic::proto

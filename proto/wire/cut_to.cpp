@@ -18,10 +18,12 @@ std::string cut_to(std::string_view text, std::size_t most) {
   return std::string(text.substr(0, end)).append(kEllipsis);
 }
 
-bool is_utf8(std::string_view text) {
+std::string as_utf8(std::string_view text) {
   using nlohmann::json;
   const std::string replaced = json(text).dump(-1, ' ', false, json::error_handler_t::replace);
-  return json::parse(replaced) == text;
+  return json::parse(replaced).get<std::string>();
 }
+
+bool is_utf8(std::string_view text) { return as_utf8(text) == text; }
 
 }  // namespace geodesic::proto

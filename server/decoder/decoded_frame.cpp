@@ -130,7 +130,7 @@ void optional(Archive& archive, Value& value) {
 }
 
 // A part, a finding, a text and an attribute take no less than their counts and numbers do.
-constexpr std::size_t kLeastOfPart = 8 * sizeof(std::uint64_t);
+constexpr std::size_t kLeastOfPart = 9 * sizeof(std::uint64_t);
 constexpr std::size_t kLeastOfFinding = 4 * sizeof(std::uint64_t);
 constexpr std::size_t kLeastOfText = sizeof(std::uint64_t);
 constexpr std::size_t kLeastOfAttribute = 2 * sizeof(std::uint64_t);
@@ -145,6 +145,16 @@ void part_fields(Archive& archive, Part& part) {
   field(archive, part.vertex_count);
   field(archive, part.first_face);
   field(archive, part.face_count);
+  field(archive, part.material);
+}
+
+template <class Archive, class Materials>
+void material_fields(Archive& archive, Materials& materials) {
+  std::uint64_t names = materials.names.size();
+  field(archive, names);
+  archive.resize(materials.names, names, kLeastOfText);
+  for (auto& name : materials.names) array(archive, name);
+  array(archive, materials.runs);
 }
 
 template <class Archive, class Finding>
@@ -168,6 +178,7 @@ void mesh_fields(Archive& archive, Mesh& mesh) {
   archive.resize(mesh.parts, parts, kLeastOfPart);
   for (auto& part : mesh.parts) part_fields(archive, part);
   field(archive, mesh.part_count);
+  material_fields(archive, mesh.materials);
   std::uint64_t findings = mesh.findings.size();
   field(archive, findings);
   archive.resize(mesh.findings, findings, kLeastOfFinding);

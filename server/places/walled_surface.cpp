@@ -103,9 +103,9 @@ class LineCutter {
              const Cancel& cancel)
       : whole_(whole), regions_(regions), cancel_(cancel), finder_(whole, index, cancel) {}
 
-  Result<CutMesh> cut(std::span<const proto::PartFaces> parts) {
+  Result<CutMesh> cut(const proto::FileFaces& file) {
     // What is wrong with shapes is said before lines are searched for.
-    auto shapes = proto::faces_of_regions(whole_.mesh(), regions_, parts, cancel_);
+    auto shapes = proto::faces_of_regions(whole_.mesh(), regions_, file, cancel_);
     if (!shapes) return fail(std::move(shapes.error()));
     if (auto found = find_lines(); !found) return fail(std::move(found.error()));
     auto refined = refine_along(whole_, lines_, proto::kMaxLineVertices, cancel_);
@@ -211,9 +211,9 @@ bool has_searched_points(const proto::Regions& regions) {
 }
 
 Result<CutMesh> cut_lines(const Adjacency& whole, const ClosestPointIndex* index,
-                          const proto::Regions& regions, std::span<const proto::PartFaces> parts,
+                          const proto::Regions& regions, const proto::FileFaces& file,
                           const Cancel& cancel) {
-  return LineCutter(whole, index, regions, cancel).cut(parts);
+  return LineCutter(whole, index, regions, cancel).cut(file);
 }
 
 }  // namespace geodesic::server

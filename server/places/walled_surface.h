@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <span>
 
 #include "core/base/cancel.h"
 #include "core/base/error.h"
@@ -23,8 +22,7 @@ namespace geodesic::server {
 // value_out_of_range (no way between two points of a line; a line without an inside), too_large
 // (lines that cross too many edges), each naming the parameter; cancelled.
 [[nodiscard]] Result<CutMesh> cut_lines(const Adjacency& whole, const ClosestPointIndex* index,
-                                        const proto::Regions& regions,
-                                        std::span<const proto::PartFaces> parts,
+                                        const proto::Regions& regions, const proto::FileFaces& file,
                                         const Cancel& cancel);
 
 }  // namespace geodesic::server

@@ -123,17 +123,13 @@ Result<std::shared_ptr<const TravelCost>> FieldQueries::cost_of(const AskedSurfa
   const proto::Costs& costs = surface.costs();
   TravelCost::Parts walk = costs.walk;
   if (costs.have_weights()) {
-    std::vector<proto::PartFaces> parts;
-    if (costs.names_parts()) {
-      auto listed = catalog_.parts(surface.mesh(), caller.part(0, 0));
-      if (!listed) return fail(std::move(listed.error()));
-      parts = std::move(*listed);
-    }
+    const auto file = catalog_.file_faces(surface.mesh(), costs.named_of_file(), caller.part(0, 0));
+    if (!file) return fail(file.error());
     const auto whole = catalog_.adjacency(surface.mesh(), caller.part(0, 0));
     if (!whole) return fail(whole.error());
     auto weights = fields_.compute(
         [&](SolveScratch&, const Cancel& cancel) {
-          return proto::weigh_faces(mesh, (*whole)->mesh(), costs, parts, cancel);
+          return proto::weigh_faces(mesh, (*whole)->mesh(), costs, *file, cancel);
         },
         caller.part(0, 0));
     if (!weights) return fail(std::move(weights.error()));

@@ -80,21 +80,26 @@ std::string key_of_lines(const FieldSources& from, Poll& poll) {
   return digest.hex();
 }
 
+// That of a request of faces.
+Result<proto::Shape> shape_in(const proto::PointRequest& request) {
+  return proto::parse_json_shape(
+      nlohmann::json::parse(std::get<proto::FacesRequest>(request.where).shape), request.parameter);
+}
+
 }  // namespace
 
 // Adds one thing after the other to what a field starts from. In a compute slot.
 class FieldQueries::Place::LineBuilder {
  public:
   LineBuilder(const Place& place, const Mesh* whole, const std::vector<SurfacePoint>& points,
-              const std::vector<proto::ResolvedPoint>& echoes,
-              const std::vector<proto::PartFaces>& parts, SolveScratch& scratch,
-              SurfacePolyline* round, const Cancel& cancel)
+              const std::vector<proto::ResolvedPoint>& echoes, const proto::FileFaces& file,
+              SolveScratch& scratch, SurfacePolyline* round, const Cancel& cancel)
       : place_(place),
         whole_(whole),
         adjacency_(*place.adjacency()),
         points_(points),
         echoes_(echoes),
-        parts_(parts),
+        file_(file),
         scratch_(scratch),
         round_(round),
         cancel_(cancel),
@@ -185,9 +190,7 @@ class FieldQueries::Place::LineBuilder {
   }
 
   Result<void> add_faces_of(const proto::PointRequest& request, proto::ResolvedLines& made) {
-    const auto shape = proto::parse_json_shape(
-        nlohmann::json::parse(std::get<proto::FacesRequest>(request.where).shape),
-        request.parameter);
+    const auto shape = shape_in(request);
     if (!shape) return fail(shape.error());
     if (const auto* ranges = std::get_if<std::vector<proto::FaceRange>>(&shape->what)) {
       ranges_ += ranges->size();
@@ -199,7 +202,7 @@ class FieldQueries::Place::LineBuilder {
       }
     }
     const Mesh& mesh = adjacency_.mesh();
-    const auto marked = proto::faces_of_shape(*whole_, *shape, parts_, cancel_);
+    const auto marked = proto::faces_of_shape(*whole_, *shape, file_, cancel_);
     if (!marked) return fail(marked.error());
     std::vector<std::uint32_t> faces;
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
@@ -228,7 +231,7 @@ class FieldQueries::Place::LineBuilder {
   const Adjacency& adjacency_;
   const std::vector<SurfacePoint>& points_;
   const std::vector<proto::ResolvedPoint>& echoes_;
-  const std::vector<proto::PartFaces>& parts_;
+  const proto::FileFaces& file_;
   SolveScratch& scratch_;
   SurfacePolyline* const round_;
   const Cancel& cancel_;
@@ -258,15 +261,21 @@ Result<FieldSources> FieldQueries::Place::sources(const std::vector<proto::Point
     }
     return from;
   }
-  std::vector<proto::PartFaces> parts;
+  proto::FileFaces file;
   std::shared_ptr<const Adjacency> whole;  // shapes are by its faces, whatever walls have split
-  const bool has_faces = std::any_of(requests.begin(), requests.end(), [](const auto& request) {
-    return std::holds_alternative<proto::FacesRequest>(request.where);
-  });
+  bool has_faces = false;
+  proto::NamedOfFile named;
+  for (const proto::PointRequest& request : requests) {
+    if (!std::holds_alternative<proto::FacesRequest>(request.where)) continue;
+    const auto shape = shape_in(request);
+    if (!shape) return fail(shape.error());
+    has_faces = true;
+    named.add(*shape);
+  }
   if (has_faces) {
-    auto listed = queries_.catalog_.parts(surface_.mesh(), caller_.part(0, 0));
-    if (!listed) return fail(std::move(listed.error()));
-    parts = std::move(*listed);
+    auto told = queries_.catalog_.file_faces(surface_.mesh(), named, caller_.part(0, 0));
+    if (!told) return fail(std::move(told.error()));
+    file = std::move(*told);
     auto prepared = queries_.catalog_.adjacency(surface_.mesh(), caller_.part(0, 0));
     if (!prepared) return fail(std::move(prepared.error()));
     whole = std::move(*prepared);
@@ -275,7 +284,7 @@ Result<FieldSources> FieldQueries::Place::sources(const std::vector<proto::Point
       [&](SolveScratch& scratch, const Cancel& cancel) -> Result<FieldSources> {
         echo.clear();  // it may be run again
         LineBuilder builder(*this, whole != nullptr ? &whole->mesh() : nullptr, *found, echoes,
-                            parts, scratch, round, cancel);
+                            file, scratch, round, cancel);
         for (const proto::PointRequest& request : requests) {
           if (auto added = builder.add(request, echo); !added) return fail(added.error());
         }

@@ -32,6 +32,7 @@ std::span<const std::byte> as_bytes(const std::string& text) {
 
 // The keys of a surface in the cache of prepared things, by kind. They begin with the mesh's id.
 std::string adjacency_key(const std::string& surface) { return surface + "/adjacency"; }
+std::string materials_key(const std::string& mesh) { return mesh + "/materials"; }
 std::string closest_points_key(const std::string& surface) { return surface + "/closest_points"; }
 
 // An adjacency holds on to its mesh, which the mesh cache may have dropped.
@@ -41,6 +42,9 @@ std::size_t bytes_of(const PreparedSurface& surface) {
 }
 std::size_t bytes_of(const std::shared_ptr<const ClosestPointIndex>& index) {
   return index->bytes();
+}
+std::size_t bytes_of(const std::shared_ptr<const proto::FaceMaterials>& materials) {
+  return materials->bytes();
 }
 
 // Embree takes one of the process's 1,024 keys of threads for each index. Without any left, nobody
@@ -85,9 +89,9 @@ MeshCatalog::MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimit
                 [this](const Prepared& prepared) {
                   const std::size_t bytes =
                       std::visit([](const auto& value) { return bytes_of(value); }, prepared);
-                  return std::holds_alternative<PreparedSurface>(prepared)
-                             ? bytes
-                             : std::max(bytes, least_index_bytes_.load());
+                  return std::holds_alternative<std::shared_ptr<const ClosestPointIndex>>(prepared)
+                             ? std::max(bytes, least_index_bytes_.load())
+                             : bytes;
                 }),
       uploads_(0, [](const Upload&) { return std::size_t{1}; }) {}
 
@@ -151,6 +155,7 @@ Result<MeshCatalog::Upload> MeshCatalog::add(std::string bytes, const proto::Imp
               return std::make_shared<const Prepared>(PreparedSurface{described->adjacency, {}});
             });
         keep_prepared(id, described->adjacency);
+        keep_materials(id, std::move(described->materials), caller);
         return std::make_shared<const Upload>(Upload{id, std::move(*complete), true});
       },
       caller);
@@ -172,12 +177,18 @@ Result<void> MeshCatalog::make_sure(const std::string& id, std::string_view byte
   return store_.put(id, bytes, **description);
 }
 
+Result<proto::DecodedMesh> MeshCatalog::decode(const std::string& bytes,
+                                               const proto::ImportOptions& options,
+                                               const Caller& caller) {
+  const auto limits = decode_limits_.get();
+  return decoders_ != nullptr ? decoders_->decode(bytes, *limits, options, caller)
+                              : proto::decode_mesh(as_bytes(bytes), *limits, options);
+}
+
 Result<MeshCatalog::Built> MeshCatalog::build(const std::string& bytes,
                                               const proto::ImportOptions& options,
                                               const Caller& caller) {
-  const auto limits = decode_limits_.get();
-  auto decoded = decoders_ != nullptr ? decoders_->decode(bytes, *limits, options, caller)
-                                      : proto::decode_mesh(as_bytes(bytes), *limits, options);
+  auto decoded = decode(bytes, options, caller);
   if (!decoded) return fail(std::move(decoded.error()));
   const Caller rest = caller.part(kDecoding, 1);
   if (options.weld_tolerance > 0) {
@@ -232,7 +243,8 @@ Result<MeshCatalog::Described> MeshCatalog::describe(const std::string& id,
   if (poll.stopped()) return fail_stopped(poll);
   std::string description =
       proto::describe_mesh(id, bytes.size(), options, built->decoded, *adjacency, boundaries);
-  return Described{std::move(built->mesh), std::move(adjacency), std::move(description)};
+  return Described{std::move(built->mesh), std::move(adjacency), std::move(description),
+                   std::move(built->decoded.materials)};
 }
 
 Result<std::string> MeshCatalog::metadata(const std::string& id, const Caller& caller) {
@@ -372,14 +384,16 @@ Result<std::shared_ptr<const Mesh>> MeshCatalog::load_mesh(const std::string& id
         if (!bytes) return fail(bytes.error());
         const auto options = options_of(id);
         if (!options) return fail(options.error());
-        return pool_.run(
-            [&](Worker&) -> Result<std::shared_ptr<const Mesh>> {
-              auto built = step("decode", Stage::load, caller,
-                                [&] { return build(*bytes, *options, caller); });
-              if (!built) return fail(std::move(built.error()));
-              return built->mesh;
+        auto built = pool_.run(
+            [&](Worker&) {
+              return step("decode", Stage::load, caller,
+                          [&] { return build(*bytes, *options, caller); });
             },
             caller);
+        if (!built) return fail(std::move(built.error()));
+        // Not in a compute slot: it may wait for who is making them in one.
+        keep_materials(id, std::move(built->decoded.materials), caller);
+        return std::move(built->mesh);
       },
       caller);
   if (!mesh) return fail(std::move(mesh.error()));
@@ -433,22 +447,63 @@ Result<std::shared_ptr<const Adjacency>> MeshCatalog::whole(const std::string& i
   return mapped;
 }
 
-Result<std::vector<proto::PartFaces>> MeshCatalog::parts(const std::string& id,
-                                                         const Caller& caller) {
+Result<proto::FileFaces> MeshCatalog::file_faces(const std::string& id, proto::NamedOfFile named,
+                                                 const Caller& caller) {
+  proto::FileFaces file;
+  if (!named.parts && !named.materials) return file;
   const auto description = metadata(id, caller);
   if (!description) return fail(description.error());
-  return proto::faces_of_parts(*description);
+  auto told = proto::parts_in(*description);
+  if (!told) return fail(std::move(told.error()));
+  file.parts = std::move(*told);
+  if (named.materials && !file.parts.has_no_materials) {
+    auto materials = this->materials(id, caller);
+    if (!materials) return fail(std::move(materials.error()));
+    file.materials = std::move(*materials);
+  }
+  return file;
+}
+
+void MeshCatalog::keep_materials(const std::string& id, proto::FaceMaterials materials,
+                                 const Caller& caller) {
+  if (materials.names.empty()) return;
+  (void)prepared_.get_or_create(
+      materials_key(id),
+      [&]() -> Result<std::shared_ptr<const Prepared>> {
+        return std::make_shared<const Prepared>(
+            std::make_shared<const proto::FaceMaterials>(std::move(materials)));
+      },
+      caller);
+}
+
+Result<MeshCatalog::Materials> MeshCatalog::materials(const std::string& id, const Caller& caller) {
+  const auto known = prepared_.get_or_create(
+      materials_key(id),
+      [&]() -> Result<std::shared_ptr<const Prepared>> {
+        const auto bytes = step("read", Stage::load, caller, [&] { return store_.get_source(id); });
+        if (!bytes) return fail(bytes.error());
+        const auto options = options_of(id);
+        if (!options) return fail(options.error());
+        auto decoded = pool_.run(
+            [&](Worker&) {
+              return step("decode", Stage::load, caller,
+                          [&] { return decode(*bytes, *options, caller); });
+            },
+            caller);
+        if (!decoded) return fail(std::move(decoded.error()));
+        return std::make_shared<const Prepared>(
+            std::make_shared<const proto::FaceMaterials>(std::move(decoded->materials)));
+      },
+      caller);
+  if (!known) return fail(known.error());
+  return std::get<Materials>(*known->value);
 }
 
 Result<PreparedSurface> MeshCatalog::cut_out(const AskedSurface& surface, const Caller& caller) {
   const auto whole = adjacency(surface.mesh(), caller);
   if (!whole) return fail(whole.error());
-  std::vector<proto::PartFaces> parts;
-  if (surface.regions().names_parts()) {
-    auto listed = this->parts(surface.mesh(), caller);
-    if (!listed) return fail(std::move(listed.error()));
-    parts = std::move(*listed);
-  }
+  const auto file = file_faces(surface.mesh(), surface.regions().named_of_file(), caller);
+  if (!file) return fail(file.error());
   // Points of lines are those of the whole.
   std::shared_ptr<const ClosestPointIndex> index;
   if (has_searched_points(surface.regions())) {
@@ -463,12 +518,12 @@ Result<PreparedSurface> MeshCatalog::cut_out(const AskedSurface& surface, const 
     std::shared_ptr<const Mesh> left;
     PreparedSurface prepared;
     if (surface.regions().has_lines()) {
-      auto mesh = cut_lines(**whole, index.get(), surface.regions(), parts, cancel);
+      auto mesh = cut_lines(**whole, index.get(), surface.regions(), *file, cancel);
       if (!mesh) return fail(std::move(mesh.error()));
       left = std::make_shared<const Mesh>(std::move(mesh->mesh));
       prepared.refinement = std::make_shared<const Refinement>(std::move(mesh->refinement));
     } else {
-      auto mesh = proto::cut_regions(all, surface.regions(), parts, cancel);
+      auto mesh = proto::cut_regions(all, surface.regions(), *file, cancel);
       if (!mesh) return fail(std::move(mesh.error()));
       left = std::make_shared<const Mesh>(std::move(*mesh));
     }

@@ -31,8 +31,9 @@
 #include "core/surface/adjacency.h"
 #include "proto/gltf_file/annotation.h"
 #include "proto/mesh/decoded_mesh.h"
+#include "proto/mesh/face_materials.h"
 #include "proto/region/costs.h"
-#include "proto/region/cut_regions.h"
+#include "proto/region/file_faces.h"
 #include "proto/region/region.h"
 #include "proto/wire/import_options.h"
 #include "server/base/caller.h"
@@ -156,9 +157,10 @@ class MeshCatalog {
   // The same of the surface that is asked about: of a part of a mesh, a mesh of its own in the
   // numbers of the whole. Errors besides: those of proto::cut_regions and cut_lines.
   [[nodiscard]] Result<PreparedSurface> surface(const AskedSurface& surface, const Caller& caller);
-  // The parts of a mesh's file. Errors: those of `metadata`.
-  [[nodiscard]] Result<std::vector<proto::PartFaces>> parts(const std::string& id,
-                                                            const Caller& caller);
+  // What a mesh's file calls its faces by, as far as it is named. Which face has which material is
+  // known from the last decoding, or else decoded. Errors: those of `metadata` and `adjacency`.
+  [[nodiscard]] Result<proto::FileFaces> file_faces(const std::string& id, proto::NamedOfFile named,
+                                                    const Caller& caller);
   [[nodiscard]] Result<std::shared_ptr<const ClosestPointIndex>> closest_points(
       const AskedSurface& surface, const Caller& caller);
 
@@ -178,12 +180,15 @@ class MeshCatalog {
   }
 
  private:
-  using Prepared = std::variant<PreparedSurface, std::shared_ptr<const ClosestPointIndex>>;
+  using Materials = std::shared_ptr<const proto::FaceMaterials>;
+  using Prepared =
+      std::variant<PreparedSurface, std::shared_ptr<const ClosestPointIndex>, Materials>;
 
   struct Described {
     std::shared_ptr<const Mesh> mesh;
     std::shared_ptr<const Adjacency> adjacency;
     std::string description;  // JSON
+    proto::FaceMaterials materials;
   };
 
   struct Built {
@@ -193,6 +198,12 @@ class MeshCatalog {
 
   // Stores the bytes of a known mesh again, unless those that are there are surely they.
   [[nodiscard]] Result<void> make_sure(const std::string& id, std::string_view bytes);
+  [[nodiscard]] Result<proto::DecodedMesh> decode(const std::string& bytes,
+                                                  const proto::ImportOptions& options,
+                                                  const Caller& caller);
+  // Keeps them for queries that name one, if there are any.
+  void keep_materials(const std::string& id, proto::FaceMaterials materials, const Caller& caller);
+  [[nodiscard]] Result<Materials> materials(const std::string& id, const Caller& caller);
   [[nodiscard]] Result<Built> build(const std::string& bytes, const proto::ImportOptions& options,
                                     const Caller& caller);
   [[nodiscard]] Result<Described> describe(const std::string& id, const std::string& bytes,

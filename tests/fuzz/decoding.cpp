@@ -65,6 +65,11 @@ void fuzz_decoding(Input input) {
                part.first_face + part.face_count <= soup.faces.size(),
            "parts are within the mesh");
   }
+  std::uint64_t next = 0;
+  for (const proto::MaterialRun& run : decoded->materials.runs) {
+    expect(run.end > next && run.end <= soup.faces.size(), "materials are those of faces");
+    next = run.end;
+  }
   check_annotation(std::as_bytes(input), limits, *decoded);
   auto mesh = Mesh::build(soup);
   if (!mesh) {
@@ -75,6 +80,8 @@ void fuzz_decoding(Input input) {
   const Adjacency adjacency = Adjacency::build(shared);
   const std::string description = proto::describe_mesh("id", input.size(), {}, *decoded, adjacency);
   expect(description.starts_with('{'), "a mesh can be described");
+  const auto told = proto::parts_in(description);
+  expect(told && told->total == decoded->part_count, "what is described can be read");
 }
 
 }  // namespace geodesic::fuzz

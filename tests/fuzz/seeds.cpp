@@ -69,6 +69,9 @@ GltfFixture with_sparse_and_quantised() {
   file.document["extensionsRequired"] = {"KHR_mesh_quantization"};
   file.mesh({GltfFixture::primitive(strip, 5), GltfFixture::primitive(quantised)});
   file.node({{"mesh", 1}, {"children", {0}}, {"scale", {1, 2, 3}}, {"rotation", {0, 0, 1, 0}}});
+  file.document["materials"] = {{{"name", "glass"}}, json::object(), {{"name", "\u00e4"}}};
+  file.document["meshes"][1]["primitives"][0]["material"] = 2;
+  file.document["meshes"][1]["primitives"][1]["material"] = 7;
   file.document["scenes"] = json::array({{{"nodes", {1}}}});
   file.document["scene"] = 0;
   return file;
@@ -191,6 +194,8 @@ std::vector<std::string> request_seeds() {
       "up=0,0,1",
       "from=v:0&to=v:9&weight_attribute=_MUD&slope=tobler",
       "count=1&within=faces:7,10-99&within=part:2&forbid=sphere:1,2,3,0.5&forbid=box:0,0,0,1,2,3",
+      "count=1&within=material:glass&within=material:3&forbid=material:none&forbid=part:%22a%22",
+      R"({"from":[{"part":"roof"},{"material":null}],"weights":["2*material:a*b;c",{"weight":3,"region":{"material":"\u00e4"}}]})",
       "from=v:0&to=v:9&via=f:1,0.2,0.3&refine=none&precision=6",
       "from=v:0&from=p:1,2,3&at=v:1&max=2e3&method=steiner&points_per_edge=5",
       "from=v%3A0&count=10&step=0.5&angle=1.5&length=2",

@@ -166,7 +166,8 @@ def region_of(chance, mesh):
         return "sphere:" + ",".join(f"{x:.7g}" for x in (*near, size))
     if kind < 0.9:
         return "box:" + ",".join(f"{x:.7g}" for x in (*(x - size for x in near), *(x + size for x in near)))
-    return chance.choice(["part:0", "part:99999", f"faces:{mesh.faces}", "sphere:0,0,0,-1", "box:1,2"])
+    named = ["part:0", "part:99999", "part:nobody", "material:none", "material:0", "material:glass"]
+    return chance.choice([*named, f"faces:{mesh.faces}", "sphere:0,0,0,-1", "box:1,2"])
 
 
 def line_of(chance, mesh, count):

@@ -10,6 +10,8 @@ export type Schemas = components['schemas'];
 export type MeshMetadata = Schemas['Mesh'];
 /** One drawn instance of one primitive: a run of source vertices and faces. */
 export type MeshPart = Schemas['MeshPart'];
+/** A material of the file, and how many faces have it. */
+export type MeshMaterial = Schemas['MeshMaterial'];
 /** A loop of the boundary; the one at place `k` of the metadata is the source `{ boundary: k }`. */
 export type BoundaryLoop = Schemas['BoundaryLoop'];
 /** A point found on the surface, with `snap_distance` from what was asked for, in mesh units. */

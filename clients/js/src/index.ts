@@ -12,6 +12,7 @@ export {
   type Isoline,
   type Job,
   type JobState,
+  type MeshMaterial,
   type MeshMetadata,
   type MeshPart,
   type Method,

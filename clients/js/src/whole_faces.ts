@@ -4,16 +4,21 @@
  */
 import type { Xyz } from './contract.js';
 
-/** Faces by their numbers, a part of the file, or those whose middle a sphere or a box holds. */
+/**
+ * Faces by their numbers, a part or a material of the file, or those whose middle a sphere or a box
+ * holds. Parts and materials are said by their place in the metadata, or by name, which means all
+ * that have it; the material `null` is that of faces without one.
+ */
 export type WholeFaces =
   | { readonly faces: readonly (number | readonly [number, number])[] }
-  | { readonly part: number }
+  | { readonly part: number | string }
+  | { readonly material: number | string | null }
   | { readonly sphere: { readonly center: Xyz; readonly radius: number } }
   | { readonly box: { readonly min: Xyz; readonly max: Xyz } };
 
 /** Whether a value is to be a set of whole faces, well formed or not. */
 export function isWholeFaces(value: object): value is WholeFaces {
-  return 'faces' in value || 'part' in value || 'sphere' in value || 'box' in value;
+  return ['faces', 'part', 'material', 'sphere', 'box'].some((kind) => kind in value);
 }
 
 /** The faces in a URL. What is not well formed goes as JSON, for the server to refuse it. */
@@ -22,7 +27,8 @@ export function wholeFacesInUrl(value: WholeFaces): string | undefined {
   if ('faces' in value && Array.isArray(value.faces) && value.faces.length > 0) {
     return `faces:${value.faces.map((one) => (typeof one === 'number' ? one : one.join('-'))).join(',')}`;
   }
-  if ('part' in value) return `part:${value.part}`;
+  if ('part' in value) return `part:${placeOrName(value.part)}`;
+  if ('material' in value) return `material:${value.material === null ? 'none' : placeOrName(value.material)}`;
   if ('sphere' in value && isPlace(value.sphere?.center) && Object.keys(value.sphere).length === 2) {
     return `sphere:${[...value.sphere.center, value.sphere.radius].join(',')}`;
   }
@@ -30,6 +36,12 @@ export function wholeFacesInUrl(value: WholeFaces): string | undefined {
     return `box:${[...value.box.min, ...value.box.max].join(',')}`;
   }
   return undefined;
+}
+
+/** Names that would be taken for something else are in quotes. */
+function placeOrName(value: number | string): string {
+  if (typeof value !== 'string') return String(value);
+  return /^([0-9]*|none|".*")$/s.test(value) ? `"${value}"` : value;
 }
 
 function isPlace(value: unknown): value is Xyz {

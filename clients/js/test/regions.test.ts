@@ -36,6 +36,37 @@ test('regions go by GET where a URL can say them', async () => {
   assert.equal(path.length, 1);
 });
 
+test('materials and parts are regions by name, whatever is in it', async () => {
+  const names = ['glass & steel+50%', '3', 'none', '"quoted"', 'ä#?=;,*', ''];
+  const text = ['v 0 0 0', 'v 1 0 0', 'v 0 1 0', 'v 1 1 0', 'o roof'];
+  for (const name of names) text.push(`usemtl ${name}`, 'f 1 2 3', 'f 2 4 3');
+  const mesh = await client.upload(new TextEncoder().encode(text.join('\n')));
+  assert.deepEqual(mesh.materials?.map(({ name }) => name), names.slice(0, -1));
+  assert.deepEqual(mesh.materials?.map(({ face_count }) => face_count), [2, 2, 2, 2, 2]);
+  const reached = async (within: Region) => (await client.distance(mesh.id, { from: 0, within })).reached;
+  for (const [place, name] of names.slice(0, -1).entries()) {
+    for (const region of [{ material: name }, { material: place }, `material:"${name}"`]) {
+      assert.equal(await reached(region), 4);
+      await assert.rejects(
+        client.distance(mesh.id, { from: 0, within: region, forbid: { faces: [[2 * place, 2 * place + 1]] } }),
+        { code: 'value_out_of_range', parameter: 'forbid' },
+      );
+    }
+  }
+  assert.equal(await reached({ material: null }), 4);
+  assert.equal(await reached({ part: 'roof' }), 4);
+  const from = await client.distance(mesh.id, { from: { material: '3' }, method: 'exact' });
+  assert.deepEqual([...from.values], [0, 0, 0, 0]);
+  const costly = await client.distancesAt(mesh.id, {
+    from: 0,
+    at: 1,
+    weights: names.map((name) => ({ weight: 2, region: { material: name === '' ? null : name } })),
+  });
+  assert.equal(costly.distances[0], 2);
+  await assert.rejects(reached({ part: '0' }), { code: 'value_out_of_range', parameter: 'within.part' });
+  await assert.rejects(reached({ material: 'glass' }), { code: 'value_out_of_range', parameter: 'within.material' });
+});
+
 test('what is forbidden is gone round', async () => {
   const forbid = { box: { min: [20, 20, -1], max: [80, 80, 1] } } as const;
   const path = await client.path(plane, { from: 0, to: 9999, method: 'exact', forbid });

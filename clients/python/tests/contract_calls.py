@@ -65,6 +65,7 @@ class Call:
         """The mesh without asking whether it is there: a token may not allow to."""
         known: dict[str, Any] = dict.fromkeys(geodesicd.Metadata.__annotations__, 0)
         lists: dict[str, Any] = {"parts": [], "warnings": [], "report": [], "boundaries": []}
+        lists["materials"] = []
         empty = {**known, **lists, "id": self.identity, "name": None, "import": {}}
         return geodesicd.Mesh(self.client, {**empty, "bbox": {"min": [0] * 3, "max": [0] * 3}})
 
@@ -263,6 +264,7 @@ def as_json(mesh: geodesicd.Mesh) -> dict[str, Any]:
         del document["name"]
     document["bbox"] = {"min": mesh.bbox[0].tolist(), "max": mesh.bbox[1].tolist()}
     document["parts"] = [vars(part) for part in mesh.parts]
+    document["materials"] = [vars(one) for one in mesh.materials]
     document["boundaries"] = [vars(loop) for loop in mesh.boundaries]
     document["warnings"] = list(mesh.warnings)
     document["import"] = document.pop("reading")

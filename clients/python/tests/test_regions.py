@@ -157,6 +157,16 @@ def test_what_a_url_can_say_is_said_there() -> None:
     said: list[tuple[Any, str | None]] = [
         ("part:2", "part:2"),
         ({"part": 2}, "part:2"),
+        ({"part": "roof"}, "part:roof"),
+        ({"part": "2"}, 'part:"2"'),
+        ({"part": ""}, 'part:""'),
+        ({"material": 3}, "material:3"),
+        ({"material": None}, "material:none"),
+        ({"material": "none"}, 'material:"none"'),
+        ({"material": "a & b+c;d,e*f"}, "material:a & b+c;d,e*f"),
+        ({"material": '"a"'}, 'material:""a""'),
+        ({"material": True}, None),
+        ({"material": "a", "part": 2}, None),
         (np.array([3, 1, 2, 7, 7]), "faces:1-3,7"),
         (np.array([False, True, True, False, True]), "faces:1-2,4"),
         ({"sphere": {"center": (1, 2, 3), "radius": 4}}, "sphere:1.0,2.0,3.0,4.0"),
@@ -172,6 +182,36 @@ def test_what_a_url_can_say_is_said_there() -> None:
     many = regions_of(("part:1", {"part": 2}))
     assert many is not None
     assert [one.text() for one in many] == ["part:1", "part:2"]
+
+
+NAMES = ["glass & steel+50%", "3", "none", '"quoted"', "ä#?=;,*", "none"]
+
+
+def test_materials_by_name(server: geodesicd.LocalServer) -> None:
+    """Whatever a name has in it, it means the same by text, by mapping and by number."""
+    obj = ["v 0 0 0", "v 1 0 0", "v 0 1 0", "v 1 1 0", "f 1 2 3"]
+    for name in NAMES:
+        obj += [f"usemtl {name}", "f 2 4 3"]
+    mesh = geodesicd.Client(server.url).upload("\n".join(obj).encode())
+    order = list(dict.fromkeys(NAMES))
+    counts = [1, 1, 2, 1, 1]
+    assert mesh.materials == tuple(map(geodesicd.Material, order, counts))
+    assert mesh.parts[0].material is None
+    faces = np.array([-1, *(order.index(name) for name in NAMES)])
+    for place, name in enumerate(order):
+        expected = mesh.measure(1, within=faces == place).area
+        for region in ({"material": name}, {"material": place}, f'material:"{name}"'):
+            assert mesh.measure(1, within=region).area == expected
+        started = mesh.distance(geodesicd.Faces({"material": name}))
+        np.testing.assert_array_equal(started, mesh.distance(geodesicd.Faces(faces == place)))
+        weights = [(2.0, {"material": name})]
+        weighted = mesh.distance(1, costs=geodesicd.Costs(weights=weights))
+        same = mesh.distance(1, costs=geodesicd.Costs(weights=[(2.0, faces == place)]))
+        np.testing.assert_array_equal(weighted, same)
+    assert mesh.measure(1, within={"material": None}).area == 0.5
+    with pytest.raises(geodesicd.GeodesicError, match='the nearest names are "none"') as caught:
+        mesh.distance(1, forbid={"material": "nine"})
+    assert (caught.value.code, caught.value.parameter) == ("value_out_of_range", "forbid.material")
 
 
 def test_what_is_no_region_is_refused_here(plane: geodesicd.Mesh) -> None:

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cstdint>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <string>
@@ -68,6 +69,24 @@ TEST_CASE("ARegionIsTheSameInAUrlAndInJson") {
       {"faces:7", R"({"faces":[7]})"},
       {"faces:7,10-99,3", R"({"faces":[7,[10,99],[3,3]]})"},
       {"part:2", R"({"part":2})"},
+      {"part:roof", R"({"part":"roof"})"},
+      {"part:\"2\"", R"({"part":"2"})"},
+      {"part:\"\"", R"({"part":""})"},
+      {"part:none", R"({"part":"none"})"},
+      {"part:-1", R"({"part":"-1"})"},
+      {"material:3", R"({"material":3})"},
+      {"material:007", R"({"material":7})"},
+      {"material:\"3\"", R"({"material":"3"})"},
+      {"material:glass", R"({"material":"glass"})"},
+      {"material:\"glass\"", R"({"material":"glass"})"},
+      {"material:none", R"({"material":null})"},
+      {"material:\"none\"", R"({"material":"none"})"},
+      {"material:None", R"({"material":"None"})"},
+      {"material: a,b;c:d*e=f&g faces:1 ", R"({"material":" a,b;c:d*e=f&g faces:1 "})"},
+      {"material:\"", R"({"material":"\""})"},
+      {"material:\"\"a\"\"", R"({"material":"\"a\""})"},
+      {"material:\"half", R"({"material":"\"half"})"},
+      {"material:\xc3\xa4\n", R"({"material":"\u00e4\n"})"},
       {"sphere:1,-2.5,3e2,0", R"({"sphere":{"center":[1,-2.5,300],"radius":0}})"},
       {"box:0,0,0,1,2,3", R"({"box":{"min":[0,0,0],"max":[1,2,3.0]}})"},
       {"inside:v:1;f:2,0.25,0.5;p:1,2,3;ray:0,0,9,0,0,-1",
@@ -87,8 +106,34 @@ TEST_CASE("ARegionIsTheSameInAUrlAndInJson") {
   CHECK(text_of(read("{}")) == canonical_text(Regions{}));
   CHECK(read("{}")->is_everything());
   CHECK_FALSE(forbid("faces:1")->is_everything());
-  CHECK(forbid(json::array({"faces:1", "part:0"}))->names_parts());
-  CHECK_FALSE(forbid("faces:1")->names_parts());
+  const auto named = [](const json& region) { return forbid(region)->named_of_file(); };
+  CHECK(named(json::array({"faces:1", "part:0"})).parts);
+  CHECK_FALSE(named(json::array({"faces:1", "part:0"})).materials);
+  CHECK(named("material:none").materials);
+  CHECK_FALSE(named("material:none").parts);
+  CHECK_FALSE(named("faces:1").parts);
+  CHECK_FALSE(named("faces:1").materials);
+}
+
+// Where one name ends and another shape begins, no two regions have one text.
+TEST_CASE("NamesCannotPassForOtherRegions") {
+  const std::vector<json> regions{json::array({"material:a", "material:b"}),
+                                  json::array({"material:a material,1:b"}),
+                                  json::array({"material:1"}),
+                                  json::array({"material:\"1\""}),
+                                  json::array({"material:none"}),
+                                  json::array({"material:\"none\""}),
+                                  json::array({"part:1"}),
+                                  json::array({"part:\"1\""}),
+                                  json::array({"material:1:1"}),
+                                  json::array({"material:a", "faces:1"}),
+                                  json::array({"material:a faces,1-1"}),
+                                  json::array({"material:\"\"", "material:a"})};
+  for (const json& one : regions) {
+    for (const json& other : regions) {
+      CHECK((text_of(forbid(one)) == text_of(forbid(other))) == (&one == &other));
+    }
+  }
 }
 
 TEST_CASE("AWallIsTheSameInAUrlAndInJson") {
@@ -140,10 +185,27 @@ TEST_CASE("AWallIsTheSameInAUrlAndInJson") {
 TEST_CASE("RegionsThatAreNoneAreRefusedByName") {
   const ErrorCode syntax = InputCode::bad_syntax;
   const ErrorCode range = ErrorCode::value_out_of_range;
-  for (const char* text :
-       {"", "faces", "faces:", "faces:a", "faces:-1", "faces:1-", "faces:1,,2", "faces:1 ",
-        "part:", "part:-1", "part:1.5", "sphere:1,2,3", "sphere:1,2,3,4,5", "sphere:1,2,3,nan",
-        "sphere:1,2,3,inf", "box:1,2,3", "box:1,2,3,4,5,nan", "ball:1,2,3,4"}) {
+  for (const char* text : {"",
+                           "faces",
+                           "faces:",
+                           "faces:a",
+                           "faces:-1",
+                           "faces:1-",
+                           "faces:1,,2",
+                           "faces:1 ",
+                           "part:",
+                           "part",
+                           "part:99999999999999999999",
+                           "material",
+                           "material:",
+                           "material:99999999999999999999",
+                           "sphere:1,2,3",
+                           "sphere:1,2,3,4,5",
+                           "sphere:1,2,3,nan",
+                           "sphere:1,2,3,inf",
+                           "box:1,2,3",
+                           "box:1,2,3,4,5,nan",
+                           "ball:1,2,3,4"}) {
     CAPTURE(text);
     refused(forbid(text), syntax, "forbid");
   }
@@ -169,7 +231,13 @@ TEST_CASE("RegionsThatAreNoneAreRefusedByName") {
   in_json(R"({"faces":[1,[2,1.5]]})", syntax, "forbid.faces[1]");
   in_json(R"({"faces":[-1]})", syntax, "forbid.faces[0]");
   in_json(R"({"faces":[1],"part":2})", InputCode::unknown_parameter, "forbid.part");
-  in_json(R"({"part":"2"})", syntax, "forbid.part");
+  for (const char* none : {"-1", "1.5", "null", "true", "[2]", "{}"}) {
+    in_json((R"({"part":)" + std::string(none) + "}").c_str(), syntax, "forbid.part");
+  }
+  for (const char* none : {"-1", "1.5", "true", "[2]", "{}"}) {
+    in_json((R"({"material":)" + std::string(none) + "}").c_str(), syntax, "forbid.material");
+  }
+  in_json(R"({"material":"a","part":2})", InputCode::unknown_parameter, "forbid.material");
   in_json(R"({"sphere":7})", syntax, "forbid.sphere");
   in_json(R"({"sphere":{"center":[1,2,3]}})", syntax, "forbid.sphere");
   in_json(R"({"sphere":{"center":[1,2],"radius":1}})", syntax, "forbid.sphere.center");
@@ -204,7 +272,21 @@ TEST_CASE("RegionsAreUnionsAndForbiddenIsTakenAwayFromWithin") {
     const TriangleSoup& soup = drawn.soup();
     const Mesh mesh = mesh_of(soup);
     const auto faces = static_cast<std::uint32_t>(soup.faces.size());
-    const std::vector<PartFaces> parts{{0, faces / 3}, {faces / 3, 0}, {faces / 3, faces}};
+    FileFaces file;
+    file.parts.parts = {{0, faces / 3, "a"}, {faces / 3, 0, "b"}, {faces / 3, faces, "a"}};
+    file.parts.total = 3;
+    // By face: one of these, or none. Two have one name; faces behind the last run have none.
+    FaceMaterials materials;
+    for (const char* name : {"x", "y", "x", ""}) materials.add_name(name);
+    std::vector<std::uint32_t> material_of;
+    while (material_of.size() < faces && random() % 12 > 0) {
+      const std::uint32_t place = random() % 6;
+      const std::uint32_t count = random() % 8;
+      materials.add_faces(count, place < 5 ? place : kNoMaterial);
+      material_of.insert(material_of.end(), count, place < 5 ? place : kNoMaterial);
+    }
+    material_of.resize(faces, kNoMaterial);
+    file.materials = std::make_shared<const FaceMaterials>(materials);
     const Vec3 size = mesh.box().max - mesh.box().min;
     const auto place = [&] {
       return mesh.box().min + Vec3{unit() * size.x, unit() * size.y, unit() * size.z};
@@ -220,8 +302,23 @@ TEST_CASE("RegionsAreUnionsAndForbiddenIsTakenAwayFromWithin") {
             if (first <= f && f <= last) return true;
           }
         } else if (const auto* part = std::get_if<PartShape>(&shape.what)) {
-          const auto& [first, count] = parts[part->part];
-          if (first <= f && f < first + count) return true;
+          const auto* name = std::get_if<std::string>(&part->part);
+          for (std::size_t i = 0; i < 3; ++i) {
+            const auto& [first, count, called] = file.parts.parts[i];
+            if (name != nullptr ? called != *name : std::get<std::uint64_t>(part->part) != i) {
+              continue;
+            }
+            if (first <= f && f < first + count) return true;
+          }
+        } else if (const auto* of = std::get_if<MaterialShape>(&shape.what)) {
+          const std::uint32_t has = material_of[f];
+          if (std::holds_alternative<NoMaterial>(of->material)) {
+            if (has == kNoMaterial) return true;
+          } else if (const auto* name = std::get_if<std::string>(&of->material)) {
+            if (has < 4 && materials.names[has] == *name) return true;
+          } else if (has == std::get<std::uint64_t>(of->material)) {
+            return true;
+          }
         } else if (const auto* ball = std::get_if<SphereShape>(&shape.what)) {
           if (norm(p - ball->center) <= ball->radius) return true;
         } else {
@@ -237,7 +334,7 @@ TEST_CASE("RegionsAreUnionsAndForbiddenIsTakenAwayFromWithin") {
     const auto draw_region = [&] {
       std::vector<Shape> region;
       for (std::uint32_t i = random() % 4; i > 0; --i) {
-        switch (random() % 4) {
+        switch (random() % 8) {
           case 0: {
             std::vector<FaceRange> ranges;
             for (int k = 0; k < 3; ++k) {
@@ -249,6 +346,20 @@ TEST_CASE("RegionsAreUnionsAndForbiddenIsTakenAwayFromWithin") {
           }
           case 1:
             region.push_back({PartShape{random() % 3}, "forbid"});
+            break;
+          case 3:
+            region.push_back({PartShape{random() % 2 == 0 ? "a" : "b"}, "forbid"});
+            break;
+          case 4:
+            region.push_back({MaterialShape{random() % 4}, "forbid"});
+            break;
+          case 5: {
+            const std::string name = random() % 3 == 0 ? "x" : random() % 2 == 0 ? "y" : "";
+            region.push_back({MaterialShape{name}, "forbid"});
+            break;
+          }
+          case 6:
+            region.push_back({MaterialShape{NoMaterial{}}, "forbid"});
             break;
           case 2:
             region.push_back({SphereShape{place(), 0.5 * unit() * norm(size)}, "forbid"});
@@ -268,7 +379,7 @@ TEST_CASE("RegionsAreUnionsAndForbiddenIsTakenAwayFromWithin") {
       const bool is_within = regions.within.empty() || has(regions.within, f);
       if (is_within && !has(regions.forbid, f)) expected.push_back(f);
     }
-    const auto cut = cut_regions(mesh, regions, parts, Cancel());
+    const auto cut = cut_regions(mesh, regions, file, Cancel());
     if (expected.empty()) {
       REQUIRE_FALSE(cut);
       CHECK(cut.error().code == ErrorCode::value_out_of_range);
@@ -281,10 +392,11 @@ TEST_CASE("RegionsAreUnionsAndForbiddenIsTakenAwayFromWithin") {
 
 TEST_CASE("FacesAndPartsThatAreNotThereAreRefused") {
   const Mesh mesh = mesh_of(shapes::plane(4, 4));  // 18 faces
-  const std::vector<PartFaces> parts{{0, 18}};
+  FileFaces file;
+  file.parts = {{{0, 18, "all"}}, 1, false};
   const auto check = [&](const char* text, const char* parameter, std::uint64_t limit) {
     CAPTURE(text);
-    const auto cut = cut_regions(mesh, *forbid(text), parts, Cancel());
+    const auto cut = cut_regions(mesh, *forbid(text), file, Cancel());
     REQUIRE_FALSE(cut);
     CHECK(cut.error().code == ErrorCode::index_out_of_range);
     CHECK(cut.error().parameter == parameter);
@@ -293,11 +405,59 @@ TEST_CASE("FacesAndPartsThatAreNotThereAreRefused") {
   check("faces:1,18", "forbid.faces[1]", 17);
   check("faces:0-18446744073709551615", "forbid.faces[0]", 17);
   check("part:1", "forbid.part", 0);
-  CHECK(left_of(cut_regions(mesh, *forbid("faces:1-17"), parts, Cancel())) ==
+  CHECK(left_of(cut_regions(mesh, *forbid("faces:1-17"), file, Cancel())) ==
         std::vector<std::uint32_t>{0});
   const auto none = cut_regions(mesh, *forbid("part:0"), {}, Cancel());
   REQUIRE_FALSE(none);
   CHECK(none.error().detail == "the mesh lists no parts");
+}
+
+TEST_CASE("NamesThatAreNotThereAreAnsweredWithTheNearest") {
+  const Mesh mesh = mesh_of(shapes::plane(4, 4));
+  FileFaces file;
+  file.parts = {{{0, 9, "roof"}, {9, 9, ""}}, 2, false};
+  FaceMaterials materials;
+  const auto check = [&](const json& region, ErrorCode code, const char* parameter,
+                         const char* detail) {
+    CAPTURE(region.dump());
+    const auto cut = cut_regions(mesh, *forbid(region), file, Cancel());
+    REQUIRE_FALSE(cut);
+    CHECK(cut.error().code == code);
+    CHECK(cut.error().parameter == parameter);
+    CHECK(cut.error().detail == detail);
+  };
+  const ErrorCode range = ErrorCode::value_out_of_range;
+  const ErrorCode index = ErrorCode::index_out_of_range;
+  check("part:rof", range, "forbid.part", R"(the mesh has no part "rof"; it has "roof")");
+  check("material:glass", range, "forbid.material", "the mesh has no materials");
+  check("material:0", index, "forbid.material", "the mesh lists no materials");
+  for (const char* name : {"Glass", "", "brick", "glass pane", "Glass", "tar"}) {
+    materials.add_name(name);
+  }
+  materials.add_faces(18, 0);
+  file.materials = std::make_shared<const FaceMaterials>(materials);
+  check("material:glas", range, "forbid.material",
+        R"(the mesh has no material "glas"; the nearest names are "Glass", "tar", "brick")");
+  check(
+      "material:\xe2\x80\xae\n\x1b[2J", range, "forbid.material",
+      "the mesh has no material \"?????[2J\"; the nearest names are \"Glass\", \"brick\", \"tar\"");
+  check(json::array({"material:4", "material:6"}), index, "forbid[1].material",
+        "the mesh lists no such material");
+  // However long a name is, it is asked for as a whole or as clients read it.
+  const std::string name(kMostNameBytes + 50, 'n');
+  file.parts = {{{0, 9, told_name(name)}, {9, 9, "b"}}, 2, false};
+  const std::vector<std::uint32_t> left{9, 10, 11, 12, 13, 14, 15, 16, 17};
+  CHECK(left_of(cut_regions(mesh, *forbid("part:" + name), file, Cancel())) == left);
+  CHECK(left_of(cut_regions(mesh, *forbid("part:" + told_name(name)), file, Cancel())) == left);
+  CHECK(cut_regions(mesh, *forbid("part:" + std::string(5000, 'm')), file, Cancel())
+            .error()
+            .detail.size() < 500);
+  // Of parts that are not listed nobody knows the name.
+  file.parts.total = 3;
+  check("part:b", ErrorCode::too_large, "forbid.part",
+        "the mesh has more parts than it lists, so that not all of a name are known; name parts by "
+        "number, or faces");
+  CHECK(cut_regions(mesh, *forbid("part:1"), file, Cancel()));
 }
 
 TEST_CASE("GoingThroughRegionsStopsWhenItIsToldTo") {

@@ -2,6 +2,7 @@
 // the description of its mesh stays small, and so does any reply that has it.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <set>
 #include <string>
@@ -133,6 +134,60 @@ TEST_CASE("AnyMeshIsDescribedInBounds") {
     CHECK(same.status == 304);
     CHECK_FALSE(same.body);
     CHECK(service.get(target + "/distance?from=v:0&at=v:1").status == 200);
+  }
+}
+
+// However many materials there are and whatever they are called, those that are listed and those
+// that are not can be asked for, as long as the decoder keeps them.
+TEST_CASE("MaterialsAreDescribedInBounds") {
+  const TemporaryFolder folder;
+  Service service(folder.path());
+  constexpr int kMaterials = 12'000;
+  std::vector<std::string> files;
+  for (const std::string& name :
+       {std::string("m"), std::string(190, '\x01'), std::string(190, 'n')}) {
+    proto::GltfFixture f = triangle();
+    const json primitive = f.document["meshes"][0]["primitives"][0];
+    std::string obj = "v 0 0 0\nv 3 0 0\nv 0 4 0\n";
+    f.document["meshes"][0]["primitives"] = json::array();
+    for (int i = 0; i < kMaterials; ++i) {
+      f.document["materials"].push_back({{"name", std::to_string(i) + name}});
+      f.document["meshes"][0]["primitives"].push_back(primitive);
+      f.document["meshes"][0]["primitives"].back()["material"] = i;
+      obj += "usemtl " + std::to_string(i) + name + "\nf 1 2 3\n";
+    }
+    files.push_back(drawn(f, 1));
+    files.push_back(obj);
+    files.push_back("usemtl " + std::string(3'000'000, 'n') + "\n" + obj);
+  }
+  for (const std::string& file : files) {
+    const HttpResponse sent = service.ask("POST", "/v1/meshes", file);
+    REQUIRE(sent.status == 201);
+    CHECK(sent.body->size() < kMost);
+    const json mesh = body_of(sent);
+    const std::size_t listed = mesh["materials"].size();
+    CHECK(listed > 150);
+    CHECK(listed <= proto::kMostMaterials);
+    std::size_t faces = 0;
+    for (const json& material : mesh["materials"]) {
+      CHECK(material["name"].get<std::string>().size() <= proto::kMostNameBytes);
+      faces += material["face_count"].get<std::size_t>();
+    }
+    const json& report = mesh["report"];
+    const auto missing = std::find_if(report.begin(), report.end(), [](const json& finding) {
+      return finding["code"] == "materials_not_listed";
+    });
+    REQUIRE(missing != report.end());
+    CHECK((*missing)["count"] == kMaterials - faces);
+    const std::string query = "/v1/meshes/" + mesh["id"].get<std::string>() + "/distance?from=v:0";
+    const std::string name = mesh["materials"][listed - 1]["name"];
+    const json by_json =
+        body_of(service.ask("POST", query.substr(0, query.find('?')),
+                            json{{"from", "v:0"}, {"within", {{"material", name}}}}.dump()));
+    CHECK(by_json["reached"] == mesh["vertices"]);  // all in three places
+    CHECK(service.get(query + "&within=material:9999").status == 200);
+    check_problem(service.get(query + "&within=material:10000"), 422, "index_out_of_range",
+                  "within.material");
   }
 }
 

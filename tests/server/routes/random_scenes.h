@@ -30,7 +30,10 @@ class RandomScene {
     for (const char* array : {"scenes", "nodes", "meshes", "accessors", "bufferViews"}) {
       document_[array] = ordered_json::array();
     }
-    document_["materials"] = {{{"name", "red"}, {"extras", {{"id", 7}}}}};
+    document_["materials"] = {{{"name", "red"}, {"extras", {{"id", 7}}}},
+                              {{"name", "glass, 50%; a:b*c + \"d\" \u00e4"}},
+                              {{"name", "red"}},
+                              {{"alphaMode", "BLEND"}}};
     document_["cameras"] = {
         {{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"znear", 0.01}}}}};
     const int meshes = pick(1, 4);
@@ -144,7 +147,7 @@ class RandomScene {
     for (const Triangle& face : soup.faces) {
       for (const std::uint32_t v : face) corners.push_back(static_cast<std::uint16_t>(v));
     }
-    ordered_json primitive{{"attributes", attributes_of(soup)}, {"material", 0}};
+    ordered_json primitive{{"attributes", attributes_of(soup)}};
     primitive["indices"] = add("accessors", {{"bufferView", view(bytes_of(corners))},
                                              {"componentType", 5123},
                                              {"count", corners.size()},
@@ -183,6 +186,7 @@ class RandomScene {
         primitive.erase("indices");
         primitive["mode"] = kind == 4 ? 0 : kind == 5 ? 3 : 5;  // points, a line, a strip
       }
+      if (pick(0, 4) > 0) primitive["material"] = pick(0, 3);
       primitive["extras"] = {{"part", i}};
       primitives.push_back(std::move(primitive));
     }

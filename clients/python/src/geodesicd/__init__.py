@@ -30,7 +30,7 @@ from .errors import (
 from .flows import Retries
 from .glb import glb_bytes
 from .local_server import LocalServer, connect, local, serve
-from .metadata import BoundaryLoop, Finding, Metadata, Part
+from .metadata import BoundaryLoop, Finding, Material, Metadata, Part
 from .points import OnFace, Point, PointLike, PointsLike, Ray, Vertex, Xyz
 from .progress import progress_bar
 from .results import (
@@ -81,6 +81,7 @@ __all__ = [
     "LocalServer",
     "Logmap",
     "Loop",
+    "Material",
     "Measure",
     "Mesh",
     "Metadata",

@@ -19,7 +19,8 @@ class Part:
     """One drawn instance of one primitive: a run of source vertices and faces.
 
     ``field[part.first_vertex : part.first_vertex + part.vertex_count]`` are its values. glTF
-    indices are None for Draco files.
+    indices are None for Draco files. ``material`` is a place in the mesh's ``materials``, or None
+    for no material or several.
     """
 
     node: int | None
@@ -29,6 +30,15 @@ class Part:
     first_vertex: int
     vertex_count: int
     first_face: int
+    face_count: int
+    material: int | None = None
+
+
+@dataclass(frozen=True)
+class Material:
+    """A material of the file, and how many faces have it; ``name`` may be empty."""
+
+    name: str
     face_count: int
 
 
@@ -82,6 +92,8 @@ class Metadata:
         reading: how the file was told to be read (``import`` in the contract), as far as it differs
             from the defaults.
         parts: the primitives, in source-vertex order.
+        materials: those of the file, in its order; none where an older version of the server has
+            described the mesh.
         warnings: what was ignored or is unusual, a sentence each.
         report: what was welded, left out and kept, and what that means for answers.
         state: ``"resident"`` in memory or ``"stored"``, when it was asked for.
@@ -105,6 +117,7 @@ class Metadata:
     mean_edge: float
     reading: Mapping[str, Any]
     parts: tuple[Part, ...]
+    materials: tuple[Material, ...]
     warnings: tuple[str, ...]
     report: tuple[Finding, ...]
     state: str
@@ -115,7 +128,7 @@ class Metadata:
 
     def _read(self, reply: Mapping[str, Any]) -> None:
         for name in Metadata.__annotations__:
-            if name not in ("name", "boundaries"):
+            if name not in ("name", "boundaries", "materials"):
                 setattr(self, name, reply[_IN_REPLY.get(name, name)])
         self.name = reply.get("name")
         self.boundaries = tuple(
@@ -125,7 +138,11 @@ class Metadata:
         box = reply["bbox"]
         self.bbox = np.array([box["min"], box["max"]], dtype=np.float64)
         self.parts = tuple(
-            Part(**{name: part[name] for name in Part.__annotations__}) for part in reply["parts"]
+            Part(**{name: part.get(name) for name in Part.__annotations__})
+            for part in reply["parts"]
+        )
+        self.materials = tuple(
+            Material(one["name"], one["face_count"]) for one in reply.get("materials", ())
         )
         self.warnings = tuple(reply["warnings"])
         self.report = tuple(

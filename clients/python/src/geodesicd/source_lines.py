@@ -66,7 +66,7 @@ class Boundary:
 @dataclass(frozen=True)
 class Faces:
     """Whole faces, at distance 0: a region as ``within`` has it, such as an array of source faces
-    or ``{"part": 2}``."""
+    or ``{"material": "glass"}``."""
 
     region: RegionLike
 

@@ -1,12 +1,15 @@
 """Regions of a surface, as a caller has them and as the server reads them: what a query is to keep
 to (``within``), what it is to leave out (``forbid``) and which lines no path crosses (``walls``).
 
-One region is a text of the URL grammar (``"faces:0-99"``, ``"part:2"``, ``"sphere:X,Y,Z,R"``,
-``"box:X,Y,Z,X,Y,Z"``), a mapping as the contract's JSON has it (``{"sphere": {"center": (0, 0, 0),
-"radius": 2}}``), an integer array of source faces, or a boolean one with an element for each source
-face. A list of those is their union. Of spheres and boxes a region has the faces whose centroids
-lie in them. ``{"inside": points}``, or ``"inside:v:1;v:2;v:3"``, is what a line through points and
-back to the first goes round; points are as :mod:`geodesicd.points` says.
+One region is a text of the URL grammar (``"faces:0-99"``, ``"part:2"``, ``"material:glass"``,
+``"sphere:X,Y,Z,R"``, ``"box:X,Y,Z,X,Y,Z"``), a mapping as the contract's JSON has it (``{"sphere":
+{"center": (0, 0, 0), "radius": 2}}``), an integer array of source faces, or a boolean one with an
+element for each source face. ``{"part": name}`` and ``{"material": name}`` are all parts and
+materials of that name, a number instead of a name is a place in the metadata, and
+``{"material": None}`` are the faces without a material. A list of those is their union. Of spheres
+and boxes a region has the faces whose centroids lie in them. ``{"inside": points}``, or
+``"inside:v:1;v:2;v:3"``, is what a line through points and back to the first goes round; points are
+as :mod:`geodesicd.points` says.
 
 One wall is a text (``"v:1;v:2"``), a mapping ``{"points": points}``, or a float array of shape
 (n, 3), places in order. It goes from point to point by shortest paths, and is closed if it ends
@@ -15,6 +18,7 @@ with the point that it begins with. A list of those is several walls.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -139,8 +143,12 @@ def _faces(faces: NDArray[Any]) -> Region:
 def _shape(value: Mapping[str, Any]) -> Region:
     """A URL can say what is well formed; the server refuses the rest."""
     match dict(value):
-        case {"part": int(part), **rest} if not rest and not isinstance(part, bool):
-            return Region(f"part:{part}", None)
+        case {"part": called, **rest} if not rest and _is_called(called):
+            return Region(_named("part", called), None)
+        case {"material": None, **rest} if not rest:
+            return Region("material:none", None)
+        case {"material": called, **rest} if not rest and _is_called(called):
+            return Region(_named("material", called), None)
         case {"sphere": Mapping() as ball, **rest} if not rest and _has(ball, "center", "radius"):
             if isinstance(ball["radius"], float | int) and len(ball["center"]) == 3:
                 return _numbers("sphere", *triple(ball["center"], "center"), ball["radius"])
@@ -152,6 +160,18 @@ def _shape(value: Mapping[str, Any]) -> Region:
         case {"inside": list() | tuple() | np.ndarray() as points, **rest} if not rest:
             return _line("inside:", "inside", points)
     return Region(None, dict(value))
+
+
+def _is_called(value: Any) -> bool:
+    return isinstance(value, int | str) and not isinstance(value, bool)
+
+
+def _named(kind: str, value: int | str) -> str:
+    """A place, or a name: in quotes where it would be taken for something else."""
+    if isinstance(value, int):
+        return f"{kind}:{value}"
+    is_plain = bool(value) and value != "none" and not re.fullmatch('[0-9]+|".*"', value, re.DOTALL)
+    return f"{kind}:{value}" if is_plain else f'{kind}:"{value}"'
 
 
 def _has(value: Mapping[str, Any], *names: str) -> bool:
