@@ -84,8 +84,8 @@ class StripFront {
   bool run() {
     const std::uint64_t vertices = bound_.size();
     std::uint64_t passed = 0;
-    std::uint64_t settled = 0;
-    while (!queue_.empty() && !poll_.cancelled(settled, vertices)) {
+    std::uint64_t settled = 0;  // a vertex may wait several times
+    while (!queue_.empty() && !poll_.cancelled(std::min(settled, vertices), vertices)) {
       std::pop_heap(queue_.begin(), queue_.end());
       const Waiting next = queue_.back();
       queue_.pop_back();

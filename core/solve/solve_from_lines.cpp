@@ -80,7 +80,7 @@ Result<Field> solve_from_lines(Method method, const MethodOptions& options,
   MethodOptions taken = options;
   if (method == Method::back_traced && !options.error_at_most) taken.error_at_most = kTolerance;
   constexpr double kStripsPart = 0.5;
-  auto spread = spread_strips(adjacency, sources, lines, strips, cancel);
+  auto spread = spread_strips(adjacency, sources, lines, strips, cancel.part(0, kStripsPart));
   if (!spread) return fail(std::move(spread.error()));
   cancel.report(kStripsPart);
 

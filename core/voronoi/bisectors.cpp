@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -23,9 +24,10 @@ struct Segment {
   std::array<std::uint32_t, 2> beyond{kNone, kNone};
 };
 
-// An end of a segment on an edge. No two bisectors of the same sites cross an edge.
+// An end of a segment on an edge. No two bisectors of the same sites cross an edge. What runs along
+// an edge ends at a vertex.
 struct EdgeEnd {
-  std::array<std::uint32_t, 2> edge;  // its vertices, ascending
+  std::array<std::uint32_t, 2> edge;  // its vertices, ascending; or one vertex twice
   Sites2 sites;
   std::uint32_t end;  // twice the number of the segment, and which of its ends
 
@@ -63,6 +65,7 @@ class BisectorTracer {
     for (std::uint32_t f = 0; f < faces; ++f) {
       if (poll_.cancelled(f, faces)) return fail_stopped(poll_);
       for (const CellPart& part : face_cells_.parts_of(f, poll_)) add(f, part);
+      if (near_.owner(f) != kNone) add_borders(f);
       if (poll_.stopped()) return fail_stopped(poll_);
     }
     if (segments_.size() > max_segments_) {
@@ -105,28 +108,60 @@ class BisectorTracer {
     }
   }
 
-  void add_segment(std::uint32_t f, Sites2 sites, std::array<Vec3, 2> ends,
-                   const std::array<CellSide, 2>& beside) {
+  // Along the edges of a face that a site has as a whole, where the cell beyond is another one.
+  void add_borders(std::uint32_t f) {
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      const Halfedge h = halfedge(f, c);
+      const Halfedge beyond = adjacency_.ring(h);
+      if (beyond == h || adjacency_.ring(beyond) != h) continue;
+      const std::uint32_t own = near_.owner(f);
+      const std::uint32_t other = border_site(adjacency_, near_, beyond);
+      // Of two faces that sites have as a whole, the first is asked.
+      const bool is_asked = near_.owner(face_of(beyond)) == kNone || f < face_of(beyond);
+      if (other == kNone || other == own || !is_asked) continue;
+      const std::array<std::uint32_t, 2> vertices{adjacency_.tail(h), adjacency_.head(h)};
+      const auto positions = adjacency_.mesh().positions();
+      const std::array<Vec3, 2> ends{positions[vertices[0]], positions[vertices[1]]};
+      const double length = distance(ends[0], ends[1]);
+      cells_[own].perimeter += length;
+      cells_[other].perimeter += length;
+      const auto [low, high] = std::minmax(own, other);
+      const auto number = add_segment({low, high}, ends);
+      if (!number) return;
+      for (std::uint32_t end = 0; end < 2; ++end) {
+        ends_.push_back({{vertices[end], vertices[end]}, {low, high}, 2 * *number + end});
+      }
+    }
+  }
+
+  // Its number, if there is room for it.
+  std::optional<std::uint32_t> add_segment(Sites2 sites, std::array<Vec3, 2> ends) {
     // They are counted on, so that the error can say how many there are.
-    if (++count_ > max_segments_ + 1) return;
+    if (++count_ > max_segments_ + 1) return std::nullopt;
     // Itself and its ends; a line of its own, whose points may have grown by doubling; and the
     // points where three cells meet, of which there are fewer.
     constexpr std::uint64_t kBytes = sizeof(Segment) + 2 * sizeof(EdgeEnd) + sizeof(Bisector) +
                                      3 * sizeof(Vec3) + sizeof(VoronoiVertex);
     if (segments_.size() == segments_.capacity()) {
       const std::size_t more = std::max<std::size_t>(segments_.capacity(), 256);
-      if (!poll_.may_take(2 * more * kBytes)) return;
+      if (!poll_.may_take(2 * more * kBytes)) return std::nullopt;
       segments_.reserve(segments_.size() + more);
       ends_.reserve(2 * segments_.capacity());
     }
-    const auto number = static_cast<std::uint32_t>(segments_.size());
     segments_.push_back({sites, ends});
+    return static_cast<std::uint32_t>(segments_.size() - 1);
+  }
+
+  void add_segment(std::uint32_t f, Sites2 sites, std::array<Vec3, 2> ends,
+                   const std::array<CellSide, 2>& beside) {
+    const auto number = add_segment(sites, ends);
+    if (!number) return;
     for (std::uint32_t end = 0; end < 2; ++end) {
       if (!beside[end].is_of_face()) continue;
       const auto& vertex = adjacency_.face(f).vertex;
       const std::uint32_t c = beside[end].corner();
       const auto [low, high] = std::minmax(vertex[c], vertex[next_corner(c)]);
-      ends_.push_back({{low, high}, sites, 2 * number + end});
+      ends_.push_back({{low, high}, sites, 2 * *number + end});
     }
   }
 
@@ -141,12 +176,21 @@ class BisectorTracer {
     if (face_cells_.turn(vertex.sites) < 0) std::swap(vertex.sites[1], vertex.sites[2]);
     vertex.position = at(f, part.corners[next]);
     vertex.point = point_on_face(adjacency_, f, part.corners[next]);
+    // Of a point, if any of the three is one: beside lines, distances are linear.
+    std::uint32_t site = part.site;
+    for (const std::uint32_t other : {low, high}) {
+      if (near_.is_line(site)) site = other;
+    }
+    if (near_.is_line(site)) site = part.site;
     const FaceRecord& face = adjacency_.face(f);
     std::array<double, 3> square{};
+    double linear = 0;
     for (std::size_t c = 0; c < 3; ++c) {
-      square[c] = near_.square(face.vertex[c], part.site) * near_.unit() * near_.unit();
+      square[c] = near_.square(face.vertex[c], site) * near_.unit() * near_.unit();
+      linear += part.corners[next][c] * std::sqrt(square[c]);
     }
-    vertex.distance = distance_in_face(face, square, part.corners[next]);
+    vertex.distance =
+        near_.is_line(site) ? linear : distance_in_face(face, square, part.corners[next]);
     found_.vertices.push_back(vertex);
   }
 

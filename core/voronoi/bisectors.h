@@ -41,7 +41,8 @@ struct Bisectors {
 };
 
 // Fills in perimeters and boundaries of the cells. Lines end where three cells meet, where the
-// surface does, and at edges with three faces or more, where several of them meet.
+// surface does, and at edges with three faces or more, where several of them meet. So do those
+// along the common border of sites that are faces, at whose ends there is no VoronoiVertex.
 //
 // O(f + s log s) for f faces and s segments. Errors: cancelled; too_large (more segments than
 // `max_segments`).

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/double_double.h"
+#include "core/base/tolerances.h"
 
 namespace geodesic {
 namespace {
@@ -27,6 +28,33 @@ DoubleDouble dot_of(const Terms& a, const Terms& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 DoubleDouble sum_of(const Terms& a) { return a[0] + a[1] + a[2]; }
+
+// Nothing where it is no more than what rounding may have left of products of this size, whose
+// exact sum is zero: sites that are as far from both ends of an edge meet nowhere else.
+DoubleDouble without_rounding(const DoubleDouble& value, double size) {
+  return std::abs(value.high) <= tolerance::kDoubleDouble * size ? DoubleDouble() : value;
+}
+// The sum of a cross product's terms.
+DoubleDouble sum_of_cross(const Terms& a, const Terms& b) {
+  double size = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (i != k) size += std::abs(a[i].high * b[k].high);
+    }
+  }
+  return without_rounding(sum_of(cross_of(a, b)), size);
+}
+// The determinant of three rows.
+DoubleDouble determinant(const Terms& a, const Terms& b, const Terms& c) {
+  double size = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t k = (i + 1) % 3;
+    const std::size_t l = (i + 2) % 3;
+    size +=
+        std::abs(a[i].high) * (std::abs(b[k].high * c[l].high) + std::abs(b[l].high * c[k].high));
+  }
+  return without_rounding(dot_of(a, cross_of(b, c)), size);
+}
 
 // Sorts pointers to candidates by their sites; whether that takes an odd number of swaps.
 template <class Pointers>
@@ -60,8 +88,11 @@ double along_edge(Three sites, const std::array<std::uint32_t, 2>& ends) {
   };
   const DoubleDouble of_last = rise(1, 0) - rise(1, 1);
   const DoubleDouble of_second = rise(2, 1) - rise(2, 0);
-  const double sign = perturbed_sign({rise(1, 0) * rise(2, 1) - rise(1, 1) * rise(2, 0), of_last,
-                                      of_second, -of_last - of_second});
+  const DoubleDouble one = rise(1, 0) * rise(2, 1);
+  const DoubleDouble other = rise(1, 1) * rise(2, 0);
+  const DoubleDouble value =
+      without_rounding(one - other, std::abs(one.high) + std::abs(other.high));
+  const double sign = perturbed_sign({value, of_last, of_second, -of_last - of_second});
   return is_odd ? -sign : sign;
 }
 
@@ -72,26 +103,21 @@ double in_face(Four sites) {
   const Terms u = difference(sites[1]->square, sites[0]->square);
   const Terms v = difference(sites[2]->square, sites[0]->square);
   const Terms w = difference(sites[3]->square, sites[0]->square);
-  const DoubleDouble of_last = sum_of(cross_of(u, v));
-  const DoubleDouble of_third = sum_of(cross_of(w, u));
-  const DoubleDouble of_second = sum_of(cross_of(v, w));
+  const DoubleDouble of_last = sum_of_cross(u, v);
+  const DoubleDouble of_third = sum_of_cross(w, u);
+  const DoubleDouble of_second = sum_of_cross(v, w);
   const double sign = perturbed_sign(
-      {dot_of(u, cross_of(v, w)), of_last, of_third, of_second, -of_last - of_third - of_second});
+      {determinant(u, v, w), of_last, of_third, of_second, -of_last - of_third - of_second});
   return is_odd ? -sign : sign;
-}
-
-// Where two functions are the same as a third, times what the weights add up to.
-template <class Three>
-Terms meeting(const Three& sites) {
-  return cross_of(difference(sites[1]->square, sites[0]->square),
-                  difference(sites[2]->square, sites[0]->square));
 }
 
 // How three functions turn round the place where they are the same.
 template <class Three>
 double turn_of(Three sites) {
   const bool is_odd = sort_by_site(sites);
-  const double turn = sum_of(meeting(sites)).high;
+  const double turn = sum_of_cross(difference(sites[1]->square, sites[0]->square),
+                                   difference(sites[2]->square, sites[0]->square))
+                          .high;
   return is_odd ? -turn : turn;
 }
 
@@ -99,8 +125,11 @@ double turn_of(Three sites) {
 template <class Three>
 Weights3 meeting_of(Three sites) {
   (void)sort_by_site(sites);
-  const Terms at = meeting(sites);
-  const DoubleDouble sum = sum_of(at);
+  const Terms u = difference(sites[1]->square, sites[0]->square);
+  const Terms v = difference(sites[2]->square, sites[0]->square);
+  // Where two functions are the same as a third, times what the weights add up to.
+  const Terms at = cross_of(u, v);
+  const DoubleDouble sum = sum_of_cross(u, v);
   if (sum.high == 0) return {1.0 / 3, 1.0 / 3, 1.0 / 3};  // nowhere: they never are asked for
   Weights3 weights{};
   double inside = 0;
@@ -132,6 +161,19 @@ Vec3 position_in_face(const Adjacency& adjacency, std::uint32_t face,
     sum = sum + weights[c] * (positions[vertex[c]] - positions[vertex[base]]);
   }
   return sum;
+}
+
+std::uint32_t border_site(const Adjacency& adjacency, const NearSites& near, Halfedge h) {
+  if (const std::uint32_t owner = near.owner(face_of(h)); owner != kNone) return owner;
+  const auto at_head = near.of(adjacency.head(h));
+  for (const NearSite& site : near.of(adjacency.tail(h))) {
+    if (site.square != 0) continue;
+    const auto other = std::find_if(at_head.begin(), at_head.end(), [&](const NearSite& entry) {
+      return entry.site == site.site && entry.square == 0;
+    });
+    if (other != at_head.end()) return site.site;
+  }
+  return kNone;
 }
 
 double CellPart::share() const {
@@ -281,6 +323,14 @@ std::span<const CellPart> FaceCells::parts_of(std::uint32_t f, Poll& poll) {
   face_ = &adjacency_.face(f);
   for (const std::uint32_t v : face_->vertex) {
     if (!near_.is_reached(v)) return {};
+  }
+  if (const std::uint32_t owner = near_.owner(f); owner != kNone) {
+    if (parts_.empty()) parts_.emplace_back();
+    parts_[0] = {owner,
+                 {CellSide::of_face(0), CellSide::of_face(1), CellSide::of_face(2)},
+                 {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    count_ = 1;
+    return {parts_.data(), count_};
   }
   find_candidates(*face_);
   if (candidates_.size() > 1) drop_hidden(poll);

@@ -12,6 +12,10 @@
 // smaller than those after it (Edelsbrunner, Mücke, "Simulation of simplicity", ACM Transactions on
 // Graphics 9, 1990): the lowest of several sites is the nearest, and no more than three cells meet
 // in a point.
+//
+// A face that a site has as a whole is all in its cell. By the distances of its corners, which are
+// zero, that could be the cell of another site with the same border: the two cells then meet along
+// edges of the face (border_site).
 #pragma once
 
 #include <array>
@@ -56,6 +60,11 @@ struct CellPart {
 // Where that is in space: on an edge the same, to the last bit, from all faces there.
 [[nodiscard]] Vec3 position_in_face(const Adjacency& adjacency, std::uint32_t face,
                                     const std::array<double, 3>& weights);
+
+// Whose cell the side of a face is in that runs along an edge with this halfedge, as seen from that
+// face: of an edge on which some site is at no distance. kNone where none is.
+[[nodiscard]] std::uint32_t border_site(const Adjacency& adjacency, const NearSites& near,
+                                        Halfedge h);
 
 // Takes the faces one after the other.
 class FaceCells {

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "core/base/polled_fill.h"
+#include "core/base/tolerances.h"
+#include "core/solve/solve_from_lines.h"
 
 namespace geodesic {
 
@@ -25,14 +27,24 @@ double NearSites::square(std::uint32_t vertex, std::uint32_t site) const {
   return at != near.end() && at->site == site ? at->square : beyond_[vertex];
 }
 
+VoronoiSites points_of(const Field& field) {
+  return {static_cast<std::uint32_t>(field.sources.size()),
+          [&field](std::uint32_t site, SolveScratch&, const Cancel&) -> Result<VoronoiSite> {
+            return VoronoiSite{{field.sources[site]}, nullptr};
+          }};
+}
+
 class NearSitesBuilder {
  public:
+  // `sites` must outlive this.
   NearSitesBuilder(Method method, const MethodOptions& options, const Adjacency& adjacency,
-                   const Field& field, SolveScratch& scratch, const Cancel& cancel)
+                   const Field& field, const VoronoiSites& sites, SolveScratch& scratch,
+                   const Cancel& cancel)
       : method_(method),
         options_(options),
         adjacency_(adjacency),
         field_(field),
+        sites_(sites),
         scratch_(scratch),
         cancel_(cancel),
         poll_(cancel),
@@ -42,17 +54,23 @@ class NearSitesBuilder {
     find_sides();
     find_unit();
     if (poll_.stopped()) return fail_stopped(poll_);
-    if (field_.sources.size() == 1) {
+    if (field_.lines) {
+      near_.waves_ = field_.lines;
+      near_.is_line_.assign(sites_.count, false);
+      find_tie();
+    }
+    if (sites_.count == 1) {
       add_single();
     } else {
       bound_cells();
-      for (std::uint32_t site = 0; site < field_.sources.size(); ++site) {
+      for (std::uint32_t site = 0; site < sites_.count; ++site) {
         if (auto added = add_site(site); !added) return fail(std::move(added.error()));
       }
       add_missing();
     }
     if (poll_.stopped()) return fail_stopped(poll_);
     sort();
+    if (field_.lines) merge_ties();
     if (poll_.stopped()) return fail_stopped(poll_);
     return std::move(near_);
   }
@@ -113,37 +131,83 @@ class NearSitesBuilder {
     }
   }
 
+  [[nodiscard]] std::uint32_t label(std::uint32_t v) const {
+    return field_.item_of_source(field_.nearest_source[v]);
+  }
+
+  // By how much distances of one vertex differ at most that count as the same.
+  void find_tie() {
+    const Box& box = adjacency_.mesh().box();
+    tie_ = tolerance::kSamePath * norm(box.max - box.min);
+    tie_part_ = tolerance::kSamePath;
+    if (method_ == Method::back_traced) tie_part_ = options_.error_at_most.value_or(kLineTolerance);
+  }
+  [[nodiscard]] bool is_tie(double distance, double least) const {
+    return std::abs(distance - least) <= tie_ + tie_part_ * least;
+  }
+
   // How far each site's own field goes at first: over its cell, and the faces round it.
   void bound_cells() {
-    bounds_.assign(field_.sources.size(), 0);
+    bounds_.assign(sites_.count, 0);
     for (std::uint32_t v = 0; v < vertices_; ++v) {
       if (poll_.cancelled()) return;
       if (!is_reached(v)) continue;
-      double& bound = bounds_[field_.nearest_source[v]];
+      double& bound = bounds_[label(v)];
       bound = std::max(bound, field_.distance[v] + kAround * side_[v]);
     }
-    for (std::uint32_t s = 0; s < bounds_.size(); ++s) {
-      const Source& source = field_.sources[s];
-      if (source.point.face == kNone) continue;
-      for (const std::uint32_t v : adjacency_.face(source.point.face).vertex) {
-        bounds_[s] = std::max(bounds_[s], source.offset + kAround * side_[v]);
+  }
+  // The same round the site itself, where its cell may have no vertex.
+  [[nodiscard]] double bound_round(const VoronoiSite& site) {
+    double bound = 0;
+    const auto add = [&](std::uint32_t face, double offset) {
+      if (face == kNone) return;
+      for (const std::uint32_t v : adjacency_.face(face).vertex) {
+        bound = std::max(bound, offset + kAround * side_[v]);
       }
+    };
+    for (const Source& source : site.sources) {
+      if (poll_.cancelled()) return bound;
+      add(source.point.face, source.offset);
     }
+    if (!site.lines) return bound;
+    for (const LineSegment& segment : site.lines->segments) {
+      if (poll_.cancelled()) return bound;
+      add(segment.face, 0);
+    }
+    return bound;
   }
 
-  Result<void> add_site(std::uint32_t site) {
-    const auto count = static_cast<double>(field_.sources.size());
-    double begin = site / count;
-    const double end = (site + 1) / count;
+  // The field of one site, by the way in which that of all was computed.
+  Result<Field> solve(const VoronoiSite& site, const FieldLimits& limits, const Cancel& cancel) {
+    if (!field_.lines) {
+      return solve_field(method_, options_, adjacency_, site.sources, limits, scratch_, cancel);
+    }
+    std::shared_ptr<const SourceLines> lines = site.lines;
+    if (!lines) {
+      SourceLines none;
+      none.item_of_source.assign(site.sources.size(), 0);
+      lines = std::make_shared<const SourceLines>(std::move(none));
+    }
+    return solve_from_lines(method_, options_, adjacency_, site.sources, std::move(lines), limits,
+                            scratch_, cancel);
+  }
+
+  Result<void> add_site(std::uint32_t number) {
+    const auto count = static_cast<double>(sites_.count);
+    double begin = number / count;
+    const double end = (number + 1) / count;
+    const auto site = sites_.at(number, scratch_, cancel_.part(begin, begin));
+    if (!site) return fail(site.error());
+    if (site->lines) near_.is_line_[number] = true;
     const std::size_t before = entries_.size();
     FieldLimits limits;
     limits.keep_details = false;
-    limits.max = bounds_[site];
+    limits.max = std::max(bounds_[number], bound_round(*site));
+    if (poll_.stopped()) return fail_stopped(poll_);
     // The faces that a cell meets are joined over edges, for shortest paths to the site stay in it.
     // So all of them are found once the field goes beyond the faces round what is found.
     while (true) {
-      const auto own = solve_field(method_, options_, adjacency_, {&field_.sources[site], 1},
-                                   limits, scratch_, cancel_.part(begin, end));
+      const auto own = solve(*site, limits, cancel_.part(begin, end));
       if (!own) return fail(own.error());
       if (poll_.ask()) return fail_stopped(poll_);
       entries_.resize(before);
@@ -152,8 +216,8 @@ class NearSitesBuilder {
         if (poll_.cancelled()) return fail_stopped(poll_);
         const double d = own->distance[v];
         if (d == kUnreached || !is_reached(v)) continue;
-        if (!(d <= reach(v)) && field_.nearest_source[v] != site) continue;
-        add(v, site, d);
+        if (!(d <= reach(v)) && label(v) != number) continue;
+        add(v, number, d);
         needed = std::max(needed, d + 2 * side_[v]);
       }
       if (poll_.stopped()) return fail_stopped(poll_);
@@ -172,7 +236,7 @@ class NearSitesBuilder {
     }
     for (std::uint32_t v = 0; v < vertices_; ++v) {
       if (poll_.cancelled()) return;
-      if (!has[v] && is_reached(v)) add(v, field_.nearest_source[v], field_.distance[v]);
+      if (!has[v] && is_reached(v)) add(v, label(v), field_.distance[v]);
     }
   }
 
@@ -195,14 +259,42 @@ class NearSitesBuilder {
     }
   }
 
+  // Distances of a vertex that count as the same become the least of them.
+  void merge_ties() {
+    std::vector<NearSite*> by_distance;
+    for (std::uint32_t v = 0; v < vertices_; ++v) {
+      const std::size_t begin = near_.begin_[v];
+      const std::size_t end = near_.begin_[v + 1];
+      if (poll_.cancelled_after(end - begin + 1)) return;
+      by_distance.clear();
+      for (std::size_t i = begin; i < end; ++i) by_distance.push_back(&near_.sites_[i]);
+      std::sort(by_distance.begin(), by_distance.end(),
+                [](const NearSite* a, const NearSite* b) { return a->square < b->square; });
+      const NearSite* least = nullptr;
+      for (NearSite* site : by_distance) {
+        if (least != nullptr && is_tie(distance_of(*site), distance_of(*least))) {
+          site->square = least->square;
+        } else {
+          least = site;
+        }
+      }
+    }
+  }
+  [[nodiscard]] double distance_of(const NearSite& site) const {
+    return near_.unit_ * std::sqrt(site.square);
+  }
+
   // In sides. Beyond a corner of 120 degrees what is near ends after four, and two more are needed
   // around that: so most sites need one field.
   static constexpr double kAround = 7;
+  // Of `auto`, without a tolerance: that of solve_from_lines.
+  static constexpr double kLineTolerance = 1e-3;
 
   const Method method_;
   const MethodOptions& options_;
   const Adjacency& adjacency_;
   const Field& field_;
+  const VoronoiSites& sites_;
   SolveScratch& scratch_;
   const Cancel& cancel_;
   Poll poll_;
@@ -210,13 +302,16 @@ class NearSitesBuilder {
   NearSites near_;
   std::vector<double> side_;    // by vertex
   std::vector<double> bounds_;  // by site
+  double tie_ = 0;              // mesh units
+  double tie_part_ = 0;         // of the distance
   std::vector<Entry> entries_;
 };
 
 Result<NearSites> near_sites(Method method, const MethodOptions& options,
-                             const Adjacency& adjacency, const Field& field, SolveScratch& scratch,
+                             const Adjacency& adjacency, const Field& field,
+                             const VoronoiSites& sites, SolveScratch& scratch,
                              const Cancel& cancel) {
-  return NearSitesBuilder(method, options, adjacency, field, scratch, cancel).build();
+  return NearSitesBuilder(method, options, adjacency, field, sites, scratch, cancel).build();
 }
 
 }  // namespace geodesic

@@ -23,13 +23,19 @@ bool is_same_place(const SurfacePoint& a, const SurfacePoint& b) {
 Result<Voronoi> voronoi(Method method, const MethodOptions& options, const Adjacency& adjacency,
                         const Field& field, std::uint64_t max_segments, SolveScratch& scratch,
                         const Cancel& cancel) {
+  return voronoi(method, options, adjacency, field, points_of(field), max_segments, scratch,
+                 cancel);
+}
+
+Result<Voronoi> voronoi(Method method, const MethodOptions& options, const Adjacency& adjacency,
+                        const Field& field, const VoronoiSites& sites, std::uint64_t max_segments,
+                        SolveScratch& scratch, const Cancel& cancel) {
   Voronoi found;
-  auto near = near_sites(method, options, adjacency, field, scratch, cancel.part(0, kFields));
+  auto near =
+      near_sites(method, options, adjacency, field, sites, scratch, cancel.part(0, kFields));
   if (!near) return fail(std::move(near.error()));
   found.near = std::make_shared<const NearSites>(std::move(*near));
-  auto cells =
-      measure_cells(adjacency, *found.near, static_cast<std::uint32_t>(field.sources.size()),
-                    cancel.part(kFields, kMeasures));
+  auto cells = measure_cells(adjacency, *found.near, sites.count, cancel.part(kFields, kMeasures));
   if (!cells) return fail(std::move(cells.error()));
   found.cells = std::move(*cells);
   auto bisectors =
@@ -58,7 +64,7 @@ Result<std::vector<Source>> relax_sites(Method method, const MethodOptions& opti
     const auto field = solve_field(method, options, adjacency, sites, limits, scratch,
                                    part.part(0, kFieldOfSites));
     if (!field) return fail(field.error());
-    const auto near = near_sites(method, options, adjacency, *field, scratch,
+    const auto near = near_sites(method, options, adjacency, *field, points_of(*field), scratch,
                                  part.part(kFieldOfSites, kMeasures));
     if (!near) return fail(near.error());
     const auto cells = measure_cells(adjacency, *near, static_cast<std::uint32_t>(sites.size()),

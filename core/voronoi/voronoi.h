@@ -5,6 +5,11 @@
 // sites are seen straight over faces laid into a plane, bisectors are straight lines and right to
 // rounding; elsewhere they are off by the square of the edges' length over the distance. A cell
 // need hold no vertex, and a face may have parts of any number of cells.
+//
+// Sites may be lines and faces, too. Squared distances from these do not differ by linear
+// functions: between a line and a point a bisector is a parabola. Bisectors are off by the square
+// of the edges' length over the distance then, and where lines are nearer to each other than the
+// edges are long, by an edge.
 #pragma once
 
 #include <array>
@@ -48,6 +53,13 @@ struct Voronoi {
                                       const Adjacency& adjacency, const Field& field,
                                       std::uint64_t max_segments, SolveScratch& scratch,
                                       const Cancel& cancel);
+
+// The same of points, lines and faces (near_sites.h). Where several are as near, as beyond a common
+// end of two lines, the first has the cell.
+[[nodiscard]] Result<Voronoi> voronoi(Method method, const MethodOptions& options,
+                                      const Adjacency& adjacency, const Field& field,
+                                      const VoronoiSites& sites, std::uint64_t max_segments,
+                                      SolveScratch& scratch, const Cancel& cancel);
 
 // Moves each site to its cell's centroid (cells.h), `rounds` times, or until none moves: Lloyd
 // 1982, "Least squares quantization in PCM", IEEE Transactions on Information Theory 28(2). Sites

@@ -26,8 +26,8 @@ constexpr std::array<std::string_view, 6> kNoPoints{"boundary", "curve",  "faces
 
 tl::unexpected<Error> no_point(std::string parameter) {
   return fail(ErrorCode::value_out_of_range,
-              "this is to be a point; curves, boundaries and faces are what distance, path, "
-              "isolines, measure and samples take as from",
+              "this is to be a point; curves, boundaries and faces are what distance, path, table, "
+              "isolines, measure, samples and voronoi take as from",
               std::move(parameter));
 }
 

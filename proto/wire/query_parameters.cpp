@@ -75,6 +75,16 @@ Result<void> check_curves(const std::vector<PointRequest>& sources) {
                     kMaxCurvePoints, points, "from");
 }
 
+Result<void> read_any_sources(Parameters& parameters, std::size_t most,
+                              std::vector<PointRequest>& sources) {
+  // Counted before they are taken apart.
+  if (auto few = check_count(parameters.count("from"), most, "from"); !few) return few;
+  auto from = parameters.sources("from");
+  if (!from) return fail(std::move(from.error()));
+  sources = std::move(*from);
+  return check_curves(sources);
+}
+
 }  // namespace
 
 bool asks_for_costs(const Parameters& parameters) {
@@ -146,12 +156,28 @@ Result<void> check_no_offset(const std::vector<PointRequest>& points) {
 }
 
 Result<void> read_sources(Parameters& parameters, std::vector<PointRequest>& sources) {
-  // Counted before they are taken apart.
-  if (auto few = check_count(parameters.count("from"), kMaxSources, "from"); !few) return few;
-  auto from = parameters.sources("from");
-  if (!from) return fail(std::move(from.error()));
-  sources = std::move(*from);
-  return check_curves(sources);
+  return read_any_sources(parameters, kMaxSources, sources);
+}
+
+Result<void> read_rows(Parameters& parameters, std::size_t most, std::vector<PointRequest>& rows) {
+  if (auto ok = read_any_sources(parameters, most, rows); !ok) return ok;
+  return check_no_offset(rows);
+}
+
+Result<void> read_columns(Parameters& parameters, std::size_t most,
+                          std::vector<PointRequest>& columns) {
+  if (auto few = check_count(parameters.count("to"), most, "to"); !few) return few;
+  auto read = parameters.sources("to");
+  if (!read) return fail(std::move(read.error()));
+  columns = std::move(*read);
+  for (const PointRequest& column : columns) {
+    if (column.is_point()) continue;
+    return fail(ErrorCode::value_out_of_range,
+                "a column is a point, for no field tells the least distance of all of a line; as a "
+                "row, in from, this may be a line, with the points as columns",
+                column.parameter);
+  }
+  return check_no_offset(columns);
 }
 
 Result<void> check_lines(const Parameters& parameters, const std::vector<PointRequest>& sources,
@@ -170,14 +196,6 @@ Result<void> check_lines(const Parameters& parameters, const std::vector<PointRe
                     "chen_han, fast_marching, dijkstra and steiner start from lines and faces, too",
                 "method");
   }
-  return {};
-}
-
-Result<void> read_sites(Parameters& parameters, std::vector<PointRequest>& sites) {
-  if (auto few = check_count(parameters.count("from"), kMaxSources, "from"); !few) return few;
-  auto from = parameters.points("from");
-  if (!from) return fail(std::move(from.error()));
-  sites = std::move(*from);
   return {};
 }
 

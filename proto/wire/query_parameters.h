@@ -36,8 +36,12 @@ enum class Purpose : std::uint8_t { distances, paths };
 
 // `from`: points with offsets, curves, boundaries and faces.
 [[nodiscard]] Result<void> read_sources(Parameters& parameters, std::vector<PointRequest>& sources);
-// The same of points alone, which may have offsets.
-[[nodiscard]] Result<void> read_sites(Parameters& parameters, std::vector<PointRequest>& sites);
+// The same without offsets, at most so many.
+[[nodiscard]] Result<void> read_rows(Parameters& parameters, std::size_t most,
+                                     std::vector<PointRequest>& rows);
+// `to`: what a table's columns are, at most so many.
+[[nodiscard]] Result<void> read_columns(Parameters& parameters, std::size_t most,
+                                        std::vector<PointRequest>& columns);
 
 // Refuses sources that are no points where the method is too slow for them, and with costs.
 [[nodiscard]] Result<void> check_lines(const Parameters& parameters,

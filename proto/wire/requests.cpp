@@ -164,6 +164,39 @@ Result<void> read_levels(Parameters& parameters, IsolinesRequest& request) {
   return {};
 }
 
+// What sites that are lines cannot do.
+Result<void> check_sites(const VoronoiRequest& request) {
+  const bool has_lines = std::any_of(request.from.begin(), request.from.end(),
+                                     [](const PointRequest& site) { return !site.is_point(); });
+  if (has_lines && request.relax > 0) {
+    return fail(
+        ErrorCode::value_out_of_range,
+        "only points move to the middle of their cells; with curves, boundaries or faces in "
+        "from, leave relax out",
+        "relax");
+  }
+  if (has_lines && request.part == VoronoiRequest::Part::delaunay) {
+    return fail(ErrorCode::value_out_of_range,
+                "a triangle between sites has points as its corners; with curves, boundaries or "
+                "faces in from, part is cells or bisectors",
+                "part");
+  }
+  return {};
+}
+
+// Of a table that has no others.
+Result<void> check_may_be_columns(const std::vector<PointRequest>& rows) {
+  for (const PointRequest& row : rows) {
+    if (row.is_point()) continue;
+    return fail(ErrorCode::value_out_of_range,
+                row.parameter +
+                    " is no point, so that the rows cannot be the columns, too; name "
+                    "the columns, which are points",
+                "to");
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string_view name_of(ExtentRequest::Of of) {
@@ -220,10 +253,13 @@ Result<void> parse_request(Parameters& parameters, TableRequest& request) {
   if (!rows) return fail(rows.error());
   const bool is_large = request.stream || request.sparse;
   const std::size_t most = is_large || *rows ? kMaxPoints : kMaxSources;
-  if (auto ok = read_points(parameters, "from", most, request.from); !ok) return ok;
+  if (auto ok = read_rows(parameters, most, request.from); !ok) return ok;
   if (request.from.empty()) return missing("from");
   request.all_rows = request.from.size();
-  if (auto ok = read_points(parameters, "to", kMaxPoints, request.to); !ok) return ok;
+  if (auto ok = read_columns(parameters, kMaxPoints, request.to); !ok) return ok;
+  if (request.to.empty()) {
+    if (auto ok = check_may_be_columns(request.from); !ok) return ok;
+  }
   const std::size_t columns = request.to.empty() ? request.from.size() : request.to.size();
   if (*rows) {
     if (auto ok = take_rows(**rows, request); !ok) return ok;
@@ -237,6 +273,7 @@ Result<void> parse_request(Parameters& parameters, TableRequest& request) {
     return ok;
   }
   if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
+  if (auto ok = check_lines(parameters, request.from, request.method); !ok) return ok;
   return read_max(parameters, request.max);
 }
 
@@ -300,7 +337,7 @@ Result<void> parse_request(Parameters& parameters, ExtentRequest& request) {
 }
 
 Result<void> parse_request(Parameters& parameters, VoronoiRequest& request) {
-  if (auto ok = read_sites(parameters, request.from); !ok) return ok;
+  if (auto ok = read_sources(parameters, request.from); !ok) return ok;
   if (request.from.empty()) return missing("from");
   const auto relax = parameters.whole("relax");
   if (!relax) return fail(relax.error());
@@ -315,7 +352,9 @@ Result<void> parse_request(Parameters& parameters, VoronoiRequest& request) {
     }
     request.part = static_cast<VoronoiRequest::Part>(name - kVoronoiParts.begin());
   }
-  return read_method(parameters, Purpose::distances, request.method);
+  if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
+  if (auto ok = check_lines(parameters, request.from, request.method); !ok) return ok;
+  return check_sites(request);
 }
 
 Result<void> parse_request(Parameters& parameters, TraceRequest& request) {

@@ -227,11 +227,11 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const AskedSurface& sur
   reply.short_digits = has_short_digits(request.method);
   reply.bound = proto::bound_of(request.method);
   if (place->cost()) reply.unit = proto::unit_of(surface.costs());
-  const auto rows = place->points(request.from, reply.rows, reply.warnings);
-  if (!rows) return fail(rows.error());
-  const auto columns =
-      request.to.empty() ? rows : place->points(request.to, reply.columns, reply.warnings);
-  if (!columns) return fail(columns.error());
+  auto rows = place->rows(request.from, reply.rows, reply.warnings);
+  if (!rows) return fail(std::move(rows.error()));
+  auto columns = request.to.empty() ? Result<std::vector<SurfacePoint>>(rows->points())
+                                    : place->points(request.to, reply.columns, reply.warnings);
+  if (!columns) return fail(std::move(columns.error()));
   if (request.to.empty()) reply.columns = reply.rows;
 
   FieldQuestion question{surface.field_key(),
@@ -241,7 +241,7 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const AskedSurface& sur
                          limit_of(request.method, request.max),
                          place->cost()};
   if (request.stream || request.sparse) {
-    auto begin = rows_of(std::move(question), *rows, *columns, caller);
+    auto begin = rows_of(std::move(question), std::move(*rows), std::move(*columns), caller);
     if (!begin) return fail(std::move(begin.error()));
     answer.rows = std::move(*begin);
     return answer;
@@ -253,13 +253,13 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const AskedSurface& sur
   return answer;
 }
 
-auto FieldQueries::rows_of(FieldQuestion question, std::vector<SurfacePoint> from,
-                           std::vector<SurfacePoint> to, const Caller& caller)
+auto FieldQueries::rows_of(FieldQuestion question, FieldRows from, std::vector<SurfacePoint> to,
+                           const Caller& caller)
     -> Result<std::function<
         Result<std::unique_ptr<RowsAhead>>(Answered<proto::TableReply>::EncodeRow, std::size_t)>> {
   struct Rows {
     FieldQuestion question;
-    std::vector<SurfacePoint> from;
+    FieldRows from;
     std::vector<SurfacePoint> to;
     std::vector<std::uint32_t> faces;  // around those of `to`, if any is inside a face
   };
@@ -279,9 +279,8 @@ auto FieldQueries::rows_of(FieldQuestion question, std::vector<SurfacePoint> fro
     auto compute = [this, rows, encode = std::move(encode)](
                        Worker& worker, std::size_t row, const GiveWay& give_way,
                        const Caller& part) -> Result<std::string> {
-      FieldQuestion own = rows->question;
-      own.from.points = {Source{rows->from[row], 0}};
-      const auto distances = fields_.row(own, rows->to, rows->faces, worker, give_way, part);
+      const auto distances = fields_.row(rows->question, rows->from, row, rows->to, rows->faces,
+                                         worker, give_way, part);
       if (!distances) return fail(distances.error());
       return encode(row, *distances, Cancel([&] { return give_way() || part(); }));
     };

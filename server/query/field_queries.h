@@ -134,7 +134,7 @@ class FieldQueries {
   // How the rows of a large table are begun, which have no sources in `question` yet.
   [[nodiscard]] Result<std::function<
       Result<std::unique_ptr<RowsAhead>>(Answered<proto::TableReply>::EncodeRow, std::size_t)>>
-  rows_of(FieldQuestion question, std::vector<SurfacePoint> from, std::vector<SurfacePoint> to,
+  rows_of(FieldQuestion question, FieldRows from, std::vector<SurfacePoint> to,
           const Caller& caller);
 
   // What ways over the surface cost, which are not their lengths.

@@ -242,8 +242,7 @@ Result<PointDistances> Fields::at_points(const FieldQuestion& question,
       caller);
 }
 
-Result<PointDistances> Fields::table(const FieldQuestion& question,
-                                     std::span<const SurfacePoint> from,
+Result<PointDistances> Fields::table(const FieldQuestion& question, const FieldRows& from,
                                      std::span<const SurfacePoint> to, const Caller& caller) {
   const Adjacency& adjacency = *question.adjacency;
   const auto targets =
@@ -260,12 +259,14 @@ Result<PointDistances> Fields::table(const FieldQuestion& question,
   const auto compute_row = [&](Worker& worker, std::size_t row,
                                const GiveWay& give_way) -> Result<void> {
     JointCaller::Part part(joint, row);
-    FieldQuestion own = question;
-    own.from = {{Source{from[row], 0}}, nullptr, {}};
     worker.memory->limit_to_query();
     ScratchUse scratch = scratch_of(worker);
     const Cancel cancel([&] { return give_way() || caller(); }, part.caller().progress,
                         &worker.memory->budget());
+    auto sources = from.of(row, scratch.get(), cancel.part(0, 0));
+    if (!sources) return fail(std::move(sources.error()));
+    FieldQuestion own = question;
+    own.from = std::move(*sources);
     auto found = read_points(own, to, *targets, false, scratch.get(), cancel, part.caller());
     scratch.done(found ? found->distances.capacity() * sizeof(double) : 0);
     if (!found) return fail(std::move(found.error()));
@@ -281,28 +282,32 @@ Result<PointDistances> Fields::table(const FieldQuestion& question,
   return table;
 }
 
-Result<std::vector<double>> Fields::row(const FieldQuestion& question,
-                                        std::span<const SurfacePoint> points,
+Result<std::vector<double>> Fields::row(const FieldQuestion& question, const FieldRows& from,
+                                        std::size_t number, std::span<const SurfacePoint> points,
                                         std::span<const std::uint32_t> faces, Worker& worker,
                                         const GiveWay& give_way, const Caller& caller) {
   worker.memory->limit_to_query();
   ScratchUse scratch = scratch_of(worker);
   const Cancel cancel([&] { return give_way() || caller(); }, caller.progress,
                       &worker.memory->budget());
+  auto sources = from.of(number, scratch.get(), cancel.part(0, 0));
+  if (!sources) return fail(std::move(sources.error()));
+  FieldQuestion own = question;
+  own.from = std::move(*sources);
   // What is kept for points inside faces may be of the faces of others alone: not to be relied on.
   const Details details = details_for(points);
   std::shared_ptr<const Field> field;
-  if (details == Details::none) field = cache_.find(key_of(question, details));
+  if (details == Details::none) field = cache_.find(key_of(own, details));
   if (!field) {
     FieldLimits limits;
-    limits.max = question.max;
+    limits.max = own.max;
     limits.keep_details = details == Details::kept;
     limits.detail_faces = faces;
-    auto solved = solve(question, limits, scratch.get(), cancel, caller);
+    auto solved = solve(own, limits, scratch.get(), cancel, caller);
     if (!solved) return fail(std::move(solved.error()));
     field = std::make_shared<const Field>(std::move(*solved));
   }
-  auto read = read_field(question, *field, points, false, cancel);
+  auto read = read_field(own, *field, points, false, cancel);
   field = nullptr;
   scratch.done(read ? read->distances.capacity() * sizeof(double) : 0);
   if (!read) return fail(std::move(read.error()));

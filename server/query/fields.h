@@ -24,20 +24,14 @@
 #include "server/base/caller.h"
 #include "server/base/lru_cache.h"
 #include "server/compute/pool.h"
+#include "server/places/field_rows.h"
+#include "server/places/field_sources.h"
 #include "server/query/asked_sources.h"
 #include "server/query/mesh_catalog.h"
 #include "server/query/metrics.h"
 #include "server/query/scratch_use.h"
 
 namespace geodesic::server {
-
-// What a field starts from. Where that is lines and faces, too, `points` has the ends of these as
-// well, and `key` is what caches know them by.
-struct FieldSources {
-  std::vector<Source> points;
-  std::shared_ptr<const SourceLines> lines;
-  std::string key;
-};
 
 // What a whole field depends on.
 struct FieldQuestion {
@@ -93,16 +87,16 @@ class Fields {
 
   // The same from each of `from` apart, in as many compute slots as are free: a row
   // each, one after the other. `question` has no sources; there are no labels.
-  [[nodiscard]] Result<PointDistances> table(const FieldQuestion& question,
-                                             std::span<const SurfacePoint> from,
+  [[nodiscard]] Result<PointDistances> table(const FieldQuestion& question, const FieldRows& from,
                                              std::span<const SurfacePoint> to,
                                              const Caller& caller);
 
-  // The distances of the points as the whole field of the question has them, and so the same
-  // whatever else is asked: a row of a table, as a part of ComputePool::run_each. The field is not
-  // kept, and does not end at the points. `faces`: those around the points, where any is inside a
-  // face.
+  // The distances of the points as the whole field of a row has them, and so the same whatever else
+  // is asked: a row of a table, as a part of ComputePool::run_each. The field is not kept, and does
+  // not end at the points. `question` has no sources. `faces`: those around the points, where any
+  // is inside a face.
   [[nodiscard]] Result<std::vector<double>> row(const FieldQuestion& question,
+                                                const FieldRows& from, std::size_t number,
                                                 std::span<const SurfacePoint> points,
                                                 std::span<const std::uint32_t> faces,
                                                 Worker& worker, const GiveWay& give_way,

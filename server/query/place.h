@@ -14,6 +14,8 @@
 #include "core/surface/point.h"
 #include "proto/replies/replies.h"
 #include "proto/wire/point_request.h"
+#include "server/places/field_rows.h"
+#include "server/places/field_sources.h"
 #include "server/query/far_points.h"
 #include "server/query/field_queries.h"
 
@@ -62,6 +64,10 @@ class FieldQueries::Place {
                                              std::vector<proto::ResolvedPoint>& echo,
                                              std::vector<std::string>& warnings,
                                              SurfacePolyline* round = nullptr) const;
+  // The same of each of the requests apart.
+  [[nodiscard]] Result<FieldRows> rows(const std::vector<proto::PointRequest>& requests,
+                                       std::vector<proto::ResolvedPoint>& echo,
+                                       std::vector<std::string>& warnings) const;
 
   // One place.
   [[nodiscard]] Result<SurfacePoint> point(const proto::PointRequest& request,
@@ -75,7 +81,9 @@ class FieldQueries::Place {
   }
 
  private:
-  class LineBuilder;
+  // What lines and faces among the requests are made of.
+  [[nodiscard]] Result<SourceSurface> source_surface(
+      const std::vector<proto::PointRequest>& requests) const;
 
   FieldQueries& queries_;
   const AskedSurface& surface_;

@@ -16,14 +16,15 @@ namespace {
 // The part of the time that the field of all sites takes, before those of each.
 constexpr double kFieldOfVoronoi = 0.2;
 
+// `sites`: where those are that are points, by their numbers.
 void tell_cells(Voronoi&& found, const Mesh& mesh, const Refinement* refinement,
-                const std::vector<Source>& sites, proto::VoronoiReply& reply) {
+                const std::vector<SurfacePoint>& sites, proto::VoronoiReply& reply) {
   reply.cells.clear();  // it may be run again
   reply.triangles.clear();
   for (std::size_t i = 0; i < found.cells.size(); ++i) {
     const VoronoiCell& cell = found.cells[i];
     auto& told = reply.cells.emplace_back();
-    told.site = reply_point(mesh, refinement, sites[i].point);
+    told.site = reply.from[i].lines ? reply.from[i] : reply_point(mesh, refinement, sites[i]);
     told.area = cell.area;
     told.perimeter = cell.perimeter;
     told.boundary = cell.boundary;
@@ -36,6 +37,17 @@ void tell_cells(Voronoi&& found, const Mesh& mesh, const Refinement* refinement,
   }
   reply.neighbours = std::move(found.neighbours);
   reply.bisectors = std::move(found.bisectors.lines);
+}
+
+// Each of the rows, which must outlive this.
+VoronoiSites sites_of(const FieldRows& rows) {
+  return {static_cast<std::uint32_t>(rows.size()),
+          [&rows](std::uint32_t site, SolveScratch& scratch,
+                  const Cancel& cancel) -> Result<VoronoiSite> {
+            auto from = rows.of(site, scratch, cancel);
+            if (!from) return fail(std::move(from.error()));
+            return VoronoiSite{std::move(from->points), std::move(from->lines)};
+          }};
 }
 
 // What a drawing of the cells has, and a picture.
@@ -83,6 +95,14 @@ Result<Answered<proto::VoronoiReply>> FieldQueries::answer(const AskedSurface& s
   reply.part = request.part.value_or(proto::VoronoiRequest::Part::cells);
   auto sites = place->sources(request.from, reply.from, reply.warnings);
   if (!sites) return fail(std::move(sites.error()));
+  FieldRows rows;  // each site apart
+  if (sites->lines) {
+    std::vector<proto::ResolvedPoint> same;
+    std::vector<std::string> warned;
+    auto apart = place->rows(request.from, same, warned);
+    if (!apart) return fail(std::move(apart.error()));
+    rows = std::move(*apart);
+  }
   // Each round takes as long as the cells at the end.
   const double relaxing =
       static_cast<double>(request.relax) / static_cast<double>(request.relax + 1);
@@ -99,6 +119,7 @@ Result<Answered<proto::VoronoiReply>> FieldQueries::answer(const AskedSurface& s
     if (!relaxed) return fail(std::move(relaxed.error()));
     sites->points = std::move(*relaxed);
   }
+  if (!sites->lines) rows = FieldRows(sites->points);
   const double with_field = relaxing + (1 - relaxing) * kFieldOfVoronoi;
   const Caller rest = caller.part(relaxing, with_field);
   const auto field = fields_.whole({surface.key(), adjacency, request.method, *sites},
@@ -114,11 +135,12 @@ Result<Answered<proto::VoronoiReply>> FieldQueries::answer(const AskedSurface& s
   auto found = fields_.compute(
       [&](SolveScratch& scratch, const Cancel& cancel) -> Result<Found> {
         const Timed solving(caller, Stage::solve);
-        auto cells = voronoi(method, options, *adjacency, *field->value, proto::kMaxIsolineSegments,
-                             scratch, cancel);
+        const VoronoiSites of = sites->lines ? sites_of(rows) : points_of(*field->value);
+        auto cells = voronoi(method, options, *adjacency, *field->value, of,
+                             proto::kMaxIsolineSegments, scratch, cancel);
         if (!cells) return fail(std::move(cells.error()));
         Found kept{cells->near, cells->bisectors.segments};
-        tell_cells(std::move(*cells), adjacency->mesh(), place->refinement(), sites->points, reply);
+        tell_cells(std::move(*cells), adjacency->mesh(), place->refinement(), rows.points(), reply);
         return kept;
       },
       begins_here ? last : last.finishing());

@@ -120,6 +120,14 @@ void parse(const auto& parameters_of) {
     expect(!request.from.empty(), "a table has rows");
     expect(request.first_row + request.from.size() <= request.all_rows,
            "its rows are those it has");
+    for (const proto::PointRequest& column : request.to) {
+      expect(column.is_point(), "columns are points");
+    }
+  }
+  if constexpr (requires { request.relax; }) {
+    for (const proto::PointRequest& site : request.from) {
+      expect(site.is_point() || request.relax == 0, "only points move");
+    }
   }
   const auto regions = proto::read_regions(*parameters);
   if (!regions) return check_error(regions.error());

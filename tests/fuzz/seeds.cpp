@@ -179,6 +179,7 @@ std::vector<std::string> request_seeds() {
       R"({"from":"v:0","to":{"face":4,"bary":[0.2,0.3,0.5]},"method":"exact","refine":"shortest"})",
       R"({"from":[{"vertex":1,"offset":2.5},"p:1,2,3"],"max":9.5,"labels":true,"format":"frame"})",
       R"({"from":"curve:closed;v:1;v:2;v:3","signed":true,"format":"f32"})",
+      R"({"from":[{"boundary":0},{"curve":{"points":["v:1","v:7"]}},"faces:0-3"],"to":["v:9"],"stream":true})",
       R"({"from":["v:0"],"levels":[1,2,3],"precision":6})",
       R"({"from":"v:0","direction":[1,0,0],"length":3})",
       R"({"point":[{"ray":{"origin":[0,0,9],"direction":[0,0,-1]}}]})",

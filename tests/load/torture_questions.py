@@ -245,6 +245,9 @@ def question_about(chance, mesh):
     asked |= part_of(chance, mesh)
     if query in ("distance", "path", "isolines", "measure", "samples") and chance.random() < 0.15:
         asked["from"] = lines_of(chance, mesh)
+    if query in ("table", "voronoi") and chance.random() < 0.3:
+        rows = asked["from"] if isinstance(asked["from"], list) else [asked["from"]]
+        asked["from"] = [lines_of(chance, mesh) if chance.random() < 0.5 else row for row in rows]
     asked |= costs_of(chance, mesh, query, asked)
     form = chance.choice(formats)
     asked["deadline_ms"] = chance.choice([1, 5, 50, 1000]) if chance.random() < 0.1 else DEADLINE

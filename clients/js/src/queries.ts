@@ -94,8 +94,9 @@ export interface PathQuery extends ByMethod, InDigits, AtACost {
 }
 
 export interface TableQuery extends ByMethod, WithinTolerance, AtACost {
-  from: OneOrMore<Point>;
-  /** The columns; without it the rows again. */
+  /** The rows. */
+  from: OneOrMore<Point | SourceLines>;
+  /** The columns; without it the rows again, which are points then. */
   to?: OneOrMore<Point>;
   max?: number;
 }
@@ -170,8 +171,8 @@ export interface ExtentQuery extends ByMethod, WithinTolerance, InDigits {
 
 export interface VoronoiQuery extends ByMethod, WithinTolerance, InDigits {
   /** The sites. */
-  from: OneOrMore<Source>;
-  /** Rounds of Lloyd's algorithm, each of which moves the sites to their cells' centroids. */
+  from: OneOrMore<Source | SourceLines>;
+  /** Rounds of Lloyd's algorithm, each of which moves the sites, which are points then, to their cells' centroids. */
   relax?: number;
 }
 

@@ -5,7 +5,7 @@
 import type { Status } from './contract.js';
 import { GeodesicError } from './errors.js';
 import { planOf } from './plans.js';
-import { listOf, pointInJson, type Point } from './points.js';
+import { listOf, pointInJson, type Point, type SourceLines } from './points.js';
 import type { QueryOptions, Table, TableQuery, Timing } from './queries.js';
 import { jsonOf } from './replies.js';
 import { msUntil } from './retry.js';
@@ -19,6 +19,7 @@ const LIMITS = {
   max_json_bytes: 8 << 20,
 };
 type Limits = typeof LIMITS;
+type Row = Point | SourceLines;
 
 /** Consecutive points, `end` excluded. */
 interface Run {
@@ -43,7 +44,8 @@ export async function table(
     return plan.read(await transport.exchange(plan.call));
   };
   const rows = listOf(query.from);
-  const columns = query.to === undefined ? rows : listOf(query.to);
+  // Rows that are the columns, too, are points, or the server refuses them.
+  const columns = query.to === undefined ? (rows as readonly Point[]) : listOf(query.to);
   if (!rows.length || !columns.length || fits(rows, columns, LIMITS)) return ask(query, options);
   const limits = await toldLimits(transport, options);
   if (fits(rows, columns, limits)) return ask(query, options);
@@ -89,7 +91,7 @@ function joined(answers: readonly [Block, Table][], distances: Float64Array): Ta
   };
 }
 
-function slice(points: readonly Point[], { begin, end }: Run): readonly Point[] {
+function slice<T extends Row>(points: readonly T[], { begin, end }: Run): readonly T[] {
   return points.slice(begin, end);
 }
 
@@ -109,12 +111,12 @@ function bodyLimit(limits: Limits): number {
 }
 
 /** Bytes that each point takes in a request's body. */
-function sizesOf(points: readonly Point[]): number[] {
+function sizesOf(points: readonly Row[]): number[] {
   const encoder = new TextEncoder();
   return points.map((point) => encoder.encode(JSON.stringify(pointInJson(point))).length + 1);
 }
 
-function fits(rows: readonly Point[], columns: readonly Point[], limits: Limits): boolean {
+function fits(rows: readonly Row[], columns: readonly Point[], limits: Limits): boolean {
   if (rows.length > limits.max_sources || columns.length > limits.max_points) return false;
   if (rows.length * columns.length > limits.max_table_entries) return false;
   const sizes = [...sizesOf(rows), ...sizesOf(columns)];
@@ -126,7 +128,7 @@ function fits(rows: readonly Point[], columns: readonly Point[], limits: Limits)
  * each other: each row costs a field, which the server may still have then.
  */
 function* blocks(
-  rows: readonly Point[],
+  rows: readonly Row[],
   columns: readonly Point[],
   limits: Limits,
 ): Generator<Block> {

@@ -1,7 +1,7 @@
 /** Fields from curves, boundaries and whole faces. */
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { GeodesicClient, type SourceLines } from 'geodesicd-client';
+import { GeodesicClient, type GeodesicError, type SourceLines, type TableQuery } from 'geodesicd-client';
 import { fixture, watchedFetch } from './fixture.js';
 
 const { server, plane } = await fixture();
@@ -31,6 +31,43 @@ test('sources that are no points go by GET where a URL can say them', async () =
   assert.equal(seen[0], `POST ${base}/path`);
   assert.ok(Math.abs(path.length! - 7) < 1e-9);
   assert.equal(path.from.kind, 'curve');
+});
+
+test('rows of tables are lines, too', async () => {
+  const query: TableQuery = {
+    from: [{ boundary: 'all' }, { curve: { points: [1010, 1090] } }, { faces: [[0, 1]] }, 0],
+    to: [303, 5050],
+    method: 'exact',
+  };
+  const { rows, distances } = await client.table(plane, query);
+  assert.deepEqual(rows.map(({ kind }) => kind), ['boundary', 'curve', 'faces', undefined]);
+  assert.ok(Math.abs(distances[0]! - 3) < 1e-9);
+  assert.ok(Math.abs(distances[3]! - 40) < 1e-9);
+  for await (const { row, distances: streamed } of client.tableRows(plane, query)) {
+    assert.deepEqual(streamed, distances.slice(2 * row, 2 * row + 2));
+  }
+  const near = await client.sparseTable(plane, { ...query, max: 5 });
+  assert.deepEqual([...near.indptr], [0, 1, 1, 2, 3]);
+  await assert.rejects(
+    client.table(plane, { from: [0, { boundary: 0 }] }),
+    (error: GeodesicError) => error.parameter === 'to',
+  );
+});
+
+test('sites of cells are lines, too', async () => {
+  // Across the plane at y = 10 and y = 40.
+  const from: SourceLines[] = [
+    { curve: { points: [1000, 1099] } },
+    { curve: { points: [4000, 4099] } },
+  ];
+  const { cells, bisectors } = await client.voronoi(plane, { from, method: 'exact' });
+  assert.deepEqual(cells.map(({ site }) => site.kind), ['curve', 'curve']);
+  assert.ok(Math.abs(cells[0]!.area - 99 * 25) < 1e-6);
+  assert.equal(bisectors.length, 1);
+  await assert.rejects(
+    client.voronoi(plane, { from, relax: 1 }),
+    (error: GeodesicError) => error.parameter === 'relax',
+  );
 });
 
 test('distances are below 0 inside a closed curve', async () => {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -74,6 +75,58 @@ def test_signed_distances_are_below_0_inside(
         "--signed", "--at", "4040", "--method", "exact",
     ).stdout  # fmt: skip
     assert math.isclose(float(told), -10)
+
+
+def test_rows_of_tables_are_lines_too(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
+) -> None:
+    rows: list[Any] = [Boundary(), Curve([1010, 1090]), Faces(np.array([0, 1])), 0]
+    columns = [303, 5050]
+    diagonal = math.sqrt(2)
+    expected: list[list[float]] = [
+        [3, 49],
+        [7 * diagonal, 40],
+        [2 * diagonal, 49 * diagonal],
+        [3 * diagonal, 50 * diagonal],
+    ]
+    found = plane.table(rows, columns, method="exact")
+    assert np.allclose(found, expected, atol=1e-9)
+    for row, source in enumerate(rows):
+        assert np.array_equal(found[row], plane.distance(source, method="exact")[columns])
+    file = plane.table_file(tmp_path / "rows.npy", rows, columns, method="exact")
+    assert np.array_equal(file, found)
+    near = plane.sparse_table(rows, columns, max=5, method="exact")
+    assert near.indptr.tolist() == [0, 1, 1, 2, 3]
+    with pytest.raises(geodesicd.GeodesicError, match="name the columns"):
+        plane.table(rows)
+    with pytest.raises(geodesicd.GeodesicError, match="a column is a point"):
+        plane.table(0, Boundary())
+    told = geodesic(
+        server, "table", plane.id, "--from", "boundary:0", "--from", "curve:v:1010;v:1090",
+        "--to", "5050", "--method", "exact",
+    ).stdout  # fmt: skip
+    rows_told = [line.split(",") for line in told.splitlines()]
+    assert [row[0] for row in rows_told] == ["", "boundary:0", "curve:v:1010;v:1090"]
+    assert np.allclose([float(row[1]) for row in rows_told[1:]], [49, 40], atol=1e-9)
+
+
+def test_sites_of_cells_are_lines_too(server: geodesicd.LocalServer, plane: geodesicd.Mesh) -> None:
+    # Across the plane at y = 10 and y = 40.
+    sites = [Curve([1000, 1099]), Curve([4000, 4099])]
+    found = plane.voronoi(sites, method="exact")
+    assert np.allclose(found.areas, [99 * 25, 99 * 74], atol=1e-6)
+    assert [site.kind for site in found.sites] == ["curve", "curve"]
+    assert np.allclose(found.bisectors[0].points[:, 1], 25, atol=1e-9)
+    halves = plane.voronoi([Faces({"box": {"min": [0, 0, -1], "max": [40, 99, 1]}}), 9999])
+    assert halves.areas[0] > 40 * 99
+    with pytest.raises(geodesicd.GeodesicError, match="leave relax out"):
+        plane.voronoi(sites, relax=1)
+    told = geodesic(
+        server, "voronoi", plane.id, "--from", "curve:v:1000;v:1099", "--from", "boundary",
+        "--method", "exact",
+    )  # fmt: skip
+    areas = [float(line.split(",")[4]) for line in told.stdout.splitlines()[1:]]
+    assert math.isclose(sum(areas), 9801)
 
 
 def test_curves_that_are_none_are_refused_at_once() -> None:

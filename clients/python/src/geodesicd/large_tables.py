@@ -46,7 +46,8 @@ def table_file(
 
     Args:
         file: where to; another file there is replaced, unless it is a part of this table.
-        sources: points, one a row. targets: points, one a column.
+        sources: points, and curves, boundaries and faces, one a row. targets: points, one a column;
+            with others than points among the sources they have to be given.
         resume: whether to go on with a part that is there.
         max: what is farther counts as unreached; mesh units. Fields end there.
         dtype: float64 or float32, which is half to send and to keep.
@@ -206,7 +207,8 @@ def sparse_table(
     server has too much for one reply, it is asked for fewer rows at once.
 
     Args:
-        sources: points, one a row. targets: points, one a column.
+        sources: points, and curves, boundaries and faces, one a row. targets: points, one a column;
+            with others than points among the sources they have to be given.
         max: the greatest distance that is wanted, mesh units.
         deadline: seconds for the whole.
         progress: called with the part that is done, from 0 to 1.

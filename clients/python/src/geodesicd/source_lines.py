@@ -1,7 +1,7 @@
 """What a field starts from besides points: curves, boundaries and whole faces.
 
 They stand wherever sources do (``mesh.distance(Curve([1, 7, 9]))``), alone or in a list with
-points.
+points, and are rows of tables and sites of cells.
 The methods ``exact`` and ``chen_han`` measure from the lines themselves, not from points on them.
 """
 

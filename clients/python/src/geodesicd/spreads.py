@@ -120,11 +120,12 @@ def voronoi(
     is nearer to it than to the others; the bisectors between cells as lines on the surface; and
     the geodesic Delaunay triangulation, a triangle for each three cells that meet. Areas add up to
     the surface that any site reaches. A cell need hold no vertex. By ``method="exact"``, where the
-    surface can be laid flat, bisectors are right to rounding.
+    surface can be laid flat, bisectors between points are right to rounding.
 
     Args:
+        sites: points, which may carry offsets, and curves, boundaries and faces.
         relax: rounds of Lloyd's algorithm before, each of which moves the sites to the centroids
-            of their cells: they spread evenly.
+            of their cells: they spread evenly. All sites are points then.
     """
     parameters = {
         "from": points_of(sites),

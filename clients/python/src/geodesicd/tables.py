@@ -33,7 +33,8 @@ def table(
     server's limits is several requests, one after the other.
 
     Args:
-        sources: points, one a row. targets: points, one a column.
+        sources: points, and curves, boundaries and faces, one a row. targets: points, one a column;
+            with others than points among the sources they have to be given.
         max: what is farther counts as unreached; mesh units.
         dtype: float64 or float32, which is half to send and to keep.
         deadline: seconds for the whole.

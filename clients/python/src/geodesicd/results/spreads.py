@@ -122,7 +122,8 @@ class Voronoi:
     and the triangles between sites whose cells meet.
 
     Attributes:
-        sites: the k sites, where relaxing left them; points again for other queries.
+        sites: the k sites, where relaxing left them; points again for other queries. Of a curve, a
+            boundary or faces the first point, with its ``kind``.
         points: (k, 3) float64, where they are, mesh units.
         areas: (k,) float64, mesh units squared; 0 of a cell that has nothing.
         perimeters: (k,) float64, the lengths of each cell's bisectors, mesh units.
@@ -133,7 +134,8 @@ class Voronoi:
         neighbors: (n, 2) int64, cells with a common bisector.
         lengths: (n,) float64, how long that is, mesh units.
         bisectors: as lines on the surface.
-        triangles: (t, 3) int64, the geodesic Delaunay triangulation of the sites.
+        triangles: (t, 3) int64, three cells that meet: the geodesic Delaunay triangulation of
+            sites that are points.
         corners: (t, 3) float64, where the cells of each triangle meet.
         distances: (t,) float64, of that from the three sites, mesh units.
     """

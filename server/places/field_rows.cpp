@@ -1,0 +1,96 @@
+#include "server/places/field_rows.h"
+
+#include <map>
+#include <string>
+#include <unordered_set>
+#include <variant>
+
+namespace geodesic::server {
+namespace {
+
+// The same for the same boundary and for the same faces; empty for a curve.
+std::string spelling_of(const proto::PointRequest& request) {
+  if (const auto* boundary = std::get_if<proto::BoundaryRequest>(&request.where)) {
+    return boundary->loop ? "boundary " + std::to_string(*boundary->loop) : "boundary";
+  }
+  const auto* faces = std::get_if<proto::FacesRequest>(&request.where);
+  return faces == nullptr ? std::string() : "faces " + faces->shape;
+}
+
+}  // namespace
+
+Result<FieldRows> FieldRows::make(std::shared_ptr<const SourceSurface> surface,
+                                  std::span<const proto::PointRequest> requests,
+                                  std::span<const SurfacePoint> points,
+                                  std::vector<proto::ResolvedPoint>& echo, SolveScratch& scratch,
+                                  const Cancel& cancel) {
+  struct Known {
+    std::shared_ptr<const FieldSources> kept;
+    proto::ResolvedPoint echo;
+  };
+  std::map<std::string, Known> known;
+  FieldRows rows;
+  rows.surface_ = std::move(surface);
+  SourceBuilder builder(*rows.surface_, scratch, cancel);
+  for (const proto::PointRequest& request : requests) {
+    const auto own = points.first(count_points(request));
+    points = points.subspan(own.size());
+    Source& source = rows.points_.emplace_back();
+    if (request.is_point()) {
+      source = {own.front(), request.offset};
+      continue;
+    }
+    if (cancel.requested()) return fail_stopped(cancel);
+    Line& line = rows.lines_[rows.points_.size() - 1];
+    const bool is_faces = std::holds_alternative<proto::FacesRequest>(request.where);
+    if (is_faces) line.faces = request;
+    const std::string spelling = spelling_of(request);
+    if (const auto same = known.find(spelling); same != known.end()) {
+      line.kept = same->second.kept;
+      echo.push_back(same->second.echo);
+      continue;
+    }
+    auto told = builder.add_lines(request, own);
+    if (!told) return fail(std::move(told.error()));
+    auto made = builder.take();
+    if (!made) return fail(std::move(made.error()));
+    if (!is_faces) line.kept = std::make_shared<const FieldSources>(std::move(*made));
+    if (!spelling.empty()) known.emplace(spelling, Known{line.kept, *told});
+    echo.push_back(std::move(*told));
+  }
+  return rows;
+}
+
+std::vector<SurfacePoint> FieldRows::points() const {
+  std::vector<SurfacePoint> points;
+  points.reserve(points_.size());
+  for (const Source& source : points_) points.push_back(source.point);
+  return points;
+}
+
+Result<FieldSources> FieldRows::of(std::size_t row, SolveScratch& scratch,
+                                   const Cancel& cancel) const {
+  const auto line = lines_.find(row);
+  if (line == lines_.end()) return FieldSources{{points_[row]}, nullptr, {}};
+  if (const auto& kept = line->second.kept) {
+    if (!cancel.may_take(kept->points.size() * sizeof(Source))) return fail_stopped(cancel);
+    return *kept;
+  }
+  SourceBuilder builder(*surface_, scratch, cancel);
+  if (auto added = builder.add_lines(line->second.faces, {}); !added) {
+    return fail(std::move(added.error()));
+  }
+  return builder.take();
+}
+
+std::size_t FieldRows::bytes() const {
+  std::size_t bytes = points_.capacity() * sizeof(Source);
+  std::unordered_set<const FieldSources*> counted;  // rows may share them
+  for (const auto& [row, line] : lines_) {
+    bytes += sizeof(Line);
+    if (line.kept && counted.insert(line.kept.get()).second) bytes += line.kept->bytes();
+  }
+  return bytes;
+}
+
+}  // namespace geodesic::server

@@ -1,0 +1,60 @@
+// What several fields start from, one source each: the rows of a table, the sites of cells.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "core/base/cancel.h"
+#include "core/base/error.h"
+#include "core/solve/solve_scratch.h"
+#include "core/surface/point.h"
+#include "proto/replies/replies.h"
+#include "proto/wire/point_request.h"
+#include "server/places/field_sources.h"
+
+namespace geodesic::server {
+
+// Of rows that are lines, curves and boundaries are kept: a query has a limit of the former, and
+// the mesh one of the latter. What is whole faces is made anew for each field, for it takes as much
+// memory as the mesh has faces.
+class FieldRows {
+ public:
+  FieldRows() = default;
+  // Points alone.
+  explicit FieldRows(std::vector<Source> points) : points_(std::move(points)) {}
+
+  // In a compute slot. `points`: of all requests, one after the other. In `echo`: what a reply says
+  // of each row that is no point, in their order. Errors: those of SourceBuilder::add_lines.
+  [[nodiscard]] static Result<FieldRows> make(std::shared_ptr<const SourceSurface> surface,
+                                              std::span<const proto::PointRequest> requests,
+                                              std::span<const SurfacePoint> points,
+                                              std::vector<proto::ResolvedPoint>& echo,
+                                              SolveScratch& scratch, const Cancel& cancel);
+
+  [[nodiscard]] std::size_t size() const { return points_.size(); }
+  [[nodiscard]] bool has_lines() const { return !lines_.empty(); }
+  // Where the rows are that are points; others are anywhere.
+  [[nodiscard]] std::vector<SurfacePoint> points() const;
+
+  // In a compute slot. Errors: cancelled, too_much_memory.
+  [[nodiscard]] Result<FieldSources> of(std::size_t row, SolveScratch& scratch,
+                                        const Cancel& cancel) const;
+
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  struct Line {
+    std::shared_ptr<const FieldSources> kept;
+    proto::PointRequest faces;  // if it is not kept
+  };
+
+  std::shared_ptr<const SourceSurface> surface_;
+  std::vector<Source> points_;                   // by row; of no use where that is no point
+  std::unordered_map<std::size_t, Line> lines_;  // by row
+};
+
+}  // namespace geodesic::server
