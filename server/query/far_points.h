@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/mesh/mesh.h"
-#include "proto/wire/point_request.h"
 #include "proto/replies/replies.h"
+#include "proto/wire/point_request.h"
 
 namespace geodesic::server {
 

@@ -11,8 +11,6 @@
 #include "core/curves/source_lines.h"
 #include "core/mesh/weld.h"
 #include "proto/formats/decode_mesh.h"
-#include "proto/gltf/annotate.h"
-#include "proto/gltf/weights.h"
 #include "proto/mesh/metadata.h"
 #include "proto/region/cut_regions.h"
 #include "proto/wire/input_codes.h"
@@ -32,7 +30,6 @@ std::span<const std::byte> as_bytes(const std::string& text) {
 
 // The keys of a surface in the cache of prepared things, by kind. They begin with the mesh's id.
 std::string adjacency_key(const std::string& surface) { return surface + "/adjacency"; }
-std::string materials_key(const std::string& mesh) { return mesh + "/materials"; }
 std::string closest_points_key(const std::string& surface) { return surface + "/closest_points"; }
 
 // An adjacency holds on to its mesh, which the mesh cache may have dropped.
@@ -45,6 +42,9 @@ std::size_t bytes_of(const std::shared_ptr<const ClosestPointIndex>& index) {
 }
 std::size_t bytes_of(const std::shared_ptr<const proto::FaceMaterials>& materials) {
   return materials->bytes();
+}
+std::size_t bytes_of(const std::shared_ptr<const proto::FaceWeights>& weights) {
+  return weights->by_face.capacity() * sizeof(double);
 }
 
 // Embree takes one of the process's 1,024 keys of threads for each index. Without any left, nobody
@@ -318,46 +318,6 @@ Result<std::string> MeshCatalog::described_anew(const std::string& id, const Cal
   return std::move(described->description);
 }
 
-Result<std::string> MeshCatalog::source(const std::string& id) { return store_.get_source(id); }
-
-Result<UploadedGltf> MeshCatalog::uploaded_gltf(
-    const std::string& id, const std::vector<proto::VertexAttribute>& attributes,
-    const Caller& caller) {
-  auto bytes = store_.get_source(id);
-  if (!bytes) return fail(std::move(bytes.error()));
-  const auto options = options_of(id);
-  if (!options) return fail(options.error());
-  auto annotation = pool_.run(
-      [&](Worker&) {
-        const auto limits = decode_limits_.get();
-        return decoders_ != nullptr
-                   ? decoders_->annotation(*bytes, attributes, *limits, *options, caller)
-                   : proto::annotate_gltf(as_bytes(*bytes), *limits, *options, attributes);
-      },
-      caller);
-  if (!annotation) return fail(std::move(annotation.error()));
-  return UploadedGltf{std::move(*bytes), std::move(*annotation), nullptr};
-}
-
-Result<std::vector<double>> MeshCatalog::face_weights(const std::string& id,
-                                                      const std::string& attribute,
-                                                      const Caller& caller) {
-  const auto bytes = store_.get_source(id);
-  if (!bytes) return fail(bytes.error());
-  const auto options = options_of(id);
-  if (!options) return fail(options.error());
-  auto weights = pool_.run(
-      [&](Worker&) {
-        const auto limits = decode_limits_.get();
-        return decoders_ != nullptr
-                   ? decoders_->face_weights(*bytes, attribute, *limits, *options, caller)
-                   : proto::read_face_weights(as_bytes(*bytes), *limits, *options, attribute);
-      },
-      caller);
-  if (!weights) return fail(std::move(weights.error()));
-  return std::move(weights->by_face);
-}
-
 Result<void> MeshCatalog::remove(const std::string& id) {
   const auto existed = store_.remove(id);
   meshes_.erase(id);
@@ -445,58 +405,6 @@ Result<std::shared_ptr<const Adjacency>> MeshCatalog::whole(const std::string& i
   auto mapped = mapped_adjacency(id, caller);
   if (mapped && *mapped == nullptr) return adjacency_anew(id, caller);
   return mapped;
-}
-
-Result<proto::FileFaces> MeshCatalog::file_faces(const std::string& id, proto::NamedOfFile named,
-                                                 const Caller& caller) {
-  proto::FileFaces file;
-  if (!named.parts && !named.materials) return file;
-  const auto description = metadata(id, caller);
-  if (!description) return fail(description.error());
-  auto told = proto::parts_in(*description);
-  if (!told) return fail(std::move(told.error()));
-  file.parts = std::move(*told);
-  if (named.materials && !file.parts.has_no_materials) {
-    auto materials = this->materials(id, caller);
-    if (!materials) return fail(std::move(materials.error()));
-    file.materials = std::move(*materials);
-  }
-  return file;
-}
-
-void MeshCatalog::keep_materials(const std::string& id, proto::FaceMaterials materials,
-                                 const Caller& caller) {
-  if (materials.names.empty()) return;
-  (void)prepared_.get_or_create(
-      materials_key(id),
-      [&]() -> Result<std::shared_ptr<const Prepared>> {
-        return std::make_shared<const Prepared>(
-            std::make_shared<const proto::FaceMaterials>(std::move(materials)));
-      },
-      caller);
-}
-
-Result<MeshCatalog::Materials> MeshCatalog::materials(const std::string& id, const Caller& caller) {
-  const auto known = prepared_.get_or_create(
-      materials_key(id),
-      [&]() -> Result<std::shared_ptr<const Prepared>> {
-        const auto bytes = step("read", Stage::load, caller, [&] { return store_.get_source(id); });
-        if (!bytes) return fail(bytes.error());
-        const auto options = options_of(id);
-        if (!options) return fail(options.error());
-        auto decoded = pool_.run(
-            [&](Worker&) {
-              return step("decode", Stage::load, caller,
-                          [&] { return decode(*bytes, *options, caller); });
-            },
-            caller);
-        if (!decoded) return fail(std::move(decoded.error()));
-        return std::make_shared<const Prepared>(
-            std::make_shared<const proto::FaceMaterials>(std::move(decoded->materials)));
-      },
-      caller);
-  if (!known) return fail(known.error());
-  return std::get<Materials>(*known->value);
 }
 
 Result<PreparedSurface> MeshCatalog::cut_out(const AskedSurface& surface, const Caller& caller) {

@@ -29,6 +29,7 @@
 #include "core/mesh/mesh.h"
 #include "core/refine/refinement.h"
 #include "core/surface/adjacency.h"
+#include "proto/gltf/weights.h"
 #include "proto/gltf_file/annotation.h"
 #include "proto/mesh/decoded_mesh.h"
 #include "proto/mesh/face_materials.h"
@@ -126,11 +127,12 @@ class MeshCatalog {
   [[nodiscard]] Result<UploadedGltf> uploaded_gltf(
       const std::string& id, const std::vector<proto::VertexAttribute>& attributes,
       const Caller& caller);
-  // Weights of the faces of a GLB or glTF file, by an attribute of its vertices. Errors besides:
-  // those of proto::read_face_weights; overloaded, draining, cancelled.
-  [[nodiscard]] Result<std::vector<double>> face_weights(const std::string& id,
-                                                         const std::string& attribute,
-                                                         const Caller& caller);
+  // Weights of the faces of a GLB or glTF file, by an attribute of its vertices; kept with what is
+  // prepared of the mesh. Errors besides: those of proto::read_face_weights; overloaded, draining,
+  // cancelled.
+  using Weights = std::shared_ptr<const proto::FaceWeights>;
+  [[nodiscard]] Result<Weights> face_weights(const std::string& id, const std::string& attribute,
+                                             const Caller& caller);
   // The uploaded bytes as a file; null where they cannot be had as one. Errors besides: cancelled.
   [[nodiscard]] Result<std::shared_ptr<const ReplyFile>> source_file(const std::string& id,
                                                                      const Caller& caller) {
@@ -182,7 +184,7 @@ class MeshCatalog {
  private:
   using Materials = std::shared_ptr<const proto::FaceMaterials>;
   using Prepared =
-      std::variant<PreparedSurface, std::shared_ptr<const ClosestPointIndex>, Materials>;
+      std::variant<PreparedSurface, std::shared_ptr<const ClosestPointIndex>, Materials, Weights>;
 
   struct Described {
     std::shared_ptr<const Mesh> mesh;

@@ -35,7 +35,7 @@ Result<std::shared_ptr<const void>> Routes::read_weights(const Query& query, pro
   if (!reserved) return fail(std::move(reserved.error()));
   auto weights = catalog_.face_weights(query.mesh, costs.weight_attribute, caller);
   if (!weights) return fail(std::move(weights.error()));
-  costs.face_weights = std::move(*weights);
+  costs.face_weights = (*weights)->by_face;
   (*reserved)->shrink(bytes_of_weights);
   return std::shared_ptr<const void>(std::move(*reserved));
 }

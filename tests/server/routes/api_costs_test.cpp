@@ -100,6 +100,17 @@ TEST_CASE("WeightsAreReadFromAnAttributeOfTheFile") {
   refused(base, "/distance?from=v:0&weight_attribute=_MUD&face_weights=1", 400, "bad_syntax");
   plane.check_refused("/measure?from=v:0&radii=1&weight_attribute=_MUD", 400, "unknown_parameter",
                       "weight_attribute");
+  // They are kept with what is prepared of the mesh, and go with it.
+  const auto kept = [&] {
+    std::vector<std::string> keys;
+    for (const json& entry : body_of(plane.service.get("/debug/cache"))["adjacency"]["entries"]) {
+      const auto key = entry["key"].get<std::string>();
+      if (key.find("/weights/") != std::string::npos) keys.push_back(key);
+    }
+    return keys;
+  };
+  CHECK(kept() ==
+        std::vector<std::string>{base.substr(std::string("/v1/meshes/").size()) + "/weights/_MUD"});
   // A vertex at no distance, and an attribute of three numbers.
   const auto again = [&](const std::string& query) {
     const HttpResponse annotated = plane.service.get(plane.base + query);
@@ -111,6 +122,8 @@ TEST_CASE("WeightsAreReadFromAnAttributeOfTheFile") {
           "/path?from=v:0&to=v:5&weight_attribute=_ZERO", 422, "value_out_of_range");
   refused(again("/logmap?from=v:0&format=annotated&attribute=_THREE"),
           "/path?from=v:0&to=v:5&weight_attribute=_THREE", 422, "value_out_of_range");
+  CHECK(plane.service.ask("DELETE", base).status == 204);
+  CHECK(kept().empty());
 }
 
 TEST_CASE("ACheapestPathSaysWhatItCostsAndHowLongItIs") {

@@ -1,0 +1,130 @@
+// What an uploaded file says that its mesh does not: its bytes, attributes, materials and parts.
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "proto/gltf/annotate.h"
+#include "proto/gltf/weights.h"
+#include "proto/mesh/metadata.h"
+#include "server/query/mesh_catalog.h"
+
+namespace geodesic::server {
+namespace {
+
+std::span<const std::byte> as_bytes(const std::string& text) {
+  return {reinterpret_cast<const std::byte*>(text.data()), text.size()};
+}
+
+// In the cache of prepared things. They begin with the mesh's id, and go with the mesh.
+std::string materials_key(const std::string& mesh) { return mesh + "/materials"; }
+std::string weights_key(const std::string& mesh, const std::string& attribute) {
+  return mesh + "/weights/" + attribute;
+}
+
+}  // namespace
+
+Result<std::string> MeshCatalog::source(const std::string& id) { return store_.get_source(id); }
+
+Result<UploadedGltf> MeshCatalog::uploaded_gltf(
+    const std::string& id, const std::vector<proto::VertexAttribute>& attributes,
+    const Caller& caller) {
+  auto bytes = store_.get_source(id);
+  if (!bytes) return fail(std::move(bytes.error()));
+  const auto options = options_of(id);
+  if (!options) return fail(options.error());
+  auto annotation = pool_.run(
+      [&](Worker&) {
+        const auto limits = decode_limits_.get();
+        return decoders_ != nullptr
+                   ? decoders_->annotation(*bytes, attributes, *limits, *options, caller)
+                   : proto::annotate_gltf(as_bytes(*bytes), *limits, *options, attributes);
+      },
+      caller);
+  if (!annotation) return fail(std::move(annotation.error()));
+  return UploadedGltf{std::move(*bytes), std::move(*annotation), nullptr};
+}
+
+Result<MeshCatalog::Weights> MeshCatalog::face_weights(const std::string& id,
+                                                       const std::string& attribute,
+                                                       const Caller& caller) {
+  const auto known = prepared_.get_or_create(
+      weights_key(id, attribute),
+      [&]() -> Result<std::shared_ptr<const Prepared>> {
+        const auto bytes = store_.get_source(id);
+        if (!bytes) return fail(bytes.error());
+        const auto options = options_of(id);
+        if (!options) return fail(options.error());
+        auto weights = pool_.run(
+            [&](Worker&) {
+              const auto limits = decode_limits_.get();
+              return decoders_ != nullptr
+                         ? decoders_->face_weights(*bytes, attribute, *limits, *options, caller)
+                         : proto::read_face_weights(as_bytes(*bytes), *limits, *options, attribute);
+            },
+            caller);
+        if (!weights) return fail(std::move(weights.error()));
+        return std::make_shared<const Prepared>(
+            std::make_shared<const proto::FaceWeights>(std::move(*weights)));
+      },
+      caller);
+  if (!known) return fail(known.error());
+  return std::get<Weights>(*known->value);
+}
+
+Result<proto::FileFaces> MeshCatalog::file_faces(const std::string& id, proto::NamedOfFile named,
+                                                 const Caller& caller) {
+  proto::FileFaces file;
+  if (!named.parts && !named.materials) return file;
+  const auto description = metadata(id, caller);
+  if (!description) return fail(description.error());
+  auto told = proto::parts_in(*description);
+  if (!told) return fail(std::move(told.error()));
+  file.parts = std::move(*told);
+  if (named.materials && !file.parts.has_no_materials) {
+    auto materials = this->materials(id, caller);
+    if (!materials) return fail(std::move(materials.error()));
+    file.materials = std::move(*materials);
+  }
+  return file;
+}
+
+void MeshCatalog::keep_materials(const std::string& id, proto::FaceMaterials materials,
+                                 const Caller& caller) {
+  if (materials.names.empty()) return;
+  (void)prepared_.get_or_create(
+      materials_key(id),
+      [&]() -> Result<std::shared_ptr<const Prepared>> {
+        return std::make_shared<const Prepared>(
+            std::make_shared<const proto::FaceMaterials>(std::move(materials)));
+      },
+      caller);
+}
+
+Result<MeshCatalog::Materials> MeshCatalog::materials(const std::string& id, const Caller& caller) {
+  const auto known = prepared_.get_or_create(
+      materials_key(id),
+      [&]() -> Result<std::shared_ptr<const Prepared>> {
+        const auto bytes = step("read", Stage::load, caller, [&] { return store_.get_source(id); });
+        if (!bytes) return fail(bytes.error());
+        const auto options = options_of(id);
+        if (!options) return fail(options.error());
+        auto decoded = pool_.run(
+            [&](Worker&) {
+              return step("decode", Stage::load, caller,
+                          [&] { return decode(*bytes, *options, caller); });
+            },
+            caller);
+        if (!decoded) return fail(std::move(decoded.error()));
+        return std::make_shared<const Prepared>(
+            std::make_shared<const proto::FaceMaterials>(std::move(decoded->materials)));
+      },
+      caller);
+  if (!known) return fail(known.error());
+  return std::get<Materials>(*known->value);
+}
+
+}  // namespace geodesic::server
