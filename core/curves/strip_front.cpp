@@ -108,8 +108,10 @@ class StripFront {
   [[nodiscard]] std::vector<MetVertex> met() const {
     std::vector<MetVertex> vertices;
     for (std::uint32_t v = 0; v < met_.size() && !poll_.cancelled(); ++v) {
-      // What is farther than along an edge is on no shortest path.
-      if (met_[v] == kUnreached || met_[v] > bound_[v] || met_[v] > limits_.max) continue;
+      // What is farther than along an edge is on no shortest path. A line of flow along an edge is
+      // as long as the way along it, but for rounding.
+      const double along_edge = bound_[v] * (1 + tolerance::kSameWay);
+      if (met_[v] == kUnreached || met_[v] > along_edge || met_[v] > limits_.max) continue;
       vertices.push_back({v, met_[v], lines_.segments[met_from_[v]].item});
     }
     return vertices;

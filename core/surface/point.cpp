@@ -27,9 +27,6 @@ SurfacePoint point_on_face(const Adjacency& adjacency, std::uint32_t face,
   // Divided by the largest first, so that neither the sum nor a part overflows.
   const double largest = std::max({bary[0], bary[1], bary[2]});
   for (double& weight : bary) weight /= largest;
-  for (double& weight : bary) {
-    if (weight < kNoWeight) weight = 0;
-  }
   const double sum = bary[0] + bary[1] + bary[2];
   for (double& weight : bary) weight /= sum;
   SurfacePoint point{face, bary, kNone};
@@ -40,6 +37,15 @@ SurfacePoint point_on_face(const Adjacency& adjacency, std::uint32_t face,
     }
   }
   return point;
+}
+
+SurfacePoint point_given(const Adjacency& adjacency, std::uint32_t face,
+                         std::array<double, 3> bary) {
+  const double largest = std::max({bary[0], bary[1], bary[2]});
+  for (double& weight : bary) {
+    if (weight < kNoWeight * largest) weight = 0;
+  }
+  return point_on_face(adjacency, face, bary);
 }
 
 Vec3 position_of(const Mesh& mesh, const SurfacePoint& point) {

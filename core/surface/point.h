@@ -27,9 +27,15 @@ struct SurfacePoint {
 
 // A point of a face; weights that leave only one corner make it that vertex.
 // The weights must be finite, not negative, and not all zero; they are divided
-// by their sum. One below 1e-13 of the largest is rounding, and taken as zero.
+// by their sum.
 [[nodiscard]] SurfacePoint point_on_face(const Adjacency& adjacency, std::uint32_t face,
                                          std::array<double, 3> bary);
+
+// The same of a place that somebody gives or searches for: a weight below 1e-13 of the largest is
+// what rounding leaves, and taken as zero. Fronts that set out so near to a vertex or an edge would
+// not get round it.
+[[nodiscard]] SurfacePoint point_given(const Adjacency& adjacency, std::uint32_t face,
+                                       std::array<double, 3> bary);
 
 [[nodiscard]] Vec3 position_of(const Mesh& mesh, const SurfacePoint& point);
 

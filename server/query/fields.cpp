@@ -23,16 +23,18 @@ namespace {
 
 // Whether what is kept for points inside faces is of the faces of these points alone: then a
 // field that is kept for others is of no use. All windows of such a field take as much memory as
-// those of `exact`.
+// those of `exact`. From lines, `auto` goes by windows without a tolerance, too.
 bool is_for_points_alone(const FieldQuestion& question, Details details) {
   return details == Details::kept && question.method.which == Method::back_traced &&
-         question.method.options.error_at_most.has_value();
+         (question.method.options.error_at_most.has_value() || question.from.lines);
 }
 
 // The question spelt out; two spellings of one point are one key.
 std::string key_of(const FieldQuestion& question, Details details) {
   std::string key = question.surface + "/" + proto::field_key(question.method) + "/";
-  if (details == Details::kept && traits_of(question.method.which).has_details()) key += "details/";
+  // Fields from lines have their strips besides, by any method.
+  const bool has_details = question.from.lines || traits_of(question.method.which).has_details();
+  if (details == Details::kept && has_details) key += "details/";
   proto::append_number(key, question.max);
   if (question.from.lines) return key + "/lines-" + question.from.key;
   for (const Source& source : question.from.points) {
@@ -218,7 +220,8 @@ Result<PointDistances> Fields::at_points(const FieldQuestion& question,
                                          std::span<const SurfacePoint> points, bool labels,
                                          const Caller& caller) {
   // Fields from lines and of costs are whole, however few points are asked for.
-  const bool is_whole = question.from.lines != nullptr || question.cost != nullptr;
+  const bool is_whole = (question.from.lines != nullptr || question.cost != nullptr) &&
+                        !is_for_points_alone(question, details_for(points));
   if (is_whole || (points.size() == 1 && can_be_searched(question))) {
     const Details details = details_for(points);
     if (is_whole || !is_to_be_searched(question, details)) {

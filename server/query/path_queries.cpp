@@ -1,4 +1,6 @@
 // Queries for ways over the surface.
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <numbers>
@@ -31,6 +33,8 @@ using MaybePath = std::optional<Path>;
 
 // The part of a leg's time that its field takes.
 constexpr double kFieldOfLeg = 0.95;
+// What a distance by `auto` may be below the truth, with room.
+constexpr double kBeyond = 1.01;
 
 // The way from one point to the next; nothing when there is none.
 class LegFinder {
@@ -69,7 +73,7 @@ class LegFinder {
 
  private:
   Result<MaybePath> find(const FieldQuestion& question, const SurfacePoint& to) {
-    auto leg = question.from.lines                                  ? by_field(question, to)
+    auto leg = question.from.lines                                  ? from_lines(question, to)
                : method_.which == Method::steiner                   ? by_refinement(question, to)
                : fields_.is_to_be_searched(question, Details::kept) ? by_search(question, to)
                                                                     : by_field(question, to);
@@ -88,6 +92,22 @@ class LegFinder {
           return std::move(pair->path);
         },
         part_of_leg(0, 1));
+  }
+
+  // By `auto` a wave from lines goes by windows, of which it keeps none to lead back. By `exact`
+  // they are kept, no farther out than need be; steps of the distance are few fields to keep.
+  Result<MaybePath> from_lines(const FieldQuestion& question, const SurfacePoint& to) {
+    if (method_.which != Method::back_traced) return by_field(question, to);
+    const std::array<SurfacePoint, 1> target{to};
+    const auto about = fields_.at_points(question, target, false, part_of_leg(0, kFieldOfLeg / 2));
+    if (!about) return fail(about.error());
+    const double distance = about->distances.front();
+    if (distance == kUnreached) return MaybePath();
+    FieldQuestion exactly = question;
+    exactly.method = {};
+    exactly.method.which = Method::exact;
+    exactly.max = std::exp2(std::ceil(2 * std::log2(distance * kBeyond)) / 2);
+    return by_field(exactly, to);
   }
 
   // Back from the end through the field of the start: the whole field, not one that

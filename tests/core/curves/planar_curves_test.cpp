@@ -100,7 +100,7 @@ TEST_CASE("CurvesNextToSidesAndCornersHaveTheDistancesOfTheClosedForm") {
       bary[side] = along;
       bary[(side + 1) % 3] = 1 - along;
       bary[(side + 2) % 3] = small();
-      return point_on_face(surface.adjacency(), face, bary);
+      return point_given(surface.adjacency(), face, bary);
     };
     const std::vector<SurfacePoint> points{beside(), beside()};
     const std::vector<Vec3> line{position_of(mesh, points[0]), position_of(mesh, points[1])};
@@ -111,6 +111,43 @@ TEST_CASE("CurvesNextToSidesAndCornersHaveTheDistancesOfTheClosedForm") {
       for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
         CHECK(std::abs(field.distance[v] - to_polyline(mesh.positions()[v], line, false)) <
               kBeside);
+      }
+    }
+  }
+}
+
+TEST_CASE("CurvesOnGridsWhereWaysRunAlongEdgesHaveTheDistancesOfTheClosedForm") {
+  std::mt19937 random(test_seed() + 4);
+  for (int round = 0; round < 40; ++round) {
+    CAPTURE(round);
+    const auto side = static_cast<std::uint32_t>(3 + random() % 5);
+    TriangleSoup soup = shapes::plane(side, side);
+    soup.faces.clear();
+    for (std::uint32_t a = 0; a + side + 1 < side * side; ++a) {
+      if (a % side == side - 1) continue;
+      const std::array<std::uint32_t, 4> square{a, a + 1, a + side + 1, a + side};
+      const std::uint32_t first = random() % 2;  // of the diagonal
+      for (const std::uint32_t c : {first, first + 2}) {
+        soup.faces.push_back({square[c], square[(c + 1) % 4], square[(c + 2) % 4]});
+      }
+    }
+    const Surface surface(soup);
+    const Mesh& mesh = surface.mesh();
+    for (int i = 0; i < 10; ++i) {
+      const auto a = static_cast<std::uint32_t>(random() % (side * side));
+      const auto b = static_cast<std::uint32_t>(random() % (side * side));
+      CAPTURE(a);
+      CAPTURE(b);
+      const std::vector<SurfacePoint> points{surface.at(a), surface.at(b)};
+      const std::vector<Vec3> line{position_of(mesh, points[0]), position_of(mesh, points[1])};
+      LineQuestion question(surface);
+      (void)question.curve(points, false);
+      for (const Method method : {Method::exact, Method::chen_han}) {
+        const Field field = question.field(method);
+        for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+          const double wanted = to_polyline(mesh.positions()[v], line, false);
+          CHECK(std::abs(field.distance[v] - wanted) < kExact);
+        }
       }
     }
   }
