@@ -103,7 +103,8 @@ TEST_CASE("WeightsAreReadFromAnAttributeOfTheFile") {
   // They are kept with what is prepared of the mesh, and go with it.
   const auto kept = [&] {
     std::vector<std::string> keys;
-    for (const json& entry : body_of(plane.service.get("/debug/cache"))["adjacency"]) {
+    const json cached = body_of(plane.service.get("/debug/cache"));
+    for (const json& entry : cached["adjacency"]) {
       const auto key = entry["key"].get<std::string>();
       if (key.find("/weights/") != std::string::npos) keys.push_back(key);
     }

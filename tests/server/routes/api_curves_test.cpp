@@ -1,12 +1,17 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <random>
 #include <string>
+#include <string_view>
 
+#include "core/mesh/shapes.h"
 #include "proto/wire/query_limits.h"
+#include "tests/fixtures/test_seed.h"
 #include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
@@ -369,4 +374,52 @@ TEST_CASE("SignsOnAPartOfTheSurface") {
   const json part = plane.ask(asked + "&forbid=box:4,4,-1,6,5,1");
   CHECK(part["distances"][3 + 3 * 12].get<double>() == doctest::Approx(-1));
   CHECK(part["distances"][0].get<double>() == doctest::Approx(std::sqrt(8)));
+}
+
+TEST_CASE("WhatIsSaidOfLinesDependsOnNothingThatWasAskedBefore") {
+  std::mt19937 random(fixtures::test_seed());
+  const auto below = [&](std::uint32_t limit) {
+    return static_cast<std::uint32_t>(random() % limit);
+  };
+  for (int round = 0; round < 6; ++round) {
+    CAPTURE(round);
+    const TriangleSoup soup = shapes::terrain(12 + below(8), 2.0, random());
+    const auto vertices = static_cast<std::uint32_t>(soup.positions.size());
+    const auto faces = static_cast<std::uint32_t>(soup.faces.size());
+    const std::string curve =
+        "curve:v:" + std::to_string(below(vertices)) + ";v:" + std::to_string(below(vertices));
+    const std::string patch = "faces:" + std::to_string(below(faces));
+    const std::string from =
+        "from=" + std::array<std::string, 3>{curve, "boundary", patch}[below(3)];
+    const std::string point = "f:" + std::to_string(below(faces)) + ",0.2,0.3";
+    for (const char* method :
+         {"auto", "exact", "fast_marching", "dijkstra", "auto&tolerance=0.001"}) {
+      const std::string asked = from + "&method=" + method;
+      CAPTURE(asked);
+      CAPTURE(point);
+      const std::string at = "/distance?at=" + point + "&" + asked;
+      const std::string path = "/path?to=" + point + "&" + asked;
+      PlaneService first;
+      PlaneService later;
+      const std::string fresh = first.add(soup);
+      const std::string known = later.add(soup);
+
+      (void)body_of(later.service.get(known + "/distance?" + asked));
+      const auto distance = [&](PlaneService& plane, const std::string& base) {
+        return body_of(plane.service.get(base + at))["distances"][0].get<double>();
+      };
+      const double wanted = distance(first, fresh);
+      CHECK(distance(later, known) == doctest::Approx(wanted).epsilon(1e-4));
+      if (std::string_view(method).find('&') != std::string_view::npos) continue;
+      const double length = body_of(first.service.get(fresh + path))["length"].get<double>();
+      CHECK(body_of(later.service.get(known + path))["length"].get<double>() ==
+            doctest::Approx(length).epsilon(1e-4));
+      // A path by `auto` is one by `exact`.
+      if (std::string_view(method) != "auto") continue;
+      const std::string exact = "/distance?at=" + point + "&" + from + "&method=exact";
+      const double truth = body_of(first.service.get(fresh + exact))["distances"][0].get<double>();
+      CHECK(length == doctest::Approx(truth).epsilon(1e-6));
+      CHECK(wanted == doctest::Approx(truth).epsilon(2e-3));
+    }
+  }
 }
