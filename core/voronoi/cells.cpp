@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/field/nearest_copies.h"
 #include "core/locate/closest_on_triangle.h"
 #include "core/voronoi/face_cells.h"
 
@@ -57,9 +58,16 @@ class CellMeasure {
     }
   }
 
+  // As a field has them: a vertex on a wall is in the cell of its nearest side.
   void count_vertices() {
-    for (const std::uint32_t v : adjacency_.mesh().vertex_of_source()) {
+    const Mesh& mesh = adjacency_.mesh();
+    const auto nearer = nearer_copies(mesh, [&](std::uint32_t v) {
+      return near_.is_reached(v) ? near_.square(v, near_.nearest(v))
+                                 : std::numeric_limits<double>::infinity();
+    });
+    for (std::uint32_t v : mesh.vertex_of_source()) {
       if (poll_.cancelled()) return;
+      if (const auto copy = nearer.find(v); copy != nearer.end()) v = copy->second;
       if (v != kNone && near_.is_reached(v)) ++cells_[near_.nearest(v)].vertices;
     }
   }

@@ -18,7 +18,7 @@ struct VoronoiCell {
   double area = 0;
   double perimeter = 0;        // of its bisectors with other cells
   double boundary = 0;         // of the surface's boundary in it
-  std::uint64_t vertices = 0;  // source vertices
+  std::uint64_t vertices = 0;  // source vertices; of copies, the nearest counts
   // The mean position of the cell, and the point of the cell that is nearest to it; of no use where
   // there is no area.
   Vec3 mean;

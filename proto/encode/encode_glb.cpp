@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <variant>
 
 #include "proto/encode/encode_mesh.h"
 #include "proto/encode/glb_drawing.h"
@@ -52,7 +53,10 @@ class GlbWriter {
     const std::size_t node = document_["scenes"][0]["nodes"].size();
     document_["scenes"][0]["nodes"].push_back(node);
     document_["nodes"][node]["name"] = part.name;
-    for (const auto& [name, value] : part.extras) document_["nodes"][node]["extras"][name] = value;
+    for (const auto& [name, number] : part.extras) {
+      json& extra = document_["nodes"][node]["extras"][name];
+      std::visit([&](auto value) { extra = value; }, number);
+    }
     // glTF allows no empty accessor: without positions there is only the node.
     if (part.positions.empty()) return;
     json primitive{{"mode", static_cast<int>(part.mode)}};

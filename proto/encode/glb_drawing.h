@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "core/base/cancel.h"
@@ -28,7 +29,8 @@ struct GlbPart {
   std::vector<std::uint32_t> indices;         // empty: the positions in their order
   std::vector<Colour> colours;                // one per position, sRGB; empty: none
   std::vector<std::array<float, 2>> texture;  // coordinates, one pair per position; empty: none
-  std::vector<std::pair<std::string, double>> extras;  // of the node: numbers by name
+  // Of the node: numbers by name. Whole ones are written as such.
+  std::vector<std::pair<std::string, std::variant<double, std::uint64_t>>> extras;
   std::vector<Vec3> directions = {};  // one per position, as kDirectionAttribute; empty: none
 };
 

@@ -1,5 +1,7 @@
 #include "proto/mesh/face_materials.h"
 
+#include <algorithm>
+
 #include "proto/mesh/decoded_mesh.h"
 
 namespace geodesic::proto {
@@ -35,6 +37,14 @@ std::vector<std::uint64_t> FaceMaterials::face_counts() const {
     if (material < counts.size()) counts[material] += faces;
   });
   return counts;
+}
+
+std::uint64_t FaceMaterials::least_total() const {
+  std::uint64_t total = names.size();
+  each_run(runs, [&](std::uint32_t material, std::uint64_t /*faces*/) {
+    if (material != kNoMaterial) total = std::max(total, std::uint64_t{material} + 1);
+  });
+  return total;
 }
 
 std::uint64_t FaceMaterials::faces_beyond(std::size_t listed) const {

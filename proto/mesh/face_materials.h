@@ -32,6 +32,8 @@ struct FaceMaterials {
   void add_faces(std::uint64_t count, std::uint32_t material);
   // How many faces each of `names` has.
   [[nodiscard]] std::vector<std::uint64_t> face_counts() const;
+  // Of the file's materials, how many there are at least: one more than the last place of a face.
+  [[nodiscard]] std::uint64_t least_total() const;
   // How many faces have a material that is none of the first `listed`.
   [[nodiscard]] std::uint64_t faces_beyond(std::size_t listed) const;
   [[nodiscard]] std::size_t bytes() const;

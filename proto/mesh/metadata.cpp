@@ -121,9 +121,8 @@ void tell_of_missing_materials(ordered_json& description, const FaceMaterials& m
   if (faces == 0) return;
   add_finding(description, "materials_not_listed", faces,
               std::to_string(faces) +
-                  " faces have materials that are not listed: `materials` has "
-                  "the first " +
-                  std::to_string(listed) + ".");
+                  (faces == 1 ? " face has a material that is" : " faces have materials that are") +
+                  " not listed: `materials` has the first " + std::to_string(listed) + ".");
 }
 
 // A description's members once it is known how many parts it lists.
@@ -298,6 +297,22 @@ Result<ToldParts> parts_in(const std::string& description) {
   const auto materials = object.find("materials");
   told.has_no_materials = materials != object.end() && materials->empty();
   return told;
+}
+
+ToldParts told_parts(const DecodedMesh& decoded) {
+  ToldParts told;
+  told.parts.reserve(decoded.parts.size());
+  for (const MeshPart& part : decoded.parts) {
+    told.parts.push_back({part.first_face, part.face_count, part.name});
+  }
+  told.total = decoded.part_count;
+  return told;
+}
+
+std::size_t ToldParts::bytes() const {
+  std::size_t count = sizeof *this + parts.capacity() * sizeof(ToldPart);
+  for (const ToldPart& part : parts) count += part.name.capacity();
+  return count;
 }
 
 Result<std::string> with_state(const std::string& description, bool resident, bool prepared) {

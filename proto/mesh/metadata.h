@@ -2,6 +2,7 @@
 // the bytes, and completed with what changes (`state`, `prepared`) when asked for.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -42,6 +43,12 @@ struct ToldParts {
   std::vector<ToldPart> parts;    // the first ones of the file
   std::uint64_t total = 0;        // of the file
   bool has_no_materials = false;  // it says so; older descriptions say nothing of materials
+
+  // Whether there are more that have numbers.
+  [[nodiscard]] bool are_missing() const {
+    return parts.size() < std::min<std::uint64_t>(total, kMostParts);
+  }
+  [[nodiscard]] std::size_t bytes() const;
 };
 
 // The part that changes by a `name` alone, as a JSON object of kMostDescriptionBytes at most: of
@@ -66,8 +73,12 @@ struct ToldParts {
 // The name that it has, if any.
 [[nodiscard]] std::optional<std::string> name_in(const std::string& description);
 
-// What it tells of the file's parts. Errors: store_corrupt.
+// What it tells of the file's parts: fewer than kMostParts, where all of them would make it too
+// long. Errors: store_corrupt.
 [[nodiscard]] Result<ToldParts> parts_in(const std::string& description);
+
+// The first kMostParts, however long their names are.
+[[nodiscard]] ToldParts told_parts(const DecodedMesh& decoded);
 
 // That object, whose options have been read, with `state` and `prepared` added. Takes no longer
 // than a copy. Errors: store_corrupt.

@@ -75,6 +75,16 @@ tl::unexpected<Error> no_such_place(const std::string& what, std::size_t count, 
       count == 0 ? 0 : count - 1, place, std::move(parameter));
 }
 
+// `known` is how many have names.
+tl::unexpected<Error> not_all_of_a_name(const std::string& what, std::size_t known,
+                                        std::uint64_t total, std::string parameter) {
+  return fail_limit(ErrorCode::too_large,
+                    "the mesh has more " + what +
+                        "s than have numbers, so that not all of a name are known; say " + what +
+                        "s by number, or faces",
+                    known, total, std::move(parameter));
+}
+
 // The places of a name; `name_of(place)` is told of each of `count`.
 template <class NameOf>
 Result<std::vector<std::size_t>> places_of(const std::string& what, const std::string& name,
@@ -97,6 +107,10 @@ Result<std::vector<std::size_t>> places_of(const std::string& what, const std::s
   return no_such_name(what, told, names, std::move(parameter));
 }
 
+std::uint64_t least_total_of(const FileFaces& file) {
+  return file.materials != nullptr ? file.materials->least_total() : 0;
+}
+
 }  // namespace
 
 Result<std::vector<std::size_t>> parts_meant(const FileFaces& file, const PartShape& shape,
@@ -107,10 +121,7 @@ Result<std::vector<std::size_t>> parts_meant(const FileFaces& file, const PartSh
     return no_such_place("part", parts.size(), *place, std::move(parameter));
   }
   if (parts.size() < file.parts.total) {
-    return fail_limit(ErrorCode::too_large,
-                      "the mesh has more parts than it lists, so that not all of a name are known; "
-                      "name parts by number, or faces",
-                      parts.size(), file.parts.total, std::move(parameter));
+    return not_all_of_a_name("part", parts.size(), file.parts.total, std::move(parameter));
   }
   return places_of(
       "part", std::get<std::string>(shape.part), parts.size(),
@@ -130,6 +141,8 @@ Result<MeantMaterials> materials_meant(const FileFaces& file, const MaterialShap
       return no_such_place("material", names.size(), *place, std::move(parameter));
     }
     meant.by_place[*place] = 1;
+  } else if (const std::uint64_t total = least_total_of(file); total > names.size()) {
+    return not_all_of_a_name("material", names.size(), total, std::move(parameter));
   } else {
     const auto places = places_of(
         "material", std::get<std::string>(shape.material), names.size(),

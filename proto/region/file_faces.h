@@ -21,7 +21,7 @@ struct FileFaces {
 
 // The places of the parts that are meant, ascending. Errors, of `parameter`: index_out_of_range (a
 // place that there is not), value_out_of_range (a name that no part has; the message has the
-// nearest names), too_large (a name, where the file has more parts than are listed).
+// nearest names), too_large (a name, where the file has more parts than kMostParts).
 [[nodiscard]] Result<std::vector<std::size_t>> parts_meant(const FileFaces& file,
                                                            const PartShape& shape,
                                                            std::string parameter);
@@ -36,7 +36,8 @@ struct MeantMaterials {
   }
 };
 
-// Errors, of `parameter`: index_out_of_range and value_out_of_range likewise.
+// Errors, of `parameter`: index_out_of_range, value_out_of_range and too_large likewise (faces have
+// materials behind the first kMostMaterials).
 [[nodiscard]] Result<MeantMaterials> materials_meant(const FileFaces& file,
                                                      const MaterialShape& shape,
                                                      std::string parameter);

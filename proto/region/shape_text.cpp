@@ -118,8 +118,8 @@ Result<Shape> parse_shape(std::string_view text, std::string parameter) {
     return inside_shape(std::move(*points), std::move(parameter));
   }
   return badly_written(
-      "a region is written faces:FIRST-LAST, part:NUMBER, part:NAME, material:NAME, "
-      "sphere:X,Y,Z,RADIUS, "
+      "a region is written faces:FIRST-LAST, part:NUMBER, part:NAME, material:NUMBER, "
+      "material:NAME, material:none, sphere:X,Y,Z,RADIUS, "
       "box:MINX,MINY,MINZ,MAXX,MAXY,MAXZ or inside:POINT;POINT;POINT",
       std::move(parameter));
 }

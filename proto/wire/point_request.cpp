@@ -21,10 +21,22 @@ using nlohmann::json;
 constexpr double kWeightSlack = 1e-6;
 
 // What only a field can start from, by the word that it begins with or the member that it has.
-constexpr std::array<std::string_view, 6> kNoPoints{"boundary", "curve",  "faces",
-                                                    "part",     "sphere", "box"};
+constexpr std::array<std::string_view, 7> kNoPoints{"boundary", "curve",  "faces", "part",
+                                                    "material", "sphere", "box"};
+// What not even a field can start from.
+constexpr std::string_view kInside = "inside";
 
-tl::unexpected<Error> no_point(std::string parameter) {
+bool is_no_point(std::string_view word) {
+  return word == kInside || std::find(kNoPoints.begin(), kNoPoints.end(), word) != kNoPoints.end();
+}
+
+tl::unexpected<Error> no_point(std::string_view word, std::string parameter) {
+  if (word == kInside) {
+    return fail(ErrorCode::value_out_of_range,
+                "the inside of a line is for within and forbid alone: it is neither a point nor a "
+                "set of whole faces",
+                std::move(parameter));
+  }
   return fail(ErrorCode::value_out_of_range,
               "this is to be a point; curves, boundaries and faces are what distance, path, table, "
               "isolines, measure, samples and voronoi take as from",
@@ -179,9 +191,7 @@ Result<PointRequest> parse_point(std::string_view text, std::string parameter) {
   }
   if (text.starts_with("ray:")) return parse_ray(text.substr(4), std::move(parameter));
   const std::string_view word = text.substr(0, text.find(':'));
-  if (std::find(kNoPoints.begin(), kNoPoints.end(), word) != kNoPoints.end()) {
-    return no_point(std::move(parameter));
-  }
+  if (is_no_point(word)) return no_point(word, std::move(parameter));
   return bad("a point is written v:VERTEX, f:FACE,W0,W1, p:X,Y,Z or ray:OX,OY,OZ,DX,DY,DZ",
              std::move(parameter));
 }
@@ -231,8 +241,8 @@ Result<PointRequest> parse_json_point(const json& value, std::string parameter) 
     }
     return parse_json_ray(*it, offset->value_or(0), std::move(parameter));
   }
-  for (const std::string_view name : kNoPoints) {
-    if (value.contains(name)) return no_point(std::move(parameter));
+  for (const auto& member : value.items()) {
+    if (is_no_point(member.key())) return no_point(member.key(), std::move(parameter));
   }
   return bad("a point has \"vertex\", \"face\", \"xyz\" or \"ray\"", std::move(parameter));
 }

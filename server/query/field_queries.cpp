@@ -12,12 +12,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/field/nearest_copies.h"
 #include "core/refine/line_sides.h"
 #include "core/surface/around_points.h"
 #include "proto/region/weigh_faces.h"
 #include "proto/wire/number.h"
 #include "proto/wire/query_limits.h"
-#include "server/query/nearest_copies.h"
 #include "server/query/place.h"
 
 namespace geodesic::server {
@@ -66,7 +66,7 @@ void take_whole_field(const Mesh& mesh, const Field& field, bool labels, bool is
                       const LineSides* sides, proto::DistanceReply& reply) {
   std::vector<std::uint32_t> copies;
   auto vertex_of_source = mesh.vertex_of_source();
-  if (is_split) vertex_of_source = copies = nearest_copies(mesh, field.distance, true);
+  if (is_split) vertex_of_source = copies = nearest_copies(mesh, field.distance);
   reply.distances.reserve(vertex_of_source.size());
   const auto distance_at = [&](std::uint32_t v) {
     return v == kNone ? kUnreached : field.distance[v];

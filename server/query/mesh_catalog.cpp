@@ -43,6 +43,9 @@ std::size_t bytes_of(const std::shared_ptr<const ClosestPointIndex>& index) {
 std::size_t bytes_of(const std::shared_ptr<const proto::FaceMaterials>& materials) {
   return materials->bytes();
 }
+std::size_t bytes_of(const std::shared_ptr<const proto::ToldParts>& parts) {
+  return parts->bytes();
+}
 std::size_t bytes_of(const std::shared_ptr<const proto::FaceWeights>& weights) {
   return weights->by_face.capacity() * sizeof(double);
 }

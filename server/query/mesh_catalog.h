@@ -160,7 +160,8 @@ class MeshCatalog {
   // numbers of the whole. Errors besides: those of proto::cut_regions and cut_lines.
   [[nodiscard]] Result<PreparedSurface> surface(const AskedSurface& surface, const Caller& caller);
   // What a mesh's file calls its faces by, as far as it is named. Which face has which material is
-  // known from the last decoding, or else decoded. Errors: those of `metadata` and `adjacency`.
+  // known from the last decoding, or else decoded; parts are, where the metadata does not list all
+  // that have numbers. Errors: those of `metadata` and `adjacency`.
   [[nodiscard]] Result<proto::FileFaces> file_faces(const std::string& id, proto::NamedOfFile named,
                                                     const Caller& caller);
   [[nodiscard]] Result<std::shared_ptr<const ClosestPointIndex>> closest_points(
@@ -183,8 +184,9 @@ class MeshCatalog {
 
  private:
   using Materials = std::shared_ptr<const proto::FaceMaterials>;
-  using Prepared =
-      std::variant<PreparedSurface, std::shared_ptr<const ClosestPointIndex>, Materials, Weights>;
+  using Parts = std::shared_ptr<const proto::ToldParts>;
+  using Prepared = std::variant<PreparedSurface, std::shared_ptr<const ClosestPointIndex>,
+                                Materials, Parts, Weights>;
 
   struct Described {
     std::shared_ptr<const Mesh> mesh;
@@ -205,6 +207,10 @@ class MeshCatalog {
                                                   const Caller& caller);
   // Keeps them for queries that name one, if there are any.
   void keep_materials(const std::string& id, proto::FaceMaterials materials, const Caller& caller);
+  [[nodiscard]] Result<proto::DecodedMesh> decode_stored(const std::string& id,
+                                                         const Caller& caller);
+  // Those that the metadata does not list, too.
+  [[nodiscard]] Result<Parts> parts(const std::string& id, const Caller& caller);
   [[nodiscard]] Result<Materials> materials(const std::string& id, const Caller& caller);
   [[nodiscard]] Result<Built> build(const std::string& bytes, const proto::ImportOptions& options,
                                     const Caller& caller);

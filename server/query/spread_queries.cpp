@@ -7,13 +7,13 @@
 
 #include "core/extent/extent.h"
 #include "core/extent/mean_distances.h"
+#include "core/field/nearest_copies.h"
 #include "core/paths/isolines.h"
 #include "core/solve/farthest_points.h"
 #include "core/surface/longest_edge.h"
 #include "proto/wire/query_limits.h"
 #include "server/base/timed.h"
 #include "server/query/field_queries.h"
-#include "server/query/nearest_copies.h"
 #include "server/query/place.h"
 
 namespace geodesic::server {
@@ -54,11 +54,10 @@ Result<std::vector<double>> levels_within(const Levels& asked, double max) {
   return levels;
 }
 
-void take_means(const Mesh& mesh, const MeanDistances& means, bool is_split,
-                proto::ExtentReply& reply) {
+void take_means(const Mesh& mesh, const MeanDistances& means, proto::ExtentReply& reply) {
   reply.means.reserve(mesh.source_vertex_count());
   reply.margins.reserve(mesh.source_vertex_count());
-  for (const std::uint32_t v : nearest_copies(mesh, means.mean, is_split)) {
+  for (const std::uint32_t v : nearest_copies(mesh, means.mean)) {
     const bool is_known = v != kNone && means.mean[v] != kUnreached;
     reply.means.push_back(is_known ? means.mean[v] : kUnreached);
     reply.margins.push_back(is_known ? means.margin[v] : kUnreached);
@@ -186,16 +185,15 @@ Result<Answered<proto::ExtentReply>> FieldQueries::answer(const AskedSurface& su
     reply.fields = means->fields;
     reply.part_vertices = means->part_vertices;
     answer.numbers = std::uint64_t{2} * place->mesh().source_vertex_count();
-    const bool is_split = place->refinement() != nullptr;
-    if (is_split) {
+    if (place->refinement() != nullptr) {
       auto drawn = std::make_shared<Field>();
       drawn->distance.doubles() = means->mean;
       answer.drawn_field = std::move(drawn);
     }
-    answer.complete = [adjacency = place->adjacency(), is_split,
+    answer.complete = [adjacency = place->adjacency(),
                        kept = std::make_shared<const MeanDistances>(std::move(*means))](
                           proto::ExtentReply& whole) {
-      take_means(adjacency->mesh(), *kept, is_split, whole);
+      take_means(adjacency->mesh(), *kept, whole);
     };
     return answer;
   }

@@ -20,6 +20,7 @@ std::span<const std::byte> as_bytes(const std::string& text) {
 }
 
 // In the cache of prepared things. They begin with the mesh's id, and go with the mesh.
+std::string parts_key(const std::string& mesh) { return mesh + "/parts"; }
 std::string materials_key(const std::string& mesh) { return mesh + "/materials"; }
 std::string weights_key(const std::string& mesh, const std::string& attribute) {
   return mesh + "/weights/" + attribute;
@@ -84,6 +85,13 @@ Result<proto::FileFaces> MeshCatalog::file_faces(const std::string& id, proto::N
   auto told = proto::parts_in(*description);
   if (!told) return fail(std::move(told.error()));
   file.parts = std::move(*told);
+  if (named.parts && file.parts.are_missing()) {
+    const auto parts = this->parts(id, caller);
+    if (!parts) return fail(parts.error());
+    const bool has_no_materials = file.parts.has_no_materials;
+    file.parts = **parts;
+    file.parts.has_no_materials = has_no_materials;
+  }
   if (named.materials && !file.parts.has_no_materials) {
     auto materials = this->materials(id, caller);
     if (!materials) return fail(std::move(materials.error()));
@@ -104,20 +112,38 @@ void MeshCatalog::keep_materials(const std::string& id, proto::FaceMaterials mat
       caller);
 }
 
+Result<proto::DecodedMesh> MeshCatalog::decode_stored(const std::string& id, const Caller& caller) {
+  const auto bytes = step("read", Stage::load, caller, [&] { return store_.get_source(id); });
+  if (!bytes) return fail(bytes.error());
+  const auto options = options_of(id);
+  if (!options) return fail(options.error());
+  return pool_.run(
+      [&](Worker&) {
+        return step("decode", Stage::load, caller,
+                    [&] { return decode(*bytes, *options, caller); });
+      },
+      caller);
+}
+
+Result<MeshCatalog::Parts> MeshCatalog::parts(const std::string& id, const Caller& caller) {
+  const auto known = prepared_.get_or_create(
+      parts_key(id),
+      [&]() -> Result<std::shared_ptr<const Prepared>> {
+        const auto decoded = decode_stored(id, caller);
+        if (!decoded) return fail(decoded.error());
+        return std::make_shared<const Prepared>(
+            std::make_shared<const proto::ToldParts>(proto::told_parts(*decoded)));
+      },
+      caller);
+  if (!known) return fail(known.error());
+  return std::get<Parts>(*known->value);
+}
+
 Result<MeshCatalog::Materials> MeshCatalog::materials(const std::string& id, const Caller& caller) {
   const auto known = prepared_.get_or_create(
       materials_key(id),
       [&]() -> Result<std::shared_ptr<const Prepared>> {
-        const auto bytes = step("read", Stage::load, caller, [&] { return store_.get_source(id); });
-        if (!bytes) return fail(bytes.error());
-        const auto options = options_of(id);
-        if (!options) return fail(options.error());
-        auto decoded = pool_.run(
-            [&](Worker&) {
-              return step("decode", Stage::load, caller,
-                          [&] { return decode(*bytes, *options, caller); });
-            },
-            caller);
+        auto decoded = decode_stored(id, caller);
         if (!decoded) return fail(std::move(decoded.error()));
         return std::make_shared<const Prepared>(
             std::make_shared<const proto::FaceMaterials>(std::move(decoded->materials)));

@@ -182,7 +182,7 @@ std::vector<GlbPart> parts_of(const proto::VoronoiReply& reply, proto::ColourMap
     for (std::size_t i = 0; i < reply.drawn_cells.size(); ++i) {
       GlbPart part;
       part.name = "cell " + std::to_string(i);
-      part.extras = {{"cell", static_cast<double>(i)}, {"area", reply.cells[i].area}};
+      part.extras = {{"cell", std::uint64_t{i}}, {"area", reply.cells[i].area}};
       polled_copy(part.positions, std::span(reply.drawn_cells[i]), poll);
       polled_assign(part.colours, part.positions.size(), colour_of_cell(map, i), poll);
       parts.push_back(std::move(part));

@@ -280,10 +280,11 @@ TEST_CASE("RegionsAreUnionsAndForbiddenIsTakenAwayFromWithin") {
     for (const char* name : {"x", "y", "x", ""}) materials.add_name(name);
     std::vector<std::uint32_t> material_of;
     while (material_of.size() < faces && random() % 12 > 0) {
-      const std::uint32_t place = random() % 6;
+      const std::uint32_t drawn_place = random() % 6;
+      const std::uint32_t place = drawn_place < 4 ? drawn_place : kNoMaterial;
       const std::uint32_t count = random() % 8;
-      materials.add_faces(count, place < 5 ? place : kNoMaterial);
-      material_of.insert(material_of.end(), count, place < 5 ? place : kNoMaterial);
+      materials.add_faces(count, place);
+      material_of.insert(material_of.end(), count, place);
     }
     material_of.resize(faces, kNoMaterial);
     file.materials = std::make_shared<const FaceMaterials>(materials);
@@ -315,7 +316,7 @@ TEST_CASE("RegionsAreUnionsAndForbiddenIsTakenAwayFromWithin") {
           if (std::holds_alternative<NoMaterial>(of->material)) {
             if (has == kNoMaterial) return true;
           } else if (const auto* name = std::get_if<std::string>(&of->material)) {
-            if (has < 4 && materials.names[has] == *name) return true;
+            if (has != kNoMaterial && materials.names[has] == *name) return true;
           } else if (has == std::get<std::uint64_t>(of->material)) {
             return true;
           }
@@ -455,9 +456,26 @@ TEST_CASE("NamesThatAreNotThereAreAnsweredWithTheNearest") {
   // Of parts that are not listed nobody knows the name.
   file.parts.total = 3;
   check("part:b", ErrorCode::too_large, "forbid.part",
-        "the mesh has more parts than it lists, so that not all of a name are known; name parts by "
-        "number, or faces");
+        "the mesh has more parts than have numbers, so that not all of a name are known; say parts "
+        "by number, or faces");
   CHECK(cut_regions(mesh, *forbid("part:1"), file, Cancel()));
+  // Nor of materials; numbers are known, and so is what has none.
+  REQUIRE(cut_regions(mesh, *forbid("material:Glass"), file, Cancel()).error().code == range);
+  materials = {};
+  for (const char* name : {"glass", "brick"}) materials.add_name(name);
+  materials.add_faces(5, 0);
+  materials.add_faces(4, 2);
+  materials.add_faces(1, kNoMaterial);
+  file.materials = std::make_shared<const FaceMaterials>(materials);
+  for (const char* name : {"material:glass", "material:brick", "material:tar"}) {
+    check(name, ErrorCode::too_large, "forbid.material",
+          "the mesh has more materials than have numbers, so that not all of a name are known; say "
+          "materials by number, or faces");
+    CHECK(cut_regions(mesh, *forbid(name), file, Cancel()).error().limit == 2);
+    CHECK(cut_regions(mesh, *forbid(name), file, Cancel()).error().actual == 3);
+  }
+  CHECK(left_of(cut_regions(mesh, *forbid("material:0"), file, Cancel())).size() == 13);
+  CHECK(left_of(cut_regions(mesh, *forbid("material:none"), file, Cancel())).size() == 9);
 }
 
 TEST_CASE("GoingThroughRegionsStopsWhenItIsToldTo") {

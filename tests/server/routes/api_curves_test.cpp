@@ -179,9 +179,26 @@ TEST_CASE("WhatIsNoCurveIsRefused") {
   plane.check_refused("/distance?from=part:7", 422, "index_out_of_range", "from[0].part");
   plane.check_refused("/distance?from=box:50,50,50,51,51,51", 422, "value_out_of_range", "from[0]");
   plane.check_refused("/path?from=boundary:9&to=v:1", 422, "index_out_of_range", "from");
-  for (const std::string line :
-       {"boundary", "boundary:0", "curve:v:1;v:7", "faces:1", "part:0", "box:0,0,0,1,1,1"}) {
+  for (const std::string line : {"boundary", "boundary:0", "curve:v:1;v:7", "faces:1", "part:0",
+                                 "part:test", "material:0", "material:glass", "material:none",
+                                 "sphere:0,0,0,1", "box:0,0,0,1,1,1", "inside:v:0;v:5;v:60"}) {
     plane.check_refused("/path?from=v:0&to=" + line, 422, "value_out_of_range", "to");
+    plane.check_refused("/distance?from=v:0&at=" + line, 422, "value_out_of_range", "at[0]");
+    plane.check_refused("/logmap?radius=2&from=" + line, 422, "value_out_of_range", "from");
+    plane.check_refused("/trace?angle=0&length=1&from=" + line, 422, "value_out_of_range", "from");
+    plane.check_refused("/loop?around=v:0&around=v:5&around=" + line, 422, "value_out_of_range",
+                        "around[2]");
+    plane.check_refused("/distance?from=v:0&walls=" + line + ";v:1", 422, "value_out_of_range",
+                        "walls.points[0]");
+  }
+  plane.check_refused("/distance?from=inside:v:0;v:5;v:60", 422, "value_out_of_range", "from[0]");
+  for (const json& region :
+       {json{{"faces", {1}}}, json{{"part", 0}}, json{{"material", nullptr}},
+        json{{"material", "glass"}}, json{{"inside", {"v:0", "v:5", "v:60"}}}}) {
+    CAPTURE(region.dump());
+    check_problem(plane.service.ask("POST", plane.base + "/path",
+                                    json{{"from", "v:0"}, {"to", region}}.dump()),
+                  422, "value_out_of_range", "to");
   }
   plane.check_refused("/voronoi?from=boundaries", 400, "bad_syntax", "from[0]");
   check_problem(plane.service.ask("POST", plane.base + "/table", R"({"from":[{"curve":[]}]})"), 400,

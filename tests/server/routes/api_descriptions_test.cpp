@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <random>
 #include <set>
 #include <string>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "proto/mesh/decoded_mesh.h"
 #include "proto/mesh/metadata.h"
 #include "proto/wire/cut_to.h"
+#include "tests/fixtures/test_seed.h"
 #include "tests/proto/gltf_file/fixture.h"
 #include "tests/server/routes/plane_service.h"
 
@@ -77,6 +79,8 @@ std::vector<Case> wordy_files() {
   f.document["meshes"][0]["name"] = std::string(3'000'000, '\x01');
   cases.push_back({"a long name of a mesh", drawn(f, 20'000), 20'000});
   cases.push_back({"names that grow sixfold", nodes_of(std::string(190, '\x01'), 12'000), 12'000});
+  cases.push_back(
+      {"long names that all have numbers", nodes_of(std::string(190, '\x01'), 9'000), 9'000});
   cases.push_back({"many names", nodes_of(std::string(60, 'n'), 12'000), 12'000});
   std::string umlauts;
   for (int i = 0; i < 100'000; ++i) umlauts += "ä";
@@ -98,6 +102,9 @@ std::vector<Case> wordy_files() {
 }  // namespace
 
 TEST_CASE("AnyMeshIsDescribedInBounds") {
+  const std::uint32_t seed = fixtures::test_seed();
+  CAPTURE(seed);
+  std::mt19937 random(seed);
   const TemporaryFolder folder;
   Service service(folder.path());
   for (const Case& one : wordy_files()) {
@@ -134,11 +141,34 @@ TEST_CASE("AnyMeshIsDescribedInBounds") {
     CHECK(same.status == 304);
     CHECK_FALSE(same.body);
     CHECK(service.get(target + "/distance?from=v:0&at=v:1").status == 200);
+
+    // All of the first 10,000 have numbers, listed or not; they have one face each.
+    const std::size_t numbered = std::min<std::size_t>(one.parts, 10'000);
+    const std::string query = target + "/nearest?point=p:1,1,0&within=";
+    for (const std::size_t place : {std::size_t{0}, listed - 1, std::min(listed, numbered - 1),
+                                    random() % numbered, numbered - 1}) {
+      CAPTURE(place);
+      const HttpResponse by_part = service.get(query + "part:" + std::to_string(place));
+      CAPTURE(*by_part.body);
+      REQUIRE(by_part.status == 200);
+      CHECK(body_of(by_part)["points"][0]["face"] == place);
+    }
+    check_problem(service.get(query + "part:" + std::to_string(numbered)), 422,
+                  "index_out_of_range", "within.part");
+    // And names, unless there are more.
+    const HttpResponse no_such = service.get(query + "part:nobody");
+    if (one.parts > numbered) {
+      check_problem(no_such, 413, "too_large", "within.part");
+      CHECK(body_of(no_such)["limit"] == numbered);
+      CHECK(body_of(no_such)["actual"] == one.parts);
+    } else {
+      check_problem(no_such, 422, "value_out_of_range", "within.part");
+    }
   }
 }
 
-// However many materials there are and whatever they are called, those that are listed and those
-// that are not can be asked for, as long as the decoder keeps them.
+// However many materials there are and whatever they are called, the first ones can be asked for by
+// number, listed or not. By name nobody can, for others may have it, too.
 TEST_CASE("MaterialsAreDescribedInBounds") {
   const TemporaryFolder folder;
   Service service(folder.path());
@@ -184,7 +214,11 @@ TEST_CASE("MaterialsAreDescribedInBounds") {
     const json by_json =
         body_of(service.ask("POST", query.substr(0, query.find('?')),
                             json{{"from", "v:0"}, {"within", {{"material", name}}}}.dump()));
-    CHECK(by_json["reached"] == mesh["vertices"]);  // all in three places
+    CHECK(by_json["code"] == "too_large");
+    CHECK(by_json["parameter"] == "within.material");
+    CHECK(by_json["limit"] == proto::kMostMaterials);
+    CHECK(by_json["actual"].get<int>() > 10'000);
+    CHECK(by_json["actual"].get<int>() <= kMaterials + 1);  // an OBJ's last line may have no faces
     CHECK(service.get(query + "&within=material:9999").status == 200);
     check_problem(service.get(query + "&within=material:10000"), 422, "index_out_of_range",
                   "within.material");

@@ -122,6 +122,7 @@ TEST_CASE("CellsBisectorsAndTrianglesAsGlb") {
   for (int i = 0; i < 3; ++i) {
     CHECK(cells["nodes"][i]["name"] == "cell " + std::to_string(i));
     CHECK(cells["nodes"][i]["extras"]["cell"] == i);
+    CHECK(cells["nodes"][i]["extras"]["cell"].is_number_integer());
     CHECK(cells["nodes"][i]["extras"]["area"] == numbers["cells"][i]["area"]);
     CHECK(cells["nodes"][i].contains("mesh"));
   }

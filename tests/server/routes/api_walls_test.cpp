@@ -7,6 +7,7 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -111,6 +112,38 @@ TEST_CASE("AVertexOnAWallIsAsFarAsTheNearerOfItsSides") {
   const json other = plane.ask("/distance?from=v:69&method=exact" + wall);
   CHECK(other["distances"][65] == doctest::Approx(4));
   CHECK(other["distances"][62] == doctest::Approx(std::hypot(3, 3) + std::hypot(4, 3)));
+}
+
+// Vertices of walls are in the cell that their label says.
+TEST_CASE("CellsBetweenWallsHaveTheVerticesOfTheirLabels") {
+  const std::uint32_t seed = test_seed();
+  CAPTURE(seed);
+  std::mt19937 random(seed);
+  const auto below = [&](std::uint32_t count) { return random() % count; };
+  const auto unit = [&] { return random() / 4294967296.0; };
+  PlaneService plane;
+  const auto check = [&](const std::string& query, std::uint32_t sites) {
+    CAPTURE(query);
+    const json labels = plane.ask("/distance" + query + "&labels=1")["labels"];
+    std::vector<std::uint64_t> counts(sites);
+    for (const json& label : labels) ++counts[label.get<std::size_t>()];
+    const json cells = plane.ask("/voronoi" + query)["cells"];
+    for (std::uint32_t i = 0; i < sites; ++i) CHECK(cells[i]["vertices"] == counts[i]);
+  };
+  // The wall's six vertices with two sides are nearer to the site on its right.
+  check("?method=exact&from=v:61&from=v:67&walls=v:17;v:101", 2);
+  for (int round = 0; round < 20; ++round) {
+    CAPTURE(round);
+    // From the border to the inside, so that all is reached.
+    const std::uint32_t column = 1 + below(10);
+    std::string query = "?method=exact&walls=v:" + std::to_string(column) +
+                        ";v:" + std::to_string(column + 12 * (2 + below(7)));
+    const std::uint32_t sites = 2 + below(3);
+    for (std::uint32_t i = 0; i < sites; ++i) {
+      query += "&from=" + point({11 * unit(), 9 * unit(), 0});
+    }
+    check(query, sites);
+  }
 }
 
 TEST_CASE("WhatIsInsideALineIsARegion") {

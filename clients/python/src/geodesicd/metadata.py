@@ -19,8 +19,9 @@ class Part:
     """One drawn instance of one primitive: a run of source vertices and faces.
 
     ``field[part.first_vertex : part.first_vertex + part.vertex_count]`` are its values. glTF
-    indices are None for Draco files. ``material`` is a place in the mesh's ``materials``, or None
-    for no material or several.
+    indices are None for Draco files. ``material`` is the number of a material of the file, a
+    place in the mesh's ``materials`` unless it is behind those that are listed, or None for no
+    material or several.
     """
 
     node: int | None
