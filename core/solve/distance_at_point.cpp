@@ -49,9 +49,41 @@ bool is_hidden(const Adjacency& adjacency, const Field& field, std::uint32_t s) 
                      [&](std::uint32_t v) { return field.nearest_source[v] != s; });
 }
 
+// How far it is from a source in space: no way is shorter.
+double straight_from(const Adjacency& adjacency, const Field& field, std::uint32_t s,
+                     const SurfacePoint& point) {
+  const Mesh& mesh = adjacency.mesh();
+  const Source& source = field.sources[s];
+  return source.offset + distance(position_of(mesh, source.point), position_of(mesh, point));
+}
+
+// Whether the corners of the point's face are nearest to several sources. Then what is nearest to
+// yet another one may reach between two of them.
+bool is_between_cells(const Adjacency& adjacency, const Field& field, const SurfacePoint& point) {
+  const auto& corners = adjacency.face(point.face).vertex;
+  const std::uint32_t first = field.nearest_source[corners[0]];
+  return field.nearest_source[corners[1]] != first || field.nearest_source[corners[2]] != first;
+}
+
+// Whether a source that none of the corners is nearest to may be the nearest one.
+bool may_be_of_another(const Adjacency& adjacency, const Field& field, const SurfacePoint& point,
+                       double told, Poll& poll) {
+  if (field.nearest_source.empty() || field.sources.size() < 3) return false;
+  if (!is_between_cells(adjacency, field, point)) return false;
+  const auto& corners = adjacency.face(point.face).vertex;
+  for (std::uint32_t s = 0; s < field.sources.size() && !poll.cancelled(); ++s) {
+    const bool is_known = std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
+      return field.nearest_source[v] == s;
+    });
+    if (!is_known && straight_from(adjacency, field, s, point) < told) return true;
+  }
+  return false;
+}
+
 // Where several sources meet, the distances of a face's corners do not lead to the nearest one of
 // a point between them. Ways to the sources themselves do: to those of the corners, and to those
-// that no vertex leads to. Each from the shortest along edges, so few are asked.
+// that no vertex leads to; where the corners are nearest to several, to the others about, too. Each
+// from the shortest along edges, so few are asked.
 class WaysToSources {
  public:
   WaysToSources(const Adjacency& adjacency, const Field& field, const SurfacePoint& point,
@@ -63,12 +95,21 @@ class WaysToSources {
     Poll poll(cancel_);
     std::vector<std::uint32_t> others;
     const auto& corners = adjacency_.face(point_.face).vertex;
-    others.reserve(corners.size());
+    others.reserve(corners.size() + kMostAsked);
     for (const std::uint32_t v : corners) others.push_back(field_.nearest_source[v]);
-    for (std::uint32_t s = 0; s < field_.sources.size() && others.size() < kMostAsked; ++s) {
+    const bool is_between = is_between_cells(adjacency_, field_, point_);
+    std::vector<std::pair<double, std::uint32_t>> about;
+    for (std::uint32_t s = 0; s < field_.sources.size(); ++s) {
       if (poll.cancelled()) return fail_stopped(poll);
-      if (is_near(s, least) && is_hidden(adjacency_, field_, s)) others.push_back(s);
+      const double straight = straight_from(adjacency_, field_, s, point_);
+      if (!(straight < least) || !(is_between || is_hidden(adjacency_, field_, s))) continue;
+      about.emplace_back(straight, s);
+      std::push_heap(about.begin(), about.end());
+      if (about.size() <= kMostAsked) continue;
+      std::pop_heap(about.begin(), about.end());
+      about.pop_back();
     }
+    for (const auto& [straight, s] : about) others.push_back(s);
     std::sort(others.begin(), others.end());
     others.erase(std::unique(others.begin(), others.end()), others.end());
     for (const std::uint32_t s : others) {
@@ -95,10 +136,7 @@ class WaysToSources {
   static constexpr std::size_t kMostAsked = 8;
 
   [[nodiscard]] bool is_near(std::uint32_t s, double least) const {
-    const Mesh& mesh = adjacency_.mesh();
-    const Source& source = field_.sources[s];
-    return source.offset + distance(position_of(mesh, source.point), position_of(mesh, point_)) <
-           least;
+    return straight_from(adjacency_, field_, s, point_) < least;
   }
 
   const Adjacency& adjacency_;
@@ -202,11 +240,13 @@ Result<double> length_of_way(const Adjacency& adjacency, const Field& field,
 }
 
 // Whether the field says by itself how far the point is.
-bool is_told(const Adjacency& adjacency, const Field& field, const SurfacePoint& point,
-             double told) {
+bool is_told(const Adjacency& adjacency, const Field& field, const SurfacePoint& point, double told,
+             Poll& poll) {
   if (point.at_vertex() || field.windows) return true;
   if (field.bound == Bound::upper) return false;
-  return field.method != Method::back_traced || !is_awkward(adjacency, field, point, told);
+  if (field.method != Method::back_traced) return true;
+  return !is_awkward(adjacency, field, point, told) &&
+         (field.lines || !may_be_of_another(adjacency, field, point, told, poll));
 }
 
 // With more sources nobody is asked for each how far it is straight.
@@ -231,7 +271,10 @@ Result<double> distance_by_points(const Adjacency& adjacency, const Field& field
                                   const std::optional<Path>* refined, const Cancel& cancel) {
   const double told = arrivals.distance_at(point);
   if (arrivals.was_stopped()) return fail_stopped(cancel);
-  if (is_told(adjacency, field, point, told)) {
+  Poll poll(cancel);
+  const bool is_enough = is_told(adjacency, field, point, told, poll);
+  if (poll.stopped()) return fail_stopped(poll);
+  if (is_enough) {
     return not_below_straight_line(adjacency, field, point, told);
   }
   if (refined != nullptr) return length_of_way(adjacency, field, point, *refined, told, cancel);
