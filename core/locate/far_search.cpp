@@ -59,8 +59,7 @@ struct FarSearch::Query {
     };
     const std::array<Vec3, 3> corner{inside(0), inside(1), inside(2)};
     const Vec3 p = height.q;
-    const Vec3 normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
-    if (auto bary = foot_inside(p, corner, normal)) {
+    if (auto bary = foot_inside(p, corner)) {
       const double sum = (*bary)[0] + (*bary)[1] + (*bary)[2];
       for (double& weight : *bary) weight /= sum;
       offer(height.at((*bary)[0] * corner[0] + (*bary)[1] * corner[1] + (*bary)[2] * corner[2]),

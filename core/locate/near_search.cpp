@@ -11,10 +11,11 @@ struct OnTriangle {
 };
 
 OnTriangle closest_on_triangle(Vec3 p, const std::array<Vec3, 3>& corner) {
-  const Vec3 normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
-  if (const auto bary = foot_inside(p, corner, normal)) {
-    const double height = dot(normal, p - corner[0]) / norm(normal);
-    return {height * height, *bary};
+  if (const auto bary = foot_inside(p, corner)) {
+    // From the place itself, whatever rounding made of it.
+    const Vec3 gap =
+        p - corner[0] - (*bary)[1] * (corner[1] - corner[0]) - (*bary)[2] * (corner[2] - corner[0]);
+    return {dot(gap, gap), *bary};
   }
   OnTriangle best{std::numeric_limits<double>::infinity(), {1, 0, 0}};
   for (std::uint32_t c = 0; c < 3; ++c) {

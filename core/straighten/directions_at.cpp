@@ -137,7 +137,7 @@ std::optional<double> DirectionsAt::angle_of(std::uint32_t face, Vec3 direction)
   if (from_.at_vertex()) {
     const Sector* const sector = sector_of(face);
     if (sector == nullptr) return std::nullopt;
-    const auto [along, inward] = FlatFace(mesh, halfedge(face, sector->corner)).axes(mesh);
+    const auto [along, inward] = FlatFace(mesh, halfedge(face, sector->corner)).axes(*adjacency_);
     double to_next = std::atan2(dot(direction, inward), dot(direction, along));
     if (!all_round_) to_next = std::clamp(to_next, 0.0, sector->size);  // as rounded
     const double angle = sector->begin + (sector->from_next ? to_next : sector->size - to_next);
@@ -145,7 +145,7 @@ std::optional<double> DirectionsAt::angle_of(std::uint32_t face, Vec3 direction)
     return in_turn(angle, total_);
   }
   if (face == from_.face) {
-    const auto [along, inward] = FlatFace(mesh, halfedge(face, 0)).axes(mesh);
+    const auto [along, inward] = FlatFace(mesh, halfedge(face, 0)).axes(*adjacency_);
     const double angle = std::atan2(dot(direction, inward), dot(direction, along));
     return all_round_ ? in_turn(angle, total_) : angle;
   }
@@ -153,8 +153,8 @@ std::optional<double> DirectionsAt::angle_of(std::uint32_t face, Vec3 direction)
   if (beyond == kNone) return std::nullopt;
   // In the face beyond the edge, laid into the plane of the point's own.
   const FlatFace flat(mesh, halfedge(from_.face, 0));
-  const Vec3 edge = FlatFace(mesh, halfedge(from_.face, across_)).axes(mesh).first;
-  const Vec3 outward = FlatFace(mesh, beyond).axes(mesh).second;
+  const Vec3 edge = FlatFace(mesh, halfedge(from_.face, across_)).axes(*adjacency_).first;
+  const Vec3 outward = FlatFace(mesh, beyond).axes(*adjacency_).second;
   const Vec2 side = flat.edges[across_];
   const double away = std::atan2(dot(direction, outward), dot(direction, edge));
   return in_turn(std::atan2(side.y, side.x) - away, kAllRound);

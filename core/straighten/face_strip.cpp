@@ -102,10 +102,12 @@ void unfold_strip(const Adjacency& adjacency, const FaceStrip& strip, const Surf
            unit({first.apex_from_tail.x, -first.apex_from_tail.y}));
   set_edge(result.first_edges, next_corner(c), previous_corner(c),
            unit({first.apex_from_head.x, -first.apex_from_head.y}));
+  result.first_sense = -1;
   result.start = place_in_face(adjacency, start, strip.first_face, corners);
   if (one_face) {
     result.end = place_in_face(adjacency, end, strip.first_face, corners);
     result.last_edges = result.first_edges;
+    result.last_sense = result.first_sense;
     return;
   }
 
@@ -149,6 +151,7 @@ void unfold_strip(const Adjacency& adjacency, const FaceStrip& strip, const Surf
     corners[left] = unfolded_portal.left;
     corners[right] = unfolded_portal.right;
     corners[top] = apex;
+    result.last_sense = tail_is_left ? 1 : -1;
     set_edge(result.last_edges, left, right, along);
     set_edge(result.last_edges, left, top, unit(from_left));
     set_edge(result.last_edges, right, top, unit(from_right));

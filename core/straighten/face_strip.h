@@ -67,6 +67,10 @@ struct UnfoldedStrip {
   // Unit vectors from corner c to corner c + 1 of the first and of the last face.
   std::array<Vec2, 3> first_edges;
   std::array<Vec2, 3> last_edges;
+  // 1 if corners 0, 1, 2 of the face lie counter-clockwise there, -1 if clockwise: the edges of a
+  // face without width do not tell.
+  double first_sense;
+  double last_sense;
 };
 
 // Unfolds `strip` into `result`, whose memory is used again. `start` must lie in the

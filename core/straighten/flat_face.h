@@ -48,16 +48,14 @@ struct FlatFace {
     return point_on_face(adjacency, face, bary);
   }
 
-  // The axes in space, of length one; y is zero for a face without area.
-  [[nodiscard]] std::pair<Vec3, Vec3> axes(const Mesh& mesh) const {
-    const auto position = [&](std::uint32_t i) {
-      return mesh.positions()[mesh.faces()[face][corner(i)]];
-    };
-    const Vec3 along = (1 / over.length) * (position(1) - position(0));
-    const Vec3 up = position(2) - position(0) - over.apex_from_tail.x * along;
-    const double height = norm(up);
-    return {along, height > 0 ? (1 / height) * up : Vec3{}};
-  }
+  // The axes in space, of length one. A cap, a face of which one corner lies on the side between
+  // the others, as CAD programs export, has no plane of its own: it is laid into the plane of the
+  // face across that side, or else across another one. Then y points inward all the same. It is
+  // zero where a face without area has no such neighbour.
+  [[nodiscard]] std::pair<Vec3, Vec3> axes(const Adjacency& adjacency) const;
+
+  // The side that the third corner of a cap lies on, a number of here; kNone for all other faces.
+  [[nodiscard]] std::uint32_t side_under_cap() const;
 };
 
 }  // namespace geodesic

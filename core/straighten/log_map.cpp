@@ -22,7 +22,7 @@ constexpr double kFullTurn = 2 * std::numbers::pi;
 // Turned about the normal of a face in whose plane it lies, counter-clockwise by the face's
 // winding.
 Vec3 turned(const Adjacency& adjacency, std::uint32_t face, Vec3 direction, double angle) {
-  const auto [along, inward] = FlatFace(adjacency.mesh(), halfedge(face, 0)).axes(adjacency.mesh());
+  const auto [along, inward] = FlatFace(adjacency.mesh(), halfedge(face, 0)).axes(adjacency);
   const double x = dot(direction, along);
   const double y = dot(direction, inward);
   const double c = std::cos(angle);
@@ -74,24 +74,27 @@ class StraightPiece {
   // Where it leads, in the plane of its first and of its last face, told by the end of all that is
   // straight: a first segment may be as short as rounding leaves it. As long as it is.
   [[nodiscard]] Vec3 ahead_in_first() const {
-    return Frame(adjacency_, first_face(), unfolded_.first_edges).in_space(ahead_);
+    return Frame(adjacency_, first_face(), unfolded_.first_edges, unfolded_.first_sense)
+        .in_space(ahead_);
   }
   [[nodiscard]] Vec3 ahead_in_last() const {
-    return Frame(adjacency_, last_face(), unfolded_.last_edges).in_space(ahead_);
+    return Frame(adjacency_, last_face(), unfolded_.last_edges, unfolded_.last_sense)
+        .in_space(ahead_);
   }
   // A direction in the plane of the first face, in that of the last one, once all is unfolded.
   [[nodiscard]] Vec3 carried(Vec3 direction) const {
-    const Frame first(adjacency_, first_face(), unfolded_.first_edges);
-    return Frame(adjacency_, last_face(), unfolded_.last_edges).in_space(first.unfolded(direction));
+    const Frame first(adjacency_, first_face(), unfolded_.first_edges, unfolded_.first_sense);
+    return Frame(adjacency_, last_face(), unfolded_.last_edges, unfolded_.last_sense)
+        .in_space(first.unfolded(direction));
   }
 
  private:
   // A face in space, and where it lies once it is unfolded.
   struct Frame {
-    Frame(const Adjacency& adjacency, std::uint32_t face, const std::array<Vec2, 3>& edges)
-        : base(edges[0]), side(cross(edges[0], -edges[2]) < 0 ? -1 : 1) {
-      std::tie(along, inward) =
-          FlatFace(adjacency.mesh(), halfedge(face, 0)).axes(adjacency.mesh());
+    Frame(const Adjacency& adjacency, std::uint32_t face, const std::array<Vec2, 3>& edges,
+          double sense)
+        : base(edges[0]), side(sense) {
+      std::tie(along, inward) = FlatFace(adjacency.mesh(), halfedge(face, 0)).axes(adjacency);
     }
     [[nodiscard]] Vec3 in_space(Vec2 v) const {
       return dot(base, v) * along + side * cross(base, v) * inward;
@@ -159,8 +162,7 @@ class Transport {
  private:
   // Of b from a, both in the plane of the face, counter-clockwise by its winding.
   [[nodiscard]] double angle_to(std::uint32_t face, Vec3 a, Vec3 b) const {
-    const auto [along, inward] =
-        FlatFace(adjacency_.mesh(), halfedge(face, 0)).axes(adjacency_.mesh());
+    const auto [along, inward] = FlatFace(adjacency_.mesh(), halfedge(face, 0)).axes(adjacency_);
     const Vec2 from{dot(a, along), dot(a, inward)};
     const Vec2 to{dot(b, along), dot(b, inward)};
     return std::atan2(cross(from, to), dot(from, to));
@@ -255,10 +257,11 @@ Result<LogMap> log_map(const Adjacency& adjacency, const Field& field, const Sur
     if (looking.cancelled()) return fail_stopped(looking);
     if (!(field.distance[v] <= most) || field.distance[v] == kUnreached) continue;
     if (poll.cancelled(map.entries.size(), count)) return fail_stopped(poll);
-    const auto path =
+    auto path =
         path_through(adjacency, field, point_at_vertex(adjacency, v), PathWork::refined, cancel);
     if (!path) return fail(path.error());
     if (!*path || (*path)->length > radius) continue;
+    **path = with_caps(adjacency, from, std::move(**path), looking);
     const bool has_direction = piece.unfold(**path, 0);
     if (looking.stopped()) return fail_stopped(looking);
     const bool is_there = !((*path)->length > 0);

@@ -1,10 +1,13 @@
 #include "core/straighten/path_chain.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "core/base/vec3.h"
+#include "core/straighten/flat_face.h"
 
 namespace geodesic {
 namespace {
@@ -24,6 +27,73 @@ DirectionAtVertex direction(const Adjacency& adjacency, std::uint32_t face, std:
   return {face, angle_to(next_corner(c)), angle_to(previous_corner(c))};
 }
 
+// Of a side: what is nearer to it is on it.
+constexpr double kOnSide = 1e-9;
+
+// The place on a side that is closest to a position, if that is where the position is.
+std::optional<SurfacePoint> place_on_side(const Adjacency& adjacency, Halfedge side,
+                                          Vec3 position) {
+  const auto positions = adjacency.mesh().positions();
+  const Vec3 tail = positions[adjacency.tail(side)];
+  const Vec3 along = positions[adjacency.head(side)] - tail;
+  const double length2 = dot(along, along);
+  if (!(length2 > 0)) return std::nullopt;
+  // Right beside a vertex rather than at it: it goes on into the face across.
+  const double t = std::clamp(dot(position - tail, along) / length2, kOnSide, 1 - kOnSide);
+  if (norm(position - tail - t * along) > 2 * kOnSide * std::sqrt(length2)) return std::nullopt;
+  std::array<double, 3> bary{0, 0, 0};
+  bary[corner_of(side)] = 1 - t;
+  bary[next_corner(corner_of(side))] = t;
+  return point_on_face(adjacency, face_of(side), bary);
+}
+
+// From one of `starts` over caps into a face of `to`: the start and a place in each face that is
+// entered, first where the start is, then where `to` is. None where no caps lead there.
+std::vector<PathPoint> over_caps(const Adjacency& adjacency,
+                                 const std::vector<SurfacePoint>& starts, Vec3 start,
+                                 const PathPoint& to, Poll& poll) {
+  struct Step {
+    PathPoint at;
+    std::size_t before;
+    bool is_at_end;
+  };
+  std::vector<Step> steps;
+  for (std::size_t i = 0; i < starts.size(); ++i) steps.push_back({{starts[i], start}, i, false});
+  const auto is_new = [&](std::uint32_t face, bool is_at_end) {
+    return std::none_of(steps.begin(), steps.end(), [&](const Step& step) {
+      return step.at.point.face == face && step.is_at_end == is_at_end;
+    });
+  };
+  const auto way_to = [&](std::size_t step) {
+    std::vector<PathPoint> way{steps[step].at};
+    while (steps[step].before != step) {
+      step = steps[step].before;
+      way.push_back(steps[step].at);
+    }
+    std::reverse(way.begin(), way.end());
+    return way;
+  };
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    for (std::uint32_t turn = steps[i].is_at_end ? 3 : 0; turn < 6; ++turn) {
+      if (poll.cancelled()) return {};
+      const bool is_at_end = turn >= 3;
+      const Vec3 position = is_at_end ? to.position : start;
+      const auto on_side =
+          place_on_side(adjacency, halfedge(steps[i].at.point.face, turn % 3), position);
+      if (!on_side) continue;
+      for (const SurfacePoint& there : in_all_faces(adjacency, *on_side)) {
+        const bool is_there = seen_from_face(adjacency, to.point, there.face).has_value();
+        const bool is_cap =
+            FlatFace(adjacency.mesh(), halfedge(there.face, 0)).side_under_cap() != kNone;
+        if (!(is_there || is_cap) || !is_new(there.face, is_at_end)) continue;
+        steps.push_back({{there, position}, i, is_at_end});
+        if (is_there) return way_to(steps.size() - 1);
+      }
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 std::optional<Portal> portal_at(const Adjacency& adjacency, std::uint32_t before,
@@ -34,6 +104,33 @@ std::optional<Portal> portal_at(const Adjacency& adjacency, std::uint32_t before
     if (face_of(h) == before) return Portal{h, in};
   }
   return std::nullopt;
+}
+
+Path with_caps(const Adjacency& adjacency, const SurfacePoint& from, Path path, Poll& poll) {
+  std::vector<PathPoint>& points = path.points;
+  if (points.empty()) return path;
+  std::vector<PathPoint> whole;
+  const auto go_over = [&](const std::vector<SurfacePoint>& starts, Vec3 start, const PathPoint& to,
+                           std::size_t first) {
+    const auto way = over_caps(adjacency, starts, start, to, poll);
+    for (std::size_t i = first; i < way.size(); ++i) whole.push_back(way[i]);
+  };
+  const std::vector<SurfacePoint> places = in_all_faces(adjacency, from);
+  const auto sets_out = [&](const SurfacePoint& place) {
+    return place.face == points.front().point.face;
+  };
+  if (std::none_of(places.begin(), places.end(), sets_out))
+    go_over(places, points.front().position, points.front(), 0);
+  whole.push_back(points.front());
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const SurfacePoint& before = points[i - 1].point;
+    if (!seen_from_face(adjacency, points[i].point, before.face)) {
+      go_over({before}, points[i - 1].position, points[i], 1);
+    }
+    whole.push_back(points[i]);
+  }
+  points = std::move(whole);
+  return path;
 }
 
 std::optional<Chain> read_chain(const Adjacency& adjacency, const Path& path, Poll& poll) {

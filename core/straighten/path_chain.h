@@ -49,6 +49,12 @@ struct Chain {
 [[nodiscard]] std::optional<Portal> portal_at(const Adjacency& adjacency, std::uint32_t before,
                                               const SurfacePoint& point, Poll& poll);
 
+// A path from `from` with the places in caps (flat_face.h) that it has left out, as it does with
+// points that are where the one before is: each point is in the face of the one before, unless no
+// caps lead there. Of no use if the poll says to stop.
+[[nodiscard]] Path with_caps(const Adjacency& adjacency, const SurfacePoint& from, Path path,
+                             Poll& poll);
+
 // Path segments from vertex to vertex of a path, as it goes: not straight, without
 // crossings and length. Nothing when the path has no segment, or when two segments
 // are in faces that do not meet in the point between them, or the poll says to stop.

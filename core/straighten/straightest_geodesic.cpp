@@ -224,7 +224,7 @@ class Walk {
   }
 
   StraightestGeodesic finish(const FlatFace& flat, Vec2 heading, End end) {
-    const auto [along, inward] = flat.axes(mesh_);
+    const auto [along, inward] = flat.axes(adjacency_);
     const Vec3 direction = heading.x * along + heading.y * inward;
     const double size = norm(direction);
     result_.direction_at_end = size > 0 ? (1 / size) * direction : along;
@@ -256,7 +256,7 @@ Candidate closest_in_face(const Adjacency& adjacency, const SurfacePoint& place,
                              : place.at_vertex() ? corner_at(adjacency, place.face, place.vertex)
                                                  : corner_of(under);
   const FlatFace flat(adjacency.mesh(), halfedge(place.face, base));
-  const auto [along, inward] = flat.axes(adjacency.mesh());
+  const auto [along, inward] = flat.axes(adjacency);
   const Vec2 projected{dot(vector, along), dot(vector, inward)};
 
   Candidate candidate;

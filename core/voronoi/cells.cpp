@@ -103,7 +103,7 @@ class CellMeasure {
     for (std::size_t i = 2; i < count; ++i) {
       const std::array<Weights3, 3> corners{part.corners[0], part.corners[i - 1], part.corners[i]};
       const std::array<Vec3, 3> p{at(f, corners[0]), at(f, corners[1]), at(f, corners[2])};
-      const auto foot = foot_inside(mean, p, cross(p[1] - p[0], p[2] - p[0]));
+      const auto foot = foot_inside(mean, p);
       if (!foot) continue;
       Weights3 weights{0, 0, 0};
       for (std::size_t c = 0; c < 3; ++c) {

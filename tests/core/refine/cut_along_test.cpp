@@ -21,6 +21,7 @@
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 #include "tests/fixtures/tube.h"
+#include "tests/fixtures/uneven_planes.h"
 
 using namespace geodesic;
 using fixtures::Cut;

@@ -82,20 +82,4 @@ inline SurfacePolyline straight(const Surface& plane, const SurfacePoint& a,
   return line;
 }
 
-// A square with vertices where they happen to be.
-inline TriangleSoup uneven_plane(RandomMesh& random, std::uint32_t side) {
-  TriangleSoup soup = shapes::plane(
-      side, side, random.unit() < 0.5 ? shapes::Diagonal::rising : shapes::Diagonal::falling);
-  for (Vec3& p : soup.positions) {
-    if (p.x == 0 || p.y == 0 || p.x == side - 1 || p.y == side - 1) continue;
-    p = p + Vec3{0.4 * random.unit(), 0.4 * random.unit(), 0};
-  }
-  return soup;
-}
-
-inline SurfacePoint random_point(RandomMesh& random, const Surface& surface) {
-  return surface.on(random.below(surface.mesh().source_face_count()),
-                    {random.unit() + 0.01, random.unit() + 0.01, random.unit() + 0.01});
-}
-
 }  // namespace geodesic::fixtures

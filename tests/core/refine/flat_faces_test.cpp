@@ -3,9 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <map>
-#include <set>
 #include <vector>
 
 #include "core/base/memory_budget.h"
@@ -13,83 +10,21 @@
 #include "core/refine/faces_inside.h"
 #include "tests/core/refine/cut_surface.h"
 #include "tests/core/refine/lines_on_meshes.h"
-#include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
+#include "tests/fixtures/uneven_planes.h"
 
 using namespace geodesic;
+using fixtures::at_position;
 using fixtures::Cut;
+using fixtures::plane_of_eighths;
+using fixtures::put_flat_faces_in;
 using fixtures::RandomMesh;
 using fixtures::straight;
 using fixtures::Surface;
 using fixtures::test_seed;
 
 namespace {
-
-// A square with vertices where they happen to be: at multiples of 2^-12, so that points at eighths
-// of edges lie on them to the last bit.
-TriangleSoup plane_of_eighths(RandomMesh& random, std::uint32_t side) {
-  TriangleSoup soup = fixtures::uneven_plane(random, side);
-  for (Vec3& p : soup.positions) {
-    p = {std::round(4096 * p.x) / 4096, std::round(4096 * p.y) / 4096, 0};
-  }
-  return soup;
-}
-
-// The same surface with more vertices on some of its inner edges. One face of each has them, the
-// other has the whole edge, and between the two lies a face without width.
-void put_flat_faces_in(RandomMesh& random, TriangleSoup& soup) {
-  using Edge = std::pair<std::uint32_t, std::uint32_t>;
-  const auto key = [](std::uint32_t a, std::uint32_t b) { return Edge(std::minmax(a, b)); };
-  std::map<Edge, std::vector<std::uint32_t>> faces_of_edge;
-  for (std::uint32_t f = 0; f < soup.faces.size(); ++f) {
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      faces_of_edge[key(soup.faces[f][c], soup.faces[f][(c + 1) % 3])].push_back(f);
-    }
-  }
-  std::set<std::uint32_t> used;
-  for (const auto& [edge, faces] : faces_of_edge) {
-    if (faces.size() != 2 || random.unit() < 0.4) continue;
-    if (used.contains(faces[0]) || used.contains(faces[1])) continue;
-    const std::uint32_t split = faces[random.below(2)];
-    const Triangle whole = soup.faces[split];
-    std::uint32_t c = 0;
-    while (key(whole[c], whole[(c + 1) % 3]) != edge) ++c;
-    const auto [a, b, apex] = std::array{whole[c], whole[(c + 1) % 3], whole[(c + 2) % 3]};
-    const double part = (2 + random.below(5)) / 8.0;
-    const Vec3 position = soup.positions[a] + part * (soup.positions[b] - soup.positions[a]);
-    const auto same = [&](const Vec3& other) { return other == position; };
-    if (std::any_of(soup.positions.begin(), soup.positions.end(), same)) continue;
-    used.insert(faces.begin(), faces.end());
-    const auto middle = static_cast<std::uint32_t>(soup.positions.size());
-    soup.positions.push_back(position);
-    soup.faces[split] = {a, middle, apex};
-    soup.faces.push_back({middle, b, apex});
-    soup.faces.push_back({a, b, middle});
-  }
-}
-
-// The place of a position of a plane on another mesh of it.
-SurfacePoint at_position(const Surface& plane, Vec3 position) {
-  for (std::uint32_t f = 0; f < plane.mesh().source_face_count(); ++f) {
-    const Triangle& t = plane.mesh().faces()[plane.mesh().face_of_source(f)];
-    const auto corners = std::array{plane.mesh().positions()[t[0]], plane.mesh().positions()[t[1]],
-                                    plane.mesh().positions()[t[2]]};
-    const auto area = [](Vec3 a, Vec3 b, Vec3 c) { return cross(b - a, c - a).z; };
-    const double whole = area(corners[0], corners[1], corners[2]);
-    if (whole == 0) continue;
-    std::array<double, 3> bary{};
-    for (std::size_t c = 0; c < 3; ++c) {
-      bary[c] = area(position, corners[(c + 1) % 3], corners[(c + 2) % 3]) / whole;
-    }
-    if (std::all_of(bary.begin(), bary.end(), [](double weight) { return weight > -1e-12; })) {
-      for (double& weight : bary) weight = std::max(weight, 0.0);
-      return plane.on(f, bary);
-    }
-  }
-  FAIL("the position is on the plane");
-  return {};
-}
 
 // A point of the plane that both meshes of it have, inside a face or at a vertex.
 struct Twice {
