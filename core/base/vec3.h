@@ -1,6 +1,7 @@
 // A point or vector in space, in mesh units.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 namespace geodesic {
@@ -22,5 +23,12 @@ struct Vec3 {
 }
 [[nodiscard]] inline double norm(Vec3 a) { return std::sqrt(dot(a, a)); }
 [[nodiscard]] inline double distance(Vec3 a, Vec3 b) { return norm(a - b); }
+
+// The place of the point of the segment a-b that is closest to p: 0 at a, 1 at b.
+[[nodiscard]] inline double foot_on_segment(Vec3 p, Vec3 a, Vec3 b) {
+  const Vec3 ab = b - a;
+  const double length2 = dot(ab, ab);
+  return length2 > 0 ? std::clamp(dot(p - a, ab) / length2, 0.0, 1.0) : 0.0;
+}
 
 }  // namespace geodesic

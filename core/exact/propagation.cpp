@@ -162,16 +162,11 @@ void Propagation::start(const Source& source, std::uint32_t number) {
 }
 
 void Propagation::bend_at_corners_of(const SurfacePoint& place) {
-  const Mesh& mesh = adjacency_.mesh();
-  const auto& corners = adjacency_.face(place.face).vertex;
-  double longest = 0;
+  const FaceRecord& face = adjacency_.face(place.face);
+  const double beside = tolerance::kBesideCorner * std::sqrt(face.longest2());
   for (std::uint32_t c = 0; c < 3; ++c) {
-    longest = std::max(
-        longest, distance(mesh.positions()[corners[c]], mesh.positions()[corners[next_corner(c)]]));
-  }
-  for (std::uint32_t c = 0; c < 3; ++c) {
-    if (distance_to_corner(mesh, place, c) <= tolerance::kBesideCorner * longest) {
-      memory_.shared.bends[corners[c]] = Bends::everywhere;
+    if (distance_to_corner(adjacency_.mesh(), place, c) <= beside) {
+      memory_.shared.bends[face.vertex[c]] = Bends::everywhere;
     }
   }
 }

@@ -1,7 +1,6 @@
 // Where on a triangle the point that is closest to a point in space can be: inside, or on a side.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -12,13 +11,6 @@
 namespace geodesic {
 
 using TriangleWeights = std::array<double, 3>;
-
-// The place of the point of the segment a-b that is closest to p: 0 at a, 1 at b.
-[[nodiscard]] inline double foot_on_segment(Vec3 p, Vec3 a, Vec3 b) {
-  const Vec3 ab = b - a;
-  const double length2 = dot(ab, ab);
-  return length2 > 0 ? std::clamp(dot(p - a, ab) / length2, 0.0, 1.0) : 0.0;
-}
 
 // The barycentric coordinates of the foot of the perpendicular from p, if the foot is inside of the
 // triangle; they add up to 1 up to rounding. Otherwise the closest point is on a side.

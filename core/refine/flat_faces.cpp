@@ -1,6 +1,8 @@
 #include "core/refine/flat_faces.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -85,10 +87,8 @@ class FacesAt {
   [[nodiscard]] SurfacePoint closest_on_side(std::uint32_t face, std::uint32_t side) const {
     const auto& corners = adjacency_.face(face).vertex;
     const auto positions = adjacency_.mesh().positions();
-    const Vec3 begin = positions[corners[side]];
-    const Vec3 along = positions[corners[next_corner(side)]] - begin;
-    const double square = dot(along, along);
-    double t = square > 0 ? std::clamp(dot(position_ - begin, along) / square, 0.0, 1.0) : 0;
+    double t =
+        foot_on_segment(position_, positions[corners[side]], positions[corners[next_corner(side)]]);
     if (t < kSnap) t = 0;
     if (t > 1 - kSnap) t = 1;
     std::array<double, 3> bary{0, 0, 0};
@@ -99,14 +99,7 @@ class FacesAt {
 
   // What is no distance in the face of a step.
   [[nodiscard]] double width_of(std::uint32_t step) const {
-    const auto positions = adjacency_.mesh().positions();
-    const auto& corners = adjacency_.face(steps_[step].face).vertex;
-    double longest = 0;
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      longest =
-          std::max(longest, distance(positions[corners[c]], positions[corners[next_corner(c)]]));
-    }
-    return kSnap * longest;
+    return kSnap * std::sqrt(adjacency_.face(steps_[step].face).longest2());
   }
 
   const Adjacency& adjacency_;

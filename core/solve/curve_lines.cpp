@@ -62,9 +62,7 @@ std::array<double, 3> weights_in(const Adjacency& adjacency, std::uint32_t f, Ve
   }
   for (std::uint32_t c = 0; c < 3; ++c) {
     const std::uint32_t n = next_corner(c);
-    const Vec3 side = positions[t[n]] - positions[t[c]];
-    const double part =
-        std::clamp(dot(position - positions[t[c]], side) / dot(side, side), 0.0, 1.0);
+    const double part = foot_on_segment(position, positions[t[c]], positions[t[n]]);
     std::array<double, 3> bary{};
     bary[c] = 1 - part;
     bary[n] = part;

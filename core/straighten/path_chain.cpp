@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <set>
 #include <utility>
 
 #include "core/base/vec3.h"
@@ -27,6 +28,9 @@ DirectionAtVertex direction(const Adjacency& adjacency, std::uint32_t face, std:
   return {face, angle_to(next_corner(c)), angle_to(previous_corner(c))};
 }
 
+// Faces that are gone over for one pair of points. A place of a surface has few caps; of a heap of
+// them no way is found.
+constexpr std::size_t kMostSteps = 4096;
 // Of a side: what is nearer to it is on it.
 constexpr double kOnSide = 1e-9;
 
@@ -35,12 +39,12 @@ std::optional<SurfacePoint> place_on_side(const Adjacency& adjacency, Halfedge s
                                           Vec3 position) {
   const auto positions = adjacency.mesh().positions();
   const Vec3 tail = positions[adjacency.tail(side)];
-  const Vec3 along = positions[adjacency.head(side)] - tail;
-  const double length2 = dot(along, along);
-  if (!(length2 > 0)) return std::nullopt;
+  const Vec3 head = positions[adjacency.head(side)];
+  const Vec3 along = head - tail;
+  if (!(dot(along, along) > 0)) return std::nullopt;
   // Right beside a vertex rather than at it: it goes on into the face across.
-  const double t = std::clamp(dot(position - tail, along) / length2, kOnSide, 1 - kOnSide);
-  if (norm(position - tail - t * along) > 2 * kOnSide * std::sqrt(length2)) return std::nullopt;
+  const double t = std::clamp(foot_on_segment(position, tail, head), kOnSide, 1 - kOnSide);
+  if (norm(position - tail - t * along) > 2 * kOnSide * norm(along)) return std::nullopt;
   std::array<double, 3> bary{0, 0, 0};
   bary[corner_of(side)] = 1 - t;
   bary[next_corner(corner_of(side))] = t;
@@ -58,12 +62,16 @@ std::vector<PathPoint> over_caps(const Adjacency& adjacency,
     bool is_at_end;
   };
   std::vector<Step> steps;
-  for (std::size_t i = 0; i < starts.size(); ++i) steps.push_back({{starts[i], start}, i, false});
-  const auto is_new = [&](std::uint32_t face, bool is_at_end) {
-    return std::none_of(steps.begin(), steps.end(), [&](const Step& step) {
-      return step.at.point.face == face && step.is_at_end == is_at_end;
-    });
+  std::set<std::pair<std::uint32_t, bool>> entered;
+  const auto enter = [&](const SurfacePoint& place, Vec3 position, std::size_t before,
+                         bool is_at_end) {
+    if (!entered.emplace(place.face, is_at_end).second) return false;
+    steps.push_back({{place, position}, before, is_at_end});
+    return true;
   };
+  for (const SurfacePoint& place : starts) {
+    if (steps.size() < kMostSteps) enter(place, start, steps.size(), false);
+  }
   const auto way_to = [&](std::size_t step) {
     std::vector<PathPoint> way{steps[step].at};
     while (steps[step].before != step) {
@@ -82,11 +90,11 @@ std::vector<PathPoint> over_caps(const Adjacency& adjacency,
           place_on_side(adjacency, halfedge(steps[i].at.point.face, turn % 3), position);
       if (!on_side) continue;
       for (const SurfacePoint& there : in_all_faces(adjacency, *on_side)) {
+        if (poll.cancelled() || steps.size() == kMostSteps) return {};
         const bool is_there = seen_from_face(adjacency, to.point, there.face).has_value();
         const bool is_cap =
             FlatFace(adjacency.mesh(), halfedge(there.face, 0)).side_under_cap() != kNone;
-        if (!(is_there || is_cap) || !is_new(there.face, is_at_end)) continue;
-        steps.push_back({{there, position}, i, is_at_end});
+        if (!(is_there || is_cap) || !enter(there, position, i, is_at_end)) continue;
         if (is_there) return way_to(steps.size() - 1);
       }
     }
@@ -115,14 +123,11 @@ Path with_caps(const Adjacency& adjacency, const SurfacePoint& from, Path path, 
     const auto way = over_caps(adjacency, starts, start, to, poll);
     for (std::size_t i = first; i < way.size(); ++i) whole.push_back(way[i]);
   };
-  const std::vector<SurfacePoint> places = in_all_faces(adjacency, from);
-  const auto sets_out = [&](const SurfacePoint& place) {
-    return place.face == points.front().point.face;
-  };
-  if (std::none_of(places.begin(), places.end(), sets_out))
-    go_over(places, points.front().position, points.front(), 0);
+  if (!seen_from_face(adjacency, from, points.front().point.face)) {
+    go_over(in_all_faces(adjacency, from), points.front().position, points.front(), 0);
+  }
   whole.push_back(points.front());
-  for (std::size_t i = 1; i < points.size(); ++i) {
+  for (std::size_t i = 1; i < points.size() && !poll.cancelled(); ++i) {
     const SurfacePoint& before = points[i - 1].point;
     if (!seen_from_face(adjacency, points[i].point, before.face)) {
       go_over({before}, points[i - 1].position, points[i], 1);
