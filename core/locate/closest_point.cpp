@@ -62,7 +62,7 @@ Result<ClosestPoint> ClosestPointIndex::closest(Vec3 from, const Cancel& cancel)
     if (!near.was_cancelled()) found = {near.face(), near.bary()};
   }
   if (found.face == kNone) return fail_stopped(cancel);
-  const SurfacePoint point = point_given(*adjacency_, found.face, found.bary);
+  const SurfacePoint point = snapped_point(*adjacency_, found.face, found.bary);
   return ClosestPoint{point, distance(from, position_of(adjacency_->mesh(), point))};
 }
 

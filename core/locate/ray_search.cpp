@@ -95,7 +95,7 @@ bool RaySearch::consider(std::uint32_t face) {
 
 std::optional<SurfacePoint> RaySearch::hit() const {
   if (face_ == kNone) return std::nullopt;
-  return point_given(*adjacency_, face_, bary_);
+  return snapped_point(*adjacency_, face_, bary_);
 }
 
 }  // namespace geodesic

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/base/polled_fill.h"
-#include "core/refine/flat_faces.h"
+#include "core/refine/line_gaps.h"
 #include "core/refine/refined_numbers.h"
 
 namespace geodesic {
@@ -213,7 +213,7 @@ class Cutter {
 
 SurfacePolyline as_wall(const Adjacency& adjacency, const SurfacePolyline& given, Poll& poll) {
   SurfacePolyline wall;
-  const SurfacePolyline line = with_flat_faces(adjacency, given, poll);
+  const SurfacePolyline line = close_gaps(adjacency, given, poll);
   if (line.empty() || !poll.may_take(2 * line.size() * sizeof(SurfacePoint))) return wall;
   wall.reserve(2 * line.size() - 1);
   for (std::size_t i = 0; i < line.size() && !poll.cancelled(); ++i) {

@@ -11,7 +11,7 @@
 
 #include "core/base/polled_fill.h"
 #include "core/mesh/triangle_soup.h"
-#include "core/refine/flat_faces.h"
+#include "core/refine/line_gaps.h"
 #include "core/refine/refined_numbers.h"
 
 namespace geodesic {
@@ -96,7 +96,7 @@ class Refiner {
       chains_[line] = {{point.vertex}};
       return {};
     }
-    points = with_flat_faces(whole_, points, poll_);
+    points = close_gaps(whole_, points, poll_);
     for (std::size_t i = 1; i < points.size(); ++i) {
       const std::uint32_t face = face_in_common(whole_, points[i - 1], points[i], poll_);
       if (poll_.stopped()) return fail_stopped(poll_);

@@ -68,7 +68,7 @@ std::array<double, 3> weights_in(const Adjacency& adjacency, std::uint32_t f, Ve
     bary[n] = part;
     offer(bary);
   }
-  return point_given(adjacency, f, best).bary;
+  return snapped_point(adjacency, f, best).bary;
 }
 
 class CurveWalker {

@@ -15,9 +15,6 @@ namespace {
 
 // Of methods that are not exact.
 constexpr std::uint64_t kStripsAFace = 8;
-// Of `auto`, which goes by windows here: waves that are traced back go out from a point each. The
-// part by which a distance may be above the shortest.
-constexpr double kTolerance = 1e-3;
 
 // A vertex that becomes a source.
 void add_source(const Adjacency& adjacency, const MetVertex& met, std::vector<Source>& sources,
@@ -78,7 +75,8 @@ Result<Field> solve_from_lines(Method method, const MethodOptions& options,
   strips.keep_strips = limits.keep_details;
   if (!traits.has_windows) strips.most = kStripsAFace * adjacency.faces().size();
   MethodOptions taken = options;
-  if (method == Method::back_traced && !options.error_at_most) taken.error_at_most = kTolerance;
+  if (method == Method::back_traced && !options.error_at_most)
+    taken.error_at_most = kToleranceFromLines;
   constexpr double kStripsPart = 0.5;
   auto spread = spread_strips(adjacency, sources, lines, strips, cancel.part(0, kStripsPart));
   if (!spread) return fail(std::move(spread.error()));

@@ -16,6 +16,10 @@
 
 namespace geodesic {
 
+// Of `auto`, which goes by windows here: waves that are traced back go out from a point each. The
+// part by which a distance may be above the shortest.
+inline constexpr double kToleranceFromLines = 1e-3;
+
 // What leaves the lines straight is exact by every method (curves/strip_front.h). What bends, at
 // the ends of lines and at vertices, is as exact as the method is: by `exact` and `chen_han` all of
 // it, but for rounding. `back_traced` without a tolerance takes one of 0.1 %, by windows. But for

@@ -39,8 +39,8 @@ SurfacePoint point_on_face(const Adjacency& adjacency, std::uint32_t face,
   return point;
 }
 
-SurfacePoint point_given(const Adjacency& adjacency, std::uint32_t face,
-                         std::array<double, 3> bary) {
+SurfacePoint snapped_point(const Adjacency& adjacency, std::uint32_t face,
+                           std::array<double, 3> bary) {
   const double largest = std::max({bary[0], bary[1], bary[2]});
   for (double& weight : bary) {
     if (weight < kNoWeight * largest) weight = 0;

@@ -34,8 +34,8 @@ struct SurfacePoint {
 // The same of a place that somebody gives or searches for: a weight below 1e-13 of the largest is
 // what rounding leaves, and taken as zero. Fronts that set out so near to a vertex or an edge would
 // not get round it.
-[[nodiscard]] SurfacePoint point_given(const Adjacency& adjacency, std::uint32_t face,
-                                       std::array<double, 3> bary);
+[[nodiscard]] SurfacePoint snapped_point(const Adjacency& adjacency, std::uint32_t face,
+                                         std::array<double, 3> bary);
 
 [[nodiscard]] Vec3 position_of(const Mesh& mesh, const SurfacePoint& point);
 

@@ -140,7 +140,7 @@ class NearSitesBuilder {
     const Box& box = adjacency_.mesh().box();
     tie_ = tolerance::kSamePath * norm(box.max - box.min);
     tie_part_ = tolerance::kSamePath;
-    if (method_ == Method::back_traced) tie_part_ = options_.error_at_most.value_or(kLineTolerance);
+    if (method_ == Method::back_traced) tie_part_ = options_.error_at_most.value_or(kToleranceFromLines);
   }
   [[nodiscard]] bool is_tie(double distance, double least) const {
     return std::abs(distance - least) <= tie_ + tie_part_ * least;
@@ -287,8 +287,6 @@ class NearSitesBuilder {
   // In sides. Beyond a corner of 120 degrees what is near ends after four, and two more are needed
   // around that: so most sites need one field.
   static constexpr double kAround = 7;
-  // Of `auto`, without a tolerance: that of solve_from_lines.
-  static constexpr double kLineTolerance = 1e-3;
 
   const Method method_;
   const MethodOptions& options_;

@@ -70,7 +70,7 @@ Result<PlacedPoint> on_dropped_face(const Split& surface, std::uint32_t face,
   std::array<double, 3> weights{0, 0, 0};
   weights[forward ? c : next_corner(c)] = at_first;
   weights[forward ? next_corner(c) : c] = 1 - at_first;
-  return surface.placed(point_given(adjacency, face_of(h), weights));
+  return surface.placed(snapped_point(adjacency, face_of(h), weights));
 }
 
 tl::unexpected<Error> not_left(const std::string& parameter) {
@@ -92,11 +92,11 @@ Result<PlacedPoint> on_face(const Split& surface, const proto::FaceRequest& requ
   }
   if (face == kNone) return on_dropped_face(surface, source, request.bary, parameter);
   if (surface.refinement == nullptr || !surface.refinement->is_split(source)) {
-    return surface.placed(point_given(surface.adjacency, face, request.bary));
+    return surface.placed(snapped_point(surface.adjacency, face, request.bary));
   }
   const auto part = surface.refinement->in_piece(source, request.bary);
   if (!part) return not_left(parameter);
-  return surface.placed(point_given(surface.adjacency, part->face, part->bary));
+  return surface.placed(snapped_point(surface.adjacency, part->face, part->bary));
 }
 
 Result<void> check_coordinates(Vec3 point, const std::string& parameter) {

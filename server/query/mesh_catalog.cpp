@@ -343,14 +343,12 @@ Result<std::shared_ptr<const Mesh>> MeshCatalog::load_mesh(const std::string& id
   auto mesh = meshes_.get_or_create(
       id,
       [&]() -> Result<std::shared_ptr<const Mesh>> {
-        const auto bytes = step("read", Stage::load, caller, [&] { return store_.get_source(id); });
-        if (!bytes) return fail(bytes.error());
-        const auto options = options_of(id);
-        if (!options) return fail(options.error());
+        const auto file = step("read", Stage::load, caller, [&] { return stored_file(id); });
+        if (!file) return fail(file.error());
         auto built = pool_.run(
             [&](Worker&) {
               return step("decode", Stage::load, caller,
-                          [&] { return build(*bytes, *options, caller); });
+                          [&] { return build(file->bytes, file->options, caller); });
             },
             caller);
         if (!built) return fail(std::move(built.error()));

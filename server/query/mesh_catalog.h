@@ -205,6 +205,15 @@ class MeshCatalog {
   [[nodiscard]] Result<proto::DecodedMesh> decode(const std::string& bytes,
                                                   const proto::ImportOptions& options,
                                                   const Caller& caller);
+  struct StoredFile {
+    std::string bytes;
+    proto::ImportOptions options;
+  };
+  // An uploaded file, and how it is to be read. Errors: mesh_unknown and the store's.
+  [[nodiscard]] Result<StoredFile> stored_file(const std::string& id);
+  template <class Kept, class Make>
+  [[nodiscard]] Result<std::shared_ptr<const Kept>> kept(const std::string& key,
+                                                         const Caller& caller, const Make& make);
   // Keeps them for queries that name one, if there are any.
   void keep_materials(const std::string& id, proto::FaceMaterials materials, const Caller& caller);
   [[nodiscard]] Result<proto::DecodedMesh> decode_stored(const std::string& id,

@@ -30,50 +30,65 @@ std::string weights_key(const std::string& mesh, const std::string& attribute) {
 
 Result<std::string> MeshCatalog::source(const std::string& id) { return store_.get_source(id); }
 
+Result<MeshCatalog::StoredFile> MeshCatalog::stored_file(const std::string& id) {
+  auto bytes = store_.get_source(id);
+  if (!bytes) return fail(std::move(bytes.error()));
+  auto options = options_of(id);
+  if (!options) return fail(std::move(options.error()));
+  return StoredFile{std::move(*bytes), std::move(*options)};
+}
+
 Result<UploadedGltf> MeshCatalog::uploaded_gltf(
     const std::string& id, const std::vector<proto::VertexAttribute>& attributes,
     const Caller& caller) {
-  auto bytes = store_.get_source(id);
-  if (!bytes) return fail(std::move(bytes.error()));
-  const auto options = options_of(id);
-  if (!options) return fail(options.error());
+  auto file = stored_file(id);
+  if (!file) return fail(std::move(file.error()));
   auto annotation = pool_.run(
       [&](Worker&) {
         const auto limits = decode_limits_.get();
+        const auto& [bytes, options] = *file;
         return decoders_ != nullptr
-                   ? decoders_->annotation(*bytes, attributes, *limits, *options, caller)
-                   : proto::annotate_gltf(as_bytes(*bytes), *limits, *options, attributes);
+                   ? decoders_->annotation(bytes, attributes, *limits, options, caller)
+                   : proto::annotate_gltf(as_bytes(bytes), *limits, options, attributes);
       },
       caller);
   if (!annotation) return fail(std::move(annotation.error()));
-  return UploadedGltf{std::move(*bytes), std::move(*annotation), nullptr};
+  return UploadedGltf{std::move(file->bytes), std::move(*annotation), nullptr};
+}
+
+// What `make` gives is made once, and kept with what is prepared of the mesh.
+template <class Kept, class Make>
+Result<std::shared_ptr<const Kept>> MeshCatalog::kept(const std::string& key, const Caller& caller,
+                                                      const Make& make) {
+  const auto known = prepared_.get_or_create(
+      key,
+      [&]() -> Result<std::shared_ptr<const Prepared>> {
+        auto made = make();
+        if (!made) return fail(std::move(made.error()));
+        return std::make_shared<const Prepared>(std::make_shared<const Kept>(std::move(*made)));
+      },
+      caller);
+  if (!known) return fail(known.error());
+  return std::get<std::shared_ptr<const Kept>>(*known->value);
 }
 
 Result<MeshCatalog::Weights> MeshCatalog::face_weights(const std::string& id,
                                                        const std::string& attribute,
                                                        const Caller& caller) {
-  const auto known = prepared_.get_or_create(
-      weights_key(id, attribute),
-      [&]() -> Result<std::shared_ptr<const Prepared>> {
-        const auto bytes = store_.get_source(id);
-        if (!bytes) return fail(bytes.error());
-        const auto options = options_of(id);
-        if (!options) return fail(options.error());
-        auto weights = pool_.run(
+  return kept<proto::FaceWeights>(
+      weights_key(id, attribute), caller, [&]() -> Result<proto::FaceWeights> {
+        const auto file = stored_file(id);
+        if (!file) return fail(file.error());
+        return pool_.run(
             [&](Worker&) {
               const auto limits = decode_limits_.get();
+              const auto& [bytes, options] = *file;
               return decoders_ != nullptr
-                         ? decoders_->face_weights(*bytes, attribute, *limits, *options, caller)
-                         : proto::read_face_weights(as_bytes(*bytes), *limits, *options, attribute);
+                         ? decoders_->face_weights(bytes, attribute, *limits, options, caller)
+                         : proto::read_face_weights(as_bytes(bytes), *limits, options, attribute);
             },
             caller);
-        if (!weights) return fail(std::move(weights.error()));
-        return std::make_shared<const Prepared>(
-            std::make_shared<const proto::FaceWeights>(std::move(*weights)));
-      },
-      caller);
-  if (!known) return fail(known.error());
-  return std::get<Weights>(*known->value);
+      });
 }
 
 Result<proto::FileFaces> MeshCatalog::file_faces(const std::string& id, proto::NamedOfFile named,
@@ -103,54 +118,37 @@ Result<proto::FileFaces> MeshCatalog::file_faces(const std::string& id, proto::N
 void MeshCatalog::keep_materials(const std::string& id, proto::FaceMaterials materials,
                                  const Caller& caller) {
   if (materials.names.empty()) return;
-  (void)prepared_.get_or_create(
-      materials_key(id),
-      [&]() -> Result<std::shared_ptr<const Prepared>> {
-        return std::make_shared<const Prepared>(
-            std::make_shared<const proto::FaceMaterials>(std::move(materials)));
-      },
-      caller);
+  (void)kept<proto::FaceMaterials>(
+      materials_key(id), caller,
+      [&]() -> Result<proto::FaceMaterials> { return std::move(materials); });
 }
 
 Result<proto::DecodedMesh> MeshCatalog::decode_stored(const std::string& id, const Caller& caller) {
-  const auto bytes = step("read", Stage::load, caller, [&] { return store_.get_source(id); });
-  if (!bytes) return fail(bytes.error());
-  const auto options = options_of(id);
-  if (!options) return fail(options.error());
+  const auto file = step("read", Stage::load, caller, [&] { return stored_file(id); });
+  if (!file) return fail(file.error());
   return pool_.run(
       [&](Worker&) {
         return step("decode", Stage::load, caller,
-                    [&] { return decode(*bytes, *options, caller); });
+                    [&] { return decode(file->bytes, file->options, caller); });
       },
       caller);
 }
 
 Result<MeshCatalog::Parts> MeshCatalog::parts(const std::string& id, const Caller& caller) {
-  const auto known = prepared_.get_or_create(
-      parts_key(id),
-      [&]() -> Result<std::shared_ptr<const Prepared>> {
-        const auto decoded = decode_stored(id, caller);
-        if (!decoded) return fail(decoded.error());
-        return std::make_shared<const Prepared>(
-            std::make_shared<const proto::ToldParts>(proto::told_parts(*decoded)));
-      },
-      caller);
-  if (!known) return fail(known.error());
-  return std::get<Parts>(*known->value);
+  return kept<proto::ToldParts>(parts_key(id), caller, [&]() -> Result<proto::ToldParts> {
+    const auto decoded = decode_stored(id, caller);
+    if (!decoded) return fail(decoded.error());
+    return proto::told_parts(*decoded);
+  });
 }
 
 Result<MeshCatalog::Materials> MeshCatalog::materials(const std::string& id, const Caller& caller) {
-  const auto known = prepared_.get_or_create(
-      materials_key(id),
-      [&]() -> Result<std::shared_ptr<const Prepared>> {
-        auto decoded = decode_stored(id, caller);
-        if (!decoded) return fail(std::move(decoded.error()));
-        return std::make_shared<const Prepared>(
-            std::make_shared<const proto::FaceMaterials>(std::move(decoded->materials)));
-      },
-      caller);
-  if (!known) return fail(known.error());
-  return std::get<Materials>(*known->value);
+  return kept<proto::FaceMaterials>(materials_key(id), caller,
+                                    [&]() -> Result<proto::FaceMaterials> {
+                                      auto decoded = decode_stored(id, caller);
+                                      if (!decoded) return fail(std::move(decoded.error()));
+                                      return std::move(decoded->materials);
+                                    });
 }
 
 }  // namespace geodesic::server

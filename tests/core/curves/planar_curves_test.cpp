@@ -100,7 +100,7 @@ TEST_CASE("CurvesNextToSidesAndCornersHaveTheDistancesOfTheClosedForm") {
       bary[side] = along;
       bary[(side + 1) % 3] = 1 - along;
       bary[(side + 2) % 3] = small();
-      return point_given(surface.adjacency(), face, bary);
+      return snapped_point(surface.adjacency(), face, bary);
     };
     const std::vector<SurfacePoint> points{beside(), beside()};
     const std::vector<Vec3> line{position_of(mesh, points[0]), position_of(mesh, points[1])};

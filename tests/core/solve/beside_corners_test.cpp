@@ -30,7 +30,7 @@ SurfacePoint beside_a_corner_or_side(const Surface& surface, std::mt19937& rando
   bary[side] = along;
   bary[(side + 1) % 3] = 1 - along;
   bary[(side + 2) % 3] = some_small_weight(random);
-  return point_given(surface.adjacency(), face, bary);
+  return snapped_point(surface.adjacency(), face, bary);
 }
 
 }  // namespace
@@ -72,14 +72,14 @@ TEST_CASE("PointsThatRoundingAloneKeepsFromACornerAreThere") {
     bary[corner] = 3;
     bary[(corner + 1) % 3] = 1e-14;
     bary[(corner + 2) % 3] = 1e-15;
-    const SurfacePoint point = point_given(surface.adjacency(), 4, bary);
+    const SurfacePoint point = snapped_point(surface.adjacency(), 4, bary);
     CHECK(point.vertex == surface.adjacency().face(4).vertex[corner]);
     bary[(corner + 1) % 3] = 1;
-    const SurfacePoint on_side = point_given(surface.adjacency(), 4, bary);
+    const SurfacePoint on_side = snapped_point(surface.adjacency(), 4, bary);
     CHECK(!on_side.at_vertex());
     CHECK(on_side.bary[(corner + 2) % 3] == 0);
     CHECK(on_side.bary[corner] == doctest::Approx(0.75));
     bary[(corner + 2) % 3] = 1e-9;
-    CHECK(point_given(surface.adjacency(), 4, bary).bary[(corner + 2) % 3] > 0);
+    CHECK(snapped_point(surface.adjacency(), 4, bary).bary[(corner + 2) % 3] > 0);
   }
 }

@@ -1,4 +1,4 @@
-#include "core/refine/flat_faces.h"
+#include "core/refine/line_gaps.h"
 
 #include <algorithm>
 #include <array>
@@ -112,8 +112,8 @@ class FacesAt {
 };
 
 // The points that a line has left out between two of it; none if there are none.
-std::vector<SurfacePoint> cross_flat_faces(const Adjacency& adjacency, const SurfacePoint& a,
-                                           const SurfacePoint& b, Poll& poll) {
+std::vector<SurfacePoint> places_left_out(const Adjacency& adjacency, const SurfacePoint& a,
+                                          const SurfacePoint& b, Poll& poll) {
   FacesAt from(adjacency, a, poll);
   while (from.go_on()) {
   }
@@ -135,8 +135,8 @@ std::vector<SurfacePoint> cross_flat_faces(const Adjacency& adjacency, const Sur
 
 }  // namespace
 
-std::vector<SurfacePoint> with_flat_faces(const Adjacency& adjacency,
-                                          const std::vector<SurfacePoint>& line, Poll& poll) {
+std::vector<SurfacePoint> close_gaps(const Adjacency& adjacency,
+                                     const std::vector<SurfacePoint>& line, Poll& poll) {
   std::vector<SurfacePoint> whole;
   if (!poll.may_take(line.size() * sizeof(SurfacePoint))) return whole;
   whole.reserve(line.size());
@@ -144,7 +144,7 @@ std::vector<SurfacePoint> with_flat_faces(const Adjacency& adjacency,
     if (poll.cancelled()) break;
     if (!whole.empty() && face_in_common(adjacency, whole.back(), point, poll) == kNone) {
       const std::vector<SurfacePoint> left_out =
-          cross_flat_faces(adjacency, whole.back(), point, poll);
+          places_left_out(adjacency, whole.back(), point, poll);
       if (!poll.may_take(2 * left_out.size() * sizeof(SurfacePoint))) break;
       whole.insert(whole.end(), left_out.begin(), left_out.end());
     }

@@ -1,4 +1,4 @@
-// Lines through faces without width.
+// Gaps in lines that shortest paths leave, at faces without width.
 #pragma once
 
 #include <vector>
@@ -16,7 +16,7 @@ namespace geodesic {
 // The same line with the points that it has left out: each two in a row have a face in common,
 // unless there is no way between them at the place of the one and at that of the other, but for
 // 1e-9 of a face's longest side. Of no use if the poll says to stop.
-[[nodiscard]] std::vector<SurfacePoint> with_flat_faces(const Adjacency& adjacency,
+[[nodiscard]] std::vector<SurfacePoint> close_gaps(const Adjacency& adjacency,
                                                         const std::vector<SurfacePoint>& line,
                                                         Poll& poll);
 
