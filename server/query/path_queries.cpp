@@ -21,6 +21,7 @@
 #include "core/straighten/shorten_path.h"
 #include "core/straighten/straightest_geodesic.h"
 #include "core/straighten/tighten_loop.h"
+#include "server/base/service_codes.h"
 #include "server/base/timed.h"
 #include "server/query/field_queries.h"
 #include "server/query/path_points.h"
@@ -107,7 +108,9 @@ class LegFinder {
     exactly.method = {};
     exactly.method.which = Method::exact;
     exactly.max = std::exp2(std::ceil(2 * std::log2(distance * kBeyond)) / 2);
-    return by_field(exactly, to);
+    auto leg = by_field(exactly, to);
+    if (leg || leg.error().code != ServiceCode::too_much_memory) return leg;
+    return by_field(question, to);
   }
 
   // Back from the end through the field of the start: the whole field, not one that

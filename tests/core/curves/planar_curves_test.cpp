@@ -8,9 +8,11 @@
 #include <vector>
 
 #include "tests/core/curves/curve_fixtures.h"
+#include "tests/fixtures/beside_corners.h"
 
 using namespace geodesic;
 using fixtures::LineQuestion;
+using fixtures::point_beside;
 using fixtures::some_point;
 using fixtures::Surface;
 using fixtures::test_seed;
@@ -40,6 +42,22 @@ PlaneAndCurve some_curve(std::mt19937& random) {
     made.line.push_back(position_of(made.surface.mesh(), made.points.back()));
   }
   return made;
+}
+
+// By the exact methods, all vertices of a plane are as far from the line between two points as they
+// are by the closed form.
+void check_segment(const Surface& plane, const std::vector<SurfacePoint>& ends, double most_off) {
+  const Mesh& mesh = plane.mesh();
+  const std::vector<Vec3> line{position_of(mesh, ends[0]), position_of(mesh, ends[1])};
+  LineQuestion question(plane);
+  (void)question.curve(ends, false);
+  for (const Method method : {Method::exact, Method::chen_han}) {
+    const Field field = question.field(method);
+    for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+      const double wanted = to_polyline(mesh.positions()[v], line, false);
+      CHECK(std::abs(field.distance[v] - wanted) < most_off);
+    }
+  }
 }
 
 }  // namespace
@@ -83,36 +101,13 @@ TEST_CASE("PlanarCurvesHaveTheDistancesOfTheClosedForm") {
 
 TEST_CASE("CurvesNextToSidesAndCornersHaveTheDistancesOfTheClosedForm") {
   std::mt19937 random(test_seed() + 3);
-  // From what rounding leaves up to what is seen.
-  const auto small = [&] {
-    return random() % 4 == 0 ? 0 : std::pow(10.0, -6 - static_cast<double>(random() % 120) / 10);
-  };
   for (int round = 0; round < 150; ++round) {
     CAPTURE(round);
     const Surface surface(turned_plane(4 + random() % 4, 4 + random() % 4, random));
-    const Mesh& mesh = surface.mesh();
-    const auto face = static_cast<std::uint32_t>(random() % mesh.face_count());
+    const auto face = static_cast<std::uint32_t>(random() % surface.mesh().face_count());
     const std::size_t side = random() % 3;
-    const auto beside = [&] {
-      std::array<double, 3> bary{};
-      const double along =
-          random() % 4 == 0 ? small() : static_cast<double>(random() % 1000) / 1000;
-      bary[side] = along;
-      bary[(side + 1) % 3] = 1 - along;
-      bary[(side + 2) % 3] = small();
-      return snapped_point(surface.adjacency(), face, bary);
-    };
-    const std::vector<SurfacePoint> points{beside(), beside()};
-    const std::vector<Vec3> line{position_of(mesh, points[0]), position_of(mesh, points[1])};
-    LineQuestion question(surface);
-    (void)question.curve(points, false);
-    for (const Method method : {Method::exact, Method::chen_han}) {
-      const Field field = question.field(method);
-      for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
-        CHECK(std::abs(field.distance[v] - to_polyline(mesh.positions()[v], line, false)) <
-              kBeside);
-      }
-    }
+    const SurfacePoint from = point_beside(surface, face, side, random);
+    check_segment(surface, {from, point_beside(surface, face, side, random)}, kBeside);
   }
 }
 
@@ -132,23 +127,12 @@ TEST_CASE("CurvesOnGridsWhereWaysRunAlongEdgesHaveTheDistancesOfTheClosedForm") 
       }
     }
     const Surface surface(soup);
-    const Mesh& mesh = surface.mesh();
     for (int i = 0; i < 10; ++i) {
       const auto a = static_cast<std::uint32_t>(random() % (side * side));
       const auto b = static_cast<std::uint32_t>(random() % (side * side));
       CAPTURE(a);
       CAPTURE(b);
-      const std::vector<SurfacePoint> points{surface.at(a), surface.at(b)};
-      const std::vector<Vec3> line{position_of(mesh, points[0]), position_of(mesh, points[1])};
-      LineQuestion question(surface);
-      (void)question.curve(points, false);
-      for (const Method method : {Method::exact, Method::chen_han}) {
-        const Field field = question.field(method);
-        for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
-          const double wanted = to_polyline(mesh.positions()[v], line, false);
-          CHECK(std::abs(field.distance[v] - wanted) < kExact);
-        }
-      }
+      check_segment(surface, {surface.at(a), surface.at(b)}, kExact);
     }
   }
 }

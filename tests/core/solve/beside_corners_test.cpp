@@ -1,4 +1,6 @@
 // Sources that are so near to a vertex or an edge that rounding has a say.
+#include "tests/fixtures/beside_corners.h"
+
 #include <doctest/doctest.h>
 
 #include <array>
@@ -13,28 +15,6 @@ using fixtures::Surface;
 using fixtures::test_seed;
 using fixtures::turned_plane;
 
-namespace {
-
-// From what rounding leaves up to what is seen.
-double some_small_weight(std::mt19937& random) {
-  if (random() % 4 == 0) return 0;
-  return std::pow(10.0, -6 - static_cast<double>(random() % 120) / 10);
-}
-
-SurfacePoint beside_a_corner_or_side(const Surface& surface, std::mt19937& random) {
-  const auto face = static_cast<std::uint32_t>(random() % surface.mesh().face_count());
-  const std::size_t side = random() % 3;
-  const double along =
-      random() % 2 == 0 ? some_small_weight(random) : static_cast<double>(random() % 1000) / 1000;
-  std::array<double, 3> bary{};
-  bary[side] = along;
-  bary[(side + 1) % 3] = 1 - along;
-  bary[(side + 2) % 3] = some_small_weight(random);
-  return snapped_point(surface.adjacency(), face, bary);
-}
-
-}  // namespace
-
 TEST_CASE("SourcesBesideCornersHaveTheDistancesOfTheClosedForm") {
   std::mt19937 random(test_seed());
   constexpr std::array kStretches{1.0, 1.0, 10.0, 1000.0};
@@ -45,7 +25,8 @@ TEST_CASE("SourcesBesideCornersHaveTheDistancesOfTheClosedForm") {
     for (Vec3& position : soup.positions) position.x *= stretch;
     const Surface surface(soup);
     const Mesh& mesh = surface.mesh();
-    const SurfacePoint from = beside_a_corner_or_side(surface, random);
+    const auto face = static_cast<std::uint32_t>(random() % mesh.face_count());
+    const SurfacePoint from = fixtures::point_beside(surface, face, random() % 3, random);
     const Vec3 position = position_of(mesh, from);
     const double extent = distance(mesh.box().min, mesh.box().max);
     CAPTURE(from.bary[0]);

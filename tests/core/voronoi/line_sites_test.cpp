@@ -15,6 +15,7 @@
 #include "core/voronoi/face_cells.h"
 #include "core/voronoi/voronoi.h"
 #include "tests/core/curves/curve_fixtures.h"
+#include "tests/core/voronoi/cell_checks.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/random_meshes.h"
 
@@ -136,31 +137,12 @@ std::vector<Site> any_sites(const Surface& surface, std::mt19937& random) {
   return sites;
 }
 
-double area_of(const Surface& surface, std::uint32_t f) {
-  const Triangle& t = surface.mesh().faces()[f];
-  const auto p = surface.mesh().positions();
-  return norm(cross(p[t[1]] - p[t[0]], p[t[2]] - p[t[0]])) / 2;
-}
-
 void check_cells(const Surface& surface, const std::vector<Site>& sites, Method method) {
   const Cells cells(surface, sites, method);
   const Field& field = cells.all.field;
   const Voronoi& found = cells.found;
   REQUIRE(found.cells.size() == sites.size());
-  double whole = 0;
-  for (std::uint32_t f = 0; f < surface.mesh().face_count(); ++f) {
-    const Triangle& t = surface.mesh().faces()[f];
-    const auto is_reached = [&](std::uint32_t v) { return field.distance[v] != kUnreached; };
-    if (std::all_of(t.begin(), t.end(), is_reached)) whole += area_of(surface, f);
-  }
-  double sum = 0;
-  std::uint64_t vertices = 0;
-  for (const VoronoiCell& cell : found.cells) {
-    CHECK(cell.area >= 0);
-    sum += cell.area;
-    vertices += cell.vertices;
-  }
-  CHECK(std::abs(sum - whole) <= 1e-9 * whole);
+  fixtures::check_measures(surface, field, found);
 
   // Fields of each site alone say which is nearest, and so do the labels of the field of all.
   const bool is_exact = method == Method::exact || method == Method::chen_han;
@@ -174,13 +156,8 @@ void check_cells(const Surface& surface, const std::vector<Site>& sites, Method 
     limits.keep_details = false;
     alone.push_back(own.field(method, limits));
   }
-  std::uint64_t reached = 0;
   for (const std::uint32_t v : surface.mesh().vertex_of_source()) {
-    if (v == kNone) continue;
-    const bool is_reached = field.distance[v] != kUnreached;
-    reached += is_reached ? 1 : 0;
-    CHECK(found.near->is_reached(v) == is_reached);
-    if (!is_reached || !is_exact) continue;
+    if (v == kNone || field.distance[v] == kUnreached || !is_exact) continue;
     double least = kUnreached;
     for (const Field& own : alone) least = std::min(least, own.distance[v]);
     CHECK(std::abs(field.distance[v] - least) <= slack);
@@ -193,48 +170,16 @@ void check_cells(const Surface& surface, const std::vector<Site>& sites, Method 
     // As near, and it comes first.
     CHECK(nearest < label);
   }
-  CHECK(vertices == reached);
-
-  std::vector<double> outline(sites.size());
-  for (const NeighbourCells& pair : found.neighbours) {
-    CHECK(pair.sites[0] < pair.sites[1]);
-    for (const std::uint32_t site : pair.sites) outline[site] += pair.length;
-  }
-  for (const Bisector& line : found.bisectors.lines) {
-    double length = 0;
-    for (std::size_t i = 1; i < line.points.size(); ++i) {
-      const double step = distance(line.points[i - 1], line.points[i]);
-      CHECK(step > 0);
-      length += step;
-    }
-    if (line.closed) length += distance(line.points.back(), line.points.front());
-    CHECK(length == doctest::Approx(line.length));
-  }
-  for (std::size_t i = 0; i < sites.size(); ++i) {
-    CHECK(std::abs(outline[i] - found.cells[i].perimeter) <= 1e-9 * (1 + outline[i]));
-  }
-
-  // The triangles of all cells are all of the surface.
-  std::vector<double> drawn(sites.size());
-  REQUIRE(each_cell_triangle(
-      surface.adjacency(), *found.near,
-      [&](std::uint32_t site, const std::array<Vec3, 3>& t) {
-        drawn[site] += norm(cross(t[1] - t[0], t[2] - t[0])) / 2;
-      },
-      Cancel()));
-  for (std::size_t i = 0; i < sites.size(); ++i) {
-    CHECK(std::abs(drawn[i] - found.cells[i].area) <= 1e-7 * (1e-9 + whole));
-  }
 
   // What sites have as a whole is in their cells: a face that several have in that of the first.
   std::vector<double> owned(sites.size());
   std::vector<bool> is_taken(surface.mesh().face_count());
   for (std::size_t i = 0; i < sites.size(); ++i) {
     for (const std::uint32_t f : sites[i].of) {
-      if (!is_taken[f]) owned[i] += area_of(surface, f);
+      if (!is_taken[f]) owned[i] += fixtures::area_of(surface, f);
       is_taken[f] = true;
     }
-    CHECK(found.cells[i].area >= owned[i] - 1e-9 * whole);
+    CHECK(found.cells[i].area >= owned[i] - 1e-9 * fixtures::reached_area(surface, field));
   }
 }
 
@@ -301,7 +246,7 @@ TEST_CASE("CellsOfAllFacesAreTheseFaces") {
     std::vector<double> area(count);
     std::map<std::array<std::uint32_t, 2>, double> border;
     for (std::uint32_t f = 0; f < faces; ++f) {
-      area[owner[f]] += area_of(surface, f);
+      area[owner[f]] += fixtures::area_of(surface, f);
       for (std::uint32_t c = 0; c < 3; ++c) {
         const Adjacency& adjacency = surface.adjacency();
         const Halfedge h = halfedge(f, c);

@@ -12,6 +12,7 @@
 
 #include "core/mesh/shapes.h"
 #include "core/paths/arrive_at_point.h"
+#include "tests/core/voronoi/cell_checks.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/surface.h"
@@ -58,44 +59,20 @@ std::vector<Source> any_sites(const Surface& surface, std::mt19937& random) {
   return sites;
 }
 
-double reached_area(const Surface& surface, const Field& field) {
-  double area = 0;
-  for (const Triangle& t : surface.mesh().faces()) {
-    const auto is_reached = [&](std::uint32_t v) { return field.distance[v] != kUnreached; };
-    if (!std::all_of(t.begin(), t.end(), is_reached)) continue;
-    const Vec3 a = surface.mesh().positions()[t[0]];
-    area +=
-        norm(cross(surface.mesh().positions()[t[1]] - a, surface.mesh().positions()[t[2]] - a)) / 2;
-  }
-  return area;
-}
-
 void check_cells(const Surface& surface, const std::vector<Source>& sites, Method method) {
   const Field field = surface.field_by(method, sites, without_details());
   const Voronoi found = cells_by(surface, sites, method);
   REQUIRE(found.cells.size() == sites.size());
-  const double whole = reached_area(surface, field);
-  double sum = 0;
-  std::uint64_t vertices = 0;
-  for (const VoronoiCell& cell : found.cells) {
-    CHECK(cell.area >= 0);
-    sum += cell.area;
-    vertices += cell.vertices;
-  }
-  CHECK(std::abs(sum - whole) <= 1e-9 * whole);
+  fixtures::check_measures(surface, field, found);
 
   // Fields of each site alone say which is nearest; the field of all is no farther.
   std::vector<Field> alone;
   for (const Source& site : sites) {
     alone.push_back(surface.field_by(method, {site}, without_details()));
   }
-  std::uint64_t reached = 0;
   const bool is_metric = traits_of(method).are_metric;
   for (const std::uint32_t v : surface.mesh().vertex_of_source()) {
-    const bool is_reached = field.distance[v] != kUnreached;
-    reached += is_reached ? 1 : 0;
-    CHECK(found.near->is_reached(v) == is_reached);
-    if (!is_reached || !is_metric) continue;
+    if (field.distance[v] == kUnreached || !is_metric) continue;
     double least = kUnreached;
     for (const Field& own : alone) least = std::min(least, own.distance[v]);
     const std::uint32_t nearest = found.near->nearest(v);
@@ -106,42 +83,6 @@ void check_cells(const Surface& surface, const std::vector<Source>& sites, Metho
     // The labels of the field, but for ties.
     const std::uint32_t label = field.nearest_source[v];
     if (label != nearest) CHECK(alone[label].distance[v] <= alone[nearest].distance[v] + slack);
-  }
-  CHECK(vertices == reached);
-
-  // What bisectors and neighbours say of each cell's outline is the same.
-  std::vector<double> outline(sites.size());
-  double lines = 0;
-  for (const NeighbourCells& pair : found.neighbours) {
-    CHECK(pair.sites[0] < pair.sites[1]);
-    for (const std::uint32_t site : pair.sites) outline[site] += pair.length;
-  }
-  for (const Bisector& line : found.bisectors.lines) {
-    double length = 0;
-    for (std::size_t i = 1; i < line.points.size(); ++i) {
-      const double step = distance(line.points[i - 1], line.points[i]);
-      CHECK(step > 0);
-      length += step;
-    }
-    if (line.closed) length += distance(line.points.back(), line.points.front());
-    CHECK(length == doctest::Approx(line.length));
-    lines += length;
-  }
-  for (std::size_t i = 0; i < sites.size(); ++i) {
-    CHECK(std::abs(outline[i] - found.cells[i].perimeter) <= 1e-9 * (1 + outline[i]));
-  }
-
-  // The triangles of all cells are all of the surface.
-  std::vector<double> drawn(sites.size());
-  const auto cut = each_cell_triangle(
-      surface.adjacency(), *found.near,
-      [&](std::uint32_t site, const std::array<Vec3, 3>& t) {
-        drawn[site] += norm(cross(t[1] - t[0], t[2] - t[0])) / 2;
-      },
-      Cancel());
-  REQUIRE(cut);
-  for (std::size_t i = 0; i < sites.size(); ++i) {
-    CHECK(std::abs(drawn[i] - found.cells[i].area) <= 1e-7 * (1e-9 + whole));
   }
 }
 

@@ -440,3 +440,31 @@ TEST_CASE("WhatIsSaidOfLinesDependsOnNothingThatWasAskedBefore") {
     }
   }
 }
+
+TEST_CASE("PathsFromLinesByAutoNeedNoMoreMemoryThanAQueryHas") {
+  const TriangleSoup soup = shapes::terrain(90, 6.0, fixtures::test_seed());
+  const std::string middle = "v:" + std::to_string(45 * 90 + 45);
+  PlaneService plenty;
+  const std::string path = plenty.add(soup) + "/path?from=boundary&to=" + middle;
+  const double truth = body_of(plenty.service.get(path))["length"].get<double>();
+  bool is_refused_by_exact = false;
+  for (std::uint64_t bytes = 64 << 20; bytes >= 4 << 20; bytes -= bytes / 8) {
+    CAPTURE(bytes);
+    Config config;
+    config.query_memory_bytes = bytes;
+    PlaneService little(config);
+    const std::string asked = little.add(soup) + "/path?from=boundary&to=" + middle;
+    const HttpResponse exact = little.service.get(asked + "&method=exact");
+    const HttpResponse found = little.service.get(asked);
+    if (exact.status == 200) {
+      CHECK(body_of(found)["length"].get<double>() == doctest::Approx(truth).epsilon(1e-6));
+      continue;
+    }
+    check_problem(exact, 422, "too_much_memory", "");
+    is_refused_by_exact = true;
+    REQUIRE(found.status == 200);
+    CHECK(body_of(found)["length"].get<double>() == doctest::Approx(truth).epsilon(0.2));
+    break;
+  }
+  CHECK(is_refused_by_exact);
+}
