@@ -62,15 +62,7 @@ void BackTracedFront::in_each_domain(Work work) {
 
 // Estimates and distances differ by at most the longest side between neighbours. So a vertex is
 // accepted before all that are farther by more than twice that.
-double BackTracedFront::lag() {
-  if (lag_ < kUnreached) return lag_;
-  double longest2 = 0;
-  for (const FaceRecord& face : surface_.faces) {
-    for (std::uint32_t c = 0; c < 3; ++c) longest2 = std::max(longest2, face.length2(c));
-  }
-  lag_ = 2 * std::sqrt(longest2);
-  return lag_;
-}
+double BackTracedFront::lag() const { return 2 * std::sqrt(surface_.longest2); }
 
 void BackTracedFront::see(std::uint32_t vertex, double straight) {
   if (!(straight < distance_[vertex])) return;

@@ -72,7 +72,7 @@ class BackTracedFront {
   [[nodiscard]] bool may_improve() const;
 
   // By how much a vertex may come after others that are farther.
-  [[nodiscard]] double lag();
+  [[nodiscard]] double lag() const;
   [[nodiscard]] double distance(std::uint32_t vertex) const { return distance_[vertex]; }
   // The vertex is as if the wave had not come there.
   void forget(std::uint32_t vertex);
@@ -118,8 +118,7 @@ class BackTracedFront {
   BlockDomains by_blocks_;          // of vertices
 
   // Changed between steps, apart from what is read in them.
-  alignas(64) double lag_ = kUnreached;  // until it was asked for
-  int rounds_in_bucket_ = 0;
+  alignas(64) int rounds_in_bucket_ = 0;
   bool has_looked_ = false;  // at what comes next
   bool is_small_ = false;    // the round
 };

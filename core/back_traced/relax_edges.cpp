@@ -1,7 +1,7 @@
 #include "core/back_traced/relax_edges.h"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -17,11 +17,14 @@ namespace {
 
 class EdgeRelaxer {
  public:
-  EdgeRelaxer(const Adjacency& adjacency, double max, bool reaches_more, Field& field)
+  // `reached`: where those are inserted that had no distance; or null.
+  EdgeRelaxer(const Adjacency& adjacency, double max, Reaching reaching, VertexSet* reached,
+              Field& field)
       : adjacency_(adjacency),
         positions_(adjacency.mesh().positions()),
         max_(max),
-        reaches_more_(reaches_more),
+        reaching_(reaching),
+        reached_(reached),
         field_(field),
         distance_(field.distance.doubles()) {}
 
@@ -37,7 +40,10 @@ class EdgeRelaxer {
     if (distance_[u] > distance_[v]) std::swap(u, v);
     const double along = distance_[u] + geodesic::distance(positions_[u], positions_[v]);
     if (!(along < distance_[v]) || along > max_) return;
-    if (distance_[v] == kUnreached && !reaches_more_) return;
+    if (distance_[v] == kUnreached) {
+      if (reaching_ == Reaching::nothing_more) return;
+      if (reached_ != nullptr) reached_->insert(v);
+    }
     distance_[v] = along;
     if (!field_.nearest_source.empty()) field_.nearest_source[v] = field_.nearest_source[u];
     lowered_.push_back({along, v});
@@ -65,7 +71,8 @@ class EdgeRelaxer {
   const Adjacency& adjacency_;
   std::span<const Vec3> positions_;
   double max_;
-  bool reaches_more_;
+  Reaching reaching_;
+  VertexSet* reached_;
   Field& field_;
   std::span<double> distance_;
   std::vector<std::pair<double, std::uint32_t>> lowered_;  // a heap
@@ -74,7 +81,7 @@ class EdgeRelaxer {
 }  // namespace
 
 void relax_edges(const Adjacency& adjacency, double max, Field& field, Poll& poll) {
-  EdgeRelaxer relaxer(adjacency, max, true, field);
+  EdgeRelaxer relaxer(adjacency, max, Reaching::more, nullptr, field);
   // First which faces are to be looked at, which changes nothing: there are few.
   const std::span<const Triangle> faces = adjacency.mesh().faces();
   std::vector<std::vector<std::uint32_t>> above(count_ranges(faces.size(), poll));
@@ -100,29 +107,31 @@ void relax_edges(const Adjacency& adjacency, double max, Field& field, Poll& pol
   relaxer.go_on(poll);
 }
 
-void relax_edges_among(std::span<const std::uint32_t> vertices, const Adjacency& adjacency,
+void relax_edges_among(VertexSet& vertices, Reaching reaching, const Adjacency& adjacency,
                        double max, Field& field, Poll& poll) {
-  EdgeRelaxer relaxer(adjacency, max, false, field);
+  EdgeRelaxer relaxer(adjacency, max, reaching, &vertices, field);
   const std::span<const Triangle> faces = adjacency.mesh().faces();
-  // In the order of their numbers, for what is near in number is near in memory.
-  constexpr std::uint32_t kWord = 64;
-  std::vector<std::uint64_t> among(adjacency.mesh().vertex_count() / kWord + 1);
-  for (const std::uint32_t v : vertices) among[v / kWord] |= std::uint64_t{1} << (v % kWord);
-  for (std::uint32_t word = 0; word < among.size(); ++word) {
-    for (std::uint64_t left = among[word]; left != 0; left &= left - 1) {
-      if (poll.cancelled()) return;
-      const std::uint32_t v = kWord * word + static_cast<std::uint32_t>(std::countr_zero(left));
-      // A face's three sides go out from one of its vertices each.
-      unsigned above = 0;
-      for (const std::uint32_t corner : adjacency.corners(v)) {
-        above |= relaxer.is_above(v, faces[face_of(corner)][next_corner(corner_of(corner))]);
-      }
-      if (above == 0) continue;
-      for (const std::uint32_t corner : adjacency.corners(v)) {
-        relaxer.relax(v, faces[face_of(corner)][next_corner(corner_of(corner))]);
-      }
+  vertices.for_each_ascending([&](std::uint32_t v) {
+    if (poll.cancelled()) return;
+    // A face's three sides go out from one of its vertices each, if these all have a distance.
+    const auto ends = [&](std::uint32_t corner) {
+      const Triangle& face = faces[face_of(corner)];
+      return std::array{face[next_corner(corner_of(corner))],
+                        face[previous_corner(corner_of(corner))]};
+    };
+    unsigned above = 0;
+    for (const std::uint32_t corner : adjacency.corners(v)) {
+      const auto [next, previous] = ends(corner);
+      above |= relaxer.is_above(v, next);
+      if (reaching == Reaching::more) above |= relaxer.is_above(v, previous);
     }
-  }
+    if (above == 0) return;
+    for (const std::uint32_t corner : adjacency.corners(v)) {
+      const auto [next, previous] = ends(corner);
+      relaxer.relax(v, next);
+      if (reaching == Reaching::more) relaxer.relax(v, previous);
+    }
+  });
   relaxer.go_on(poll);
 }
 

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 
 #include "core/base/cancel.h"
 #include "core/field/field.h"
+#include "core/field/vertex_set.h"
 #include "core/surface/adjacency.h"
 
 namespace geodesic {
@@ -17,8 +17,11 @@ namespace geodesic {
 // each edge once.
 void relax_edges(const Adjacency& adjacency, double max, Field& field, Poll& poll);
 
-// The same among `vertices`, which are all that have a distance.
-void relax_edges_among(std::span<const std::uint32_t> vertices, const Adjacency& adjacency,
+// Which vertices get a distance that had none.
+enum class Reaching : std::uint8_t { nothing_more, more };
+
+// The same where `vertices` are all that have a distance. Those that get one are inserted.
+void relax_edges_among(VertexSet& vertices, Reaching reaching, const Adjacency& adjacency,
                        double max, Field& field, Poll& poll);
 
 }  // namespace geodesic

@@ -9,6 +9,7 @@
 #include "core/back_traced/visibility_cones.h"
 #include "core/field/field.h"
 #include "core/field/vertex_buckets.h"
+#include "core/field/vertex_set.h"
 #include "core/surface/face_record.h"
 
 namespace geodesic {
@@ -74,7 +75,7 @@ struct BackTracedScratch {
   std::vector<FrontVertex> vertices;
   // Whether all of them are as constructed, as a finished query leaves them.
   bool is_clean = false;
-  std::vector<std::uint32_t> visited;
+  VertexSet visited;
   // Of one of several waves, kUnreached between waves; or those accepted of one in several domains.
   std::vector<double> distance;
   std::vector<std::uint8_t> is_target;

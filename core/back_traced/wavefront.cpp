@@ -36,13 +36,15 @@ double reach(const FieldLimits& limits, const Field& field) {
   return max;
 }
 
-// Those that `from` has; of bounds the lesser ones.
-void take_distances(const Field& from, Bound bound, Field& field) {
+// Those that `from` has; of bounds the lesser ones. Tells which.
+template <class Taken>
+void take_distances(const Field& from, Bound bound, Field& field, Taken taken) {
   const std::span<double> distance = field.distance.doubles();
   for (std::size_t v = 0; v < distance.size(); ++v) {
     const double other = from.distance[v];
     if (other == kUnreached || (bound == Bound::upper && !(other < distance[v]))) continue;
     distance[v] = other;
+    taken(static_cast<std::uint32_t>(v));
     if (!field.nearest_source.empty()) field.nearest_source[v] = from.nearest_source[v];
   }
 }
@@ -99,10 +101,12 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
     scratch.vertices.assign(vertex_count, {});
   }
   scratch.is_clean = false;
-  // A search for a pair costs what it goes over, not what the mesh has.
+  // A search for a pair, and a field that ends nearby, cost what they go over, not what the mesh
+  // has.
   const bool is_search = sources.size() == 1 && limits.detour.is_bounded();
-  std::vector<std::uint32_t>& visited = scratch.visited;
-  visited.clear();
+  const bool is_listed = is_search || (sources.size() == 1 && limits.max < kUnreached);
+  VertexSet& visited = scratch.visited;
+  if (is_listed) visited.reset(vertex_count);
   const BackTrace::Rule rule{
       bound == Bound::upper ? BackTrace::Candidates::paths : BackTrace::Candidates::virtual_sources,
       looks_deep(adjacency) ? BackTrace::Depth::deep : BackTrace::Depth::usual};
@@ -114,19 +118,28 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
   if (sources.size() == 1) {
     BackTracedFront front(
         adjacency, rule, scratch, field.distance.doubles(),
-        is_search || poll.team() == nullptr ? 1 : poll.team()->parts_for(vertex_count), poll);
+        is_listed || poll.team() == nullptr ? 1 : poll.team()->parts_for(vertex_count), poll);
     RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
     auto wave = run_wave(front, adjacency, sources, 0, {}, limits.max, limits.detour, targets,
-                         is_search || !limits.targets.empty(), poll, [&](std::uint32_t v) {
-                           if (is_search) visited.push_back(v);
+                         is_listed || !limits.targets.empty(), poll, [&](std::uint32_t v) {
+                           if (is_listed) visited.insert(v);
                          });
     if (!wave) return fail(wave.error());
     if (sources[0].offset != 0) {
       for (double& d : field.distance.doubles()) d += sources[0].offset;
     }
-    if (near != nullptr) take_distances(*near, bound, field);
+    if (near != nullptr) {
+      take_distances(*near, bound, field, [&](std::uint32_t v) {
+        if (is_listed) visited.insert(v);
+      });
+    }
     // The front accepts vertices a little out of order.
-    if (const double max = reach(limits, field); max < kUnreached) field.forget_beyond(max);
+    const double max = reach(limits, field);
+    if (is_listed) {
+      field.keep_within(max, visited.listed());
+    } else if (max < kUnreached) {
+      field.forget_beyond(max);
+    }
   } else {
     scratch.distance.assign(vertex_count, kUnreached);
     std::vector<std::uint32_t> reached;
@@ -149,16 +162,17 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
         [&](std::uint32_t v) { front.forget(v); });
     if (!waves) return fail(waves.error());
     if (near != nullptr) {
-      take_distances(*near, bound, field);
+      take_distances(*near, bound, field, [](std::uint32_t) {});
       if (const double max = reach(limits, field); max < kUnreached) field.forget_beyond(max);
     }
   }
   const double max = reach(limits, field);
-  if (is_search) {
+  if (is_listed) {
+    for (const std::uint32_t v : visited.listed()) scratch.vertices[v] = {};
     // Where the detour ended the front, what it left out is left out.
-    relax_edges_among(visited, adjacency, max, field, poll);
-    is_any_below = raise_to_straight_lines(adjacency.mesh(), visited, field, poll);
-    for (const std::uint32_t v : visited) scratch.vertices[v] = {};
+    relax_edges_among(visited, is_search ? Reaching::nothing_more : Reaching::more, adjacency, max,
+                      field, poll);
+    is_any_below = raise_to_straight_lines(adjacency.mesh(), visited.listed(), field, poll);
   } else {
     relax_edges(adjacency, max, field, poll);
     is_any_below = raise_to_straight_lines(adjacency.mesh(), field, poll) || is_any_below;
@@ -169,13 +183,19 @@ Result<Field> back_traced_field(const Adjacency& adjacency, std::span<const Sour
   }
   if (poll.stopped()) return fail_stopped(cancel);
   scratch.is_clean = true;
-  if (is_any_below && bound == Bound::upper) {
+  const bool has_ways_along_edges = is_any_below && bound == Bound::upper;
+  if (has_ways_along_edges) {
     // One of them was no path's length, whatever made it so: the ways along edges are.
     WavefrontScratch along_edges;
     auto safe = edge_dijkstra_field(adjacency, sources, asked, along_edges, cancel);
     if (!safe) return fail(safe.error());
     field.distance = std::move(safe->distance);
     field.nearest_source = std::move(safe->nearest_source);
+  }
+  if (is_listed && !has_ways_along_edges) {
+    field.distance.round_to_floats(bound, visited.listed());
+    field.keep_within(asked.max, visited.listed());
+    return field;
   }
   field.distance.round_to_floats(bound);
   if (asked.max < kUnreached) field.forget_beyond(asked.max);

@@ -10,12 +10,36 @@ std::uint32_t Field::item_of_source(std::uint32_t source) const {
   return lines && source != kNone ? lines->item_of_source(source) : source;
 }
 
+namespace {
+
+void forget(Field& field, std::size_t v) {
+  field.distance.forget(v);
+  if (!field.parents.empty()) field.parents[v] = {};
+  if (!field.nearest_source.empty()) field.nearest_source[v] = kNone;
+}
+
+}  // namespace
+
 void Field::forget_beyond(double farthest) {
   for (std::size_t v = 0; v < distance.size(); ++v) {
-    if (distance[v] <= farthest) continue;
-    distance.forget(v);
-    if (!parents.empty()) parents[v] = {};
-    if (!nearest_source.empty()) nearest_source[v] = kNone;
+    if (!(distance[v] <= farthest)) forget(*this, v);
+  }
+}
+
+void Field::keep_within(double most, std::span<const std::uint32_t> among) {
+  reached = 0;
+  max = 0;
+  farthest = kNone;
+  for (const std::uint32_t v : among) {
+    const double d = distance[v];
+    if (!(d <= most)) forget(*this, v);
+    if (!(d <= most) || d == kUnreached) continue;
+    ++reached;
+    // Of several as far the lowest, as above.
+    if (farthest == kNone || d > max || (d == max && v < farthest)) {
+      max = d;
+      farthest = v;
+    }
   }
 }
 

@@ -114,6 +114,9 @@ struct Field {
   // Fills `reached`, `max` and `farthest` from the distances.
   void count_reached();
 
+  // Both, where `among`, each once, are all that have a distance.
+  void keep_within(double most, std::span<const std::uint32_t> among);
+
   [[nodiscard]] std::size_t bytes() const;
 };
 

@@ -50,4 +50,16 @@ void VertexDistances::round_to_floats(Bound bound) {
   doubles_ = std::vector<double>();
 }
 
+void VertexDistances::round_to_floats(Bound bound, std::span<const std::uint32_t> among) {
+  if (!std::all_of(among.begin(), among.end(),
+                   [&](std::uint32_t v) { return is_in_range(doubles_[v]); })) {
+    return;
+  }
+  floats_.assign(doubles_.size(), std::numeric_limits<float>::infinity());
+  for (const std::uint32_t v : among) {
+    floats_[v] = bound == Bound::upper ? not_below(doubles_[v]) : to_nearest(doubles_[v]);
+  }
+  doubles_ = std::vector<double>();
+}
+
 }  // namespace geodesic

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "core/field/method.h"
@@ -36,6 +38,8 @@ class VertexDistances {
   // Each becomes as_float of it, at half the memory. Or they all stay what they are, if one
   // is out of the floats' range.
   void round_to_floats(Bound bound);
+  // The same where `among` are all that are reached.
+  void round_to_floats(Bound bound, std::span<const std::uint32_t> among);
   [[nodiscard]] bool are_floats() const { return !floats_.empty(); }
 
   [[nodiscard]] std::size_t bytes() const {

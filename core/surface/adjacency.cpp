@@ -58,6 +58,7 @@ struct Building {
   bool has_lines = false;
   bool is_crowded = false;
   bool has_large_faces = false;
+  double longest2 = 0;
   TopologyReport report = {};
 };
 
@@ -105,7 +106,10 @@ void Building::fill_geometry(Poll& poll) {
     large_area2 += shapes.large_area2;
   }
   has_large_faces = large_area2 > kLargeShare * 2 * mesh.area();
-  if (!poll.stopped()) is_even = geodesic::is_even(faces.all(), poll);
+  if (poll.stopped()) return;
+  const SideExtent sides = extent_of_sides(faces.all(), poll);
+  is_even = sides.is_even();
+  longest2 = sides.longest2;
 }
 
 void Building::fill_corners(Poll& poll) {
@@ -275,8 +279,9 @@ void Building::count_parts(Poll& poll) {
 }
 
 Triangulation view_of(const Adjacency::Parts& parts) {
-  return {parts.faces,   parts.corner_begin,   parts.corners,    parts.is_oriented,
-          parts.is_even, parts.has_flat_faces, parts.is_crowded, parts.has_lines};
+  return {parts.faces,       parts.corner_begin, parts.corners,
+          parts.is_oriented, parts.is_even,      parts.has_flat_faces,
+          parts.is_crowded,  parts.has_lines,    parts.longest2};
 }
 
 }  // namespace
@@ -307,6 +312,7 @@ Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cance
               .is_crowded = building.is_crowded,
               .is_rough = is_rough,
               .has_large_faces = building.has_large_faces,
+              .longest2 = building.longest2,
               .delaunay = nullptr,
               .report = building.report};
   auto delaunay = IntrinsicDelaunay::build(view_of(parts), mesh->positions(), cancel);

@@ -61,6 +61,7 @@ class Adjacency {
     bool is_crowded = false;
     bool is_rough = false;                              // roughness.h
     bool has_large_faces = false;                       // see the member function
+    double longest2 = 0;                                // as in Triangulation
     std::shared_ptr<const IntrinsicDelaunay> delaunay;  // null when no edge was flipped
     TopologyReport report;
   };

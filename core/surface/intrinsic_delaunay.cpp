@@ -94,15 +94,16 @@ Result<IntrinsicDelaunay> IntrinsicDelaunay::build(const Triangulation& mesh,
     polled_copy(corner_begin, mesh.corner_begin, poll);
     polled_copy(corners, mesh.all_corners, poll);
   }
-  const bool even = geodesic::is_even(result.faces.all(), poll);
+  const SideExtent sides = extent_of_sides(result.faces.all(), poll);
   if (poll.stopped()) return fail_stopped(cancel);
   return IntrinsicDelaunay(Parts{.faces = std::move(result.faces).share(),
                                  .corner_begin = SharedArray(std::move(corner_begin)),
                                  .corners = SharedArray(std::move(corners)),
                                  .is_oriented = result.is_oriented,
                                  .is_crowded = result.is_crowded,
-                                 .is_even = even,
+                                 .is_even = sides.is_even(),
                                  .has_flat_faces = result.has_flat_faces,
+                                 .longest2 = sides.longest2,
                                  .flips = result.flips});
 }
 

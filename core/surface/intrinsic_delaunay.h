@@ -54,6 +54,7 @@ class IntrinsicDelaunay {
     bool is_crowded = false;   // likewise
     bool is_even = false;
     bool has_flat_faces = false;  // of the mesh
+    double longest2 = 0;          // as in Triangulation
     std::uint64_t flips = 0;
   };
   // `parts` are those of what `build` has made; they are not checked.
@@ -62,8 +63,9 @@ class IntrinsicDelaunay {
 
   // Valid while this object is.
   [[nodiscard]] Triangulation triangulation() const {
-    return {parts_.faces,   parts_.corner_begin,   parts_.corners,   parts_.is_oriented,
-            parts_.is_even, parts_.has_flat_faces, parts_.is_crowded};
+    return {parts_.faces,   parts_.corner_begin,   parts_.corners,    parts_.is_oriented,
+            parts_.is_even, parts_.has_flat_faces, parts_.is_crowded, false,
+            parts_.longest2};
   }
 
   // Whether the edge of a halfedge may be flipped: it has two faces, and their apexes

@@ -12,13 +12,9 @@
 
 namespace geodesic {
 
-// Mesh units. O(f) for f faces.
+// Mesh units.
 [[nodiscard]] inline double longest_edge(const Adjacency& adjacency) {
-  double longest2 = 0;
-  for (const FaceRecord& face : adjacency.faces()) {
-    for (std::uint32_t c = 0; c < 3; ++c) longest2 = std::max(longest2, face.length2(c));
-  }
-  return std::sqrt(longest2);
+  return std::sqrt(adjacency.triangulation().longest2);
 }
 
 // The same of some faces. O(f) for f of them.

@@ -26,6 +26,8 @@ struct Triangulation {
   static constexpr std::size_t kCrowd = 16;
   // A face is a line (unfold_rounding.h).
   bool has_lines = false;
+  // The square of the longest side.
+  double longest2 = 0;
 
   // The corners at a vertex, in ascending order.
   [[nodiscard]] std::span<const std::uint32_t> corners(std::uint32_t vertex) const {

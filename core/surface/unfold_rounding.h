@@ -60,16 +60,21 @@ struct UnfoldRounding {
          !(cross(right, left) > tolerance::kWithoutArea * (dot(right, right) + dot(left, left)));
 }
 
-// Computes Triangulation::is_even, with whoever helps. Of no use if the poll says to stop.
-[[nodiscard]] inline bool is_even(std::span<const FaceRecord> faces, Poll& poll) {
-  struct Extent {
-    double longest2 = 0;
-    double shortest2 = std::numeric_limits<double>::infinity();
-  };
-  std::vector<Extent> extents(count_blocks(faces.size()));
+// Squares of the sides of many faces.
+struct SideExtent {
+  double longest2 = 0;
+  double shortest2 = std::numeric_limits<double>::infinity();
+
+  // What Triangulation::is_even says.
+  [[nodiscard]] bool is_even() const { return longest2 <= tolerance::kMostSpread2 * shortest2; }
+};
+
+// With whoever helps. Of no use if the poll says to stop.
+[[nodiscard]] inline SideExtent extent_of_sides(std::span<const FaceRecord> faces, Poll& poll) {
+  std::vector<SideExtent> extents(count_blocks(faces.size()));
   run_in_blocks(faces.size(), poll,
                 [&](std::size_t block, std::size_t begin, std::size_t end, Poll& asked) {
-                  Extent extent;
+                  SideExtent extent;
                   for (const FaceRecord& face : faces.subspan(begin, end - begin)) {
                     if (asked.cancelled()) return;
                     const double a = face.length2(0);
@@ -80,12 +85,12 @@ struct UnfoldRounding {
                   }
                   extents[block] = extent;
                 });
-  Extent all;
-  for (const Extent& extent : extents) {
+  SideExtent all;
+  for (const SideExtent& extent : extents) {
     all.longest2 = std::max(all.longest2, extent.longest2);
     all.shortest2 = std::min(all.shortest2, extent.shortest2);
   }
-  return all.longest2 <= tolerance::kMostSpread2 * all.shortest2;
+  return all;
 }
 
 }  // namespace geodesic

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/field/straight_floor.h"
+#include "core/field/vertex_set.h"
 #include "core/wavefront/kernel.h"
 #include "core/wavefront/wavefront.h"
 #include "core/wavefront/waves.h"
@@ -27,16 +28,19 @@ Result<Field> waves_field(Method method, const Adjacency& adjacency,
   const Cancel rest = after_ways_along_edges(*along_edges, cancel);
   scratch.heap.reset(vertex_count);
   Poll poll(rest);
-  // A search for a pair costs what it goes over, not what the mesh has.
-  const bool is_search = sources.size() == 1 && limits.detour.is_bounded();
-  std::vector<std::uint32_t> visited;
+  // A search for a pair, and a field that ends nearby, cost what they go over, not what the mesh
+  // has.
+  const bool is_listed =
+      sources.size() == 1 && (limits.detour.is_bounded() || limits.max < kUnreached);
+  VertexSet visited;
+  if (is_listed) visited.reset(vertex_count);
   if (sources.size() == 1) {
     Wavefront<VertexHeap, kArrive> front(adjacency, scratch.heap, field.distance.doubles(),
                                          field.parents);
     RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
     auto wave = run_wave(front, adjacency, sources[0], 0, 1, {}, limits.max, limits.detour, targets,
                          scratch.heap, poll, [&](std::uint32_t v) {
-                           if (is_search) visited.push_back(v);
+                           if (is_listed) visited.insert(v);
                          });
     if (!wave) return fail(wave.error());
     if (sources[0].offset != 0) {
@@ -63,11 +67,13 @@ Result<Field> waves_field(Method method, const Adjacency& adjacency,
 
   // On faces without area circles say next to nothing, and past an end of their base any way is
   // too short.
-  if (is_search) {
-    raise_to_straight_lines(adjacency.mesh(), visited, field, poll);
-  } else {
-    raise_to_straight_lines(adjacency.mesh(), field, poll);
+  if (is_listed) {
+    raise_to_straight_lines(adjacency.mesh(), visited.listed(), field, poll);
+    if (poll.stopped()) return fail_stopped(cancel);
+    field.keep_within(limits.max, visited.listed());
+    return field;
   }
+  raise_to_straight_lines(adjacency.mesh(), field, poll);
   if (poll.stopped()) return fail_stopped(cancel);
   if (limits.max < kUnreached) field.forget_beyond(limits.max);
   field.count_reached();

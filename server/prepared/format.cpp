@@ -34,6 +34,7 @@ struct Numbers {
   double area;
   TopologyReport report;
   std::uint64_t flips;
+  double longest2, delaunay_longest2;
   // 0 or 1.
   std::uint8_t is_oriented, is_even, has_flat_faces, has_lines, is_crowded, is_rough,
       has_large_faces;
@@ -63,10 +64,10 @@ void each_array(MeshParts& of_mesh, SurfaceParts& of_surface, DelaunayParts& of_
                           source_of_face, dropped, zero_area_faces, box, area] = of_mesh;
   [[maybe_unused]] auto& [faces, corner_begin, corners, pinched, is_oriented, is_even,
                           has_flat_faces, has_lines, is_crowded, is_rough, has_large_faces,
-                          delaunay, report] = of_surface;
+                          longest2, delaunay, report] = of_surface;
   [[maybe_unused]] auto& [other_faces, other_corner_begin, other_corners, other_is_oriented,
-                          other_is_crowded, other_is_even, other_has_flat_faces, flips] =
-      of_delaunay;
+                          other_is_crowded, other_is_even, other_has_flat_faces, other_longest2,
+                          flips] = of_delaunay;
   visit(positions);
   visit(triangles);
   visit(vertex_of_source);
@@ -126,6 +127,8 @@ Head head_of(const PreparedName& name, const Adjacency& adjacency) {
   numbers.area = mesh.area;
   numbers.report = surface.report;
   numbers.flips = delaunay.flips;
+  numbers.longest2 = surface.longest2;
+  numbers.delaunay_longest2 = delaunay.longest2;
   numbers.is_oriented = surface.is_oriented;
   numbers.is_even = surface.is_even;
   numbers.has_flat_faces = surface.has_flat_faces;
@@ -276,6 +279,8 @@ std::shared_ptr<const Adjacency> read_prepared(std::span<const std::byte> bytes,
   surface.is_crowded = numbers.is_crowded != 0;
   surface.is_rough = numbers.is_rough != 0;
   surface.has_large_faces = numbers.has_large_faces != 0;
+  surface.longest2 = numbers.longest2;
+  delaunay.longest2 = numbers.delaunay_longest2;
   delaunay.flips = numbers.flips;
   delaunay.is_oriented = numbers.delaunay_is_oriented != 0;
   delaunay.is_crowded = numbers.delaunay_is_crowded != 0;
