@@ -1,5 +1,6 @@
 # The libraries that core is built on.
 find_package(tl-expected REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)  # headers alone
 
 # Embree 3 (Debian 12) or 4 (Debian 13), which differ in the header's folder and in a few calls;
 # GEODESIC_EMBREE tells the code which it is.

@@ -102,6 +102,17 @@ struct SparseEntries {
   [[nodiscard]] std::uint64_t count() const { return columns.size() / sizeof(std::uint32_t); }
 };
 
+// Of a table most of whose entries are estimated: how many of its columns have a whole field, and
+// by how much estimates are off that were compared with some other columns' fields, relative to
+// these.
+struct Estimated {
+  std::uint64_t landmarks = 0;
+  double mean = 0;
+  double percentile_99 = 0;
+  double max = 0;
+  std::uint64_t entries = 0;  // that were compared
+};
+
 struct TableReply {
   std::string mesh;
   Method method = Method::wavefront;
@@ -112,6 +123,7 @@ struct TableReply {
   bool short_digits = false;             // see append_distance
   Bound bound = Bound::none;             // upper: rounded up where digits are cut
   std::optional<std::string_view> unit;  // of costs, where distances are those
+  std::optional<Estimated> estimated;
   Warnings warnings;
 };
 
@@ -269,6 +281,8 @@ struct NearestReply {
 [[nodiscard]] std::string to_json(const TableReply& reply, int digits, Poll* poll = nullptr);
 // A table in lines: the first one, with all but its rows, and one row, of which `sparse` has what
 // is reached. `number`: of the row in the whole table.
+// An object.
+[[nodiscard]] std::string estimated_json(const Estimated& estimated);
 [[nodiscard]] std::string first_line(const TableReply& reply, std::uint64_t first_row, int digits,
                                      Poll* poll = nullptr);
 [[nodiscard]] std::string row_line(const TableReply& reply, std::size_t row, std::uint64_t number,

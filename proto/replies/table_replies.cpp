@@ -44,6 +44,19 @@ std::string with_sparse(std::string out, const TableReply& reply, int digits, Po
 
 }  // namespace
 
+std::string estimated_json(const Estimated& estimated) {
+  constexpr int kDigits = 3;
+  std::string out = "{\"landmarks\":" + std::to_string(estimated.landmarks);
+  out += ",\"mean\":";
+  append_number(out, estimated.mean, kDigits);
+  out += ",\"percentile_99\":";
+  append_number(out, estimated.percentile_99, kDigits);
+  out += ",\"max\":";
+  append_number(out, estimated.max, kDigits);
+  out += ",\"entries\":" + std::to_string(estimated.entries) + "}";
+  return out;
+}
+
 std::string first_line(const TableReply& reply, std::uint64_t first_row, int digits, Poll* poll) {
   std::string out = opening(reply.mesh);
   append_method(out, reply.method);
@@ -51,6 +64,7 @@ std::string first_line(const TableReply& reply, std::uint64_t first_row, int dig
   out += ",\"rows\":" + std::to_string(reply.rows.size());
   out += ",\"columns\":";
   append_points(out, reply.columns, digits, poll);
+  if (reply.estimated) out += ",\"estimated\":" + estimated_json(*reply.estimated);
   append_warnings(out, reply.warnings);
   out += "}\n";
   return out;

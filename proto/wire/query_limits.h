@@ -23,6 +23,9 @@ inline constexpr std::size_t kMaxTableEntries = 1'000'000;
 inline constexpr std::uint64_t kMaxStreamedEntries = 1'000'000'000;
 // Of a sparse table, those that it has: 240 MB.
 inline constexpr std::uint64_t kMaxSparseEntries = 20'000'000;
+// Of a table that is estimated. Some 30 ms for what lies between them.
+inline constexpr std::uint64_t kFewestLandmarks = 8;
+inline constexpr std::uint64_t kMaxLandmarks = 300;
 // Vertices and points on edges of `steiner`; some 800 MB.
 inline constexpr std::uint64_t kMaxSteinerNodes = 20'000'000;
 inline constexpr std::size_t kMaxLevels = 10'000;

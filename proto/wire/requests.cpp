@@ -197,6 +197,37 @@ Result<void> check_may_be_columns(const std::vector<PointRequest>& rows) {
   return {};
 }
 
+// What else is asked for has been read.
+Result<void> read_landmarks(Parameters& parameters, TableRequest& request) {
+  const auto landmarks = parameters.whole("landmarks");
+  if (!landmarks) return fail(landmarks.error());
+  if (!*landmarks) return {};
+  const auto refuse = [](const char* why) {
+    return fail(ErrorCode::value_out_of_range, why, "landmarks");
+  };
+  if (**landmarks < kFewestLandmarks) return refuse("at least 8 landmarks make an estimate");
+  if (auto ok = check_count(**landmarks, kMaxLandmarks, "landmarks"); !ok) return ok;
+  if (!request.stream || request.sparse) {
+    return refuse(
+        "estimates pay for tables of thousands, which go out row after row: set stream, "
+        "and not sparse");
+  }
+  if (request.max) return refuse("what is near is never estimated; leave max or landmarks out");
+  if (asks_for_costs(parameters)) {
+    return refuse("lengths can be estimated, costs cannot; leave landmarks out");
+  }
+  if (request.method.options.bound == Bound::upper || request.method.options.error_at_most) {
+    return refuse("an estimate keeps no bound; leave bound, tolerance or landmarks out");
+  }
+  const auto is_point = [](const PointRequest& row) { return row.is_point(); };
+  if (!std::all_of(request.from.begin(), request.from.end(), is_point)) {
+    return refuse("rows that are lines are not estimated; leave landmarks out");
+  }
+  if (auto ok = check_no_offset(request.from); !ok) return ok;
+  request.landmarks = **landmarks;
+  return {};
+}
+
 }  // namespace
 
 std::string_view name_of(ExtentRequest::Of of) {
@@ -274,7 +305,8 @@ Result<void> parse_request(Parameters& parameters, TableRequest& request) {
   }
   if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
   if (auto ok = check_lines(parameters, request.from, request.method); !ok) return ok;
-  return read_max(parameters, request.max);
+  if (auto ok = read_max(parameters, request.max); !ok) return ok;
+  return read_landmarks(parameters, request);
 }
 
 Result<void> parse_request(Parameters& parameters, IsolinesRequest& request) {

@@ -50,6 +50,7 @@ struct TableRequest {
   std::optional<double> max;
   bool stream = false;          // rows are sent as they are done
   bool sparse = false;          // only what is reached
+  std::uint64_t landmarks = 0;  // columns with whole fields, by which others are estimated; 0: none
   std::uint64_t first_row = 0;  // which one of the whole table `from` begins with
   std::uint64_t all_rows = 0;   // how many that has
 };

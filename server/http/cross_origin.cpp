@@ -16,8 +16,10 @@ constexpr const char* kRequestHeaders =
     "X-Request-Id, traceparent, tracestate";
 constexpr std::array<std::string_view, 6> kMethods{"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE"};
 constexpr const char* kReplyHeaders =
-    "Allow, Content-Encoding, ETag, Geo-Cache, Geo-Dtype, Geo-Length, Geo-Max, Geo-Rows, Geo-Shape, "
-    "Geo-Warnings, Location, Preference-Applied, Retry-After, Server-Timing, WWW-Authenticate, "
+    "Allow, Content-Encoding, ETag, Geo-Cache, Geo-Dtype, Geo-Estimated, Geo-Length, Geo-Max, "
+    "Geo-Rows, "
+    "Geo-Shape, Geo-Warnings, Location, Preference-Applied, Retry-After, Server-Timing, "
+    "WWW-Authenticate, "
     "X-Request-Id, "
     "traceparent";
 

@@ -36,7 +36,7 @@
 #include "server/program/reload.h"
 #include "server/query/field_queries.h"
 #include "server/query/mesh_catalog.h"
-#include "server/query/metrics.h"
+#include "server/metrics/metrics.h"
 #include "server/routes/engine_digest.h"
 #include "server/routes/routes.h"
 #include "server/routes/static_files.h"

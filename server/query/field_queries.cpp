@@ -18,6 +18,7 @@
 #include "proto/region/weigh_faces.h"
 #include "proto/wire/number.h"
 #include "proto/wire/query_limits.h"
+#include "server/query/landmark_rows.h"
 #include "server/query/place.h"
 
 namespace geodesic::server {
@@ -241,9 +242,9 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const AskedSurface& sur
                          limit_of(request.method, request.max),
                          place->cost()};
   if (request.stream || request.sparse) {
-    auto begin = rows_of(std::move(question), std::move(*rows), std::move(*columns), caller);
-    if (!begin) return fail(std::move(begin.error()));
-    answer.rows = std::move(*begin);
+    auto ready = begin_rows(request.landmarks, std::move(question), std::move(*rows),
+                            std::move(*columns), caller, answer);
+    if (!ready) return fail(std::move(ready.error()));
     return answer;
   }
   auto table = fields_.table(question, *rows, *columns, caller);
@@ -253,39 +254,48 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const AskedSurface& sur
   return answer;
 }
 
-auto FieldQueries::rows_of(FieldQuestion question, FieldRows from, std::vector<SurfacePoint> to,
-                           const Caller& caller)
-    -> Result<std::function<
-        Result<std::unique_ptr<RowsAhead>>(Answered<proto::TableReply>::EncodeRow, std::size_t)>> {
-  struct Rows {
-    FieldQuestion question;
-    FieldRows from;
-    std::vector<SurfacePoint> to;
-    std::vector<std::uint32_t> faces;  // around those of `to`, if any is inside a face
-  };
-  auto rows = std::make_shared<Rows>(Rows{std::move(question), std::move(from), std::move(to), {}});
-  if (!std::all_of(rows->to.begin(), rows->to.end(),
+Result<void> FieldQueries::begin_rows(std::uint64_t landmarks, FieldQuestion question,
+                                      FieldRows from, std::vector<SurfacePoint> to,
+                                      const Caller& caller, Answered<proto::TableReply>& answer) {
+  auto table = std::make_shared<PointTable>(
+      PointTable{std::move(question), std::move(from), std::move(to), {}});
+  if (!std::all_of(table->to.begin(), table->to.end(),
                    [](const SurfacePoint& point) { return point.at_vertex(); })) {
     auto faces = in_slot(
         [&](const Cancel& cancel) {
-          return faces_around(*rows->question.adjacency, rows->to, cancel);
+          return faces_around(*table->question.adjacency, table->to, cancel);
         },
         caller.part(0, 0));
     if (!faces) return fail(std::move(faces.error()));
-    rows->faces = std::move(*faces);
+    table->faces = std::move(*faces);
   }
-  return [this, rows = std::shared_ptr<const Rows>(std::move(rows)), caller](
-             Answered<proto::TableReply>::EncodeRow encode, std::size_t block) {
-    auto compute = [this, rows, encode = std::move(encode)](
+  // Of a table that is estimated, set before the rows begin.
+  const auto estimated = std::make_shared<std::shared_ptr<const LandmarkRows>>();
+  if (landmarks > 0) {
+    answer.bytes_before_rows = LandmarkRows::bytes(landmarks, table->from.size(), table->to.size());
+    answer.before_rows = [this, table, landmarks, caller,
+                          estimated](proto::TableReply& reply) -> Result<void> {
+      auto made =
+          LandmarkRows::make(fields_, pool_, table, landmarks, reply.estimated.emplace(), caller);
+      if (!made) return fail(std::move(made.error()));
+      *estimated = std::move(*made);
+      return {};
+    };
+  }
+  answer.rows = [this, table = std::shared_ptr<const PointTable>(table), estimated, caller](
+                    Answered<proto::TableReply>::EncodeRow encode, std::size_t block) {
+    auto compute = [this, table, by = *estimated, encode = std::move(encode)](
                        Worker& worker, std::size_t row, const GiveWay& give_way,
                        const Caller& part) -> Result<std::string> {
-      const auto distances = fields_.row(rows->question, rows->from, row, rows->to, rows->faces,
-                                         worker, give_way, part);
+      const auto distances = by ? by->row(row, worker, give_way, part)
+                                : fields_.row(table->question, table->from, row, table->to,
+                                              table->faces, worker, give_way, part);
       if (!distances) return fail(distances.error());
       return encode(row, *distances, Cancel([&] { return give_way() || part(); }));
     };
-    return RowsAhead::begin(pool_, rows->from.size(), block, std::move(compute), caller);
+    return RowsAhead::begin(pool_, table->from.size(), block, std::move(compute), caller);
   };
+  return {};
 }
 
 Result<Answered<proto::NearestReply>> FieldQueries::answer(const AskedSurface& surface,

@@ -52,6 +52,9 @@ struct Answered {
   using EncodeRow =
       std::function<Result<std::string>(std::size_t row, std::span<const double>, const Cancel&)>;
   std::function<Result<std::unique_ptr<RowsAhead>>(EncodeRow encode, std::size_t block)> rows;
+  // To be called, if set, before these: with the memory for so many bytes, where long work is done.
+  std::function<Result<void>(Reply&)> before_rows;
+  std::uint64_t bytes_before_rows = 0;
 };
 
 // All methods may be called from any thread but a compute worker. Errors besides
@@ -131,11 +134,11 @@ class FieldQueries {
   [[nodiscard]] Result<Place> find(const AskedSurface& surface, const proto::MethodChoice& method,
                                    const Caller& caller);
 
-  // How the rows of a large table are begun, which have no sources in `question` yet.
-  [[nodiscard]] Result<std::function<
-      Result<std::unique_ptr<RowsAhead>>(Answered<proto::TableReply>::EncodeRow, std::size_t)>>
-  rows_of(FieldQuestion question, FieldRows from, std::vector<SurfacePoint> to,
-          const Caller& caller);
+  // How the rows of a large table are begun, which have no sources in `question` yet; estimated
+  // by so many landmarks, if any.
+  [[nodiscard]] Result<void> begin_rows(std::uint64_t landmarks, FieldQuestion question,
+                                        FieldRows from, std::vector<SurfacePoint> to,
+                                        const Caller& caller, Answered<proto::TableReply>& answer);
 
   // What ways over the surface cost, which are not their lengths.
   [[nodiscard]] Result<std::shared_ptr<const TravelCost>> cost_of(const AskedSurface& surface,

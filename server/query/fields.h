@@ -28,7 +28,7 @@
 #include "server/places/field_sources.h"
 #include "server/query/asked_sources.h"
 #include "server/query/mesh_catalog.h"
-#include "server/query/metrics.h"
+#include "server/metrics/metrics.h"
 #include "server/query/scratch_use.h"
 
 namespace geodesic::server {

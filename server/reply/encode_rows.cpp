@@ -52,6 +52,9 @@ HttpResponse reply_before_rows(const RowEncoding& encoding, std::string& begin) 
   const std::uint64_t last = encoding.first_row + shape[0] - 1;
   response.set_header("Geo-Rows", std::to_string(encoding.first_row) + "-" + std::to_string(last) +
                                       "/" + std::to_string(encoding.all_rows));
+  if (table.estimated) {
+    response.set_header("Geo-Estimated", proto::estimated_json(*table.estimated));
+  }
   if (format == Format::lines) {
     begin = proto::first_line(table, encoding.first_row, encoding.format.precision);
     return response;

@@ -298,6 +298,7 @@ HttpResponse Routes::status() {
         {"max_table_entries", proto::kMaxTableEntries},
         {"max_streamed_entries", proto::kMaxStreamedEntries},
         {"max_sparse_entries", proto::kMaxSparseEntries},
+        {"max_landmarks", proto::kMaxLandmarks},
         {"max_steiner_nodes", proto::kMaxSteinerNodes},
         {"max_levels", proto::kMaxLevels},
         {"max_isoline_segments", proto::kMaxIsolineSegments},

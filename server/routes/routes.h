@@ -27,7 +27,7 @@
 #include "server/http/reply_budget.h"
 #include "server/query/field_queries.h"
 #include "server/query/mesh_catalog.h"
-#include "server/query/metrics.h"
+#include "server/metrics/metrics.h"
 #include "server/reply/bodies_in_use.h"
 #include "server/routes/access.h"
 #include "server/routes/static_files.h"

@@ -32,6 +32,7 @@ std::size_t rows_at_once(std::uint64_t bytes_of_row, std::size_t slots) {
 struct RowsUnderWay {
   std::string begin;                     // of the body, with the first row
   std::shared_ptr<const void> reserved;  // for rows in flight
+  std::shared_ptr<const void> held;      // for what they are estimated by
   std::unique_ptr<RowsAhead> rows;       // all but the first
   std::optional<Error> error;            // what ended it before its end
 };
@@ -41,6 +42,15 @@ struct RowsUnderWay {
 Result<HttpResponse> Routes::stream_rows(Answered<proto::TableReply> answer,
                                          const proto::TableRequest& request,
                                          const proto::ReplyFormat& format, const Caller& caller) {
+  std::shared_ptr<const void> held;
+  if (answer.before_rows) {
+    auto reserved = reply_budget_.reserve(answer.bytes_before_rows, caller.client);
+    if (!reserved) return fail(std::move(reserved.error()));
+    held = std::move(*reserved);
+    if (auto ready = answer.before_rows(answer.reply); !ready) {
+      return fail(std::move(ready.error()));
+    }
+  }
   std::string warnings;
   for (const std::string& warning : answer.reply.warnings) {
     warnings += (warnings.empty() ? "" : "; ") + warning;
@@ -62,6 +72,7 @@ Result<HttpResponse> Routes::stream_rows(Answered<proto::TableReply> answer,
   const auto table = std::make_shared<RowsUnderWay>();
   table->rows = std::move(*rows);
   table->reserved = std::move(*reserved);
+  table->held = std::move(held);
   HttpResponse response = reply_before_rows(encoding, table->begin);
   response.stream_bytes = table->begin.size() + least_bytes_of_row(encoding) * request.from.size();
   // What fails before the first row has a status of its own.

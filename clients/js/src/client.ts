@@ -174,7 +174,7 @@ export class GeodesicClient {
    */
   tableRows(
     id: string,
-    query: queries.TableQuery,
+    query: queries.TableRowsQuery,
     options: QueryOptions = {},
   ): AsyncGenerator<queries.TableRow, void, undefined> {
     return tableRows(this.#transport, id, query, options);

@@ -101,6 +101,12 @@ export interface TableQuery extends ByMethod, WithinTolerance, AtACost {
   max?: number;
 }
 
+/** A table that arrives row by row. */
+export interface TableRowsQuery extends TableQuery {
+  /** From how many columns, from 8 to 300, whole fields are computed, and what is far estimated. */
+  landmarks?: number;
+}
+
 /** What of a table is not farther than `max`. */
 export interface SparseTableQuery extends TableQuery {
   max: number;
@@ -305,6 +311,19 @@ export interface Table extends Told {
 export interface TableRow {
   row: number;
   distances: Float64Array;
+  /** Only of a table with `landmarks`. */
+  estimated?: Estimated;
+}
+
+/** By how much entries were off that were compared, as parts of the distances. */
+export interface Estimated {
+  /** How many columns have whole fields. */
+  landmarks: number;
+  mean: number;
+  percentile_99: number;
+  max: number;
+  /** How many were compared. */
+  entries: number;
 }
 
 /**

@@ -7,11 +7,12 @@ import { NetworkError } from './errors.js';
 import { queryCall } from './plans.js';
 import { listOf } from './points.js';
 import type {
+  Estimated,
   QueryOptions,
   SparseTable,
   SparseTableQuery,
-  TableQuery,
   TableRow,
+  TableRowsQuery,
 } from './queries.js';
 import { sparseTableOf } from './replies.js';
 import { msUntil, sleep } from './retry.js';
@@ -28,7 +29,7 @@ const FIRST_PAUSE = 250; // milliseconds, doubled each time
 export async function* tableRows(
   transport: Transport,
   id: string,
-  query: TableQuery,
+  query: TableRowsQuery,
   options: QueryOptions,
 ): AsyncGenerator<TableRow, void, undefined> {
   const from = listOf(query.from);
@@ -44,8 +45,10 @@ export async function* tableRows(
     const url = transport.url(call.path);
     try {
       const response = await transport.open(call);
+      const told = response.headers.get('Geo-Estimated');
+      const estimated = told === null ? {} : { estimated: JSON.parse(told) as Estimated };
       for await (const distances of rowsOf(response.body!, columns, url)) {
-        yield { row, distances };
+        yield { row, distances, ...estimated };
         ++row;
       }
       // Somebody on the way may end a reply early as if it were whole.

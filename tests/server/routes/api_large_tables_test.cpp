@@ -56,22 +56,6 @@ json some_method(RandomMesh& random) {
   }
 }
 
-struct TableService : PlaneService {
-  using PlaneService::PlaneService;
-  HttpResponse post(const std::string& at, const std::string& query, const json& body) {
-    return service.ask("POST", at + "/" + query, body.dump());
-  }
-  [[nodiscard]] bool is_idle() {
-    const auto stats = service.pool.stats();
-    return stats.running == 0 && stats.queued == 0;
-  }
-};
-
-json with(json body, const json& more) {
-  body.update(more);
-  return body;
-}
-
 }  // namespace
 
 TEST_CASE("StreamedRowsAreTheFieldsOfDistanceBitForBit") {

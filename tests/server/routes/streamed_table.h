@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "server/http/message.h"
-#include "tests/server/routes/service_fixture.h"
+#include "tests/server/routes/plane_service.h"
 
 namespace geodesic::server::test {
 
@@ -62,6 +62,22 @@ inline json points_at(const std::vector<std::uint32_t>& vertices) {
   json points = json::array();
   for (const std::uint32_t v : vertices) points.push_back("v:" + std::to_string(v));
   return points;
+}
+
+struct TableService : PlaneService {
+  using PlaneService::PlaneService;
+  HttpResponse post(const std::string& at, const std::string& query, const json& body) {
+    return service.ask("POST", at + "/" + query, body.dump());
+  }
+  [[nodiscard]] bool is_idle() {
+    const auto stats = service.pool.stats();
+    return stats.running == 0 && stats.queued == 0;
+  }
+};
+
+inline json with(json body, const json& more) {
+  body.update(more);
+  return body;
 }
 
 }  // namespace geodesic::server::test

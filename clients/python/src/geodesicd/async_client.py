@@ -310,6 +310,7 @@ class AsyncClient:
                 if response.status_code >= 400:
                     body = await response.aread()
                     raise error_of(response.status_code, response.headers, body)
+                step.on_headers(response.headers)
                 async for chunk in response.aiter_bytes():
                     step.on_bytes(chunk)
             finally:

@@ -392,6 +392,7 @@ class Client:
                 if response.status_code >= 400:
                     body = response.read()
                     raise error_of(response.status_code, response.headers, body)
+                step.on_headers(response.headers)
                 for chunk in response.iter_bytes():
                     step.on_bytes(chunk)
             finally:

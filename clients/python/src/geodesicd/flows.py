@@ -9,7 +9,7 @@ import contextlib
 import json
 import random
 import struct
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias, TypeVar
 
@@ -66,11 +66,12 @@ class Watch:
 
 @dataclass(frozen=True)
 class Stream:
-    """The step: send this and hand on the body as it comes. Raises what the reply says, where that
-    is an error, and ConnectionFailed where the body breaks off."""
+    """The step: send this, hand on the reply's headers, and the body as it comes. Raises what the
+    reply says, where that is an error, and ConnectionFailed where the body breaks off."""
 
     request: Request
     on_bytes: Callable[[bytes], None]
+    on_headers: Callable[[Mapping[str, str]], None] = lambda headers: None
 
 
 Step: TypeAlias = Send | Sleep | Watch | Stream

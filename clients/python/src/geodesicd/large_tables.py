@@ -7,7 +7,7 @@ import hashlib
 import json
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -35,6 +35,8 @@ def table_file(
     *,
     resume: bool = True,
     max: float | None = None,
+    landmarks: int | None = None,
+    estimated: Callable[[dict[str, float]], None] | None = None,
     dtype: DTypeLike = np.float64,
     **options: Unpack[CostOptions],
 ) -> Flow[FloatArray]:
@@ -50,6 +52,10 @@ def table_file(
             with others than points among the sources they have to be given.
         resume: whether to go on with a part that is there.
         max: what is farther counts as unreached; mesh units. Fields end there.
+        landmarks: from how many of the columns, from 8 to 300, whole fields are computed. What is
+            far is estimated from these: many times as quick, and up to some percent off.
+        estimated: called with what the server has found of that: ``mean``, ``percentile_99`` and
+            ``max`` are errors of ``entries`` distances, as parts of these.
         dtype: float64 or float32, which is half to send and to keep.
         deadline: seconds for the whole.
         progress: called with the part of the rows that is written, from 0 to 1.
@@ -61,6 +67,7 @@ def table_file(
     deadline, progress = options.pop("deadline", None), options.get("progress")
     parameters = {
         "max": as_bound(max),
+        "landmarks": landmarks,
         **asked_by(**options),
         "format": format_of(dtype),
         "stream": True,
@@ -70,7 +77,7 @@ def table_file(
     if progress is not None:
         progress(part.rows / len(rows))
     try:
-        yield from _receive(mesh, part, rows, columns, parameters, end, progress)
+        yield from _receive(mesh, part, rows, columns, parameters, end, progress, estimated)
     finally:
         part.note()
     return part.finished()
@@ -145,6 +152,7 @@ def _receive(
     parameters: dict[str, Any],
     end: float | None,
     progress: Progress | None,
+    estimated: Callable[[dict[str, float]], None] | None,
 ) -> Flow[None]:
     """Asks for what is missing until nothing is."""
     retries = Retries()
@@ -154,6 +162,10 @@ def _receive(
         part.write(data)
         if progress is not None:
             progress(part.rows / len(rows))
+
+    def take_headers(headers: Mapping[str, str]) -> None:
+        if estimated is not None and "Geo-Estimated" in headers:
+            estimated(json.loads(headers["Geo-Estimated"]))
 
     limits = pieces.LIMITS
     if len(rows) > limits["max_points"] or len(rows) * len(columns) > limits[_MOST]:
@@ -167,7 +179,7 @@ def _receive(
             part.begin_again()
             failed: GeodesicError | None = None
             try:
-                yield Stream(request, take)
+                yield Stream(request, take, take_headers)
             except (ConnectionFailed, Overloaded) as error:
                 vain = isinstance(error, ConnectionFailed) and (error.lasting or error.timeout)
                 if vain:

@@ -11,32 +11,13 @@
 #include <string>
 #include <string_view>
 
-#include "server/base/lru_cache.h"
-#include "server/compute/jobs.h"
-#include "server/compute/pool.h"
-#include "server/decoder/processes.h"
-#include "server/http/reply_budget.h"
-#include "server/prepared/prepared_files.h"
-#include "server/store/budget.h"
+#include "server/metrics/present_state.h"
 
 namespace geodesic::server {
 
 class Metrics {
  public:
-  // What others keep, at the moment of a scrape.
-  struct Present {
-    ComputePool::Stats pool;
-    ComputeMemory::Stats memory;
-    CacheStats meshes, adjacency, fields, replies;
-    ReplyBudget::Stats reply_memory;
-    StoreStats store;
-    PreparedFiles::Stats prepared;
-    Jobs::Stats jobs;
-    DecoderProcesses::Stats decoders;
-    std::uint64_t connections = 0;      // open on the API's listener
-    std::uint64_t accept_failures = 0;  // of the API's listener
-    bool ready = true;
-  };
+  using Present = PresentState;
 
   // `version` is told as a label of geodesicd_build_info.
   explicit Metrics(std::string_view version);

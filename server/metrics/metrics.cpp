@@ -1,4 +1,4 @@
-#include "server/query/metrics.h"
+#include "server/metrics/metrics.h"
 
 #include <prometheus/text_serializer.h>
 
@@ -6,7 +6,7 @@
 #include <ctime>
 
 #include "server/base/process_usage.h"
-#include "server/query/metric_families.h"
+#include "server/metrics/metric_families.h"
 
 namespace geodesic::server {
 namespace {

@@ -14,7 +14,7 @@
 #include <tuple>
 #include <utility>
 
-#include "server/query/metrics.h"
+#include "server/metrics/metrics.h"
 
 namespace geodesic::server {
 

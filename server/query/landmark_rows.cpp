@@ -1,0 +1,141 @@
+#include "server/query/landmark_rows.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/landmarks/spread_points.h"
+#include "core/surface/around_points.h"
+#include "server/base/joint_caller.h"
+
+namespace geodesic::server {
+namespace {
+
+// Whose whole fields estimates are compared with.
+constexpr std::size_t kChecks = 8;
+
+// Columns spread over all that are no landmarks.
+std::vector<std::uint32_t> columns_to_check(std::size_t columns,
+                                            std::span<const std::uint32_t> landmarks) {
+  std::vector<bool> is_landmark(columns);
+  for (const std::uint32_t l : landmarks) is_landmark[l] = true;
+  std::vector<std::uint32_t> others;
+  for (std::uint32_t c = 0; c < columns; ++c) {
+    if (!is_landmark[c]) others.push_back(c);
+  }
+  std::vector<std::uint32_t> checked;
+  const std::size_t count = std::min(kChecks, others.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    checked.push_back(others[(2 * i + 1) * others.size() / (2 * count)]);
+  }
+  return checked;
+}
+
+proto::Estimated said_of(std::size_t landmarks, const EstimateErrors& errors) {
+  return {landmarks, errors.mean, errors.percentile99, errors.max, errors.entries};
+}
+
+}  // namespace
+
+std::uint64_t LandmarkRows::bytes(std::uint64_t landmarks, std::uint64_t rows,
+                                  std::uint64_t columns) {
+  // The fields at all points; of rows, what is kept; of columns, distances and factors.
+  constexpr std::uint64_t kOfFields = sizeof(double);
+  constexpr std::uint64_t kOfRow = sizeof(double);
+  constexpr std::uint64_t kOfColumn = 2 * sizeof(float);
+  return (landmarks + kChecks) *
+         ((rows + columns) * kOfFields + rows * kOfRow + columns * kOfColumn);
+}
+
+Result<std::shared_ptr<const LandmarkRows>> LandmarkRows::make(
+    Fields& fields, ComputePool& pool, std::shared_ptr<const PointTable> table,
+    std::uint64_t landmarks, proto::Estimated& estimated, const Caller& caller) {
+  const Adjacency& adjacency = *table->question.adjacency;
+  const std::size_t columns = table->to.size();
+  const std::size_t rows = table->from.size();
+  // Where distances are read: the columns, and behind them the rows.
+  std::vector<SurfacePoint> points = table->to;
+  const std::vector<SurfacePoint> of_rows = table->from.points();
+  points.insert(points.end(), of_rows.begin(), of_rows.end());
+  const bool are_vertices = std::all_of(
+      points.begin(), points.end(), [](const SurfacePoint& point) { return point.at_vertex(); });
+  std::vector<std::uint32_t> faces;
+  auto chosen = fields.compute_once(
+      [&](SolveScratch&, const Cancel& cancel) -> Result<std::vector<std::uint32_t>> {
+        if (!are_vertices) {
+          auto around = faces_around(adjacency, points, cancel);
+          if (!around) return fail(std::move(around.error()));
+          faces = std::move(*around);
+        }
+        return spread_points(adjacency, table->to, landmarks, cancel);
+      },
+      caller.part(0, 0));
+  if (!chosen) return fail(std::move(chosen.error()));
+
+  const std::vector<std::uint32_t> checked = columns_to_check(columns, *chosen);
+  std::vector<Source> sources;
+  for (const std::uint32_t c : *chosen) sources.push_back({table->to[c], 0});
+  for (const std::uint32_t c : checked) sources.push_back({table->to[c], 0});
+  const FieldRows from(sources);
+  std::vector<std::vector<double>> distances(sources.size());
+  JointCaller joint(caller.part(0, 0), sources.size());
+  auto computed = pool.run_each(
+      sources.size(),
+      [&](Worker& worker, std::size_t i, const GiveWay& give_way) -> Result<void> {
+        const JointCaller::Part part(joint, i);
+        auto found =
+            fields.row(table->question, from, i, points, faces, worker, give_way, part.caller());
+        if (!found) return fail(std::move(found.error()));
+        distances[i] = std::move(*found);
+        return {};
+      },
+      caller.part(0, 0));
+  if (!computed) return fail(std::move(computed.error()));
+
+  auto made = std::shared_ptr<LandmarkRows>();
+  auto finished = fields.compute_once(
+      [&](SolveScratch&, const Cancel& cancel) -> Result<void> {
+        const std::size_t count = chosen->size();
+        std::vector<double> to_landmarks(rows * count);
+        for (std::size_t row = 0; row < rows; ++row) {
+          for (std::size_t l = 0; l < count; ++l) {
+            to_landmarks[row * count + l] = distances[l][columns + row];
+          }
+        }
+        for (std::vector<double>& each : distances) each.resize(columns);
+        auto known =
+            LandmarkDistances::make(std::move(*chosen), std::span(distances).first(count), cancel);
+        if (!known) return fail(std::move(known.error()));
+        std::vector<KnownRow> checks;
+        for (std::size_t i = 0; i < checked.size(); ++i) {
+          KnownRow& row = checks.emplace_back();
+          for (std::size_t l = 0; l < count; ++l) {
+            row.to_landmarks.push_back(distances[l][checked[i]]);
+          }
+          row.to_points = std::move(distances[count + i]);
+        }
+        const auto errors = known->choose(checks, cancel);
+        if (!errors) return fail(errors.error());
+        estimated = said_of(count, *errors);
+        made.reset(new LandmarkRows(fields, table, std::move(*known)));
+        made->to_landmarks_ = std::move(to_landmarks);
+        return {};
+      },
+      caller.part(0, 0));
+  if (!finished) return fail(std::move(finished.error()));
+  return made;
+}
+
+Result<std::vector<double>> LandmarkRows::row(std::size_t number, Worker& worker,
+                                              const GiveWay& give_way, const Caller& caller) const {
+  const std::size_t count = known_.landmarks().size();
+  const auto to_landmarks = std::span(to_landmarks_).subspan(number * count, count);
+  FieldQuestion near = table_->question;
+  near.max = known_.near(to_landmarks);
+  auto found =
+      fields_.row(near, table_->from, number, table_->to, table_->faces, worker, give_way, caller);
+  if (!found) return found;
+  known_.estimate(to_landmarks, *found);
+  return found;
+}
+
+}  // namespace geodesic::server
