@@ -7,6 +7,8 @@
 #include <draco/compression/encode.h>
 #include <draco/mesh/mesh.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <exception>
@@ -14,6 +16,7 @@
 #include <memory>
 #include <new>
 #include <string>
+#include <utility>
 
 #include "proto/encode/encode_mesh.h"
 
@@ -38,63 +41,76 @@ double full_scale(draco::DataType type) {
   }
 }
 
-Result<std::vector<Vec3>> positions_of(const draco::Mesh& mesh,
-                                       const draco::PointAttribute& attribute, bool normalized) {
-  if (attribute.num_components() != 3) {
-    return fail(ErrorCode::mesh_invalid, "The Draco positions do not have three components.");
+// Calls `take(point, numbers)` for each point of the mesh. `what` is what a message calls them.
+template <int kComponents, class Take>
+Result<void> read_numbers(const draco::Mesh& mesh, const draco::PointAttribute& attribute,
+                          bool normalized, const std::string& what, const Take& take) {
+  if (attribute.num_components() != kComponents) {
+    return fail(ErrorCode::mesh_invalid, "The Draco " + what + " do not have " +
+                                             (kComponents == 1 ? "one" : "three") +
+                                             (kComponents == 1 ? " component." : " components."));
   }
   const std::size_t values = attribute.size();
   const auto stride = static_cast<std::size_t>(attribute.byte_stride());
   const std::size_t value_size =
-      3 * static_cast<std::size_t>(draco::DataTypeLength(attribute.data_type()));
+      kComponents * static_cast<std::size_t>(draco::DataTypeLength(attribute.data_type()));
   if (attribute.buffer() == nullptr || stride < value_size || attribute.byte_offset() < 0 ||
       attribute.buffer()->data_size() <
           static_cast<std::size_t>(attribute.byte_offset()) + values * stride) {
-    return fail(ErrorCode::mesh_invalid, "The Draco positions are not complete.");
+    return fail(ErrorCode::mesh_invalid, "The Draco " + what + " are not complete.");
   }
-  // Draco would read any byte as a bool, which is undefined; and no position is one.
+  // Draco would read any byte as a bool, which is undefined; and no number is one.
   if (attribute.data_type() == draco::DT_BOOL) {
-    return fail(ErrorCode::mesh_invalid, "The Draco positions are of a type that is not known.");
+    return fail(ErrorCode::mesh_invalid, "The Draco " + what + " are of a type that is not known.");
   }
   const bool is_float = attribute.data_type() == draco::DT_FLOAT32;
   // ConvertValue divides by it only when the bitstream says so.
   const double scale =
       normalized && !attribute.normalized() ? full_scale(attribute.data_type()) : 0;
   if (!attribute.is_mapping_identity() && attribute.indices_map_size() < mesh.num_points()) {
-    return fail(ErrorCode::mesh_invalid, "The Draco positions are not complete.");
+    return fail(ErrorCode::mesh_invalid, "The Draco " + what + " are not complete.");
   }
-  std::vector<Vec3> positions(mesh.num_points());
   for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {
     const draco::AttributeValueIndex value = attribute.mapped_index(draco::PointIndex(i));
     if (value.value() >= values) {
       return fail(ErrorCode::mesh_invalid,
-                  "Draco point " + std::to_string(i) + " has no position.");
+                  "The Draco " + what + " leave out point " + std::to_string(i) + ".");
     }
-    float xyz[3];
+    float read[kComponents];
     if (is_float) {
-      std::memcpy(xyz, attribute.GetAddress(value), sizeof xyz);
-    } else if (!attribute.ConvertValue<float, 3>(value, xyz)) {
-      return fail(ErrorCode::mesh_invalid, "The Draco positions are of a type that is not known.");
+      std::memcpy(read, attribute.GetAddress(value), sizeof read);
+    } else if (!attribute.ConvertValue<float, kComponents>(value, read)) {
+      return fail(ErrorCode::mesh_invalid,
+                  "The Draco " + what + " are of a type that is not known.");
     }
-    Vec3 p{xyz[0], xyz[1], xyz[2]};
-    if (scale != 0) {
-      p = {std::max(p.x / scale, -1.0), std::max(p.y / scale, -1.0), std::max(p.z / scale, -1.0)};
+    std::array<double, kComponents> numbers;
+    for (int c = 0; c < kComponents; ++c) {
+      numbers[c] = scale == 0 ? read[c] : std::max(read[c] / scale, -1.0);
     }
+    take(i, numbers);
+  }
+  return {};
+}
+
+Result<std::vector<Vec3>> positions_of(const draco::Mesh& mesh,
+                                       const draco::PointAttribute& attribute, bool normalized) {
+  std::vector<Vec3> positions(mesh.num_points());
+  const auto read = read_numbers<3>(mesh, attribute, normalized, "positions",
+                                    [&](std::uint32_t i, const std::array<double, 3>& xyz) {
+                                      positions[i] = {xyz[0], xyz[1], xyz[2]};
+                                    });
+  if (!read) return fail(read.error());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const Vec3& p = positions[i];
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
       return fail(ErrorCode::mesh_invalid,
                   "The position of Draco point " + std::to_string(i) + " is not finite.");
     }
-    positions[i] = p;
   }
   return positions;
 }
 
-Result<TriangleSoup> soup_of(const draco::Mesh& mesh, const DracoLimits& limits,
-                             std::optional<DracoPosition> position) {
-  if (mesh.num_points() > limits.max_vertices) {
-    return fail_limit(ErrorCode::too_many_vertices, "The mesh has too many vertices.",
-                      limits.max_vertices, mesh.num_points());
-  }
+Result<TriangleSoup> soup_of(const draco::Mesh& mesh, std::optional<DracoAttribute> position) {
   const draco::PointAttribute* attribute =
       position ? mesh.GetAttributeByUniqueId(position->unique_id)
                : mesh.GetNamedAttribute(draco::GeometryAttribute::POSITION);
@@ -123,10 +139,25 @@ Result<TriangleSoup> soup_of(const draco::Mesh& mesh, const DracoLimits& limits,
   return soup;
 }
 
-}  // namespace
+Result<std::vector<float>> numbers_of(const draco::Mesh& mesh, DracoAttribute which) {
+  const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(which.unique_id);
+  if (attribute == nullptr) {
+    return fail(ErrorCode::mesh_invalid, "The Draco data has no attribute of the id " +
+                                             std::to_string(which.unique_id) + ".");
+  }
+  std::vector<float> numbers(mesh.num_points());
+  const auto read = read_numbers<1>(mesh, *attribute, which.normalized, "numbers",
+                                    [&](std::uint32_t i, const std::array<double, 1>& number) {
+                                      numbers[i] = static_cast<float>(number[0]);
+                                    });
+  if (!read) return fail(read.error());
+  return numbers;
+}
 
-Result<TriangleSoup> decode_draco(std::span<const std::byte> bytes, const DracoLimits& limits,
-                                  std::optional<DracoPosition> position) {
+// What `use` makes of the mesh of a bitstream.
+template <class Use>
+auto decode_and(std::span<const std::byte> bytes, const DracoLimits& limits, const Use& use)
+    -> decltype(use(std::declval<const draco::Mesh&>())) {
   if (const auto claims = check_draco_claims(bytes, limits); !claims) return fail(claims.error());
   try {
     draco::DecoderBuffer buffer;
@@ -136,12 +167,32 @@ Result<TriangleSoup> decode_draco(std::span<const std::byte> bytes, const DracoL
     if (!decoded.ok() || decoded.value() == nullptr) {
       return fail(ErrorCode::mesh_invalid, "The Draco data is damaged.");
     }
-    return soup_of(*decoded.value(), limits, position);
+    const draco::Mesh& mesh = *decoded.value();
+    if (mesh.num_points() > limits.max_vertices) {
+      return fail_limit(ErrorCode::too_many_vertices, "The mesh has too many vertices.",
+                        limits.max_vertices, mesh.num_points());
+    }
+    return use(mesh);
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::too_large, "The Draco data needs more memory than there is.");
   } catch (const std::exception&) {  // such as length_error, from counts deep inside
     return fail(ErrorCode::mesh_invalid, "The Draco data is damaged.");
   }
+}
+
+}  // namespace
+
+Result<TriangleSoup> decode_draco(std::span<const std::byte> bytes, const DracoLimits& limits,
+                                  std::optional<DracoAttribute> position) {
+  return decode_and(bytes, limits,
+                    [&](const draco::Mesh& mesh) { return soup_of(mesh, position); });
+}
+
+Result<std::vector<float>> decode_draco_numbers(std::span<const std::byte> bytes,
+                                                const DracoLimits& limits,
+                                                DracoAttribute attribute) {
+  return decode_and(bytes, limits,
+                    [&](const draco::Mesh& mesh) { return numbers_of(mesh, attribute); });
 }
 
 Result<std::vector<std::byte>> encode_drc(const TriangleSoup& soup, int position_bits) {

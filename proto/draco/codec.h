@@ -13,8 +13,8 @@
 
 namespace geodesic::proto {
 
-// Which attribute holds the positions, as KHR_draco_mesh_compression says it.
-struct DracoPosition {
+// Which attribute of a bitstream, as KHR_draco_mesh_compression says it.
+struct DracoAttribute {
   std::uint32_t unique_id = 0;
   bool normalized = false;  // integers stand for [0, 1] or [-1, 1]
 };
@@ -25,6 +25,14 @@ struct DracoPosition {
 // index_out_of_range, too_large when memory runs out.
 [[nodiscard]] Result<TriangleSoup> decode_draco(std::span<const std::byte> bytes,
                                                 const DracoLimits& limits,
-                                                std::optional<DracoPosition> position = {});
+                                                std::optional<DracoAttribute> position = {});
+
+// What an attribute of one component has for each of these vertices, in the same order; integers as
+// floats. They may be no numbers.
+// Errors: those of `check_draco_claims`; mesh_invalid where the data is damaged, or where there is
+// no such attribute, or one of several components; too_large when memory runs out.
+[[nodiscard]] Result<std::vector<float>> decode_draco_numbers(std::span<const std::byte> bytes,
+                                                              const DracoLimits& limits,
+                                                              DracoAttribute attribute);
 
 }  // namespace geodesic::proto

@@ -122,7 +122,7 @@ Result<GltfGeometry> GltfGeometries::read_draco(const GltfPrimitive& primitive,
     if (!bytes) return fail(bytes.error());
     auto decoded =
         decode_draco(*bytes, {room.max_vertices - room.vertices, room.max_faces - room.faces},
-                     DracoPosition{primitive.draco->position_id, accessor.normalized});
+                     DracoAttribute{primitive.draco->position_id, accessor.normalized});
     if (!decoded) return fail(std::move(decoded.error()));
     soup = std::make_shared<const TriangleSoup>(std::move(*decoded));
   }

@@ -1,11 +1,15 @@
 #include "proto/gltf/weights.h"
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
+#include "proto/draco/codec.h"
 #include "proto/gltf/accessor.h"
 #include "proto/gltf/decode.h"
 #include "proto/gltf/drawn.h"
@@ -13,7 +17,6 @@
 #include "proto/gltf_file/buffers.h"
 #include "proto/gltf_file/container.h"
 #include "proto/gltf_file/parse.h"
-#include "proto/wire/input_codes.h"
 #include "proto/wire/number.h"
 #include "proto/wire/query_limits.h"
 
@@ -25,6 +28,7 @@ using nlohmann::json;
 constexpr const char* kWeightParameter = "weight_attribute";
 // Of names in a message.
 constexpr std::size_t kMostNamesTold = 20;
+constexpr std::uint64_t kGreatestId = std::numeric_limits<std::uint32_t>::max();
 
 tl::unexpected<Error> no_weights(std::string detail) {
   return fail(ErrorCode::value_out_of_range, std::move(detail), kWeightParameter);
@@ -46,21 +50,36 @@ std::string names_of(const json& attributes) {
   return names;
 }
 
-// The attributes of primitives, by name, as the document has them.
-class Attributes {
+// Reads the attribute of a name, primitive by primitive, each place that has numbers once.
+class AttributeReader {
  public:
-  Attributes(const GltfDocument& known, json document, const std::string& name)
-      : known_(known), document_(std::move(document)), name_(name) {}
+  AttributeReader(const GltfDocument& known, GltfBuffers& buffers, json document,
+                  const std::string& name, const DecodeLimits& limits, std::uint64_t file_bytes)
+      : known_(known),
+        buffers_(buffers),
+        document_(std::move(document)),
+        name_(name),
+        draco_limits_{limits.max_vertices, limits.max_faces},
+        file_bytes_(file_bytes) {}
 
-  // The accessor of the one that was asked for.
-  [[nodiscard]] Result<std::size_t> accessor_of(const DrawnPrimitive& one) const {
+  // A number for each vertex of a primitive.
+  [[nodiscard]] Result<void> read(const DrawnPrimitive& one, std::span<float> out) {
     const json& primitive = document_["meshes"][one.mesh]["primitives"][one.primitive];
-    if (is_in_draco(primitive)) {
-      return fail(InputCode::not_acceptable,
-                  primitive_name(one) + " has " + name_ +
-                      " compressed by Draco, which weights are not read from; send face_weights",
-                  kWeightParameter);
+    const auto accessor = accessor_of(one, primitive);
+    if (!accessor) return fail(accessor.error());
+    if (known_.accessors[*accessor].components != 1) return not_one_each(one);
+    const auto& draco = known_.meshes[one.mesh].primitives[one.primitive].draco;
+    const json::json_pointer path("/extensions/KHR_draco_mesh_compression/attributes");
+    if (draco && primitive.contains(path) && primitive[path].contains(name_)) {
+      return from_draco(one, draco->view, primitive[path][name_], *accessor, out);
     }
+    return from_accessor(one, *accessor, out);
+  }
+
+ private:
+  // The accessor of the one that was asked for.
+  [[nodiscard]] Result<std::size_t> accessor_of(const DrawnPrimitive& one,
+                                                const json& primitive) const {
     static const json none = json::object();
     const auto given = primitive.find("attributes");
     const json& attributes = given != primitive.end() && given->is_object() ? *given : none;
@@ -76,15 +95,63 @@ class Attributes {
     return found->get<std::size_t>();
   }
 
- private:
-  [[nodiscard]] bool is_in_draco(const json& primitive) const {
-    const json::json_pointer path("/extensions/KHR_draco_mesh_compression/attributes");
-    return primitive.contains(path) && primitive[path].contains(name_);
+  [[nodiscard]] tl::unexpected<Error> not_one_each(const DrawnPrimitive& one) const {
+    return no_weights(primitive_name(one) + ": its attribute " + name_ +
+                      " is not one number for each of its vertices");
+  }
+
+  Result<void> from_accessor(const DrawnPrimitive& one, std::size_t accessor,
+                             std::span<float> out) {
+    // Before it is read: elements that no bytes stand for may be as many as it says.
+    if (known_.accessors[accessor].count != one.vertices) return not_one_each(one);
+    auto elements = elements_.find(accessor);
+    if (elements == elements_.end()) {
+      auto found = read_accessor(known_, buffers_, accessor, GltfUse::any, file_bytes_);
+      if (!found) return fail(std::move(found.error()));
+      elements = elements_.emplace(accessor, std::move(*found)).first;
+    }
+    const GltfElements& values = elements->second;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      out[i] = static_cast<float>(values.number(i, 0));
+    }
+    return {};
+  }
+
+  // As with positions, how many there are is what the bitstream says, not the accessor.
+  Result<void> from_draco(const DrawnPrimitive& one, std::size_t view, const json& id,
+                          std::size_t accessor, std::span<float> out) {
+    if (!id.is_number_unsigned() || id.get<std::uint64_t>() > kGreatestId) {
+      return no_weights(primitive_name(one) + ": its attribute " + name_ +
+                        " has no id in the Draco data");
+    }
+    const DracoAttribute attribute{id.get<std::uint32_t>(), known_.accessors[accessor].normalized};
+    auto& numbers = draco_[{view, attribute.unique_id, attribute.normalized}];
+    if (numbers.empty()) {
+      const auto bytes = buffers_.view(view);
+      if (!bytes) return fail(bytes.error());
+      auto decoded = decode_draco_numbers(*bytes, draco_limits_, attribute);
+      if (!decoded && decoded.error().code == ErrorCode::mesh_invalid) {
+        // Positions have been read from the same bytes.
+        return no_weights(primitive_name(one) + ": its attribute " + name_ +
+                          " cannot be read: " + decoded.error().detail);
+      }
+      if (!decoded) return fail(std::move(decoded.error()));
+      numbers = std::move(*decoded);
+    }
+    if (numbers.size() != out.size()) return not_one_each(one);
+    std::ranges::copy(numbers, out.begin());
+    return {};
   }
 
   const GltfDocument& known_;
+  GltfBuffers& buffers_;
   json document_;
   const std::string& name_;
+  DracoLimits draco_limits_;
+  std::uint64_t file_bytes_;
+  // Primitives are drawn many times, and may share what they are made of.
+  std::map<std::size_t, GltfElements> elements_;  // by accessor
+  std::map<std::tuple<std::size_t, std::uint32_t, bool>, std::vector<float>> draco_;
 };
 
 }  // namespace
@@ -109,31 +176,15 @@ Result<FaceWeights> read_face_weights(std::span<const std::byte> bytes, const De
   if (!document.is_object()) {
     return fail(ErrorCode::mesh_invalid, "The glTF's JSON does not parse, or is not an object.");
   }
-  const Attributes attributes(*known, std::move(document), attribute);
-
+  AttributeReader reader(*known, buffers, std::move(document), attribute, limits, bytes.size());
   std::vector<float> of_vertex(mesh->soup.positions.size());
-  std::map<std::size_t, GltfElements> read;  // by accessor: primitives are drawn many times
   for (const DrawnPrimitive& one : *drawn) {
     if (!draws_triangles(known->meshes[one.mesh].primitives[one.primitive])) continue;
-    const auto accessor = attributes.accessor_of(one);
-    if (!accessor) return fail(accessor.error());
-    // Before it is read: elements that no bytes stand for may be as many as it says.
-    const GltfAccessor& claimed = known->accessors[*accessor];
-    if (claimed.components != 1 || claimed.count != one.vertices ||
-        one.first_vertex + one.vertices > of_vertex.size()) {
-      return no_weights(primitive_name(one) + ": its attribute " + attribute +
-                        " is not one number for each of its vertices");
+    if (one.first_vertex + one.vertices > of_vertex.size()) {
+      return no_weights(primitive_name(one) + " has other vertices than were decoded");
     }
-    auto elements = read.find(*accessor);
-    if (elements == read.end()) {
-      auto found = read_accessor(*known, buffers, *accessor, GltfUse::any, bytes.size());
-      if (!found) return fail(std::move(found.error()));
-      elements = read.emplace(*accessor, std::move(*found)).first;
-    }
-    const GltfElements& values = elements->second;
-    for (std::uint64_t i = 0; i < one.vertices; ++i) {
-      of_vertex[one.first_vertex + i] = static_cast<float>(values.number(i, 0));
-    }
+    const std::span<float> out = std::span(of_vertex).subspan(one.first_vertex, one.vertices);
+    if (const auto read = reader.read(one, out); !read) return fail(read.error());
   }
   FaceWeights weights;
   weights.by_face.reserve(mesh->soup.faces.size());

@@ -17,12 +17,12 @@ struct FaceWeights {
 };
 
 // The mean of the attribute at the three corners of each face; integers that are normalised are
-// divided by their greatest. `bytes` are those of a GLB or glTF file that has been decoded with
-// these options.
-// Errors: those of `decode_gltf`; value_out_of_range, always of `weight_attribute`, where a
-// primitive of triangles has no attribute of that name (the message lists those that it has), where
-// it is not one number a vertex for all vertices, or where the number at a corner is no weight;
-// not_acceptable where it is compressed by Draco.
+// divided by their greatest. What a primitive's Draco data has is read from there. `bytes` are
+// those of a GLB or glTF file that has been decoded with these options. Errors: those of
+// `decode_gltf`; value_out_of_range, always of `weight_attribute`, where a primitive of triangles
+// has no attribute of that name (the message lists those that it has), where it is not one number a
+// vertex for all vertices, or cannot be read from the primitive's Draco data, or where the number
+// at a corner is no weight.
 [[nodiscard]] Result<FaceWeights> read_face_weights(std::span<const std::byte> bytes,
                                                     const DecodeLimits& limits,
                                                     const ImportOptions& options,

@@ -8,7 +8,7 @@
 namespace geodesic::server {
 
 // Before anything is computed.
-Result<Routes::GltfSize> Routes::size_of_gltf(const Query& query, const char* parameter,
+Result<Routes::GltfSize> Routes::size_of_gltf(const Query& query, const Error& otherwise,
                                               const Caller& caller) {
   const auto metadata = catalog_.metadata(query.mesh, caller);
   if (!metadata) return fail(metadata.error());
@@ -18,16 +18,20 @@ Result<Routes::GltfSize> Routes::size_of_gltf(const Query& query, const char* pa
     return GltfSize{description.value("bytes", std::uint64_t{0}),
                     description.value("faces", std::uint64_t{0})};
   }
-  return fail(InputCode::not_acceptable,
-              "only a .glb or .gltf has attributes of vertices, and this mesh was uploaded as ." +
-                  format + "; format=glb makes a file of it",
-              parameter);
+  return fail(otherwise.code,
+              "only a .glb or .gltf has attributes of vertices by name, and this mesh was "
+              "uploaded as ." +
+                  format + "; " + otherwise.detail,
+              otherwise.parameter);
 }
 
 Result<std::shared_ptr<const void>> Routes::read_weights(const Query& query, proto::Costs& costs,
                                                          const Caller& caller) {
   if (costs.weight_attribute.empty()) return nullptr;
-  const auto file = size_of_gltf(query, "weight_attribute", caller);
+  const auto file = size_of_gltf(
+      query,
+      {ErrorCode::value_out_of_range, "send face_weights instead", "weight_attribute", {}, {}},
+      caller);
   if (!file) return fail(file.error());
   const std::uint64_t bytes_of_weights = file->faces * sizeof(double);
   // The file, and once more for who decodes it.

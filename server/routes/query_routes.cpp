@@ -179,7 +179,9 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
       auto named = attributes_of(request, *format);
       if (!named) return fail(std::move(named.error()));
       attributes = std::move(*named);
-      const auto file = size_of_gltf(query, "format", *caller);
+      const auto file = size_of_gltf(
+          query, {InputCode::not_acceptable, "format=glb makes a file of it", "format", {}, {}},
+          *caller);
       if (!file) return fail(file.error());
       file_bytes = file->bytes;
     }

@@ -142,13 +142,13 @@ class Routes {
   // those of ReplyBudget::reserve.
   [[nodiscard]] Result<std::shared_ptr<const void>> collect_rows(
       Answered<proto::TableReply>& answer, const Caller& caller);
-  // How large the file is that a mesh is of. Errors: mesh_unknown; not_acceptable, naming the
-  // parameter, where it is no glTF.
+  // How large the file is that a mesh is of. Errors: mesh_unknown; `otherwise` where it is no glTF,
+  // whose detail is the way out.
   struct GltfSize {
     std::uint64_t bytes = 0;
     std::uint64_t faces = 0;
   };
-  [[nodiscard]] Result<GltfSize> size_of_gltf(const Query& query, const char* parameter,
+  [[nodiscard]] Result<GltfSize> size_of_gltf(const Query& query, const Error& otherwise,
                                               const Caller& caller);
   // Weights of faces that are in the file, if they are asked for, and the reservation of their
   // memory. Errors: those of size_of_gltf, of MeshCatalog::face_weights and of

@@ -391,7 +391,7 @@ void print_frontier(const FrontierOptions& options) {
   print_vectors();
   print_fields();
   print_sources(meshes);
-  print_queries(meshes);
+  print_queries(options.seed, options.files);
   print_threads(meshes);
 }
 

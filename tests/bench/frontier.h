@@ -2,6 +2,7 @@
 // reached, cell by cell. `geodesic_bench --frontier`.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,8 @@ struct FrontierOptions {
   bool quick = false;
   // Mesh files to measure instead of the frontier's own meshes, as scans.
   std::vector<std::string> files;
+  // Of the meshes that queries are measured on, besides those files.
+  std::uint32_t seed = 0;
 };
 
 // Prints Markdown tables. Ends the process when a method fails, or a file

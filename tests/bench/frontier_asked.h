@@ -2,7 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "core/solve/solve_field.h"
 #include "tests/bench/frontier_meshes.h"
@@ -18,7 +21,8 @@ Value take(Result<Value> result) {
 
 struct Figures {
   double ms = 0;
-  double off = 0;  // relative
+  double off = 0;        // relative
+  bool is_there = true;  // false where the mesh has no such thing, as a loop that stays one
 };
 
 // The mesh of a row, and what all queries need of it.
@@ -41,6 +45,18 @@ class Asked {
     limits.max = max;
     limits.keep_details = keep_details;
     return take(solve_field(method, {}, adjacency(), {&source_, 1}, limits, scratch_, Cancel()));
+  }
+
+  // With a way between them: from the nearest to the source on, evenly by their numbers.
+  [[nodiscard]] std::vector<std::uint32_t> connected_vertices(std::size_t count) {
+    const Field all = field(Method::back_traced, kUnreached, false);
+    std::vector<std::uint32_t> reached;
+    for (std::uint32_t v = 0; v < all.distance.size(); ++v) {
+      if (all.distance[v] < kUnreached) reached.push_back(v);
+    }
+    std::vector<std::uint32_t> chosen;
+    for (std::size_t i = 0; i < count; ++i) chosen.push_back(reached[i * reached.size() / count]);
+    return chosen;
   }
 
  private:

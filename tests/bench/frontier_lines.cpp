@@ -5,19 +5,24 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "core/field/line_waves.h"
-#include "core/field/travel_cost.h"
 #include "core/mesh/cut_mesh.h"
+#include "core/refine/cut_along.h"
+#include "core/refine/line_sides.h"
+#include "core/refine/refine_along.h"
 #include "core/solve/curve_lines.h"
+#include "core/solve/pair_search.h"
 #include "core/solve/solve_from_lines.h"
-#include "core/steiner/steiner.h"
 #include "tests/bench/processor_time.h"
 
 namespace geodesic::bench {
 namespace {
+
+constexpr std::size_t kMostPieces = 1'000'000;
 
 // The largest relative difference of what both fields reach.
 double most_off(const Field& found, const Field& true_one) {
@@ -29,25 +34,12 @@ double most_off(const Field& found, const Field& true_one) {
   return off;
 }
 
-// Vertices with a way between them: from the nearest to the source on, evenly by their numbers.
-std::vector<std::uint32_t> connected_vertices(Asked& asked, std::size_t count) {
-  const Field field = asked.field(Method::back_traced, kUnreached, false);
-  std::vector<std::uint32_t> reached;
-  for (std::uint32_t v = 0; v < field.distance.size(); ++v) {
-    if (field.distance[v] < kUnreached) reached.push_back(v);
-  }
-  std::vector<std::uint32_t> chosen;
-  for (std::size_t i = 0; i < count; ++i) chosen.push_back(reached[i * reached.size() / count]);
-  return chosen;
-}
-
 }  // namespace
 
 Figures from_a_curve(Asked& asked) {
-  constexpr std::size_t kMostPieces = 1'000'000;
   const Adjacency& adjacency = asked.adjacency();
   std::vector<SurfacePoint> points;
-  for (const std::uint32_t v : connected_vertices(asked, 4)) {
+  for (const std::uint32_t v : asked.connected_vertices(4)) {
     points.push_back(point_at_vertex(adjacency, v));
   }
   std::shared_ptr<SourceLines> lines;
@@ -102,41 +94,86 @@ Figures in_a_region(Asked& asked) {
   return figures;
 }
 
-Figures by_weights(Asked& asked) {
-  constexpr std::uint32_t kFiner = 2 * MethodOptions{}.points_per_edge + 1;
-  const Adjacency& adjacency = asked.adjacency();
-  const Mesh& mesh = adjacency.mesh();
-  const Vec3 source = position_of(mesh, asked.source().point);
-  TravelCost::Parts parts;
-  for (const Triangle& face : mesh.faces()) {
-    parts.weights.push_back(mesh.positions()[face[0]].x < source.x ? 3 : 1);
-  }
-  const auto cost = std::make_shared<const TravelCost>(std::move(parts));
-  WavefrontScratch scratch;
-  const auto solve = [&](std::uint32_t points_per_edge) {
+Figures behind_a_wall(Asked& asked) {
+  const Adjacency& whole = asked.adjacency();
+  const std::vector<std::uint32_t> ends = asked.connected_vertices(7);
+  const Source begin{point_at_vertex(whole, ends[3]), 0};
+  const auto way =
+      take(pair_search(Method::exact, {}, whole, begin, point_at_vertex(whole, ends[5]),
+                       PairPath::refined, asked.scratch(), Cancel()));
+  SurfacePolyline line;
+  for (const PathPoint& point : way.path->points) line.push_back(point.point);
+  std::shared_ptr<const Adjacency> walled;
+  Field found;
+  const auto solve = [&](Method method) {
     FieldLimits limits;
     limits.keep_details = false;
-    return take(steiner_field(adjacency, {&asked.source(), 1}, points_per_edge, limits, scratch,
-                              Cancel(), cost));
+    const std::uint32_t source = whole.mesh().source_of_vertex(asked.source().point.vertex);
+    const Source from{point_at_vertex(*walled, walled->mesh().vertex_of_source()[source]), 0};
+    return take(solve_field(method, {}, *walled, {&from, 1}, limits, asked.scratch(), Cancel()));
   };
-  Field found;
   Figures figures;
-  figures.ms = processor_ms_of([&] { found = solve(MethodOptions{}.points_per_edge); });
-  const Field finer = solve(kFiner);
-  std::size_t compared = 0;
-  for (std::size_t v = 0; v < finer.distance.size(); ++v) {
-    const double d = finer.distance[v];
-    if (!(d > 0 && d < kUnreached)) continue;
-    figures.off += found.distance[v] / d - 1;
-    ++compared;
+  figures.ms = processor_ms_of([&] {
+    const Cancel never;
+    Poll poll(never);
+    const SurfacePolyline wall = as_wall(whole, line, poll);
+    const RefinedMesh refined = take(refine_along(whole, std::span(&wall, 1), kMostPieces, never));
+    const std::vector<std::uint8_t> is_left(refined.mesh.face_count(), 1);
+    const std::uint32_t first = 0;
+    CutMesh cut = take(cut_along(refined, {&first, 1}, is_left, never));
+    const auto mesh = std::make_shared<const Mesh>(std::move(cut.mesh));
+    walled = std::make_shared<const Adjacency>(take(Adjacency::build(mesh, never)));
+    found = solve(Method::back_traced);
+  });
+  figures.off = most_off(found, solve(Method::exact));
+  return figures;
+}
+
+Figures with_signs(Asked& asked) {
+  const Adjacency& adjacency = asked.adjacency();
+  std::vector<SurfacePoint> points;
+  for (const std::uint32_t v : asked.connected_vertices(4)) {
+    points.push_back(point_at_vertex(adjacency, v));
   }
-  if (compared > 0) figures.off /= static_cast<double>(compared);
+  const auto lines = std::make_shared<SourceLines>();
+  std::vector<Source> sources;
+  Result<LineSides> sides = fail(ErrorCode::value_out_of_range, "");
+  Field field;
+  Figures figures;
+  figures.ms = processor_ms_of([&] {
+    (void)take(add_curve(adjacency, points, true, 0, kMostPieces, *lines, sources, asked.scratch(),
+                         Cancel()));
+    SurfacePolyline round;
+    for (const Source& source : sources) round.push_back(source.point);
+    FieldLimits limits;
+    limits.keep_details = false;
+    sides = LineSides::find(adjacency, round, kMostPieces, Cancel());
+    field = take(solve_from_lines(Method::back_traced, {}, adjacency, sources, lines, limits,
+                                  asked.scratch(), Cancel()));
+  });
+  if (!sides) {
+    figures.is_there = false;
+    return figures;
+  }
+  std::size_t changes = 0;
+  const Mesh& mesh = adjacency.mesh();
+  for (const Triangle& face : mesh.faces()) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::uint32_t a = face[c];
+      const std::uint32_t b = face[(c + 1) % 3];
+      // A line that crosses the edge is no farther from its ends than the edge is long.
+      const double side = distance(mesh.positions()[a], mesh.positions()[b]);
+      const bool is_away = field.distance[a] + field.distance[b] > side * (1 + 1e-3);
+      if (is_away && sides->is_inside(a) != sides->is_inside(b)) ++changes;
+    }
+  }
+  figures.off = static_cast<double>(changes) / (3.0 * mesh.face_count());
   return figures;
 }
 
 Figures tables(Asked& asked) {
   const Adjacency& adjacency = asked.adjacency();
-  const std::vector<std::uint32_t> points = connected_vertices(asked, 10);
+  const std::vector<std::uint32_t> points = asked.connected_vertices(10);
   const auto rows = [&](Method method) {
     std::vector<double> entries;
     for (const std::uint32_t from : points) {

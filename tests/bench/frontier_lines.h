@@ -1,4 +1,4 @@
-// Rows of queries that say more than a point: lines as sources, regions, costs, tables.
+// Rows of queries that say more than a point: lines as sources, regions, walls, tables.
 #pragma once
 
 #include "tests/bench/frontier_asked.h"
@@ -12,9 +12,12 @@ namespace geodesic::bench {
 // distances, at the most, from those by `exact` on what is left.
 [[nodiscard]] Figures in_a_region(Asked& asked);
 
-// One side costs three times as much. Off by: the mean above what more than twice as many points
-// on edges find, for nothing finds the least.
-[[nodiscard]] Figures by_weights(Asked& asked);
+// A wall along a path. Off by: distances, at the most, from those by `exact` past the wall.
+[[nodiscard]] Figures behind_a_wall(Asked& asked);
+
+// From a closed curve, below 0 inside of it. Off by: edges whose ends have other signs although
+// the curve is too far away to cross them, of all. Nothing where it separates nothing.
+[[nodiscard]] Figures with_signs(Asked& asked);
 
 // Off by: the largest difference of an entry from that by `exact`.
 [[nodiscard]] Figures tables(Asked& asked);

@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <random>
 #include <utility>
 
 #include "core/mesh/shapes.h"
+#include "tests/bench/family_meshes.h"
 #include "tests/bench/irregular_plane.h"
 #include "tests/bench/subjects.h"
 
@@ -29,7 +31,66 @@ TriangleSoup bumpy_plane(std::uint32_t count) {
   return irregular_plane(count, 0.132 * std::sqrt(count), 1);
 }
 
+double unit(std::mt19937& random) { return random() / 4294967296.0; }
+
+Vec3 direction(std::mt19937& random) {
+  for (;;) {
+    const Vec3 d{2 * unit(random) - 1, 2 * unit(random) - 1, 2 * unit(random) - 1};
+    const double length = norm(d);
+    if (length > 0.1 && length < 1) return 1 / length * d;
+  }
+}
+
+// Waves of all lengths upon a ball, the shorter the lower, and vertices in no pattern.
+TriangleSoup bumpy_ball(std::mt19937& random) {
+  constexpr std::uint32_t kLevels = 5;
+  constexpr double kEdge = 0.035;  // about as long as its edges are
+  struct Wave {
+    Vec3 along;
+    double rate;
+    double phase;
+  };
+  std::vector<Wave> waves;
+  for (int i = 0; i < 30; ++i) {
+    waves.push_back({direction(random), 2 * std::pow(12.0, unit(random)), 7 * unit(random)});
+  }
+  TriangleSoup soup = shapes::icosphere(kLevels);
+  for (Vec3& p : soup.positions) {
+    p = p + 0.3 * kEdge * direction(random);
+    double height = 1;
+    for (const Wave& wave : waves) {
+      height += 0.1 / wave.rate * std::sin(wave.rate * dot(wave.along, p) + wave.phase);
+    }
+    p = height * p;
+  }
+  return soup;
+}
+
 }  // namespace
+
+std::vector<FrontierMesh> drawn_meshes(std::uint32_t seed) {
+  constexpr std::uint32_t kSide = 100;
+  // Of a part with thin faces, each field is by `exact`: some thousand vertices take minutes.
+  constexpr std::size_t kLeastVertices = 500;
+  constexpr std::size_t kMostVertices = 1500;
+  std::mt19937 random(seed);
+  std::vector<FrontierMesh> meshes;
+  meshes.push_back({"bumpy ball", bumpy_ball(random), kScan});
+  const double height = 5 + 20 * unit(random);
+  meshes.push_back(
+      {"terrain", shapes::terrain(kSide, height, static_cast<std::uint32_t>(random())), kScan});
+  FamilyMesh part;
+  do {
+    part = part_of_family(seed, static_cast<std::uint32_t>(random() % 1000));
+  } while (part.soup.positions.size() < kLeastVertices ||
+           part.soup.positions.size() > kMostVertices);
+  meshes.push_back({part.kind, std::move(part.soup), kAwkward});
+  for (FrontierMesh& mesh : meshes) {
+    mesh.title += " of " + std::to_string(mesh.soup.positions.size());
+    mesh.first_source = mesh.soup.faces[random() % mesh.soup.faces.size()][0];
+  }
+  return meshes;
+}
 
 std::vector<FrontierMesh> frontier_meshes(bool quick) {
   std::vector<FrontierMesh> meshes;

@@ -33,6 +33,10 @@ struct FrontierMesh {
 // those of at most 200,000 vertices.
 [[nodiscard]] std::vector<FrontierMesh> frontier_meshes(bool quick);
 
+// Three of a seed, of 500 to 10,242 vertices, each with a source: a closed surface with bumps of
+// all sizes, as scans have; a terrain with a boundary; a machine part.
+[[nodiscard]] std::vector<FrontierMesh> drawn_meshes(std::uint32_t seed);
+
 // Those of mesh files, as scans. Ends the process when one cannot be read.
 [[nodiscard]] std::vector<FrontierMesh> meshes_of(const std::vector<std::string>& files);
 

@@ -2,13 +2,14 @@
 // `geodesic_bench --frontier`.
 #pragma once
 
-#include <span>
-
-#include "tests/bench/frontier_meshes.h"
+#include <cstdint>
+#include <string>
+#include <vector>
 
 namespace geodesic::bench {
 
-// Prints a Markdown table with a row for each query and mesh that is not large.
-void print_queries(std::span<const FrontierMesh> meshes);
+// Prints a Markdown table with a row for each query and mesh: those drawn from the seed
+// (drawn_meshes), and those of the files that are not large.
+void print_queries(std::uint32_t seed, const std::vector<std::string>& files);
 
 }  // namespace geodesic::bench

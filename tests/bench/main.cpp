@@ -15,6 +15,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -184,6 +185,8 @@ int main(int argc, char** argv) {
   app.add_flag("--queries", queries,
                "what the queries that follow from fields cost, and how far off they are; "
                "nothing else");
+  std::optional<std::uint32_t> seed;
+  app.add_option("--seed", seed, "with --queries or --frontier: of the meshes of queries");
   std::vector<std::uint64_t> cold;
   app.add_option(
       "--cold", cold,
@@ -191,7 +194,8 @@ int main(int argc, char** argv) {
       "nothing else");
   app.add_option("--mesh", only, "only the meshes of these names");
   app.add_option("FILE", files,
-                 "with --frontier, --threads or --queries: these meshes instead of its own")
+                 "with --frontier or --threads: these meshes instead of its own; with --queries: "
+                 "these, too")
       ->check(CLI::ExistingFile);
   app.add_option("--peers", options.peers, "folder of the peers' Python environments");
   app.add_option("--json", json_file, "also write the figures to this file, as JSON");
@@ -201,12 +205,13 @@ int main(int argc, char** argv) {
     std::cerr << "FILE is for --frontier, --threads and --queries\n";
     return 2;
   }
+  if (!seed) seed = static_cast<std::uint32_t>(std::random_device()());
   if (frontier) {
-    bench::print_frontier({quick, files});
+    bench::print_frontier({quick, files, *seed});
     return 0;
   }
   if (queries) {
-    bench::print_queries(files.empty() ? bench::frontier_meshes(true) : bench::meshes_of(files));
+    bench::print_queries(*seed, files);
     return 0;
   }
   if (threads) {

@@ -9,8 +9,10 @@
 
 #include "core/mesh/mesh.h"
 #include "core/surface/adjacency.h"
+#include "proto/draco/codec.h"
 #include "proto/formats/decode_mesh.h"
 #include "proto/gltf/annotate.h"
+#include "proto/gltf/weights.h"
 #include "proto/gltf_file/container.h"
 #include "proto/gltf_file/parse.h"
 #include "proto/mesh/metadata.h"
@@ -42,6 +44,37 @@ void check_annotation(std::span<const std::byte> bytes, const proto::DecodeLimit
          "what was annotated can be read");
 }
 
+// Each vertex of Draco data has a number of an attribute, or none has.
+void check_numbers(std::span<const std::byte> bytes, const proto::DecodeLimits& limits,
+                   const proto::DecodedMesh& decoded) {
+  if (decoded.format != proto::MeshFormat::drc) return;
+  for (std::uint32_t id = 0; id < 3; ++id) {
+    const auto numbers = proto::decode_draco_numbers(bytes, {limits.max_vertices, limits.max_faces},
+                                                     {id, id % 2 == 1});
+    if (numbers) {
+      expect(numbers->size() == decoded.soup.positions.size(), "a number for each vertex");
+    } else {
+      expect(numbers.error().code == ErrorCode::mesh_invalid, "numbers are there or are not");
+    }
+  }
+}
+
+// Each face has a weight, or there is a reason.
+void check_weights(std::span<const std::byte> bytes, const proto::DecodeLimits& limits,
+                   const proto::DecodedMesh& decoded) {
+  if (decoded.format != proto::MeshFormat::glb && decoded.format != proto::MeshFormat::gltf) return;
+  const auto weights = proto::read_face_weights(bytes, limits, {}, "_MUD");
+  if (weights) {
+    expect(weights->by_face.size() == decoded.soup.faces.size(), "a weight for each face");
+    for (const double weight : weights->by_face) {
+      expect(weight > 0 && std::isfinite(weight), "weights are above 0");
+    }
+  } else {
+    expect(weights.error().code != ErrorCode::internal && !weights.error().detail.empty(),
+           "an error says what is wrong");
+  }
+}
+
 }  // namespace
 
 void fuzz_decoding(Input input) {
@@ -71,6 +104,8 @@ void fuzz_decoding(Input input) {
     next = run.end;
   }
   check_annotation(std::as_bytes(input), limits, *decoded);
+  check_numbers(std::as_bytes(input), limits, *decoded);
+  check_weights(std::as_bytes(input), limits, *decoded);
   auto mesh = Mesh::build(soup);
   if (!mesh) {
     expect(mesh.error().code == ErrorCode::mesh_invalid, "a decoded mesh is checked");

@@ -9,6 +9,7 @@
 #include "proto/encode/encode_mesh.h"
 #include "server/decoder/decoded_frame.h"
 #include "tests/fuzz/targets.h"
+#include "tests/proto/gltf_file/draco_fixture.h"
 #include "tests/proto/gltf_file/fixture.h"
 
 namespace geodesic::fuzz {
@@ -77,17 +78,28 @@ GltfFixture with_sparse_and_quantised() {
   return file;
 }
 
+// An icosphere with a number at each corner of its faces.
+proto::DracoNumbers sphere_numbers(int component_type, bool by_edgebreaker) {
+  proto::DracoNumbers numbers;
+  numbers.component_type = component_type;
+  numbers.bits = component_type == 5126 ? 8 : 0;
+  numbers.by_edgebreaker = by_edgebreaker;
+  const std::size_t corners = 3 * shapes::icosphere(1).faces.size();
+  for (std::size_t i = 0; i < corners; ++i) {
+    numbers.at_corner.push_back(1 + static_cast<double>(i / 3 % 3));
+  }
+  return numbers;
+}
+
 GltfFixture with_draco() {
   GltfFixture file;
-  const TriangleSoup soup = shapes::icosphere(1);
-  const auto position = file.add(
-      "accessors", {{"componentType", 5126}, {"count", soup.positions.size()}, {"type", "VEC3"}});
-  json primitive = GltfFixture::primitive(position);
-  primitive["extensions"]["KHR_draco_mesh_compression"] = {
-      {"bufferView", file.view(proto::encode_drc(soup, 11).value())},
-      {"attributes", {{"POSITION", 0}}}};
-  file.document["extensionsRequired"] = {"KHR_draco_mesh_compression"};
-  file.mesh({primitive});
+  std::vector<json> primitives;
+  for (const int component_type : {5126, 5123}) {
+    const proto::DracoNumbers numbers = sphere_numbers(component_type, true);
+    primitives.push_back(proto::draco_primitive(
+        file, proto::draco_of(shapes::icosphere(1), numbers), numbers, "_MUD"));
+  }
+  file.mesh(primitives);
   file.node({{"mesh", 0}});
   return file;
 }
@@ -112,6 +124,13 @@ std::vector<std::string> draco_seeds() {
   for (const auto& [name, soup] : small_shapes()) {
     for (const int bits : {0, 8, 14}) {
       if (auto file = proto::encode_drc(soup, bits)) seeds.push_back(text_of(*file));
+    }
+  }
+  for (const int component_type : {5126, 5121, 5125}) {
+    for (const bool by_edgebreaker : {true, false}) {
+      seeds.push_back(text_of(
+          proto::draco_of(shapes::icosphere(1), sphere_numbers(component_type, by_edgebreaker))
+              .bytes));
     }
   }
   return seeds;

@@ -25,7 +25,7 @@ sys.path.insert(0, str(HERE))
 sys.path.insert(0, str(HERE.parent / "crash"))
 from service import Service  # noqa: E402
 from torture_clients import Mesh  # noqa: E402
-from torture_meshes import every_mesh  # noqa: E402
+from torture_meshes import MUDDY, every_mesh  # noqa: E402
 from torture_questions import METHODS, question_about  # noqa: E402
 
 OPTIONS = {"auto": [{}, {"bound": "upper"}, {"tolerance": 0.001}],
@@ -79,6 +79,15 @@ def systematic(vertices):
     yield "/logmap?from=f:0,0.3,0.3&radius=3"
     yield "/logmap?from=v:0&radius=3&transport=1"
     yield "/distance?from=v:0&labels=1&format=annotated"
+
+
+def of_weights_in_files():
+    """What is asked of meshes with weights in their files."""
+    for query in ("distance?from=v:0&format=f64", "distance?from=v:0&at=v:9&at=f:1,0.1,0.7", "path?from=v:0&to=v:9",
+                  "isolines?from=v:0&count=3", "table?from=v:0&from=v:9&to=v:5"):
+        yield f"/{query}&weight_attribute=_MUD"
+        yield f"/{query}&weight_attribute=_MUD&slope=-1:2,0:1,1:3&weights=3*faces:0-9"
+    yield "/distance?from=v:0&weight_attribute=_SNOW"
 
 
 DEADLINE = re.compile(r'(deadline_ms"?[=:] ?)\d+')
@@ -140,6 +149,8 @@ def main():
             mesh = Mesh(kind, shape, str(arguments.seed))
             if added := pair.add(mesh.data, ""):
                 small.append((added[0], mesh))
+                for question in of_weights_in_files() if kind in MUDDY else ():
+                    pair.ask("GET", f"/v1/meshes/{added[0]}{question}")
         for _ in range(arguments.questions):
             identity, mesh = chance.choice(small)
             question = question_about(chance, mesh)

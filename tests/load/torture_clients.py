@@ -10,7 +10,7 @@ import socket
 import threading
 import time
 
-from torture_meshes import obj
+from torture_meshes import MUDDY, glb, obj
 from torture_questions import OF_THE_MOMENT, batch_of, is_same
 
 # What an error may say, by status. All else is a fault.
@@ -111,7 +111,7 @@ class Mesh:
         self.kind = kind
         self.shape = shape
         self.options = options
-        self.data = obj(shape, name)
+        self.data = (glb if kind in MUDDY else obj)(shape, name)
         self.vertices, self.faces = len(shape[0]), len(shape[1])
         self.id = hashlib.sha256(self.data).hexdigest()  # until an upload has told, where there are options
         self.questions = collections.deque(maxlen=12)  # asked lately, to be asked again

@@ -1,7 +1,9 @@
 """Small meshes of awkward kinds, made from a seed: (kind, vertices, faces) each, as OBJ
-text when they are uploaded. None has more than a few hundred vertices."""
+text when they are uploaded, some as GLB. None has more than a few hundred vertices."""
 
+import json
 import math
+import struct
 
 
 def sphere(rows, columns, pole=None, height=1.0):
@@ -172,3 +174,32 @@ def obj(mesh, name):
     lines += ["v " + " ".join(repr(float(x)) for x in point) for point in points]
     lines += ["f " + " ".join(str(corner + 1) for corner in face) for face in faces]
     return ("\n".join(lines) + "\n").encode()
+
+
+# Kinds whose files have weights in them.
+MUDDY = ("bumpy", "torus", "parts")
+
+
+def glb(mesh, name):
+    """The same as a GLB, whose vertices have an attribute `_MUD`."""
+    points, faces = mesh
+    mud = [1 + v % 7 / 2 for v in range(len(points))]
+    arrays = [(5126, "VEC3", struct.pack(f"<{3 * len(points)}f", *(x for point in points for x in point))),
+              (5126, "SCALAR", struct.pack(f"<{len(mud)}f", *mud)),
+              (5125, "SCALAR", struct.pack(f"<{3 * len(faces)}I", *(corner for face in faces for corner in face)))]
+    counts = [len(points), len(mud), 3 * len(faces)]
+    views, at = [], 0
+    for _, _, data in arrays:
+        views.append({"buffer": 0, "byteOffset": at, "byteLength": len(data)})
+        at += len(data)
+    document = {
+        "asset": {"version": "2.0", "generator": name}, "buffers": [{"byteLength": at}], "bufferViews": views,
+        "accessors": [{"bufferView": i, "componentType": component, "type": shape, "count": counts[i]}
+                      for i, (component, shape, _) in enumerate(arrays)],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "_MUD": 1}, "indices": 2}]}],
+        "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}], "scene": 0,
+    }
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    return (struct.pack("<4sIIII", b"glTF", 2, 28 + len(text) + at, len(text), 0x4E4F534A) + text
+            + struct.pack("<II", at, 0x004E4942) + b"".join(data for _, _, data in arrays))

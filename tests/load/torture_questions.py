@@ -131,6 +131,8 @@ def parameters_of(chance, mesh, query):
             asked["labels"] = 1
         if chance.random() < 0.1:
             asked["signed"] = 1
+            if chance.random() < 0.8:  # what a sign is for
+                asked["from"] = "curve:closed;" + ";".join(point_of(chance, mesh) for _ in range(3))
         formats = ["json", "f32", "f64", "npy", "frame", "u16"]
         return asked, formats if "at" in asked else formats + ["png", "glb", "annotated"]
     if query == "table":
@@ -223,6 +225,8 @@ def costs_of(chance, mesh, query, asked):
         costs["weights"] = [
             f"{10 ** chance.uniform(-2, 2):.4g}*{region_of(chance, mesh)}" for _ in range(chance.choice([1, 3]))
         ]
+    if chance.random() < 0.4:
+        costs["weight_attribute"] = chance.choice(["_MUD", "_MUD", "_MUD", "_SNOW"])
     if chance.random() < 0.6:
         costs["slope"] = chance.choice(["tobler", "-1:2,0:1,0.5:9", "0:0", "nonsense"])
     if chance.random() < 0.3:

@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "core/mesh/shapes.h"
+#include "proto/gltf/weights.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/test_seed.h"
+#include "tests/proto/gltf_file/draco_fixture.h"
 #include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
@@ -125,6 +127,40 @@ TEST_CASE("WeightsAreReadFromAnAttributeOfTheFile") {
           "/path?from=v:0&to=v:5&weight_attribute=_THREE", 422, "value_out_of_range");
   CHECK(plane.service.ask("DELETE", base).status == 204);
   CHECK(kept().empty());
+}
+
+TEST_CASE("WeightsAreReadOutOfDracoData") {
+  PlaneService plane;
+  const TriangleSoup soup = shapes::terrain(8, 3, fixtures::test_seed());
+  proto::DracoNumbers numbers;
+  for (std::size_t corner = 0; corner < 3 * soup.faces.size(); ++corner) {
+    numbers.at_corner.push_back(1 + static_cast<double>(corner * 7 % 11));
+  }
+  const proto::DracoFixture draco = proto::draco_of(soup, numbers);
+  proto::GltfFixture file;
+  file.mesh({proto::draco_primitive(file, draco, numbers, "_MUD")});
+  file.node({{"mesh", 0}});
+  const proto::Bytes glb = file.glb();
+  const auto text = [](const proto::Bytes& bytes) {
+    return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  };
+  const std::string base = "/v1/meshes/" + plane.service.upload(text(glb));
+  const auto weights = proto::read_face_weights(glb, {}, {}, "_MUD");
+  REQUIRE(weights);
+  const HttpResponse sent = plane.service.ask(
+      "POST", base + "/distance", json{{"from", "v:0"}, {"face_weights", weights->by_face}}.dump());
+  REQUIRE(sent.status == 200);
+  CHECK(*plane.service.get(base + "/distance?from=v:0&weight_attribute=_MUD").body == *sent.body);
+  check_problem(plane.service.get(base + "/distance?from=v:0&weight_attribute=_SNOW"), 422,
+                "value_out_of_range", "weight_attribute");
+  // Without names there is nothing to ask for, by whatever format.
+  for (const std::string& nameless :
+       {text(draco.bytes), std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")}) {
+    const HttpResponse refused = plane.service.get("/v1/meshes/" + plane.service.upload(nameless) +
+                                                   "/distance?from=v:0&weight_attribute=_MUD");
+    check_problem(refused, 422, "value_out_of_range", "weight_attribute");
+    CHECK(body_of(refused)["detail"].get<std::string>().find("face_weights") != std::string::npos);
+  }
 }
 
 TEST_CASE("ACheapestPathSaysWhatItCostsAndHowLongItIs") {
