@@ -79,6 +79,15 @@ LineWaves::LineWaves(const Adjacency& adjacency, std::shared_ptr<const SourceLin
   });
 }
 
+std::span<const std::uint32_t> LineWaves::segments_within(std::uint32_t f) const {
+  const auto is_before = [&](std::uint32_t s, std::uint32_t face) {
+    return lines_->segments[s].face < face;
+  };
+  const auto first = std::lower_bound(in_face_.begin(), in_face_.end(), f, is_before);
+  const auto last = std::lower_bound(first, in_face_.end(), f + 1, is_before);
+  return {first, last};
+}
+
 void LineWaves::arrive_in_face(const Adjacency& adjacency, const SurfacePoint& place,
                                LineArrival& best) const {
   const std::uint32_t f = place.face;
@@ -90,31 +99,31 @@ void LineWaves::arrive_in_face(const Adjacency& adjacency, const SurfacePoint& p
     if (!(distance < best.distance)) return;
     best = {distance, place, strip, segment};
   };
-  const auto first = std::lower_bound(
-      in_face_.begin(), in_face_.end(), f,
-      [&](std::uint32_t s, std::uint32_t face) { return lines_->segments[s].face < face; });
-  if (first != in_face_.end() && lines_->segments[*first].face == f) {
+  if (const auto within = segments_within(f); !within.empty()) {
     const FaceOverEdge over = FaceOverEdge::of(adjacency, halfedge(f, 0));
-    for (auto it = first; it != in_face_.end() && lines_->segments[*it].face == f; ++it) {
-      const BesideSegment there = beside(over, lines_->segments[*it], place.bary);
+    for (const std::uint32_t s : within) {
+      const BesideSegment there = beside(over, lines_->segments[s], place.bary);
       const double slack = kStripSlack * over.base;
       if (there.along < -slack || there.along > there.length + slack) continue;
-      take(std::abs(there.aside), kNone, *it);
+      take(std::abs(there.aside), kNone, s);
     }
   }
   for (std::uint32_t c = 0; c < 3; ++c) {
     const Halfedge h = halfedge(f, c);
-    if (begin_[h] == begin_[h + 1]) continue;
+    const std::span<const std::uint32_t> strips = strips_into(h);
+    if (strips.empty()) continue;
     const FaceOverEdge over = FaceOverEdge::of(adjacency, h);
     const double above = place.bary[previous_corner(c)];
     const double x = place.bary[next_corner(c)] * over.base + above * over.apex_x;
     const double y = above * over.apex_y;
     const double slack = kStripSlack * over.base;
-    for (std::uint32_t i = begin_[h]; i < begin_[h + 1]; ++i) {
-      const LineStrip& strip = strips_[order_[i]];
+    for (const std::uint32_t number : strips) {
+      const LineStrip& strip = strips_[number];
       const double foot = x - y * (strip.b / strip.c);
       if (foot < strip.begin - slack || foot > strip.end + slack) continue;
-      take(strip.value + strip.b * (x - strip.begin) + strip.c * y, order_[i], kNone);
+      // On a line, rounding leaves it beside 0.
+      const double distance = strip.value + strip.b * (x - strip.begin) + strip.c * y;
+      take(std::max(distance, 0.0), number, kNone);
     }
   }
 }

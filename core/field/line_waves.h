@@ -106,6 +106,13 @@ class LineWaves {
   // What an arrival that is not kUnreached is from.
   [[nodiscard]] std::uint32_t item_of(const LineArrival& arrival) const;
 
+  // The strips into a halfedge's face, if they are kept, and the segments within a face that run
+  // along no side of it; numbers both.
+  [[nodiscard]] std::span<const std::uint32_t> strips_into(Halfedge h) const {
+    return std::span(order_).subspan(begin_[h], begin_[h + 1] - begin_[h]);
+  }
+  [[nodiscard]] std::span<const std::uint32_t> segments_within(std::uint32_t f) const;
+
   [[nodiscard]] const SourceLines& lines() const { return *lines_; }
   [[nodiscard]] const LineStrip& strip(std::uint32_t number) const { return strips_[number]; }
   [[nodiscard]] std::uint32_t given() const { return given_; }

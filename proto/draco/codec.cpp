@@ -139,17 +139,16 @@ Result<TriangleSoup> soup_of(const draco::Mesh& mesh, std::optional<DracoAttribu
   return soup;
 }
 
-Result<std::vector<float>> numbers_of(const draco::Mesh& mesh, DracoAttribute which) {
+Result<std::vector<double>> numbers_of(const draco::Mesh& mesh, DracoAttribute which) {
   const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(which.unique_id);
   if (attribute == nullptr) {
     return fail(ErrorCode::mesh_invalid, "The Draco data has no attribute of the id " +
                                              std::to_string(which.unique_id) + ".");
   }
-  std::vector<float> numbers(mesh.num_points());
-  const auto read = read_numbers<1>(mesh, *attribute, which.normalized, "numbers",
-                                    [&](std::uint32_t i, const std::array<double, 1>& number) {
-                                      numbers[i] = static_cast<float>(number[0]);
-                                    });
+  std::vector<double> numbers(mesh.num_points());
+  const auto read = read_numbers<1>(
+      mesh, *attribute, which.normalized, "numbers",
+      [&](std::uint32_t i, const std::array<double, 1>& number) { numbers[i] = number[0]; });
   if (!read) return fail(read.error());
   return numbers;
 }
@@ -188,9 +187,9 @@ Result<TriangleSoup> decode_draco(std::span<const std::byte> bytes, const DracoL
                     [&](const draco::Mesh& mesh) { return soup_of(mesh, position); });
 }
 
-Result<std::vector<float>> decode_draco_numbers(std::span<const std::byte> bytes,
-                                                const DracoLimits& limits,
-                                                DracoAttribute attribute) {
+Result<std::vector<double>> decode_draco_numbers(std::span<const std::byte> bytes,
+                                                 const DracoLimits& limits,
+                                                 DracoAttribute attribute) {
   return decode_and(bytes, limits,
                     [&](const draco::Mesh& mesh) { return numbers_of(mesh, attribute); });
 }

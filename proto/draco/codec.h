@@ -27,12 +27,12 @@ struct DracoAttribute {
                                                 const DracoLimits& limits,
                                                 std::optional<DracoAttribute> position = {});
 
-// What an attribute of one component has for each of these vertices, in the same order; integers as
-// floats. They may be no numbers.
+// What an attribute of one component has for each of these vertices, in the same order. They may be
+// no numbers.
 // Errors: those of `check_draco_claims`; mesh_invalid where the data is damaged, or where there is
 // no such attribute, or one of several components; too_large when memory runs out.
-[[nodiscard]] Result<std::vector<float>> decode_draco_numbers(std::span<const std::byte> bytes,
-                                                              const DracoLimits& limits,
-                                                              DracoAttribute attribute);
+[[nodiscard]] Result<std::vector<double>> decode_draco_numbers(std::span<const std::byte> bytes,
+                                                               const DracoLimits& limits,
+                                                               DracoAttribute attribute);
 
 }  // namespace geodesic::proto

@@ -241,15 +241,28 @@ Result<std::string> with_name(const std::string& description, std::string_view n
   return dumped(named);
 }
 
+namespace {
+
+// The text that a member is, if it is there.
+std::optional<std::string> text_in(const std::string& description, const char* member) {
+  const ordered_json::parser_callback_t is_wanted =
+      [&](int depth, ordered_json::parse_event_t event, ordered_json& value) {
+        return depth != 1 || event != ordered_json::parse_event_t::key || value == member;
+      };
+  const auto object = ordered_json::parse(description, is_wanted, /*allow_exceptions=*/false);
+  const auto text = object.is_object() ? object.find(member) : object.end();
+  if (text == object.end() || !text->is_string()) return std::nullopt;
+  return text->get<std::string>();
+}
+
+}  // namespace
+
 std::optional<std::string> name_in(const std::string& description) {
-  const ordered_json::parser_callback_t is_name = [](int depth, ordered_json::parse_event_t event,
-                                                     ordered_json& value) {
-    return depth != 1 || event != ordered_json::parse_event_t::key || value == "name";
-  };
-  const auto object = ordered_json::parse(description, is_name, /*allow_exceptions=*/false);
-  const auto name = object.is_object() ? object.find("name") : object.end();
-  if (name == object.end() || !name->is_string()) return std::nullopt;
-  return name->get<std::string>();
+  return text_in(description, "name");
+}
+
+std::string format_in(const std::string& description) {
+  return text_in(description, "format").value_or("");
 }
 
 Result<ImportOptions> import_options_of(const std::string& description) {

@@ -73,6 +73,9 @@ struct ToldParts {
 // The name that it has, if any.
 [[nodiscard]] std::optional<std::string> name_in(const std::string& description);
 
+// The format that the file was in; empty if it is not told.
+[[nodiscard]] std::string format_in(const std::string& description);
+
 // What it tells of the file's parts: fewer than kMostParts, where all of them would make it too
 // long. Errors: store_corrupt.
 [[nodiscard]] Result<ToldParts> parts_in(const std::string& description);

@@ -1,6 +1,8 @@
 #include "proto/region/file_faces.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <set>
 #include <span>
 #include <string_view>
@@ -10,6 +12,7 @@
 #include "proto/mesh/text_tokens.h"
 #include "proto/wire/cut_to.h"
 #include "proto/wire/mesh_name.h"
+#include "proto/wire/number.h"
 
 namespace geodesic::proto {
 namespace {
@@ -112,6 +115,36 @@ std::uint64_t least_total_of(const FileFaces& file) {
 }
 
 }  // namespace
+
+tl::unexpected<Error> no_such_label(const std::vector<double>& by_face, const LabelShape& shape,
+                                    std::string parameter, Poll& poll) {
+  constexpr std::size_t kMostTold = 10;
+  std::set<double> least;
+  bool are_more = false;
+  for (const double label : by_face) {
+    if (poll.cancelled()) return fail_stopped(poll);
+    if (std::isnan(label)) continue;
+    least.insert(label);
+    if (least.size() <= kMostTold) continue;
+    least.erase(std::prev(least.end()));
+    are_more = true;
+  }
+  const auto number = [](double value) {
+    std::string text;
+    append_number(text, value, 9);
+    return text;
+  };
+  std::string detail = "no face has " + number(shape.value) + " in " + in_quotes(shape.attribute) +
+                       " at all corners";
+  if (least.empty()) {
+    detail += ", or any other number";
+  } else {
+    detail += are_more ? "; the least that there are: " : "; there are: ";
+    for (const double label : least)
+      detail += (label == *least.begin() ? "" : ", ") + number(label);
+  }
+  return fail(ErrorCode::value_out_of_range, std::move(detail), std::move(parameter));
+}
 
 Result<std::vector<std::size_t>> parts_meant(const FileFaces& file, const PartShape& shape,
                                              std::string parameter) {

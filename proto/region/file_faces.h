@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "core/base/cancel.h"
 #include "core/base/error.h"
 #include "proto/mesh/face_materials.h"
+#include "proto/mesh/face_numbers.h"
 #include "proto/mesh/metadata.h"
 #include "proto/region/region.h"
 
@@ -17,7 +20,15 @@ namespace geodesic::proto {
 struct FileFaces {
   ToldParts parts;
   std::shared_ptr<const FaceMaterials> materials;  // null: none
+  // By attribute, of each that a shape names.
+  std::map<std::string, std::shared_ptr<const FaceNumbers>> labels;
 };
+
+// That no face has a label: value_out_of_range, whose message has the least that there are; or
+// cancelled.
+[[nodiscard]] tl::unexpected<Error> no_such_label(const std::vector<double>& by_face,
+                                                  const LabelShape& shape, std::string parameter,
+                                                  Poll& poll);
 
 // The places of the parts that are meant, ascending. Errors, of `parameter`: index_out_of_range (a
 // place that there is not), value_out_of_range (a name that no part has; the message has the

@@ -32,7 +32,7 @@ class FaceMarker {
       : mesh_(mesh), file_(file), faces_(faces), poll_(poll) {}
 
   // Gives `value` to the faces of a shape. Errors: index_out_of_range, value_out_of_range (an
-  // inside), those of parts_meant and materials_meant, cancelled.
+  // inside), those of parts_meant, materials_meant and no_such_label, cancelled.
   Result<void> mark(const Shape& shape, Value value) {
     value_ = value;
     parameter_ = &shape.parameter;
@@ -92,6 +92,20 @@ class FaceMarker {
     mark_until(faces_.size(), kNoMaterial);
     if (poll_.stopped()) return fail_stopped(poll_);
     return {};
+  }
+
+  Result<void> operator()(const LabelShape& shape) {
+    const auto labels = file_.labels.find(shape.attribute);
+    const std::vector<double>& by_face = labels->second->by_face;
+    bool is_there = false;
+    for (std::size_t f = 0; f < faces_.size() && f < by_face.size(); ++f) {
+      if (poll_.cancelled()) return fail_stopped(poll_);
+      if (!shape.is_of(by_face[f])) continue;
+      faces_[f] = value_;
+      is_there = true;
+    }
+    if (is_there) return {};
+    return no_such_label(by_face, shape, *parameter_ + ".label", poll_);
   }
 
   Result<void> operator()(const InsideShape&) {

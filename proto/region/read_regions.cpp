@@ -87,6 +87,18 @@ Result<Shape> material_of(const json& value, std::string parameter) {
   return Shape{MaterialShape{*material}, std::move(parameter)};
 }
 
+Result<Shape> label_of(const json& label, std::string parameter) {
+  const std::string inner = parameter + ".label";
+  if (auto ok = check_members(label, {"attribute", "value"}, inner); !ok) return fail(ok.error());
+  const json& attribute = label["attribute"];
+  const json& value = label["value"];
+  if (!attribute.is_string()) return no_shape("\"attribute\" is not a text", inner + ".attribute");
+  if (!value.is_number() || !std::isfinite(value.get<double>())) {
+    return no_shape("\"value\" is not a number", inner + ".value");
+  }
+  return label_shape(attribute.get<std::string>(), value.get<double>(), std::move(parameter));
+}
+
 Result<Shape> sphere_of(const json& sphere, std::string parameter) {
   const std::string inner = parameter + ".sphere";
   if (auto ok = check_members(sphere, {"center", "radius"}, inner); !ok) return fail(ok.error());
@@ -216,10 +228,11 @@ Result<Shape> parse_json_shape(const json& value, std::string parameter) {
     return parse_shape(value.get_ref<const std::string&>(), std::move(parameter));
   }
   if (!value.is_object()) return no_shape("a region is an object or a text", std::move(parameter));
-  constexpr std::array<std::pair<const char*, Result<Shape> (*)(const json&, std::string)>, 6>
+  constexpr std::array<std::pair<const char*, Result<Shape> (*)(const json&, std::string)>, 7>
       kKinds{{{"faces", faces_of},
               {"part", part_of},
               {"material", material_of},
+              {"label", label_of},
               {"sphere", sphere_of},
               {"box", box_of},
               {"inside", inside_of}}};
@@ -228,8 +241,9 @@ Result<Shape> parse_json_shape(const json& value, std::string parameter) {
     if (auto ok = check_members(value, {name}, parameter); !ok) return fail(ok.error());
     return shape_of(value[name], std::move(parameter));
   }
-  return no_shape(R"(a region has "faces", "part", "material", "sphere", "box" or "inside")",
-                  std::move(parameter));
+  return no_shape(
+      R"(a region has "faces", "part", "material", "label", "sphere", "box" or "inside")",
+      std::move(parameter));
 }
 
 Result<Wall> parse_json_wall(const json& value, std::string parameter) {

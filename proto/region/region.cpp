@@ -1,6 +1,7 @@
 #include "proto/region/region.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include "proto/wire/number.h"
@@ -63,6 +64,11 @@ struct ShapeText {
     out += "material,";
     append_place_or_name(shape.material);
   }
+  void operator()(const LabelShape& shape) const {
+    out += "label,";
+    append_name(out, shape.attribute);
+    append_numbers(out, "", {shape.value});
+  }
   void operator()(const SphereShape& shape) const {
     append_numbers(out, "sphere", {shape.center.x, shape.center.y, shape.center.z, shape.radius});
   }
@@ -102,9 +108,18 @@ bool is_inside_of_line(const Shape& shape) {
 
 }  // namespace
 
+bool LabelShape::is_of(double label) const {
+  constexpr double kMostWhole = 4294967296;  // no attribute has greater integers
+  if (std::abs(value) <= kMostWhole && std::trunc(value) == value) return label == value;
+  return static_cast<float>(label) == static_cast<float>(value);
+}
+
 void NamedOfFile::add(const Shape& shape) {
   parts = parts || std::holds_alternative<PartShape>(shape.what);
   materials = materials || std::holds_alternative<MaterialShape>(shape.what);
+  if (const auto* label = std::get_if<LabelShape>(&shape.what)) {
+    labels.emplace(label->attribute, shape.parameter + ".label");
+  }
 }
 
 NamedOfFile Regions::named_of_file() const {

@@ -7,6 +7,7 @@
 //   material:3               {"material":3}                                faces of a material
 //   material:glass           {"material":"glass"}                          of all of that name
 //   material:none            {"material":null}                             faces without one
+//   label:_SEG=3             {"label":{"attribute":"_SEG","value":3}}      faces with that label
 //   sphere:X,Y,Z,R           {"sphere":{"center":[X,Y,Z],"radius":R}}      a ball in space
 //   box:X,Y,Z,X,Y,Z          {"box":{"min":[X,Y,Z],"max":[X,Y,Z]}}         a box in space
 //   inside:POINT;POINT;POINT {"inside":[POINT,POINT,POINT]}                what a line goes round
@@ -15,7 +16,8 @@
 // JSON accepts the URL's text as well. There, a name goes on to the end of the text. What is
 // written in digits is a number, and none is no material, unless it stands in double quotes:
 // material:"3" is what {"material":"3"} is. These are taken away from any name that begins and ends
-// with them, and all between them is the name as it is. Of a ball or a box, with its border, the
+// with them, and all between them is the name as it is. A label is a number that all three corners
+// of a face have in an attribute of the file's vertices. Of a ball or a box, with its border, the
 // region has the faces whose centroids (the means of their corners) lie in it. Several shapes are
 // their union. Lines go from point to point straight in a face that has both, or by the shortest
 // path. A line that goes round leads back from its last point to the first; the largest of the
@@ -24,6 +26,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <variant>
 #include <vector>
@@ -51,6 +54,15 @@ struct MaterialShape {
   std::variant<std::uint64_t, std::string, NoMaterial> material;
 };
 
+struct LabelShape {
+  std::string attribute;
+  double value;
+
+  // Whether a label is the value: whole numbers are compared as they are, others as floats, for
+  // such a number is nearly always a float's digits.
+  [[nodiscard]] bool is_of(double label) const;
+};
+
 struct SphereShape {
   Vec3 center;
   double radius;  // mesh units, not negative
@@ -66,7 +78,8 @@ struct InsideShape {
 };
 
 struct Shape {
-  std::variant<std::vector<FaceRange>, PartShape, MaterialShape, SphereShape, BoxShape, InsideShape>
+  std::variant<std::vector<FaceRange>, PartShape, MaterialShape, LabelShape, SphereShape, BoxShape,
+               InsideShape>
       what;
   std::string parameter;  // where the client wrote it, such as "forbid[2]", for errors
 };
@@ -75,6 +88,7 @@ struct Shape {
 struct NamedOfFile {
   bool parts = false;
   bool materials = false;
+  std::map<std::string, std::string> labels;  // attributes, and where each was written first
 
   void add(const Shape& shape);
 };

@@ -94,6 +94,15 @@ Result<Shape> parse_shape(std::string_view text, std::string parameter) {
         "material:glass or material:\"3\"",
         std::move(parameter));
   }
+  if (text.starts_with("label:")) {
+    const std::string_view said = text.substr(6);
+    const std::size_t equals = said.rfind('=');
+    const auto value = equals == said.npos ? std::nullopt : parse_finite(said.substr(equals + 1));
+    if (value)
+      return label_shape(std::string(said.substr(0, equals)), *value, std::move(parameter));
+    return badly_written("a label is written label:ATTRIBUTE=NUMBER, such as label:_SEG=3",
+                         std::move(parameter));
+  }
   if (text.starts_with("sphere:")) {
     const auto n = numbers_between_commas(text.substr(7));
     if (n && n->size() == 4) {
@@ -119,7 +128,7 @@ Result<Shape> parse_shape(std::string_view text, std::string parameter) {
   }
   return badly_written(
       "a region is written faces:FIRST-LAST, part:NUMBER, part:NAME, material:NUMBER, "
-      "material:NAME, material:none, sphere:X,Y,Z,RADIUS, "
+      "material:NAME, material:none, label:ATTRIBUTE=NUMBER, sphere:X,Y,Z,RADIUS, "
       "box:MINX,MINY,MINZ,MAXX,MAXY,MAXZ or inside:POINT;POINT;POINT",
       std::move(parameter));
 }

@@ -70,6 +70,16 @@ Result<FaceRange> face_range(std::uint64_t first, std::uint64_t last, std::size_
               parameter + ".faces[" + std::to_string(number) + "]");
 }
 
+Result<Shape> label_shape(std::string attribute, double value, std::string parameter) {
+  constexpr std::size_t kMostBytes = 200;
+  if (attribute.empty() || attribute.size() > kMostBytes) {
+    return fail(ErrorCode::value_out_of_range,
+                "the name of an attribute has 1 to 200 bytes, as _SEG has four",
+                parameter + ".label");
+  }
+  return Shape{LabelShape{std::move(attribute), value}, std::move(parameter)};
+}
+
 Result<Shape> sphere_shape(Vec3 center, double radius, std::string parameter) {
   if (auto usable = check_place(center, parameter + ".sphere.center"); !usable) {
     return fail(std::move(usable.error()));

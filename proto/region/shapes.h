@@ -17,6 +17,8 @@ namespace geodesic::proto {
 [[nodiscard]] Result<FaceRange> face_range(std::uint64_t first, std::uint64_t last,
                                            std::size_t number, const std::string& parameter);
 // Errors: value_out_of_range.
+[[nodiscard]] Result<Shape> label_shape(std::string attribute, double value, std::string parameter);
+// Errors: value_out_of_range.
 [[nodiscard]] Result<Shape> sphere_shape(Vec3 center, double radius, std::string parameter);
 // Errors: value_out_of_range.
 [[nodiscard]] Result<Shape> box_shape(Vec3 min, Vec3 max, std::string parameter);

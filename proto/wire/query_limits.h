@@ -21,6 +21,8 @@ inline constexpr std::size_t kMaxLoopPoints = 100;
 inline constexpr std::size_t kMaxTableEntries = 1'000'000;
 // Of a table whose rows are sent as they are done, or of which only what is near is kept.
 inline constexpr std::uint64_t kMaxStreamedEntries = 1'000'000'000;
+// Of a table, in columns that are curves, boundaries or faces: 80 MB.
+inline constexpr std::uint64_t kMaxLineEntries = 10'000'000;
 // Of a sparse table, those that it has: 240 MB.
 inline constexpr std::uint64_t kMaxSparseEntries = 20'000'000;
 // Of a table that is estimated. Some 30 ms for what lies between them.
@@ -40,6 +42,8 @@ inline constexpr std::uint64_t kMaxRelax = 100;
 inline constexpr std::uint64_t kMaxFields = 1'000;
 // Of a region; each goes through all faces once.
 inline constexpr std::size_t kMaxRegionShapes = 1'000;
+// Of the labels of a query: each is read out of the file, and has a number for each face.
+inline constexpr std::size_t kMaxLabelAttributes = 10;
 // Of a weight and of a rate, and of the slopes of a table.
 inline constexpr double kLeastWeight = 1e-9;
 inline constexpr double kMostWeight = 1e9;

@@ -61,7 +61,7 @@ Result<void> check_parameters_of_others(const Parameters& parameters, Purpose pu
 }
 
 // All together; one alone has been held against the same limit.
-Result<void> check_curves(const std::vector<PointRequest>& sources) {
+Result<void> check_curves(const std::vector<PointRequest>& sources, const char* parameter) {
   std::size_t points = 0;
   for (const PointRequest& source : sources) {
     if (const auto* curve = std::get_if<std::shared_ptr<const CurveRequest>>(&source.where)) {
@@ -72,7 +72,7 @@ Result<void> check_curves(const std::vector<PointRequest>& sources) {
   return fail_limit(ErrorCode::too_large,
                     "too many points in the curves of one request; leave some out where a curve is "
                     "straight",
-                    kMaxCurvePoints, points, "from");
+                    kMaxCurvePoints, points, parameter);
 }
 
 Result<void> read_any_sources(Parameters& parameters, std::size_t most,
@@ -82,7 +82,7 @@ Result<void> read_any_sources(Parameters& parameters, std::size_t most,
   auto from = parameters.sources("from");
   if (!from) return fail(std::move(from.error()));
   sources = std::move(*from);
-  return check_curves(sources);
+  return check_curves(sources, "from");
 }
 
 }  // namespace
@@ -170,13 +170,7 @@ Result<void> read_columns(Parameters& parameters, std::size_t most,
   auto read = parameters.sources("to");
   if (!read) return fail(std::move(read.error()));
   columns = std::move(*read);
-  for (const PointRequest& column : columns) {
-    if (column.is_point()) continue;
-    return fail(ErrorCode::value_out_of_range,
-                "a column is a point, for no field tells the least distance of all of a line; as a "
-                "row, in from, this may be a line, with the points as columns",
-                column.parameter);
-  }
+  if (auto few = check_curves(columns, "to"); !few) return few;
   return check_no_offset(columns);
 }
 
@@ -187,8 +181,8 @@ Result<void> check_lines(const Parameters& parameters, const std::vector<PointRe
   for (const PointRequest& source : sources) {
     if (source.is_point()) continue;
     if (!is_slow) {
-      return fail(ErrorCode::value_out_of_range, "what ways cost is told from points alone",
-                  source.parameter);
+      return fail(ErrorCode::value_out_of_range,
+                  "what ways cost is told from points alone, and to points", source.parameter);
     }
     return fail(ErrorCode::value_out_of_range,
                 "method=" + std::string(name_of(method.which)) +

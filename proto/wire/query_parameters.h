@@ -39,7 +39,7 @@ enum class Purpose : std::uint8_t { distances, paths };
 // The same without offsets, at most so many.
 [[nodiscard]] Result<void> read_rows(Parameters& parameters, std::size_t most,
                                      std::vector<PointRequest>& rows);
-// `to`: what a table's columns are, at most so many.
+// `to`: what a table's columns are, points or lines, at most so many.
 [[nodiscard]] Result<void> read_columns(Parameters& parameters, std::size_t most,
                                         std::vector<PointRequest>& columns);
 

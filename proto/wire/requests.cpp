@@ -184,17 +184,22 @@ Result<void> check_sites(const VoronoiRequest& request) {
   return {};
 }
 
-// Of a table that has no others.
-Result<void> check_may_be_columns(const std::vector<PointRequest>& rows) {
-  for (const PointRequest& row : rows) {
-    if (row.is_point()) continue;
-    return fail(ErrorCode::value_out_of_range,
-                row.parameter +
-                    " is no point, so that the rows cannot be the columns, too; name "
-                    "the columns, which are points",
-                "to");
+// Each column that is a line has a field, as a row has. What such columns have is all computed
+// before the first row, and kept until the last.
+Result<void> check_line_columns(const TableRequest& request) {
+  const std::vector<PointRequest>& columns = request.to.empty() ? request.from : request.to;
+  const auto lines = std::count_if(columns.begin(), columns.end(),
+                                   [](const PointRequest& column) { return !column.is_point(); });
+  const bool is_large = request.stream || request.sparse;
+  if (!is_large) {
+    if (auto few = check_count(static_cast<std::size_t>(lines), kMaxSources, "to"); !few)
+      return few;
   }
-  return {};
+  const std::uint64_t entries = request.from.size() * static_cast<std::uint64_t>(lines);
+  if (entries <= kMaxLineEntries) return {};
+  return fail_limit(ErrorCode::too_large,
+                    "too many rows for so many columns that are lines; ask for some rows at a time",
+                    kMaxLineEntries, entries, "to");
 }
 
 // What else is asked for has been read.
@@ -220,8 +225,9 @@ Result<void> read_landmarks(Parameters& parameters, TableRequest& request) {
     return refuse("an estimate keeps no bound; leave bound, tolerance or landmarks out");
   }
   const auto is_point = [](const PointRequest& row) { return row.is_point(); };
-  if (!std::all_of(request.from.begin(), request.from.end(), is_point)) {
-    return refuse("rows that are lines are not estimated; leave landmarks out");
+  if (!std::all_of(request.from.begin(), request.from.end(), is_point) ||
+      !std::all_of(request.to.begin(), request.to.end(), is_point)) {
+    return refuse("distances of lines are not estimated; leave landmarks out");
   }
   if (auto ok = check_no_offset(request.from); !ok) return ok;
   request.landmarks = **landmarks;
@@ -288,9 +294,6 @@ Result<void> parse_request(Parameters& parameters, TableRequest& request) {
   if (request.from.empty()) return missing("from");
   request.all_rows = request.from.size();
   if (auto ok = read_columns(parameters, kMaxPoints, request.to); !ok) return ok;
-  if (request.to.empty()) {
-    if (auto ok = check_may_be_columns(request.from); !ok) return ok;
-  }
   const std::size_t columns = request.to.empty() ? request.from.size() : request.to.size();
   if (*rows) {
     if (auto ok = take_rows(**rows, request); !ok) return ok;
@@ -303,8 +306,10 @@ Result<void> parse_request(Parameters& parameters, TableRequest& request) {
       !ok) {
     return ok;
   }
+  if (auto ok = check_line_columns(request); !ok) return ok;
   if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
   if (auto ok = check_lines(parameters, request.from, request.method); !ok) return ok;
+  if (auto ok = check_lines(parameters, request.to, request.method); !ok) return ok;
   if (auto ok = read_max(parameters, request.max); !ok) return ok;
   return read_landmarks(parameters, request);
 }

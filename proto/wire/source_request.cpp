@@ -18,7 +18,8 @@ tl::unexpected<Error> no_source(std::string detail, std::string parameter) {
   return fail(InputCode::bad_syntax, std::move(detail), std::move(parameter));
 }
 
-constexpr std::array<std::string_view, 5> kShapes{"faces", "part", "material", "sphere", "box"};
+constexpr std::array<std::string_view, 6> kShapes{"faces", "part",   "material",
+                                                  "label", "sphere", "box"};
 
 Result<PointRequest> as_curve(std::vector<PointRequest> points, bool is_closed,
                               std::string parameter) {

@@ -247,7 +247,8 @@ void order_fields(Archive& archive, Order& order) {
     array(archive, attribute.name);
     field(archive, attribute.components);
   }
-  array(archive, order.weights);
+  array(archive, order.numbers);
+  field(archive, order.which);
   field(archive, order.limits.max_vertices);
   field(archive, order.limits.max_faces);
   field(archive, order.limits.max_nodes);
@@ -287,9 +288,9 @@ void content_fields(Archive& archive, Annotation& annotation) {
   array(archive, annotation.runs);
 }
 
-template <class Archive, class Weights>
-requires std::is_same_v<std::remove_const_t<Weights>, proto::FaceWeights>
-void content_fields(Archive& archive, Weights& weights) { array(archive, weights.by_face); }
+template <class Archive, class Numbers>
+requires std::is_same_v<std::remove_const_t<Numbers>, proto::FaceNumbers>
+void content_fields(Archive& archive, Numbers& numbers) { array(archive, numbers.by_face); }
 
 template <class Archive, class Content>
 void frame_fields(Archive& archive, const Result<Content>& answer) {
@@ -306,7 +307,7 @@ void frame_fields(Archive& archive, const Result<Content>& answer) {
 bool is_known(const proto::DecodedMesh& mesh) { return !proto::name_of(mesh.format).empty(); }
 bool is_known(const FormFile& /*file*/) { return true; }
 bool is_known(const proto::GltfAnnotation& /*annotation*/) { return true; }
-bool is_known(const proto::FaceWeights& /*weights*/) { return true; }
+bool is_known(const proto::FaceNumbers& /*numbers*/) { return true; }
 
 }  // namespace
 
@@ -361,16 +362,16 @@ std::optional<Result<Content>> read_frame(std::span<const std::byte> frame, cons
 template std::size_t frame_size(const Decoded&);
 template std::size_t frame_size(const Result<FormFile>&);
 template std::size_t frame_size(const Result<proto::GltfAnnotation>&);
-template std::size_t frame_size(const Result<proto::FaceWeights>&);
+template std::size_t frame_size(const Result<proto::FaceNumbers>&);
 template void write_frame(const Decoded&, std::span<std::byte>);
 template void write_frame(const Result<FormFile>&, std::span<std::byte>);
 template void write_frame(const Result<proto::GltfAnnotation>&, std::span<std::byte>);
-template void write_frame(const Result<proto::FaceWeights>&, std::span<std::byte>);
+template void write_frame(const Result<proto::FaceNumbers>&, std::span<std::byte>);
 template std::optional<Decoded> read_frame(std::span<const std::byte>, const Cancel&);
 template std::optional<Result<FormFile>> read_frame(std::span<const std::byte>, const Cancel&);
 template std::optional<Result<proto::GltfAnnotation>> read_frame(std::span<const std::byte>,
                                                                  const Cancel&);
-template std::optional<Result<proto::FaceWeights>> read_frame(std::span<const std::byte>,
+template std::optional<Result<proto::FaceNumbers>> read_frame(std::span<const std::byte>,
                                                               const Cancel&);
 
 }  // namespace geodesic::server

@@ -26,7 +26,8 @@ struct DecodeOrder {
   std::string boundary;  // of the form in which the file is to be found; empty: decode it
   // To be added to a glTF file; empty: decode it.
   std::vector<proto::VertexAttribute> attributes;
-  std::string weights;  // the attribute of which weights of faces are to be made; empty: none
+  std::string numbers;  // the attribute of which numbers of faces are to be made; empty: none
+  proto::FaceNumber which = proto::FaceNumber::weight;  // of these
   proto::DecodeLimits limits;
   proto::ImportOptions options;
   std::uint64_t file_bytes = 0;
@@ -39,7 +40,7 @@ struct DecodeOrder {
 
 using Decoded = Result<proto::DecodedMesh>;
 
-// `Content` is a proto::DecodedMesh, a FormFile, a proto::GltfAnnotation or proto::FaceWeights.
+// `Content` is a proto::DecodedMesh, a FormFile, a proto::GltfAnnotation or proto::FaceNumbers.
 template <class Content>
 [[nodiscard]] std::size_t frame_size(const Result<Content>& answer);
 // `frame` has just that size.

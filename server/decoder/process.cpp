@@ -98,9 +98,10 @@ void serve(const LocalMessage& message, Decode& decode, const Confinement& confi
     answer(*order, file, frame, reply, [&](Bytes bytes) {
       return proto::annotate_gltf(bytes, order->limits, order->options, order->attributes);
     });
-  } else if (!order->weights.empty()) {
+  } else if (!order->numbers.empty()) {
     answer(*order, file, frame, reply, [&](Bytes bytes) {
-      return proto::read_face_weights(bytes, order->limits, order->options, order->weights);
+      return proto::read_face_numbers(bytes, order->limits, order->options, order->numbers,
+                                      order->which);
     });
   } else if (order->boundary.empty()) {
     answer(*order, file, frame, reply,

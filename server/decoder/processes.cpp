@@ -185,27 +185,25 @@ bool DecoderProcesses::send(std::string_view order, int file, int frame, int rep
 
 Decoded DecoderProcesses::decode(std::string_view bytes, const proto::DecodeLimits& limits,
                                  const proto::ImportOptions& options, const Caller& caller) {
-  return answer<proto::DecodedMesh>({{}, {}, {}, limits, options}, bytes, caller);
+  return answer<proto::DecodedMesh>({{}, {}, {}, {}, limits, options}, bytes, caller);
 }
 
 Result<FormFile> DecoderProcesses::file_of_form(std::string_view body, std::string_view boundary,
                                                 const proto::DecodeLimits& limits,
                                                 const Caller& caller) {
-  return answer<FormFile>({std::string(boundary), {}, {}, limits, {}}, body, caller);
+  return answer<FormFile>({std::string(boundary), {}, {}, {}, limits, {}}, body, caller);
 }
 
 Result<proto::GltfAnnotation> DecoderProcesses::annotation(
     std::string_view bytes, const std::vector<proto::VertexAttribute>& attributes,
     const proto::DecodeLimits& limits, const proto::ImportOptions& options, const Caller& caller) {
-  return answer<proto::GltfAnnotation>({{}, attributes, {}, limits, options}, bytes, caller);
+  return answer<proto::GltfAnnotation>({{}, attributes, {}, {}, limits, options}, bytes, caller);
 }
 
-Result<proto::FaceWeights> DecoderProcesses::face_weights(std::string_view bytes,
-                                                          const std::string& attribute,
-                                                          const proto::DecodeLimits& limits,
-                                                          const proto::ImportOptions& options,
-                                                          const Caller& caller) {
-  return answer<proto::FaceWeights>({{}, {}, attribute, limits, options}, bytes, caller);
+Result<proto::FaceNumbers> DecoderProcesses::face_numbers(
+    std::string_view bytes, const std::string& attribute, proto::FaceNumber which,
+    const proto::DecodeLimits& limits, const proto::ImportOptions& options, const Caller& caller) {
+  return answer<proto::FaceNumbers>({{}, {}, attribute, which, limits, options}, bytes, caller);
 }
 
 template <class Content>

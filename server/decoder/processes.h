@@ -71,12 +71,10 @@ class DecoderProcesses {
       std::string_view bytes, const std::vector<proto::VertexAttribute>& attributes,
       const proto::DecodeLimits& limits, const proto::ImportOptions& options, const Caller& caller);
 
-  // Does what proto::read_face_weights does, with the same further errors.
-  [[nodiscard]] Result<proto::FaceWeights> face_weights(std::string_view bytes,
-                                                        const std::string& attribute,
-                                                        const proto::DecodeLimits& limits,
-                                                        const proto::ImportOptions& options,
-                                                        const Caller& caller);
+  // Does what proto::read_face_numbers does, with the same further errors.
+  [[nodiscard]] Result<proto::FaceNumbers> face_numbers(
+      std::string_view bytes, const std::string& attribute, proto::FaceNumber which,
+      const proto::DecodeLimits& limits, const proto::ImportOptions& options, const Caller& caller);
 
   [[nodiscard]] Stats stats() const;
 

@@ -17,21 +17,50 @@ std::string spelling_of(const proto::PointRequest& request) {
   return faces == nullptr ? std::string() : "faces " + faces->shape;
 }
 
+// `kept`: all of it, where that is kept. Nothing if the poll says to stop.
+std::shared_ptr<const FieldRows::Outline> outline_of(const FieldSources& from,
+                                                     std::shared_ptr<const FieldSources> kept,
+                                                     Poll& poll) {
+  FieldRows::Outline outline{std::move(kept), {}};
+  if (outline.lines) return std::make_shared<const FieldRows::Outline>(std::move(outline));
+  const SourceLines& lines = *from.lines;
+  std::size_t count = 0;
+  for (const std::uint32_t item : lines.item_of_face) {
+    if (poll.cancelled()) return nullptr;
+    count += item == kNone ? 0 : 1;
+  }
+  if (!poll.may_take(count * sizeof(std::uint32_t) + from.points.size() * sizeof(Source) +
+                     lines.segments.size() * sizeof(LineSegment))) {
+    return nullptr;
+  }
+  outline.faces.reserve(count);
+  for (std::uint32_t f = 0; f < lines.item_of_face.size(); ++f) {
+    if (poll.cancelled()) return nullptr;
+    if (lines.item_of_face[f] != kNone) outline.faces.push_back(f);
+  }
+  auto border = std::make_shared<const SourceLines>(SourceLines{lines.segments, {}, {}});
+  outline.lines =
+      std::make_shared<const FieldSources>(FieldSources{from.points, std::move(border), from.key});
+  return std::make_shared<const FieldRows::Outline>(std::move(outline));
+}
+
 }  // namespace
 
 Result<FieldRows> FieldRows::make(std::shared_ptr<const SourceSurface> surface,
                                   std::span<const proto::PointRequest> requests,
                                   std::span<const SurfacePoint> points,
-                                  std::vector<proto::ResolvedPoint>& echo, SolveScratch& scratch,
-                                  const Cancel& cancel) {
+                                  std::vector<proto::ResolvedPoint>& echo, bool outlines,
+                                  SolveScratch& scratch, const Cancel& cancel) {
   struct Known {
     std::shared_ptr<const FieldSources> kept;
+    std::shared_ptr<const Outline> outline;
     proto::ResolvedPoint echo;
   };
   std::map<std::string, Known> known;
   FieldRows rows;
   rows.surface_ = std::move(surface);
   SourceBuilder builder(*rows.surface_, scratch, cancel);
+  Poll poll(cancel);
   for (const proto::PointRequest& request : requests) {
     const auto own = points.first(count_points(request));
     points = points.subspan(own.size());
@@ -47,6 +76,7 @@ Result<FieldRows> FieldRows::make(std::shared_ptr<const SourceSurface> surface,
     const std::string spelling = spelling_of(request);
     if (const auto same = known.find(spelling); same != known.end()) {
       line.kept = same->second.kept;
+      line.outline = same->second.outline;
       echo.push_back(same->second.echo);
       continue;
     }
@@ -55,7 +85,11 @@ Result<FieldRows> FieldRows::make(std::shared_ptr<const SourceSurface> surface,
     auto made = builder.take();
     if (!made) return fail(std::move(made.error()));
     if (!is_faces) line.kept = std::make_shared<const FieldSources>(std::move(*made));
-    if (!spelling.empty()) known.emplace(spelling, Known{line.kept, *told});
+    if (outlines) {
+      line.outline = outline_of(*made, line.kept, poll);
+      if (poll.stopped()) return fail_stopped(poll);
+    }
+    if (!spelling.empty()) known.emplace(spelling, Known{line.kept, line.outline, *told});
     echo.push_back(std::move(*told));
   }
   return rows;
@@ -89,6 +123,8 @@ std::size_t FieldRows::bytes() const {
   for (const auto& [row, line] : lines_) {
     bytes += sizeof(Line);
     if (line.kept && counted.insert(line.kept.get()).second) bytes += line.kept->bytes();
+    const FieldSources* border = line.outline ? line.outline->lines.get() : nullptr;
+    if (border != nullptr && counted.insert(border).second) bytes += line.outline->bytes();
   }
   return bytes;
 }

@@ -1,7 +1,9 @@
-// What several fields start from, one source each: the rows of a table, the sites of cells.
+// What several fields start from, one source each: the rows of a table, the sites of cells; and
+// what a table's columns are.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <unordered_map>
@@ -23,22 +25,42 @@ namespace geodesic::server {
 // memory as the mesh has faces.
 class FieldRows {
  public:
+  // A line as a place, to which distances are asked.
+  struct Outline {
+    // Its ends and segments, and its key; of whole faces, those of their border, without the faces.
+    std::shared_ptr<const FieldSources> lines;
+    std::vector<std::uint32_t> faces;  // ascending
+
+    [[nodiscard]] std::size_t bytes() const {
+      return lines->bytes() + faces.capacity() * sizeof(std::uint32_t);
+    }
+  };
+
   FieldRows() = default;
   // Points alone.
   explicit FieldRows(std::vector<Source> points) : points_(std::move(points)) {}
 
   // In a compute slot. `points`: of all requests, one after the other. In `echo`: what a reply says
-  // of each row that is no point, in their order. Errors: those of SourceBuilder::add_lines.
+  // of each row that is no point, in their order. With `outlines` those of lines are kept, too.
+  // Errors: those of SourceBuilder::add_lines.
   [[nodiscard]] static Result<FieldRows> make(std::shared_ptr<const SourceSurface> surface,
                                               std::span<const proto::PointRequest> requests,
                                               std::span<const SurfacePoint> points,
                                               std::vector<proto::ResolvedPoint>& echo,
-                                              SolveScratch& scratch, const Cancel& cancel);
+                                              bool outlines, SolveScratch& scratch,
+                                              const Cancel& cancel);
 
   [[nodiscard]] std::size_t size() const { return points_.size(); }
   [[nodiscard]] bool has_lines() const { return !lines_.empty(); }
   // Where the rows are that are points; others are anywhere.
   [[nodiscard]] std::vector<SurfacePoint> points() const;
+
+  // Null for a point.
+  [[nodiscard]] const Outline* outline(std::size_t row) const {
+    const auto line = lines_.find(row);
+    return line == lines_.end() ? nullptr : line->second.outline.get();
+  }
+  [[nodiscard]] const Source& point(std::size_t row) const { return points_[row]; }
 
   // In a compute slot. Errors: cancelled, too_much_memory.
   [[nodiscard]] Result<FieldSources> of(std::size_t row, SolveScratch& scratch,
@@ -50,6 +72,7 @@ class FieldRows {
   struct Line {
     std::shared_ptr<const FieldSources> kept;
     proto::PointRequest faces;  // if it is not kept
+    std::shared_ptr<const Outline> outline;
   };
 
   std::shared_ptr<const SourceSurface> surface_;

@@ -228,11 +228,12 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const AskedSurface& sur
   reply.short_digits = has_short_digits(request.method);
   reply.bound = proto::bound_of(request.method);
   if (place->cost()) reply.unit = proto::unit_of(surface.costs());
-  auto rows = place->rows(request.from, reply.rows, reply.warnings);
+  const bool has_lines = !is_all_points(request.to.empty() ? request.from : request.to);
+  auto rows = place->rows(request.from, reply.rows, reply.warnings, has_lines);
   if (!rows) return fail(std::move(rows.error()));
-  auto columns = request.to.empty() ? Result<std::vector<SurfacePoint>>(rows->points())
-                                    : place->points(request.to, reply.columns, reply.warnings);
-  if (!columns) return fail(std::move(columns.error()));
+  const auto columns =
+      request.to.empty() ? rows : place->rows(request.to, reply.columns, reply.warnings, has_lines);
+  if (!columns) return fail(columns.error());
   if (request.to.empty()) reply.columns = reply.rows;
 
   FieldQuestion question{surface.field_key(),
@@ -241,22 +242,53 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const AskedSurface& sur
                          {},
                          limit_of(request.method, request.max),
                          place->cost()};
+  std::vector<SurfacePoint> points = columns->points();
+  std::shared_ptr<LineColumns> lines;
+  double done = 0;
+  bool hit = true;
+  if (has_lines) {
+    lines = std::make_shared<LineColumns>(*rows, *columns);
+    points = lines->points();
+    const double all = static_cast<double>(lines->lines().size() + rows->size());
+    if (!request.stream && !request.sparse) {
+      done = points.empty() ? 1 : static_cast<double>(lines->lines().size()) / all;
+    }
+    auto filled = fields_.fill(question, *lines, caller.part(0, done));
+    if (!filled) return fail(std::move(filled.error()));
+    hit = *filled;
+  }
   if (request.stream || request.sparse) {
-    auto ready = begin_rows(request.landmarks, std::move(question), std::move(*rows),
-                            std::move(*columns), caller, answer);
+    auto ready = begin_rows(std::move(question), std::move(*rows), std::move(points),
+                            std::move(lines), request.landmarks, caller, answer);
     if (!ready) return fail(std::move(ready.error()));
     return answer;
   }
-  auto table = fields_.table(question, *rows, *columns, caller);
-  if (!table) return fail(std::move(table.error()));
-  answer.cache_hit = table->hit;
-  reply.distances = std::move(table->distances);
+  PointDistances table;
+  if (!points.empty()) {
+    auto found = fields_.table(question, *rows, points, caller.part(done, 1));
+    if (!found) return fail(std::move(found.error()));
+    table = std::move(*found);
+    hit = hit && table.hit;
+  }
+  answer.cache_hit = hit;
+  if (!has_lines) {
+    reply.distances = std::move(table.distances);
+    return answer;
+  }
+  reply.distances.reserve(rows->size() * columns->size());
+  for (std::size_t row = 0; row < rows->size(); ++row) {
+    const auto whole = lines->whole_row(
+        row, std::span(table.distances).subspan(row * points.size(), points.size()));
+    reply.distances.insert(reply.distances.end(), whole.begin(), whole.end());
+  }
   return answer;
 }
 
-Result<void> FieldQueries::begin_rows(std::uint64_t landmarks, FieldQuestion question,
-                                      FieldRows from, std::vector<SurfacePoint> to,
-                                      const Caller& caller, Answered<proto::TableReply>& answer) {
+Result<void> FieldQueries::begin_rows(FieldQuestion question, FieldRows from,
+                                      std::vector<SurfacePoint> to,
+                                      std::shared_ptr<const LineColumns> lines,
+                                      std::uint64_t landmarks, const Caller& caller,
+                                      Answered<proto::TableReply>& answer) {
   auto table = std::make_shared<PointTable>(
       PointTable{std::move(question), std::move(from), std::move(to), {}});
   if (!std::all_of(table->to.begin(), table->to.end(),
@@ -282,16 +314,22 @@ Result<void> FieldQueries::begin_rows(std::uint64_t landmarks, FieldQuestion que
       return {};
     };
   }
-  answer.rows = [this, table = std::shared_ptr<const PointTable>(table), estimated, caller](
-                    Answered<proto::TableReply>::EncodeRow encode, std::size_t block) {
-    auto compute = [this, table, by = *estimated, encode = std::move(encode)](
+  answer.rows = [this, table = std::shared_ptr<const PointTable>(table), lines = std::move(lines),
+                 estimated,
+                 caller](Answered<proto::TableReply>::EncodeRow encode, std::size_t block) {
+    auto compute = [this, table, lines, by = *estimated, encode = std::move(encode)](
                        Worker& worker, std::size_t row, const GiveWay& give_way,
                        const Caller& part) -> Result<std::string> {
-      const auto distances = by ? by->row(row, worker, give_way, part)
-                                : fields_.row(table->question, table->from, row, table->to,
-                                              table->faces, worker, give_way, part);
-      if (!distances) return fail(distances.error());
-      return encode(row, *distances, Cancel([&] { return give_way() || part(); }));
+      std::vector<double> distances;
+      if (!table->to.empty()) {
+        auto found = by ? by->row(row, worker, give_way, part)
+                        : fields_.row(table->question, table->from, row, table->to, table->faces,
+                                      worker, give_way, part);
+        if (!found) return fail(std::move(found.error()));
+        distances = std::move(*found);
+      }
+      if (lines) distances = lines->whole_row(row, distances);
+      return encode(row, distances, Cancel([&] { return give_way() || part(); }));
     };
     return RowsAhead::begin(pool_, table->from.size(), block, std::move(compute), caller);
   };

@@ -134,11 +134,14 @@ class FieldQueries {
   [[nodiscard]] Result<Place> find(const AskedSurface& surface, const proto::MethodChoice& method,
                                    const Caller& caller);
 
-  // How the rows of a large table are begun, which have no sources in `question` yet; estimated
-  // by so many landmarks, if any.
-  [[nodiscard]] Result<void> begin_rows(std::uint64_t landmarks, FieldQuestion question,
-                                        FieldRows from, std::vector<SurfacePoint> to,
-                                        const Caller& caller, Answered<proto::TableReply>& answer);
+  // How the rows of a large table are begun, which have no sources in `question` yet. `to`: the
+  // columns that are points. `lines`: the others, if there are any. `landmarks`: by how many of the
+  // columns, which are all points then, others are estimated; 0: none is.
+  [[nodiscard]] Result<void> begin_rows(FieldQuestion question, FieldRows from,
+                                        std::vector<SurfacePoint> to,
+                                        std::shared_ptr<const LineColumns> lines,
+                                        std::uint64_t landmarks, const Caller& caller,
+                                        Answered<proto::TableReply>& answer);
 
   // What ways over the surface cost, which are not their lengths.
   [[nodiscard]] Result<std::shared_ptr<const TravelCost>> cost_of(const AskedSurface& surface,

@@ -76,7 +76,8 @@ Result<FieldSources> FieldQueries::Place::sources(const std::vector<proto::Point
 
 Result<FieldRows> FieldQueries::Place::rows(const std::vector<proto::PointRequest>& requests,
                                             std::vector<proto::ResolvedPoint>& echo,
-                                            std::vector<std::string>& warnings) const {
+                                            std::vector<std::string>& warnings,
+                                            bool outlines) const {
   if (is_all_points(requests)) {
     auto from = sources(requests, echo, warnings);
     if (!from) return fail(std::move(from.error()));
@@ -92,7 +93,7 @@ Result<FieldRows> FieldQueries::Place::rows(const std::vector<proto::PointReques
   auto rows = queries_.fields_.compute(
       [&](SolveScratch& scratch, const Cancel& cancel) {
         lines.clear();  // it may be run again
-        return FieldRows::make(surface, requests, *found, lines, scratch, cancel);
+        return FieldRows::make(surface, requests, *found, lines, outlines, scratch, cancel);
       },
       caller_.part(0, 0));
   if (!rows) return fail(std::move(rows.error()));

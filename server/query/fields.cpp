@@ -17,6 +17,7 @@
 #include "proto/wire/number.h"
 #include "server/base/joint_caller.h"
 #include "server/base/timed.h"
+#include "server/places/read_line.h"
 
 namespace geodesic::server {
 namespace {
@@ -114,7 +115,7 @@ Result<PointDistances> read_field(const FieldQuestion& question, const Field& fi
     const auto found = distance_at_point(adjacency, field, arrivals, point, cancel);
     if (!found) return fail(found.error());
     if (poll.cancelled()) return fail_stopped(cancel);
-    const double distance = *found <= max ? *found : kUnreached;
+    const double distance = within(max, *found);
     result.distances.push_back(distance);
     if (!labels) continue;
     auto label = label_at(adjacency, field, point, distance, cancel);
@@ -283,6 +284,66 @@ Result<PointDistances> Fields::table(const FieldQuestion& question, const FieldR
   }
   table.hit = joint.all_hit();
   return table;
+}
+
+Result<bool> Fields::fill(const FieldQuestion& question, LineColumns& lines, const Caller& caller) {
+  JointCaller joint(caller, lines.lines().size());
+  const auto compute_line = [&](Worker& worker, std::size_t number,
+                                const GiveWay& give_way) -> Result<void> {
+    JointCaller::Part part(joint, number);
+    worker.memory->limit_to_query();
+    ScratchUse scratch = scratch_of(worker);
+    const Cancel cancel([&] { return give_way() || caller(); }, part.caller().progress,
+                        &worker.memory->budget());
+    const auto hit = fill_from(question, number, lines, scratch.get(), cancel, part.caller());
+    scratch.done(0);
+    if (!hit) return fail(hit.error());
+    part.done(*hit);
+    return {};
+  };
+  if (auto all = pool_.run_each(lines.lines().size(), compute_line, caller); !all) {
+    return fail(std::move(all.error()));
+  }
+  return joint.all_hit();
+}
+
+Result<bool> Fields::fill_from(const FieldQuestion& question, std::size_t number,
+                               LineColumns& lines, SolveScratch& scratch, const Cancel& cancel,
+                               const Caller& caller) {
+  const LineColumns::Line& line = lines.lines()[number];
+  const Adjacency& adjacency = *question.adjacency;
+  const auto asked = asked_of(adjacency, lines, number, cancel);
+  if (!asked) return fail(asked.error());
+  if (asked->is_nothing()) return true;
+  auto sources = line.in->of(line.number, scratch, cancel.part(0, 0));
+  if (!sources) return fail(std::move(sources.error()));
+  FieldQuestion own = question;
+  own.from = std::move(*sources);
+  FieldLimits limits;
+  limits.max = own.max;
+  bool hit = true;
+  // As the field of the vertices alone has them, whatever other rows there are.
+  if (!asked->at_vertices.empty()) {
+    std::shared_ptr<const Field> field = cache_.find(key_of(own, Details::none));
+    hit = field != nullptr;
+    limits.keep_details = false;
+    if (!hit) {
+      auto solved = solve(own, limits, scratch, cancel, caller);
+      if (!solved) return fail(std::move(solved.error()));
+      field = std::make_shared<const Field>(std::move(*solved));
+    }
+    for (const std::uint32_t row : asked->at_vertices) {
+      lines.put(line, row, within(own.max, field->distance[lines.point(row).vertex]));
+    }
+  }
+  if (asked->faces.empty()) return hit;
+  limits.keep_details = true;
+  limits.detail_faces = asked->faces;
+  const auto field = solve(own, limits, scratch, cancel, caller);
+  if (!field) return fail(field.error());
+  auto put = put_within(adjacency, *field, own.max, *asked, line, lines, cancel);
+  if (!put) return fail(std::move(put.error()));
+  return false;
 }
 
 Result<std::vector<double>> Fields::row(const FieldQuestion& question, const FieldRows& from,

@@ -26,6 +26,7 @@
 #include "server/compute/pool.h"
 #include "server/places/field_rows.h"
 #include "server/places/field_sources.h"
+#include "server/places/line_columns.h"
 #include "server/query/asked_sources.h"
 #include "server/query/mesh_catalog.h"
 #include "server/metrics/metrics.h"
@@ -90,6 +91,11 @@ class Fields {
   [[nodiscard]] Result<PointDistances> table(const FieldQuestion& question, const FieldRows& from,
                                              std::span<const SurfacePoint> to,
                                              const Caller& caller);
+
+  // The entries of the columns of a table that are lines, each line's field in a slot of its own.
+  // `question` has no sources. Whether all fields were there.
+  [[nodiscard]] Result<bool> fill(const FieldQuestion& question, LineColumns& lines,
+                                  const Caller& caller);
 
   // The distances of the points as the whole field of a row has them, and so the same whatever else
   // is asked: a row of a table, as a part of ComputePool::run_each. The field is not kept, and does
@@ -160,6 +166,10 @@ class Fields {
                                                      std::span<const SurfacePoint> points,
                                                      SolveScratch& scratch, const Cancel& cancel,
                                                      const Caller& caller);
+  // What the field of one line tells, in the slot that `scratch` is of. Whether it was there.
+  [[nodiscard]] Result<bool> fill_from(const FieldQuestion& question, std::size_t number,
+                                       LineColumns& lines, SolveScratch& scratch,
+                                       const Cancel& cancel, const Caller& caller);
   [[nodiscard]] Result<Field> solve(const FieldQuestion& question, const FieldLimits& limits,
                                     SolveScratch& scratch, const Cancel& cancel,
                                     const Caller& caller);

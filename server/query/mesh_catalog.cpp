@@ -46,8 +46,8 @@ std::size_t bytes_of(const std::shared_ptr<const proto::FaceMaterials>& material
 std::size_t bytes_of(const std::shared_ptr<const proto::ToldParts>& parts) {
   return parts->bytes();
 }
-std::size_t bytes_of(const std::shared_ptr<const proto::FaceWeights>& weights) {
-  return weights->by_face.capacity() * sizeof(double);
+std::size_t bytes_of(const std::shared_ptr<const proto::FaceNumbers>& numbers) {
+  return numbers->by_face.capacity() * sizeof(double);
 }
 
 // Embree takes one of the process's 1,024 keys of threads for each index. Without any left, nobody

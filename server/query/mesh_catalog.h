@@ -127,12 +127,12 @@ class MeshCatalog {
   [[nodiscard]] Result<UploadedGltf> uploaded_gltf(
       const std::string& id, const std::vector<proto::VertexAttribute>& attributes,
       const Caller& caller);
-  // Weights of the faces of a GLB or glTF file, by an attribute of its vertices; kept with what is
-  // prepared of the mesh. Errors besides: those of proto::read_face_weights; overloaded, draining,
-  // cancelled.
-  using Weights = std::shared_ptr<const proto::FaceWeights>;
-  [[nodiscard]] Result<Weights> face_weights(const std::string& id, const std::string& attribute,
-                                             const Caller& caller);
+  // Weights or labels of the faces of a GLB or glTF file, by an attribute of its vertices; kept
+  // with what is prepared of the mesh. Errors besides: those of proto::read_face_numbers;
+  // overloaded, draining, cancelled.
+  using Numbers = std::shared_ptr<const proto::FaceNumbers>;
+  [[nodiscard]] Result<Numbers> face_numbers(const std::string& id, const std::string& attribute,
+                                             proto::FaceNumber which, const Caller& caller);
   // The uploaded bytes as a file; null where they cannot be had as one. Errors besides: cancelled.
   [[nodiscard]] Result<std::shared_ptr<const ReplyFile>> source_file(const std::string& id,
                                                                      const Caller& caller) {
@@ -161,8 +161,10 @@ class MeshCatalog {
   [[nodiscard]] Result<PreparedSurface> surface(const AskedSurface& surface, const Caller& caller);
   // What a mesh's file calls its faces by, as far as it is named. Which face has which material is
   // known from the last decoding, or else decoded; parts are, where the metadata does not list all
-  // that have numbers. Errors: those of `metadata` and `adjacency`.
-  [[nodiscard]] Result<proto::FileFaces> file_faces(const std::string& id, proto::NamedOfFile named,
+  // that have numbers. Errors: those of `metadata`, `adjacency` and `face_numbers`;
+  // value_out_of_range where a file without attributes is asked for labels.
+  [[nodiscard]] Result<proto::FileFaces> file_faces(const std::string& id,
+                                                    const proto::NamedOfFile& named,
                                                     const Caller& caller);
   [[nodiscard]] Result<std::shared_ptr<const ClosestPointIndex>> closest_points(
       const AskedSurface& surface, const Caller& caller);
@@ -186,7 +188,7 @@ class MeshCatalog {
   using Materials = std::shared_ptr<const proto::FaceMaterials>;
   using Parts = std::shared_ptr<const proto::ToldParts>;
   using Prepared = std::variant<PreparedSurface, std::shared_ptr<const ClosestPointIndex>,
-                                Materials, Parts, Weights>;
+                                Materials, Parts, Numbers>;
 
   struct Described {
     std::shared_ptr<const Mesh> mesh;
@@ -221,6 +223,8 @@ class MeshCatalog {
   // Those that the metadata does not list, too.
   [[nodiscard]] Result<Parts> parts(const std::string& id, const Caller& caller);
   [[nodiscard]] Result<Materials> materials(const std::string& id, const Caller& caller);
+  [[nodiscard]] Result<Numbers> face_labels(const std::string& id, const std::string& description,
+                                            const std::string& attribute, const Caller& caller);
   [[nodiscard]] Result<Built> build(const std::string& bytes, const proto::ImportOptions& options,
                                     const Caller& caller);
   [[nodiscard]] Result<Described> describe(const std::string& id, const std::string& bytes,

@@ -64,10 +64,11 @@ class FieldQueries::Place {
                                              std::vector<proto::ResolvedPoint>& echo,
                                              std::vector<std::string>& warnings,
                                              SurfacePolyline* round = nullptr) const;
-  // The same of each of the requests apart.
+  // The same of each of the requests apart. `outlines`: as FieldRows::make has it.
   [[nodiscard]] Result<FieldRows> rows(const std::vector<proto::PointRequest>& requests,
                                        std::vector<proto::ResolvedPoint>& echo,
-                                       std::vector<std::string>& warnings) const;
+                                       std::vector<std::string>& warnings,
+                                       bool outlines = false) const;
 
   // One place.
   [[nodiscard]] Result<SurfacePoint> point(const proto::PointRequest& request,

@@ -10,6 +10,8 @@
 #include "proto/gltf/annotate.h"
 #include "proto/gltf/weights.h"
 #include "proto/mesh/metadata.h"
+#include "proto/wire/input_codes.h"
+#include "proto/wire/query_limits.h"
 #include "server/query/mesh_catalog.h"
 
 namespace geodesic::server {
@@ -22,8 +24,9 @@ std::span<const std::byte> as_bytes(const std::string& text) {
 // In the cache of prepared things. They begin with the mesh's id, and go with the mesh.
 std::string parts_key(const std::string& mesh) { return mesh + "/parts"; }
 std::string materials_key(const std::string& mesh) { return mesh + "/materials"; }
-std::string weights_key(const std::string& mesh, const std::string& attribute) {
-  return mesh + "/weights/" + attribute;
+std::string numbers_key(const std::string& mesh, const std::string& attribute,
+                        proto::FaceNumber which) {
+  return mesh + (which == proto::FaceNumber::label ? "/labels/" : "/weights/") + attribute;
 }
 
 }  // namespace
@@ -72,31 +75,48 @@ Result<std::shared_ptr<const Kept>> MeshCatalog::kept(const std::string& key, co
   return std::get<std::shared_ptr<const Kept>>(*known->value);
 }
 
-Result<MeshCatalog::Weights> MeshCatalog::face_weights(const std::string& id,
+Result<MeshCatalog::Numbers> MeshCatalog::face_numbers(const std::string& id,
                                                        const std::string& attribute,
+                                                       proto::FaceNumber which,
                                                        const Caller& caller) {
-  return kept<proto::FaceWeights>(
-      weights_key(id, attribute), caller, [&]() -> Result<proto::FaceWeights> {
+  return kept<proto::FaceNumbers>(
+      numbers_key(id, attribute, which), caller, [&]() -> Result<proto::FaceNumbers> {
         const auto file = stored_file(id);
         if (!file) return fail(file.error());
         return pool_.run(
             [&](Worker&) {
               const auto limits = decode_limits_.get();
               const auto& [bytes, options] = *file;
-              return decoders_ != nullptr
-                         ? decoders_->face_weights(bytes, attribute, *limits, options, caller)
-                         : proto::read_face_weights(as_bytes(bytes), *limits, options, attribute);
+              return decoders_ != nullptr ? decoders_->face_numbers(bytes, attribute, which,
+                                                                    *limits, options, caller)
+                                          : proto::read_face_numbers(as_bytes(bytes), *limits,
+                                                                     options, attribute, which);
             },
             caller);
       });
 }
 
-Result<proto::FileFaces> MeshCatalog::file_faces(const std::string& id, proto::NamedOfFile named,
+Result<proto::FileFaces> MeshCatalog::file_faces(const std::string& id,
+                                                 const proto::NamedOfFile& named,
                                                  const Caller& caller) {
   proto::FileFaces file;
-  if (!named.parts && !named.materials) return file;
+  if (!named.parts && !named.materials && named.labels.empty()) return file;
   const auto description = metadata(id, caller);
   if (!description) return fail(description.error());
+  if (named.labels.size() > proto::kMaxLabelAttributes) {
+    return fail_limit(ErrorCode::too_large, "labels of too many attributes in one request",
+                      proto::kMaxLabelAttributes, named.labels.size(),
+                      named.labels.begin()->second);
+  }
+  for (const auto& [attribute, parameter] : named.labels) {
+    auto labels = face_labels(id, *description, attribute, caller);
+    if (!labels) {
+      if (labels.error().parameter.empty()) labels.error().parameter = parameter;
+      return fail(std::move(labels.error()));
+    }
+    file.labels.emplace(attribute, std::move(*labels));
+  }
+  if (!named.parts && !named.materials) return file;
   auto told = proto::parts_in(*description);
   if (!told) return fail(std::move(told.error()));
   file.parts = std::move(*told);
@@ -113,6 +133,24 @@ Result<proto::FileFaces> MeshCatalog::file_faces(const std::string& id, proto::N
     file.materials = std::move(*materials);
   }
   return file;
+}
+
+Result<MeshCatalog::Numbers> MeshCatalog::face_labels(const std::string& id,
+                                                      const std::string& description,
+                                                      const std::string& attribute,
+                                                      const Caller& caller) {
+  const std::string format = proto::format_in(description);
+  if (format != "glb" && format != "gltf") {
+    return fail(ErrorCode::value_out_of_range,
+                "only a .glb or .gltf has attributes of vertices, and this mesh was uploaded as ." +
+                    format + "; name faces by number");
+  }
+  auto labels = face_numbers(id, attribute, proto::FaceNumber::label, caller);
+  // There is no such form of a reply; the region cannot be had.
+  if (!labels && labels.error().code == InputCode::not_acceptable) {
+    labels.error().code = ErrorCode::value_out_of_range;
+  }
+  return labels;
 }
 
 void MeshCatalog::keep_materials(const std::string& id, proto::FaceMaterials materials,

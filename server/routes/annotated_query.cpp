@@ -37,7 +37,8 @@ Result<std::shared_ptr<const void>> Routes::read_weights(const Query& query, pro
   // The file, and once more for who decodes it.
   auto reserved = reply_budget_.reserve(2 * file->bytes + bytes_of_weights, caller.client);
   if (!reserved) return fail(std::move(reserved.error()));
-  auto weights = catalog_.face_weights(query.mesh, costs.weight_attribute, caller);
+  auto weights =
+      catalog_.face_numbers(query.mesh, costs.weight_attribute, proto::FaceNumber::weight, caller);
   if (!weights) return fail(std::move(weights.error()));
   costs.face_weights = (*weights)->by_face;
   (*reserved)->shrink(bytes_of_weights);

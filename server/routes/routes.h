@@ -151,7 +151,7 @@ class Routes {
   [[nodiscard]] Result<GltfSize> size_of_gltf(const Query& query, const Error& otherwise,
                                               const Caller& caller);
   // Weights of faces that are in the file, if they are asked for, and the reservation of their
-  // memory. Errors: those of size_of_gltf, of MeshCatalog::face_weights and of
+  // memory. Errors: those of size_of_gltf, of MeshCatalog::face_numbers and of
   // ReplyBudget::reserve.
   [[nodiscard]] Result<std::shared_ptr<const void>> read_weights(const Query& query,
                                                                  proto::Costs& costs,

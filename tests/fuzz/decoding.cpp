@@ -63,7 +63,8 @@ void check_numbers(std::span<const std::byte> bytes, const proto::DecodeLimits& 
 void check_weights(std::span<const std::byte> bytes, const proto::DecodeLimits& limits,
                    const proto::DecodedMesh& decoded) {
   if (decoded.format != proto::MeshFormat::glb && decoded.format != proto::MeshFormat::gltf) return;
-  const auto weights = proto::read_face_weights(bytes, limits, {}, "_MUD");
+  const auto weights =
+      proto::read_face_numbers(bytes, limits, {}, "_MUD", proto::FaceNumber::weight);
   if (weights) {
     expect(weights->by_face.size() == decoded.soup.faces.size(), "a weight for each face");
     for (const double weight : weights->by_face) {

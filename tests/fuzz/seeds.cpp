@@ -214,8 +214,9 @@ std::vector<std::string> request_seeds() {
       "up=0,0,1",
       "from=v:0&to=v:9&weight_attribute=_MUD&slope=tobler",
       "count=1&within=faces:7,10-99&within=part:2&forbid=sphere:1,2,3,0.5&forbid=box:0,0,0,1,2,3",
-      "count=1&within=material:glass&within=material:3&forbid=material:none&forbid=part:%22a%22",
-      R"({"from":[{"part":"roof"},{"material":null}],"weights":["2*material:a*b;c",{"weight":3,"region":{"material":"\u00e4"}}]})",
+      "count=1&within=material:glass&within=material:3&forbid=material:none&forbid=label:_SEG=3&"
+      "forbid=part:%22a%22",
+      R"({"from":[{"part":"roof"},{"material":null},{"label":{"attribute":"_SEG","value":1.5}}],"weights":["2*material:a*b;c",{"weight":3,"region":{"material":"\u00e4"}}]})",
       "from=v:0&to=v:9&via=f:1,0.2,0.3&refine=none&precision=6",
       "from=v:0&from=p:1,2,3&at=v:1&max=2e3&method=steiner&points_per_edge=5",
       "from=v%3A0&count=10&step=0.5&angle=1.5&length=2",

@@ -96,8 +96,8 @@ export interface PathQuery extends ByMethod, InDigits, AtACost {
 export interface TableQuery extends ByMethod, WithinTolerance, AtACost {
   /** The rows. */
   from: OneOrMore<Point | SourceLines>;
-  /** The columns; without it the rows again, which are points then. */
-  to?: OneOrMore<Point>;
+  /** The columns; without it the rows again. Of a line it is the least distance of all of it. */
+  to?: OneOrMore<Point | SourceLines>;
   max?: number;
 }
 

@@ -7,7 +7,7 @@ import { isWholeFaces, wholeFacesInUrl, type WholeFaces } from './whole_faces.js
 
 /**
  * A part of a surface: source faces and ranges of them with both ends, a part or a material of the
- * file by its place in the metadata or by name, the faces whose centroids are in a ball or in a box along the
+ * file by its place in the metadata or by name, those with a label in the file, the faces whose centroids are in a ball or in a box along the
  * axes, what a line through points and back to the first goes round, or a text in the grammar of
  * URLs (`faces:0-99`).
  */

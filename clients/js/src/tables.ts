@@ -44,8 +44,7 @@ export async function table(
     return plan.read(await transport.exchange(plan.call));
   };
   const rows = listOf(query.from);
-  // Rows that are the columns, too, are points, or the server refuses them.
-  const columns = query.to === undefined ? (rows as readonly Point[]) : listOf(query.to);
+  const columns: readonly Row[] = query.to === undefined ? rows : listOf(query.to);
   if (!rows.length || !columns.length || fits(rows, columns, LIMITS)) return ask(query, options);
   const limits = await toldLimits(transport, options);
   if (fits(rows, columns, limits)) return ask(query, options);
@@ -116,7 +115,7 @@ function sizesOf(points: readonly Row[]): number[] {
   return points.map((point) => encoder.encode(JSON.stringify(pointInJson(point))).length + 1);
 }
 
-function fits(rows: readonly Row[], columns: readonly Point[], limits: Limits): boolean {
+function fits(rows: readonly Row[], columns: readonly Row[], limits: Limits): boolean {
   if (rows.length > limits.max_sources || columns.length > limits.max_points) return false;
   if (rows.length * columns.length > limits.max_table_entries) return false;
   const sizes = [...sizesOf(rows), ...sizesOf(columns)];
@@ -129,7 +128,7 @@ function fits(rows: readonly Row[], columns: readonly Point[], limits: Limits): 
  */
 function* blocks(
   rows: readonly Row[],
-  columns: readonly Point[],
+  columns: readonly Row[],
   limits: Limits,
 ): Generator<Block> {
   const room = Math.floor(bodyLimit(limits) / 2);

@@ -83,6 +83,26 @@ test('what is forbidden is gone round', async () => {
   }
 });
 
+test('labels are regions, as a text and as an object', async () => {
+  const from = [0, 9999];
+  const file = await client.annotated(plane, { of: 'distance', from, labels: true });
+  const mesh = await client.upload(file);
+  for (const value of [0, 1]) {
+    const label = { label: { attribute: '_GEODESIC_SOURCE', value } };
+    const within = await client.distance(mesh.id, { from: from[value]!, within: label });
+    assert.ok(within.reached! > 1000 && within.reached! < 9000);
+    const text = await client.distance(mesh.id, {
+      from: from[value]!,
+      within: `label:_GEODESIC_SOURCE=${value}`,
+    });
+    assert.deepEqual(text.values, within.values);
+  }
+  await assert.rejects(client.distance(mesh.id, { from: 0, forbid: { label: { attribute: '_SEG', value: 1 } } }), {
+    code: 'value_out_of_range',
+    parameter: 'forbid.label',
+  });
+});
+
 test('regions that are none are refused by the server', async () => {
   const refused = (forbid: unknown, code: string, parameter: string) =>
     assert.rejects(client.samples(plane, { count: 1, forbid: forbid as Region }), { code, parameter });

@@ -33,7 +33,7 @@ test('sources that are no points go by GET where a URL can say them', async () =
   assert.equal(path.from.kind, 'curve');
 });
 
-test('rows of tables are lines, too', async () => {
+test('rows and columns of tables are lines, too', async () => {
   const query: TableQuery = {
     from: [{ boundary: 'all' }, { curve: { points: [1010, 1090] } }, { faces: [[0, 1]] }, 0],
     to: [303, 5050],
@@ -48,10 +48,19 @@ test('rows of tables are lines, too', async () => {
   }
   const near = await client.sparseTable(plane, { ...query, max: 5 });
   assert.deepEqual([...near.indptr], [0, 1, 1, 2, 3]);
-  await assert.rejects(
-    client.table(plane, { from: [0, { boundary: 0 }] }),
-    (error: GeodesicError) => error.parameter === 'to',
-  );
+  const turned = await client.table(plane, { ...query, from: query.to!, to: query.from });
+  assert.deepEqual(turned.columns, rows);
+  const square = await client.table(plane, { from: query.from, method: 'exact' });
+  for (const row of [0, 1, 2, 3]) {
+    for (const column of [0, 1]) assert.equal(turned.distances[4 * column + row], distances[2 * row + column]);
+    for (const other of [0, 1, 2, 3]) {
+      assert.equal(square.distances[4 * row + other], square.distances[4 * other + row]);
+    }
+  }
+  assert.ok(Math.abs(square.distances[1]! - 9) < 1e-9);
+  for await (const { row, distances: streamed } of client.tableRows(plane, { from: query.from, method: 'exact' })) {
+    assert.deepEqual(streamed, square.distances.slice(4 * row, 4 * row + 4));
+  }
 });
 
 test('sites of cells are lines, too', async () => {

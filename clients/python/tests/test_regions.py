@@ -173,6 +173,10 @@ def test_what_a_url_can_say_is_said_there() -> None:
         ({"box": {"min": (1, 2, 3), "max": (4, 5, 6)}}, "box:1.0,2.0,3.0,4.0,5.0,6.0"),
         ({"faces": [1, [2, 3]]}, None),
         ({"sphere": {"center": (1, 2, 3), "radius": 4, "x": 1}}, None),
+        ({"label": {"attribute": "_A=B", "value": 3}}, "label:_A=B=3.0"),
+        ({"label": {"attribute": "_A", "value": np.float64(-0.5)}}, "label:_A=-0.5"),
+        ({"label": {"attribute": "_A"}}, None),
+        ({"label": {"attribute": "_A", "value": "3"}}, None),
         ({"part": 2, "faces": [1]}, None),
         ({"ball": 2}, None),
     ]
@@ -212,6 +216,27 @@ def test_materials_by_name(server: geodesicd.LocalServer) -> None:
     with pytest.raises(geodesicd.GeodesicError, match='the nearest names are "none"') as caught:
         mesh.distance(1, forbid={"material": "nine"})
     assert (caught.value.code, caught.value.parameter) == ("value_out_of_range", "forbid.material")
+
+
+def test_labels_are_their_faces(server: geodesicd.LocalServer, plane: geodesicd.Mesh) -> None:
+    _, triangles = plane.geometry()
+    sources = [0, 9999, 5050]
+    _, labels = plane.distance(sources, labels=True)
+    file = plane.annotated(sources, labels=True)
+    mesh = geodesicd.Client(server.url).upload(file)
+    for value in range(len(sources)):
+        label = {"label": {"attribute": "_GEODESIC_SOURCE", "value": value}}
+        faces = (labels[triangles] == value).all(axis=1)
+        np.testing.assert_array_equal(
+            mesh.distance(geodesicd.Faces(label)), mesh.distance(geodesicd.Faces(faces))
+        )
+        start = int(triangles[faces][0, 0])
+        np.testing.assert_array_equal(
+            mesh.distance(start, within=label), mesh.distance(start, within=faces)
+        )
+    with pytest.raises(geodesicd.GeodesicError, match="there are: 0, 1, 2") as caught:
+        mesh.distance(0, forbid="label:_GEODESIC_SOURCE=3")
+    assert (caught.value.code, caught.value.parameter) == ("value_out_of_range", "forbid.label")
 
 
 def test_what_is_no_region_is_refused_here(plane: geodesicd.Mesh) -> None:

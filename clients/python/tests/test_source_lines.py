@@ -77,7 +77,7 @@ def test_signed_distances_are_below_0_inside(
     assert math.isclose(float(told), -10)
 
 
-def test_rows_of_tables_are_lines_too(
+def test_rows_and_columns_of_tables_are_lines_too(
     server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
 ) -> None:
     rows: list[Any] = [Boundary(), Curve([1010, 1090]), Faces(np.array([0, 1])), 0]
@@ -97,10 +97,16 @@ def test_rows_of_tables_are_lines_too(
     assert np.array_equal(file, found)
     near = plane.sparse_table(rows, columns, max=5, method="exact")
     assert near.indptr.tolist() == [0, 1, 1, 2, 3]
-    with pytest.raises(geodesicd.GeodesicError, match="name the columns"):
-        plane.table(rows)
-    with pytest.raises(geodesicd.GeodesicError, match="a column is a point"):
-        plane.table(0, Boundary())
+    turned = plane.table(columns, rows, method="exact")
+    assert np.array_equal(turned, found.T)
+    square = plane.table(rows, method="exact")
+    assert np.array_equal(square, square.T)
+    expected = [[0, 9, 0, 0], [9, 0, 9 * diagonal, 10 * diagonal], [0, 9 * diagonal, 0, 0]]
+    assert np.allclose(square[:3], expected, atol=1e-9)
+    file = plane.table_file(tmp_path / "square.npy", rows, method="exact")
+    assert np.array_equal(file, square)
+    near = plane.sparse_table(rows, max=5, method="exact")
+    assert near.indptr.tolist() == [0, 3, 4, 7, 10]
     told = geodesic(
         server, "table", plane.id, "--from", "boundary:0", "--from", "curve:v:1010;v:1090",
         "--to", "5050", "--method", "exact",

@@ -13,69 +13,14 @@
 #include "tests/fixtures/random_meshes.h"
 
 using namespace geodesic;
+using fixtures::ask_some_lines;
+using fixtures::dense_points;
+using fixtures::DensePoints;
 using fixtures::LineQuestion;
 using fixtures::RandomMesh;
 using fixtures::some_point;
 using fixtures::Surface;
 using fixtures::test_seed;
-
-namespace {
-
-// Lines of some kind, with points as dense as `spacing` on all of them.
-struct DensePoints {
-  std::vector<Source> sources;
-  double spacing = 0;
-};
-
-DensePoints dense_points(const Surface& surface, const SourceLines& lines,
-                         const std::vector<Source>& ends, int parts) {
-  DensePoints dense{ends, 0};
-  for (const LineSegment& segment : lines.segments) {
-    const auto at = [&](double part) {
-      std::array<double, 3> bary{};
-      for (std::size_t c = 0; c < 3; ++c) {
-        bary[c] = segment.from[c] + part * (segment.to[c] - segment.from[c]);
-      }
-      return point_on_face(surface.adjacency(), segment.face, bary);
-    };
-    for (int i = 1; i < parts; ++i) dense.sources.push_back({at(double(i) / parts), 0});
-    dense.spacing = std::max(
-        dense.spacing,
-        norm(position_of(surface.mesh(), at(0)) - position_of(surface.mesh(), at(1))) / parts);
-  }
-  return dense;
-}
-
-void ask_some_lines(const Surface& surface, std::mt19937& random, LineQuestion& question) {
-  const auto faces = static_cast<std::uint32_t>(surface.mesh().face_count());
-  switch (random() % 4) {
-    case 0:
-      if (surface.adjacency().report().edges_boundary > 0) return question.boundary();
-      [[fallthrough]];
-    case 1: {
-      std::vector<std::uint32_t> set;
-      const std::uint32_t first = random() % faces;
-      for (std::uint32_t f = first; f < std::min(faces, first + 1 + faces / 8); ++f) {
-        set.push_back(f);
-      }
-      return question.faces(set);
-    }
-    default: {
-      // Along a path between two places of one piece.
-      const SurfacePoint from = some_point(surface, random);
-      const Field field = surface.field_by(Method::exact, {Source{from, 0}});
-      for (int tries = 0; tries < 50; ++tries) {
-        const SurfacePoint to = some_point(surface, random);
-        if (!surface.path(field, to)) continue;
-        (void)question.curve({from, to}, random() % 2 == 0);
-        return;
-      }
-      question.point(from);
-    }
-  }
-}
-
-}  // namespace
 
 TEST_CASE("LinesAreTheLimitOfDensePoints") {
   std::mt19937 random(test_seed());

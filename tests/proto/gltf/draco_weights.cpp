@@ -38,8 +38,8 @@ Corners place_of(const TriangleSoup& soup, const Triangle& face) {
   return corners;
 }
 
-Result<FaceWeights> weights_in(const Bytes& file) {
-  return read_face_weights(file, DecodeLimits{}, ImportOptions{}, "_MUD");
+Result<FaceNumbers> weights_in(const Bytes& file) {
+  return read_face_numbers(file, DecodeLimits{}, ImportOptions{}, "_MUD", FaceNumber::weight);
 }
 
 // Of each face that the file has, with each weight that a face of that place has.

@@ -1,12 +1,16 @@
-// Weights of faces out of an attribute: what its numbers mean, and claims that are not true.
+// Weights and labels of faces out of an attribute: what its numbers mean, and claims that are not
+// true.
 #include "proto/gltf/weights.h"
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
+#include "proto/region/region.h"
 #include "tests/proto/gltf_file/fixture.h"
 
 using namespace geodesic;
@@ -22,9 +26,9 @@ GltfFixture muddy(std::size_t (*accessor)(GltfFixture&)) {
   return f;
 }
 
-Result<FaceWeights> mud(const GltfFixture& f) {
+Result<FaceNumbers> mud(const GltfFixture& f) {
   REQUIRE(decode_mesh(f.glb(), DecodeLimits{}));
-  return read_face_weights(f.glb(), DecodeLimits{}, ImportOptions{}, "_MUD");
+  return read_face_numbers(f.glb(), DecodeLimits{}, ImportOptions{}, "_MUD", FaceNumber::weight);
 }
 
 void check_refused(const GltfFixture& f, const std::string& named) {
@@ -91,4 +95,39 @@ TEST_CASE("an accessor that there is not is refused") {
   GltfFixture f = one_triangle();
   f.document["meshes"][0]["primitives"][0]["attributes"]["_MUD"] = 99;
   check_refused(f, "names an accessor that there is not");
+}
+
+TEST_CASE("a label is what all corners have, to the last digit") {
+  const auto labels = [](const GltfFixture& f) {
+    REQUIRE(decode_mesh(f.glb(), DecodeLimits{}));
+    const auto read =
+        read_face_numbers(f.glb(), DecodeLimits{}, ImportOptions{}, "_MUD", FaceNumber::label);
+    REQUIRE(read);
+    REQUIRE(read->by_face.size() == 1);
+    return read->by_face.front();
+  };
+  // No two of these are one float.
+  for (const std::uint32_t whole : {0U, 7U, 16777216U, 16777217U, 4294967294U, 4294967295U}) {
+    for (const std::uint32_t last : {whole, whole + 1}) {
+      GltfFixture f = one_triangle();
+      const auto view = f.view(bytes_of(std::vector<std::uint32_t>{whole, whole, last}));
+      f.document["meshes"][0]["primitives"][0]["attributes"]["_MUD"] =
+          f.accessor(view, 5125, 3, "SCALAR");
+      const double label = labels(f);
+      CHECK((label == whole) == (last == whole));
+      CHECK(std::isnan(label) == (last != whole));
+      CHECK(LabelShape{"_MUD", double(whole)}.is_of(label) == (last == whole));
+      CHECK_FALSE(LabelShape{"_MUD", double(whole) + 1}.is_of(label));
+    }
+  }
+  const double tenth = labels(muddy([](GltfFixture& f) {
+    return f.accessor(f.view(bytes_of(std::vector<float>{0.1F, 0.1F, 0.1F})), 5126, 3, "SCALAR");
+  }));
+  CHECK(LabelShape{"_MUD", 0.1}.is_of(tenth));
+  CHECK_FALSE(LabelShape{"_MUD", 0.1001}.is_of(tenth));
+  const double nothing = labels(muddy([](GltfFixture& f) {
+    const auto nan = std::numeric_limits<float>::quiet_NaN();
+    return f.accessor(f.view(bytes_of(std::vector<float>{nan, nan, nan})), 5126, 3, "SCALAR");
+  }));
+  CHECK(std::isnan(nothing));
 }

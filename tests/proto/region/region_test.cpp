@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -87,6 +88,7 @@ TEST_CASE("ARegionIsTheSameInAUrlAndInJson") {
       {"material:\"\"a\"\"", R"({"material":"\"a\""})"},
       {"material:\"half", R"({"material":"\"half"})"},
       {"material:\xc3\xa4\n", R"({"material":"\u00e4\n"})"},
+      {"label:_A=B=-1.50", R"({"label":{"attribute":"_A=B","value":-1.5}})"},
       {"sphere:1,-2.5,3e2,0", R"({"sphere":{"center":[1,-2.5,300],"radius":0}})"},
       {"box:0,0,0,1,2,3", R"({"box":{"min":[0,0,0],"max":[1,2,3.0]}})"},
       {"inside:v:1;f:2,0.25,0.5;p:1,2,3;ray:0,0,9,0,0,-1",
@@ -113,6 +115,10 @@ TEST_CASE("ARegionIsTheSameInAUrlAndInJson") {
   CHECK_FALSE(named("material:none").parts);
   CHECK_FALSE(named("faces:1").parts);
   CHECK_FALSE(named("faces:1").materials);
+  CHECK(named("faces:1").labels.empty());
+  const auto labels = named(json::array({"label:_A=1", "label:_B=1", "label:_A=2"})).labels;
+  CHECK(labels ==
+        std::map<std::string, std::string>{{"_A", "forbid[0].label"}, {"_B", "forbid[1].label"}});
 }
 
 // Where one name ends and another shape begins, no two regions have one text.
@@ -123,6 +129,9 @@ TEST_CASE("NamesCannotPassForOtherRegions") {
                                   json::array({"material:\"1\""}),
                                   json::array({"material:none"}),
                                   json::array({"material:\"none\""}),
+                                  json::array({"label:a=1", "label:b=1"}),
+                                  json::array({"label:a=1 label,1:b=1"}),
+                                  json::array({"label:a=2", "label:b=1"}),
                                   json::array({"part:1"}),
                                   json::array({"part:\"1\""}),
                                   json::array({"material:1:1"}),
@@ -288,6 +297,9 @@ TEST_CASE("RegionsAreUnionsAndForbiddenIsTakenAwayFromWithin") {
     }
     material_of.resize(faces, kNoMaterial);
     file.materials = std::make_shared<const FaceMaterials>(materials);
+    const auto labels = std::make_shared<FaceNumbers>();
+    for (std::uint32_t f = 0; f < faces; ++f) labels->by_face.push_back(double(random() % 5));
+    file.labels["_SEG"] = labels;
     const Vec3 size = mesh.box().max - mesh.box().min;
     const auto place = [&] {
       return mesh.box().min + Vec3{unit() * size.x, unit() * size.y, unit() * size.z};
@@ -320,6 +332,8 @@ TEST_CASE("RegionsAreUnionsAndForbiddenIsTakenAwayFromWithin") {
           } else if (has == std::get<std::uint64_t>(of->material)) {
             return true;
           }
+        } else if (const auto* label = std::get_if<LabelShape>(&shape.what)) {
+          if (labels->by_face[f] == label->value) return true;
         } else if (const auto* ball = std::get_if<SphereShape>(&shape.what)) {
           if (norm(p - ball->center) <= ball->radius) return true;
         } else {
@@ -335,7 +349,7 @@ TEST_CASE("RegionsAreUnionsAndForbiddenIsTakenAwayFromWithin") {
     const auto draw_region = [&] {
       std::vector<Shape> region;
       for (std::uint32_t i = random() % 4; i > 0; --i) {
-        switch (random() % 8) {
+        switch (random() % 9) {
           case 0: {
             std::vector<FaceRange> ranges;
             for (int k = 0; k < 3; ++k) {
@@ -361,6 +375,9 @@ TEST_CASE("RegionsAreUnionsAndForbiddenIsTakenAwayFromWithin") {
           }
           case 6:
             region.push_back({MaterialShape{NoMaterial{}}, "forbid"});
+            break;
+          case 7:
+            region.push_back({LabelShape{"_SEG", labels->by_face[random() % faces]}, "forbid"});
             break;
           case 2:
             region.push_back({SphereShape{place(), 0.5 * unit() * norm(size)}, "forbid"});

@@ -129,9 +129,10 @@ TEST_CASE("AFileIsAnnotatedAsInThisProcess") {
 TEST_CASE("WeightsAreReadAsInThisProcess") {
   const auto processes = started(short_limits());
   const std::string file = knot_file();
-  const auto there = processes->face_weights(file, "_MUD", {}, {}, {});
-  const auto here = proto::read_face_weights(
-      {reinterpret_cast<const std::byte*>(file.data()), file.size()}, {}, {}, "_MUD");
+  const auto there = processes->face_numbers(file, "_MUD", proto::FaceNumber::weight, {}, {}, {});
+  const auto here =
+      proto::read_face_numbers({reinterpret_cast<const std::byte*>(file.data()), file.size()}, {},
+                               {}, "_MUD", proto::FaceNumber::weight);
   REQUIRE_FALSE(there);
   REQUIRE_FALSE(here);
   CHECK(there.error().detail == here.error().detail);

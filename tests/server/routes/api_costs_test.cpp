@@ -145,7 +145,7 @@ TEST_CASE("WeightsAreReadOutOfDracoData") {
     return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   };
   const std::string base = "/v1/meshes/" + plane.service.upload(text(glb));
-  const auto weights = proto::read_face_weights(glb, {}, {}, "_MUD");
+  const auto weights = proto::read_face_numbers(glb, {}, {}, "_MUD", proto::FaceNumber::weight);
   REQUIRE(weights);
   const HttpResponse sent = plane.service.ask(
       "POST", base + "/distance", json{{"from", "v:0"}, {"face_weights", weights->by_face}}.dump());
@@ -160,6 +160,38 @@ TEST_CASE("WeightsAreReadOutOfDracoData") {
                                                    "/distance?from=v:0&weight_attribute=_MUD");
     check_problem(refused, 422, "value_out_of_range", "weight_attribute");
     CHECK(body_of(refused)["detail"].get<std::string>().find("face_weights") != std::string::npos);
+  }
+}
+
+TEST_CASE("LabelsAreReadOutOfDracoData") {
+  PlaneService plane;
+  const TriangleSoup soup = shapes::terrain(8, 3, fixtures::test_seed());
+  proto::DracoNumbers numbers;
+  for (std::size_t f = 0; f < soup.faces.size(); ++f) {
+    numbers.at_corner.insert(numbers.at_corner.end(), 3, 1 + static_cast<double>(f / 16));
+  }
+  const proto::DracoFixture draco = proto::draco_of(soup, numbers);
+  proto::GltfFixture file;
+  file.mesh({proto::draco_primitive(file, draco, numbers, "_ROOM")});
+  file.node({{"mesh", 0}});
+  const proto::Bytes glb = file.glb();
+  const std::string base =
+      "/v1/meshes/" +
+      plane.service.upload(std::string(reinterpret_cast<const char*>(glb.data()), glb.size()));
+  const auto labels = proto::read_face_numbers(glb, {}, {}, "_ROOM", proto::FaceNumber::label);
+  REQUIRE(labels);
+  REQUIRE(labels->by_face.size() == soup.faces.size());
+  for (std::size_t f = 0; f < labels->by_face.size(); f += 11) {
+    json same = json::array();
+    for (std::size_t g = 0; g < labels->by_face.size(); ++g) {
+      if (labels->by_face[g] == labels->by_face[f]) same.push_back(g);
+    }
+    REQUIRE(!same.empty());
+    json asked{{"from", "f:" + std::to_string(f) + ",0.3,0.3"}, {"within", {{"faces", same}}}};
+    const HttpResponse wanted = plane.service.ask("POST", base + "/distance", asked.dump());
+    REQUIRE(wanted.status == 200);
+    asked["within"] = "label:_ROOM=" + std::to_string(static_cast<int>(labels->by_face[f]));
+    CHECK(*plane.service.ask("POST", base + "/distance", asked.dump()).body == *wanted.body);
   }
 }
 

@@ -48,8 +48,8 @@ def table_file(
 
     Args:
         file: where to; another file there is replaced, unless it is a part of this table.
-        sources: points, and curves, boundaries and faces, one a row. targets: points, one a column;
-            with others than points among the sources they have to be given.
+        sources: points, and curves, boundaries and faces, one a row. targets: the same, one a
+            column; the distance of a line is the least of all of it.
         resume: whether to go on with a part that is there.
         max: what is farther counts as unreached; mesh units. Fields end there.
         landmarks: from how many of the columns, from 8 to 300, whole fields are computed. What is
@@ -219,8 +219,8 @@ def sparse_table(
     server has too much for one reply, it is asked for fewer rows at once.
 
     Args:
-        sources: points, and curves, boundaries and faces, one a row. targets: points, one a column;
-            with others than points among the sources they have to be given.
+        sources: points, and curves, boundaries and faces, one a row. targets: the same, one a
+            column; the distance of a line is the least of all of it.
         max: the greatest distance that is wanted, mesh units.
         deadline: seconds for the whole.
         progress: called with the part that is done, from 0 to 1.

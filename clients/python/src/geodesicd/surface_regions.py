@@ -6,7 +6,9 @@ One region is a text of the URL grammar (``"faces:0-99"``, ``"part:2"``, ``"mate
 {"center": (0, 0, 0), "radius": 2}}``), an integer array of source faces, or a boolean one with an
 element for each source face. ``{"part": name}`` and ``{"material": name}`` are all parts and
 materials of that name, a number instead of a name is a place in the metadata, and
-``{"material": None}`` are the faces without a material. A list of those is their union. Of spheres
+``{"material": None}`` are the faces without a material. ``{"label": {"attribute": "_SEG", "value":
+3}}`` are the faces whose corners all have that number in an attribute of the file. A list of those
+is their union. Of spheres
 and boxes a region has the faces whose centroids lie in them. ``{"inside": points}``, or
 ``"inside:v:1;v:2;v:3"``, is what a line through points and back to the first goes round; points are
 as :mod:`geodesicd.points` says.
@@ -149,17 +151,24 @@ def _shape(value: Mapping[str, Any]) -> Region:
             return Region("material:none", None)
         case {"material": called, **rest} if not rest and _is_called(called):
             return Region(_named("material", called), None)
+        case {"label": Mapping() as label, **rest} if not rest and _has(label, *_LABEL):
+            called, number = label["attribute"], label["value"]
+            if isinstance(called, str) and isinstance(number, float | int):
+                return _numbers(f"label:{called}=", number)
         case {"sphere": Mapping() as ball, **rest} if not rest and _has(ball, "center", "radius"):
             if isinstance(ball["radius"], float | int) and len(ball["center"]) == 3:
-                return _numbers("sphere", *triple(ball["center"], "center"), ball["radius"])
+                return _numbers("sphere:", *triple(ball["center"], "center"), ball["radius"])
         case {"box": Mapping() as box, **rest} if not rest and _has(box, "min", "max"):
             if len(box["min"]) == len(box["max"]) == 3:
-                return _numbers("box", *triple(box["min"], "min"), *triple(box["max"], "max"))
+                return _numbers("box:", *triple(box["min"], "min"), *triple(box["max"], "max"))
         case {"faces": np.ndarray() as faces, **rest} if not rest:
             return region_of(faces)
         case {"inside": list() | tuple() | np.ndarray() as points, **rest} if not rest:
             return _line("inside:", "inside", points)
     return Region(None, dict(value))
+
+
+_LABEL = ("attribute", "value")
 
 
 def _is_called(value: Any) -> bool:
@@ -178,5 +187,5 @@ def _has(value: Mapping[str, Any], *names: str) -> bool:
     return set(value) == set(names)
 
 
-def _numbers(kind: str, *numbers: float) -> Region:
-    return Region(f"{kind}:" + ",".join(repr(float(one)) for one in numbers), None)
+def _numbers(begin: str, *numbers: float) -> Region:
+    return Region(begin + ",".join(repr(float(one)) for one in numbers), None)

@@ -33,8 +33,8 @@ def table(
     server's limits is several requests, one after the other.
 
     Args:
-        sources: points, and curves, boundaries and faces, one a row. targets: points, one a column;
-            with others than points among the sources they have to be given.
+        sources: points, and curves, boundaries and faces, one a row. targets: the same, one a
+            column; the distance of a line is the least of all of it.
         max: what is farther counts as unreached; mesh units.
         dtype: float64 or float32, which is half to send and to keep.
         deadline: seconds for the whole.
