@@ -7,6 +7,7 @@
 #include "core/back_traced/front.h"
 #include "core/back_traced/visibility_cones.h"
 #include "core/base/tolerances.h"
+#include "core/surface/line_gaps.h"
 #include "core/surface/side_not_below.h"
 
 namespace geodesic {
@@ -43,7 +44,7 @@ double bucket_width(std::span<const FaceRecord> faces) {
 }  // namespace
 
 void BackTracedFront::start(const SurfacePoint& source, const detail::Worthwhile& worthwhile) {
-  const auto places = in_all_faces(adjacency_, source);
+  const auto places = in_all_faces_at(adjacency_, source, poll_);
   // Only the mesh's own faces say where a point inside one is, and what it sees over them. The
   // front goes on from there over the Delaunay triangulation, as from a vertex.
   scratch_.crowds.reset(surface_, poll_);

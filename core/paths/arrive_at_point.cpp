@@ -8,6 +8,7 @@
 #include "core/field/line_waves.h"
 #include "core/field/way_through_windows.h"
 #include "core/paths/step_in_face.h"
+#include "core/surface/line_gaps.h"
 #include "core/wavefront/fast_marching.h"
 #include "core/wavefront/novotni.h"
 #include "core/wavefront/virtual_source.h"
@@ -51,13 +52,22 @@ PointArrivals::PointArrivals(const Adjacency& adjacency, const Field& field, Pol
   // Vertices that lines have made sources of are corners with a distance.
   const std::size_t count = field.lines ? field.lines->given() : field.sources.size();
   for (std::uint32_t s = 0; s < count; ++s) {
-    for (const SurfacePoint& place : in_all_faces(adjacency, field.sources[s].point)) {
+    for (const SurfacePoint& place : all_faces_at(field.sources[s].point)) {
       if (stopped()) return;
       source_places_.push_back({place.face, s, place.bary});
     }
   }
   std::stable_sort(source_places_.begin(), source_places_.end(),
                    [](const SourcePlace& a, const SourcePlace& b) { return a.face < b.face; });
+}
+
+std::vector<SurfacePoint> PointArrivals::all_faces_at(const SurfacePoint& point) const {
+  if (field_.method != Method::back_traced || field_.windows)
+    return in_all_faces(adjacency_, point);
+  if (poll_ != nullptr) return in_all_faces_at(adjacency_, point, *poll_);
+  const Cancel never;
+  Poll poll(never);
+  return in_all_faces_at(adjacency_, point, poll);
 }
 
 // In the order that steps of the same length are taken in.
@@ -246,7 +256,7 @@ StepBack PointArrivals::through_face(const SurfacePoint& place) const {
 double PointArrivals::distance_at(const SurfacePoint& point) const {
   if (point.at_vertex()) return field_.distance[point.vertex];
   double least = kUnreached;
-  for (const SurfacePoint& place : in_all_faces(adjacency_, point)) {
+  for (const SurfacePoint& place : all_faces_at(point)) {
     if (stopped()) return kUnreached;
     const StepBack step = field_.windows ? through_windows(place) : through_face(place);
     least = std::min(least, step.distance);

@@ -66,7 +66,11 @@ class PointArrivals {
   [[nodiscard]] StepBack to_end_of_side(std::uint32_t face, std::uint32_t c,
                                         const std::array<double, 3>& start) const;
 
-  // The distance of any point: the least over the faces it lies in.
+  // The faces that a way may come to the point by: those it lies in, and of `back_traced`, where no
+  // windows lead through faces without width, those that are joined to it by such (line_gaps.h).
+  [[nodiscard]] std::vector<SurfacePoint> all_faces_at(const SurfacePoint& point) const;
+
+  // The distance of any point: the least over those faces.
   [[nodiscard]] double distance_at(const SurfacePoint& point) const;
 
   // Whether the poll has said to stop, so that the answer is of no use; asks nobody.

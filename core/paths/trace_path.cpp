@@ -109,7 +109,7 @@ class Tracer {
     target_ = target.vertex;
     if (target.at_vertex()) return from_vertex(target.vertex);
     StepBack best;
-    for (const SurfacePoint& place : in_all_faces(adjacency_, target)) {
+    for (const SurfacePoint& place : arrivals_.all_faces_at(target)) {
       if (poll_.cancelled()) return {};
       const StepBack step = arrivals_.through_face(place);
       if (arrivals_.is_better(step, best)) best = step;
@@ -207,7 +207,7 @@ class Tracer {
   // Through whichever face not yet entered gives the point the least distance.
   [[nodiscard]] StepBack through_others(const SurfacePoint& here) {
     StepBack best;
-    for (const SurfacePoint& place : in_all_faces(adjacency_, here)) {
+    for (const SurfacePoint& place : arrivals_.all_faces_at(here)) {
       if (poll_.cancelled()) return {};
       if (!may_enter(place.face)) continue;
       const StepBack step = arrivals_.through_face(place);
@@ -287,6 +287,14 @@ class Tracer {
     return path;
   }
 
+  // Whether a path that has but a vertex where it begins goes on where faces without width join
+  // that to another place, as near as rounding can tell.
+  [[nodiscard]] bool leaves_elsewhere(const Path& path, const Leg& leg) const {
+    const SurfacePoint& start = path.points.front().point;
+    return path.points.size() == 1 && start.at_vertex() &&
+           point_on_face(adjacency_, leg.face, leg.end).vertex != start.vertex;
+  }
+
   Path assemble(std::uint32_t source) const {
     Path path;
     path.source = source;
@@ -296,7 +304,8 @@ class Tracer {
       const Vec3 position = position_of(mesh, point);
       if (!path.points.empty()) {
         PathPoint& last = path.points.back();
-        if (last.position == position) {
+        const bool is_end = path.points.size() == 1 && last.point.at_vertex();
+        if (last.position == position && (!is_end || point.vertex == last.point.vertex)) {
           // A leg without length: the next one leaves from here.
           last = {point, position};
           return;
@@ -307,7 +316,7 @@ class Tracer {
     };
     for (auto leg = legs_.rbegin(); leg != legs_.rend(); ++leg) {
       // The start of a leg going forward is in that leg's face …
-      if (path.points.empty()) {
+      if (path.points.empty() || leaves_elsewhere(path, *leg)) {
         add(leg->face, leg->end);
       } else {
         path.points.back().point = point_on_face(adjacency_, leg->face, leg->end);

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "core/base/polled_fill.h"
-#include "core/refine/line_gaps.h"
 #include "core/refine/refined_numbers.h"
+#include "core/surface/line_gaps.h"
 
 namespace geodesic {
 namespace {
@@ -213,15 +213,15 @@ class Cutter {
 
 SurfacePolyline as_wall(const Adjacency& adjacency, const SurfacePolyline& given, Poll& poll) {
   SurfacePolyline wall;
-  const SurfacePolyline line = close_gaps(adjacency, given, poll);
+  const SurfacePolyline line = close_gaps(adjacency, given, Gaps::at_vertices, poll);
   if (line.empty() || !poll.may_take(2 * line.size() * sizeof(SurfacePoint))) return wall;
   wall.reserve(2 * line.size() - 1);
   for (std::size_t i = 0; i < line.size() && !poll.cancelled(); ++i) {
     if (i > 0) {
       const std::uint32_t face = face_in_common(adjacency, line[i - 1], line[i], poll);
       if (face != kNone) {
-        const Weights a = *weights_in_face(adjacency, face, line[i - 1]);
-        const Weights b = *weights_in_face(adjacency, face, line[i]);
+        const Weights a = seen_from_face(adjacency, line[i - 1], face)->bary;
+        const Weights b = seen_from_face(adjacency, line[i], face)->bary;
         wall.push_back(point_on_face(adjacency, face, {a[0] + b[0], a[1] + b[1], a[2] + b[2]}));
       }
     }

@@ -11,8 +11,8 @@
 
 #include "core/base/polled_fill.h"
 #include "core/mesh/triangle_soup.h"
-#include "core/refine/line_gaps.h"
 #include "core/refine/refined_numbers.h"
+#include "core/surface/line_gaps.h"
 
 namespace geodesic {
 namespace {
@@ -96,7 +96,7 @@ class Refiner {
       chains_[line] = {{point.vertex}};
       return {};
     }
-    points = close_gaps(whole_, points, poll_);
+    points = close_gaps(whole_, points, Gaps::at_vertices, poll_);
     for (std::size_t i = 1; i < points.size(); ++i) {
       const std::uint32_t face = face_in_common(whole_, points[i - 1], points[i], poll_);
       if (poll_.stopped()) return fail_stopped(poll_);
@@ -116,8 +116,8 @@ class Refiner {
     if (poll_.cancelled() || !poll_.may_take(kBytesOfSegment)) return fail_stopped(poll_);
     const auto number = static_cast<std::uint32_t>(chains_[line].size());
     chains_[line].emplace_back();
-    const Segment segment{line, number, *weights_in_face(whole_, face, a),
-                          *weights_in_face(whole_, face, b)};
+    const Segment segment{line, number, seen_from_face(whole_, a, face)->bary,
+                          seen_from_face(whole_, b, face)->bary};
     faces_[face].push_back(segment);
     for (const Weights& weights : {segment.a, segment.b}) {
       if (auto noted = note_on_edge(face, weights); !noted) return noted;
@@ -327,41 +327,6 @@ class Refiner {
 };
 
 }  // namespace
-
-std::optional<Weights> weights_in_face(const Adjacency& adjacency, std::uint32_t face,
-                                       const SurfacePoint& point) {
-  const auto& corners = adjacency.face(face).vertex;
-  if (point.face == face && !point.at_vertex()) return point.bary;
-  Weights weights{0, 0, 0};
-  const auto put = [&](std::uint32_t vertex, double weight) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (corners[c] == vertex) return weights[c] = weight, true;
-    }
-    return false;
-  };
-  if (point.at_vertex()) return put(point.vertex, 1) ? std::optional(weights) : std::nullopt;
-  if (edge_under(point) == kNone) return std::nullopt;
-  for (std::size_t c = 0; c < 3; ++c) {
-    if (point.bary[c] == 0) continue;
-    if (!put(adjacency.face(point.face).vertex[c], point.bary[c])) return std::nullopt;
-  }
-  return weights;
-}
-
-std::uint32_t face_in_common(const Adjacency& adjacency, const SurfacePoint& a,
-                             const SurfacePoint& b, Poll& poll) {
-  for (const std::uint32_t face : {a.face, b.face}) {
-    if (face != kNone && weights_in_face(adjacency, face, a) &&
-        weights_in_face(adjacency, face, b)) {
-      return face;
-    }
-  }
-  for (const SurfacePoint& there : in_all_faces(adjacency, a)) {
-    if (poll.cancelled()) return kNone;
-    if (weights_in_face(adjacency, there.face, b)) return there.face;
-  }
-  return kNone;
-}
 
 Result<RefinedMesh> refine_along(const Adjacency& whole, std::span<const SurfacePolyline> lines,
                                  std::uint64_t most_vertices, const Cancel& cancel) {

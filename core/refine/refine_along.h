@@ -41,13 +41,4 @@ using SurfacePolyline = std::vector<SurfacePoint>;
                                                std::span<const SurfacePolyline> lines,
                                                std::uint64_t most_vertices, const Cancel& cancel);
 
-// A face that has both points, or kNone; that of the first, if it has. Of no use if the poll says
-// to stop.
-[[nodiscard]] std::uint32_t face_in_common(const Adjacency& adjacency, const SurfacePoint& a,
-                                           const SurfacePoint& b, Poll& poll);
-
-// The point's weights in a face; nothing if it is not seen to be in it.
-[[nodiscard]] std::optional<Weights> weights_in_face(const Adjacency& adjacency, std::uint32_t face,
-                                                     const SurfacePoint& point);
-
 }  // namespace geodesic

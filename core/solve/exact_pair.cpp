@@ -10,7 +10,7 @@
 #include "core/base/tolerances.h"
 #include "core/paths/arrive_at_point.h"
 #include "core/paths/trace_path.h"
-#include "core/surface/longest_edge.h"
+#include "core/field/longest_edge.h"
 
 namespace geodesic {
 namespace {

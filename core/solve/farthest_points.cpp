@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/solve/solve_from_lines.h"
-#include "core/surface/longest_edge.h"
+#include "core/field/longest_edge.h"
 
 namespace geodesic {
 namespace {

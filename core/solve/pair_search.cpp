@@ -17,7 +17,7 @@
 #include "core/straighten/refine_path.h"
 #include "core/straighten/shorten_path.h"
 #include "core/surface/around_points.h"
-#include "core/surface/longest_edge.h"
+#include "core/field/longest_edge.h"
 
 namespace geodesic {
 namespace {

@@ -13,7 +13,7 @@
 namespace geodesic {
 namespace {
 
-// Of methods that are not exact.
+// Of methods that are neither exact nor within a tolerance, as `auto` is.
 constexpr std::uint64_t kStripsAFace = 8;
 
 // A vertex that becomes a source.
@@ -73,10 +73,12 @@ Result<Field> solve_from_lines(Method method, const MethodOptions& options,
   StripLimits strips;
   strips.max = limits.max;
   strips.keep_strips = limits.keep_details;
-  if (!traits.has_windows) strips.most = kStripsAFace * adjacency.faces().size();
   MethodOptions taken = options;
   if (method == Method::back_traced && !options.error_at_most)
     taken.error_at_most = kToleranceFromLines;
+  if (!traits.has_windows && !taken.error_at_most) {
+    strips.most = kStripsAFace * adjacency.faces().size();
+  }
   constexpr double kStripsPart = 0.5;
   auto spread = spread_strips(adjacency, sources, lines, strips, cancel.part(0, kStripsPart));
   if (!spread) return fail(std::move(spread.error()));

@@ -51,24 +51,6 @@ void FaceStrip::cross(Portal portal) {
   }
 }
 
-std::optional<SurfacePoint> seen_from_face(const Adjacency& adjacency, const SurfacePoint& point,
-                                           std::uint32_t face) {
-  if (point.at_vertex()) {
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      if (adjacency.face(face).vertex[c] != point.vertex) continue;
-      SurfacePoint seen{face, {0, 0, 0}, point.vertex};
-      seen.bary[c] = 1;
-      return seen;
-    }
-    return std::nullopt;
-  }
-  if (point.face == face) return point;
-  for (const SurfacePoint& place : in_all_faces(adjacency, point)) {
-    if (place.face == face) return place;
-  }
-  return std::nullopt;
-}
-
 void trim_strip(const Adjacency& adjacency, const SurfacePoint& start, const SurfacePoint& end,
                 FaceStrip& strip) {
   auto& portals = strip.portals;

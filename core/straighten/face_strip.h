@@ -38,11 +38,6 @@ struct FaceStrip {
   void cross(Portal portal);
 };
 
-// The same point as one of `face`, or nothing when it is not in that face.
-[[nodiscard]] std::optional<SurfacePoint> seen_from_face(const Adjacency& adjacency,
-                                                         const SurfacePoint& point,
-                                                         std::uint32_t face);
-
 // Takes off the faces at either end that a path from one point to the other need
 // not enter: while the first portal goes through `start`, the first face, and while
 // the last portal goes through `end`, the last.

@@ -1,6 +1,9 @@
 #include "core/straighten/funnel.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "core/base/tolerances.h"
 
 namespace geodesic {
 namespace {
@@ -11,6 +14,16 @@ double leftness(Vec2 a, Vec2 b, Vec2 p) { return cross(b - a, p - a); }
 // On one line with a -> b, but not beyond b: the strip has turned back on itself
 // round b, which only faces without area make possible.
 bool is_back(Vec2 a, Vec2 b, Vec2 p) { return dot(b - a, p - b) < 0; }
+
+// On one line with b -> a, beyond a, as far as rounding can tell: the path sets out on the portal
+// between the two, or comes to it through faces without width, and sees all that is behind it.
+bool is_between(Vec2 b, Vec2 a, Vec2 p) {
+  const Vec2 to_b = b - a;
+  const Vec2 to_p = p - a;
+  const double farther2 = std::max(dot(to_b, to_b), dot(to_p, to_p));
+  return dot(to_b, to_p) < 0 &&
+         std::abs(cross(to_b, to_p)) <= tolerance::kThroughVertex * farther2;
+}
 
 }  // namespace
 
@@ -55,7 +68,7 @@ void Funnel::widen_left(std::uint32_t node) {
     const Vec2 a = nodes_[deque_[apex_]].at;
     const Vec2 b = nodes_[deque_[apex_ + 1]].at;
     const double left = leftness(a, b, p);
-    if (left > 0 || (left == 0 && !is_back(a, b, p))) break;
+    if (left > 0 || (left == 0 && !is_back(a, b, p)) || is_between(b, a, p)) break;
     first_ = ++apex_;
   }
   parent_[node] = deque_[first_];
@@ -73,7 +86,7 @@ void Funnel::widen_right(std::uint32_t node) {
     const Vec2 a = nodes_[deque_[apex_]].at;
     const Vec2 b = nodes_[deque_[apex_ - 1]].at;
     const double left = leftness(a, b, p);
-    if (left < 0 || (left == 0 && !is_back(a, b, p))) break;
+    if (left < 0 || (left == 0 && !is_back(a, b, p)) || is_between(b, a, p)) break;
     last_ = --apex_;
   }
   parent_[node] = deque_[last_];

@@ -261,7 +261,7 @@ Result<LogMap> log_map(const Adjacency& adjacency, const Field& field, const Sur
         path_through(adjacency, field, point_at_vertex(adjacency, v), PathWork::refined, cancel);
     if (!path) return fail(path.error());
     if (!*path || (*path)->length > radius) continue;
-    **path = with_caps(adjacency, from, std::move(**path), looking);
+    **path = without_gaps(adjacency, from, std::move(**path), looking);
     const bool has_direction = piece.unfold(**path, 0);
     if (looking.stopped()) return fail_stopped(looking);
     const bool is_there = !((*path)->length > 0);

@@ -4,11 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <set>
 #include <utility>
 
 #include "core/base/vec3.h"
-#include "core/straighten/flat_face.h"
+#include "core/surface/line_gaps.h"
 
 namespace geodesic {
 namespace {
@@ -28,78 +27,16 @@ DirectionAtVertex direction(const Adjacency& adjacency, std::uint32_t face, std:
   return {face, angle_to(next_corner(c)), angle_to(previous_corner(c))};
 }
 
-// Faces that are gone over for one pair of points. A place of a surface has few caps; of a heap of
-// them no way is found.
-constexpr std::size_t kMostSteps = 4096;
-// Of a side: what is nearer to it is on it.
-constexpr double kOnSide = 1e-9;
-
-// The place on a side that is closest to a position, if that is where the position is.
-std::optional<SurfacePoint> place_on_side(const Adjacency& adjacency, Halfedge side,
-                                          Vec3 position) {
-  const auto positions = adjacency.mesh().positions();
-  const Vec3 tail = positions[adjacency.tail(side)];
-  const Vec3 head = positions[adjacency.head(side)];
-  const Vec3 along = head - tail;
-  if (!(dot(along, along) > 0)) return std::nullopt;
-  // Right beside a vertex rather than at it: it goes on into the face across.
-  const double t = std::clamp(foot_on_segment(position, tail, head), kOnSide, 1 - kOnSide);
-  if (norm(position - tail - t * along) > 2 * kOnSide * norm(along)) return std::nullopt;
-  std::array<double, 3> bary{0, 0, 0};
-  bary[corner_of(side)] = 1 - t;
-  bary[next_corner(corner_of(side))] = t;
-  return point_on_face(adjacency, face_of(side), bary);
+// Whether a path goes from one point to the next within the face of the first.
+bool leads_on(const Adjacency& adjacency, const SurfacePoint& from, const SurfacePoint& to) {
+  return from.face != kNone && seen_from_face(adjacency, to, from.face).has_value();
 }
 
-// From one of `starts` over caps into a face of `to`: the start and a place in each face that is
-// entered, first where the start is, then where `to` is. None where no caps lead there.
-std::vector<PathPoint> over_caps(const Adjacency& adjacency,
-                                 const std::vector<SurfacePoint>& starts, Vec3 start,
-                                 const PathPoint& to, Poll& poll) {
-  struct Step {
-    PathPoint at;
-    std::size_t before;
-    bool is_at_end;
-  };
-  std::vector<Step> steps;
-  std::set<std::pair<std::uint32_t, bool>> entered;
-  const auto enter = [&](const SurfacePoint& place, Vec3 position, std::size_t before,
-                         bool is_at_end) {
-    if (!entered.emplace(place.face, is_at_end).second) return false;
-    steps.push_back({{place, position}, before, is_at_end});
-    return true;
-  };
-  for (const SurfacePoint& place : starts) {
-    if (steps.size() < kMostSteps) enter(place, start, steps.size(), false);
+bool has_gap(const Adjacency& adjacency, const std::vector<PathPoint>& points) {
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    if (!leads_on(adjacency, points[i].point, points[i + 1].point)) return true;
   }
-  const auto way_to = [&](std::size_t step) {
-    std::vector<PathPoint> way{steps[step].at};
-    while (steps[step].before != step) {
-      step = steps[step].before;
-      way.push_back(steps[step].at);
-    }
-    std::reverse(way.begin(), way.end());
-    return way;
-  };
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    for (std::uint32_t turn = steps[i].is_at_end ? 3 : 0; turn < 6; ++turn) {
-      if (poll.cancelled()) return {};
-      const bool is_at_end = turn >= 3;
-      const Vec3 position = is_at_end ? to.position : start;
-      const auto on_side =
-          place_on_side(adjacency, halfedge(steps[i].at.point.face, turn % 3), position);
-      if (!on_side) continue;
-      for (const SurfacePoint& there : in_all_faces(adjacency, *on_side)) {
-        if (poll.cancelled() || steps.size() == kMostSteps) return {};
-        const bool is_there = seen_from_face(adjacency, to.point, there.face).has_value();
-        const bool is_cap =
-            FlatFace(adjacency.mesh(), halfedge(there.face, 0)).side_under_cap() != kNone;
-        if (!(is_there || is_cap) || !enter(there, position, i, is_at_end)) continue;
-        if (is_there) return way_to(steps.size() - 1);
-      }
-    }
-  }
-  return {};
+  return false;
 }
 
 }  // namespace
@@ -114,33 +51,38 @@ std::optional<Portal> portal_at(const Adjacency& adjacency, std::uint32_t before
   return std::nullopt;
 }
 
-Path with_caps(const Adjacency& adjacency, const SurfacePoint& from, Path path, Poll& poll) {
+Path without_gaps(const Adjacency& adjacency, const SurfacePoint& from, Path path, Poll& poll) {
   std::vector<PathPoint>& points = path.points;
   if (points.empty()) return path;
+  const bool is_elsewhere = !seen_from_face(adjacency, from, points.front().point.face);
+  if (!is_elsewhere && !has_gap(adjacency, points)) return path;
+  std::vector<SurfacePoint> line;
+  line.reserve(points.size() + 1);
+  if (is_elsewhere) line.push_back(from);
+  for (const PathPoint& point : points) line.push_back(point.point);
+  line = close_gaps(adjacency, line, Gaps::beside_vertices, poll);
   std::vector<PathPoint> whole;
-  const auto go_over = [&](const std::vector<SurfacePoint>& starts, Vec3 start, const PathPoint& to,
-                           std::size_t first) {
-    const auto way = over_caps(adjacency, starts, start, to, poll);
-    for (std::size_t i = first; i < way.size(); ++i) whole.push_back(way[i]);
-  };
-  if (!seen_from_face(adjacency, from, points.front().point.face)) {
-    go_over(in_all_faces(adjacency, from), points.front().position, points.front(), 0);
-  }
-  whole.push_back(points.front());
-  for (std::size_t i = 1; i < points.size() && !poll.cancelled(); ++i) {
-    const SurfacePoint& before = points[i - 1].point;
-    if (!seen_from_face(adjacency, points[i].point, before.face)) {
-      go_over({before}, points[i - 1].position, points[i], 1);
+  whole.reserve(line.size());
+  for (std::size_t i = 0; i < line.size() && !poll.cancelled(); ++i) {
+    PathPoint point{line[i], position_of(adjacency.mesh(), line[i])};
+    if (i + 1 < line.size() && !leads_on(adjacency, line[i], line[i + 1])) {
+      const std::uint32_t face = face_in_common(adjacency, line[i], line[i + 1], poll);
+      if (face != kNone) point.point = *seen_from_face(adjacency, line[i], face);
     }
-    whole.push_back(points[i]);
+    whole.push_back(point);
   }
   points = std::move(whole);
   return path;
 }
 
 std::optional<Chain> read_chain(const Adjacency& adjacency, const Path& path, Poll& poll) {
+  if (path.points.size() < 2) return std::nullopt;
+  if (has_gap(adjacency, path.points)) {
+    const Path whole = without_gaps(adjacency, path.points.front().point, path, poll);
+    if (poll.stopped() || has_gap(adjacency, whole.points)) return std::nullopt;
+    return read_chain(adjacency, whole, poll);
+  }
   const auto& points = path.points;
-  if (points.size() < 2) return std::nullopt;
   Chain chain;
   chain.path_vertices.push_back({points.front().point});
   PathSegment segment;
@@ -151,7 +93,6 @@ std::optional<Chain> read_chain(const Adjacency& adjacency, const Path& path, Po
     const std::uint32_t face = points[i].point.face;
     const bool last = i + 2 == points.size();
     const SurfacePoint& next = points[i + 1].point;
-    if (face == kNone || !seen_from_face(adjacency, next, face)) return std::nullopt;
     if (!last && !next.at_vertex()) {
       if (next.face == face) continue;
       const auto portal = portal_at(adjacency, face, next, poll);

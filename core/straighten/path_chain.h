@@ -49,15 +49,16 @@ struct Chain {
 [[nodiscard]] std::optional<Portal> portal_at(const Adjacency& adjacency, std::uint32_t before,
                                               const SurfacePoint& point, Poll& poll);
 
-// A path from `from` with the places in caps (flat_face.h) that it has left out, as it does with
-// points that are where the one before is: each point is in the face of the one before, unless no
-// caps lead there. Of no use if the poll says to stop.
-[[nodiscard]] Path with_caps(const Adjacency& adjacency, const SurfacePoint& from, Path path,
-                             Poll& poll);
+// A path from `from` with the places in faces without width (line_gaps.h) that it has left out, as
+// it does with points that are where the one before is: each point is in the face of the one
+// before, unless no such faces lead there. Of no use if the poll says to stop.
+[[nodiscard]] Path without_gaps(const Adjacency& adjacency, const SurfacePoint& from, Path path,
+                                Poll& poll);
 
 // Path segments from vertex to vertex of a path, as it goes: not straight, without
-// crossings and length. Nothing when the path has no segment, or when two segments
-// are in faces that do not meet in the point between them, or the poll says to stop.
+// crossings and length; with what it has left out in faces without width. Nothing when the path has
+// no segment, or when two segments are in faces that do not meet in the point between them, or the
+// poll says to stop.
 [[nodiscard]] std::optional<Chain> read_chain(const Adjacency& adjacency, const Path& path,
                                               Poll& poll);
 

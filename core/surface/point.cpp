@@ -93,4 +93,24 @@ std::vector<SurfacePoint> in_all_faces(const Adjacency& adjacency, const Surface
   return places;
 }
 
+std::optional<SurfacePoint> seen_from_face(const Adjacency& adjacency, const SurfacePoint& point,
+                                           std::uint32_t face) {
+  if (point.face == face && !point.at_vertex()) return point;
+  const auto& corners = adjacency.face(face).vertex;
+  SurfacePoint seen{face, {0, 0, 0}, point.vertex};
+  const auto put = [&](std::uint32_t vertex, double weight) {
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      if (corners[c] == vertex) return seen.bary[c] = weight, true;
+    }
+    return false;
+  };
+  if (point.at_vertex()) return put(point.vertex, 1) ? std::optional(seen) : std::nullopt;
+  if (edge_under(point) == kNone) return std::nullopt;
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    if (point.bary[c] == 0) continue;
+    if (!put(adjacency.face(point.face).vertex[c], point.bary[c])) return std::nullopt;
+  }
+  return seen;
+}
+
 }  // namespace geodesic

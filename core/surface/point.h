@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/base/error.h"
@@ -58,5 +59,10 @@ struct SurfacePoint {
 // point, the faces round an edge, or those round a vertex (none at an isolated one).
 [[nodiscard]] std::vector<SurfacePoint> in_all_faces(const Adjacency& adjacency,
                                                      const SurfacePoint& point);
+
+// The same point as one of `face`, or nothing when it is not in that face.
+[[nodiscard]] std::optional<SurfacePoint> seen_from_face(const Adjacency& adjacency,
+                                                         const SurfacePoint& point,
+                                                         std::uint32_t face);
 
 }  // namespace geodesic

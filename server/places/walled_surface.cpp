@@ -11,6 +11,7 @@
 #include "core/refine/faces_inside.h"
 #include "core/solve/pair_search.h"
 #include "core/solve/solve_scratch.h"
+#include "core/surface/line_gaps.h"
 #include "proto/wire/query_limits.h"
 #include "server/places/resolve_point.h"
 

@@ -13,7 +13,7 @@
 #include "core/steiner/cheapest_way.h"
 #include "core/steiner/steiner.h"
 #include "core/surface/around_points.h"
-#include "core/surface/longest_edge.h"
+#include "core/field/longest_edge.h"
 #include "proto/wire/number.h"
 #include "server/base/joint_caller.h"
 #include "server/base/timed.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/straighten/log_map.h"
-#include "core/surface/longest_edge.h"
+#include "core/field/longest_edge.h"
 #include "server/base/timed.h"
 #include "server/query/field_queries.h"
 #include "server/query/place.h"

@@ -7,7 +7,7 @@
 
 #include "core/paths/discs.h"
 #include "core/paths/strips.h"
-#include "core/surface/longest_edge.h"
+#include "core/field/longest_edge.h"
 #include "proto/wire/query_limits.h"
 #include "server/query/field_queries.h"
 #include "server/query/place.h"

@@ -10,7 +10,7 @@
 #include "core/field/nearest_copies.h"
 #include "core/paths/isolines.h"
 #include "core/solve/farthest_points.h"
-#include "core/surface/longest_edge.h"
+#include "core/field/longest_edge.h"
 #include "proto/wire/query_limits.h"
 #include "server/base/timed.h"
 #include "server/query/field_queries.h"

@@ -20,7 +20,7 @@
 #include "core/straighten/loop_straightness.h"
 #include "core/straighten/straightest_geodesic.h"
 #include "core/straighten/tighten_loop.h"
-#include "core/surface/longest_edge.h"
+#include "core/field/longest_edge.h"
 #include "core/voronoi/voronoi.h"
 #include "tests/bench/edge_dijkstra.h"
 #include "tests/bench/frontier_asked.h"

@@ -1,4 +1,4 @@
-#include "core/refine/line_gaps.h"
+#include "core/surface/line_gaps.h"
 
 #include <doctest/doctest.h>
 
@@ -61,7 +61,7 @@ TEST_CASE("LinesThroughFacesWithoutWidthAreThoseOfTheSameSurfaceWithoutThem") {
     const SurfacePolyline line = straight(flat, a.flat, b.flat);
     const Cancel never;
     Poll poll(never);
-    const SurfacePolyline whole = close_gaps(flat.adjacency(), line, poll);
+    const SurfacePolyline whole = close_gaps(flat.adjacency(), line, Gaps::at_vertices, poll);
     left_out += whole.size() - line.size();
     double longer = 0;
     for (std::size_t i = 1; i < whole.size(); ++i) {
@@ -112,7 +112,7 @@ TEST_CASE("LinesOfWhichNothingIsLeftOutStayAsTheyAre") {
     const SurfacePolyline line = fixtures::random_line(random, surface.adjacency(), 12);
     const Cancel never;
     Poll poll(never);
-    const SurfacePolyline whole = close_gaps(surface.adjacency(), line, poll);
+    const SurfacePolyline whole = close_gaps(surface.adjacency(), line, Gaps::at_vertices, poll);
     REQUIRE(whole.size() == line.size());
     for (std::size_t i = 0; i < line.size(); ++i) {
       CHECK(whole[i].face == line[i].face);

@@ -20,7 +20,7 @@
 #include "core/solve/distance_at_point.h"
 #include "core/solve/pair_search.h"
 #include "core/surface/around_points.h"
-#include "core/surface/longest_edge.h"
+#include "core/field/longest_edge.h"
 #include "tests/fixtures/crumpled_surfaces.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/surface.h"
