@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "core/base/tolerances.h"
+#include "core/field/around_points.h"
+#include "core/field/longest_edge.h"
 #include "core/paths/arrive_at_point.h"
 #include "core/paths/edge_path.h"
 #include "core/solve/distance_at_point.h"
@@ -16,8 +18,6 @@
 #include "core/solve/surface_patch.h"
 #include "core/straighten/refine_path.h"
 #include "core/straighten/shorten_path.h"
-#include "core/surface/around_points.h"
-#include "core/field/longest_edge.h"
 
 namespace geodesic {
 namespace {

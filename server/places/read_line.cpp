@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "core/curves/least_on_lines.h"
+#include "core/field/around_points.h"
 #include "core/solve/distance_at_point.h"
-#include "core/surface/around_points.h"
 
 namespace geodesic::server {
 

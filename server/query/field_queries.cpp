@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/field/around_points.h"
 #include "core/field/nearest_copies.h"
 #include "core/refine/line_sides.h"
-#include "core/surface/around_points.h"
 #include "proto/region/weigh_faces.h"
 #include "proto/wire/number.h"
 #include "proto/wire/query_limits.h"

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <functional>
 
+#include "core/field/around_points.h"
+#include "core/field/longest_edge.h"
 #include "core/paths/arrive_at_point.h"
 #include "core/paths/trace_path.h"
 #include "core/solve/distance_at_point.h"
@@ -12,8 +14,6 @@
 #include "core/solve/solve_from_lines.h"
 #include "core/steiner/cheapest_way.h"
 #include "core/steiner/steiner.h"
-#include "core/surface/around_points.h"
-#include "core/field/longest_edge.h"
 #include "proto/wire/number.h"
 #include "server/base/joint_caller.h"
 #include "server/base/timed.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/field/around_points.h"
 #include "core/landmarks/spread_points.h"
-#include "core/surface/around_points.h"
 #include "server/base/joint_caller.h"
 
 namespace geodesic::server {

@@ -145,7 +145,7 @@ def main():
     parser.add_argument("--peer-sources", type=int, default=12)
     parser.add_argument(
         "--methods",
-        default="auto,wavefront,fast_marching,dijkstra,auto/100,wavefront/200",
+        default="auto,wavefront,fast_marching,dijkstra,auto/100,wavefront/100,wavefront/150",
         help="each may have a number of landmarks behind it",
     )
     options = parser.parse_args()

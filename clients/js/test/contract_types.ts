@@ -14,7 +14,7 @@ export const checks: {
   distance: Same<keyof client.DistancesAtQuery, Names<Schemas['DistanceRequest']>>;
   path: Same<keyof client.PathQuery, Names<Schemas['PathRequest']>>;
   table: Same<
-    keyof client.TableQuery | 'precision' | 'stream' | 'sparse' | 'rows',
+    keyof client.TableRowsQuery | 'precision' | 'stream' | 'sparse' | 'rows',
     Names<Schemas['TableRequest']>
   >;
   isolines: Same<keyof client.IsolinesQuery, Names<Schemas['IsolinesRequest']>>;

@@ -14,13 +14,13 @@
 #include <vector>
 
 #include "core/exact/propagation.h"
+#include "core/field/around_points.h"
+#include "core/field/longest_edge.h"
 #include "core/field/vertex_front.h"
 #include "core/mesh/shapes.h"
 #include "core/paths/arrive_at_point.h"
 #include "core/solve/distance_at_point.h"
 #include "core/solve/pair_search.h"
-#include "core/surface/around_points.h"
-#include "core/field/longest_edge.h"
 #include "tests/fixtures/crumpled_surfaces.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/surface.h"

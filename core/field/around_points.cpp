@@ -1,4 +1,4 @@
-#include "core/surface/around_points.h"
+#include "core/field/around_points.h"
 
 #include <algorithm>
 #include <optional>
