@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/field/field.h"
 
 namespace geodesic {
 namespace {
@@ -26,7 +25,7 @@ void LandmarkGroup::decompose(std::span<const double> squares, Poll& poll) {
     for (std::size_t l = 1; l < count; ++l) {
       nearest = std::min(nearest, distances_[l * width + p]);
     }
-    cover_ = std::max(cover_, static_cast<double>(nearest));
+    cover_ = std::max(cover_, nearest / scale_);
   }
   if (!is_to_estimate()) return;
   const auto rows = static_cast<Eigen::Index>(count);
@@ -72,7 +71,7 @@ void LandmarkGroup::estimate(std::span<const double> to_landmarks, std::size_t c
   for (std::size_t k = 0; k < rank; ++k) {
     double sum = 0;
     for (std::size_t l = 0; l < count; ++l) {
-      const double d = to_landmarks[landmarks_[l]];
+      const double d = scale_ * to_landmarks[landmarks_[l]];
       sum += vectors_[k * count + l] * d * d;
     }
     own[k] = static_cast<float>(sum);
@@ -92,7 +91,7 @@ void LandmarkGroup::estimate(std::span<const double> to_landmarks, std::size_t c
     low.fill(0);
     high.fill(std::numeric_limits<float>::max());
     for (std::size_t l = 0; l < count; ++l) {
-      const auto d = static_cast<float>(to_landmarks[landmarks_[l]]);
+      const auto d = static_cast<float>(scale_ * to_landmarks[landmarks_[l]]);
       const float* const other = &distances_[l * width + begin];
       for (std::size_t i = 0; i < size; ++i) {
         low[i] = std::max(low[i], std::abs(d - other[i]));
@@ -105,7 +104,7 @@ void LandmarkGroup::estimate(std::span<const double> to_landmarks, std::size_t c
       const float distance = std::sqrt(std::max(square[i], 0.0F));
       const float bounded = std::clamp(distance, std::min(low[i] * (1 - kRounding), high[i]),
                                        high[i] * (1 + kRounding));
-      entry = std::max(static_cast<double>(bounded), least);
+      entry = std::max(bounded / scale_, least);
     }
   }
 }

@@ -8,12 +8,15 @@
 // classical scaling", sections 3 and 4.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/base/cancel.h"
+#include "core/field/field.h"
 
 namespace geodesic {
 
@@ -26,16 +29,25 @@ class LandmarkGroup {
   LandmarkGroup(std::vector<std::uint32_t> landmarks, std::vector<std::uint32_t> points,
                 ToPoints to_points, Between between, Poll& poll)
       : landmarks_(std::move(landmarks)), points_(std::move(points)) {
+    double greatest = 0;
+    for (const std::uint32_t l : landmarks_) {
+      for (const std::uint32_t p : points_) {
+        if (poll.cancelled()) return;
+        greatest = std::max(greatest, to_points(l, p));
+      }
+    }
+    // Squares of other units might be no floats.
+    if (greatest > 0 && 1 / greatest < kUnreached) scale_ = 1 / greatest;
     std::vector<double> squares;
     for (const std::uint32_t l : landmarks_) {
       // The way there may be a little longer than the way back.
       for (const std::uint32_t k : landmarks_) {
-        const double mean = (between(l, k) + between(k, l)) / 2;
+        const double mean = scale_ * (between(l, k) + between(k, l)) / 2;
         squares.push_back(mean * mean);
       }
       for (const std::uint32_t p : points_) {
         if (poll.cancelled()) return;
-        distances_.push_back(static_cast<float>(to_points(l, p)));
+        distances_.push_back(static_cast<float>(scale_ * to_points(l, p)));
       }
     }
     decompose(squares, poll);
@@ -62,8 +74,10 @@ class LandmarkGroup {
 
   std::vector<std::uint32_t> landmarks_;
   std::vector<std::uint32_t> points_;
-  std::vector<float> distances_;  // a row of points for each landmark
-  double cover_ = 0;
+  // Of what a mesh unit is multiplied by, so that the greatest distance is 1.
+  double scale_ = 1;
+  std::vector<float> distances_;  // a row of points for each landmark; scaled
+  double cover_ = 0;              // mesh units
   // The eigenvectors that count, in the order of their values, greatest first: of landmarks a row
   // each, divided by the value; and a row for each of what they make of the points' squared
   // distances.
