@@ -89,6 +89,19 @@ def test_a_file_has_the_rows_of_distance(plane: Mesh, points: list[int], tmp_pat
     np.testing.assert_allclose(np.load(file), near, rtol=1e-6)
 
 
+def test_a_table_may_be_estimated(plane: Mesh, points: list[int], tmp_path: Path) -> None:
+    whole = plane.table_file(tmp_path / "whole.npy", points)
+    said: list[dict[str, float]] = []
+    found = plane.table_file(
+        tmp_path / "estimated.npy", points, landmarks=20, estimated=said.append
+    )
+    assert said[0]["landmarks"] == 20
+    assert 0 <= said[0]["mean"] <= said[0]["max"]
+    assert np.mean(np.abs(found - whole)) < 0.05 * np.mean(whole)
+    with pytest.raises(geodesicd.GeodesicError, match="landmarks"):
+        plane.table_file(tmp_path / "no.npy", points, landmarks=20, max=3)
+
+
 def test_a_table_goes_on_where_the_connection_breaks(
     plane: Mesh, points: list[int], tmp_path: Path
 ) -> None:

@@ -185,12 +185,7 @@ def _parser() -> argparse.ArgumentParser:
     mesh_and_sources(table)
     table.add_argument("--to", action="append", metavar="POINT", help="a column; else the rows")
     table.add_argument("--max", type=float, metavar="N", help="farther is unreached")
-    table.add_argument(
-        "--landmarks",
-        type=int,
-        metavar="N",
-        help="for a .npy file: estimate what is far, by the fields of so many columns",
-    )
+    table.add_argument("--landmarks", type=int, metavar="N", help="estimate by N columns' fields")
     table.add_argument(
         "-o",
         "--output",
