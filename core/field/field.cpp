@@ -5,11 +5,6 @@
 #include "core/field/window_table.h"
 
 namespace geodesic {
-
-std::uint32_t Field::item_of_source(std::uint32_t source) const {
-  return lines && source != kNone ? lines->item_of_source(source) : source;
-}
-
 namespace {
 
 void forget(Field& field, std::size_t v) {
@@ -19,6 +14,10 @@ void forget(Field& field, std::size_t v) {
 }
 
 }  // namespace
+
+std::uint32_t Field::item_of_source(std::uint32_t source) const {
+  return lines && source != kNone ? lines->item_of_source(source) : source;
+}
 
 void Field::forget_beyond(double farthest) {
   for (std::size_t v = 0; v < distance.size(); ++v) {
@@ -35,7 +34,7 @@ void Field::keep_within(double most, std::span<const std::uint32_t> among) {
     if (!(d <= most)) forget(*this, v);
     if (!(d <= most) || d == kUnreached) continue;
     ++reached;
-    // Of several as far the lowest, as above.
+    // Of several as far the lowest, as count_reached takes.
     if (farthest == kNone || d > max || (d == max && v < farthest)) {
       max = d;
       farthest = v;

@@ -74,7 +74,7 @@ class LandmarkGroup {
 
   std::vector<std::uint32_t> landmarks_;
   std::vector<std::uint32_t> points_;
-  // Of what a mesh unit is multiplied by, so that the greatest distance is 1.
+  // What distances in mesh units are multiplied by, so that the greatest is 1.
   double scale_ = 1;
   std::vector<float> distances_;  // a row of points for each landmark; scaled
   double cover_ = 0;              // mesh units

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/base/tolerances.h"
+#include "core/field/longest_edge.h"
 #include "core/paths/arrive_at_point.h"
 #include "core/paths/trace_path.h"
-#include "core/field/longest_edge.h"
 
 namespace geodesic {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/solve/solve_from_lines.h"
 #include "core/field/longest_edge.h"
+#include "core/solve/solve_from_lines.h"
 
 namespace geodesic {
 namespace {

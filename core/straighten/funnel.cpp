@@ -21,8 +21,7 @@ bool is_between(Vec2 b, Vec2 a, Vec2 p) {
   const Vec2 to_b = b - a;
   const Vec2 to_p = p - a;
   const double farther2 = std::max(dot(to_b, to_b), dot(to_p, to_p));
-  return dot(to_b, to_p) < 0 &&
-         std::abs(cross(to_b, to_p)) <= tolerance::kThroughVertex * farther2;
+  return dot(to_b, to_p) < 0 && std::abs(cross(to_b, to_p)) <= tolerance::kThroughVertex * farther2;
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ double full_scale(draco::DataType type) {
 }
 
 // Calls `take(point, numbers)` for each point of the mesh. `what` is what a message calls them.
-template <int kComponents, class Take>
+template <class Number, int kComponents, class Take>
 Result<void> read_numbers(const draco::Mesh& mesh, const draco::PointAttribute& attribute,
                           bool normalized, const std::string& what, const Take& take) {
   if (attribute.num_components() != kComponents) {
@@ -76,10 +76,12 @@ Result<void> read_numbers(const draco::Mesh& mesh, const draco::PointAttribute& 
       return fail(ErrorCode::mesh_invalid,
                   "The Draco " + what + " leave out point " + std::to_string(i) + ".");
     }
-    float read[kComponents];
+    std::array<Number, kComponents> read;
     if (is_float) {
-      std::memcpy(read, attribute.GetAddress(value), sizeof read);
-    } else if (!attribute.ConvertValue<float, kComponents>(value, read)) {
+      std::array<float, kComponents> floats;
+      std::memcpy(floats.data(), attribute.GetAddress(value), sizeof floats);
+      std::copy(floats.begin(), floats.end(), read.begin());
+    } else if (!attribute.ConvertValue<Number, kComponents>(value, read.data())) {
       return fail(ErrorCode::mesh_invalid,
                   "The Draco " + what + " are of a type that is not known.");
     }
@@ -95,10 +97,10 @@ Result<void> read_numbers(const draco::Mesh& mesh, const draco::PointAttribute& 
 Result<std::vector<Vec3>> positions_of(const draco::Mesh& mesh,
                                        const draco::PointAttribute& attribute, bool normalized) {
   std::vector<Vec3> positions(mesh.num_points());
-  const auto read = read_numbers<3>(mesh, attribute, normalized, "positions",
-                                    [&](std::uint32_t i, const std::array<double, 3>& xyz) {
-                                      positions[i] = {xyz[0], xyz[1], xyz[2]};
-                                    });
+  const auto read = read_numbers<float, 3>(mesh, attribute, normalized, "positions",
+                                           [&](std::uint32_t i, const std::array<double, 3>& xyz) {
+                                             positions[i] = {xyz[0], xyz[1], xyz[2]};
+                                           });
   if (!read) return fail(read.error());
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const Vec3& p = positions[i];
@@ -146,7 +148,7 @@ Result<std::vector<double>> numbers_of(const draco::Mesh& mesh, DracoAttribute w
                                              std::to_string(which.unique_id) + ".");
   }
   std::vector<double> numbers(mesh.num_points());
-  const auto read = read_numbers<1>(
+  const auto read = read_numbers<double, 1>(
       mesh, *attribute, which.normalized, "numbers",
       [&](std::uint32_t i, const std::array<double, 1>& number) { numbers[i] = number[0]; });
   if (!read) return fail(read.error());

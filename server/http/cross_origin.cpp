@@ -17,11 +17,8 @@ constexpr const char* kRequestHeaders =
 constexpr std::array<std::string_view, 6> kMethods{"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE"};
 constexpr const char* kReplyHeaders =
     "Allow, Content-Encoding, ETag, Geo-Cache, Geo-Dtype, Geo-Estimated, Geo-Length, Geo-Max, "
-    "Geo-Rows, "
-    "Geo-Shape, Geo-Warnings, Location, Preference-Applied, Retry-After, Server-Timing, "
-    "WWW-Authenticate, "
-    "X-Request-Id, "
-    "traceparent";
+    "Geo-Rows, Geo-Shape, Geo-Warnings, Location, Preference-Applied, Retry-After, Server-Timing, "
+    "WWW-Authenticate, X-Request-Id, traceparent";
 
 // An authority without the port that a scheme has anyway.
 std::string_view without_port(std::string_view authority, std::string_view port) {

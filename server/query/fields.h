@@ -24,12 +24,12 @@
 #include "server/base/caller.h"
 #include "server/base/lru_cache.h"
 #include "server/compute/pool.h"
+#include "server/metrics/metrics.h"
 #include "server/places/field_rows.h"
 #include "server/places/field_sources.h"
 #include "server/places/line_columns.h"
 #include "server/query/asked_sources.h"
 #include "server/query/mesh_catalog.h"
-#include "server/metrics/metrics.h"
 #include "server/query/scratch_use.h"
 
 namespace geodesic::server {

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/straighten/log_map.h"
 #include "core/field/longest_edge.h"
+#include "core/straighten/log_map.h"
 #include "server/base/timed.h"
 #include "server/query/field_queries.h"
 #include "server/query/place.h"

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/field/longest_edge.h"
 #include "core/paths/discs.h"
 #include "core/paths/strips.h"
-#include "core/field/longest_edge.h"
 #include "proto/wire/query_limits.h"
 #include "server/query/field_queries.h"
 #include "server/query/place.h"

@@ -43,8 +43,8 @@
 #include "server/base/timed.h"
 #include "server/compute/pool.h"
 #include "server/decoder/processes.h"
-#include "server/prepared/prepared_files.h"
 #include "server/metrics/metrics.h"
+#include "server/prepared/prepared_files.h"
 #include "server/query/uploaded_gltf.h"
 #include "server/store/mesh_store.h"
 

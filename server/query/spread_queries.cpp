@@ -7,10 +7,10 @@
 
 #include "core/extent/extent.h"
 #include "core/extent/mean_distances.h"
+#include "core/field/longest_edge.h"
 #include "core/field/nearest_copies.h"
 #include "core/paths/isolines.h"
 #include "core/solve/farthest_points.h"
-#include "core/field/longest_edge.h"
 #include "proto/wire/query_limits.h"
 #include "server/base/timed.h"
 #include "server/query/field_queries.h"

@@ -195,6 +195,12 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
   const auto weights = read_weights(query, costs, *caller);
   if (!weights) return fail(weights.error());
   const AskedSurface surface(query.mesh, std::move(*regions), std::move(costs));
+  std::shared_ptr<const void> for_lines;
+  if constexpr (std::is_same_v<Request, proto::TableRequest>) {
+    auto reserved = reserve_lines(request, *caller);
+    if (!reserved) return fail(std::move(reserved.error()));
+    for_lines = std::move(*reserved);
+  }
   auto answer = queries_.answer(surface, request, *caller);
   if (!answer) return fail(std::move(answer.error()));
   if (!attributes.empty()) {
@@ -204,7 +210,9 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
   }
   std::shared_ptr<const void> collected;
   if constexpr (std::is_same_v<Request, proto::TableRequest>) {
-    if (request.stream) return stream_rows(std::move(*answer), request, *format, *caller);
+    if (request.stream) {
+      return stream_rows(std::move(*answer), request, *format, std::move(for_lines), *caller);
+    }
     if (request.sparse) {
       auto held = collect_rows(*answer, *caller);
       if (!held) return fail(std::move(held.error()));

@@ -25,9 +25,9 @@
 #include "server/http/cross_origin.h"
 #include "server/http/message.h"
 #include "server/http/reply_budget.h"
+#include "server/metrics/metrics.h"
 #include "server/query/field_queries.h"
 #include "server/query/mesh_catalog.h"
-#include "server/metrics/metrics.h"
 #include "server/reply/bodies_in_use.h"
 #include "server/routes/access.h"
 #include "server/routes/static_files.h"
@@ -133,10 +133,15 @@ class Routes {
   template <class Request>
   [[nodiscard]] Result<HttpResponse> answer_query(const Query& query);
   [[nodiscard]] Result<HttpResponse> answer_any_query(const Query& query);
-  // row_replies.cpp: a table whose rows are sent as they are done, once the first one is.
+  // row_replies.cpp: the memory for a table's columns that are lines, whose entries are all kept
+  // until the last row; null if there are none. Errors: those of ReplyBudget::reserve.
+  [[nodiscard]] Result<std::shared_ptr<const void>> reserve_lines(
+      const proto::TableRequest& request, const Caller& caller);
+  // A table whose rows are sent as they are done, once the first one is. `held`: that memory.
   [[nodiscard]] Result<HttpResponse> stream_rows(Answered<proto::TableReply> answer,
                                                  const proto::TableRequest& request,
                                                  const proto::ReplyFormat& format,
+                                                 std::shared_ptr<const void> held,
                                                  const Caller& caller);
   // Computes a sparse table into its reply. Returns the memory that it has. Errors: too_large, and
   // those of ReplyBudget::reserve.

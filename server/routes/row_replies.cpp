@@ -28,28 +28,33 @@ std::size_t rows_at_once(std::uint64_t bytes_of_row, std::size_t slots) {
   return std::clamp<std::size_t>(fit, slots, kRowsOfSlot * slots);
 }
 
-// What is kept for the columns that are lines, until the last row.
-std::uint64_t bytes_of_lines(const proto::TableReply& reply) {
-  const auto lines = std::count_if(reply.columns.begin(), reply.columns.end(),
-                                   [](const auto& column) { return column.lines.has_value(); });
-  return reply.rows.size() * static_cast<std::uint64_t>(lines) * sizeof(double);
-}
-
 // A table on its way.
 struct RowsUnderWay {
   std::string begin;                     // of the body, with the first row
   std::shared_ptr<const void> reserved;  // for rows in flight
-  std::shared_ptr<const void> held;      // for what they are estimated by
+  std::shared_ptr<const void> held;      // for what is known of all rows before the first
   std::unique_ptr<RowsAhead> rows;       // all but the first
   std::optional<Error> error;            // what ended it before its end
 };
 
 }  // namespace
 
+Result<std::shared_ptr<const void>> Routes::reserve_lines(const proto::TableRequest& request,
+                                                          const Caller& caller) {
+  const auto& columns = request.to.empty() ? request.from : request.to;
+  const auto lines = std::count_if(columns.begin(), columns.end(),
+                                   [](const auto& column) { return !column.is_point(); });
+  if (lines == 0) return nullptr;
+  auto reserved = reply_budget_.reserve(
+      request.from.size() * static_cast<std::uint64_t>(lines) * sizeof(double), caller.client);
+  if (!reserved) return fail(std::move(reserved.error()));
+  return std::move(*reserved);
+}
+
 Result<HttpResponse> Routes::stream_rows(Answered<proto::TableReply> answer,
                                          const proto::TableRequest& request,
-                                         const proto::ReplyFormat& format, const Caller& caller) {
-  std::shared_ptr<const void> held;
+                                         const proto::ReplyFormat& format,
+                                         std::shared_ptr<const void> held, const Caller& caller) {
   if (answer.before_rows) {
     auto reserved = reply_budget_.reserve(answer.bytes_before_rows, caller.client);
     if (!reserved) return fail(std::move(reserved.error()));
@@ -66,10 +71,9 @@ Result<HttpResponse> Routes::stream_rows(Answered<proto::TableReply> answer,
                              request.first_row, request.all_rows, request.sparse, format};
   const std::uint64_t row_bytes = bytes_of_row(encoding);
   const std::size_t block = rows_at_once(row_bytes, pool_.slots());
-  auto reserved =
-      reply_budget_.reserve(bytes_of_lines(*encoding.table) + bytes_before_rows(encoding) +
-                                row_bytes * std::min(2 * block + 1, request.from.size()),
-                            caller.client);
+  auto reserved = reply_budget_.reserve(
+      bytes_before_rows(encoding) + row_bytes * std::min(2 * block + 1, request.from.size()),
+      caller.client);
   if (!reserved) return fail(std::move(reserved.error()));
   auto rows = answer.rows(
       [encoding](std::size_t row, std::span<const double> distances, const Cancel& cancel) {
@@ -113,9 +117,7 @@ Result<std::shared_ptr<const void>> Routes::collect_rows(Answered<proto::TableRe
   const std::uint64_t row_bytes = answer.reply.columns.size() * 12;
   const std::size_t block = rows_at_once(row_bytes, pool_.slots());
   auto under_way = reply_budget_.reserve(
-      bytes_of_lines(answer.reply) +
-          row_bytes * std::min<std::uint64_t>(2 * block + 1, answer.reply.rows.size()),
-      caller.client);
+      row_bytes * std::min<std::uint64_t>(2 * block + 1, answer.reply.rows.size()), caller.client);
   if (!under_way) return fail(std::move(under_way.error()));
   auto rows = answer.rows([](std::size_t, std::span<const double> distances,
                              const Cancel& cancel) { return encode_sparse_row(distances, cancel); },

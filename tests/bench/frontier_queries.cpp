@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/extent/extent.h"
+#include "core/field/longest_edge.h"
 #include "core/locate/plane_section.h"
 #include "core/paths/discs.h"
 #include "core/paths/join_paths.h"
@@ -20,7 +21,6 @@
 #include "core/straighten/loop_straightness.h"
 #include "core/straighten/straightest_geodesic.h"
 #include "core/straighten/tighten_loop.h"
-#include "core/field/longest_edge.h"
 #include "core/voronoi/voronoi.h"
 #include "tests/bench/edge_dijkstra.h"
 #include "tests/bench/frontier_asked.h"

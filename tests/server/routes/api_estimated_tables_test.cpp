@@ -180,15 +180,8 @@ TEST_CASE("EstimatesAreAskedOfTheMemoryForReplies") {
 TEST_CASE("EstimatesEndWhenTheirClientIsGone") {
   TableService plane;
   const std::string base = plane.add(shapes::terrain(150, 10, 7));
-  HttpRequest request;
-  request.method = "POST";
-  request.target = request.path = base + "/table";
-  request.id = "test";
-  std::vector<std::uint32_t> from(2000);
-  for (std::size_t i = 0; i < from.size(); ++i) from[i] = static_cast<std::uint32_t>(i * 11);
-  request.body =
-      json{{"from", points_at(from)}, {"method", "exact"}, {"stream", true}, {"landmarks", 300}}
-          .dump();
+  HttpRequest request = table_request(
+      base, {{"from", far_apart(2000)}, {"method", "exact"}, {"stream", true}, {"landmarks", 300}});
   std::atomic<int> asked{0};
   // While the landmarks' fields are computed.
   request.caller.gone = [&] { return ++asked > 500; };

@@ -28,8 +28,6 @@ using geodesic::fixtures::wait_until;
 
 namespace {
 
-constexpr double kNowhere = std::numeric_limits<double>::infinity();
-
 std::vector<std::uint32_t> some_vertices(RandomMesh& mesh, std::size_t count) {
   std::vector<std::uint32_t> vertices(count);
   for (std::uint32_t& v : vertices) v = mesh.vertex();
@@ -368,13 +366,8 @@ TEST_CASE("ARowThatIsNotTakenHoldsNoSlot") {
 TEST_CASE("AStreamEndsSoonAfterItsClientIsGone") {
   TableService plane;
   const std::string base = plane.add(shapes::terrain(150, 10, 7));
-  HttpRequest request;
-  request.method = "POST";
-  request.target = request.path = base + "/table";
-  request.id = "test";
-  std::vector<std::uint32_t> from(2000);
-  for (std::size_t i = 0; i < from.size(); ++i) from[i] = static_cast<std::uint32_t>(i * 11);
-  request.body = json{{"from", points_at(from)}, {"method", "exact"}, {"stream", true}}.dump();
+  HttpRequest request =
+      table_request(base, {{"from", far_apart(2000)}, {"method", "exact"}, {"stream", true}});
   std::atomic<bool> is_gone{false};
   request.caller.gone = [&] { return is_gone.load(); };
   HttpResponse response = plane.service.routes.answer(request);
@@ -394,9 +387,7 @@ TEST_CASE("AStreamEndsSoonAfterItsClientIsGone") {
 TEST_CASE("ADeadlineBreaksAStreamOff") {
   TableService plane;
   const std::string base = plane.add(shapes::terrain(150, 10, 7));
-  std::vector<std::uint32_t> from(2000);
-  for (std::size_t i = 0; i < from.size(); ++i) from[i] = static_cast<std::uint32_t>(i * 11);
-  json asked{{"from", points_at(from)}, {"method", "exact"}, {"stream", true}};
+  json asked{{"from", far_apart(2000)}, {"method", "exact"}, {"stream", true}};
   // Before the first row it is an answer of its own.
   asked["deadline_ms"] = 1;
   check_problem(plane.post(base, "table", asked), 504, "deadline");
@@ -457,9 +448,7 @@ TEST_CASE("AJobHasTheWholeStream") {
   CHECK(header_of(done, "Geo-Shape") == "3,3");
   // One that is broken off has no result.
   const std::string base = plane.add(shapes::terrain(150, 10, 7));
-  std::vector<std::uint32_t> from(2000);
-  for (std::size_t i = 0; i < from.size(); ++i) from[i] = static_cast<std::uint32_t>(i * 11);
-  asked = {{"from", points_at(from)}, {"method", "exact"}, {"stream", true}, {"deadline_ms", 500}};
+  asked = {{"from", far_apart(2000)}, {"method", "exact"}, {"stream", true}, {"deadline_ms", 500}};
   const HttpResponse begun =
       plane.service.ask("POST", base + "/table", asked.dump(), {{"Prefer", "respond-async"}});
   const std::string place = header_of(begun, "Location");

@@ -17,8 +17,6 @@ namespace geodesic::server::test {
 
 using fixtures::RandomMesh;
 
-inline constexpr double kNowhere = std::numeric_limits<double>::infinity();
-
 struct LineTables : PlaneService {
   using PlaneService::PlaneService;
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,6 +17,9 @@
 #include "tests/server/routes/plane_service.h"
 
 namespace geodesic::server::test {
+
+// Where there is no way.
+inline constexpr double kNowhere = std::numeric_limits<double>::infinity();
 
 // All that a stream sends; no error: to its end.
 inline std::pair<std::string, std::optional<Error>> received(const HttpResponse& response) {
@@ -78,6 +82,23 @@ struct TableService : PlaneService {
 inline json with(json body, const json& more) {
   body.update(more);
   return body;
+}
+
+// A table asked for by somebody who may leave.
+inline HttpRequest table_request(const std::string& at, const json& asked) {
+  HttpRequest request;
+  request.method = "POST";
+  request.target = request.path = at + "/table";
+  request.id = "test";
+  request.body = asked.dump();
+  return request;
+}
+
+// Every eleventh vertex, so many.
+inline json far_apart(std::size_t count) {
+  std::vector<std::uint32_t> vertices(count);
+  for (std::size_t i = 0; i < count; ++i) vertices[i] = static_cast<std::uint32_t>(i * 11);
+  return points_at(vertices);
 }
 
 }  // namespace geodesic::server::test

@@ -15,8 +15,8 @@
 
 #include "proto/wire/input_codes.h"
 #include "server/base/service_codes.h"
-#include "server/query/mesh_catalog.h"
 #include "server/metrics/metrics.h"
+#include "server/query/mesh_catalog.h"
 #include "server/store/mesh_store.h"
 #include "tests/server/routes/service_fixture.h"
 #include "tests/server/store/fake_s3.h"
