@@ -40,20 +40,15 @@ json some_rows(LineTables& plane, const std::string& base, RandomMesh& random, i
 }  // namespace
 
 TEST_CASE("ALineAsAColumnIsItsFieldAtTheRows") {
-  std::mt19937 seeds(test_seed());
   LineTables plane;
-  for (int round = 0; round < 8; ++round) {
-    const auto number = static_cast<std::uint32_t>(seeds());
-    CAPTURE(number);
-    RandomMesh random(number);
-    const std::string base = plane.add(random.soup());
+  with_random_meshes(plane, test_seed(), 8, [&](RandomMesh& random, const std::string& base) {
     json asked = some_method(random);
     if (random.unit() < 0.4) asked["max"] = 4 * random.unit();
     const json to = some_rows(plane, base, random, 6);
     json from = json::array();
     for (int i = 0; i < 8; ++i)
       from.push_back(i % 3 < 2 ? some_vertex(random) : some_place(random));
-    if (to.empty()) continue;
+    if (to.empty()) return;
     asked["from"] = from;
     asked["to"] = to;
     CAPTURE(asked.dump());
@@ -72,22 +67,17 @@ TEST_CASE("ALineAsAColumnIsItsFieldAtTheRows") {
         CHECK(table[i * to.size() + j] == wanted);
       }
     }
-  }
+  });
 }
 
 // By all methods, from both ends, in every form, and whatever else is asked.
 TEST_CASE("DistancesOfLinesAreTheSameWhoeverAsks") {
-  std::mt19937 seeds(test_seed() + 1);
   LineTables plane;
-  for (int round = 0; round < 8; ++round) {
-    const auto number = static_cast<std::uint32_t>(seeds());
-    CAPTURE(number);
-    RandomMesh random(number);
-    const std::string base = plane.add(random.soup());
+  with_random_meshes(plane, test_seed() + 1, 8, [&](RandomMesh& random, const std::string& base) {
     json asked = some_method(random);
     if (random.unit() < 0.4) asked["max"] = 4 * random.unit();
     json from = some_rows(plane, base, random, 8);
-    if (from.empty()) continue;
+    if (from.empty()) return;
     from.push_back(from[0]);
     const std::size_t n = from.size();
     asked["from"] = from;
@@ -129,7 +119,7 @@ TEST_CASE("DistancesOfLinesAreTheSameWhoeverAsks") {
         if (from[i] == from[j]) CHECK(here == 0);
       }
     }
-  }
+  });
 }
 
 // Lines cross, touch, lie within faces, and faces within faces.
@@ -228,6 +218,22 @@ TEST_CASE("ColumnsOfLinesAskForTheirMemory") {
   }
 }
 
+TEST_CASE("EntriesOfLineColumnsAreAskedOfTheMemoryForRepliesBeforeTheyAreComputed") {
+  Config config;
+  config.reply_memory_bytes = 200'000;
+  LineTables plane(config);
+  const std::vector<std::string> from(300, "v:3");
+  CHECK(plane.table(plane.base, {{"from", from}, {"to", {"boundary"}}, {"stream", true}}).status ==
+        200);
+  const std::uint64_t finished = plane.service.pool.stats().finished;
+  for (const char* form : {"stream", "sparse"}) {
+    const json asked{
+        {"from", from}, {"to", std::vector<std::string>(100, "boundary")}, {form, true}};
+    check_problem(plane.table(plane.base, asked), 422, "too_much_memory");
+  }
+  CHECK(plane.service.pool.stats().finished == finished);
+}
+
 TEST_CASE("ATableOfLineColumnsEndsSoonAfterItsClientIsGone") {
   LineTables plane;
   const std::string base = plane.add(shapes::terrain(150, 10, 7));
@@ -235,11 +241,8 @@ TEST_CASE("ATableOfLineColumnsEndsSoonAfterItsClientIsGone") {
   for (int i = 0; i < 400; ++i) {
     lines.push_back("faces:" + std::to_string(i * 50) + "-" + std::to_string(i * 50 + 40));
   }
-  HttpRequest request;
-  request.method = "POST";
-  request.target = request.path = base + "/table";
-  request.id = "test";
-  request.body = json{{"from", lines}, {"method", "exact"}, {"stream", true}}.dump();
+  HttpRequest request =
+      table_request(base, {{"from", lines}, {"method", "exact"}, {"stream", true}});
   std::atomic<int> asked{0};
   request.caller.gone = [&] { return ++asked > 200; };
   CHECK(plane.service.routes.answer(request).status != 200);

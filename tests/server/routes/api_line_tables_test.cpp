@@ -23,13 +23,8 @@ using geodesic::fixtures::wait_until;
 
 // Tables are asked before fields: these would be kept.
 TEST_CASE("ARowOfALineIsItsFieldAtTheColumnsToTheLastBit") {
-  std::mt19937 seeds(test_seed());
   LineTables plane;
-  for (int round = 0; round < 8; ++round) {
-    const auto number = static_cast<std::uint32_t>(seeds());
-    CAPTURE(number);
-    RandomMesh random(number);
-    const std::string base = plane.add(random.soup());
+  with_random_meshes(plane, test_seed(), 8, [&](RandomMesh& random, const std::string& base) {
     json asked = some_method(random);
     json to = json::array();
     std::vector<std::uint32_t> columns;
@@ -46,7 +41,7 @@ TEST_CASE("ARowOfALineIsItsFieldAtTheColumnsToTheLastBit") {
       alone["to"] = "v:0";
       if (plane.table(base, alone).status == 200) from.push_back(row);
     }
-    if (from.empty()) continue;
+    if (from.empty()) return;
     asked["from"] = from;
     asked["to"] = to;
     CAPTURE(asked.dump());
@@ -82,17 +77,12 @@ TEST_CASE("ARowOfALineIsItsFieldAtTheColumnsToTheLastBit") {
       CHECK(near["indptr"][i + 1].get<std::size_t>() - near["indptr"][i].get<std::size_t>() ==
             reached);
     }
-  }
+  });
 }
 
 TEST_CASE("RowsOfLinesAtPointsInsideFaces") {
-  std::mt19937 seeds(test_seed());
   LineTables plane;
-  for (int round = 0; round < 6; ++round) {
-    const auto number = static_cast<std::uint32_t>(seeds());
-    CAPTURE(number);
-    RandomMesh random(number);
-    const std::string base = plane.add(random.soup());
+  with_random_meshes(plane, test_seed(), 6, [&](RandomMesh& random, const std::string& base) {
     json to = json::array();
     for (int i = 0; i < 6; ++i) to.push_back(in_some_face(random));
     for (int i = 0; i < 4; ++i) {
@@ -115,7 +105,7 @@ TEST_CASE("RowsOfLinesAtPointsInsideFaces") {
         CHECK(std::abs(streamed[j] - wanted.get<double>()) <= slack);
       }
     }
-  }
+  });
 }
 
 // Boundary of the plane, a curve from (1, 4) to (8, 4), faces with x from 2 to 5 and y from 2 to 6.
@@ -256,12 +246,8 @@ TEST_CASE("ATableOfLinesEndsSoonAfterItsClientIsGone") {
     for (int i = 0; i < 800; ++i) {
       from.push_back("faces:" + std::to_string(i * 50) + "-" + std::to_string(i * 50 + 40));
     }
-    HttpRequest request;
-    request.method = "POST";
-    request.target = request.path = base + "/table";
-    request.id = "test";
-    request.body =
-        json{{"from", from}, {"to", "v:3"}, {"method", "exact"}, {"stream", is_stream}}.dump();
+    HttpRequest request = table_request(
+        base, {{"from", from}, {"to", "v:3"}, {"method", "exact"}, {"stream", is_stream}});
     std::atomic<int> asked{0};
     request.caller.gone = [&] { return ++asked > 200; };
     HttpResponse response = plane.service.routes.answer(request);

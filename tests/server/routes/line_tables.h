@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <limits>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -29,6 +29,18 @@ struct LineTables : PlaneService {
     return numbers_in<double>(whole_stream(table(at, asked)));
   }
 };
+
+// Calls `attempt(random, base)` with as many random meshes, each uploaded.
+template <class Attempt>
+void with_random_meshes(LineTables& plane, std::uint32_t seed, int count, Attempt attempt) {
+  std::mt19937 seeds(seed);
+  for (int round = 0; round < count; ++round) {
+    const auto number = static_cast<std::uint32_t>(seeds());
+    CAPTURE(number);
+    RandomMesh random(number);
+    attempt(random, plane.add(random.soup()));
+  }
+}
 
 inline std::string some_vertex(RandomMesh& mesh) { return "v:" + std::to_string(mesh.vertex()); }
 inline std::string in_some_face(RandomMesh& mesh) {
