@@ -17,6 +17,7 @@ namespace geodesic::server {
 class JointCaller {
  public:
   JointCaller(const Caller& caller, std::size_t parts) : caller_(caller), done_(parts, 0.0) {}
+  JointCaller(Caller&&, std::size_t) = delete;  // it would be gone at once
   JointCaller(const JointCaller&) = delete;
   JointCaller& operator=(const JointCaller&) = delete;
 

@@ -77,7 +77,8 @@ Result<std::shared_ptr<const LandmarkRows>> LandmarkRows::make(
   for (const std::uint32_t c : checked) sources.push_back({table->to[c], 0});
   const FieldRows from(sources);
   std::vector<std::vector<double>> distances(sources.size());
-  JointCaller joint(caller.part(0, 0), sources.size());
+  const Caller of_fields = caller.part(0, 0);
+  JointCaller joint(of_fields, sources.size());
   auto computed = pool.run_each(
       sources.size(),
       [&](Worker& worker, std::size_t i, const GiveWay& give_way) -> Result<void> {
@@ -88,7 +89,7 @@ Result<std::shared_ptr<const LandmarkRows>> LandmarkRows::make(
         distances[i] = std::move(*found);
         return {};
       },
-      caller.part(0, 0));
+      of_fields);
   if (!computed) return fail(std::move(computed.error()));
 
   auto made = std::shared_ptr<LandmarkRows>();
