@@ -114,7 +114,8 @@ struct Field {
   // Fills `reached`, `max` and `farthest` from the distances.
   void count_reached();
 
-  // Both, where `among`, each once, are all that have a distance.
+  // Does forget_beyond(most) and count_reached(), looking at `among` alone: every vertex that has a
+  // distance, each once.
   void keep_within(double most, std::span<const std::uint32_t> among);
 
   [[nodiscard]] std::size_t bytes() const;

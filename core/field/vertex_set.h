@@ -28,8 +28,8 @@ class VertexSet {
   // Each once, in the order in which they came. Valid until the next one comes.
   [[nodiscard]] std::span<const std::uint32_t> listed() const { return listed_; }
 
-  // Calls `tell(v)` for each, ascending, for what is near in number is near in memory. Of what
-  // `tell` inserts, some are told too.
+  // Calls `tell(v)` for each, ascending, for what is near in number is near in memory. What `tell`
+  // inserts is told, too, if it is in a later word.
   template <class Tell>
   void for_each_ascending(Tell tell) const {
     for (std::uint32_t word = 0; word < words_.size(); ++word) {

@@ -75,31 +75,32 @@ double LandmarkDistances::near(std::span<const double> to_landmarks) const {
   return kNear * group->cover();
 }
 
-void LandmarkDistances::estimate(std::span<const double> to_landmarks,
-                                 std::span<double> row) const {
+void LandmarkDistances::estimate(std::span<const double> to_landmarks, std::span<double> row,
+                                 Poll& poll) const {
   const LandmarkGroup* const group = group_of(to_landmarks);
   if (group == nullptr || !group->is_to_estimate()) return;
   for (const std::uint32_t l : group->landmarks()) {
     if (row[landmarks_[l]] == kUnreached) row[landmarks_[l]] = to_landmarks[l];
   }
-  group->estimate(to_landmarks, cutoff_, kNear * group->cover(), row);
+  group->estimate(to_landmarks, cutoff_, kNear * group->cover(), row, poll);
 }
 
 Result<EstimateErrors> LandmarkDistances::choose(std::span<const KnownRow> rows,
                                                  const Cancel& cancel) {
   EstimateErrors best;
   std::size_t chosen = 0;
+  Poll poll(cancel);
   for (std::size_t cutoff = 0; cutoff < LandmarkGroup::kCutoffs; ++cutoff) {
     cutoff_ = cutoff;
     std::vector<double> errors;
     for (const KnownRow& known : rows) {
-      if (cancel.requested()) return fail_stopped(cancel);
       const double within = near(known.to_landmarks);
       std::vector<double> row = known.to_points;
       for (double& d : row) {
         if (!(d <= within)) d = kUnreached;
       }
-      estimate(known.to_landmarks, row);
+      estimate(known.to_landmarks, row, poll);
+      if (poll.stopped()) return fail_stopped(poll);
       for (std::size_t p = 0; p < row.size(); ++p) {
         const double d = known.to_points[p];
         if (d == kUnreached || d == 0) continue;

@@ -41,8 +41,10 @@ class LandmarkDistances {
   // kUnreached: all of the row, for there are too few landmarks about.
   [[nodiscard]] double near(std::span<const double> to_landmarks) const;
 
-  // Sets those entries of a row that are kUnreached and have a way: they are farther than `near`.
-  void estimate(std::span<const double> to_landmarks, std::span<double> row) const;
+  // Sets those of a row's entries that are kUnreached and in its component. The row must have every
+  // distance up to `near`.
+  // Of no use if the poll says to stop.
+  void estimate(std::span<const double> to_landmarks, std::span<double> row, Poll& poll) const;
 
   // Chooses how many eigenvalues count, those with which these rows are the least off on average,
   // and says by how much they then are. What is near counts as known. Errors: cancelled.

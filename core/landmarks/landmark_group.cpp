@@ -44,12 +44,14 @@ void LandmarkGroup::decompose(std::span<const double> squares, Poll& poll) {
     }
     ranks_.push_back(rank);
   }
+  vectors_.reserve(ranks_.back() * count);
+  factors_.reserve(ranks_.back() * width);
   std::vector<double> factor(width);
   for (std::size_t k = 0; k < ranks_.back(); ++k) {
-    if (poll.cancelled_after(count * width)) return;
     const auto vector = solver.eigenvectors().col(order[k]);
     std::fill(factor.begin(), factor.end(), 0);
     for (std::size_t l = 0; l < count; ++l) {
+      if (poll.cancelled_after(width)) return;
       const double part = vector[static_cast<Eigen::Index>(l)];
       vectors_.push_back(part / values[order[k]]);
       for (std::size_t p = 0; p < width; ++p) {
@@ -62,7 +64,7 @@ void LandmarkGroup::decompose(std::span<const double> squares, Poll& poll) {
 }
 
 void LandmarkGroup::estimate(std::span<const double> to_landmarks, std::size_t cutoff, double least,
-                             std::span<double> row) const {
+                             std::span<double> row, Poll& poll) const {
   const std::size_t count = landmarks_.size();
   const std::size_t width = points_.size();
   const std::size_t rank = ranks_[cutoff];
@@ -82,6 +84,7 @@ void LandmarkGroup::estimate(std::span<const double> to_landmarks, std::size_t c
   std::array<float, kAtOnce> high;
   for (std::size_t begin = 0; begin < width; begin += kAtOnce) {
     const std::size_t size = std::min(kAtOnce, width - begin);
+    if (poll.cancelled_after(size * count)) return;
     square.fill(0);
     for (std::size_t k = 0; k < rank; ++k) {
       const float* const factor = &factors_[k * width + begin];

@@ -39,6 +39,8 @@ class LandmarkGroup {
     // Squares of other units might be no floats.
     if (greatest > 0 && 1 / greatest < kUnreached) scale_ = 1 / greatest;
     std::vector<double> squares;
+    squares.reserve(landmarks_.size() * landmarks_.size());
+    distances_.reserve(landmarks_.size() * points_.size());
     for (const std::uint32_t l : landmarks_) {
       // The way there may be a little longer than the way back.
       for (const std::uint32_t k : landmarks_) {
@@ -65,9 +67,9 @@ class LandmarkGroup {
 
   // Sets those of the row's entries that are kUnreached and have one of the points, to an estimate
   // that is not below `least`. `to_landmarks`: the distances of the row's own point from all
-  // landmarks of the list.
+  // landmarks of the list. Of no use if the poll says to stop.
   void estimate(std::span<const double> to_landmarks, std::size_t cutoff, double least,
-                std::span<double> row) const;
+                std::span<double> row, Poll& poll) const;
 
  private:
   void decompose(std::span<const double> squares, Poll& poll);

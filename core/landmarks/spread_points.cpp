@@ -17,8 +17,8 @@ std::uint32_t nearest_corner(const Adjacency& adjacency, const SurfacePoint& poi
   return adjacency.mesh().faces()[point.face][static_cast<std::size_t>(most - point.bary.begin())];
 }
 
-// Dijkstra's distances from a set of vertices that grows. From each new one it goes no farther than
-// that one is the nearest.
+// Dijkstra's distances from a set of vertices that grows. The search from a new one ends where
+// an older one is nearer.
 class GrowingSet {
  public:
   explicit GrowingSet(const Adjacency& adjacency)

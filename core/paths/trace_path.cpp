@@ -73,6 +73,7 @@ class Tracer {
     for (std::uint64_t left = most_steps(); step.to != StepBack::To::nowhere && left > 0; --left) {
       if (poll_.cancelled()) break;
       walk(step);
+      if (poll_.stopped()) break;
       if (step.to == StepBack::To::source) return unless_astray(assemble(step.source), target);
       step = step.to == StepBack::To::vertex ? from_vertex(step.vertex) : from_edge(step);
     }
@@ -84,9 +85,25 @@ class Tracer {
   void walk(const StepBack& step) {
     if (step.face == kNone) return;
     entered_[step.face] = true;
+    if (std::find(step.start.begin(), step.start.end(), 0.0) != step.start.end()) {
+      enter_copies_of(step.face);
+    }
     if (enters_again_) ++times_entered_[step.face];
     const bool to_vertex = step.to == StepBack::To::vertex;
     legs_.push_back({step.face, step.start, step.bary, to_vertex ? step.vertex : kNone});
+  }
+
+  // A shortest path that comes to a face over its border goes through none of those that have the
+  // same corners: there it could as well have gone on. By rounding a trace would go through all.
+  void enter_copies_of(std::uint32_t face) {
+    const auto apex_across = [this](Halfedge h) {
+      return adjacency_.face(face_of(h)).vertex[previous_corner(corner_of(h))];
+    };
+    const Halfedge side = halfedge(face, 0);
+    for (Halfedge h = adjacency_.ring(side); h != side; h = adjacency_.ring(h)) {
+      if (poll_.cancelled()) return;
+      if (apex_across(h) == apex_across(side)) entered_[face_of(h)] = true;
+    }
   }
 
   // All but the last of several steps one after the other.

@@ -32,8 +32,8 @@ enum class Gaps : std::uint8_t { at_vertices, beside_vertices, anywhere };
 // two points of a path may have no face in common.
 //
 // The same line with the points that it has left out: each two in a row have a face in common,
-// unless there is no way between them at the place of the one and at that of the other, but for
-// 1e-9 of a face's longest side. Of no use if the poll says to stop.
+// unless no chain of faces joins them within 1e-9 of a face's longest side of the one point or of
+// the other. Of no use if the poll says to stop.
 [[nodiscard]] std::vector<SurfacePoint> close_gaps(const Adjacency& adjacency,
                                                    const std::vector<SurfacePoint>& line, Gaps gaps,
                                                    Poll& poll);

@@ -64,9 +64,10 @@ Result<void> read_numbers(const draco::Mesh& mesh, const draco::PointAttribute& 
     return fail(ErrorCode::mesh_invalid, "The Draco " + what + " are of a type that is not known.");
   }
   const bool is_float = attribute.data_type() == draco::DT_FLOAT32;
-  // ConvertValue divides by it only when the bitstream says so.
-  const double scale =
-      normalized && !attribute.normalized() ? full_scale(attribute.data_type()) : 0;
+  // Whether integers are fractions is for the accessor to say, whatever the bitstream says.
+  draco::GeometryAttribute raw = attribute;
+  raw.set_normalized(false);
+  const double scale = normalized ? full_scale(attribute.data_type()) : 0;
   if (!attribute.is_mapping_identity() && attribute.indices_map_size() < mesh.num_points()) {
     return fail(ErrorCode::mesh_invalid, "The Draco " + what + " are not complete.");
   }
@@ -81,7 +82,7 @@ Result<void> read_numbers(const draco::Mesh& mesh, const draco::PointAttribute& 
       std::array<float, kComponents> floats;
       std::memcpy(floats.data(), attribute.GetAddress(value), sizeof floats);
       std::copy(floats.begin(), floats.end(), read.begin());
-    } else if (!attribute.ConvertValue<Number, kComponents>(value, read.data())) {
+    } else if (!raw.ConvertValue<Number, kComponents>(value, read.data())) {
       return fail(ErrorCode::mesh_invalid,
                   "The Draco " + what + " are of a type that is not known.");
     }

@@ -123,7 +123,7 @@ tl::unexpected<Error> no_such_label(const std::vector<double>& by_face, const La
   bool are_more = false;
   for (const double label : by_face) {
     if (poll.cancelled()) return fail_stopped(poll);
-    if (std::isnan(label)) continue;
+    if (!std::isfinite(label)) continue;
     least.insert(label);
     if (least.size() <= kMostTold) continue;
     least.erase(std::prev(least.end()));
@@ -131,7 +131,8 @@ tl::unexpected<Error> no_such_label(const std::vector<double>& by_face, const La
   }
   const auto number = [](double value) {
     std::string text;
-    append_number(text, value, 9);
+    constexpr int kDigitsOfFloats = 9;
+    append_number(text, value, LabelShape::is_compared_exactly(value) ? 0 : kDigitsOfFloats);
     return text;
   };
   std::string detail = "no face has " + number(shape.value) + " in " + in_quotes(shape.attribute) +

@@ -108,9 +108,12 @@ bool is_inside_of_line(const Shape& shape) {
 
 }  // namespace
 
+bool LabelShape::is_compared_exactly(double value) {
+  return std::abs(value) <= 0x1p53 && std::trunc(value) == value;
+}
+
 bool LabelShape::is_of(double label) const {
-  constexpr double kMostWhole = 4294967296;  // no attribute has greater integers
-  if (std::abs(value) <= kMostWhole && std::trunc(value) == value) return label == value;
+  if (is_compared_exactly(value)) return label == value;
   return static_cast<float>(label) == static_cast<float>(value);
 }
 

@@ -1,6 +1,7 @@
 #include "proto/region/shapes.h"
 
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/mesh/mesh.h"
@@ -75,6 +76,10 @@ Result<Shape> label_shape(std::string attribute, double value, std::string param
   if (attribute.empty() || attribute.size() > kMostBytes) {
     return fail(ErrorCode::value_out_of_range,
                 "the name of an attribute has 1 to 200 bytes, as _SEG has four",
+                parameter + ".label");
+  }
+  if (std::abs(value) > std::numeric_limits<float>::max()) {
+    return fail(ErrorCode::value_out_of_range, "no label is so great: they are floats or integers",
                 parameter + ".label");
   }
   return Shape{LabelShape{std::move(attribute), value}, std::move(parameter)};

@@ -70,8 +70,8 @@ Result<void> check_curves(const std::vector<PointRequest>& sources, const char* 
   }
   if (points <= kMaxCurvePoints) return {};
   return fail_limit(ErrorCode::too_large,
-                    "too many points in the curves of one request; leave some out where a curve is "
-                    "straight",
+                    "too many points in the curves of one request; ask from fewer curves at once, or "
+                    "leave points out where a curve is straight",
                     kMaxCurvePoints, points, parameter);
 }
 

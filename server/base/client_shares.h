@@ -21,19 +21,22 @@ class ClientShares {
   // `most` 0: no bound. A refusal says "too many" and `what`, such as "replies wait".
   ClientShares(std::uint64_t most, std::string what) : most_(most), what_(std::move(what)) {}
 
+  // `already`: held by what this is for, too, which gets as much as if it asked for both at once.
   // Errors: `too_many_requests` if the client has its share, `overloaded` if too little is left;
-  // each with the bound and what would be held. Where nobody holds any, any amount is given.
-  [[nodiscard]] Result<void> take(const std::string& client, std::uint64_t amount) {
+  // each with the bound and what would be held. Where nobody else holds any, any amount is given.
+  [[nodiscard]] Result<void> take(const std::string& client, std::uint64_t amount,
+                                  std::uint64_t already = 0) {
     const std::lock_guard lock(mutex_);
     const auto found = held_.find(client);
-    const std::uint64_t own = found == held_.end() ? 0 : found->second;
+    const std::uint64_t own = (found == held_.end() ? 0 : found->second) - already;
+    const std::uint64_t others = total_ - already;
     const std::uint64_t most = most_;
-    if (most != 0 && total_ != 0) {
-      const std::uint64_t left = total_ < most ? most - total_ : 0;
-      if (amount > left) {
+    if (most != 0 && others != 0) {
+      const std::uint64_t left = others < most ? most - others : 0;
+      if (already + amount > left) {
         return fail_limit(ServiceCode::overloaded, "too many " + what_, most, total_ + amount);
       }
-      if (own != 0 && own + amount > left) {
+      if (own != 0 && own + already + amount > left) {
         return fail_limit(ServiceCode::too_many_requests,
                           "too many " + what_ + ", and this client has its share of them", most,
                           total_ + amount);

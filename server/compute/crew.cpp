@@ -10,13 +10,16 @@ Result<void> ComputePool::run_each_erased(std::size_t count, Part part, const Ca
   const auto crew = std::make_shared<Crew>();
   crew->part = std::move(part);
   crew->count = crew->left = count;
+  // What has begun and gave way is not sent away for the queue's length.
+  Caller begun = caller;
+  begun.is_patient = true;
   Lock lock(mutex_);
-  while (crew->left > 0 && !crew->error) {
+  for (const Caller* asks = &caller; crew->left > 0 && !crew->error; asks = &begun) {
     // One slot as a job gets it; the rest come by themselves, or not at all.
     const auto job = std::make_shared<Job>();
     job->crew = crew;
-    if (auto admitted = admit(job, caller); !admitted) return admitted;
-    if (auto ran = wait_for(job, caller, lock); !ran) return ran;
+    if (auto admitted = admit(job, *asks); !admitted) return admitted;
+    if (auto ran = wait_for(job, *asks, lock); !ran) return ran;
     wait_for_running(
         crew->alone, [&] { return crew->slots == 0; }, caller, lock);
     if (caller.times) caller.times->add(Stage::queue, job->waited);  // nobody else does now

@@ -41,8 +41,8 @@ class RowsAhead {
   RowsAhead(const RowsAhead&) = delete;
   RowsAhead& operator=(const RowsAhead&) = delete;
 
-  // The next row; none after the last one. Blocks. Errors: those of `run_each`, after the rows
-  // that come before the one that failed; `deadline` and `cancelled`, at once.
+  // The next row; none after the last one. Blocks. Errors: those of `run_each`, once the rows that
+  // are ready come to an end; `deadline` and `cancelled`, at once.
   [[nodiscard]] Result<std::optional<std::string>> next();
 
  private:

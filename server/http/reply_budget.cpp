@@ -21,6 +21,24 @@ ReplyBudget::Share::Share(std::shared_ptr<Account> account, std::string client)
 
 ReplyBudget::Share::~Share() { account_->shares.give_back(client_, bytes_); }
 
+Result<void> ReplyBudget::Share::grow(std::uint64_t bytes) {
+  if (bytes == 0) return {};
+  const std::uint64_t budget = account_->shares.most();
+  if (bytes_ + bytes > budget) {
+    ++account_->refused;
+    return fail_limit(ServiceCode::too_much_memory,
+                      "this reply takes more memory than the server has for replies; ask for less, "
+                      "or in a binary format",
+                      budget, bytes_ + bytes);
+  }
+  if (auto taken = account_->shares.take(client_, bytes, bytes_); !taken) {
+    ++account_->refused;
+    return taken;
+  }
+  bytes_ += bytes;
+  return {};
+}
+
 void ReplyBudget::Share::shrink(std::uint64_t bytes) {
   if (bytes >= bytes_) return;
   account_->shares.give_back(client_, bytes_ - bytes);
@@ -31,22 +49,14 @@ ReplyBudget::ReplyBudget(std::uint64_t bytes) : account_(std::make_shared<Accoun
 
 auto ReplyBudget::reserve(std::uint64_t bytes, const std::string& client)
     -> Result<std::shared_ptr<Share>> {
-  const std::uint64_t budget = account_->shares.most();
-  if (bytes > budget) {
-    ++account_->refused;
-    return fail_limit(ServiceCode::too_much_memory,
-                      "this reply takes more memory than the server has for replies; ask for less, "
-                      "or in a binary format",
-                      budget, bytes);
-  }
   // First the object, which may not get its memory; then the bytes, which it gives back.
-  auto share = std::make_shared<Share>(account_, client);
-  if (auto taken = account_->shares.take(client, bytes); !taken) {
-    ++account_->refused;
-    return fail(std::move(taken.error()));
-  }
-  share->bytes_ = bytes;
+  auto share = share_of_nothing(client);
+  if (auto grown = share->grow(bytes); !grown) return fail(std::move(grown.error()));
   return share;
+}
+
+auto ReplyBudget::share_of_nothing(const std::string& client) -> std::shared_ptr<Share> {
+  return std::make_shared<Share>(account_, client);
 }
 
 void ReplyBudget::set_budget(std::uint64_t bytes) { account_->shares.set_most(bytes); }

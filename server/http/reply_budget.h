@@ -17,15 +17,20 @@ class ReplyBudget {
   struct Account;
 
  public:
-  // One reply's reservation, held until this is destroyed. It may outlive the budget.
+  // One reply's reservation, held until this is destroyed. It may outlive the budget. One thread
+  // at a time changes it.
   class Share {
    public:
     Share(std::shared_ptr<Account> account, std::string client);  // of 0 bytes
     ~Share();
     Share(const Share&) = delete;
     Share& operator=(const Share&) = delete;
+    // Takes so many bytes besides, as if all were asked for at once. Errors: those of `reserve`,
+    // and nothing is taken.
+    [[nodiscard]] Result<void> grow(std::uint64_t bytes);
     // Gives back all but `bytes`, once it is known what the reply takes.
     void shrink(std::uint64_t bytes);
+    [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
 
    private:
     friend class ReplyBudget;
@@ -47,6 +52,8 @@ class ReplyBudget {
   // (client_shares.h).
   [[nodiscard]] Result<std::shared_ptr<Share>> reserve(std::uint64_t bytes,
                                                        const std::string& client);
+  // For a reply that asks for its memory in steps.
+  [[nodiscard]] std::shared_ptr<Share> share_of_nothing(const std::string& client);
 
   // For replies to come.
   void set_budget(std::uint64_t bytes);

@@ -32,7 +32,8 @@ class LineColumns {
 
   // Each once, by ascending keys.
   [[nodiscard]] const std::vector<Line>& lines() const { return lines_; }
-  // Whether the table has an entry of the two. What `first`'s field tells, it is not less.
+  // Whether the field of `first` tells an entry of the two: the table has one, and the key of
+  // `first` is not the greater.
   [[nodiscard]] bool is_told_by(std::size_t first, std::size_t other) const;
   // The rows that are points; each has an entry with each column.
   [[nodiscard]] std::span<const std::uint32_t> point_rows() const { return point_rows_; }

@@ -246,6 +246,7 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const AskedSurface& sur
   std::shared_ptr<LineColumns> lines;
   double done = 0;
   bool hit = true;
+  Caller rest = caller;  // once it has begun, it is not sent away for the queue's length
   if (has_lines) {
     lines = std::make_shared<LineColumns>(*rows, *columns);
     points = lines->points();
@@ -256,16 +257,17 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const AskedSurface& sur
     auto filled = fields_.fill(question, *lines, caller.part(0, done));
     if (!filled) return fail(std::move(filled.error()));
     hit = *filled;
+    rest.is_patient = true;
   }
   if (request.stream || request.sparse) {
     auto ready = begin_rows(std::move(question), std::move(*rows), std::move(points),
-                            std::move(lines), request.landmarks, caller, answer);
+                            std::move(lines), request.landmarks, rest, answer);
     if (!ready) return fail(std::move(ready.error()));
     return answer;
   }
   PointDistances table;
   if (!points.empty()) {
-    auto found = fields_.table(question, *rows, points, caller.part(done, 1));
+    auto found = fields_.table(question, *rows, points, rest.part(done, 1));
     if (!found) return fail(std::move(found.error()));
     table = std::move(*found);
     hit = hit && table.hit;
@@ -304,7 +306,8 @@ Result<void> FieldQueries::begin_rows(FieldQuestion question, FieldRows from,
   // Of a table that is estimated, set before the rows begin.
   const auto estimated = std::make_shared<std::shared_ptr<const LandmarkRows>>();
   if (landmarks > 0) {
-    answer.bytes_before_rows = LandmarkRows::bytes(landmarks, table->from.size(), table->to.size());
+    answer.bytes_of_estimates =
+        LandmarkRows::bytes(landmarks, table->from.size(), table->to.size());
     answer.before_rows = [this, table, landmarks, caller,
                           estimated](proto::TableReply& reply) -> Result<void> {
       auto made =
@@ -331,7 +334,9 @@ Result<void> FieldQueries::begin_rows(FieldQuestion question, FieldRows from,
       if (lines) distances = lines->whole_row(row, distances);
       return encode(row, distances, Cancel([&] { return give_way() || part(); }));
     };
-    return RowsAhead::begin(pool_, table->from.size(), block, std::move(compute), caller);
+    Caller asks = caller;
+    asks.is_patient = asks.is_patient || *estimated != nullptr;
+    return RowsAhead::begin(pool_, table->from.size(), block, std::move(compute), asks);
   };
   return {};
 }

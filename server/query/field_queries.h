@@ -54,7 +54,7 @@ struct Answered {
   std::function<Result<std::unique_ptr<RowsAhead>>(EncodeRow encode, std::size_t block)> rows;
   // To be called, if set, before these: with the memory for so many bytes, where long work is done.
   std::function<Result<void>(Reply&)> before_rows;
-  std::uint64_t bytes_before_rows = 0;
+  std::uint64_t bytes_of_estimates = 0;
 };
 
 // All methods may be called from any thread but a compute worker. Errors besides

@@ -140,6 +140,13 @@ bool can_be_helped(const FieldQuestion& question) {
                                  *question.adjacency, question.from.points);
 }
 
+// How far a field goes, so that points inside faces as far away as `max` have what they are told
+// by: their corners may be farther.
+double max_around(const FieldQuestion& question, std::span<const std::uint32_t> faces) {
+  if (question.cost || faces.empty()) return question.max;
+  return question.max + longest_edge_of(*question.adjacency, faces);
+}
+
 // So many searches take less than a field that stops at the last of the targets.
 constexpr std::size_t kFewTargets = 2;
 
@@ -226,7 +233,13 @@ Result<PointDistances> Fields::at_points(const FieldQuestion& question,
   if (is_whole || (points.size() == 1 && can_be_searched(question))) {
     const Details details = details_for(points);
     if (is_whole || !is_to_be_searched(question, details)) {
-      const auto field = whole(question, details, caller);
+      FieldQuestion farther = question;
+      if (details == Details::kept && question.max != kUnreached) {
+        const auto faces = faces_around(*question.adjacency, points, Cancel(std::cref(caller)));
+        if (!faces) return fail(faces.error());
+        farther.max = max_around(question, *faces);
+      }
+      const auto field = whole(farther, details, caller);
       if (!field) return fail(field.error());
       auto read = compute(
           [&](SolveScratch&, const Cancel& cancel) {
@@ -339,6 +352,7 @@ Result<bool> Fields::fill_from(const FieldQuestion& question, std::size_t number
   if (asked->faces.empty()) return hit;
   limits.keep_details = true;
   limits.detail_faces = asked->faces;
+  limits.max = max_around(own, asked->faces);
   const auto field = solve(own, limits, scratch, cancel, caller);
   if (!field) return fail(field.error());
   auto put = put_within(adjacency, *field, own.max, *asked, line, lines, cancel);
@@ -359,12 +373,12 @@ Result<std::vector<double>> Fields::row(const FieldQuestion& question, const Fie
   FieldQuestion own = question;
   own.from = std::move(*sources);
   // What is kept for points inside faces may be of the faces of others alone: not to be relied on.
-  const Details details = details_for(points);
+  const Details details = faces.empty() ? Details::none : Details::kept;
   std::shared_ptr<const Field> field;
   if (details == Details::none) field = cache_.find(key_of(own, details));
   if (!field) {
     FieldLimits limits;
-    limits.max = own.max;
+    limits.max = max_around(own, faces);
     limits.keep_details = details == Details::kept;
     limits.detail_faces = faces;
     auto solved = solve(own, limits, scratch.get(), cancel, caller);
@@ -399,6 +413,7 @@ Result<PointDistances> Fields::read_points(const FieldQuestion& question,
     const auto faces = faces_around(*question.adjacency, points, cancel);
     if (!faces) return fail(faces.error());
     limits.beyond_targets = longest_edge_of(*question.adjacency, *faces);
+    limits.max = max_around(question, *faces);
     // A label may be at the end of a path, over any of the faces.
     const bool by_path = labels && !is_for_points_alone(question, details);
     if (!by_path) limits.detail_faces = *faces;

@@ -99,8 +99,8 @@ class Fields {
 
   // The distances of the points as the whole field of a row has them, and so the same whatever else
   // is asked: a row of a table, as a part of ComputePool::run_each. The field is not kept, and does
-  // not end at the points. `question` has no sources. `faces`: those around the points, where any
-  // is inside a face.
+  // not end at the points. `question` has no sources. `faces`: details are
+  // kept of them, at least of those around the points; of none, there are no details.
   [[nodiscard]] Result<std::vector<double>> row(const FieldQuestion& question,
                                                 const FieldRows& from, std::size_t number,
                                                 std::span<const SurfacePoint> points,

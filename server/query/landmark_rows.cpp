@@ -38,11 +38,12 @@ proto::Estimated said_of(std::size_t landmarks, const EstimateErrors& errors) {
 
 std::uint64_t LandmarkRows::bytes(std::uint64_t landmarks, std::uint64_t rows,
                                   std::uint64_t columns) {
-  // The fields at all points; of rows, what is kept; of columns, distances and factors.
+  // While it is made, the fields at all points; then of each row a distance, and of each column a
+  // distance and a factor.
   constexpr std::uint64_t kOfFields = sizeof(double);
   constexpr std::uint64_t kOfRow = sizeof(double);
   constexpr std::uint64_t kOfColumn = 2 * sizeof(float);
-  return (landmarks + kChecks) *
+  return (std::min(landmarks, columns) + kChecks) *
          ((rows + columns) * kOfFields + rows * kOfRow + columns * kOfColumn);
 }
 
@@ -56,16 +57,15 @@ Result<std::shared_ptr<const LandmarkRows>> LandmarkRows::make(
   std::vector<SurfacePoint> points = table->to;
   const std::vector<SurfacePoint> of_rows = table->from.points();
   points.insert(points.end(), of_rows.begin(), of_rows.end());
-  const bool are_vertices = std::all_of(
-      points.begin(), points.end(), [](const SurfacePoint& point) { return point.at_vertex(); });
   std::vector<std::uint32_t> faces;
   auto chosen = fields.compute_once(
       [&](SolveScratch&, const Cancel& cancel) -> Result<std::vector<std::uint32_t>> {
-        if (!are_vertices) {
-          auto around = faces_around(adjacency, points, cancel);
-          if (!around) return fail(std::move(around.error()));
-          faces = std::move(*around);
-        }
+        auto around = faces_around(adjacency, points, cancel);
+        if (!around) return fail(std::move(around.error()));
+        faces = std::move(*around);
+        // With details of one face at least, so that no bit depends on which rows are asked for:
+        // `exact` rounds otherwise without any.
+        if (faces.empty()) faces.push_back(0);
         return spread_points(adjacency, table->to, landmarks, cancel);
       },
       caller.part(0, 0));
@@ -77,7 +77,9 @@ Result<std::shared_ptr<const LandmarkRows>> LandmarkRows::make(
   for (const std::uint32_t c : checked) sources.push_back({table->to[c], 0});
   const FieldRows from(sources);
   std::vector<std::vector<double>> distances(sources.size());
-  const Caller of_fields = caller.part(0, 0);
+  // What has begun is not sent away for the queue's length.
+  Caller of_fields = caller.part(0, 0);
+  of_fields.is_patient = true;
   JointCaller joint(of_fields, sources.size());
   auto computed = pool.run_each(
       sources.size(),
@@ -97,7 +99,9 @@ Result<std::shared_ptr<const LandmarkRows>> LandmarkRows::make(
       [&](SolveScratch&, const Cancel& cancel) -> Result<void> {
         const std::size_t count = chosen->size();
         std::vector<double> to_landmarks(rows * count);
+        Poll poll(cancel);
         for (std::size_t row = 0; row < rows; ++row) {
+          if (poll.cancelled_after(count)) return fail_stopped(poll);
           for (std::size_t l = 0; l < count; ++l) {
             to_landmarks[row * count + l] = distances[l][columns + row];
           }
@@ -121,7 +125,7 @@ Result<std::shared_ptr<const LandmarkRows>> LandmarkRows::make(
         made->to_landmarks_ = std::move(to_landmarks);
         return {};
       },
-      caller.part(0, 0));
+      of_fields.finishing());
   if (!finished) return fail(std::move(finished.error()));
   return made;
 }
@@ -135,7 +139,10 @@ Result<std::vector<double>> LandmarkRows::row(std::size_t number, Worker& worker
   auto found =
       fields_.row(near, table_->from, number, table_->to, table_->faces, worker, give_way, caller);
   if (!found) return found;
-  known_.estimate(to_landmarks, *found);
+  const Cancel cancel([&] { return give_way() || caller(); });
+  Poll poll(cancel);
+  known_.estimate(to_landmarks, *found, poll);
+  if (poll.stopped()) return fail_stopped(poll);
   return found;
 }
 

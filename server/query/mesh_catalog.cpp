@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <span>
 #include <string>
@@ -54,6 +55,9 @@ std::size_t bytes_of(const std::shared_ptr<const proto::FaceNumbers>& numbers) {
 // gets random numbers either.
 constexpr std::size_t kMostIndexes = 400;
 
+// Stored files that are read while every slot is decoding one.
+constexpr std::size_t kFilesAhead = 4;
+
 // About which part of an upload's time it takes to build the mesh, and of that to decode.
 constexpr double kBuilding = 0.5;
 constexpr double kDecoding = 0.4;
@@ -83,6 +87,8 @@ MeshCatalog::MeshCatalog(MeshStore& store, ComputePool& pool, const CatalogLimit
                          Metrics& metrics, DecoderProcesses* decoders)
     : store_(store),
       pool_(pool),
+      file_turns_(pool.slots() + kFilesAhead, std::chrono::seconds(10),
+                  "too many stored files are being read; try again"),
       metrics_(metrics),
       decoders_(decoders),
       decode_limits_(limits.decode),
@@ -261,66 +267,6 @@ Result<std::string> MeshCatalog::metadata(const std::string& id, const Caller& c
   return proto::with_state(**stored, meshes_.peek(id), prepared_.peek(adjacency_key(id)));
 }
 
-Result<std::string> MeshCatalog::rename(const std::string& id, const std::string& name,
-                                        const Caller& caller) {
-  return set_name(id, name, false, caller);
-}
-
-Result<std::string> MeshCatalog::set_name(const std::string& id, const std::string& name,
-                                          bool only_first, const Caller& caller) {
-  // An upload that was cut off has no description yet.
-  if (const auto described = metadata(id, caller); !described) return fail(described.error());
-  {
-    const std::lock_guard lock(descriptions_mutex_);
-    const auto description = description_of(id, /*afresh=*/true);
-    if (!description) return fail(description.error());
-    if (!*description) return unknown_mesh();
-    if (!only_first || !proto::name_in(**description)) {
-      const auto named = proto::with_name(**description, name);
-      if (!named) return fail(named.error());
-      if (auto put = store_.put_metadata(id, *named); !put) return fail(std::move(put.error()));
-    }
-  }
-  return metadata(id, caller);
-}
-
-Result<std::optional<std::string>> MeshCatalog::description_of(const std::string& id, bool afresh) {
-  auto stored = afresh ? store_.get_metadata_afresh(id) : store_.get_metadata(id);
-  if (!stored || !*stored) return stored;
-  if ((*stored)->size() > proto::kMostDescriptionBytes) {  // by an older version
-    if (!has_options(id)) return std::nullopt;             // to be described anew
-    auto bounded = proto::without_parts(**stored);
-    if (!bounded) return std::nullopt;
-    // So that the next one need not do it; if it fails, the next one does.
-    (void)store_.put_metadata(id, *bounded);
-    *stored = std::move(*bounded);
-  }
-  const auto options = proto::import_options_of(**stored);
-  if (!options || !is_of_options(id, proto::canonical_text(*options))) return std::nullopt;
-  return stored;
-}
-
-Result<proto::ImportOptions> MeshCatalog::options_of(const std::string& id) {
-  if (!has_options(id)) return proto::ImportOptions{};
-  const auto description = description_of(id);
-  if (!description) return fail(description.error());
-  // Cut off between the two files, an upload has left bytes of which nobody knows how
-  // they were to be read.
-  if (!*description) return unknown_mesh();
-  return proto::import_options_of(**description);
-}
-
-// An upload that was cut off between the two files has left the bytes alone.
-Result<std::string> MeshCatalog::described_anew(const std::string& id, const Caller& caller) {
-  if (has_options(id)) return unknown_mesh();
-  const auto bytes = store_.get_source(id);
-  if (!bytes) return fail(bytes.error());
-  auto described = pool_.run([&](Worker&) { return describe(id, *bytes, {}, caller); }, caller);
-  if (!described) return fail(std::move(described.error()));
-  if (auto put = store_.put_metadata(id, described->description); !put) return fail(put.error());
-  return std::move(described->description);
-}
-
 Result<void> MeshCatalog::remove(const std::string& id) {
   const auto existed = store_.remove(id);
   meshes_.erase(id);
@@ -343,14 +289,17 @@ Result<std::shared_ptr<const Mesh>> MeshCatalog::load_mesh(const std::string& id
   auto mesh = meshes_.get_or_create(
       id,
       [&]() -> Result<std::shared_ptr<const Mesh>> {
-        const auto file = step("read", Stage::load, caller, [&] { return stored_file(id); });
-        if (!file) return fail(file.error());
-        auto built = pool_.run(
-            [&](Worker&) {
-              return step("decode", Stage::load, caller,
-                          [&] { return build(file->bytes, file->options, caller); });
-            },
-            caller);
+        auto built = [&]() -> Result<Built> {
+          const auto file =
+              step("read", Stage::load, caller, [&] { return stored_file(id, caller); });
+          if (!file) return fail(file.error());
+          return pool_.run(
+              [&](Worker&) {
+                return step("decode", Stage::load, caller,
+                            [&] { return build(file->bytes, file->options, caller); });
+              },
+              caller);
+        }();
         if (!built) return fail(std::move(built.error()));
         // Not in a compute slot: it may wait for who is making them in one.
         keep_materials(id, std::move(built->decoded.materials), caller);

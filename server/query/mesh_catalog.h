@@ -41,6 +41,7 @@
 #include "server/base/current.h"
 #include "server/base/lru_cache.h"
 #include "server/base/timed.h"
+#include "server/base/turns.h"
 #include "server/compute/pool.h"
 #include "server/decoder/processes.h"
 #include "server/metrics/metrics.h"
@@ -210,9 +211,11 @@ class MeshCatalog {
   struct StoredFile {
     std::string bytes;
     proto::ImportOptions options;
+    std::shared_ptr<const void> turn;
   };
-  // An uploaded file, and how it is to be read. Errors: mesh_unknown and the store's.
-  [[nodiscard]] Result<StoredFile> stored_file(const std::string& id);
+  // An uploaded file, and how it is to be read. To be let go of before anything is waited for that
+  // is made of other files. Errors: mesh_unknown and the store's; those of Turns.
+  [[nodiscard]] Result<StoredFile> stored_file(const std::string& id, const Caller& caller);
   template <class Kept, class Make>
   [[nodiscard]] Result<std::shared_ptr<const Kept>> kept(const std::string& key,
                                                          const Caller& caller, const Make& make);
@@ -269,6 +272,9 @@ class MeshCatalog {
 
   MeshStore& store_;
   ComputePool& pool_;
+  // At having a stored file in memory: whoever has read one may wait for a compute slot before it
+  // is decoded. So nobody waits for a turn in a slot.
+  Turns file_turns_;
   Metrics& metrics_;
   DecoderProcesses* const decoders_;
   PreparedFiles* prepared_files_ = nullptr;

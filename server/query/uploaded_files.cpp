@@ -33,30 +33,33 @@ std::string numbers_key(const std::string& mesh, const std::string& attribute,
 
 Result<std::string> MeshCatalog::source(const std::string& id) { return store_.get_source(id); }
 
-Result<MeshCatalog::StoredFile> MeshCatalog::stored_file(const std::string& id) {
+Result<MeshCatalog::StoredFile> MeshCatalog::stored_file(const std::string& id,
+                                                         const Caller& caller) {
+  auto turn = file_turns_.take(caller);
+  if (!turn) return fail(std::move(turn.error()));
   auto bytes = store_.get_source(id);
   if (!bytes) return fail(std::move(bytes.error()));
   auto options = options_of(id);
   if (!options) return fail(std::move(options.error()));
-  return StoredFile{std::move(*bytes), std::move(*options)};
+  return StoredFile{std::move(*bytes), std::move(*options), std::move(*turn)};
 }
 
 Result<UploadedGltf> MeshCatalog::uploaded_gltf(
     const std::string& id, const std::vector<proto::VertexAttribute>& attributes,
     const Caller& caller) {
-  auto file = stored_file(id);
+  auto file = stored_file(id, caller);
   if (!file) return fail(std::move(file.error()));
   auto annotation = pool_.run(
       [&](Worker&) {
         const auto limits = decode_limits_.get();
-        const auto& [bytes, options] = *file;
+        const auto& [bytes, options, turn] = *file;
         return decoders_ != nullptr
                    ? decoders_->annotation(bytes, attributes, *limits, options, caller)
                    : proto::annotate_gltf(as_bytes(bytes), *limits, options, attributes);
       },
       caller);
   if (!annotation) return fail(std::move(annotation.error()));
-  return UploadedGltf{std::move(file->bytes), std::move(*annotation), nullptr};
+  return UploadedGltf{std::move(file->bytes), std::move(*annotation)};
 }
 
 // What `make` gives is made once, and kept with what is prepared of the mesh.
@@ -81,12 +84,12 @@ Result<MeshCatalog::Numbers> MeshCatalog::face_numbers(const std::string& id,
                                                        const Caller& caller) {
   return kept<proto::FaceNumbers>(
       numbers_key(id, attribute, which), caller, [&]() -> Result<proto::FaceNumbers> {
-        const auto file = stored_file(id);
+        const auto file = stored_file(id, caller);
         if (!file) return fail(file.error());
         return pool_.run(
             [&](Worker&) {
               const auto limits = decode_limits_.get();
-              const auto& [bytes, options] = *file;
+              const auto& [bytes, options, turn] = *file;
               return decoders_ != nullptr ? decoders_->face_numbers(bytes, attribute, which,
                                                                     *limits, options, caller)
                                           : proto::read_face_numbers(as_bytes(bytes), *limits,
@@ -162,7 +165,7 @@ void MeshCatalog::keep_materials(const std::string& id, proto::FaceMaterials mat
 }
 
 Result<proto::DecodedMesh> MeshCatalog::decode_stored(const std::string& id, const Caller& caller) {
-  const auto file = step("read", Stage::load, caller, [&] { return stored_file(id); });
+  const auto file = step("read", Stage::load, caller, [&] { return stored_file(id, caller); });
   if (!file) return fail(file.error());
   return pool_.run(
       [&](Worker&) {

@@ -12,7 +12,6 @@ namespace geodesic::server {
 struct UploadedGltf {
   std::string bytes;  // as uploaded
   proto::GltfAnnotation annotation;
-  std::shared_ptr<const void> reserved;  // of the memory for replies, for both
 
   // At most so many are taken to write it with `components` floats a vertex.
   [[nodiscard]] std::uint64_t bytes_to_write(std::uint64_t components) const {

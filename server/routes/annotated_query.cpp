@@ -25,9 +25,9 @@ Result<Routes::GltfSize> Routes::size_of_gltf(const Query& query, const Error& o
               otherwise.parameter);
 }
 
-Result<std::shared_ptr<const void>> Routes::read_weights(const Query& query, proto::Costs& costs,
-                                                         const Caller& caller) {
-  if (costs.weight_attribute.empty()) return nullptr;
+Result<void> Routes::read_weights(const Query& query, proto::Costs& costs,
+                                  ReplyBudget::Share& memory, const Caller& caller) {
+  if (costs.weight_attribute.empty()) return {};
   const auto file = size_of_gltf(
       query,
       {ErrorCode::value_out_of_range, "send face_weights instead", "weight_attribute", {}, {}},
@@ -35,27 +35,26 @@ Result<std::shared_ptr<const void>> Routes::read_weights(const Query& query, pro
   if (!file) return fail(file.error());
   const std::uint64_t bytes_of_weights = file->faces * sizeof(double);
   // The file, and once more for who decodes it.
-  auto reserved = reply_budget_.reserve(2 * file->bytes + bytes_of_weights, caller.client);
-  if (!reserved) return fail(std::move(reserved.error()));
+  const std::uint64_t before = memory.bytes();
+  if (auto more = memory.grow(2 * file->bytes + bytes_of_weights); !more) return more;
   auto weights =
       catalog_.face_numbers(query.mesh, costs.weight_attribute, proto::FaceNumber::weight, caller);
   if (!weights) return fail(std::move(weights.error()));
   costs.face_weights = (*weights)->by_face;
-  (*reserved)->shrink(bytes_of_weights);
-  return std::shared_ptr<const void>(std::move(*reserved));
+  memory.shrink(before + bytes_of_weights);
+  return {};
 }
 
 Result<std::shared_ptr<const UploadedGltf>> Routes::upload_to_annotate(
     const Query& query, const std::vector<proto::VertexAttribute>& attributes,
-    std::uint64_t file_bytes, const Caller& caller) {
+    std::uint64_t file_bytes, ReplyBudget::Share& memory, const Caller& caller) {
   // The file, once more for who takes it apart, and the document that comes of it.
   constexpr std::uint64_t kTimes = 4;
-  auto reserved = reply_budget_.reserve(kTimes * file_bytes, caller.client);
-  if (!reserved) return fail(std::move(reserved.error()));
+  const std::uint64_t before = memory.bytes();
+  if (auto more = memory.grow(kTimes * file_bytes); !more) return fail(std::move(more.error()));
   auto upload = catalog_.uploaded_gltf(query.mesh, attributes, caller);
   if (!upload) return fail(std::move(upload.error()));
-  (*reserved)->shrink(upload->bytes.size() + upload->annotation.json.size());
-  upload->reserved = std::move(*reserved);
+  memory.shrink(before + upload->bytes.size() + upload->annotation.json.size());
   return std::make_shared<const UploadedGltf>(std::move(*upload));
 }
 

@@ -34,6 +34,14 @@
 namespace geodesic::server {
 namespace {
 
+// A table's entries in columns that are lines, all of which are kept until the last row.
+std::uint64_t bytes_of_lines(const proto::TableRequest& request) {
+  const auto& columns = request.to.empty() ? request.from : request.to;
+  const auto lines = std::count_if(columns.begin(), columns.end(),
+                                   [](const auto& column) { return !column.is_point(); });
+  return request.from.size() * static_cast<std::uint64_t>(lines) * sizeof(double);
+}
+
 // All that decides the bytes of the reply to a GET.
 std::string identity_of(const Routes::Query& query, proto::Format format) {
   std::vector<std::pair<std::string_view, std::string_view>> parameters;
@@ -192,42 +200,36 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
   if (!identity.empty()) {
     if (auto known = known_reply(query, identity, tag)) return std::move(*known);
   }
-  const auto weights = read_weights(query, costs, *caller);
+  const auto memory = reply_budget_.share_of_nothing(caller->client);
+  const auto weights = read_weights(query, costs, *memory, *caller);
   if (!weights) return fail(weights.error());
   const AskedSurface surface(query.mesh, std::move(*regions), std::move(costs));
-  std::shared_ptr<const void> for_lines;
   if constexpr (std::is_same_v<Request, proto::TableRequest>) {
-    auto reserved = reserve_lines(request, *caller);
-    if (!reserved) return fail(std::move(reserved.error()));
-    for_lines = std::move(*reserved);
+    if (auto more = memory->grow(bytes_of_lines(request)); !more) {
+      return fail(std::move(more.error()));
+    }
   }
   auto answer = queries_.answer(surface, request, *caller);
   if (!answer) return fail(std::move(answer.error()));
   if (!attributes.empty()) {
-    auto upload = upload_to_annotate(query, attributes, file_bytes, caller->finishing());
+    auto upload = upload_to_annotate(query, attributes, file_bytes, *memory, caller->finishing());
     if (!upload) return fail(std::move(upload.error()));
     answer->upload = std::move(*upload);
   }
-  std::shared_ptr<const void> collected;
   if constexpr (std::is_same_v<Request, proto::TableRequest>) {
     if (request.stream) {
-      return stream_rows(std::move(*answer), request, *format, std::move(for_lines), *caller);
+      return stream_rows(std::move(*answer), request, *format, memory);
     }
     if (request.sparse) {
-      auto held = collect_rows(*answer, *caller);
-      if (!held) return fail(std::move(held.error()));
-      collected = std::move(*held);
+      if (auto all = collect_rows(*answer, *memory); !all) return fail(std::move(all.error()));
     }
   }
   const ReplySize size = size_of(*answer, *format);
   const auto make = [&](const Cancel& cancel) -> Result<HttpResponse> {
     const Timed encoding(*caller, Stage::encode);
     // Not before it has its slot: who waits for one has no use for the memory.
-    std::shared_ptr<ReplyBudget::Share> share;
     if (is_large(size)) {
-      auto reserved = reply_budget_.reserve(size.bytes, caller->client);
-      if (!reserved) return fail(std::move(reserved.error()));
-      share = std::move(*reserved);
+      if (auto more = memory->grow(size.bytes); !more) return fail(std::move(more.error()));
     }
     if (answer->complete) answer->complete(answer->reply);
     if (answer->complete_drawing && is_drawing(format->format)) {
@@ -252,9 +254,9 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
       pack(*query.packed_for, *made, &poll);
       if (poll.stopped()) return fail_stopped(poll);
     }
-    if (share && made->body) {
-      share->shrink(made->body->size());
-      made->reserved = std::move(share);
+    if (is_large(size) && made->body) {
+      memory->shrink(made->body->size());
+      made->reserved = memory;
     }
     return made;
   };

@@ -133,20 +133,16 @@ class Routes {
   template <class Request>
   [[nodiscard]] Result<HttpResponse> answer_query(const Query& query);
   [[nodiscard]] Result<HttpResponse> answer_any_query(const Query& query);
-  // row_replies.cpp: the memory for a table's columns that are lines, whose entries are all kept
-  // until the last row; null if there are none. Errors: those of ReplyBudget::reserve.
-  [[nodiscard]] Result<std::shared_ptr<const void>> reserve_lines(
-      const proto::TableRequest& request, const Caller& caller);
-  // A table whose rows are sent as they are done, once the first one is. `held`: that memory.
+  // row_replies.cpp: a table whose rows are sent as they are done, once the first one is. It holds
+  // `memory`, which grows. Errors besides: those of ReplyBudget::reserve, before anything is
+  // computed.
   [[nodiscard]] Result<HttpResponse> stream_rows(Answered<proto::TableReply> answer,
                                                  const proto::TableRequest& request,
                                                  const proto::ReplyFormat& format,
-                                                 std::shared_ptr<const void> held,
-                                                 const Caller& caller);
-  // Computes a sparse table into its reply. Returns the memory that it has. Errors: too_large, and
-  // those of ReplyBudget::reserve.
-  [[nodiscard]] Result<std::shared_ptr<const void>> collect_rows(
-      Answered<proto::TableReply>& answer, const Caller& caller);
+                                                 std::shared_ptr<ReplyBudget::Share> memory);
+  // Computes a sparse table into its reply. Errors: too_large, and those of ReplyBudget::reserve.
+  [[nodiscard]] Result<void> collect_rows(Answered<proto::TableReply>& answer,
+                                          ReplyBudget::Share& memory);
   // How large the file is that a mesh is of. Errors: mesh_unknown; `otherwise` where it is no glTF,
   // whose detail is the way out.
   struct GltfSize {
@@ -155,16 +151,14 @@ class Routes {
   };
   [[nodiscard]] Result<GltfSize> size_of_gltf(const Query& query, const Error& otherwise,
                                               const Caller& caller);
-  // Weights of faces that are in the file, if they are asked for, and the reservation of their
-  // memory. Errors: those of size_of_gltf, of MeshCatalog::face_numbers and of
-  // ReplyBudget::reserve.
-  [[nodiscard]] Result<std::shared_ptr<const void>> read_weights(const Query& query,
-                                                                 proto::Costs& costs,
-                                                                 const Caller& caller);
+  // Weights of faces that are in the file, if they are asked for; their memory comes to `memory`.
+  // Errors: those of size_of_gltf, of MeshCatalog::face_numbers and of ReplyBudget::reserve.
+  [[nodiscard]] Result<void> read_weights(const Query& query, proto::Costs& costs,
+                                          ReplyBudget::Share& memory, const Caller& caller);
   // Errors: those of MeshCatalog::uploaded_gltf and of ReplyBudget::reserve.
   [[nodiscard]] Result<std::shared_ptr<const UploadedGltf>> upload_to_annotate(
       const Query& query, const std::vector<proto::VertexAttribute>& attributes,
-      std::uint64_t file_bytes, const Caller& caller);
+      std::uint64_t file_bytes, ReplyBudget::Share& memory, const Caller& caller);
   [[nodiscard]] std::string query_cache_policy() const;
   // The memory for a body's JSON while it is taken apart; null where that is little.
   [[nodiscard]] Result<std::shared_ptr<ReplyBudget::Share>> memory_for_json(std::size_t bytes,

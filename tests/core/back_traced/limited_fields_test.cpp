@@ -8,6 +8,7 @@
 
 #include "core/mesh/shapes.h"
 #include "tests/fixtures/random_meshes.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 
@@ -43,7 +44,7 @@ void check_counts(const Field& field) {
 
 TEST_CASE("FieldsThatEndNearbyDependOnNothingThatWasAskedBefore") {
   std::mt19937 random(test_seed());
-  for (int round = 0; round < 60; ++round) {
+  for (int round = 0; round < fixtures::all_or(60, 15); ++round) {
     CAPTURE(round);
     const Surface surface(some_surface(random));
     const std::uint32_t count = surface.mesh().source_vertex_count();

@@ -13,6 +13,7 @@
 
 #include "core/solve/solve_field.h"
 #include "tests/fixtures/crumpled_surfaces.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 
@@ -96,21 +97,22 @@ TEST_CASE("AThinFaceThousandsOfTimesOverIsCrossedOnce") {
 }
 
 TEST_CASE("ABookOfThousandsOfPagesIsReadOnce") {
+  constexpr std::uint32_t kPages = fixtures::all_or(60'000, 6'000);
   TriangleSoup soup{{{0, 0, 0}, {0, 0, 1}}, {}};
-  for (std::uint32_t i = 0; i < 60'000; ++i) {
+  for (std::uint32_t i = 0; i < kPages; ++i) {
     const double angle = i * 1e-4;
     soup.positions.push_back({2 * std::cos(angle), 2 * std::sin(angle), 0.1 * (i % 11)});
     soup.faces.push_back({0, 1, i + 2});
   }
   const Surface surface(soup);
   check_that_it_ends(surface, {surface.at(0), 0});
-  check_that_it_ends(surface, {surface.at(30'000), 0});
-  check_that_it_ends(surface, {surface.on(30'000, {0.25, 0.25, 0.5}), 0});
+  check_that_it_ends(surface, {surface.at(kPages / 2), 0});
+  check_that_it_ends(surface, {surface.on(kPages / 2, {0.25, 0.25, 0.5}), 0});
 }
 
 TEST_CASE("AVertexOfAHundredThousandFacesIsPassedWithQuestions") {
   TriangleSoup soup{{{0, 0, 0}}, {}};
-  constexpr std::uint32_t kFaces = 100'000;
+  constexpr std::uint32_t kFaces = fixtures::all_or(100'000, 10'000);
   for (std::uint32_t i = 0; i < kFaces; ++i) {
     const double angle = 2 * std::numbers::pi * i / kFaces;
     const double r = 1 + 0.1 * (i % 2);
@@ -168,7 +170,7 @@ TEST_CASE("TheSameLightFromAMillionEdgesAwayIsOneWindow") {
 // thousands of windows come to an edge, and all of them are to cross each of its faces.
 TEST_CASE("WindowsByTheMillionOnThinHeapsAskWhetherToStop") {
   std::mt19937 random(fixtures::test_seed());
-  for (int round = 0; round < 4; ++round) {
+  for (int round = 0; round < fixtures::all_or(4, 1); ++round) {
     const std::uint32_t n = 12 + random() % 9;
     CAPTURE(n);
     TriangleSoup soup;

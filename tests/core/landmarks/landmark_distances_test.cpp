@@ -58,7 +58,9 @@ std::vector<double> estimated(const LandmarkDistances& known, const KnownRow& ro
   for (double& d : entries) {
     if (!(d <= near)) d = kUnreached;
   }
-  known.estimate(row.to_landmarks, entries);
+  const Cancel never;
+  Poll poll(never);
+  known.estimate(row.to_landmarks, entries, poll);
   return entries;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/mesh/triangle_soup.h"
+#include "tests/fixtures/sanitizers.h"
 
 namespace crowded {
 
@@ -15,11 +16,7 @@ using geodesic::Triangle;
 using geodesic::TriangleSoup;
 
 // So many that their square is told from their number; sanitizers look for something else.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr std::uint32_t kFaces = 2'000;
-#else
-inline constexpr std::uint32_t kFaces = 10'000;
-#endif
+inline constexpr std::uint32_t kFaces = geodesic::fixtures::all_or(10'000, 2'000);
 
 inline TriangleSoup copies(double height) {
   return {{{0, 0, 0}, {1, 0, 0}, {0.4, height, 0}}, std::vector<Triangle>(kFaces, {0, 1, 2})};

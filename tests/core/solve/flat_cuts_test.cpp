@@ -76,6 +76,7 @@ FlatCuts any_rows(RandomMesh& random) {
   cuts.part = random.unit() < 0.5 ? 0.15 : 0.6;
   cuts.row = 1 + random.below(5);
   cuts.both_sides = random.unit() < 0.5;
+  if (random.unit() < 0.5) cuts.apart = random.unit();
   return cuts;
 }
 
@@ -175,6 +176,38 @@ void compare(RandomMesh& random, const TriangleSoup& soup, const FlatCuts& cuts,
 }
 
 }  // namespace
+
+// Faces split each by itself, at vertices of their own: faces without width may lie on each other.
+TEST_CASE("OnPlatesOfSplitFacesDistancesByAutoAreStraightLines") {
+  double greatest = 0;
+  for (std::uint32_t round = 0; round < 20; ++round) {
+    CAPTURE(round);
+    RandomMesh random(fixtures::test_seed() + round);
+    FlatCuts cuts;
+    cuts.part = 0.1 + 0.8 * random.unit();
+    cuts.row = 1 + random.below(3);
+    cuts.both_sides = true;
+    cuts.apart = 1;
+    const TriangleSoup whole = fixtures::uneven_plane(random, 8 + random.below(20));
+    const TriangleSoup soup = fixtures::with_flat_cuts(random, whole, cuts).soup;
+    const Surface surface(soup);
+    for (int i = 0; i < 4; ++i) {
+      const std::uint32_t from = random.below(static_cast<std::uint32_t>(soup.positions.size()));
+      MethodOptions options;
+      if (i % 2 == 1) options.bound = Bound::upper;
+      const Field field =
+          surface.field_by(Method::back_traced, {{surface.at(from), 0}}, {}, options);
+      for (std::uint32_t v = 0; v < soup.positions.size(); ++v) {
+        const double straight = distance(soup.positions[from], soup.positions[v]);
+        const double told = field.distance[surface.vertex(v)];
+        CHECK(told >= straight * (1 - 1e-6));  // floats
+        if (straight > 0) greatest = std::max(greatest, told / straight - 1);
+      }
+    }
+  }
+  MESSAGE("at most " << greatest << " too far");
+  CHECK(greatest < 0.02);
+}
 
 TEST_CASE("OnPlanesPathsByAutoGoStraightThroughFacesWithoutWidth") {
   Kinds errors;

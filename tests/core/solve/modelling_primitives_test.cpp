@@ -17,6 +17,7 @@
 #include "core/straighten/refine_path.h"
 #include "core/straighten/straightest_geodesic.h"
 #include "tests/fixtures/path_checks.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 
@@ -49,11 +50,7 @@ TEST_CASE("ModellingPrimitivesHaveThePolesThatTheyName") {
 namespace {
 
 // Fewer solids where each takes ten times as long.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::uint32_t kOneIn = 8;
-#else
-constexpr std::uint32_t kOneIn = 1;
-#endif
+constexpr std::uint32_t kOneIn = fixtures::all_or(1, 8);
 
 // What is asked more often than this works on a few faces without end.
 constexpr int kMostQuestions = 20'000;

@@ -144,6 +144,7 @@ TEST_CASE("weights out of Draco have the bits that they have without it") {
     numbers.by_edgebreaker = random.below(2) == 0;
     numbers.position_id = random.below(1000);
     numbers.number_id = 1000 + random.below(1000);
+    numbers.says_normalized = random.below(2) == 0;
     GltfFixture plain = without_draco(random.soup(), numbers);
     GltfFixture draco = with_draco(random.soup(), numbers);
     const bool is_small = numbers.component_type == 5121 || numbers.component_type == 5123;

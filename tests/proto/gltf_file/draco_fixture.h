@@ -24,6 +24,7 @@ struct DracoNumbers {
   bool by_edgebreaker = true;
   std::uint32_t position_id = 0;
   std::uint32_t number_id = 1;
+  bool says_normalized = false;  // in the Draco data; glTF goes by the accessor
 };
 
 struct DracoFixture {
@@ -89,6 +90,7 @@ inline DracoFixture draco_of(const TriangleSoup& soup, const DracoNumbers& numbe
   const std::unique_ptr<draco::Mesh> mesh = builder.Finalize();
   mesh->attribute(position)->set_unique_id(numbers.position_id);
   mesh->attribute(number)->set_unique_id(numbers.number_id);
+  mesh->attribute(number)->set_normalized(numbers.says_normalized);
   draco::Encoder encoder;
   encoder.SetEncodingMethod(numbers.by_edgebreaker ? draco::MESH_EDGEBREAKER_ENCODING
                                                    : draco::MESH_SEQUENTIAL_ENCODING);

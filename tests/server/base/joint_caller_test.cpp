@@ -3,8 +3,11 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cstddef>
 #include <memory>
 #include <random>
+#include <thread>
 #include <vector>
 
 #include "tests/fixtures/test_seed.h"
@@ -38,4 +41,32 @@ TEST_CASE("WhatPartsTellAddsUpToNoMoreThanAllOfIt") {
     CHECK(told.back() <= 1);
     CHECK(told.back() == doctest::Approx(1));
   }
+}
+
+TEST_CASE("PartsOfManyThreadsTellOneAtATimeAndTheirTimesAddUp") {
+  constexpr std::size_t kThreads = 4;
+  constexpr std::size_t kParts = 25;  // of each
+  Caller caller;
+  caller.times = std::make_shared<StageTimes>();
+  double last = 0;  // nothing but the promise keeps these threads apart
+  caller.progress = [&](double done) {
+    CHECK(done >= last);
+    last = done;
+  };
+  JointCaller joint(caller, kThreads * kParts);
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < kThreads; ++t) {
+    threads.emplace_back([&, t] {
+      for (std::size_t i = 0; i < kParts; ++i) {
+        JointCaller::Part part(joint, t * kParts + i);
+        part.caller().progress(0.5);
+        part.caller().times->add(Stage::solve, std::chrono::milliseconds(3));
+        part.done(i != 7);
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK(last == doctest::Approx(1));
+  CHECK_FALSE(joint.all_hit());
+  CHECK(caller.times->of(Stage::solve).count() == doctest::Approx(0.003 * kThreads * kParts));
 }

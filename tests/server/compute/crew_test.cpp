@@ -127,6 +127,41 @@ TEST_CASE("a job waits for one part at most, and is not refused for helping slot
   CHECK(parts == 100);
 }
 
+TEST_CASE("what has begun and gave way is not refused for the queue's length") {
+  ComputePool pool(1, 0);  // nobody may wait who is not patient
+  std::atomic<int> parts{0};
+  std::atomic<bool> is_over{false};
+  auto table = std::async(std::launch::async, [&] {
+    auto done = pool.run_each(3,
+                              [&](Worker&, std::size_t, const GiveWay&) -> Result<void> {
+                                parts.fetch_add(1);
+                                wait_until([&] { return pool.stats().queued == 1; });
+                                return {};
+                              },
+                              {});
+    is_over = true;
+    return done;
+  });
+  wait_until([&] { return parts == 1; });
+  Caller patient;
+  patient.is_patient = true;
+  std::vector<std::future<Result<int>>> others;
+  for (int i = 0; i < 3; ++i) {
+    others.push_back(std::async(std::launch::async, [&] {
+      return pool.run(
+          [&](Worker&) -> Result<int> {
+            // Until the rest of the table waits, or is refused.
+            wait_until([&] { return pool.stats().queued > 0 || is_over; });
+            return 7;
+          },
+          patient);
+    }));
+    wait_until([&] { return parts == i + 2 || is_over; });
+  }
+  for (auto& other : others) CHECK(other.get() == 7);
+  CHECK(table.get());
+}
+
 TEST_CASE("two computations of many parts share the slots") {
   ComputePool pool(1, 4);
   std::atomic<int> turns{0};

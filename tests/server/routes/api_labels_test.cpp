@@ -2,15 +2,21 @@
 // it is about the numbers of its faces.
 #include <doctest/doctest.h>
 
+#include <atomic>
+#include <chrono>
 #include <cstdint>
+#include <future>
 #include <map>
 #include <random>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "server/base/process_usage.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/test_seed.h"
+#include "tests/fixtures/wait_until.h"
 #include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
@@ -18,6 +24,7 @@ using namespace geodesic::server;
 using namespace geodesic::server::test;
 using geodesic::fixtures::RandomMesh;
 using geodesic::fixtures::test_seed;
+using geodesic::fixtures::wait_until;
 
 namespace {
 
@@ -117,6 +124,7 @@ TEST_CASE("LabelsThatAreRefused") {
   const std::string names =
       refused(mesh.base, "forbid=label:_SEG=1", 422, "value_out_of_range", "forbid.label");
   CHECK(names.find(kAttribute) != std::string::npos);
+  refused(mesh.base, "within=" + label + "=1e300", 422, "value_out_of_range", "within.label");
   refused(mesh.base, "weights=2*label:_SEG=1", 422, "value_out_of_range", "weights[0].label");
   refused(mesh.base, "forbid=label:POSITION=1", 422, "value_out_of_range", "forbid.label");
   refused(mesh.base, "forbid=label:=1", 422, "value_out_of_range", "forbid.label");
@@ -154,4 +162,40 @@ TEST_CASE("LabelsAreKeptWithTheirMesh") {
   }
   CHECK(plane.service.ask("DELETE", mesh.base).status == 204);
   CHECK(kept() == 0);
+}
+
+// Whoever has read the file waits for a slot to decode it.
+TEST_CASE("FilesThatAreReadForLabelsAreNotAllInMemoryAtOnce") {
+  PlaneService plane;
+  const Labelled mesh = labelled(plane, shapes::terrain(300, 10, test_seed()), {0, 40'000});
+  const std::size_t slots = plane.service.pool.slots();
+  std::atomic<bool> is_open{false};
+  std::vector<std::future<Result<int>>> held;
+  for (std::size_t i = 0; i < slots; ++i) {
+    held.push_back(std::async(std::launch::async, [&] {
+      return plane.service.pool.run([&](Worker&) -> Result<int> {
+        wait_until([&] { return is_open.load(); });
+        return 1;
+      });
+    }));
+  }
+  wait_until([&] { return plane.service.pool.stats().running == slots; });
+  const double before = process_usage().resident_bytes;
+  std::vector<std::future<int>> asked;
+  for (int i = 0; i < 50; ++i) {
+    asked.push_back(std::async(std::launch::async, [&, i] {
+      const std::string label = "label:_A" + std::to_string(i) + "=1";
+      return plane.service.get(mesh.base + "/distance?from=v:0&within=" + label).status;
+    }));
+  }
+  wait_until([&] { return plane.service.pool.stats().queued >= slots; });
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  // Of some 4 MB each; and threads.
+  CHECK(process_usage().resident_bytes < before + 80e6);
+  is_open = true;
+  for (auto& each : held) CHECK(each.get() == 1);
+  for (auto& each : asked) {
+    const int status = each.get();
+    CHECK((status == 422 || status == 503));
+  }
 }

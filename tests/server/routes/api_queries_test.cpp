@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "tests/fixtures/sanitizers.h"
 #include "tests/server/routes/plane_service.h"
 
 using namespace geodesic;
@@ -165,11 +166,7 @@ TEST_CASE("WeldedVerticesGetEqualValues") {
 }
 
 TEST_CASE("AMillionVerticesUploadPrepareAndAnswer") {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  constexpr std::uint32_t side = 200;  // instrumented, a million would take minutes
-#else
-  constexpr std::uint32_t side = 1000;
-#endif
+  constexpr std::uint32_t side = geodesic::fixtures::all_or(1000, 200);
   const TemporaryFolder folder;
   Service service(folder.path());
   const std::string base =
