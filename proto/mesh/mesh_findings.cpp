@@ -157,7 +157,9 @@ std::vector<MeshFinding> examine(const Adjacency& adjacency) {
   add("faces_without_area", mesh.zero_area_face_count(), " face has no area", " faces have no area",
       "kept, paths may run along them", [&] { return without_area(mesh); });
   add("faces_duplicate", topology.faces_duplicate, " face repeats another", " faces repeat others",
-      "kept, this changes no distance", [&] { return duplicates(mesh); });
+      "kept: its area counts again, its edges are no boundary, distances between points are the "
+      "same",
+      [&] { return duplicates(mesh); });
   add("edges_non_manifold", topology.edges_non_manifold, " edge has more than two faces",
       " edges have more than two faces", "kept, distances pass to all of them",
       [&] { return non_manifold_edges(adjacency); });

@@ -162,7 +162,7 @@ ordered_json warnings_of(const DecodedMesh& decoded, const Mesh& mesh,
   warn(topology.vertices_pinched, " vertex joins faces that share no edge",
        " vertices join faces that share no edge", "distances pass through them");
   warn(topology.faces_duplicate, " face repeats another", " faces repeat others",
-       "this changes no distance");
+       "areas count again, and their edges are no boundary");
   warn(mesh.dropped_face_count(), " face has two corners in one place",
        " faces have two corners in one place", "left out, their edges joined");
   return warnings;

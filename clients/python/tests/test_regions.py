@@ -121,9 +121,27 @@ def test_all_ways_to_name_a_wall_are_the_same(plane: geodesicd.Mesh) -> None:
     assert (samples.vertices < len(positions)).all()
 
 
+def test_vertices_in_an_array_are_a_wall(plane: geodesicd.Mesh) -> None:
+    # From the lower edge upwards between two sources, with one corner.
+    said = walls_of(np.array([50, 8050, 8060], dtype=np.uint16))
+    assert said is not None
+    assert [one.text() for one in said] == ["v:50;v:8050;v:8060"]
+    wall = np.array([50, 8050])
+    around = plane.path(49, 51, method="exact", walls=wall)
+    assert around.length == pytest.approx(2 * math.hypot(1, 80))
+    two = plane.path(49, 51, method="exact", walls=[wall, "v:8050;v:9050"])
+    assert two.length == pytest.approx(2 * math.hypot(1, 90))
+
+
 def test_what_is_no_wall_is_refused(plane: geodesicd.Mesh) -> None:
-    for wrong in (7, np.zeros(3), [["v:1", "v:2"]]):
-        with pytest.raises(TypeError, match="no wall"):
+    for wrong, told in (
+        (7, "an int is no wall"),
+        ([1, 2], "an int is no wall.*array of vertices"),
+        (np.zeros(3), "an array of float64 with the shape .3,. is no wall"),
+        (np.zeros(3, dtype=bool), "an array of bool with the shape .3,. is no wall"),
+        ([["v:1", "v:2"]], "a list is no wall"),
+    ):
+        with pytest.raises(TypeError, match=told):
             plane.distance(0, walls=wrong)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="None is for no walls"):
         plane.distance(0, walls=[])
@@ -240,8 +258,13 @@ def test_labels_are_their_faces(server: geodesicd.LocalServer, plane: geodesicd.
 
 
 def test_what_is_no_region_is_refused_here(plane: geodesicd.Mesh) -> None:
-    for wrong in (7, 1.5, np.array([1.5]), np.zeros((2, 2), dtype=int)):
-        with pytest.raises(TypeError, match="no region"):
+    for wrong, told in (
+        (7, "an int is"),
+        (1.5, "a float is"),
+        (np.array([1.5]), "an array of float64 with the shape .1,. is"),
+        (np.zeros((2, 2), dtype=int), "an array of int64 with the shape .2, 2. is"),
+    ):
+        with pytest.raises(TypeError, match=f"{told} no region"):
             plane.distance(0, forbid=wrong)  # type: ignore[arg-type]
     nothing: list[Any] = [[], np.zeros(0, dtype=int), np.zeros(9, dtype=bool)]
     for empty in nothing:

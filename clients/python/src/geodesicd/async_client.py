@@ -62,7 +62,7 @@ def _query(
 
     @functools.wraps(flow)
     async def call(mesh: AsyncMesh, /, *arguments: P.args, **named: P.kwargs) -> T:
-        return await mesh.client.run(flow(mesh.id, *arguments, **named))
+        return await mesh.client.run(flow(mesh.sized_id, *arguments, **named))
 
     call.__signature__ = method_signature(flow)  # type: ignore[attr-defined]
     return call
@@ -133,7 +133,7 @@ class AsyncMesh(Metadata):
         """The distance field, as :meth:`geodesicd.Mesh.distance`: (vertices,), mesh units."""
         if labels:
             return await self.regions(sources, **options)
-        return await self.client.run(queries.distance(self.id, sources, **options))
+        return await self.client.run(queries.distance(self.sized_id, sources, **options))
 
     async def prepare(self, progress: Progress | None = None) -> Self:
         """Has the server build now what queries need, so that the first is quick."""

@@ -12,6 +12,7 @@ from .costs import Costs
 from .encoding import as_points, body_json
 from .errors import error_of_problem, refusal
 from .flows import Flow, Progress, Request, ask, part_of
+from .masks import check_masks
 from .options import asked_by
 from .points import PointLike
 from .queries import Refine
@@ -48,7 +49,7 @@ def _replies(
     mesh: str, queries: Iterable[Mapping[str, Any]], progress: Progress | None
 ) -> Flow[list[BatchReply]]:
     lines = [
-        json.dumps(_line(query), allow_nan=False, separators=(",", ":")).encode() + b"\n"
+        json.dumps(_line(mesh, query), allow_nan=False, separators=(",", ":")).encode() + b"\n"
         for query in queries
     ]
     replies: list[BatchReply] = []
@@ -108,8 +109,10 @@ def _remarks(replies: Iterable[BatchReply], name: str) -> Iterator[str]:
             yield f"{name}[{number}]: {sentence}"
 
 
-def _line(query: Mapping[str, Any]) -> dict[str, Any]:
-    return body_json(as_points(query))
+def _line(mesh: str, query: Mapping[str, Any]) -> dict[str, Any]:
+    asked = as_points(query)
+    check_masks(mesh, asked)
+    return body_json(asked)
 
 
 def _bodies(lines: list[bytes]) -> Iterator[bytes]:

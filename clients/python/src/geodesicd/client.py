@@ -73,7 +73,7 @@ def _query(flow: Callable[Concatenate[str, P], Flow[T]]) -> Callable[Concatenate
 
     @functools.wraps(flow)
     def call(mesh: Mesh, /, *arguments: P.args, **named: P.kwargs) -> T:
-        return mesh.client.run(flow(mesh.id, *arguments, **named))
+        return mesh.client.run(flow(mesh.sized_id, *arguments, **named))
 
     call.__signature__ = method_signature(flow)  # type: ignore[attr-defined]
     return call
@@ -172,7 +172,7 @@ class Mesh(Metadata):
         """
         if labels:
             return self.regions(sources, **options)
-        return self.client.run(queries.distance(self.id, sources, **options))
+        return self.client.run(queries.distance(self.sized_id, sources, **options))
 
     def prepare(self, progress: Progress | None = None) -> Self:
         """Has the server build now what queries need, so that the first is quick."""

@@ -45,7 +45,8 @@ class _Layout(argparse.HelpFormatter):
 
 
 class Parser(argparse.ArgumentParser):
-    """One whose help has one list, of what has to be given first."""
+    """One whose help has one list, of what has to be given first. An argument may have a second
+    line there, an action of its own that is its ``also``."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options, formatter_class=_Layout, add_help=False)
@@ -61,9 +62,9 @@ class Parser(argparse.ArgumentParser):
             if isinstance(action, argparse._SubParsersAction):
                 layout.add_arguments(action._choices_actions)
             else:
-                layout.add_argument(action)
+                layout.add_arguments([action, *getattr(action, "also", ())])
         layout.end_section()
-        return layout.format_help()
+        return layout.format_help().replace("\n\n", "\n", 1)  # none between usage and what it does
 
 
 def connection(parser: argparse.ArgumentParser) -> None:
@@ -72,17 +73,26 @@ def connection(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--token", help="else $GEODESICD_TOKEN")
 
 
-def mesh_and_sources(parser: argparse.ArgumentParser, several: bool = True) -> None:
-    """What most queries are about."""
-    parser.add_argument("mesh", metavar="MESH", help=f"a file, or {ON_SERVER}")
-    parser.add_argument(
+def sources(parser: argparse.ArgumentParser, *, lines: bool = True, **more: Any) -> None:
+    """What distances are from: points and, unless that is said otherwise, lines and faces."""
+    action: Any = parser.add_argument(
         "--from",
         dest="sources",
-        action="append" if several else "store",
-        required=True,
         metavar="POINT",
-        help="12, p:X,Y,Z, f:FACE,W0,W1 or ray:X,Y,Z,DX,DY,DZ" + (", …" if several else ""),
+        help="12, p:X,Y,Z, f:FACE,W0,W1 or ray:X,Y,Z,DX,DY,DZ",
+        **more,
     )
+    if lines:
+        told = "curve:POINT;POINT…, boundary, faces:0-9, label:_A=3, …"
+        action.also = [argparse.Action(["--from"], "sources", metavar="LINE", help=told)]
+
+
+def mesh_and_sources(
+    parser: argparse.ArgumentParser, several: bool = True, lines: bool = True
+) -> None:
+    """What most queries are about."""
+    parser.add_argument("mesh", metavar="MESH", help=f"a file, or {ON_SERVER}")
+    sources(parser, lines=lines, required=True, action="append" if several else "store")
 
 
 def exactness(parser: argparse.ArgumentParser, points_per_edge: bool = True) -> None:

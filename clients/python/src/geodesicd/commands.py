@@ -7,7 +7,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import signal
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Sequence
@@ -20,7 +19,7 @@ from rich.table import Table
 from rich.text import Text
 
 from . import __version__
-from .client import Client, Mesh
+from .client import Mesh
 from .command_line import (
     ON_SERVER,
     Parser,
@@ -48,7 +47,6 @@ from .command_line import (
 from .digits import number, numbers
 from .encoding import milliseconds
 from .errors import GeodesicError, GeodesicWarning, printable
-from .local_server import find_server, serve, shared_folder
 from .lookup import mesh_id, reading_text, short_ids
 from .service import Reading
 
@@ -71,11 +69,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of a pipe has gone, as head does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
-    except (GeodesicError, OSError, ValueError, TypeError, RuntimeError, ImportError) as error:
-        people.print(
-            f"geodesic: {error}", style="red", markup=False, highlight=False, soft_wrap=True
-        )
-        return 1
+    except GeodesicError as error:
+        return _failed(error.in_shell())
+    except (OSError, ValueError, TypeError, RuntimeError, ImportError) as error:
+        return _failed(str(error))
+
+
+def _failed(why: str) -> int:
+    """Says why; the exit status."""
+    people.print(f"geodesic: {why}", style="red", markup=False, highlight=False, soft_wrap=True)
+    return 1
 
 
 @contextmanager
@@ -109,7 +112,9 @@ def _parser() -> argparse.ArgumentParser:
 
     def command(name: str, usage: str, run: Callable[[argparse.Namespace], int], help: str) -> Any:
         full = f"geodesic {name} [options] {usage}".rstrip()
-        made = commands.add_parser(name, help=help, description=help, usage=full)
+        made = commands.add_parser(
+            name, prog=f"geodesic {name}", help=help, description=help, usage=full
+        )
         made.set_defaults(run=run)
         return made
 
@@ -245,7 +250,7 @@ def _parser() -> argparse.ArgumentParser:
     logmap = command(
         "logmap", "MESH --from POINT", logmap_command.run, "Lay the surface round a point flat."
     )
-    mesh_and_sources(logmap, several=False)
+    mesh_and_sources(logmap, several=False, lines=False)
     logmap_command.arguments(logmap)
     exactness(logmap)
     surface(logmap)
@@ -276,20 +281,16 @@ def _parser() -> argparse.ArgumentParser:
 
     bench.arguments(command("bench", "[URL]", bench.run, "Load a server and measure it."))
 
-    server = command(
-        "serve", "[FILE...] [-- FLAG...]", _serve, "Run a server on this machine until Ctrl-C."
+    from . import serve_command
+
+    serve_command.arguments(
+        command(
+            "serve",
+            "[FILE...] [-- FLAG...]",
+            serve_command.run,
+            "Run a server on this machine until Ctrl-C.",
+        )
     )
-    server.add_argument(
-        "file", nargs="*", type=Path, metavar="FILE", help="meshes to upload at the start"
-    )
-    server.add_argument("--server", metavar="FILE", help="its program; else as installed")
-    server.add_argument(
-        "--listen", default="127.0.0.1:8080", metavar="ADDRESS", help="HOST:PORT (%(default)s)"
-    )
-    server.add_argument(
-        "--store", type=Path, metavar="FOLDER", help="keep meshes there; else until it ends"
-    )
-    server.add_argument("--samples", action="store_true", help="begin with sample meshes")
     return parser
 
 
@@ -482,34 +483,6 @@ def _plot(options: argparse.Namespace) -> int:
 
     show(figure)
     return 0
-
-
-def _serve(options: argparse.Namespace) -> int:
-    program = find_server(options.server)
-    flags = list(options.flags)
-    for name in ("viewer", "docs", *(["samples"] if options.samples else [])):
-        folder = shared_folder(program, name)
-        if folder is None and name == "samples":
-            raise ValueError(f"no sample meshes came with {program}; name files of your own")
-        if folder is not None and not any(flag.split("=")[0] == f"--{name}" for flag in flags):
-            flags += [f"--{name}", str(folder)]
-    server = serve(program, store=options.store, listen=options.listen, flags=flags)
-
-    def interrupt(number: int, frame: Any) -> None:
-        raise KeyboardInterrupt
-
-    # Whoever stops this process wants the server to stop with it.
-    signal.signal(signal.SIGTERM, interrupt)
-    signal.signal(signal.SIGINT, interrupt)
-    try:
-        url = server.start()
-        with Client(url) as client:
-            for file in options.file:
-                print(f"{sent(client, file).id}  {file}", file=sys.stderr)
-        print(f"listening on {url}", flush=True)
-        return server.wait()
-    finally:
-        server.stop()
 
 
 if __name__ == "__main__":

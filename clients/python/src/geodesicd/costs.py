@@ -27,6 +27,10 @@ class _Weighted:
     weight: float
     region: Region
 
+    @property
+    def mask(self) -> int | None:
+        return self.region.mask
+
     def text(self) -> str | None:
         region = self.region.text()
         return None if region is None else f"{self.weight!r}*{region}"

@@ -13,6 +13,7 @@ from numpy.typing import DTypeLike
 
 from .costs import costing
 from .flows import Request
+from .masks import check_masks
 from .points import Point, point_of, points_of
 from .surface_regions import Region, regions_of, walls_of
 
@@ -21,7 +22,12 @@ _LONGEST_URL = 4000  # what proxies and logs bear; longer ones are asked in a bo
 
 def encode(mesh: str, query: str, parameters: Mapping[str, Any]) -> Request:
     """A query as GET, which caches can keep, or as POST if a URL cannot say it. Parameters that
-    are None, and empty lists, are left out."""
+    are None, and empty lists, are left out.
+
+    Raises:
+        ValueError: a mask of faces has not one element for each of them.
+    """
+    check_masks(mesh, parameters)
     given = {k: v for k, v in parameters.items() if v is not None and not _is_empty(v)}
     where = f"/v1/meshes/{mesh}/{query}"
     texts = [

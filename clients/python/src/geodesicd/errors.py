@@ -52,7 +52,7 @@ class GeodesicError(Exception):
         self.request_id = request_id
         self.retry_after = retry_after
         self.server: str | None = None
-        super().__init__(self._sentence())
+        super().__init__(self._sentence(self.hint))
 
     @property
     def hint(self) -> str | None:
@@ -60,9 +60,13 @@ class GeodesicError(Exception):
         return hints.of_error(self.status, self.code, self.detail, self.limit)
 
     def __str__(self) -> str:
-        return self._sentence()
+        return self._sentence(self.hint)
 
-    def _sentence(self) -> str:
+    def in_shell(self) -> str:
+        """The same for who asks from a shell: the hint names no Python."""
+        return self._sentence(None if self.hint is None else hints.in_shell(self.hint))
+
+    def _sentence(self, hint: str | None) -> str:
         text = f"{self.code}: {self.detail}".rstrip(".")
         notes = []
         if self.parameter is not None:
@@ -77,8 +81,8 @@ class GeodesicError(Exception):
             notes.append(f"server {self.server}")
         if notes:
             text += f" ({', '.join(notes)})"
-        if self.hint is not None:
-            text += f". {self.hint}{'' if self.hint.endswith('?') else '.'}"
+        if hint is not None:
+            text += f". {hint}{'' if hint.endswith('?') else '.'}"
         return printable(text)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -89,7 +93,7 @@ class GeodesicError(Exception):
     def _rebuilt(cls, fields: dict[str, Any]) -> GeodesicError:
         error = cls.__new__(cls)
         error.__dict__.update(fields)
-        error.args = (error._sentence(),)
+        error.args = (error._sentence(error.hint),)
         return error
 
 

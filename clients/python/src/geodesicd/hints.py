@@ -50,6 +50,39 @@ _OF_STATUS = {
 }
 
 
+# What a hint says in Python, and what is said instead to who asks from a shell.
+_IN_SHELL = {
+    "client.meshes() and 'geodesic list' tell": "'geodesic list' tells",
+    "Client(token=), --token": "--token",
+    "client.methods() lists them": "/v1/methods of the server says what each is for",
+    "give a larger max_snap": "name a place that is nearer",
+    "such as (x, y, z),": "such as p:X,Y,Z,",
+    "mesh.bbox says": "The bbox in 'geodesic list --json' says",
+    "mesh.path needs none": "'geodesic path' needs none",
+    "a longer deadline=": "a longer --deadline",
+    "Ask later, or give Client more patience: retries=Retries(attempts=)": "Ask later",
+    "or later: retries=Retries(attempts=)": "or later",
+    ". Give the query a progress=, which makes it a job": "",
+    "Give Client(url) or $GEODESICD_URL": "Give --url or $GEODESICD_URL",
+    "ask without progress=, or start": "ask for less, or start",
+    "client.status()['limits'] says": "/v1/status of the server says",
+    "(max=, dtype=numpy.float32, quantised=True)": "(a nearer --max)",
+    "give method='auto', a tolerance or a nearer max": "give --method auto, --tolerance or a "
+    "nearer --max",
+    "give Client a longer timeout=, or the query a progress=, which makes it a job": "ask later, "
+    "or for less",
+    ", or give Client(verify=ssl.create_default_context(cafile=))": "",
+    "Client(url), --url": "--url",
+}
+
+
+def in_shell(hint: str) -> str:
+    """A hint as it is told to who asks from a shell."""
+    for python, shell in _IN_SHELL.items():
+        hint = hint.replace(python, shell)
+    return hint
+
+
 def of_error(status: int, code: str, detail: str, limit: int | None) -> str | None:
     """What to do about a reply that is an error, whose code is ``http_…`` if it is no problem
     document."""

@@ -3,11 +3,9 @@ off; and tables of which only what is near is kept."""
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
-import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -15,15 +13,13 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from . import pieces, wire
-from .encoding import as_bound, body_json, encode, format_of, milliseconds
+from .encoding import as_bound, encode, format_of, milliseconds
 from .errors import ConnectionFailed, GeodesicError, Overloaded
 from .flows import Flow, Progress, Retries, Sleep, Stream, ask, part_of
+from .growing_file import GrowingFile
 from .options import CostOptions, asked_by, spelled_out
 from .points import Point, PointsLike, points_of
 from .results import FloatArray, SparseTable
-
-_MOST = "max_streamed_entries"
-_SAVE_EVERY = 2.0  # seconds between notes of how far a file has come
 
 
 @spelled_out
@@ -44,10 +40,11 @@ def table_file(
     each of the same), written to a .npy file row by row as they are computed: a table that need
     not fit into memory. When the connection breaks, it goes on with the row that is missing. When
     this fails or is interrupted, the same call goes on with what the file has; how far that is
-    stands beside it, in ``<file>.part``, until it is whole.
+    stands beside it, in ``<file>.part``, until it is whole. Rows that are not there yet are NaN.
 
     Args:
-        file: where to; another file there is replaced, unless it is a part of this table.
+        file: where to; another file there is replaced once the first row has come, unless it is a
+            part of this table. A request that is refused leaves it as it is.
         sources: points, and curves, boundaries and faces, one a row. targets: the same, one a
             column; the distance of a line is the least of all of it.
         resume: whether to go on with a part that is there.
@@ -55,7 +52,8 @@ def table_file(
         landmarks: from how many of the columns, from 8 to 300, whole fields are computed. What is
             far is estimated from these: many times as quick, and up to some percent off.
         estimated: called with what the server has found of that: ``mean``, ``percentile_99`` and
-            ``max`` are errors of ``entries`` distances, as parts of these.
+            ``max`` are errors of ``entries`` distances, as parts of these; others may be further
+            off.
         dtype: float64 or float32, which is half to send and to keep.
         deadline: seconds for the whole.
         progress: called with the part of the rows that is written, from 0 to 1.
@@ -73,7 +71,7 @@ def table_file(
         "stream": True,
     }
     end = pieces.end_of(deadline)  # each request has a deadline of its own, what is left then
-    part = _Part(Path(file), mesh, {"from": rows, "to": columns, **parameters}, dtype, resume)
+    part = GrowingFile(Path(file), mesh, {"from": rows, "to": columns, **parameters}, dtype, resume)
     if progress is not None:
         progress(part.rows / len(rows))
     try:
@@ -83,70 +81,9 @@ def table_file(
     return part.finished()
 
 
-class _Part:
-    """A file, and how many of its rows are there."""
-
-    def __init__(
-        self, file: Path, mesh: str, asked: dict[str, Any], dtype: DTypeLike, resume: bool
-    ) -> None:
-        text = json.dumps([mesh, body_json(asked)], sort_keys=True, allow_nan=False)
-        self._question = hashlib.sha256(text.encode()).hexdigest()
-        self._beside = file.with_name(file.name + ".part")
-        shape = (len(asked["from"]), len(asked["to"]))
-        self.rows = self._found(file, shape, np.dtype(dtype)) if resume else 0
-        mode = "r+" if self.rows > 0 else "w+"
-        self._array = np.lib.format.open_memmap(file, mode, np.dtype(dtype), shape)
-        self._flat = self._array.reshape(-1).view(np.uint8)
-        self._row_bytes = len(self._flat) // shape[0]
-        self._bytes = self.rows * self._row_bytes
-        self._noted = time.monotonic()
-        self.note()
-
-    def _found(self, file: Path, shape: tuple[int, int], dtype: np.dtype[Any]) -> int:
-        """How many rows of this table the file has."""
-        try:
-            note = json.loads(self._beside.read_text(encoding="utf-8"))
-            array = np.lib.format.open_memmap(file, "r")
-            same = note["question"] == self._question
-            if same and array.shape == shape and array.dtype == dtype:
-                return min(int(note["rows"]), shape[0])
-        except (OSError, ValueError, LookupError, TypeError):
-            pass
-        return 0
-
-    def begin_again(self) -> None:
-        """Drops what has come of a row that is not whole."""
-        self._bytes = self.rows * self._row_bytes
-
-    def write(self, data: bytes) -> None:
-        """What comes next."""
-        end = self._bytes + len(data)
-        if end > len(self._flat):
-            raise ValueError("the server sends more than the table has")
-        self._flat[self._bytes : end] = np.frombuffer(data, np.uint8)
-        self._bytes = end
-        self.rows = end // self._row_bytes
-        if time.monotonic() - self._noted > _SAVE_EVERY:
-            self.note()
-
-    def note(self) -> None:
-        """Says beside the file how far it has come."""
-        self._array.flush()
-        text = json.dumps({"question": self._question, "rows": self.rows})
-        fresh = self._beside.with_name(self._beside.name + ".new")
-        fresh.write_text(text, encoding="utf-8")
-        fresh.replace(self._beside)
-        self._noted = time.monotonic()
-
-    def finished(self) -> FloatArray:
-        """The whole, with no note any more."""
-        self._beside.unlink()
-        return self._array
-
-
 def _receive(
     mesh: str,
-    part: _Part,
+    part: GrowingFile,
     rows: list[Point],
     columns: list[Point],
     parameters: dict[str, Any],
@@ -167,10 +104,10 @@ def _receive(
         if estimated is not None and "Geo-Estimated" in headers:
             estimated(json.loads(headers["Geo-Estimated"]))
 
-    limits = pieces.LIMITS
-    if len(rows) > limits["max_points"] or len(rows) * len(columns) > limits[_MOST]:
-        limits = yield from pieces.told_limits()
-    for run in _runs(rows, columns, limits["max_points"], limits[_MOST]):
+    runs = _runs(rows, columns, pieces.LIMITS)
+    if len(runs) > 1:
+        runs = _runs(rows, columns, (yield from pieces.told_limits()))
+    for run in runs:
         while part.rows < run.stop:
             before = part.rows
             asked = {"from": rows[run], "to": columns, "rows": f"{before - run.start}-"}
@@ -198,11 +135,15 @@ def _receive(
             yield Sleep(pause)
 
 
-def _runs(rows: list[Point], columns: list[Point], most: int, entries: int) -> Iterator[slice]:
-    """Rows of each request."""
-    step = min(most, max(1, entries // len(columns)))
-    for begin in range(0, len(rows), step):
-        yield slice(begin, min(begin + step, len(rows)))
+def _runs(rows: list[Point], columns: list[Point], limits: Mapping[str, int]) -> list[slice]:
+    """Rows of each request, which has all columns."""
+    of_columns = pieces.total(columns)
+    count = min(limits["max_points"], max(1, limits["max_streamed_entries"] // len(columns)))
+    if of_columns.lines > 0:
+        count = min(count, max(1, limits["max_line_entries"] // of_columns.lines))
+    room = pieces.body_limit(limits) - of_columns.bytes
+    most = pieces.Size(count, room, count, limits["max_curve_points"])
+    return list(pieces.cuts(pieces.sizes_of(rows), most))
 
 
 @spelled_out
@@ -244,7 +185,8 @@ def sparse_table(
         try:
             found.append((yield from ask(encode(mesh, "table", asked), wire.sparse_of_frame, own)))
         except GeodesicError as error:
-            if error.code == "too_large" and error.parameter in ("max", "to") and len(some) > 1:
+            too_large = error.code == "too_large" and error.parameter in ("max", "to", "from")
+            if too_large and len(some) > 1:
                 step = -(-len(some) // 2)
                 continue
             error.parameter = pieces.in_whole(error.parameter, {"from": begin})

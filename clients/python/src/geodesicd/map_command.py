@@ -9,13 +9,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .command_line import Parser, bar, exactness, exactness_of, people, point, points
+from .command_line import Parser, bar, exactness, exactness_of, people, point, points, sources
 from .errors import printable
+from .hints import in_shell
 
 if TYPE_CHECKING:
     from .bulk import Report
 
-_POINT = "12, p:X,Y,Z, f:FACE,W0,W1 or ray:X,Y,Z,DX,DY,DZ"
 _MOST_SHOWN = 10
 
 
@@ -26,26 +26,28 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     def question(name: str, usage: str, help: str, several: bool = True) -> Any:
         files = "FILE..." if several else "FILE"
         full = f"geodesic map {name} [options] {usage} -o FOLDER {files}"
-        made = questions.add_parser(name, help=help, description=help, usage=full)
+        made = questions.add_parser(
+            name, prog=f"geodesic map {name}", help=help, description=help, usage=full
+        )
         made.set_defaults(asking=_ASKING[name])
         text = ".glb, .gltf, .drc, .obj, .ply or .stl"
         made.add_argument("file", nargs="+" if several else 1, metavar="FILE", help=text)
         return made
 
     distance = question("distance", "--from POINT", "Distance fields, or distances of points.")
-    distance.add_argument("--from", **_FROM)
+    sources(distance, **_SEVERAL)
     distance.add_argument("--at", action="append", metavar="POINT", help="only there")
     distance.add_argument("--max", type=float, metavar="N", help="farther is unreached")
     _common(distance)
 
     path = question("path", "--from POINT --to POINT", "Shortest paths between two points.")
-    path.add_argument("--from", dest="sources", required=True, metavar="POINT", help=_POINT)
+    sources(path, required=True)
     path.add_argument("--to", required=True, metavar="POINT", help="where it ends")
     path.add_argument("--via", action="append", default=[], metavar="POINT", help="on the way")
     _common(path)
 
     table = question("table", "--from POINT", "Distances among points.")
-    table.add_argument("--from", **_FROM)
+    sources(table, **_SEVERAL)
     table.add_argument("--to", action="append", metavar="POINT", help="a column; else the rows")
     table.add_argument("--max", type=float, metavar="N", help="farther is unreached")
     _common(table)
@@ -55,7 +57,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     _common(samples)
 
     matrix = question("matrix", "--from POINT", "Of one mesh, a matrix of many rows.", False)
-    matrix.add_argument("--from", **{**_FROM, "required": False, "default": []})
+    sources(matrix, action="append", default=[])
     matrix.add_argument("--from-file", type=Path, metavar="FILE", help="of points, one a line")
     matrix.add_argument(
         "--to", action="append", metavar="POINT", help='a column; "vertices": all; else the rows'
@@ -64,10 +66,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     _common(matrix)
 
 
-_FROM: dict[str, Any] = {
-    "dest": "sources", "action": "append", "required": True, "metavar": "POINT",
-    "help": f"{_POINT}, …",
-}  # fmt: skip
+_SEVERAL: dict[str, Any] = {"action": "append", "required": True}
 
 
 def _common(parser: argparse.ArgumentParser) -> None:
@@ -112,7 +111,7 @@ def run(options: argparse.Namespace) -> int:
 def _told(report: Report, out: Path) -> int:
     """Says what became of it; the exit status."""
     _list(report.remarks.items(), "yellow")
-    _list(((name, [why]) for name, why in report.failures.items()), "red")
+    _list(((name, [in_shell(why)]) for name, why in report.failures.items()), "red")
     failed = f", {len(report.failures):,} failed" if report.failures else ""
     counts = f"{report.computed:,} computed, {report.there:,} there already{failed}"
     people.print(f"{out}: {counts}", markup=False, soft_wrap=True)

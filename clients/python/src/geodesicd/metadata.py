@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from .lookup import reading_text, short_ids
+from .masks import SizedId
 from .results import Float64
 
 _IN_REPLY = {"reading": "import"}  # which is a keyword of Python
@@ -150,6 +151,11 @@ class Metadata:
             Finding(**{name: one[name] for name in Finding.__annotations__})
             for one in reply["report"]
         )
+
+    @property
+    def sized_id(self) -> SizedId:
+        """The id, as queries take it."""
+        return SizedId.of(self.id, self.vertices, self.faces)
 
     def __repr__(self) -> str:
         called = [] if self.name is None else [repr(self.name)]

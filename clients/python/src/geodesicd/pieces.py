@@ -7,7 +7,7 @@ import json
 import re
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from . import service
 from .errors import DeadlineExceeded, GeodesicError
@@ -20,8 +20,10 @@ T = TypeVar("T")
 LIMITS = {
     "max_sources": 1000,
     "max_points": 100_000,
+    "max_curve_points": 1000,
     "max_table_entries": 1_000_000,
     "max_streamed_entries": 1_000_000_000,
+    "max_line_entries": 10_000_000,
     "max_json_bytes": 8 << 20,
 }
 
@@ -40,19 +42,61 @@ def body_limit(limits: Mapping[str, int]) -> int:
     return limits["max_json_bytes"] * 3 // 4
 
 
-def sizes_of(points: Sequence[Point]) -> list[int]:
-    """Bytes that each takes in a request's body."""
-    return [len(json.dumps(point.json())) + 1 for point in points]
+class Size(NamedTuple):
+    """What points, lines and faces take of what a request may have."""
+
+    number: int  # of them
+    bytes: int  # in its body
+    lines: int = 0  # how many are no points
+    curve_points: int = 0  # of the curves among them
+
+    def plus(self, other: Size) -> Size:
+        """Both together."""
+        return Size(*map(int.__add__, self, other))
+
+    def fits(self, most: Size) -> bool:
+        """Whether it is no more of anything."""
+        return all(map(int.__le__, self, most))
 
 
-def cuts(sizes: list[int], most: int, room: int) -> Iterator[slice]:
-    """Consecutive slices of at most so many points and bytes, though at least of one point."""
-    begin = taken = 0
+def sizes_of(points: Sequence[Point]) -> list[Size]:
+    """The size of each."""
+    return [_size_of(point.json()) for point in points]
+
+
+def total(points: Sequence[Point]) -> Size:
+    """The size of all."""
+    return Size(*map(sum, zip(*sizes_of(points), strict=True))) if points else Size(0, 0)
+
+
+def _size_of(asked: Any) -> Size:
+    """Of what stands in a body, a text of the URL grammar or an object."""
+    written = len(json.dumps(asked)) + 1
+    if isinstance(asked, str):
+        kind, _, corners = asked.partition(":")
+        if kind in ("v", "f", "p", "ray"):
+            return Size(1, written)
+        of_curve = corners.removeprefix("closed;").count(";") + 1 if kind == "curve" else 0
+        return Size(1, written, 1, of_curve)
+    if not _POINTS.isdisjoint(asked):
+        return Size(1, written)
+    curve = asked.get("curve")
+    return Size(1, written, 1, len(curve.get("points", ())) if isinstance(curve, Mapping) else 0)
+
+
+_POINTS = {"vertex", "face", "xyz", "ray"}  # the names by which objects are points
+NO_LIMIT = 1 << 62
+
+
+def cuts(sizes: Sequence[Size], most: Size) -> Iterator[slice]:
+    """Consecutive slices of at most that size together, though at least of one."""
+    begin, taken = 0, Size(0, 0)
     for number, size in enumerate(sizes):
-        if number > begin and (number - begin == most or taken + size > room):
+        both = taken.plus(size)
+        if number > begin and not both.fits(most):
             yield slice(begin, number)
-            begin, taken = number, 0
-        taken += size
+            begin, both = number, size
+        taken = both
     yield slice(begin, len(sizes))
 
 
@@ -94,10 +138,10 @@ def in_pieces(
     """The answers to a question about many points: one, where the server takes them all at once.
     ``ask_for`` asks about some of them, in so many seconds; ``name`` is what the contract calls
     them."""
-    limits, sizes = LIMITS, sizes_of(points)
-    if len(points) > limits["max_points"] or sum(sizes) > body_limit(limits):
-        limits = yield from told_limits()
-    runs = list(cuts(sizes, limits["max_points"], body_limit(limits)))
+    sizes = sizes_of(points)
+    runs = list(cuts(sizes, _most_points(LIMITS)))
+    if len(runs) > 1:
+        runs = list(cuts(sizes, _most_points((yield from told_limits()))))
     if len(runs) == 1:
         return [(yield from ask_for(points, deadline, progress))]
     end = end_of(deadline)
@@ -110,3 +154,7 @@ def in_pieces(
             error.parameter = in_whole(error.parameter, {name: run.start})
             raise
     return found
+
+
+def _most_points(limits: Mapping[str, int]) -> Size:
+    return Size(limits["max_points"], body_limit(limits), NO_LIMIT, NO_LIMIT)

@@ -214,9 +214,17 @@ def _as_array(value: object) -> NDArray[Any] | None:
     return None
 
 
+def kind_of(value: object) -> str:
+    """What it is, for a person: ``an int``, ``an array of bool``."""
+    if isinstance(value, np.ndarray):
+        return f"an array of {value.dtype} with the shape {value.shape}"
+    name = type(value).__name__
+    return f"{'an' if name[0] in 'aeioAEIO' else 'a'} {name}"
+
+
 def _wrong(value: object) -> TypeError:
     """Why this is no point, and what would be."""
-    told = f"a {type(value).__name__}"
+    told = kind_of(value)
     if _is_number(value):
         why = f"{value!r} is no vertex, which is an integer: int({value!r}), if that is meant"
         return TypeError(why)
@@ -226,7 +234,6 @@ def _wrong(value: object) -> TypeError:
         why = "here is one point only; a place is a tuple (x, y, z)"
         told = repr(value) if len(value) < 9 else told
     elif isinstance(value, np.ndarray):
-        told = f"an array of {value.dtype} with the shape {value.shape}"
         if value.dtype == np.bool_:
             why = "np.flatnonzero(mask) makes vertices of a mask"
         elif value.shape == (3,) and np.issubdtype(value.dtype, np.integer):
@@ -250,7 +257,7 @@ def point_of(value: PointLike) -> Point:
         ValueError: three numbers that are not finite.
     """
     if isinstance(value, str):
-        return _Text(value)
+        return _Text(with_vertices("curve:", value) if value.startswith("curve:") else value)
     if isinstance(value, Mapping):
         return _Json(value)
     if _is_integer(value):
@@ -274,6 +281,13 @@ def point_of(value: PointLike) -> Point:
     if isinstance(value, Point):
         return value
     raise _wrong(value)
+
+
+def with_vertices(kind: str, text: str) -> str:
+    """The text of a line, in which a number alone is a vertex: ``curve:0;9`` is
+    ``curve:v:0;v:9``."""
+    corners = text.removeprefix(kind).split(";")
+    return kind + ";".join(f"v:{one}" if one.isdecimal() else one for one in corners)
 
 
 def points_of(value: PointsLike) -> list[Point]:

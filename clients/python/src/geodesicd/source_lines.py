@@ -2,6 +2,7 @@
 
 They stand wherever sources do (``mesh.distance(Curve([1, 7, 9]))``), alone or in a list with
 points, and are rows of tables and sites of cells.
+A curve may be a text, too, as in a URL, where vertices may be numbers alone: ``"curve:1;7;9"``.
 The methods ``exact`` and ``chen_han`` measure from the lines themselves, not from points on them.
 """
 
@@ -72,6 +73,11 @@ class Faces:
 
     def __post_init__(self) -> None:
         region_of(self.region)
+
+    @property
+    def mask(self) -> int | None:
+        """How many elements the mask has that it was made of."""
+        return region_of(self.region).mask
 
     def text(self) -> str | None:
         """As regions: ``faces:7,10-99``."""

@@ -4,18 +4,19 @@ to (``within``), what it is to leave out (``forbid``) and which lines no path cr
 One region is a text of the URL grammar (``"faces:0-99"``, ``"part:2"``, ``"material:glass"``,
 ``"sphere:X,Y,Z,R"``, ``"box:X,Y,Z,X,Y,Z"``), a mapping as the contract's JSON has it (``{"sphere":
 {"center": (0, 0, 0), "radius": 2}}``), an integer array of source faces, or a boolean one with an
-element for each source face. ``{"part": name}`` and ``{"material": name}`` are all parts and
-materials of that name, a number instead of a name is a place in the metadata, and
-``{"material": None}`` are the faces without a material. ``{"label": {"attribute": "_SEG", "value":
-3}}`` are the faces whose corners all have that number in an attribute of the file. A list of those
-is their union. Of spheres
-and boxes a region has the faces whose centroids lie in them. ``{"inside": points}``, or
-``"inside:v:1;v:2;v:3"``, is what a line through points and back to the first goes round; points are
+element for each source face; one of another length is refused. ``{"part": name}`` and
+``{"material": name}`` are all parts and materials of that name, a number instead of a name is a
+place in the metadata, and ``{"material": None}`` are the faces without a material. ``{"label":
+{"attribute": "_SEG", "value": 3}}`` are the faces whose corners all have that number in an
+attribute of the file. A list of those is their union. Of spheres and boxes a region has the faces
+whose centroids lie in them. ``{"inside": points}``, or
+``"inside:1;2;3"``, is what a line through points and back to the first goes round; points are
 as :mod:`geodesicd.points` says.
 
-One wall is a text (``"v:1;v:2"``), a mapping ``{"points": points}``, or a float array of shape
-(n, 3), places in order. It goes from point to point by shortest paths, and is closed if it ends
-with the point that it begins with. A list of those is several walls.
+One wall is a text (``"1;2"``, as in a URL ``"v:1;v:2"``), a mapping ``{"points": points}``, an
+integer array of shape (n,) (vertices in order) or a float array of shape (n, 3) (places in order).
+It goes from point to point by shortest paths, and is closed if it ends with the point that it
+begins with. A list of those is several walls.
 """
 
 from __future__ import annotations
@@ -28,7 +29,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from .points import points_of, triple
+from .masks import is_mask
+from .points import kind_of, points_of, triple, with_vertices
 
 RegionLike: TypeAlias = "str | Mapping[str, Any] | NDArray[Any]"
 RegionsLike: TypeAlias = "RegionLike | Sequence[RegionLike]"
@@ -43,6 +45,7 @@ class Region:
 
     written: str | None
     value: Any
+    mask: int | None = None  # how many elements the mask has that it was made of
 
     def text(self) -> str | None:
         """As in a URL."""
@@ -63,15 +66,16 @@ def region_of(value: RegionLike) -> Region:
     if isinstance(value, Region):
         return value
     if isinstance(value, str):
-        return Region(value, None)
+        is_line = value.startswith("inside:")
+        return Region(with_vertices("inside:", value) if is_line else value, None)
     if isinstance(value, Mapping):
         return _shape(value)
-    if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype == np.bool_:
-        return _faces(np.flatnonzero(value))
+    if isinstance(value, np.ndarray) and is_mask(value):
+        return _faces(np.flatnonzero(value), mask=len(value))
     if isinstance(value, np.ndarray) and value.ndim == 1 and np.issubdtype(value.dtype, np.integer):
         return _faces(value)
     raise TypeError(
-        f"a {type(value).__name__} is no region: give a text such as 'faces:0-99', a mapping such "
+        f"{kind_of(value)} is no region: give a text such as 'faces:0-99', a mapping such "
         "as {'part': 2}, or an array of faces"
     )
 
@@ -106,16 +110,18 @@ def _wall(value: WallLike) -> Region:
     if isinstance(value, Region):
         return value
     if isinstance(value, str):
-        return Region(value, None)
+        return Region(with_vertices("", value), None)
     if isinstance(value, Mapping):
         if set(value) == {"points"}:
             return _line("", "points", value["points"])
         return Region(None, dict(value))
+    if isinstance(value, np.ndarray) and value.ndim == 1 and np.issubdtype(value.dtype, np.integer):
+        return _line("", "points", value)
     if isinstance(value, np.ndarray) and value.ndim == 2 and value.shape[1] == 3:
         return _line("", "points", value.astype(np.float64))
     raise TypeError(
-        f"a {type(value).__name__} is no wall: give a text such as 'v:1;v:2', a mapping "
-        "{'points': points}, or an array of places of shape (n, 3)"
+        f"{kind_of(value)} is no wall: give a text such as 'v:1;v:2', a mapping {{'points': "
+        "points}, an array of vertices, or one of places of shape (n, 3)"
     )
 
 
@@ -128,7 +134,7 @@ def _line(kind: str, name: str, value: Any) -> Region:
     return Region(None, {name: [point.json() for point in points]})
 
 
-def _faces(faces: NDArray[Any]) -> Region:
+def _faces(faces: NDArray[Any], mask: int | None = None) -> Region:
     """Ascending, each once, what lies side by side as one range."""
     faces = np.unique(faces)
     if not len(faces):
@@ -139,7 +145,7 @@ def _faces(faces: NDArray[Any]) -> Region:
     firsts = faces[np.concatenate([[0], breaks + 1])].tolist()
     lasts = faces[np.concatenate([breaks, [len(faces) - 1]])].tolist()
     texts = (f"{a}" if a == b else f"{a}-{b}" for a, b in zip(firsts, lasts, strict=True))
-    return Region("faces:" + ",".join(texts), None)
+    return Region("faces:" + ",".join(texts), None, mask)
 
 
 def _shape(value: Mapping[str, Any]) -> Region:

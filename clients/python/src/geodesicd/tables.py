@@ -77,16 +77,25 @@ def table(
 
 
 def _fits(rows: list[Point], columns: list[Point], limits: Mapping[str, int]) -> bool:
-    if (
-        len(rows) > limits["max_sources"]
-        or len(columns) > limits["max_points"]
-        or len(rows) * len(columns) > limits["max_table_entries"]
-    ):
-        return False
-    few = len(rows) + len(columns) < 2000  # far below the limit, whatever they are
-    return few or sum(pieces.sizes_of(rows)) + sum(pieces.sizes_of(columns)) <= pieces.body_limit(
-        limits
+    of_rows, of_columns = pieces.total(rows), pieces.total(columns)
+    return (
+        of_rows.fits(_most_rows(limits, pieces.NO_LIMIT))
+        and of_columns.fits(_most_columns(limits, pieces.NO_LIMIT))
+        and of_rows.number * of_columns.number <= limits["max_table_entries"]
+        and of_rows.bytes + of_columns.bytes <= pieces.body_limit(limits)
     )
+
+
+def _most_rows(limits: Mapping[str, int], room: int) -> pieces.Size:
+    """Of one request."""
+    most = limits["max_sources"]
+    return pieces.Size(most, room, most, limits["max_curve_points"])
+
+
+def _most_columns(limits: Mapping[str, int], room: int) -> pieces.Size:
+    """Of one request. A column that is a line takes a field, as a row does."""
+    most = min(limits["max_points"], limits["max_table_entries"])
+    return pieces.Size(most, room, limits["max_sources"], limits["max_curve_points"])
 
 
 def _blocks(
@@ -95,13 +104,10 @@ def _blocks(
     """Rows and columns of each request. Blocks are as wide as can be, and those of the same rows
     follow each other: each row costs a field, which the server may still have then."""
     room = pieces.body_limit(limits) // 2
-    widths = list(
-        pieces.cuts(
-            pieces.sizes_of(columns), min(limits["max_points"], limits["max_table_entries"]), room
-        )
-    )
+    widths = list(pieces.cuts(pieces.sizes_of(columns), _most_columns(limits, room)))
     widest = max(width.stop - width.start for width in widths)
-    most = min(limits["max_sources"], max(1, limits["max_table_entries"] // widest))
-    for row in pieces.cuts(pieces.sizes_of(rows), most, room):
+    most = _most_rows(limits, room)
+    most = most._replace(number=min(most.number, max(1, limits["max_table_entries"] // widest)))
+    for row in pieces.cuts(pieces.sizes_of(rows), most):
         for column in widths:
             yield row, column
