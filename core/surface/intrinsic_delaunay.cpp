@@ -52,7 +52,7 @@ struct Building {
     return {faces.all(), {}, {}, is_oriented, false, has_flat_faces, is_crowded};
   }
   [[nodiscard]] bool is_wanted(Halfedge h) const;
-  [[nodiscard]] bool is_between_lines(Halfedge h) const;
+  [[nodiscard]] bool is_between_flats(Halfedge h) const;
   void leave_for_later(Halfedge h) {
     later[face_of(h) / kBits] |= std::uint64_t{1} << (face_of(h) % kBits);
   }
@@ -142,19 +142,20 @@ bool Building::is_wanted(Halfedge h) const {
   const Triangulation faces = view();
   if (faces.ring(h) == h) return false;
   return IntrinsicDelaunay::excess(faces, h) < -IntrinsicDelaunay::excess_rounding(faces, h) ||
-         (has_flat_faces && is_between_lines(h));
+         (has_flat_faces && is_between_flats(h));
 }
 
 // Two faces without width that lie on each other by their longest sides, as where both faces of an
 // edge have been cut there, each at a vertex of its own. The edge between these two is shorter; and
 // beyond their other sides there are faces with a width, or others without one, which flips come to
 // in the end.
-bool Building::is_between_lines(Halfedge h) const {
-  const auto is_longest_of_line = [this](Halfedge side) {
+bool Building::is_between_flats(Halfedge h) const {
+  const auto is_longest_of_flat = [this](Halfedge side) {
     const FaceRecord& face = faces[face_of(side)];
-    return is_line(face) && face.longest_side() == corner_of(side);
+    return face.area2 <= tolerance::kZeroArea * face.longest2() &&
+           face.longest_side() == corner_of(side);
   };
-  return is_longest_of_line(h) && is_longest_of_line(view().ring(h));
+  return is_longest_of_flat(h) && is_longest_of_flat(view().ring(h));
 }
 
 void Building::flip_edges(std::span<const Vec3> positions, Poll& poll) {
@@ -294,15 +295,16 @@ bool Building::flip(Halfedge h, SideLengths& lengths) {
   left.area2 = flipped.area_a;
   right.dot = flipped.dot_b;
   right.area2 = flipped.area_b;
-  const bool are_lines = is_between_lines(h);
+  const bool are_flat = is_between_flats(h);
   // Written so that what is not a number fails.
   const bool is_better = flipped.is_convex &&
                          left.area2 > tolerance::kFlippedHeight * left.longest2() &&
                          right.area2 > tolerance::kFlippedHeight * right.longest2();
-  if (!(is_better || are_lines) || loses_a_length(left) || loses_a_length(right)) return false;
-  // Of lines, no more than their heights.
+  if (!(is_better || are_flat) || loses_a_length(left) || loses_a_length(right)) return false;
+  // No more than their heights.
   const double own_error =
-      are_lines ? std::max(one.area2, other.area2) / quad.ab2.high : flipped.error;
+      are_flat ? std::min(std::max(one.area2, other.area2) / quad.ab2.high, flipped.error)
+               : flipped.error;
   const double error = double{std::max(one.error, other.error)} + own_error;
   if (!(error <= tolerance::kFlips)) return false;
 

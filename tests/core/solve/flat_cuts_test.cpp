@@ -206,7 +206,7 @@ TEST_CASE("OnPlatesOfSplitFacesDistancesByAutoAreStraightLines") {
     }
   }
   MESSAGE("at most " << greatest << " too far");
-  CHECK(greatest < 0.02);
+  CHECK(greatest < 0.01);
 }
 
 TEST_CASE("OnPlanesPathsByAutoGoStraightThroughFacesWithoutWidth") {
