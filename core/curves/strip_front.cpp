@@ -4,11 +4,12 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <unordered_map>
+#include <optional>
 #include <utility>
 
 #include "core/base/polled_fill.h"
 #include "core/base/tolerances.h"
+#include "core/curves/strips_on_edges.h"
 
 namespace geodesic {
 namespace {
@@ -54,6 +55,7 @@ class StripFront {
     polled_assign(bound_, vertices, kUnreached, poll);
     polled_assign(met_, vertices, kUnreached, poll);
     polled_assign(met_from_, vertices, kNone, poll);
+    if (adjacency.report().edges_non_manifold > 0) on_edges_.emplace(adjacency, poll);
   }
 
   void start(std::span<const Source> sources) {
@@ -83,7 +85,6 @@ class StripFront {
   // False when there were too many.
   bool run() {
     const std::uint64_t vertices = bound_.size();
-    std::uint64_t passed = 0;
     std::uint64_t settled = 0;  // a vertex may wait several times
     while (!queue_.empty() && !poll_.cancelled(std::min(settled, vertices), vertices)) {
       std::pop_heap(queue_.begin(), queue_.end());
@@ -94,7 +95,7 @@ class StripFront {
         ++settled;
         continue;
       }
-      if (passed++ == limits_.most) return false;
+      if (passed_ >= limits_.most) return false;
       pass(next.number);
     }
     return true;
@@ -168,8 +169,7 @@ class StripFront {
     const std::uint32_t n = next_corner(corner_of(h));
     const auto [begin, end] = std::minmax({segment.from[n] * over.base, segment.to[n] * over.base});
     const Leaving leaving{h, adjacency_.tail(h), over.base, begin, end, 0, 0, 1};
-    enter(h, leaving, kNone, s, 0);
-    enter_across(leaving, kNone, s, 0);
+    come(h, leaving, kNone, s, 0);
   }
 
   // From a segment inside a face to its three sides, both ways.
@@ -218,38 +218,44 @@ class StripFront {
         // The face lies on the left of its sides: outwards is to the right.
         const double out = sign * (a.along - b.along) / side;
         const double value = sign * (a.aside + first * (b.aside - a.aside));
-        enter_across({halfedge(f, c), adjacency_.face(f).vertex[c], side, first * side, last * side,
-                      std::max(value, 0.0), along, out},
-                     kNone, s, 0);
+        leave({halfedge(f, c), adjacency_.face(f).vertex[c], side, first * side, last * side,
+               std::max(value, 0.0), along, out},
+              kNone, s, 0);
       }
     }
   }
 
-  void enter_across(const Leaving& leaving, std::uint32_t parent, std::uint32_t segment,
-                    std::uint32_t crossed) {
-    for (Halfedge g = adjacency_.ring(leaving.side); g != leaving.side; g = adjacency_.ring(g)) {
-      if (poll_.cancelled()) return;
-      enter(g, leaving, parent, segment, crossed);
-    }
+  void leave(const Leaving& leaving, std::uint32_t parent, std::uint32_t segment,
+             std::uint32_t crossed) {
+    const Halfedge into = adjacency_.ring(leaving.side);
+    if (into == leaving.side || crossed > adjacency_.faces().size()) return;
+    come(into, leaving, parent, segment, crossed);
   }
 
-  void enter(Halfedge g, const Leaving& leaving, std::uint32_t parent, std::uint32_t segment,
-             std::uint32_t crossed) {
-    if (lines_.has_face(face_of(g)) || crossed > adjacency_.faces().size()) return;
+  // To an edge, over which a strip goes once it is its turn, into all faces from `into` on but that
+  // of the last.
+  void come(Halfedge into, const Leaving& leaving, std::uint32_t parent, std::uint32_t segment,
+            std::uint32_t crossed) {
     const double norm = std::sqrt(leaving.along * leaving.along + leaving.out * leaving.out);
     if (!(leaving.out > 0) || !(norm > 0)) return;
     LineStrip strip{
-        leaving.begin, leaving.end, leaving.value, leaving.along / norm, leaving.out / norm, g,
+        leaving.begin, leaving.end, leaving.value, leaving.along / norm, leaving.out / norm, into,
         parent,        segment,     crossed};
-    if (adjacency_.tail(g) != leaving.origin) {
-      strip.value = strip.at(leaving.end);
-      strip.begin = leaving.length - leaving.end;
-      strip.end = leaving.length - leaving.begin;
-      strip.b = -strip.b;
-    }
+    if (adjacency_.tail(into) != leaving.origin) strip = mirrored(strip, leaving.length);
     if (!trim(strip, leaving.length)) return;
     if (!(strip.least() <= limits_.max)) return;
-    push(strip);
+    const std::uint32_t number = add(strip);
+    if (number != kNone) wait({strip.least(), number, false});
+  }
+
+  // Counted from the other end of an edge of that length.
+  [[nodiscard]] static LineStrip mirrored(LineStrip strip, double length) {
+    strip.value = strip.at(strip.end);
+    const double begin = strip.begin;
+    strip.begin = length - strip.end;
+    strip.end = length - begin;
+    strip.b = -strip.b;
+    return strip;
   }
 
   // Cuts off what is farther than along the edge from one of its ends. False if nothing is left.
@@ -277,28 +283,66 @@ class StripFront {
     return true;
   }
 
-  void push(const LineStrip& strip) {
-    std::uint32_t number = 0;
+  // Its number, or kNone where the poll stops it.
+  [[nodiscard]] std::uint32_t add(const LineStrip& strip) {
     if (!free_.empty()) {
-      number = free_.back();
+      const std::uint32_t number = free_.back();
       free_.pop_back();
       strips_[number] = strip;
-    } else {
-      if (!has_room_for_one(strips_)) return;
-      number = static_cast<std::uint32_t>(strips_.size());
-      strips_.push_back(strip);
+      return number;
     }
-    wait({strip.least(), number, false});
+    if (!has_room_for_one(strips_)) return kNone;
+    strips_.push_back(strip);
+    return static_cast<std::uint32_t>(strips_.size() - 1);
   }
 
+  // A strip goes over its edge into each of the faces.
   void pass(std::uint32_t number) {
-    const FaceOverEdge over = FaceOverEdge::of(adjacency_, strips_[number].into);
     LineStrip strip = strips_[number];
-    if (!trim(strip, over.base) || !trim_by_earlier(strip, over.base)) {
-      free_.push_back(number);  // no other came from it
-      return;
+    const Halfedge first = strip.into;
+    const std::uint32_t tail = adjacency_.tail(first);
+    const auto positions = adjacency_.mesh().positions();
+    const double length = distance(positions[tail], positions[adjacency_.head(first)]);
+    const bool is_some = trim(strip, length) && keep_nearer(strip, length);
+    const bool is_from_edge = strip.crossed == 0 && lines_.segments[strip.segment].along() != kNone;
+    bool is_used = false;
+    for (Halfedge g = first; is_some && !poll_.cancelled();) {
+      const Halfedge next = adjacency_.ring(g);
+      if (next == first && !is_from_edge) break;  // it came from there
+      if (!lines_.has_face(face_of(g))) {
+        LineStrip into = adjacency_.tail(g) == tail ? strip : mirrored(strip, length);
+        into.into = g;
+        const std::uint32_t own = is_used ? add(into) : number;
+        if (own == kNone) return;
+        strips_[own] = into;
+        is_used = true;
+        ++passed_;
+        cross(own);
+      }
+      if (next == first) break;
+      g = next;
     }
-    strips_[number] = strip;
+    if (is_used) return;
+    ++passed_;
+    free_.push_back(number);  // no other came from it
+  }
+
+  // False if nothing is left.
+  [[nodiscard]] bool keep_nearer(LineStrip& strip, double length) {
+    if (!on_edges_) return true;
+    StripOnEdge on_edge{strip.begin, strip.end, strip.value, strip.at(strip.end)};
+    const double least = kLeastStrip * length / strip.c;
+    if (!on_edges_->keep_nearer(strip.into, length, least, on_edge, poll_)) return false;
+    const double begin = std::max(on_edge.begin, strip.begin);
+    strip.value = strip.at(begin);
+    strip.begin = begin;
+    strip.end = std::min(on_edge.end, strip.end);
+    return strip.begin < strip.end;
+  }
+
+  void cross(std::uint32_t number) {
+    const LineStrip strip = strips_[number];
+    const FaceOverEdge over = FaceOverEdge::of(adjacency_, strip.into);
     const Halfedge h = strip.into;
     const std::uint32_t f = face_of(h);
     const std::uint32_t c = corner_of(h);
@@ -320,7 +364,7 @@ class StripFront {
       const double first = std::min(over.left * (strip.begin / split), over.left);
       const double last =
           strip.end < split ? std::min(over.left * (strip.end / split), over.left) : over.left;
-      enter_across(
+      leave(
           {halfedge(f, previous_corner(c)), adjacency_.tail(h), over.left, first, last,
            value_at(first * x, first * y), strip.b * x + strip.c * y, strip.c * split / over.left},
           parent, strip.segment, strip.crossed + 1);
@@ -334,77 +378,12 @@ class StripFront {
           strip.begin > split
               ? std::min(over.right * ((over.base - strip.begin) / split_back), over.right)
               : over.right;
-      enter_across({halfedge(f, next_corner(c)), adjacency_.head(h), over.right, first, last,
-                    value_at(over.base + first * x, first * y), strip.b * x + strip.c * y,
-                    strip.c * split_back / over.right},
-                   parent, strip.segment, strip.crossed + 1);
+      leave({halfedge(f, next_corner(c)), adjacency_.head(h), over.right, first, last,
+             value_at(over.base + first * x, first * y), strip.b * x + strip.c * y,
+             strip.c * split_back / over.right},
+            parent, strip.segment, strip.crossed + 1);
     }
     if (!limits_.keep_strips) free_.push_back(number);
-  }
-
-  // A strip on an edge, counted from the tail of the edge's first halfedge.
-  struct OnEdge {
-    Halfedge into;
-    double begin;
-    double end;
-    double at_begin;
-    double at_end;
-    [[nodiscard]] double at(double p) const {
-      const double width = end - begin;
-      return width > 0 ? at_begin + (at_end - at_begin) * ((p - begin) / width) : at_begin;
-    }
-  };
-
-  // On an edge of three faces or more: only where none that came before is as near. One into
-  // another face has to be nearer, or the two that one strip becomes beyond the edge would drop
-  // each other.
-  [[nodiscard]] bool trim_by_earlier(LineStrip& strip, double length) {
-    Halfedge first = strip.into;
-    std::uint32_t faces = 0;
-    for (Halfedge g = adjacency_.ring(strip.into);; g = adjacency_.ring(g)) {
-      if (poll_.cancelled()) return false;
-      first = std::min(first, g);
-      ++faces;
-      if (g == strip.into) break;
-    }
-    if (faces < 3) return true;
-    const bool is_mirrored = adjacency_.tail(strip.into) != adjacency_.tail(first);
-    OnEdge own{strip.into, strip.begin, strip.end, strip.value, strip.at(strip.end)};
-    const auto mirror = [&] {
-      if (!is_mirrored) return;
-      own = {own.into, length - own.end, length - own.begin, own.at_end, own.at_begin};
-    };
-    mirror();
-    std::vector<OnEdge>& earlier = on_edge_[first];
-    const double rounding = tolerance::kSameWay * (length + std::abs(strip.value));
-    for (const OnEdge& other : earlier) {
-      if (poll_.cancelled()) return false;
-      const double begin = std::max(own.begin, other.begin);
-      const double end = std::min(own.end, other.end);
-      if (!(begin < end)) continue;
-      const double lead = other.into == own.into ? 0 : rounding;
-      if (other.at(begin) + lead > own.at(begin) || other.at(end) + lead > own.at(end)) continue;
-      const bool at_begin = begin <= own.begin;
-      const bool at_end = end >= own.end;
-      if (at_begin && at_end) return false;
-      // Cut off at an end, never in the middle.
-      if (at_begin) {
-        own = {own.into, end, own.end, own.at(end), own.at_end};
-      } else if (at_end) {
-        own = {own.into, own.begin, begin, own.at_begin, own.at(begin)};
-      }
-      if (!((own.end - own.begin) * strip.c > kLeastStrip * length)) return false;
-    }
-    if (earlier.size() == earlier.capacity()) {
-      if (!poll_.may_take((earlier.size() + 1) * 2 * sizeof(OnEdge))) return false;
-    }
-    earlier.push_back(own);
-    mirror();
-    const double begin = std::max(own.begin, strip.begin);
-    strip.value = strip.at(begin);
-    strip.begin = begin;
-    strip.end = std::min(own.end, strip.end);
-    return strip.begin < strip.end;
   }
 
   const Adjacency& adjacency_;
@@ -417,7 +396,8 @@ class StripFront {
   std::vector<Waiting> queue_;  // a heap
   std::vector<LineStrip> strips_;
   std::vector<std::uint32_t> free_;
-  std::unordered_map<Halfedge, std::vector<OnEdge>> on_edge_;
+  std::uint64_t passed_ = 0;               // strips, or faces that they went over if more
+  std::optional<StripsOnEdges> on_edges_;  // only where strips may meet again
 };
 
 // As thin as core/base says that rounding decides.
@@ -453,6 +433,13 @@ Result<StripsOfLines> spread_strips(const Adjacency& adjacency, std::span<const 
   front.start(sources);
   result.is_complete = front.run();
   if (poll.stopped()) return fail_stopped(poll);
+  if (!result.is_complete && limits.fail_beyond) {
+    return fail_limit(ErrorCode::too_large,
+                      "the waves from the lines part too often at edges of three faces and more; "
+                      "points as sources, and the methods dijkstra, fast_marching and steiner, "
+                      "take less",
+                      limits.most, limits.most + 1);
+  }
   result.met = front.met();
   std::vector<LineStrip> strips;
   if (limits.keep_strips) strips = front.take_strips();

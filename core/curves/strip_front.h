@@ -38,16 +38,18 @@ struct StripLimits {
   double max = kUnreached;  // as FieldLimits::max
   bool keep_strips = true;  // for points inside faces and for paths
   std::uint64_t most = std::numeric_limits<std::uint64_t>::max();  // strips that go over a face
+  bool fail_beyond = false;  // too_large where there are more; else the strips so far
 };
 
 // Sends the strips of the lines over the surface, the nearest first. A strip ends where the ways
 // along the edge from its ends are shorter, for no shortest path goes on there (Xin, Wang 2009,
-// theorem 3.2). On edges of three faces and more it ends, too, where an earlier one is nearer:
-// there strips may meet that came from one.
+// theorem 3.2). On a surface with edges of three faces and more it ends, too, where an earlier one,
+// or the way along the edge from its ends, is as near: there strips may meet that came from one
+// (strips_on_edges.h).
 //
 // `sources`: the points of the field, among them the ends of all segments. On a surface without
 // such edges there are no more strips on an edge than vertices that the wave has passed. Errors:
-// cancelled, too_much_memory.
+// cancelled, too_much_memory, too_large (see StripLimits).
 [[nodiscard]] Result<StripsOfLines> spread_strips(const Adjacency& adjacency,
                                                   std::span<const Source> sources,
                                                   std::shared_ptr<const SourceLines> lines,

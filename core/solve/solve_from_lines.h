@@ -29,7 +29,8 @@ inline constexpr double kToleranceFromLines = 1e-3;
 //
 // `sources` are points, among them the ends of all segments; lines->item_of_source says of each
 // what it belongs to. The field is whole, up to limits.max, whatever targets there are.
-// Errors: as solve_field; too_much_memory.
+// Errors: as solve_field; too_much_memory; too_large (strips part without end at edges of three
+// faces and more; no mesh is known where they do).
 [[nodiscard]] Result<Field> solve_from_lines(Method method, const MethodOptions& options,
                                              const Adjacency& adjacency,
                                              std::span<const Source> sources,

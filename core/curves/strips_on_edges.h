@@ -1,0 +1,64 @@
+// The strips that have come to each edge of a surface with edges of three faces and more.
+//
+// Where sheets meet on several lines, as coincident faces do, a wave comes to the last of them in
+// as many ways as there are choices of a sheet between each two: without end, but for this. Of ways
+// that are as long one goes on, and of others what is nearer than all before.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/cancel.h"
+#include "core/surface/adjacency.h"
+
+namespace geodesic {
+
+// A part of an edge over which a wave comes, and how far it is at both ends, in mesh units: between
+// them it is linear.
+struct StripOnEdge {
+  double begin;
+  double end;
+  double at_begin;
+  double at_end;
+  [[nodiscard]] double at(double p) const {
+    const double width = end - begin;
+    return width > 0 ? at_begin + (at_end - at_begin) * ((p - begin) / width) : at_begin;
+  }
+  // The same, counted from the other end of an edge of that length.
+  [[nodiscard]] StripOnEdge mirrored(double length) const {
+    return {length - end, length - begin, at_end, at_begin};
+  }
+};
+
+class StripsOnEdges {
+ public:
+  // Of no use if the poll says to stop.
+  StripsOnEdges(const Adjacency& adjacency, Poll& poll);
+
+  // Cuts off at both ends of a strip, which is to go into all faces of an edge but the one that it
+  // comes from, what is no nearer than strips that came before or the ways along the edge from
+  // their ends. Of those before, the nearest few are looked at. Remembers what is left. `into`: any
+  // halfedge of the edge, from whose tail the strip is counted. What is narrower than `least` is
+  // nothing. False if nothing is left, or the poll says to stop.
+  [[nodiscard]] bool keep_nearer(Halfedge into, double length, double least, StripOnEdge& strip,
+                                 Poll& poll);
+
+ private:
+  struct Part {
+    double begin;
+    double end;
+  };
+
+  // Adds where a way that is linear in that part of the edge is no farther than the strip.
+  template <class Way>
+  void cover(const StripOnEdge& strip, Part part, const Way& way);
+
+  const Adjacency& adjacency_;
+  std::vector<std::uint32_t> list_of_;  // by an edge's first halfedge: which of the lists, or kNone
+  // From the tail of the edge's first halfedge, by their beginnings.
+  std::vector<std::vector<StripOnEdge>> lists_;
+  std::vector<Part> covered_;  // of the strip in hand
+};
+
+}  // namespace geodesic
