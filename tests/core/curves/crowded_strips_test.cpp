@@ -252,7 +252,9 @@ TEST_CASE("LinesOnHeapsEndSoonAndAreRight") {
     CAPTURE(round);
     const TriangleSoup soup = some_heap(random);
     const Surface surface(soup);
-    const auto [once, number_once] = without_repeated(soup);
+    const auto distinct = without_repeated(soup);
+    const TriangleSoup& once = distinct.first;
+    const std::vector<std::uint32_t>& number_once = distinct.second;
     const Surface surface_once(once);
     LineQuestion question(surface);
     LineQuestion question_once(surface_once);
