@@ -276,16 +276,14 @@ Result<PointDistances> Fields::table(const FieldQuestion& question, const FieldR
   const auto compute_row = [&](Worker& worker, std::size_t row,
                                const GiveWay& give_way) -> Result<void> {
     JointCaller::Part part(joint, row);
-    worker.memory->limit_to_query();
-    ScratchUse scratch = scratch_of(worker);
-    const Cancel cancel([&] { return give_way() || caller(); }, part.caller().progress,
-                        &worker.memory->budget());
-    auto sources = from.of(row, scratch.get(), cancel.part(0, 0));
-    if (!sources) return fail(std::move(sources.error()));
-    FieldQuestion own = question;
-    own.from = std::move(*sources);
-    auto found = read_points(own, to, *targets, false, scratch.get(), cancel, part.caller());
-    scratch.done(found ? found->distances.capacity() * sizeof(double) : 0);
+    const auto read = [&](SolveScratch& scratch, const Cancel& cancel) -> Result<PointDistances> {
+      auto sources = from.of(row, scratch, cancel.part(0, 0));
+      if (!sources) return fail(std::move(sources.error()));
+      FieldQuestion own = question;
+      own.from = std::move(*sources);
+      return read_points(own, to, *targets, false, scratch, cancel, part.caller());
+    };
+    auto found = run_part(read, worker, give_way, part.caller());
     if (!found) return fail(std::move(found.error()));
     std::copy(found->distances.begin(), found->distances.end(),
               table.distances.begin() + static_cast<std::ptrdiff_t>(row * to.size()));
@@ -304,12 +302,10 @@ Result<bool> Fields::fill(const FieldQuestion& question, LineColumns& lines, con
   const auto compute_line = [&](Worker& worker, std::size_t number,
                                 const GiveWay& give_way) -> Result<void> {
     JointCaller::Part part(joint, number);
-    worker.memory->limit_to_query();
-    ScratchUse scratch = scratch_of(worker);
-    const Cancel cancel([&] { return give_way() || caller(); }, part.caller().progress,
-                        &worker.memory->budget());
-    const auto hit = fill_from(question, number, lines, scratch.get(), cancel, part.caller());
-    scratch.done(0);
+    const auto fill_one = [&](SolveScratch& scratch, const Cancel& cancel) {
+      return fill_from(question, number, lines, scratch, cancel, part.caller());
+    };
+    const auto hit = run_part(fill_one, worker, give_way, part.caller());
     if (!hit) return fail(hit.error());
     part.done(*hit);
     return {};
@@ -364,11 +360,20 @@ Result<std::vector<double>> Fields::row(const FieldQuestion& question, const Fie
                                         std::size_t number, std::span<const SurfacePoint> points,
                                         std::span<const std::uint32_t> faces, Worker& worker,
                                         const GiveWay& give_way, const Caller& caller) {
-  worker.memory->limit_to_query();
-  ScratchUse scratch = scratch_of(worker);
-  const Cancel cancel([&] { return give_way() || caller(); }, caller.progress,
-                      &worker.memory->budget());
-  auto sources = from.of(number, scratch.get(), cancel.part(0, 0));
+  const auto read = [&](SolveScratch& scratch,
+                        const Cancel& cancel) -> Result<std::vector<double>> {
+    return read_row(question, from, number, points, faces, scratch, cancel, caller);
+  };
+  return run_part(read, worker, give_way, caller);
+}
+
+Result<std::vector<double>> Fields::read_row(const FieldQuestion& question, const FieldRows& from,
+                                             std::size_t number,
+                                             std::span<const SurfacePoint> points,
+                                             std::span<const std::uint32_t> faces,
+                                             SolveScratch& scratch, const Cancel& cancel,
+                                             const Caller& caller) {
+  auto sources = from.of(number, scratch, cancel.part(0, 0));
   if (!sources) return fail(std::move(sources.error()));
   FieldQuestion own = question;
   own.from = std::move(*sources);
@@ -381,13 +386,11 @@ Result<std::vector<double>> Fields::row(const FieldQuestion& question, const Fie
     limits.max = max_around(own, faces);
     limits.keep_details = details == Details::kept;
     limits.detail_faces = faces;
-    auto solved = solve(own, limits, scratch.get(), cancel, caller);
+    auto solved = solve(own, limits, scratch, cancel, caller);
     if (!solved) return fail(std::move(solved.error()));
     field = std::make_shared<const Field>(std::move(*solved));
   }
   auto read = read_field(own, *field, points, false, cancel);
-  field = nullptr;
-  scratch.done(read ? read->distances.capacity() * sizeof(double) : 0);
   if (!read) return fail(std::move(read.error()));
   return std::move(read->distances);
 }

@@ -53,6 +53,10 @@ struct PointDistances {
   std::vector<double> distances;      // kUnreached where there is none
   std::vector<std::uint32_t> labels;  // if asked for, the source of each; kNone where unreached
   bool hit = false;                   // the field was there
+
+  [[nodiscard]] std::size_t bytes() const {
+    return distances.capacity() * sizeof(double) + labels.capacity() * sizeof(std::uint32_t);
+  }
 };
 
 // All methods may be called from any thread but a compute worker. Errors: those
@@ -137,10 +141,18 @@ class Fields {
 
   template <class Job>
   [[nodiscard]] auto run(Job& job, Worker& worker, const Caller& caller) {
+    return run_part(
+        job, worker, [] { return false; }, caller);
+  }
+  // As a part of ComputePool::run_each.
+  template <class Job, class MustGiveWay>
+  [[nodiscard]] auto run_part(Job&& job, Worker& worker, const MustGiveWay& give_way,
+                              const Caller& caller) {
     worker.memory->limit_to_query();
     ScratchUse scratch = scratch_of(worker);
-    auto result =
-        job(scratch.get(), Cancel(std::cref(caller), caller.progress, &worker.memory->budget()));
+    const Cancel cancel([&] { return give_way() || caller(); }, caller.progress,
+                        &worker.memory->budget());
+    auto result = job(scratch.get(), cancel);
     scratch.done(bytes_of(result));
     return result;
   }
@@ -154,6 +166,9 @@ class Fields {
     if constexpr (requires { result->bytes(); }) return result ? result->bytes() : 0;
     return 0;
   }
+  [[nodiscard]] static std::uint64_t bytes_of(const Result<std::vector<double>>& distances) {
+    return distances ? distances->capacity() * sizeof(double) : 0;
+  }
 
   // The same without the case of one point, in the slot that `scratch` is of. `targets`
   // decide the distances of the points.
@@ -164,6 +179,13 @@ class Fields {
                                                    const Cancel& cancel, const Caller& caller);
   [[nodiscard]] Result<PointDistances> search_points(const FieldQuestion& question,
                                                      std::span<const SurfacePoint> points,
+                                                     SolveScratch& scratch, const Cancel& cancel,
+                                                     const Caller& caller);
+  // `row`, in the slot that `scratch` is of.
+  [[nodiscard]] Result<std::vector<double>> read_row(const FieldQuestion& question,
+                                                     const FieldRows& from, std::size_t number,
+                                                     std::span<const SurfacePoint> points,
+                                                     std::span<const std::uint32_t> faces,
                                                      SolveScratch& scratch, const Cancel& cancel,
                                                      const Caller& caller);
   // What the field of one line tells, in the slot that `scratch` is of. Whether it was there.

@@ -156,7 +156,7 @@ TEST_CASE("ComponentsAreEstimatedApart") {
     return plane_of(a) == plane_of(b) ? geodesic::distance(points[a], points[b]) : kUnreached;
   };
   const LandmarkDistances known = known_by(count, 3, distance);
-  for (std::size_t p = 0; p < count; p += 3) {
+  for (std::size_t p = 0; p < count; ++p) {
     const KnownRow row = known_row(known, p, count, distance);
     // Of the third plane's ten points fewer than eight are landmarks.
     const bool is_estimated = plane_of(p) != 2;
@@ -182,6 +182,20 @@ TEST_CASE("EstimatesEndWhenTheyAreCancelled") {
   const auto made = LandmarkDistances::make(landmarks, rows, stop);
   REQUIRE(!made.has_value());
   CHECK(made.error().code == ErrorCode::cancelled);
+
+  auto known = LandmarkDistances::make(landmarks, rows, Cancel());
+  REQUIRE(known.has_value());
+  std::vector<KnownRow> checks{known_row(*known, 5, 1000, distance)};
+  const auto chosen = known->choose(checks, stop);
+  REQUIRE(!chosen.has_value());
+  CHECK(chosen.error().code == ErrorCode::cancelled);
+
+  const Surface surface(shapes::plane(60, 60));
+  std::vector<SurfacePoint> points;
+  for (std::uint32_t v = 0; v < 2000; ++v) points.push_back(surface.at(v));
+  const auto spread = spread_points(surface.adjacency(), points, 20, stop);
+  REQUIRE(!spread.has_value());
+  CHECK(spread.error().code == ErrorCode::cancelled);
 }
 
 TEST_CASE("EachOfSpreadPointsIsTheFarthestFromThoseBefore") {

@@ -163,12 +163,15 @@ TEST_CASE("a caller that leaves, or is late, ends the rows") {
 TEST_CASE("rows that have begun are not sent away for a full queue") {
   // No place in the queue but for who may wait.
   ComputePool pool(1, 0);
+  constexpr int kRows = 60;  // no more than two blocks are there before they are taken
   std::atomic<bool> is_held{true};
-  const auto rows = begun(pool, 9, 3, name_of_row);
+  std::atomic<bool> is_running{false};
+  const auto rows = begun(pool, kRows, 3, name_of_row);
   for (int i = 0; i < 3; ++i) REQUIRE(rows->next());
   std::future<Result<int>> other = std::async(std::launch::async, [&] {
     while (true) {
       auto ran = pool.run([&](Worker&) -> Result<int> {
+        is_running = true;
         wait_until([&] { return !is_held; });
         return 1;
       });
@@ -176,9 +179,13 @@ TEST_CASE("rows that have begun are not sent away for a full queue") {
       std::this_thread::sleep_for(1ms);
     }
   });
-  std::this_thread::sleep_for(20ms);
-  is_held = false;
-  for (int i = 3; i < 9; ++i) {
+  wait_until([&] { return is_running.load(); });
+  auto rest = std::async(std::launch::async, [&] {
+    // The next block waits for its turn, behind who has the slot.
+    wait_until([&] { return pool.stats().queued == 1; });
+    is_held = false;
+  });
+  for (int i = 3; i < kRows; ++i) {
     const auto row = rows->next();
     REQUIRE(row);
     CHECK(**row == std::to_string(i));

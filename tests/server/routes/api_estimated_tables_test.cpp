@@ -215,4 +215,6 @@ TEST_CASE("EstimatesEndWhenTheirClientIsGone") {
   const HttpResponse response = plane.service.routes.answer(request);
   CHECK(response.status != 200);
   wait_until([&] { return plane.is_idle(); });
+  // Not after the fields of all landmarks.
+  CHECK(asked < 2'000);
 }

@@ -15,6 +15,7 @@
 
 #include "server/base/process_usage.h"
 #include "tests/fixtures/random_meshes.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/test_seed.h"
 #include "tests/fixtures/wait_until.h"
 #include "tests/server/routes/plane_service.h"
@@ -190,8 +191,9 @@ TEST_CASE("FilesThatAreReadForLabelsAreNotAllInMemoryAtOnce") {
   }
   wait_until([&] { return plane.service.pool.stats().queued >= slots; });
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  // Of some 4 MB each; and threads.
-  CHECK(process_usage().resident_bytes < before + 80e6);
+  // Of some 4 MB each; and threads. A sanitizer has memory of its own.
+  const double taken = process_usage().resident_bytes - before;
+  if (!geodesic::fixtures::kSanitized) CHECK(taken < 80e6);
   is_open = true;
   for (auto& each : held) CHECK(each.get() == 1);
   for (auto& each : asked) {
