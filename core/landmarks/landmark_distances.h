@@ -42,8 +42,7 @@ class LandmarkDistances {
   [[nodiscard]] double near(std::span<const double> to_landmarks) const;
 
   // Sets those of a row's entries that are kUnreached and in its component. The row must have every
-  // distance up to `near`.
-  // Of no use if the poll says to stop.
+  // distance up to `near`. Of no use if the poll says to stop.
   void estimate(std::span<const double> to_landmarks, std::span<double> row, Poll& poll) const;
 
   // Chooses how many eigenvalues count, those with which these rows are the least off on average,

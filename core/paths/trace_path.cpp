@@ -85,10 +85,13 @@ class Tracer {
   void walk(const StepBack& step) {
     if (step.face == kNone) return;
     entered_[step.face] = true;
-    if (std::find(step.start.begin(), step.start.end(), 0.0) != step.start.end()) {
+    const bool is_over_border =
+        std::find(step.start.begin(), step.start.end(), 0.0) != step.start.end();
+    if (enters_again_) {
+      ++times_entered_[step.face];
+    } else if (is_over_border) {
       enter_copies_of(step.face);
     }
-    if (enters_again_) ++times_entered_[step.face];
     const bool to_vertex = step.to == StepBack::To::vertex;
     legs_.push_back({step.face, step.start, step.bary, to_vertex ? step.vertex : kNone});
   }

@@ -29,8 +29,8 @@ inline constexpr double kToleranceFromLines = 1e-3;
 //
 // `sources` are points, among them the ends of all segments; lines->item_of_source says of each
 // what it belongs to. The field is whole, up to limits.max, whatever targets there are.
-// Errors: as solve_field; too_much_memory; too_large (strips part without end at edges of three
-// faces and more; no mesh is known where they do).
+// Errors: as solve_field; too_much_memory; too_large (too many strips, as where two sheets that are
+// nearly as long as each other are glued along dozens of lines).
 [[nodiscard]] Result<Field> solve_from_lines(Method method, const MethodOptions& options,
                                              const Adjacency& adjacency,
                                              std::span<const Source> sources,

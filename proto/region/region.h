@@ -56,10 +56,10 @@ struct MaterialShape {
 
 struct LabelShape {
   std::string attribute;
-  double value;  // a float could be as great
+  double value;  // within a float's range
 
-  // Whether a label is the value: those that are compared exactly as they are, others as floats,
-  // for such a number is nearly always a float's digits.
+  // Whether a label is the value. Whole numbers are compared as they are, others as floats, for
+  // such a number is nearly always a float's digits.
   [[nodiscard]] bool is_of(double label) const;
   // Whole numbers, as far as doubles have all of them.
   [[nodiscard]] static bool is_compared_exactly(double value);

@@ -34,10 +34,18 @@ class Turns {
         return fail(ServiceCode::overloaded, refusal_);
       }
     }
-    return std::shared_ptr<const void>(this, [this](const void*) { places_.release(); });
+    return turn();
+  }
+  // Null where all are taken now.
+  [[nodiscard]] std::shared_ptr<const void> take_now() {
+    return places_.try_acquire() ? turn() : nullptr;
   }
 
  private:
+  [[nodiscard]] std::shared_ptr<const void> turn() {
+    return std::shared_ptr<const void>(this, [this](const void*) { places_.release(); });
+  }
+
   std::counting_semaphore<> places_;
   const std::chrono::milliseconds patience_;
   const std::string refusal_;

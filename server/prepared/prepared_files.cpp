@@ -19,18 +19,6 @@ constexpr std::size_t kMostUploads = kMostWanted / 2;  // of files that were her
 constexpr std::size_t kMostKnown = 10'000;             // names in the bucket
 constexpr std::chrono::hours kBetweenTidying{1};
 
-// Gives back what was acquired.
-class Turn {
- public:
-  explicit Turn(std::counting_semaphore<>& places) : places_(places) {}
-  ~Turn() { places_.release(); }
-  Turn(const Turn&) = delete;
-  Turn& operator=(const Turn&) = delete;
-
- private:
-  std::counting_semaphore<>& places_;
-};
-
 // For what is done beside the queries: want of memory there is no reason to end.
 template <class Do>
 auto without_throwing(const Do& what) -> decltype(what()) {
@@ -100,10 +88,10 @@ Result<std::shared_ptr<const Adjacency>> PreparedFiles::find(const std::string& 
 
 Result<PreparedFiles::Found> PreparedFiles::find_here(const std::string& id,
                                                       const std::function<bool()>& stop) {
-  while (!readers_.try_acquire_for(std::chrono::milliseconds(5))) {
-    if (stop()) return fail(ErrorCode::cancelled, "stopped");
-  }
-  const Turn turn(readers_);
+  Caller waiting(stop);
+  waiting.is_patient = true;
+  const auto turn = readers_.take(waiting);
+  if (!turn) return fail(turn.error());
   const std::string name = name_of(id);
   PreparedChecksum checksum;
   const auto mapped = MappedFile::open(
@@ -151,8 +139,8 @@ Result<std::shared_ptr<const Adjacency>> PreparedFiles::find_in_bucket(
 
 Result<bool> PreparedFiles::fetch(const std::string& name, const std::function<bool()>& stop) {
   // Waiting for others may take longer than preparing.
-  if (!fetchers_.try_acquire()) return false;
-  const Turn turn(fetchers_);
+  const auto turn = fetchers_.take_now();
+  if (turn == nullptr) return false;
   const auto done = without_throwing([&] { return fetch_file(name, stop); });
   if (done) return done;
   if (stop()) return fail(ErrorCode::cancelled, "stopped");

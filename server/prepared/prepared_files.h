@@ -17,6 +17,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -27,12 +28,12 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <semaphore>
 #include <string>
 #include <thread>
 
 #include "core/base/error.h"
 #include "core/surface/adjacency.h"
+#include "server/base/turns.h"
 #include "server/prepared/prepared_bucket.h"
 #include "server/prepared/prepared_folder.h"
 
@@ -131,15 +132,15 @@ class PreparedFiles {
   void remove(const std::string& name);
   void report(std::string& last, const std::string& what);
 
-  static constexpr int kReadersAtOnce = 2;
-  static constexpr int kFetchersAtOnce = 4;
+  static constexpr std::size_t kReadersAtOnce = 2;
+  static constexpr std::size_t kFetchersAtOnce = 4;
 
   const std::unique_ptr<PreparedFolder> folder_;
   const Limits limits_;
   const std::string engine_;
   const std::unique_ptr<PreparedBucket> bucket_;  // or null
-  std::counting_semaphore<> readers_{kReadersAtOnce};
-  std::counting_semaphore<> fetchers_{kFetchersAtOnce};
+  Turns readers_{kReadersAtOnce, std::chrono::seconds(0), "prepared files are being read"};
+  Turns fetchers_{kFetchersAtOnce, std::chrono::seconds(0), "prepared files are being fetched"};
   std::atomic<bool> is_stopping_{false};
   mutable std::mutex mutex_;
   std::condition_variable changed_;

@@ -103,8 +103,8 @@ class Fields {
 
   // The distances of the points as the whole field of a row has them, and so the same whatever else
   // is asked: a row of a table, as a part of ComputePool::run_each. The field is not kept, and does
-  // not end at the points. `question` has no sources. `faces`: details are
-  // kept of them, at least of those around the points; of none, there are no details.
+  // not end at the points. `question` has no sources. `faces`: of
+  // which details are kept, among them those around the points; if there are none, no details.
   [[nodiscard]] Result<std::vector<double>> row(const FieldQuestion& question,
                                                 const FieldRows& from, std::size_t number,
                                                 std::span<const SurfacePoint> points,

@@ -9,7 +9,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <semaphore>
 #include <string>
 #include <string_view>
 
@@ -19,6 +18,7 @@
 #include "server/base/caller.h"
 #include "server/base/current.h"
 #include "server/base/lru_cache.h"
+#include "server/base/turns.h"
 #include "server/compute/jobs.h"
 #include "server/compute/pool.h"
 #include "server/config/config.h"
@@ -100,7 +100,7 @@ class Routes {
  private:
   struct Call;  // a request with its path taken apart
   // Records of jobs that are read at once, each of which may have a large body.
-  static constexpr std::ptrdiff_t kRecordsAtOnce = 4;
+  static constexpr std::size_t kRecordsAtOnce = 4;
 
   [[nodiscard]] HttpResponse route(HttpRequest& request);
   // What stands at a path for browsers; nothing: none of that.
@@ -203,7 +203,8 @@ class Routes {
   std::function<Listener()> listener_ = [] { return Listener{}; };
   std::atomic<bool> draining_{false};
   JobRecords* job_records_ = nullptr;
-  std::counting_semaphore<kRecordsAtOnce> record_readers_{kRecordsAtOnce};
+  Turns record_readers_{kRecordsAtOnce, std::chrono::milliseconds(500),
+                        "too many jobs are looked for in the store"};
   Jobs jobs_;  // last: its threads use the others
 };
 

@@ -19,9 +19,6 @@
 namespace geodesic::server {
 namespace {
 
-// How long one waits for the few that read records.
-constexpr std::chrono::milliseconds kRecordPatience{500};
-
 JobRecord job_record_of(const JobReport& job) {
   JobRecord record;
   record.id = job.id;
@@ -102,11 +99,8 @@ Result<JobReport> Routes::look_up_job(const Call& call, const std::string& id) {
   if (draining_) return fail(ServiceCode::draining, "the server is about to stop");
   // Nobody waits for a store of which it is known that it does not answer.
   if (auto store = catalog_.store_health(); !store) return fail(std::move(store.error()));
-  if (!record_readers_.try_acquire_for(kRecordPatience)) {
-    return fail(ServiceCode::overloaded, "too many jobs are looked for in the store");
-  }
-  const auto let_go = [this](void*) { record_readers_.release(); };
-  const std::unique_ptr<void, decltype(let_go)> place(this, let_go);
+  const auto turn = record_readers_.take(Caller());
+  if (!turn) return fail(turn.error());
   auto job = take_over_job(call, id);
   if (!job_records_->is_erased(id)) return job;
   jobs_.remove(id);  // somebody has asked for that meanwhile

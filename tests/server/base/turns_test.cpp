@@ -41,6 +41,7 @@ TEST_CASE("who waits for a turn ends with the client, by the deadline, or after 
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ServiceCode::overloaded);
   CHECK(refused.error().detail == "too many");
+  CHECK(turns.take_now() == nullptr);
 
   std::atomic<int> asked{0};
   Caller patient([&] { return ++asked == 5; });
@@ -58,4 +59,5 @@ TEST_CASE("who waits for a turn ends with the client, by the deadline, or after 
 
   held->reset();
   CHECK(turns.take(Caller()));
+  CHECK(turns.take_now() != nullptr);
 }
