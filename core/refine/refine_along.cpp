@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -59,6 +60,14 @@ std::uint32_t side_under(const Weights& weights) {
   return zeros == 1 ? side : 3;
 }
 
+using VertexPair = std::pair<std::uint32_t, std::uint32_t>;  // the lesser first
+
+// Of a face that is split.
+struct Part {
+  Triangle vertices;
+  std::array<Weights, 3> corners;
+};
+
 class Refiner {
  public:
   Refiner(const Adjacency& whole, std::span<const SurfacePolyline> lines,
@@ -78,6 +87,7 @@ class Refiner {
     for (const auto& [face, segments] : faces_) {
       if (auto split = split_face(face, segments); !split) return fail(std::move(split.error()));
     }
+    if (auto apart = keep_edges_apart(); !apart) return fail(std::move(apart.error()));
     if (poll_.ask()) return fail_stopped(poll_);
     return assemble();
   }
@@ -253,6 +263,76 @@ class Refiner {
     return {};
   }
 
+  [[nodiscard]] Vec3 position(std::uint32_t vertex) const {
+    return vertex < mesh_.vertex_count() ? mesh_.positions()[vertex]
+                                         : new_positions_[vertex - mesh_.vertex_count()];
+  }
+
+  // A point on a long side of a face without width may lie where the face's own corner lies, and
+  // they become one vertex (Weld::off). From there an edge inside one of the faces and an edge of
+  // another one may lead to the same vertex. These would be one edge, over which ways would cross,
+  // though the faces only touch there. So edges inside faces that end in such a vertex get another
+  // one in their middle.
+  Result<void> keep_edges_apart() {
+    std::set<std::uint32_t> joined;
+    for (const auto& [face, parts] : parts_) {
+      for (const Part& part : parts) {
+        if (poll_.cancelled()) return fail_stopped(poll_);
+        for (std::uint32_t c = 0; c < 3; ++c) {
+          const std::uint32_t a = part.vertices[c];
+          const std::uint32_t b = part.vertices[next_corner(c)];
+          if (position(a) == position(b)) joined.insert({a, b});
+        }
+      }
+    }
+    if (joined.empty()) return {};
+    for (auto& [face, parts] : parts_) {
+      std::map<VertexPair, std::uint32_t> uses;
+      for (const Part& part : parts) {
+        for (std::uint32_t c = 0; c < 3; ++c) {
+          ++uses[std::minmax({part.vertices[c], part.vertices[next_corner(c)]})];
+        }
+      }
+      for (const auto& [edge, count] : uses) {
+        if (poll_.cancelled()) return fail_stopped(poll_);
+        const bool is_inside = count > 1;
+        if (!is_inside || !(joined.contains(edge.first) || joined.contains(edge.second))) continue;
+        const auto middle = add_vertex(0.5 * (position(edge.first) + position(edge.second)));
+        if (!middle) return fail(middle.error());
+        middles_[edge] = *middle;
+        split_parts(parts, edge, *middle);
+      }
+    }
+    return {};
+  }
+
+  static void split_parts(std::vector<Part>& parts, const VertexPair& edge, std::uint32_t middle) {
+    std::vector<Part> split;
+    for (const Part& part : parts) {
+      std::uint32_t side = 0;
+      const auto is_edge = [&](std::uint32_t c) {
+        return VertexPair(std::minmax({part.vertices[c], part.vertices[next_corner(c)]})) == edge;
+      };
+      while (side < 3 && !is_edge(side)) ++side;
+      if (side == 3) {
+        split.push_back(part);
+        continue;
+      }
+      const std::uint32_t next = next_corner(side);
+      Weights weights{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        weights[k] = 0.5 * (part.corners[side][k] + part.corners[next][k]);
+      }
+      for (const std::uint32_t moved : {next, side}) {
+        Part half = part;
+        half.vertices[moved] = middle;
+        half.corners[moved] = weights;
+        split.push_back(half);
+      }
+    }
+    parts = std::move(split);
+  }
+
   Result<RefinedMesh> assemble() {
     RefinedSoup soup;
     std::vector<std::uint32_t> number;  // in the soup
@@ -293,21 +373,24 @@ class Refiner {
     RefinedMesh refined{std::move(built->mesh), std::move(built->refinement), {}};
     for (const auto& segments : chains_) {
       auto& chain = refined.chains.emplace_back();
+      const auto add = [&](std::uint32_t id) {
+        const std::uint32_t v = built->vertex_of_soup[number[id]];
+        if (chain.empty() || chain.back() != v) chain.push_back(v);
+      };
       for (const auto& segment : segments) {
-        for (const std::uint32_t id : segment) {
+        for (std::size_t i = 0; i < segment.size(); ++i) {
           if (poll_.cancelled()) return fail_stopped(poll_);
-          const std::uint32_t v = built->vertex_of_soup[number[id]];
-          if (chain.empty() || chain.back() != v) chain.push_back(v);
+          if (i > 0) {
+            const auto middle = middles_.find(std::minmax({segment[i - 1], segment[i]}));
+            if (middle != middles_.end()) add(middle->second);
+          }
+          add(segment[i]);
         }
       }
     }
     return refined;
   }
 
-  struct Part {
-    Triangle vertices;
-    std::array<Weights, 3> corners;
-  };
   static constexpr std::size_t kAtOnce = 1024;
   // In its face's list, which doubles, and its chain with the vertices on it.
   static constexpr std::uint64_t kBytesOfSegment =
@@ -323,6 +406,7 @@ class Refiner {
   std::map<EdgePlace, std::uint32_t> on_edges_;
   std::vector<Vec3> new_positions_;  // of vertices from the whole's vertex_count() on
   std::map<std::uint32_t, std::vector<Part>> parts_;
+  std::map<VertexPair, std::uint32_t> middles_;  // of edges inside faces, where they are split
   std::vector<std::vector<std::vector<std::uint32_t>>> chains_;  // by line and segment
 };
 

@@ -104,6 +104,21 @@ GltfFixture with_draco() {
   return file;
 }
 
+// What is asked comes before the mesh: so many bytes, here each by a step from the one before.
+std::vector<std::string> before_meshes(std::size_t bytes) {
+  std::vector<std::string> seeds;
+  unsigned step = 37;
+  for (const std::string& mesh : mesh_seeds()) {
+    std::string question;
+    for (std::size_t i = 0; i < bytes; ++i) {
+      question += static_cast<char>((i + 1) * step & 255U);
+    }
+    seeds.push_back(question + mesh.substr(1));
+    step += 22;
+  }
+  return seeds;
+}
+
 }  // namespace
 
 std::vector<std::string> gltf_seeds() {
@@ -192,6 +207,10 @@ std::vector<std::string> heap_seeds() {
   // As heaps.cpp reads them: how thin and flat, what faces share, how many of both.
   return {std::string(8, '\0'), "heap", std::string(16, '\x5a'), std::string(24, '\xff')};
 }
+
+std::vector<std::string> line_seeds() { return before_meshes(37); }
+std::vector<std::string> wall_seeds() { return before_meshes(48); }
+std::vector<std::string> cost_seeds() { return before_meshes(71); }
 
 std::vector<std::string> request_seeds() {
   return {

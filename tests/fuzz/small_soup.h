@@ -2,11 +2,14 @@
 // and flat faces, edges of many faces and loose parts come about by themselves.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 
+#include "core/mesh/mesh.h"
 #include "core/mesh/triangle_soup.h"
+#include "core/surface/point.h"
 #include "tests/fuzz/targets.h"
 
 namespace geodesic::fuzz {
@@ -41,6 +44,19 @@ inline TriangleSoup small_soup(Reader& reader) {
     soup.faces.push_back({corner(), corner(), corner()});
   } while (!reader.is_empty() && soup.faces.size() < 48);
   return soup;
+}
+
+// Three bytes: a corner of a face, a place on one of its sides, or one inside.
+inline SurfacePoint small_point(const Adjacency& adjacency, Reader& reader) {
+  const std::uint32_t face = reader.byte() % static_cast<std::uint32_t>(adjacency.faces().size());
+  const std::uint8_t kind = reader.byte();
+  const double part = (1 + reader.byte() % 15) / 16.0;
+  const std::uint32_t c = kind % 3U;
+  std::array<double, 3> bary{};
+  bary[c] = 1;
+  if (kind >= 128) bary[next_corner(c)] = part;
+  if (kind >= 192) bary[previous_corner(c)] = 1 - part;
+  return point_on_face(adjacency, face, bary);
 }
 
 }  // namespace geodesic::fuzz

@@ -28,8 +28,8 @@ struct Target {
   std::vector<std::string> (*seeds)();
 };
 
-// By name: gltf, draco, polygons, mesh, requests, points, frame, methods, heaps, head, body, form,
-// proxy_header, forwarded.
+// By name: gltf, draco, polygons, mesh, requests, points, frame, methods, heaps, lines, walls,
+// costs, head, body, form, proxy_header, forwarded.
 [[nodiscard]] std::span<const Target> targets();
 
 void fuzz_decoding(Input input);
@@ -39,6 +39,9 @@ void fuzz_points(Input input);
 void fuzz_frame(Input input);
 void fuzz_methods(Input input);
 void fuzz_heaps(Input input);
+void fuzz_lines(Input input);
+void fuzz_walls(Input input);
+void fuzz_costs(Input input);
 void fuzz_head(Input input);
 void fuzz_body(Input input);
 void fuzz_form(Input input);
@@ -51,6 +54,9 @@ void fuzz_forwarded(Input input);
 [[nodiscard]] std::vector<std::string> polygon_seeds();  // OBJ, PLY and STL
 [[nodiscard]] std::vector<std::string> mesh_seeds();
 [[nodiscard]] std::vector<std::string> heap_seeds();
+[[nodiscard]] std::vector<std::string> line_seeds();
+[[nodiscard]] std::vector<std::string> wall_seeds();
+[[nodiscard]] std::vector<std::string> cost_seeds();
 [[nodiscard]] std::vector<std::string> request_seeds();
 [[nodiscard]] std::vector<std::string> point_seeds();
 [[nodiscard]] std::vector<std::string> frame_seeds();

@@ -234,6 +234,46 @@ TEST_CASE("LinesAlongEdgesSplitNothing") {
   }
 }
 
+// A face without width whose middle corner lies on the side of a larger face; and a face between
+// that corner and the larger one's apex, which lies on the larger one but is joined to it in these
+// two corners only. A line from the place on the side to the apex does not join them by an edge.
+TEST_CASE("FacesThatTouchAlongALineAreNotJoinedThere") {
+  RandomMesh random(test_seed());
+  for (int round = 0; round < 50; ++round) {
+    CAPTURE(round);
+    TriangleSoup soup;
+    const double length = 4 * (1 + random.below(6));
+    const Vec3 side{length, 0, 0};
+    const Vec3 corner = 0.25 * (1 + random.below(3)) * side;
+    const Vec3 apex{random.unit() * length, 1 + random.unit(), random.unit()};
+    const Vec3 aside{random.unit() * length, -1 - random.unit(), 1 + random.unit()};
+    soup.positions = {{0, 0, 0}, side, corner, apex, aside};
+    soup.faces = {{0, 1, 3}, {0, 2, 1}, {2, 3, 4}};
+    const Surface surface(soup);
+    const double t = corner.x / length;
+    const SurfacePolyline line{surface.on(0, {1 - t, t, 0}), surface.at(3)};
+    const auto refined = refine_along(surface.adjacency(), {&line, 1}, kPlenty, Cancel());
+    REQUIRE(refined);
+    CHECK(length_of(refined->mesh, refined->chains[0]) ==
+          doctest::Approx(length_of(surface.mesh(), line)));
+    const auto mesh = std::make_shared<const Mesh>(refined->mesh);
+    const Adjacency adjacency = Adjacency::build(mesh);
+    const auto there = [&](std::uint32_t s) { return mesh->vertex_of_source()[s]; };
+    SolveScratch scratch;
+    for (const std::uint32_t from : {0U, 1U, 4U}) {
+      const Source source{point_at_vertex(adjacency, there(from)), 0};
+      const auto field =
+          solve_field(Method::exact, {}, adjacency, {&source, 1}, {}, scratch, Cancel());
+      REQUIRE(field);
+      const Field whole = surface.field_by(Method::exact, {{surface.at(from), 0}});
+      for (std::uint32_t s = 0; s < 5; ++s) {
+        CHECK(field->distance[there(s)] ==
+              doctest::Approx(whole.distance[surface.vertex(s)]).epsilon(1e-9));
+      }
+    }
+  }
+}
+
 TEST_CASE("RefiningIsBoundedAndCanBeStopped") {
   const Surface surface(shapes::plane(20, 20));
   RandomMesh random(test_seed());
