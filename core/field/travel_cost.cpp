@@ -9,6 +9,19 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
+// The rise for each unit of length on the ground.
+double sine_of(double slope) {
+  return std::isinf(slope) ? std::copysign(1, slope) : slope / std::hypot(1, slope);
+}
+
+// Joules a kilogram and metre.
+double energy_at(double slope) {
+  constexpr double kSteepestMeasured = 0.45;
+  const double i = std::clamp(slope, -kSteepestMeasured, kSteepestMeasured);
+  const double rate = ((((280.5 * i - 58.7) * i - 76.8) * i + 51.9) * i + 19.6) * i + 2.5;
+  return i == slope ? rate : rate * sine_of(slope) / sine_of(i);
+}
+
 }  // namespace
 
 TravelCost::TravelCost(Parts parts) : parts_(std::move(parts)) {
@@ -28,6 +41,7 @@ double TravelCost::rate_at(double slope) const {
     constexpr double kSecondsPerMetre = 3.6 / 6;
     return kSecondsPerMetre * std::exp(3.5 * std::abs(slope + 0.05));
   }
+  if (parts_.rate == Rate::energy) return energy_at(slope);
   const auto above =
       std::upper_bound(parts_.table.begin(), parts_.table.end(), slope,
                        [](double s, const SlopeRate& entry) { return s < entry.slope; });

@@ -27,6 +27,7 @@ NamedOfFile Costs::named_of_file() const {
 
 std::string_view unit_of(const Costs& costs) {
   if (costs.walk.rate == TravelCost::Rate::tobler) return "seconds";
+  if (costs.walk.rate == TravelCost::Rate::energy) return "joules_per_kilogram";
   return costs.walk.rate == TravelCost::Rate::none ? "length" : "cost";
 }
 

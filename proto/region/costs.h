@@ -3,6 +3,7 @@
 //   in a URL                        in JSON
 //   weights=3*faces:7,10-99         {"weights":[{"weight":3,"region":{"faces":[7,[10,99]]}}]}
 //   slope=tobler                    {"slope":"tobler"}
+//   slope=energy                    {"slope":"energy"}
 //   slope=-0.5:2,0:1,0.5:3          {"slope":[[-0.5,2],[0,1],[0.5,3]]}
 //   up=0,0,1, steepest=0.6          {"up":[0,0,1],"steepest":0.6}
 //   weight_attribute=_MUD           {"weight_attribute":"_MUD"}
@@ -37,8 +38,8 @@ struct Costs {
   [[nodiscard]] NamedOfFile named_of_file() const;
 };
 
-// In what costs are: "seconds" by Tobler's function, "length" in mesh units if there is no slope,
-// or else "cost", in the unit of the client's table.
+// In what costs are: "seconds" by Tobler's function, "joules_per_kilogram" by energy, "length" in
+// mesh units if there is no slope, or else "cost", in the unit of the client's table.
 [[nodiscard]] std::string_view unit_of(const Costs& costs);
 
 // The same for two that ask the same of the same shapes in the same order, and for nothing else.

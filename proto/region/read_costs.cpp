@@ -115,11 +115,11 @@ Result<void> read_face_weights(Parameters& parameters, Costs& costs) {
 }
 
 tl::unexpected<Error> no_slope(std::string parameter = "slope") {
-  return fail(
-      InputCode::bad_syntax,
-      "slope is tobler, or pairs of a slope and the cost of a unit of length there, such as "
-      "-0.5:2,0:1,0.5:3",
-      std::move(parameter));
+  return fail(InputCode::bad_syntax,
+              "slope is tobler, energy, or pairs of a slope and the cost of a unit of length "
+              "there, such as "
+              "-0.5:2,0:1,0.5:3",
+              std::move(parameter));
 }
 
 // "-0.5:2,0:1,0.5:3"
@@ -164,8 +164,8 @@ Result<void> read_slope(Parameters& parameters, TravelCost::Parts& walk) {
   if (first.is_string()) {
     if (count > 1) return no_slope("slope");
     const std::string_view text = first.get_ref<const std::string&>();
-    if (text == "tobler") {
-      walk.rate = TravelCost::Rate::tobler;
+    if (text == "tobler" || text == "energy") {
+      walk.rate = text == "tobler" ? TravelCost::Rate::tobler : TravelCost::Rate::energy;
       return {};
     }
     table = table_of(text);

@@ -49,7 +49,7 @@ interface AtACost {
   face_weights?: readonly number[];
   /** An attribute of the file's vertices, such as `_MUD`: a face's weight is the mean at its corners. */
   weight_attribute?: string;
-  /** `tobler`, in seconds where lengths are metres, or slopes and what a unit of length costs there. */
+  /** `tobler`, in seconds, or `energy`, in joules a kilogram, where lengths are metres; or slopes and what a unit of length costs there. */
   slope?: string | readonly (readonly [number, number])[];
   /** What is steeper, uphill or downhill, is not walked. */
   steepest?: number;

@@ -1,4 +1,4 @@
-// Costs instead of lengths: refraction by Snell's law, slopes, and a second Dijkstra.
+// Costs instead of lengths: refraction by Snell's law, and a second Dijkstra.
 #include "core/steiner/cheapest_way.h"
 
 #include <doctest/doctest.h>
@@ -17,49 +17,22 @@
 #include "core/mesh/shapes.h"
 #include "core/steiner/path.h"
 #include "core/steiner/steiner.h"
+#include "tests/core/steiner/cost_fixtures.h"
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;
+using fixtures::cheapest;
+using fixtures::Cost;
+using fixtures::cost_of;
+using fixtures::costs;
+using fixtures::kClose;
 using fixtures::Surface;
+using fixtures::total;
 
 namespace {
-
-using Cost = std::shared_ptr<const TravelCost>;
-
-constexpr double kClose = 1e-9;
-
-Cost cost_of(TravelCost::Parts parts) {
-  return std::make_shared<const TravelCost>(std::move(parts));
-}
-
-Field costs(const Surface& surface, const std::vector<Source>& sources, const Cost& cost,
-            std::uint32_t points = 3, const FieldLimits& limits = {}) {
-  WavefrontScratch scratch;
-  auto field = steiner_field(surface.adjacency(), sources, points, limits, scratch, Cancel(), cost);
-  REQUIRE(field.has_value());
-  return std::move(*field);
-}
-
-std::optional<Path> cheapest(const Surface& surface, const SurfacePoint& from,
-                             const SurfacePoint& to, const Cost& cost, std::uint32_t points = 3,
-                             double tolerance = 1e-6) {
-  WavefrontScratch scratch;
-  MethodOptions options;
-  options.points_per_edge = points;
-  options.tolerance = tolerance;
-  auto path = steiner_path(surface.adjacency(), {from, 0}, to, options, scratch, Cancel(), cost);
-  REQUIRE(path.has_value());
-  return std::move(*path);
-}
-
-double total(const Path& path, const TravelCost& cost) {
-  double sum = 0;
-  for (const double segment : segment_costs(path, cost)) sum += segment;
-  return sum;
-}
 
 // Weights by where the middles of faces lie.
 std::vector<double> weights_by(const Mesh& mesh, const std::function<double(Vec3)>& weight) {
@@ -136,6 +109,7 @@ TravelCost::Parts random_parts(fixtures::RandomMesh& random, const Mesh& mesh) {
   }
   const double kind = random.unit();
   if (kind < 0.3) parts.rate = TravelCost::Rate::tobler;
+  if (kind > 0.3 && kind < 0.5) parts.rate = TravelCost::Rate::energy;
   if (kind > 0.7) {
     parts.rate = TravelCost::Rate::table;
     double slope = -2;
@@ -147,42 +121,6 @@ TravelCost::Parts random_parts(fixtures::RandomMesh& random, const Mesh& mesh) {
   if (random.unit() < 0.3) parts.steepest = 0.2 + 2 * random.unit();
   parts.up = {random.unit() - 0.5, random.unit() - 0.5, random.unit() + 0.1};
   return parts;
-}
-
-// The plane z = slope * x over a grid, up being z.
-TriangleSoup inclined(std::uint32_t side, double slope) {
-  TriangleSoup soup = shapes::plane(side, side);
-  for (Vec3& p : soup.positions) p.z = slope * p.x;
-  return soup;
-}
-
-// What a way costs on a plane at best, in however many parts of whatever directions: the convex
-// hull of the costs of all directions.
-double at_best(const TravelCost& cost, double slope, double dx, double dy) {
-  constexpr int kDirections = 1440;
-  struct Direction {
-    double x, y, cost;
-  };
-  std::vector<Direction> all;
-  for (int i = 0; i < kDirections; ++i) {
-    const double angle = 2 * M_PI * i / kDirections;
-    const double x = std::cos(angle);
-    const double y = std::sin(angle);
-    const double each = cost.of(0, {}, {x, y, slope * x});
-    if (each < kUnreached) all.push_back({x, y, each});
-  }
-  double best = kUnreached;
-  for (const Direction& a : all) {
-    for (const Direction& b : all) {
-      const double turn = a.x * b.y - a.y * b.x;
-      if (std::abs(turn) < 1e-9) continue;
-      const double of_a = (dx * b.y - dy * b.x) / turn;
-      const double of_b = (a.x * dy - a.y * dx) / turn;
-      if (of_a < -1e-12 || of_b < -1e-12) continue;
-      best = std::min(best, of_a * a.cost + of_b * b.cost);
-    }
-  }
-  return best;
 }
 
 }  // namespace
@@ -411,85 +349,6 @@ TEST_CASE("WeightsAreTheSameBothWaysAndSlopesTurnedOver") {
     const double other = costs(surface, {{b, 0}}, cost_of(there)).distance[a.vertex];
     if (one < kUnreached) CHECK(std::abs(one - other) <= kClose * one);
   }
-}
-
-TEST_CASE("OnAGentleSlopeOneWalksStraightAtToblersSpeed") {
-  constexpr double kSlope = 0.1;
-  const Surface surface(inclined(17, kSlope));
-  const Cost cost = cost_of({.rate = TravelCost::Rate::tobler, .up = {0, 0, 1}});
-  const std::uint32_t start = 8 * 17 + 8;
-  const Field field = costs(surface, {{surface.at(start), 0}}, cost, 7);
-  // By hand: 5 km/h up 10 % is 6 exp(-3.5 * 0.15) km/h, down it is 6 exp(-3.5 * 0.05).
-  const double metres = 8 * std::hypot(1, kSlope);
-  const double up = field.distance[surface.vertex(8 * 17 + 16)];
-  const double down = field.distance[surface.vertex(8 * 17)];
-  CHECK(up == doctest::Approx(metres / (6 / 3.6 * std::exp(-3.5 * 0.15))));
-  CHECK(down == doctest::Approx(metres / (6 / 3.6 * std::exp(-3.5 * 0.05))));
-  for (std::uint32_t v = 0; v < 17 * 17; v += 7) {
-    const double dx = double(v % 17) - 8;
-    const double dy = double(v / 17) - 8;
-    const double found = field.distance[surface.vertex(v)];
-    CAPTURE(v);
-    // The rate has a corner at a slope of -0.05, where the error is as large as the angle.
-    CHECK(found <= cost->of(0, {}, {dx, dy, kSlope * dx}) * 1.03);
-    CHECK(found >= at_best(*cost, kSlope, dx, dy) * (1 - 1e-4));
-    // And back again: what was up is down.
-    const auto path = cheapest(surface, surface.at(v), surface.at(start), cost, 3);
-    REQUIRE(path);
-    CHECK(total(*path, *cost) <= cost->of(0, {}, {-dx, -dy, -kSlope * dx}) * 1.01);
-    CHECK(total(*path, *cost) >= at_best(*cost, kSlope, -dx, -dy) * (1 - 1e-4));
-  }
-}
-
-TEST_CASE("UpASteepSlopeOneZigzags") {
-  constexpr double kSlope = 0.7;
-  const Surface surface(inclined(13, kSlope));
-  const Cost cost = cost_of({.rate = TravelCost::Rate::tobler, .up = {0, 0, 1}});
-  const auto from = surface.at(6 * 13);
-  const auto to = surface.at(6 * 13 + 12);
-  const double straight = cost->of(0, {}, {12, 0, 12 * kSlope});
-  const double best = at_best(*cost, kSlope, 12, 0);
-  REQUIRE(best < 0.8 * straight);
-  const double found = costs(surface, {{from, 0}}, cost, 7).distance[to.vertex];
-  CHECK(found >= best * (1 - 1e-4));
-  CHECK(found <= best * 1.05);
-}
-
-TEST_CASE("WhatIsTooSteepIsNotWalked") {
-  constexpr double kSlope = 0.7;
-  const Surface surface(inclined(13, kSlope));
-  const Cost cost = cost_of({.steepest = 0.4, .up = {0, 0, 1}});
-  const auto from = surface.at(6 * 13);
-  const auto to = surface.at(6 * 13 + 12);
-  // Zigzag at the greatest slope: the rise over its sine.
-  const double best = 12 * kSlope / std::sin(std::atan(0.4));
-  const double found = costs(surface, {{from, 0}}, cost, 7).distance[to.vertex];
-  CHECK(found >= best * (1 - kClose));
-  CHECK(found <= best * 1.1);
-  const auto path = cheapest(surface, from, to, cost, 7);
-  REQUIRE(path);
-  for (std::size_t i = 1; i < path->points.size(); ++i) {
-    const Vec3 along = path->points[i].position - path->points[i - 1].position;
-    CHECK(std::abs(along.z) <= 0.4 * std::hypot(along.x, along.y) * (1 + 1e-6));
-  }
-  // Level lines alone: nothing above or below is reached.
-  const Field level = costs(surface, {{from, 0}}, cost_of({.steepest = 1e-9, .up = {0, 0, 1}}), 3);
-  CHECK(level.reached == 13);
-}
-
-TEST_CASE("RatesOfATableAreLinearBetweenItsEntries") {
-  const TravelCost cost(
-      {.rate = TravelCost::Rate::table, .table = {{-1, 3}, {0, 1}, {0.5, 2}}, .up = {0, 0, 2}});
-  CHECK(cost.rate_at(-7) == 3);
-  CHECK(cost.rate_at(-1) == 3);
-  CHECK(cost.rate_at(-0.5) == doctest::Approx(2));
-  CHECK(cost.rate_at(0) == 1);
-  CHECK(cost.rate_at(0.25) == doctest::Approx(1.5));
-  CHECK(cost.rate_at(0.5) == 2);
-  CHECK(cost.rate_at(std::numeric_limits<double>::infinity()) == 2);
-  CHECK(cost.of(0, {}, {0, 0, 3}) == 6);  // straight up
-  CHECK(cost.of(0, {}, {3, 4, 0}) == 5);
-  CHECK(cost.of(0, {1, 1, 1}, {1, 1, 1}) == 0);
 }
 
 TEST_CASE("SeveralSourcesWithOffsetsGiveTheCheapest") {

@@ -296,6 +296,27 @@ TEST_CASE("TimesOnAHillAreThoseOfTheirSegmentsAndDependOnTheDirection") {
   CHECK(body_of(table)["distances"][1][0] >= descent * (1 - 1e-6));
 }
 
+TEST_CASE("EnergyIsInJoulesAKilogram") {
+  PlaneService plane;
+  const TriangleSoup soup = hills(16, fixtures::test_seed());
+  const std::string base = plane.add(soup);
+  const TravelCost cost({.rate = TravelCost::Rate::energy});
+  const HttpResponse response = plane.service.get(base + "/path?slope=energy&from=v:0&to=v:255");
+  REQUIRE(response.status == 200);
+  const json reply = body_of(response);
+  CHECK(reply["unit"] == "joules_per_kilogram");
+  double sum = 0;
+  for (std::size_t i = 0; i < reply["segments"].size(); ++i) {
+    const double each = cost.of(0, xyz_of(reply["points"][i]), xyz_of(reply["points"][i + 1]));
+    CHECK(reply["segments"][i]["cost"] == doctest::Approx(each));
+    sum += each;
+  }
+  CHECK(reply["cost"] == doctest::Approx(sum));
+  const HttpResponse other = plane.service.get(base + "/path?slope=tobler&from=v:0&to=v:255");
+  REQUIRE(other.status == 200);
+  CHECK(body_of(other)["unit"] == "seconds");
+}
+
 TEST_CASE("CostsAreTheSameWhateverWasAskedBefore") {
   PlaneService plane;
   const std::string costs = "&weights=3*faces:0-60&weights=0.5*faces:50-90&slope=0:1,1:2&up=1,0,1";

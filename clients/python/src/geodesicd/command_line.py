@@ -132,7 +132,7 @@ def costs(parser: argparse.ArgumentParser) -> None:
         metavar="N*REGION",
         help="cost of length there, or _NAME of the file's",
     )
-    parser.add_argument("--slope", metavar="HOW", help="tobler, in seconds, or -1:3,0:1,1:4")
+    parser.add_argument("--slope", metavar="HOW", help="tobler (s), energy (J/kg), or -1:3,0:1,1:4")
     parser.add_argument("--steepest", type=float, metavar="SLOPE", help="steeper is not walked")
 
 

@@ -50,8 +50,9 @@ class Costs:
         face_weights: (faces,) one for each source face; ``weights`` go over them.
         weight_attribute: instead of ``face_weights`` the name of an attribute of the .glb's or
             .gltf's vertices, such as ``"_MUD"``; a face's weight is the mean at its corners.
-        slope: ``"tobler"``, seconds a metre by Tobler's hiking function, or pairs of a slope and
-            what a unit of length costs there, ascending. A slope is the rise for each unit of
+        slope: ``"tobler"``, seconds a metre by Tobler's hiking function, ``"energy"``, joules a
+            kilogram and metre of walking, or pairs of a slope and what a unit of length costs
+            there, ascending. A slope is the rise for each unit of
             length on the map, negative downhill.
         steepest: what is steeper, uphill or downhill, is not walked.
         up: (3,) where up is; +Y without it, as in glTF.
