@@ -121,7 +121,8 @@ void parse(const auto& parameters_of) {
     expect(request.first_row + request.from.size() <= request.all_rows,
            "its rows are those it has");
     for (const proto::PointRequest& column : request.to) {
-      expect(column.is_point(), "columns are points");
+      expect(column.is_point() || request.landmarks == 0, "columns that are estimated are points");
+      expect(column.offset == 0, "columns have no offset");
     }
   }
   if constexpr (requires { request.relax; }) {
