@@ -18,6 +18,7 @@ std::span<const Target> targets() {
       Target{"lines", fuzz_lines, line_seeds},
       Target{"walls", fuzz_walls, wall_seeds},
       Target{"costs", fuzz_costs, cost_seeds},
+      Target{"measures", fuzz_measures, mesh_seeds},
       Target{"head", fuzz_head, head_seeds},
       Target{"body", fuzz_body, body_seeds},
       Target{"form", fuzz_form, form_seeds},

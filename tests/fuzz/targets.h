@@ -29,7 +29,7 @@ struct Target {
 };
 
 // By name: gltf, draco, polygons, mesh, requests, points, frame, methods, heaps, lines, walls,
-// costs, head, body, form, proxy_header, forwarded.
+// costs, measures, head, body, form, proxy_header, forwarded.
 [[nodiscard]] std::span<const Target> targets();
 
 void fuzz_decoding(Input input);
@@ -42,6 +42,7 @@ void fuzz_heaps(Input input);
 void fuzz_lines(Input input);
 void fuzz_walls(Input input);
 void fuzz_costs(Input input);
+void fuzz_measures(Input input);
 void fuzz_head(Input input);
 void fuzz_body(Input input);
 void fuzz_form(Input input);
