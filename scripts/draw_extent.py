@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Draws docs/extent.png: the terrain's centre with the distances from it, its diameter, and how the
-bounds of both close in from field to field.
+bounds of both close in from field to field; and docs/means.png: the mean distance of every vertex.
 
     draw_extent.py SERVER
 
@@ -53,13 +53,33 @@ def draw_bounds(axes, address):
     axes.spines[["top", "right"]].set_visible(False)
 
 
+def draw_means(axes, address):
+    """From above: the mean distance of every vertex, isolines at every 10, and where it is least."""
+    positions, triangles = geometry_of(address)
+    means = get_json(f"{address}/extent?of=means&fields=200&method=exact")["means"]
+    middle = positions[np.argmin(means)]
+    x, z = positions[:, 0], -positions[:, 2]
+    shown = axes.tripcolor(x, z, triangles, means, cmap="viridis", shading="gouraud")
+    levels = np.arange(0, max(means), 10)
+    axes.tricontour(x, z, triangles, means, levels, colors="#ffffffa0", linewidths=0.8)
+    axes.plot(middle[0], -middle[2], "o", color=ORANGE, mec="white", ms=8)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    return shown
+
+
 def main():
-    """Both panels."""
+    """Both panels of the one, and the one of the other."""
     address = sample_at(sys.argv[1], "terrain.glb")
     figure = plt.figure(figsize=(9, 4.1))
     draw_map(figure.add_axes((0, 0.02, 0.45, 0.96)), address)
     draw_bounds(figure.add_axes((0.55, 0.14, 0.43, 0.82)), address)
     save(figure, "extent.png")
+    figure = plt.figure(figsize=(5.4, 4.1))
+    shown = draw_means(figure.add_axes((0.02, 0.02, 0.72, 0.96)), address)
+    bar = figure.colorbar(shown, cax=figure.add_axes((0.79, 0.1, 0.035, 0.8)))
+    bar.set_label("mean distance (mesh units)")
+    save(figure, "means.png")
 
 
 if __name__ == "__main__":

@@ -70,6 +70,17 @@ test('the tarball of the steps is the one that npm makes', () => {
   assert.doesNotMatch(readme, /npm install geodesicd-client\b(?!-)/, 'it is in no registry');
 });
 
+test('each call beside a picture is answered', async () => {
+  const calls = [...readme.matchAll(/^\| \[<img .*\| `(.+)` \|$/gm)].map(([, call]) => call!);
+  assert.ok(calls.length >= 14);
+  const { id } = await client.upload(sample('plane_three_holes.glb'));
+  for (const call of calls) {
+    const asked = new Function('client', 'id', `return ${call}`) as (on: typeof client, id: string) => Promise<unknown>;
+    assert.ok(await asked(client, id), call);
+  }
+  await client.deleteMesh(id);
+});
+
 snippets.forEach((snippet, index) => {
   test(`snippet ${index + 1}`, async () => {
     const file = join(folder, `${index + 1}.mjs`);

@@ -75,6 +75,18 @@ def test_help_fits_a_screen(server: geodesicd.LocalServer, command: str) -> None
     assert not [line for line in told if line.startswith(" " * 12)]  # none is folded
 
 
+@pytest.mark.parametrize("command", [*COMMANDS, *QUESTIONS])
+def test_help_names_every_argument(server: geodesicd.LocalServer, command: str) -> None:
+    parser: Any = _parser()
+    for word in command.split():
+        (commands,) = (one for one in parser._actions if isinstance(one.choices, dict))
+        parser = commands.choices[word]
+    told = geodesic(server, *command.split(), "--help").stdout
+    for action in parser._actions:
+        for name in action.option_strings:
+            assert name in ("-h", "--help") or re.search(rf"(?m)^  .*{name}\b", told), name
+
+
 def test_every_command_is_listed() -> None:
     known = (
         "upload list rename delete distance path table measure extent voronoi loop logmap plot map "
@@ -192,6 +204,40 @@ def test_a_field_is_drawn(
     assert 500 < red.sum() < 20000
     white = (picture[..., :3] > 0.99).all(axis=2)
     assert 0.4 < white.mean() < 0.8
+
+
+def test_a_signed_field_is_drawn(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
+) -> None:
+    curve = geodesicd.Curve([2020, 2080, 8080, 8020], closed=True)
+    figure = plot(plane, curve, signed=True, method="exact", isolines=3, size=(4, 4), dpi=80)
+    assert figure.axes[1].get_ylabel() == "signed distance (mesh units)"
+    least, most = figure.axes[1].get_ylim()
+    assert least == -most == pytest.approx(-30)  # to the middle of the square
+    shown = figure.axes[0].images[0].get_array()
+    assert shown is not None
+    colours = np.asarray(shown)
+    middle = colours[colours.shape[0] // 2, colours.shape[1] // 2]
+    seen = colours[colours[..., 3] > 0]
+    assert middle[2] > middle[0] + 0.2  # blue inside
+    assert (seen[:, 0] > seen[:, 2] + 0.2).mean() > 0.2  # red outside
+    unsigned, signed = tmp_path / "unsigned.png", tmp_path / "signed.png"
+    asked = ("plot", plane.id, "--from", "curve:closed;2020;2080;8080;8020")
+    geodesic(server, *asked, "-o", unsigned)
+    geodesic(server, *asked, "--signed", "-o", signed)
+    assert unsigned.read_bytes() != signed.read_bytes()
+    told = geodesic(server, "plot", plane.id, "--from", "0", "--signed", "-o", signed, status=1)
+    assert "signed" in told.stderr
+
+
+def test_lines_among_sources_are_drawn(plane: geodesicd.Mesh) -> None:
+    small: dict[str, Any] = {"size": (3, 3), "dpi": 50, "isolines": 0}
+    points = plot(plane, [0, 99], **small)
+    lines = plot(plane, [geodesicd.Curve([0, 99]), 5050], target=9900, **small)
+    assert len(points.axes[0].collections) == 0
+    assert len(lines.axes[0].collections) >= 2
+    assert lines.axes[0].get_title().endswith("· path 99")
+    assert plot(plane, geodesicd.Boundary(), **small).axes
 
 
 def test_what_is_behind_is_hidden(client: geodesicd.Client, samples: Path) -> None:

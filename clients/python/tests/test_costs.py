@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from test_commands import geodesic
 
 import geodesicd
 from geodesicd import Costs
+from geodesicd.plot import plot
 
 
 def least_by_snell(width: float, height: float, weight: float) -> float:
@@ -82,6 +84,77 @@ def test_commands_walk_cheaply(
     assert glb.read_bytes().startswith(b"glTF")
     wrong = geodesic(server, "path", *asked, "--weight", "2", status=1)
     assert "NUMBER*REGION" in wrong.stderr
+
+
+@pytest.mark.parametrize(
+    ("up", "slope"), [("1,0,0", "-1:2,1:4"), ("x", "-1:2,1:4"), ("-1,0,0", "-1:4,1:2")]
+)
+def test_up_of_the_commands(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh, up: str, slope: str
+) -> None:
+    uphill = ("--slope", slope, "--up", up)
+    ends = (plane.id, "--from", "0", "--to", "99")
+    assert float(geodesic(server, "path", *ends, *uphill).stdout) == pytest.approx(99 * 4)
+    rows = geodesic(server, "table", *ends, *uphill).stdout.splitlines()
+    assert float(rows[1].split(",")[1]) == pytest.approx(99 * 4)
+    down = geodesic(server, "distance", plane.id, "--from", "99", "--at", "0", *uphill)
+    assert float(down.stdout) == pytest.approx(99 * 2)
+
+
+def test_what_the_commands_say_of_a_wrong_up(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh
+) -> None:
+    asked = ("path", plane.id, "--from", "0", "--to", "99", "--up")
+    assert "--up is three numbers" in geodesic(server, *asked, "north", status=1).stderr
+    assert "slope or steepest" in geodesic(server, *asked, "0,0,1", status=1).stderr
+
+
+def test_face_weights_of_the_commands(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
+) -> None:
+    positions, triangles = plane.geometry()
+    weights = np.where(positions[triangles].mean(axis=1)[:, 0] > 50, 3.0, 1.5)
+    sent = plane.path(0, 9998, costs=Costs(face_weights=weights)).cost
+    array, text, row = (tmp_path / f"weights.{ending}" for ending in ("npy", "txt", "csv"))
+    np.save(array, weights)
+    np.savetxt(text, weights)
+    row.write_text(",".join(map(repr, weights.tolist())))
+    asked = ("path", plane.id, "--from", "0", "--to", "9998", "--face-weights")
+    for file in (array, text, row):
+        assert float(geodesic(server, *asked, file).stdout) == pytest.approx(sent)
+    # A region goes over them.
+    over = geodesic(server, *asked, text, "--weight", "2*box:-1,-1,-1,101,101,1").stdout
+    alone = plane.path(0, 9998, costs=Costs([(2, "box:-1,-1,-1,101,101,1")])).cost
+    assert float(over) == pytest.approx(alone)
+    for name, content, told in (
+        ("words.txt", "1 2 dear", "words.txt should have numbers alone"),
+        ("endless.txt", "1 inf", "not finite"),
+        ("few.txt", "1 2 3", "face_weights"),
+    ):
+        (tmp_path / name).write_text(content)
+        assert told in geodesic(server, *asked, tmp_path / name, status=1).stderr
+    np.save(array, weights.reshape(2, -1))
+    assert "one number for each face" in geodesic(server, *asked, array, status=1).stderr
+
+
+def test_costs_are_drawn(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
+) -> None:
+    small: dict[str, Any] = {"size": (4, 3), "dpi": 50}
+    costs = Costs(slope=[(-1, 2), (1, 4)], up=(1, 0, 0))
+    figure = plot(plane, 0, target=99, costs=costs, **small)
+    assert figure.axes[0].get_title().endswith("· path 396")
+    assert figure.axes[1].get_ylabel() == "cost"
+    assert plot(plane, 0, **small).axes[1].get_ylabel() == "distance (mesh units)"
+    on_foot = plot(plane, 0, target=99, costs=Costs(slope="tobler"), **small)
+    assert on_foot.axes[0].get_title().endswith(" s")
+    assert on_foot.axes[1].get_ylabel() == "cost (seconds)"
+    asked = ("plot", plane.id, "--from", "0", "--to", "99", "-o")
+    short, dear, hilly = (tmp_path / f"{name}.png" for name in ("short", "dear", "hilly"))
+    geodesic(server, *asked, short, "--up", "z")  # the picture's alone
+    geodesic(server, *asked, dear, "--weight", "2*box:-1,-1,-1,50,99,1")
+    geodesic(server, *asked, hilly, "--slope", "tobler", "--steepest", "1", "--up", "z")
+    assert len({file.read_bytes() for file in (short, dear, hilly)}) == 3
 
 
 def test_weights_may_come_from_the_file(

@@ -88,8 +88,10 @@ def test_the_notebook_runs_and_has_no_outputs(
     code = [cell for cell in notebook.cells if cell.cell_type == "code"]
     assert all(not cell.outputs and cell.execution_count is None for cell in code)
     NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}}).execute()
-    kinds = {kind for cell in code for output in cell.outputs for kind in output.get("data", {})}
-    assert "image/png" in kinds
+    for cell in code:
+        pictures = [one for one in cell.outputs if "image/png" in one.get("data", {})]
+        shown = re.findall(r"\bdisplay\(|plt\.show\(", cell.source)
+        assert len(pictures) == len(shown), cell.source
     last = "".join(output.get("text", "") for output in code[-1].outputs)
     assert "stopped" in last
 
@@ -154,6 +156,24 @@ def test_the_readmes_python(samples: Path, tmp_path: Path, monkeypatch: pytest.M
             own.stop()
         server.stop()
     assert checked >= 12
+
+
+def test_the_readmes_pictures(holes: geodesicd.Mesh) -> None:
+    """Each is there, its page has it, and the call beside it is answered."""
+    text = (HERE / "README.md").read_text(encoding="utf-8")
+    rows = re.findall(r'(?m)^\| \[<img src="(.+?)".*?>\]\((.+?)\) \|.*\| `(.+)` \|$', text)
+    names = {"mesh": holes, **{name: getattr(geodesicd, name) for name in geodesicd.__all__}}
+    for picture, page, call in rows:
+        assert (HERE / picture).read_bytes().startswith(b"\x89PNG")
+        path, _, heading = page.partition("#")
+        told = (HERE / path).read_text(encoding="utf-8")
+        assert f"]({Path(picture).name})" in told
+        headings = [one.lower().replace(" ", "-") for one in re.findall(r"(?m)^#+ (.+)$", told)]
+        assert not heading or heading in headings
+        assert eval(call, names) is not None
+    commands = re.search(r"(?s)\[pictures\]\(#pictures\).*?```sh\n(.*?)```", text)
+    assert commands
+    assert len(rows) == len(re.findall(r"(?m)^\$ geodesic ", commands[1])) >= 14
 
 
 def test_an_analyst_works_within_ten_lines() -> None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
@@ -35,7 +36,7 @@ class _Layout(argparse.HelpFormatter):
     """A line for each argument: so all fit into a screen of 24 lines of 80 letters."""
 
     def __init__(self, prog: str) -> None:
-        super().__init__(prog, max_help_position=23, width=80)
+        super().__init__(prog, max_help_position=24, width=80)
 
     def _format_action_invocation(self, action: argparse.Action) -> str:
         if not action.option_strings or action.nargs == 0:
@@ -51,6 +52,8 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **options: Any) -> None:
         super().__init__(**options, formatter_class=_Layout, add_help=False)
         self.add_argument("-h", "--help", action="help", help=argparse.SUPPRESS)
+        # What begins with a negative number is a value, as in `--slope -1:3,1:4`: no option does.
+        self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def format_help(self) -> str:
         """As argparse calls it."""
@@ -67,10 +70,20 @@ class Parser(argparse.ArgumentParser):
         return layout.format_help().replace("\n\n", "\n", 1)  # none between usage and what it does
 
 
+def in_one_line(first: Any, second: Any, help: str) -> None:
+    """One line of the help for two arguments that belong together."""
+    names = [action.option_strings[0] for action in (first, second)]
+    first.help = second.help = argparse.SUPPRESS
+    first.also = [argparse.Action(names, first.dest, nargs=0, help=help)]
+
+
 def connection(parser: argparse.ArgumentParser) -> None:
     """Which server, and who asks."""
-    parser.add_argument("--url", help="the server; else $GEODESICD_URL, or 127.0.0.1:8080")
-    parser.add_argument("--token", help="else $GEODESICD_TOKEN")
+    in_one_line(
+        parser.add_argument("--url"),
+        parser.add_argument("--token"),
+        "else $GEODESICD_URL or 127.0.0.1:8080; $GEODESICD_TOKEN",
+    )
 
 
 def sources(parser: argparse.ArgumentParser, *, lines: bool = True, **more: Any) -> None:
@@ -100,31 +113,36 @@ def exactness(parser: argparse.ArgumentParser, points_per_edge: bool = True) -> 
     parser.add_argument(
         "--method", metavar="NAME", help="auto, exact, …; else the server's default"
     )
-    parser.add_argument(
-        "--tolerance",
-        type=float,
-        metavar="T",
-        help="auto: largest relative error",
+    in_one_line(
+        parser.add_argument("--tolerance", type=float, metavar="T"),
+        parser.add_argument("--bound", metavar="WHICH"),
+        "auto: largest relative error; upper: never too short",
     )
-    parser.add_argument("--bound", metavar="WHICH", help="auto: upper, never below the truth")
     if points_per_edge:
         parser.add_argument("--points-per-edge", type=int, metavar="N", help="of steiner")
         parser.add_argument("--deadline", type=float, metavar="SECONDS", help="give up then")
 
 
+def signed(parser: argparse.ArgumentParser) -> None:
+    """Distances with a sign."""
+    parser.add_argument("--signed", action="store_true", help="below 0 inside one closed curve")
+
+
 def surface(parser: argparse.ArgumentParser) -> None:
     """The part of the surface that a query is about: alike for all queries."""
-    parser.add_argument("--within", action="append", metavar="REGION", help="keep to faces:0-99, …")
-    parser.add_argument(
-        "--forbid", action="append", metavar="REGION", help="faces:0-99, sphere:X,Y,Z,R, box:…"
+    in_one_line(
+        parser.add_argument("--within", action="append", metavar="REGION"),
+        parser.add_argument("--forbid", action="append", metavar="REGION"),
+        "keep to, or leave out, faces:0-99, sphere:X,Y,Z,R, box:…",
     )
     parser.add_argument(
         "--walls", action="append", metavar="LINE", help="POINT;POINT…, which no path crosses"
     )
 
 
-def costs(parser: argparse.ArgumentParser) -> None:
-    """What ways cost instead of their length. Up is +Y: `upload --up` turns other files."""
+def costs(parser: argparse.ArgumentParser, up: bool = True) -> None:
+    """What ways cost instead of their length. Without ``up``, a command has an ``--up`` of its own,
+    which is an axis."""
     parser.add_argument(
         "--weight",
         action="append",
@@ -132,8 +150,21 @@ def costs(parser: argparse.ArgumentParser) -> None:
         metavar="N*REGION",
         help="cost of length there, or _NAME of the file's",
     )
-    parser.add_argument("--slope", metavar="HOW", help="tobler (s), energy (J/kg), or -1:3,0:1,1:4")
-    parser.add_argument("--steepest", type=float, metavar="SLOPE", help="steeper is not walked")
+    parser.add_argument(
+        "--face-weights",
+        type=Path,
+        metavar="FILE",
+        help="one for each face: a .npy file, or numbers as text",
+    )
+    in_one_line(
+        parser.add_argument("--slope", metavar="HOW"),
+        parser.add_argument("--steepest", type=float, metavar="SLOPE"),
+        "tobler (s), energy (J/kg) or -1:3,0:1,1:4; steeper is not walked",
+    )
+    if up:
+        parser.add_argument(
+            "--up", metavar="X,Y,Z", help="where up is, for slopes; or x, y, z; else y"
+        )
 
 
 def _costs_of(options: argparse.Namespace) -> Costs | None:
@@ -151,14 +182,57 @@ def _costs_of(options: argparse.Namespace) -> Costs | None:
                 f"--weight {text}: it is NUMBER*REGION, such as 3*faces:0-99, or one attribute of "
                 "the file's vertices, such as _MUD"
             )
+    file: Path | None = options.face_weights
+    # Where up is an axis of the picture, too, it may be given without a slope.
+    has_slope = options.slope is not None or options.steepest is not None
+    up = options.up if has_slope or not hasattr(options, "view") else None
     found = Costs(
         weights,
-        None,
+        None if file is None else _numbers_in(file),
         options.slope,
         options.steepest,
-        weight_attribute=attribute,
+        None if up is None else _up(up),
+        attribute,
     )
     return None if found == Costs([]) else found
+
+
+def _numbers_in(file: Path) -> list[float]:
+    """The numbers of a file: a ``.npy`` array, or a text with spaces, commas or lines between."""
+    if file.suffix == ".npy":
+        found = np.load(file, allow_pickle=False)
+        if found.ndim != 1 or found.dtype.kind not in "fiu":
+            told = f"{found.dtype} with the shape {found.shape}"
+            raise ValueError(f"{file} has {told}, and not one number for each face")
+    else:
+        words = file.read_text(encoding="utf-8").replace(",", " ").split()
+        try:
+            found = np.array(words, dtype=np.float64)
+        except ValueError as error:
+            raise ValueError(f"{file} should have numbers alone: {error}") from None
+    if not np.isfinite(found).all():
+        raise ValueError(f"{file} has numbers that are not finite")
+    return list(map(float, found))
+
+
+_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+def _up(text: str) -> tuple[float, float, float]:
+    return _AXES[text] if text in _AXES else vector(text, "--up")
+
+
+def vector(text: str, name: str) -> tuple[float, float, float]:
+    """A direction as it is written on a command line.
+
+    Raises:
+        ValueError: it is none of three numbers; the message says what the argument ``name`` is.
+    """
+    try:
+        x, y, z = map(float, text.split(","))
+    except ValueError:
+        raise ValueError(f"{name} is three numbers, such as 0,0,1, and not {text}") from None
+    return x, y, z
 
 
 def exactness_of(options: argparse.Namespace) -> dict[str, Any]:
@@ -177,9 +251,9 @@ def into(parser: argparse.ArgumentParser) -> None:
         "--into",
         type=Path,
         metavar="FILE",
-        help="its own .glb or .gltf with it; --attribute NAME names it",
+        help="its own .glb or .gltf with it",
     )
-    parser.add_argument("--attribute", metavar="NAME", help=argparse.SUPPRESS)
+    parser.add_argument("--attribute", metavar="_NAME", help="of the vertices, in that file")
 
 
 def save_annotated(

@@ -42,6 +42,7 @@ from .command_line import (
     save_line,
     save_sparse,
     sent,
+    signed,
     surface,
 )
 from .digits import number, numbers
@@ -148,13 +149,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     mesh_and_sources(distance)
     distance.add_argument("--at", action="append", default=[], metavar="POINT", help="only there")
-    distance.add_argument(
-        "--max",
-        type=float,
-        metavar="N",
-        help="farther is unreached; --signed: below 0 inside a curve",
-    )
-    distance.add_argument("--signed", action="store_true", help=argparse.SUPPRESS)
+    distance.add_argument("--max", type=float, metavar="N", help="farther is unreached")
+    signed(distance)
     distance.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help="a .npy file, or .csv; else printed"
     )
@@ -265,10 +261,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     plot.add_argument("--isolines", type=int, default=12, metavar="N", help="0: none")
     plot.add_argument("--view", help="front, back, left, right, top, bottom, corner, AZ,EL")
-    plot.add_argument("--up", choices=["y", "z"], default="y", metavar="AXIS", help="y or z")
-    plot.add_argument("--colormap", default="viridis", metavar="NAME", help="one of matplotlib's")
+    plot.add_argument("--up", choices=["y", "z"], metavar="AXIS", help="y or z, for slopes, too")
+    plot.add_argument("--colormap", metavar="NAME", help="one of matplotlib's")
+    signed(plot)
     exactness(plot, points_per_edge=False)
     surface(plot)
+    costs(plot, up=False)
     connection(plot)
 
     from . import map_command
@@ -469,9 +467,10 @@ def _plot(options: argparse.Namespace) -> int:
             via=points(options.via),
             isolines=options.isolines,
             view=view,
-            up=options.up,
+            up=options.up or "y",
             colormap=options.colormap,
             title=title,
+            signed=options.signed,
             progress=progress,
             **exactness_of(options),
         )

@@ -17,6 +17,7 @@ from .command_line import (
     require,
     save_line,
     save_reply,
+    vector,
 )
 from .digits import number
 
@@ -28,19 +29,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
             f"--{name}", action="append", default=[], metavar="POINT", help=f"a point {what}"
         )
     parser.add_argument("--at", metavar="POINT", help="where a plane cuts the surface")
-    parser.add_argument("--normal", metavar="X,Y,Z", help="of the plane; or --normal=-1,0,0")
+    parser.add_argument("--normal", metavar="X,Y,Z", help="of the plane")
     parser.add_argument("--hull", action="store_true", help="with --at: not into hollows")
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help=".csv, .npy, .json or .glb"
     )
-
-
-def _vector(text: str) -> tuple[float, float, float]:
-    try:
-        x, y, z = map(float, text.split(","))
-    except ValueError:
-        raise ValueError(f"--normal is three numbers, such as 0,0,1, and not {text}") from None
-    return x, y, z
 
 
 def run(options: argparse.Namespace) -> int:
@@ -52,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
         "through": points(options.through),
         "around": points(options.around),
         "at": None if options.at is None else point(options.at),
-        "normal": None if options.normal is None else _vector(options.normal),
+        "normal": None if options.normal is None else vector(options.normal, "--normal"),
         **exactness_of(options),
     }
     asked = {name: value for name, value in asked.items() if value not in (None, [])}

@@ -14,12 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .client import Mesh
+from .costs import Costs
 from .flows import Progress
-from .points import PointLike, PointsLike, points_of
+from .points import Point, PointLike, PointsLike, points_of
 from .queries import Refine
 from .raster import Camera, Seen, corner_normals, render
 from .results import Float64, FloatArray, Geometry, Isoline, Path, SurfacePoint
 from .surface_regions import RegionsLike, WallsLike
+from .wire import surface_point
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,10 +53,12 @@ def plot(
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
     walls: WallsLike | None = None,
+    costs: Costs | None = None,
+    signed: bool = False,
     isolines: int = 12,
     view: str | View | None = None,
     up: Literal["y", "z"] = "y",
-    colormap: str = "viridis",
+    colormap: str | None = None,
     title: str | None = None,
     size: tuple[float, float] = (10, 7.5),
     dpi: int = 150,
@@ -63,17 +67,19 @@ def plot(
     """Asks for the field, its isolines and, with ``target``, the path, and draws them.
 
     Args:
-        sources: points; a path starts at the first of them.
+        sources: points, curves, boundaries and faces; a path starts at the first of them.
         method: how distances are computed; without it the server's default, which the title names.
         bound, tolerance: for ``method="auto"``, of the field and its isolines.
         within, forbid, walls: the part of the surface that the answers are about
             (:mod:`geodesicd.surface_regions`).
-        isolines: how many, evenly spaced; 0 for none.
+        costs: what ways cost instead of their length (:mod:`geodesicd.costs`).
+        signed: distances are below 0 inside the one closed curve that is the source.
+        isolines: how many, evenly spaced; 0 for none. With ``signed`` they are on both sides.
         view: ``"front"``, ``"back"``, ``"left"``, ``"right"``, ``"top"``, ``"bottom"``,
             ``"corner"`` or (azimuth, elevation) in degrees; without it from a corner, or
             straight at a flat mesh.
-        up: which axis is up.
-        colormap: any of matplotlib's.
+        up: which axis is up in the picture.
+        colormap: any of matplotlib's; without it viridis, and RdBu_r where some are below 0.
         title: what to call the mesh.
         size: inches. dpi: pixels an inch.
         progress: called with the part of the field that is done.
@@ -83,26 +89,33 @@ def plot(
     """
     kept: dict[str, Any] = {"within": within, "forbid": forbid, "walls": walls}
     exactness: dict[str, Any] = {"method": method, "bound": bound, "tolerance": tolerance}
+    points = points_of(sources)
     # A frame, because it says by which method: a bare array does not.
-    asked = {"from": points_of(sources), **exactness, **kept}
+    asked = {"from": points, "signed": signed or None, "costs": costs, **exactness, **kept}
     answer = mesh.query("distance", asked, format="frame", progress=progress)
     field = answer.arrays["distances"]
-    used = str((answer.document or {}).get("method", method or ""))
-    found = mesh.nearest(sources, **kept)
+    told = answer.document or {}
+    used = str(told.get("method", method or ""))
+    found = [surface_point(point) for point in told["from"]]
     finite = np.isfinite(field).any() and field[np.isfinite(field)].max() > 0
-    lines = (
-        mesh.isolines(sources, count=isolines, **exactness, **kept) if isolines and finite else []
+    levels = (
+        mesh.isolines(sources, count=isolines, costs=costs, **exactness, **kept)
+        if isolines and finite
+        else []
     )
     path = None
     if target is not None:
-        path = mesh.path(found[0], target, via=via, method=method, refine=refine, **kept)
+        start = points[0] if found[0].kind else found[0]  # of points, where they are: no offset
+        path = mesh.path(start, target, via=via, method=method, refine=refine, costs=costs, **kept)
     return draw(
         mesh.geometry(),
         field,
-        isolines=lines,
+        isolines=levels,
         path=path,
-        sources=found,
+        lines=_curves(mesh, points, kept),
+        sources=[point for point in found if not point.kind],
         title=_title(mesh, title, used, path),
+        label=_label(told.get("unit"), signed),
         view=view,
         up=up,
         colormap=colormap,
@@ -111,12 +124,35 @@ def plot(
     )
 
 
+def _curves(mesh: Mesh, sources: Sequence[Point], kept: dict[str, Any]) -> list[Float64]:
+    """The curves among sources, as lines."""
+    found = []
+    for source in sources:
+        text = source.text() or ""
+        if text.startswith("curve:"):
+            corners = text.removeprefix("curve:").split(";")
+            if corners[0] == "closed":
+                corners = [*corners[1:], corners[1]]
+            ends = corners[0], corners[-1]
+            found.append(mesh.path(*ends, via=corners[1:-1], method="exact", **kept).points)
+    return found
+
+
+def _label(unit: str | None, signed: bool) -> str:
+    """What the numbers of the field are; a unit have costs alone."""
+    if unit is None:
+        return f"{'signed ' * signed}distance (mesh units)"
+    return {"seconds": "cost (seconds)", "length": "cost (mesh units)"}.get(unit, unit)
+
+
 def _title(mesh: Mesh, name: str | None, method: str, path: Path | None) -> str:
     named = (mesh.name, *(part.name for part in mesh.parts), mesh.id[:12])
     name = name or next(one for one in named if one)
     title = f"{name} · {mesh.vertices:,} vertices · {method}"
     if path is not None:
-        title += f" · path {path.length:.5g}" if path.reachable else " · target out of reach"
+        long = path.length if path.cost is None else path.cost
+        title += f" · path {long:.5g}" if path.reachable else " · target out of reach"
+        title += " s" if path.reachable and path.unit == "seconds" else ""
         if path.method != method:
             title += f" ({path.method})"
     return title
@@ -135,14 +171,14 @@ def draw(
     smooth: bool = True,
     view: str | View | None = None,
     up: Literal["y", "z"] = "y",
-    colormap: str = "viridis",
+    colormap: str | None = None,
     size: tuple[float, float] = (10, 7.5),
     dpi: int = 150,
 ) -> Figure:
     """Draws what is at hand already: ``field`` (vertices,) on ``geometry``; infinite values are
-    grey. ``lines``: polylines (n, 3) on the surface. Without ``smooth``, a place has the value of
-    the closest vertex: for labels, which have nothing in between. Other parameters as of
-    :func:`plot`."""
+    grey. Where some are below 0, 0 is the middle of the colours. ``lines``: polylines (n, 3) on the
+    surface. Without ``smooth``, a place has the value of the closest vertex: for labels, which have
+    nothing in between. Other parameters as of :func:`plot`."""
     try:
         from matplotlib import colormaps
         from matplotlib.cm import ScalarMappable
@@ -161,7 +197,10 @@ def draw(
     seen = render(camera, geometry)
 
     finite = field[np.isfinite(field)]
-    norm = Normalize(0, float(finite.max()) if len(finite) and finite.max() > 0 else 1.0)
+    most = float(np.abs(finite).max()) if len(finite) and finite.any() else 1.0
+    has_sides = len(finite) > 0 and finite.min() < 0
+    norm = Normalize(-most if has_sides else 0.0, most)
+    colormap = colormap or ("RdBu_r" if has_sides else "viridis")
     at_pixels = seen.interpolate if smooth else seen.nearest
     colours = colormaps[colormap](norm(at_pixels(geometry.triangles, np.asarray(field))))
     values = seen.interpolate(geometry.triangles, np.where(np.isfinite(field), 0.0, 1.0))
@@ -185,8 +224,9 @@ def draw(
     axes.set_title(title, fontsize=10, color=_INK)
     bar = figure.colorbar(ScalarMappable(norm, colormap), ax=axes, shrink=0.75, pad=0.02)
     bar.set_label(label)
-    for line in isolines if smooth else ():
-        bar.ax.axhline(line.level, color=_INK, linewidth=0.6, alpha=0.75)
+    for level in {line.level for line in isolines} if smooth else ():
+        for side in (level, -level) if has_sides else (level,):
+            bar.ax.axhline(side, color=_INK, linewidth=0.6, alpha=0.75)
     return figure
 
 
