@@ -41,8 +41,8 @@ class Path(_Line):
         method: how distances were computed.
         refine: ``"none"`` or ``"shortest"``.
         cost: what the whole costs, with ``costs``; infinite when not reachable, else None.
-        unit: what costs are in: ``"seconds"``, ``"joules_per_kilogram"``, ``"length"`` or ``"cost"``; None
-            without costs.
+        unit: what costs are in: ``"seconds"``, ``"joules_per_kilogram"``, ``"length"`` or
+            ``"cost"``; None without costs.
         segment_costs: (n - 1,) float64, from each point to the next; None without costs.
     """
 
