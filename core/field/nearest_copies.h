@@ -6,18 +6,20 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/base/cancel.h"
 #include "core/mesh/mesh.h"
 
 namespace geodesic {
 
 // Of vertices that have copies with a value less than theirs, the copy with the least. They are
-// those that vertex_of_source has. `value_at(v)`: of a vertex. O(v), and memory for no others.
+// those that vertex_of_source has. `value_at(v)`: of a vertex. O(v), and memory for no others. Of
+// no use if the poll says to stop.
 template <class ValueAt>
 [[nodiscard]] std::unordered_map<std::uint32_t, std::uint32_t> nearer_copies(
-    const Mesh& mesh, const ValueAt& value_at) {
+    const Mesh& mesh, const ValueAt& value_at, Poll& poll) {
   const auto firsts = mesh.vertex_of_source();
   std::unordered_map<std::uint32_t, std::uint32_t> nearer;
-  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+  for (std::uint32_t v = 0; v < mesh.vertex_count() && !poll.cancelled(); ++v) {
     const std::uint32_t source = mesh.source_of_vertex(v);
     if (source >= mesh.source_vertex_count() || firsts[source] == v) continue;
     const std::uint32_t first = firsts[source];
@@ -28,14 +30,17 @@ template <class ValueAt>
 }
 
 // By source vertex, of its copies the one with the least value; kNone where it is on no surface.
-// `values`: by vertex.
+// `values`: by vertex. Of no use if the poll says to stop.
 template <class Values>
-[[nodiscard]] std::vector<std::uint32_t> nearest_copies(const Mesh& mesh, const Values& values) {
+[[nodiscard]] std::vector<std::uint32_t> nearest_copies(const Mesh& mesh, const Values& values,
+                                                        Poll& poll) {
   const auto firsts = mesh.vertex_of_source();
   std::vector<std::uint32_t> found(firsts.begin(), firsts.end());
-  const auto nearer = nearer_copies(mesh, [&](std::uint32_t v) { return values[v]; });
+  const auto nearer = nearer_copies(
+      mesh, [&](std::uint32_t v) { return values[v]; }, poll);
   if (nearer.empty()) return found;
   for (std::uint32_t& v : found) {
+    if (poll.cancelled()) break;
     if (const auto copy = nearer.find(v); copy != nearer.end()) v = copy->second;
   }
   return found;

@@ -82,7 +82,8 @@ Result<IntrinsicDelaunay> IntrinsicDelaunay::build(const Triangulation& mesh,
   std::vector<std::uint32_t> corner_begin;
   std::vector<std::uint32_t> corners;
   run_in_blocks(result.faces.size(), poll,
-                [&](std::size_t, std::size_t begin, std::size_t end, Poll&) {
+                [&](std::size_t, std::size_t begin, std::size_t end, Poll& asked) {
+                  if (asked.ask()) return;
                   std::copy(mesh.faces.begin() + static_cast<std::ptrdiff_t>(begin),
                             mesh.faces.begin() + static_cast<std::ptrdiff_t>(end),
                             result.faces.all().begin() + static_cast<std::ptrdiff_t>(begin));

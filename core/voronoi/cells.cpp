@@ -61,10 +61,11 @@ class CellMeasure {
   // As a field has them: a vertex on a wall is in the cell of its nearest side.
   void count_vertices() {
     const Mesh& mesh = adjacency_.mesh();
-    const auto nearer = nearer_copies(mesh, [&](std::uint32_t v) {
+    const auto square_of = [&](std::uint32_t v) {
       return near_.is_reached(v) ? near_.square(v, near_.nearest(v))
                                  : std::numeric_limits<double>::infinity();
-    });
+    };
+    const auto nearer = nearer_copies(mesh, square_of, poll_);
     for (std::uint32_t v : mesh.vertex_of_source()) {
       if (poll_.cancelled()) return;
       if (const auto copy = nearer.find(v); copy != nearer.end()) v = copy->second;

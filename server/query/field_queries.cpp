@@ -44,8 +44,8 @@ double limit_of(const proto::MethodChoice& method, std::optional<double> max) {
 }
 
 // Fills `reached`, `max` and `farthest` from the distances.
-void summarise(proto::DistanceReply& reply) {
-  for (std::size_t i = 0; i < reply.distances.size(); ++i) {
+void summarise(proto::DistanceReply& reply, Poll& poll) {
+  for (std::size_t i = 0; i < reply.distances.size() && !poll.cancelled(); ++i) {
     const double d = reply.distances[i];
     if (d == kUnreached) continue;
     ++reply.reached;
@@ -62,17 +62,19 @@ double with_sign(double distance, bool is_inside) {
 }
 
 // Every vertex's distance, and its label if wanted, in source-vertex order. `is_split`: whether
-// walls may have doubled vertices. `sides`: null unless distances have a sign.
+// walls may have doubled vertices. `sides`: null unless distances have a sign. Not all of it if the
+// poll says to stop.
 void take_whole_field(const Mesh& mesh, const Field& field, bool labels, bool is_split,
-                      const LineSides* sides, proto::DistanceReply& reply) {
+                      const LineSides* sides, proto::DistanceReply& reply, Poll& poll) {
   std::vector<std::uint32_t> copies;
   auto vertex_of_source = mesh.vertex_of_source();
-  if (is_split) vertex_of_source = copies = nearest_copies(mesh, field.distance);
+  if (is_split) vertex_of_source = copies = nearest_copies(mesh, field.distance, poll);
   reply.distances.reserve(vertex_of_source.size());
   const auto distance_at = [&](std::uint32_t v) {
     return v == kNone ? kUnreached : field.distance[v];
   };
   for (const std::uint32_t v : vertex_of_source) {
+    if (poll.cancelled()) return;
     const bool is_inside = sides != nullptr && v != kNone && sides->is_inside(v);
     reply.distances.push_back(with_sign(distance_at(v), is_inside));
   }
@@ -80,6 +82,7 @@ void take_whole_field(const Mesh& mesh, const Field& field, bool labels, bool is
   auto& out = reply.labels.emplace();
   out.reserve(vertex_of_source.size());
   for (const std::uint32_t v : vertex_of_source) {
+    if (poll.cancelled()) return;
     const std::uint32_t source =
         field.nearest_source.empty() || v == kNone ? 0 : field.nearest_source[v];
     out.push_back(distance_at(v) == kUnreached ? kNone : field.item_of_source(source));
@@ -195,9 +198,13 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const AskedSurface& 
     if (is_split) answer.drawn_field = field->value;
     if (is_split && sides != nullptr) answer.drawn_inside = {sides, &sides->vertices()};
     answer.complete = [adjacency = place->adjacency(), kept = field->value, labels = request.labels,
-                       is_split, sides](proto::DistanceReply& whole) {
-      take_whole_field(adjacency->mesh(), *kept, labels, is_split, sides.get(), whole);
-      summarise(whole);
+                       is_split,
+                       sides](proto::DistanceReply& whole, const Cancel& cancel) -> Result<void> {
+      Poll poll(cancel);
+      take_whole_field(adjacency->mesh(), *kept, labels, is_split, sides.get(), whole, poll);
+      summarise(whole, poll);
+      if (poll.stopped()) return fail_stopped(poll);
+      return {};
     };
   } else {
     const auto at = place->points(request.at, reply.at.emplace(), reply.warnings);
@@ -210,7 +217,10 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const AskedSurface& 
       reply.distances[i] = with_sign(reply.distances[i], sides->is_inside((*at)[i]));
     }
     if (request.labels) reply.labels = std::move(found->labels);
-    summarise(reply);
+    const Cancel cancel(std::cref(caller));
+    Poll poll(cancel);
+    summarise(reply, poll);
+    if (poll.stopped()) return fail(caller.why_stopped());
   }
   return answer;
 }

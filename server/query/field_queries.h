@@ -35,7 +35,7 @@ struct Answered {
   std::shared_ptr<const Adjacency> adjacency;
   // To be called, if set, before the reply is complete: with the memory for it, where long work
   // may be done. `numbers` are those that come then.
-  std::function<void(Reply&)> complete;
+  std::function<Result<void>(Reply&, const Cancel&)> complete;
   std::uint64_t numbers = 0;
   // The same for what only a drawing has: to be called, if set, before the reply is drawn.
   std::function<Result<void>(Reply&, const Cancel&)> complete_drawing;

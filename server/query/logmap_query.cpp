@@ -36,10 +36,11 @@ std::uint64_t count_places(const LogMap& map, const Mesh& mesh, Poll& poll) {
   return count;
 }
 
-// What the map says of the engine's vertices, in the client's numbers.
-void take_over(const LogMap& map, const Mesh& mesh, proto::LogmapReply& reply) {
+// What the map says of the engine's vertices, in the client's numbers. Not all of it if the poll
+// says to stop.
+void take_over(const LogMap& map, const Mesh& mesh, proto::LogmapReply& reply, Poll& poll) {
   const auto is_before = [](const LogMap::Entry& e, std::uint32_t v) { return e.vertex < v; };
-  for (std::uint32_t v = 0; v < mesh.source_vertex_count(); ++v) {
+  for (std::uint32_t v = 0; v < mesh.source_vertex_count() && !poll.cancelled(); ++v) {
     const std::uint32_t vertex = mesh.vertex_of_source()[v];
     const auto entry = std::lower_bound(map.entries.begin(), map.entries.end(), vertex, is_before);
     if (entry == map.entries.end() || entry->vertex != vertex) continue;
@@ -104,8 +105,12 @@ Result<Answered<proto::LogmapReply>> FieldQueries::answer(const AskedSurface& su
   }
   if (request.radius) reply.radius = *request.radius;
   const auto map = std::make_shared<const LogMap>(std::move(*found));
-  answer.complete = [map, adjacency = place->adjacency()](proto::LogmapReply& to) {
-    take_over(*map, adjacency->mesh(), to);
+  answer.complete = [map, adjacency = place->adjacency()](proto::LogmapReply& to,
+                                                          const Cancel& cancel) -> Result<void> {
+    Poll poll(cancel);
+    take_over(*map, adjacency->mesh(), to, poll);
+    if (poll.stopped()) return fail_stopped(poll);
+    return {};
   };
   return answer;
 }

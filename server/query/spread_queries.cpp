@@ -54,10 +54,12 @@ Result<std::vector<double>> levels_within(const Levels& asked, double max) {
   return levels;
 }
 
-void take_means(const Mesh& mesh, const MeanDistances& means, proto::ExtentReply& reply) {
+void take_means(const Mesh& mesh, const MeanDistances& means, proto::ExtentReply& reply,
+                Poll& poll) {
   reply.means.reserve(mesh.source_vertex_count());
   reply.margins.reserve(mesh.source_vertex_count());
-  for (const std::uint32_t v : nearest_copies(mesh, means.mean)) {
+  for (const std::uint32_t v : nearest_copies(mesh, means.mean, poll)) {
+    if (poll.cancelled()) return;
     const bool is_known = v != kNone && means.mean[v] != kUnreached;
     reply.means.push_back(is_known ? means.mean[v] : kUnreached);
     reply.margins.push_back(is_known ? means.margin[v] : kUnreached);
@@ -192,8 +194,11 @@ Result<Answered<proto::ExtentReply>> FieldQueries::answer(const AskedSurface& su
     }
     answer.complete = [adjacency = place->adjacency(),
                        kept = std::make_shared<const MeanDistances>(std::move(*means))](
-                          proto::ExtentReply& whole) {
-      take_means(adjacency->mesh(), *kept, whole);
+                          proto::ExtentReply& whole, const Cancel& cancel) -> Result<void> {
+      Poll poll(cancel);
+      take_means(adjacency->mesh(), *kept, whole, poll);
+      if (poll.stopped()) return fail_stopped(poll);
+      return {};
     };
     return answer;
   }

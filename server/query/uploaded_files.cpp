@@ -1,5 +1,6 @@
 // What an uploaded file says that its mesh does not: its bytes, attributes, materials and parts.
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -37,8 +38,11 @@ Result<MeshCatalog::StoredFile> MeshCatalog::stored_file(const std::string& id,
                                                          const Caller& caller) {
   auto turn = file_turns_.take(caller);
   if (!turn) return fail(std::move(turn.error()));
-  auto bytes = store_.get_source(id);
-  if (!bytes) return fail(std::move(bytes.error()));
+  auto bytes = store_.get_source(id, std::cref(caller));
+  if (!bytes) {
+    const bool is_stopped = bytes.error().code == ErrorCode::cancelled;
+    return fail(is_stopped ? caller.why_stopped() : std::move(bytes.error()));
+  }
   auto options = options_of(id);
   if (!options) return fail(std::move(options.error()));
   return StoredFile{std::move(*bytes), std::move(*options), std::move(*turn)};

@@ -231,7 +231,10 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
     if (is_large(size)) {
       if (auto more = memory->grow(size.bytes); !more) return fail(std::move(more.error()));
     }
-    if (answer->complete) answer->complete(answer->reply);
+    if (answer->complete) {
+      auto completed = answer->complete(answer->reply, cancel);
+      if (!completed) return fail(std::move(completed.error()));
+    }
     if (answer->complete_drawing && is_drawing(format->format)) {
       auto completed = answer->complete_drawing(answer->reply, cancel);
       if (!completed) return fail(std::move(completed.error()));

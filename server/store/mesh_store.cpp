@@ -179,15 +179,19 @@ Result<void> MeshStore::put_metadata(std::string_view id, std::string_view metad
   return {};
 }
 
-Result<std::string> MeshStore::get_source(std::string_view id) {
+Result<std::string> MeshStore::get_source(std::string_view id, const std::function<bool()>& stop) {
   const auto known = use(id);
   if (!known) return fail(known.error());
   if (!*known) return unknown_mesh();
   auto bytes = counted(storage_->read(ObjectKind::source, id, index_.bytes_of(id).value_or(0)));
   if (!bytes) return fail(std::move(bytes.error()));
-  if (*bytes && sha256_hex((*bytes)->bytes) == source_digest(id)) {
-    note_whole(id, std::move((*bytes)->version));
-    return std::move((*bytes)->bytes);
+  if (*bytes) {
+    const auto digest = sha256_hex((*bytes)->bytes, stop);
+    if (!digest) return fail(ErrorCode::cancelled, "the client is gone");
+    if (*digest == source_digest(id)) {
+      note_whole(id, std::move((*bytes)->version));
+      return std::move((*bytes)->bytes);
+    }
   }
   return read_again_or_quarantine(id);
 }

@@ -82,8 +82,10 @@ class MeshStore {
 
   // The bytes as uploaded, their digest checked anew. `mesh_unknown`;
   // `store_corrupt` when the bytes are not those that were stored: they are then
-  // in quarantine and the mesh is unknown.
-  [[nodiscard]] Result<std::string> get_source(std::string_view id);
+  // in quarantine and the mesh is unknown. `stop`: asked every few milliseconds while the digest is
+  // computed; `cancelled`.
+  [[nodiscard]] Result<std::string> get_source(
+      std::string_view id, const std::function<bool()>& stop = [] { return false; });
 
   // The same as a file to be sent as it is read; null where the storage has no files, or the
   // bytes are to be had by `get_source` only, which also says what is wrong with them. Their digest

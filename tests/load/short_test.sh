@@ -15,4 +15,5 @@ python3 soak.py "$build" --seconds 6 --slack 3 || status=1
 python3 slow_downloads.py "$build" --clients 30 --megabytes 8 || status=1
 python3 table_slots.py "$build" --rounds 2 --rows 8 --slack 30 || status=1
 python3 memory_mix.py "$build" --side 200 --seconds 8 --query-mib 12 --compute-mib 64 --caches-mib 48 --deadline-ms 20000 || status=1
+python3 stops.py "$build" --side 300 --rounds 1 || status=1
 exit $status

@@ -1,23 +1,24 @@
 #!/usr/bin/env python3
 """stops.py BUILD: how much a server still computes for a client that has hung up.
 
-Each kind of work is begun on a terrain of a million vertices and its client closes the
-connection at some moment; then counts the processor time that the server and its decoders
-still take until they rest. That is what a stop costs others, and it does not depend on who
-else uses the machine. An upload that is found stored afterwards had been computed to its end
-when its client left; it is told apart. Exit status 1 if any took more than 50 ms."""
+Each kind of work is begun, most of them on a terrain of a million vertices, and its client
+closes the connection at some moment; then counts the processor time that the server and its
+decoders still take until they rest. That is what a stop costs others, and it does not depend
+on who else uses the machine. An upload that is found stored afterwards had been computed to
+its end when its client left; it is told apart. Exit status 1 if any took more than 50 ms."""
 
 import argparse
 import http.client
 import json
 import pathlib
 import random
+import select
 import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
-from decoder_overhead import grid  # noqa: E402
+from kinds_of_work import kinds_of_work  # noqa: E402
 from service import Checks, Service, describe  # noqa: E402
 
 BOUND_MS = 50.0
@@ -49,16 +50,28 @@ def stored(service):
     return service.get("/v1/meshes?limit=1000").count(b'"id":"')
 
 
+def reply_began(connection):
+    """Whether there is some of the reply already, and that it is none that refuses."""
+    if not select.select([connection.sock], [], [], 0)[0]:
+        return False
+    head = connection.sock.recv(4096)
+    if int(head.split(b" ", 2)[1]) >= 400:
+        raise RuntimeError(repr(head))
+    return True
+
+
 def stops(service, work, rounds, longest):
-    """Processor times by when it was hung up: moments spread over `longest` seconds."""
+    """Processor times by when it was hung up: moments spread over `longest` seconds. And how
+    often a mesh had been stored, and a reply had begun."""
     times = {}
-    finished = 0
+    finished = begun = 0
     meshes = stored(service)
     for turn in range(rounds):
         method, target, body = work(turn)
         connection = begin(service.port, method, target, body)
         moment = longest * (turn + random.random()) / rounds
         time.sleep(moment)
+        begun += reply_began(connection)
         connection.close()
         taken = until_at_rest(service)
         before, meshes = meshes, stored(service)
@@ -66,12 +79,12 @@ def stops(service, work, rounds, longest):
             finished += 1
         else:
             times[moment] = taken
-    return times, finished
+    return times, finished, begun
 
 
 def took(service, work):
     """How long the whole work takes when nobody hangs up."""
-    method, target, body = work(0)
+    method, target, body = work(-1)
     begun = time.perf_counter()
     connection = begin(service.port, method, target, body)
     reply = connection.getresponse()
@@ -79,29 +92,6 @@ def took(service, work):
     if reply.status >= 400:
         raise RuntimeError(f"{target}: {reply.status}: {text[:500]!r}")
     return time.perf_counter() - begun
-
-
-def kinds_of_work(mesh, side):
-    """Name, and what to ask for in a turn; each turn's is new to the server."""
-
-    def uploaded(query):
-        return lambda turn: ("POST", "/v1/meshes" + query, grid(side, 0.05 + 1e-4 * turn))
-
-    def asked(what, query):
-        def work(turn):
-            vertex = (turn * 7919 + 12345) % (side * side)
-            return "GET", f"/v1/meshes/{mesh}/{what}?from=v:{vertex}&{query}", None
-
-        return work
-
-    yield "upload", uploaded("?up=z"), None
-    yield "upload, welded within", uploaded("?weld=0.01"), None
-    for name in ("dijkstra", "wavefront", "auto", "novotni", "fast_marching", "steiner"):
-        yield name, asked("distance", f"format=f32&method={name}"), None
-    yield "exact", asked("distance", "format=f32&method=exact"), 10
-    yield "chen_han", asked("distance", "format=f32&method=chen_han"), 10
-    yield "path", asked("path", f"to=v:{side * side - 1}"), None
-    yield "isolines", asked("isolines", "count=50"), None
 
 
 def main():
@@ -116,16 +106,18 @@ def main():
     random.seed(4)
     checks = Checks()
     with Service(args.build, "--field-cache-bytes", "0") as service:
-        connection = begin(service.port, "POST", "/v1/meshes", grid(args.side, 0.05))
-        mesh = json.load(connection.getresponse())["id"]
-        for name, work, most in kinds_of_work(mesh, args.side):
+
+        def upload(file):
+            return json.load(begin(service.port, "POST", "/v1/meshes", file).getresponse())["id"]
+
+        for name, work in kinds_of_work(upload, args.side):
             if args.only not in (None, name):
                 continue
-            longest = args.within or most or took(service, work)
-            times, finished = stops(service, work, args.rounds, longest)
+            longest = args.within or took(service, work)
+            times, finished, begun = stops(service, work, args.rounds, longest)
             print(f"{name}, hung up within {longest:.2f} s: {describe(list(times.values()))}")
-            if finished:
-                print(f"  {finished} had been stored")
+            if finished or begun:
+                print(f"  {finished} had been stored, {begun} replies had begun")
             if not times:
                 continue
             worst = max(times, key=times.get)

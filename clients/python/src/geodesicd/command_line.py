@@ -159,7 +159,7 @@ def costs(parser: argparse.ArgumentParser, up: bool = True) -> None:
     in_one_line(
         parser.add_argument("--slope", metavar="HOW"),
         parser.add_argument("--steepest", type=float, metavar="SLOPE"),
-        "tobler (s), energy (J/kg) or -1:3,0:1,1:4; steeper is not walked",
+        "tobler, energy or -1:3,0:1,1:4; steeper is not walked",
     )
     if up:
         parser.add_argument(
