@@ -37,7 +37,7 @@ struct FlatSegment {
 };
 
 // A place of a face, laid over the side that starts at corner c.
-FlatPoint over_side(const FaceOverEdge& over, std::uint32_t c, const std::array<double, 3>& bary) {
+FlatPoint over_side(const FaceOnBase& over, std::uint32_t c, const std::array<double, 3>& bary) {
   const double above = bary[previous_corner(c)];
   return {bary[next_corner(c)] * over.base + above * over.apex_x, above * over.apex_y};
 }
@@ -169,7 +169,7 @@ double FieldOnLines::least(std::span<const LineSegment> segments) const {
 bool FieldOnLines::crosses_a_line(const Piece& piece) const {
   const std::span<const std::uint32_t> others = field_.lines->segments_within(piece.face);
   if (others.empty()) return false;
-  const FaceOverEdge over = FaceOverEdge::of(adjacency_, halfedge(piece.face, 0));
+  const FaceOnBase over = FaceOnBase::of(adjacency_, halfedge(piece.face, 0));
   const double slack = kStripSlack * over.base;
   return std::any_of(others.begin(), others.end(), [&](std::uint32_t s) {
     if (poll_.cancelled()) return false;
@@ -194,7 +194,7 @@ void FieldOnLines::lower_within(const Piece& piece, double& least) const {
       std::lower_bound(sources_.begin(), sources_.end(), piece.face,
                        [](const PointSource& one, std::uint32_t f) { return one.face < f; });
   if (source == sources_.end() || source->face != piece.face) return;
-  const FaceOverEdge over = FaceOverEdge::of(adjacency_, halfedge(piece.face, 0));
+  const FaceOnBase over = FaceOnBase::of(adjacency_, halfedge(piece.face, 0));
   for (; source != sources_.end() && source->face == piece.face; ++source) {
     if (poll_.cancelled()) return;
     // Seen from the source, so that what is close keeps its digits.
@@ -210,7 +210,7 @@ void FieldOnLines::lower_within(const Piece& piece, double& least) const {
 
 void FieldOnLines::lower_by_side(const Piece& piece, std::uint32_t c, double& least) const {
   const Halfedge h = halfedge(piece.face, c);
-  const FaceOverEdge over = FaceOverEdge::of(adjacency_, h);
+  const FaceOnBase over = FaceOnBase::of(adjacency_, h);
   if (!(over.base > 0)) return;
   const FlatSegment segment{over_side(over, c, piece.from), over_side(over, c, piece.to)};
   const double at_tail = field_.distance[adjacency_.tail(h)];

@@ -29,8 +29,8 @@ class FieldOnLines {
   // The field has lines, and details in the faces of what is asked about. All must outlive this.
   FieldOnLines(const Adjacency& adjacency, const Field& field, Poll& poll);
 
-  // The least distance of all points on the segments, but for those at their ends: these are told
-  // by what tells of points. As right as the field is at points inside faces; never below the
+  // The least distance over the segments' interiors: their ends are to be asked for as points. As
+  // right as the field is at points inside faces; never below the
   // length of a way, but for rounding. 0 where the segments meet the field's lines. kUnreached
   // where there is no way. Of no use if the poll says to stop.
   [[nodiscard]] double least(std::span<const LineSegment> segments) const;

@@ -13,7 +13,8 @@
 
 namespace geodesic {
 
-// Boundary edges in a row, each followed by the one that ends the same fan of faces.
+// Boundary edges in a row, each followed by the one at the other end of the fan of faces about
+// their common vertex.
 struct BoundaryLoop {
   std::vector<Halfedge> edges;
   double length = 0;      // mesh units
@@ -46,8 +47,8 @@ void add_edges(const Adjacency& adjacency, std::span<const Halfedge> edges, std:
 void add_faces(const Adjacency& adjacency, std::span<const std::uint32_t> faces, std::uint32_t item,
                SourceLines& lines, std::vector<Source>& sources, Poll& poll);
 
-// Leaves of lines and sources that are there several times the first: each of the same waves would
-// go over the whole surface. A line is the same backwards, and in any face on its edge.
+// Removes repeated lines and sources; the first of each stays. Otherwise equal waves would cross
+// the surface once each. A line is the same backwards, and in any face on its edge.
 void merge_repeated(const Adjacency& adjacency, SourceLines& lines, std::vector<Source>& sources,
                     Poll& poll);
 

@@ -165,7 +165,7 @@ class StripFront {
   // Both ways from a segment along an edge, into all faces there.
   void leave_edge(Halfedge h, std::uint32_t s) {
     const LineSegment& segment = lines_.segments[s];
-    const FaceOverEdge over = FaceOverEdge::of(adjacency_, h);
+    const FaceOnBase over = FaceOnBase::of(adjacency_, h);
     const std::uint32_t n = next_corner(corner_of(h));
     const auto [begin, end] = std::minmax({segment.from[n] * over.base, segment.to[n] * over.base});
     const Leaving leaving{h, adjacency_.tail(h), over.base, begin, end, 0, 0, 1};
@@ -177,7 +177,7 @@ class StripFront {
     const LineSegment& segment = lines_.segments[s];
     const std::uint32_t f = segment.face;
     if (lines_.has_face(f)) return;
-    const FaceOverEdge over = FaceOverEdge::of(adjacency_, halfedge(f, 0));
+    const FaceOnBase over = FaceOnBase::of(adjacency_, halfedge(f, 0));
     std::array<BesideSegment, 3> corner{};
     for (std::uint32_t c = 0; c < 3; ++c) {
       std::array<double, 3> bary{};
@@ -342,7 +342,7 @@ class StripFront {
 
   void cross(std::uint32_t number) {
     const LineStrip strip = strips_[number];
-    const FaceOverEdge over = FaceOverEdge::of(adjacency_, strip.into);
+    const FaceOnBase over = FaceOnBase::of(adjacency_, strip.into);
     const Halfedge h = strip.into;
     const std::uint32_t f = face_of(h);
     const std::uint32_t c = corner_of(h);

@@ -29,9 +29,8 @@ struct MetVertex {
 
 struct StripsOfLines {
   std::shared_ptr<LineWaves> waves;
-  std::vector<MetVertex>
-      met;                  // ascending; no ends of lines, and none within a face that is a source
-  bool is_complete = true;  // false: there were more strips than `most`
+  std::vector<MetVertex> met;  // ascending; none within a face that is a source
+  bool is_complete = true;     // false: there were more strips than `most`
 };
 
 struct StripLimits {
@@ -41,10 +40,11 @@ struct StripLimits {
   bool fail_beyond = false;  // too_large where there are more; else the strips so far
 };
 
-// Sends the strips of the lines over the surface, the nearest first. A strip ends where the ways
-// along the edge from its ends are shorter, for no shortest path goes on there (Xin, Wang 2009,
-// theorem 3.2). On a surface with edges of three faces and more it ends, too, where an earlier one,
-// or the way along the edge from its ends, is as near: there strips may meet that came from one
+// Sends the strips of the lines over the surface, the nearest first. A strip is cut off
+// where the way by an end vertex of the edge, and along the edge, is shorter, for no shortest path
+// goes on there (Xin, Wang 2009, theorem 3.2). On a surface with edges of three faces and more,
+// strips may meet that came from one: there a strip is also cut off where an earlier one is at
+// least as near, or the way along the edge from an earlier one's end is shorter
 // (strips_on_edges.h).
 //
 // `sources`: the points of the field, among them the ends of all segments. On a surface without

@@ -1,8 +1,9 @@
 // The strips that have come to each edge of a surface with edges of three faces and more.
 //
-// Where sheets meet on several lines, as coincident faces do, a wave comes to the last of them in
-// as many ways as there are choices of a sheet between each two: without end, but for this. Of ways
-// that are as long one goes on, and of others what is nearer than all before.
+// Sheets may meet along several lines in a row, as coincident faces do. At each line a wave enters
+// all sheets, so the number of strips doubles from line to line. To stop that, an edge remembers
+// its strips. Of strips that are as long as each other the first goes on; a longer one is cut off
+// where it is longer.
 #pragma once
 
 #include <cstddef>
@@ -36,11 +37,11 @@ class StripsOnEdges {
   // Of no use if the poll says to stop.
   StripsOnEdges(const Adjacency& adjacency, Poll& poll);
 
-  // Cuts off at both ends of a strip, which is to go into all faces of an edge but the one that it
-  // comes from, what is no nearer than strips that came before or the ways along the edge from
-  // their ends. Of those before, the nearest few are looked at. Remembers what is left. `into`: any
-  // halfedge of the edge, from whose tail the strip is counted. What is narrower than `least` is
-  // nothing. False if nothing is left, or the poll says to stop.
+  // Cuts the strip at both ends to the part that is nearer than earlier strips, and not farther
+  // than the ways along the edge from their ends. Only the nearest earlier strips on either side
+  // are compared. Remembers what is left. `into`: any halfedge of the edge; the strip is counted
+  // from its tail. A part narrower than `least` counts as nothing. False if nothing is left, or if
+  // the poll says to stop.
   [[nodiscard]] bool keep_nearer(Halfedge into, double length, double least, StripOnEdge& strip,
                                  Poll& poll);
 

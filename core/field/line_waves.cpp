@@ -15,7 +15,7 @@ Halfedge LineSegment::along() const {
   return kNone;
 }
 
-FaceOverEdge FaceOverEdge::of(const Adjacency& adjacency, Halfedge h) {
+FaceOnBase FaceOnBase::of(const Adjacency& adjacency, Halfedge h) {
   const FaceRecord& face = adjacency.face(face_of(h));
   const std::uint32_t c = corner_of(h);
   const std::uint32_t n = next_corner(c);
@@ -23,7 +23,7 @@ FaceOverEdge FaceOverEdge::of(const Adjacency& adjacency, Halfedge h) {
   const Vec3 begin = positions[face.vertex[c]];
   const Vec3 end = positions[face.vertex[n]];
   const Vec3 apex = positions[face.vertex[previous_corner(c)]];
-  FaceOverEdge over{};
+  FaceOnBase over{};
   // All faces on an edge agree on its length.
   over.base = distance(begin, end);
   over.left = distance(begin, apex);
@@ -34,11 +34,11 @@ FaceOverEdge FaceOverEdge::of(const Adjacency& adjacency, Halfedge h) {
   return over;
 }
 
-FlatPoint flat_point(const FaceOverEdge& face, const std::array<double, 3>& bary) {
+FlatPoint flat_point(const FaceOnBase& face, const std::array<double, 3>& bary) {
   return {bary[1] * face.base + bary[2] * face.apex_x, bary[2] * face.apex_y};
 }
 
-BesideSegment beside(const FaceOverEdge& face, const LineSegment& segment,
+BesideSegment beside(const FaceOnBase& face, const LineSegment& segment,
                      const std::array<double, 3>& bary) {
   // From differences of weights, which keep the digits of what is close.
   const auto difference = [&](const std::array<double, 3>& a, const std::array<double, 3>& b) {
@@ -100,7 +100,7 @@ void LineWaves::arrive_in_face(const Adjacency& adjacency, const SurfacePoint& p
     best = {distance, place, strip, segment};
   };
   if (const auto within = segments_within(f); !within.empty()) {
-    const FaceOverEdge over = FaceOverEdge::of(adjacency, halfedge(f, 0));
+    const FaceOnBase over = FaceOnBase::of(adjacency, halfedge(f, 0));
     for (const std::uint32_t s : within) {
       const BesideSegment there = beside(over, lines_->segments[s], place.bary);
       const double slack = kStripSlack * over.base;
@@ -112,7 +112,7 @@ void LineWaves::arrive_in_face(const Adjacency& adjacency, const SurfacePoint& p
     const Halfedge h = halfedge(f, c);
     const std::span<const std::uint32_t> strips = strips_into(h);
     if (strips.empty()) continue;
-    const FaceOverEdge over = FaceOverEdge::of(adjacency, h);
+    const FaceOnBase over = FaceOnBase::of(adjacency, h);
     const double above = place.bary[previous_corner(c)];
     const double x = place.bary[next_corner(c)] * over.base + above * over.apex_x;
     const double y = above * over.apex_y;

@@ -71,7 +71,7 @@ struct LineStrip {
 };
 
 // A face over one of its halfedges, which runs from (0, 0) to (base, 0).
-struct FaceOverEdge {
+struct FaceOnBase {
   double base;
   double left;   // from the beginning of the base to the apex
   double right;  // and from its end
@@ -79,7 +79,7 @@ struct FaceOverEdge {
   double apex_y;
   double apex_back;  // base - apex_x, with the digits of its own
 
-  [[nodiscard]] static FaceOverEdge of(const Adjacency& adjacency, Halfedge h);
+  [[nodiscard]] static FaceOnBase of(const Adjacency& adjacency, Halfedge h);
 };
 
 // Where the straight way from the lines to a point came from.
@@ -92,7 +92,8 @@ struct LineArrival {
 
 class LineWaves {
  public:
-  // `given`: how many sources were there before vertices that waves have met became some.
+  // `given`: the number of sources that were asked for. Vertices that strips have met come after
+  // them.
   // `strips` in any order, empty if no details are kept; one whose `into` is kNone is none. Of no
   // use if the poll says to stop.
   LineWaves(const Adjacency& adjacency, std::shared_ptr<const SourceLines> lines,
@@ -140,21 +141,22 @@ class LineWaves {
   std::vector<std::uint32_t> later_items_;  // by source, from `given` on
 };
 
-// A point, weights of a face's corners, in the plane of that face: corner 0 at the origin, corner 1
-// on the x axis, corner 2 above it.
+// A point, by its three weights of a face's corners, in the plane of that face: corner 0 at the
+// origin, corner 1 on the x axis, corner 2 above it. Mesh units. `face` is over halfedge 0 here and
+// below.
 struct FlatPoint {
   double x;
   double y;
 };
-[[nodiscard]] FlatPoint flat_point(const FaceOverEdge& face, const std::array<double, 3>& bary);
+[[nodiscard]] FlatPoint flat_point(const FaceOnBase& face, const std::array<double, 3>& bary);
 
 // A point beside a segment of the same face.
 struct BesideSegment {
-  double along;  // of its foot, from the segment's beginning
-  double aside;  // its distance from the line, above 0 on the left of it
-  double length;
+  double along;   // of the foot of its perpendicular, from the segment's beginning
+  double aside;   // its distance from the segment's line, above 0 on the left of it
+  double length;  // of the segment
 };
-[[nodiscard]] BesideSegment beside(const FaceOverEdge& face, const LineSegment& segment,
+[[nodiscard]] BesideSegment beside(const FaceOnBase& face, const LineSegment& segment,
                                    const std::array<double, 3>& bary);
 
 // Of an edge's length, how far beyond its ends a strip or segment is still taken to go.

@@ -4,10 +4,14 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/tolerances.h"
+
 namespace geodesic {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+double size_of(Vec3 p) { return std::abs(p.x) + std::abs(p.y) + std::abs(p.z); }
 
 // The rise for each unit of length on the ground.
 double sine_of(double slope) {
@@ -28,7 +32,11 @@ TravelCost::TravelCost(Parts parts) : parts_(std::move(parts)) {
   parts_.up = 1 / norm(parts_.up) * parts_.up;
 }
 
-double TravelCost::slope_of(Vec3 along) const {
+double TravelCost::slope_of(Vec3 from, Vec3 to) const {
+  const Vec3 along = to - from;
+  // What rounding leaves between two names of one place has any slope.
+  const double rounding = tolerance::kSameDistance * (size_of(from) + size_of(to));
+  if (dot(along, along) <= rounding * rounding) return 0;
   const double rise = dot(along, parts_.up);
   const double run = norm(along - rise * parts_.up);
   if (rise == 0) return 0;
@@ -53,17 +61,14 @@ double TravelCost::rate_at(double slope) const {
 }
 
 double TravelCost::of_walked(std::uint32_t face, Vec3 from, Vec3 to) const {
-  const Vec3 along = to - from;
-  const double length = norm(along);
-  if (length == 0) return 0;
+  const double length = distance(from, to);
   const double flat = weight(face) * length;
-  return parts_.rate == Rate::none ? flat : flat * rate_at(slope_of(along));
+  return parts_.rate == Rate::none ? flat : flat * rate_at(slope_of(from, to));
 }
 
 double TravelCost::of(std::uint32_t face, Vec3 from, Vec3 to) const {
   if (parts_.steepest < kInfinite) {
-    const Vec3 along = to - from;
-    if (!(std::abs(slope_of(along)) <= parts_.steepest)) return kInfinite;
+    if (!(std::abs(slope_of(from, to)) <= parts_.steepest)) return kInfinite;
   }
   return of_walked(face, from, to);
 }

@@ -25,7 +25,7 @@ class TravelCost {
  public:
   enum class Rate : std::uint8_t {
     none,    // 1 on every slope
-    table,   // linear between the entries, and beyond the first and the last of them as there
+    table,   // linear between entries, constant beyond the first and the last
     tobler,  // seconds a metre, by the hiking function
     energy,  // joules a kilogram and metre, walking
   };
@@ -39,24 +39,27 @@ class TravelCost {
   };
   explicit TravelCost(Parts parts);
 
-  // Of a segment that is walked from `from` to `to`; infinite if it is too steep. Not the same the
-  // other way where the rate depends on the slope.
+  // The cost of a segment that is walked from `from` to `to`; infinite if it is too steep. Not the
+  // same the other way where the rate depends on the slope.
   [[nodiscard]] double of(std::uint32_t face, Vec3 from, Vec3 to) const;
-  // The same of what is known to be walked, however steep.
+  // The same without the limit `steepest`, for paths that are found already.
   [[nodiscard]] double of_walked(std::uint32_t face, Vec3 from, Vec3 to) const;
 
   [[nodiscard]] double weight(std::uint32_t face) const {
     return parts_.weights.empty() ? 1 : parts_.weights[face];
   }
   [[nodiscard]] bool has_weights() const { return !parts_.weights.empty(); }
+  [[nodiscard]] bool has_rate() const { return parts_.rate != Rate::none; }
+  [[nodiscard]] double steepest() const { return parts_.steepest; }
+  [[nodiscard]] Vec3 up() const { return parts_.up; }
 
-  // Of a unit of length on this slope, without the face's weight. W. Tobler, "Three presentations
-  // on geographical analysis and modeling", NCGIA Technical Report 93-1, 1993: one walks
-  // 6 exp(-3.5 |slope + 0.05|) kilometres an hour. Energy: A. E. Minetti et al., "Energy cost of
-  // walking and running at extreme uphill and downhill slopes", J. Appl. Physiol. 93, 2002: the
+  // The cost of a unit of length on this slope, without the face's weight. W. Tobler, "Three
+  // presentations on geographical analysis and modeling", NCGIA Technical Report 93-1, 1993: one
+  // walks 6 exp(-3.5 |slope + 0.05|) kilometres an hour. Energy: A. E. Minetti et al., "Energy cost
+  // of walking and running at extreme uphill and downhill slopes", J. Appl. Physiol. 93, 2002: the
   // polynomial for walking, which was fitted to slopes i from -0.45 to 0.45,
-  // 280.5 i^5 - 58.7 i^4 - 76.8 i^3 + 51.9 i^2 + 19.6 i + 2.5. On what is steeper, a metre of
-  // height costs what it does there.
+  // 280.5 i^5 - 58.7 i^4 - 76.8 i^3 + 51.9 i^2 + 19.6 i + 2.5. Beyond these,
+  // the cost for each metre of height is that at -0.45 or 0.45.
   [[nodiscard]] double rate_at(double slope) const;
 
   [[nodiscard]] std::size_t bytes() const {
@@ -65,7 +68,7 @@ class TravelCost {
   }
 
  private:
-  [[nodiscard]] double slope_of(Vec3 along) const;
+  [[nodiscard]] double slope_of(Vec3 from, Vec3 to) const;
 
   Parts parts_;
 };

@@ -10,7 +10,7 @@
 namespace geodesic {
 namespace {
 
-// In multiples of the distance within which a landmark is. With less, the greatest errors grow;
+// In multiples of the covering radius. With less, the greatest errors grow;
 // with more, rows take longer: tests/bench/large_tables.py measures both.
 constexpr double kNear = 1.5;
 

@@ -37,8 +37,8 @@ class LandmarkDistances {
 
   [[nodiscard]] std::span<const std::uint32_t> landmarks() const { return landmarks_; }
 
-  // What is no farther than this is to be computed, not estimated, for estimates of it are poor.
-  // kUnreached: all of the row, for there are too few landmarks about.
+  // Entries up to this distance must be computed: estimates of near points are poor. kUnreached:
+  // the whole row must, for there are too few landmarks.
   [[nodiscard]] double near(std::span<const double> to_landmarks) const;
 
   // Sets those of a row's entries that are kUnreached and in its component. The row must have every

@@ -57,12 +57,13 @@ class LandmarkGroup {
 
   // With fewer nothing is to be estimated.
   static constexpr std::size_t kFewest = 8;
-  // Parts of the greatest eigenvalue, below which one does not count.
+  // How many choices there are of which eigenvalues count: those whose absolute value is above some
+  // part of the greatest.
   static constexpr std::size_t kCutoffs = 4;
 
   [[nodiscard]] std::span<const std::uint32_t> landmarks() const { return landmarks_; }
   [[nodiscard]] bool is_to_estimate() const { return landmarks_.size() >= kFewest; }
-  // Each point is within that distance of a landmark.
+  // The covering radius: each point is within that distance of a landmark. Mesh units.
   [[nodiscard]] double cover() const { return cover_; }
 
   // Sets those of the row's entries that are kUnreached and have one of the points, to an estimate
@@ -80,9 +81,9 @@ class LandmarkGroup {
   double scale_ = 1;
   std::vector<float> distances_;  // a row of points for each landmark; scaled
   double cover_ = 0;              // mesh units
-  // The eigenvectors that count, in the order of their values, greatest first: of landmarks a row
-  // each, divided by the value; and a row for each of what they make of the points' squared
-  // distances.
+  // With V the eigenvectors that count, ordered by the absolute values of their eigenvalues L, the
+  // greatest first, and B the squared distances from landmarks to points: L^-1 V^T, and V^T B.
+  // Rows by eigenvector.
   std::vector<double> vectors_;
   std::vector<float> factors_;
   std::vector<std::size_t> ranks_;  // how many count, by cutoff

@@ -11,7 +11,7 @@
 namespace geodesic {
 namespace {
 
-std::uint32_t nearest_corner(const Adjacency& adjacency, const SurfacePoint& point) {
+std::uint32_t heaviest_corner(const Adjacency& adjacency, const SurfacePoint& point) {
   if (point.at_vertex()) return point.vertex;
   const auto most = std::max_element(point.bary.begin(), point.bary.end());
   return adjacency.mesh().faces()[point.face][static_cast<std::size_t>(most - point.bary.begin())];
@@ -71,7 +71,7 @@ Result<std::vector<std::uint32_t>> spread_points(const Adjacency& adjacency,
   std::vector<std::uint32_t> vertices;
   for (const SurfacePoint& point : points) {
     if (poll.cancelled()) break;
-    vertices.push_back(nearest_corner(adjacency, point));
+    vertices.push_back(heaviest_corner(adjacency, point));
   }
   GrowingSet spread(adjacency);
   std::vector<std::uint32_t> chosen;

@@ -15,9 +15,9 @@
 namespace geodesic {
 
 // Numbers of up to `count` of the points, beginning with the first one; fewer where all others are
-// at the same vertices. How far points are apart is measured along edges, between the corners that
-// are nearest to them: each component of the surface comes before any has a second one. Of several
-// as far the first is taken. Errors: cancelled.
+// at the same vertices. How far points are apart is measured along edges, between the corners of
+// their faces that have the greatest weights: each component of the surface comes before any has a
+// second one. Of several as far the first is taken. Errors: cancelled.
 [[nodiscard]] Result<std::vector<std::uint32_t>> spread_points(const Adjacency& adjacency,
                                                                std::span<const SurfacePoint> points,
                                                                std::size_t count,

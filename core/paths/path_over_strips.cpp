@@ -29,7 +29,7 @@ Weights3 on_side(std::uint32_t c, double part) {
 
 // The foot of the perpendicular from a point of the same face.
 Weights3 foot_on(const Adjacency& adjacency, const LineSegment& segment, const Weights3& from) {
-  const FaceOverEdge over = FaceOverEdge::of(adjacency, halfedge(segment.face, 0));
+  const FaceOnBase over = FaceOnBase::of(adjacency, halfedge(segment.face, 0));
   const BesideSegment there = beside(over, segment, from);
   const double part = there.length > 0 ? std::clamp(there.along / there.length, 0.0, 1.0) : 0;
   Weights3 foot{};
@@ -54,7 +54,7 @@ Result<std::optional<Path>> path_over_strips(const Adjacency& adjacency, const L
     const LineStrip& strip = waves.strip(number);
     const std::uint32_t c = corner_of(strip.into);
     const std::uint32_t n = next_corner(c);
-    const FaceOverEdge over = FaceOverEdge::of(adjacency, strip.into);
+    const FaceOnBase over = FaceOnBase::of(adjacency, strip.into);
     const double above = here[previous_corner(c)];
     const double x = here[n] * over.base + above * over.apex_x;
     const double foot =

@@ -21,19 +21,20 @@ struct CutMesh {
   Refinement refinement;
 };
 
-// A line as it is to be refined along to be cut: with a point in the middle of each segment. A cut
-// ends in a vertex that both its sides have; an edge with two such ends would not be cut at all.
-// Of no use if the poll says to stop.
+// The line with a point added in the middle of each segment, as refine_along is to have it. The two
+// ends of a cut stay shared by its sides, so a cut of a single edge would cut nothing. Of no use if
+// the poll says to stop.
 [[nodiscard]] SurfacePolyline as_wall(const Adjacency& adjacency, const SurfacePolyline& line,
                                       Poll& poll);
 
 // The faces that are left, with the edges of the chains at `walls` cut: paths go along a cut and
-// round its ends, where these are inside the surface, and do not cross it. A vertex of a cut
-// becomes as many as its faces fall into groups that are still joined there by edges. A group that
-// no cut divides and that the others touched in that vertex alone, as in a bowtie, stays with the
-// first of them.
+// round its ends, where these are inside the surface, and do not cross it. The faces
+// about a vertex of a cut fall into groups that edges still join. Each group gets a copy of the
+// vertex. A group that no cut divides and that met the others in this vertex alone, as in a bowtie,
+// keeps the first copy.
 // Lines of `walls` are such as as_wall makes. `is_left`: by face of the refined mesh; not 0 for
-// those that stay. Errors: no_triangles (no face is left), those of Mesh::build, cancelled.
+// those that stay. Errors: no_triangles (no face is left), too_much_memory, those of
+// Mesh::build, cancelled.
 [[nodiscard]] Result<CutMesh> cut_along(const RefinedMesh& refined,
                                         std::span<const std::uint32_t> walls,
                                         std::span<const std::uint8_t> is_left,

@@ -4,9 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
-#include <optional>
 #include <set>
-#include <string>
 #include <tuple>
 #include <utility>
 
@@ -111,9 +109,7 @@ class Refiner {
       const std::uint32_t face = face_in_common(whole_, points[i - 1], points[i], poll_);
       if (poll_.stopped()) return fail_stopped(poll_);
       if (face == kNone) {
-        return fail(ErrorCode::value_out_of_range, "points " + std::to_string(i - 1) + " and " +
-                                                       std::to_string(i) +
-                                                       " of a line are in no face together");
+        return fail(ErrorCode::value_out_of_range, "two points in a row are in no face together");
       }
       auto added = add_segment(line, points[i - 1], points[i], face);
       if (!added) return added;
@@ -126,16 +122,68 @@ class Refiner {
     if (poll_.cancelled() || !poll_.may_take(kBytesOfSegment)) return fail_stopped(poll_);
     const auto number = static_cast<std::uint32_t>(chains_[line].size());
     chains_[line].emplace_back();
-    const Segment segment{line, number, seen_from_face(whole_, a, face)->bary,
-                          seen_from_face(whole_, b, face)->bary};
-    faces_[face].push_back(segment);
+    const std::uint32_t first = first_copy(face);
+    const auto weights_of = [&](const SurfacePoint& point) {
+      return in_copy(face, first, seen_from_face(whole_, point, face)->bary);
+    };
+    const Segment segment{line, number, weights_of(a), weights_of(b)};
+    faces_[first].push_back(segment);
     for (const Weights& weights : {segment.a, segment.b}) {
-      if (auto noted = note_on_edge(face, weights); !noted) return noted;
+      if (auto noted = note_on_edge(first, weights); !noted) return noted;
     }
     return {};
   }
 
-  // A point on an edge is one of all the edge's faces.
+  // The first of the faces that have this one's corners, where a file has a face several times,
+  // such as once for each side. Lines split all of them alike, with the same new vertices: so what
+  // cuts one cuts all. Of no use if the poll says to stop.
+  std::uint32_t first_copy(std::uint32_t face) {
+    if (whole_.report().faces_duplicate == 0) return face;
+    const auto [known, is_new] = first_copies_.try_emplace(face, face);
+    if (!is_new) return known->second;
+    const auto& corners = whole_.face(face).vertex;
+    for (const std::uint32_t corner : whole_.corners(corners[0])) {
+      if (poll_.cancelled()) break;
+      const std::uint32_t other = face_of(corner);
+      const auto& others = whole_.face(other).vertex;
+      if (other < known->second &&
+          std::is_permutation(corners.begin(), corners.end(), others.begin())) {
+        known->second = other;
+      }
+    }
+    return known->second;
+  }
+
+  // Weights in a face as those in another one with the same corners.
+  [[nodiscard]] Weights in_copy(std::uint32_t face, std::uint32_t other,
+                                const Weights& weights) const {
+    if (face == other) return weights;
+    const auto& from = whole_.face(face).vertex;
+    const auto& to = whole_.face(other).vertex;
+    Weights same{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      same[static_cast<std::size_t>(std::find(to.begin(), to.end(), from[c]) - to.begin())] =
+          weights[c];
+    }
+    return same;
+  }
+
+  // A part of a face as that of another one with the same corners, wound as that is.
+  [[nodiscard]] Part in_copy(std::uint32_t face, std::uint32_t other, const Part& part) const {
+    Part same = part;
+    for (Weights& weights : same.corners) weights = in_copy(face, other, weights);
+    const auto& from = whole_.face(face).vertex;
+    const auto& to = whole_.face(other).vertex;
+    const auto at = std::find(to.begin(), to.end(), from[0]) - to.begin();
+    const bool is_turned_over = to[(static_cast<std::size_t>(at) + 1) % 3] != from[1];
+    if (is_turned_over) {
+      std::swap(same.vertices[1], same.vertices[2]);
+      std::swap(same.corners[1], same.corners[2]);
+    }
+    return same;
+  }
+
+  // All faces on the edge are split at this point, also those that no line enters.
   Result<void> note_on_edge(std::uint32_t face, const Weights& weights) {
     const std::uint32_t side = side_under(weights);
     if (side == 3) return {};
@@ -150,7 +198,7 @@ class Refiner {
     Halfedge h = under;
     do {
       if (poll_.cancelled()) return fail_stopped(poll_);
-      faces_[face_of(h)];
+      faces_.try_emplace(first_copy(face_of(h)));
       h = whole_.ring(h);
     } while (h != under);
     return {};
@@ -268,47 +316,79 @@ class Refiner {
                                          : new_positions_[vertex - mesh_.vertex_count()];
   }
 
-  // A point on a long side of a face without width may lie where the face's own corner lies, and
-  // they become one vertex (Weld::off). From there an edge inside one of the faces and an edge of
-  // another one may lead to the same vertex. These would be one edge, over which ways would cross,
-  // though the faces only touch there. So edges inside faces that end in such a vertex get another
-  // one in their middle.
+  // Corners of one face at the same position become one vertex, even under Weld::off. So a new
+  // vertex on the long side of a face without width merges with that face's own corner. Then an
+  // edge inside one face and an edge of another may have the same two ends. Mesh::build would make
+  // one edge of them, and paths would cross it, though the faces only touch. A new vertex in the
+  // middle of the inside edge keeps the two apart.
   Result<void> keep_edges_apart() {
-    std::set<std::uint32_t> joined;
-    for (const auto& [face, parts] : parts_) {
-      for (const Part& part : parts) {
-        if (poll_.cancelled()) return fail_stopped(poll_);
-        for (std::uint32_t c = 0; c < 3; ++c) {
-          const std::uint32_t a = part.vertices[c];
-          const std::uint32_t b = part.vertices[next_corner(c)];
-          if (position(a) == position(b)) joined.insert({a, b});
-        }
-      }
-    }
-    if (joined.empty()) return {};
+    const std::set<std::uint32_t> merged = merged_vertices();
+    if (merged.empty()) return {};
     for (auto& [face, parts] : parts_) {
-      std::map<VertexPair, std::uint32_t> uses;
-      for (const Part& part : parts) {
-        for (std::uint32_t c = 0; c < 3; ++c) {
-          ++uses[std::minmax({part.vertices[c], part.vertices[next_corner(c)]})];
-        }
-      }
-      for (const auto& [edge, count] : uses) {
-        if (poll_.cancelled()) return fail_stopped(poll_);
-        const bool is_inside = count > 1;
-        if (!is_inside || !(joined.contains(edge.first) || joined.contains(edge.second))) continue;
-        const auto middle = add_vertex(0.5 * (position(edge.first) + position(edge.second)));
-        if (!middle) return fail(middle.error());
-        middles_[edge] = *middle;
-        split_parts(parts, edge, *middle);
-      }
+      if (auto split = split_inside_edges(face, parts, merged); !split) return split;
     }
     return {};
   }
 
-  static void split_parts(std::vector<Part>& parts, const VertexPair& edge, std::uint32_t middle) {
+  // Those that share their position with another corner of a part. Of no use if the poll says to
+  // stop.
+  std::set<std::uint32_t> merged_vertices() {
+    std::set<std::uint32_t> merged;
+    for (const auto& [face, parts] : parts_) {
+      for (const Part& part : parts) {
+        if (poll_.cancelled()) return merged;
+        for (std::uint32_t c = 0; c < 3; ++c) {
+          const std::uint32_t a = part.vertices[c];
+          const std::uint32_t b = part.vertices[next_corner(c)];
+          if (position(a) == position(b)) merged.insert({a, b});
+        }
+      }
+    }
+    return merged;
+  }
+
+  // Splits the edges between two parts of a face that have an end in `merged`.
+  Result<void> split_inside_edges(std::uint32_t face, std::vector<Part>& parts,
+                                  const std::set<std::uint32_t>& merged) {
+    std::map<VertexPair, std::uint32_t> uses;
+    for (const Part& part : parts) {
+      if (poll_.cancelled()) return fail_stopped(poll_);
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        const std::uint32_t a = part.vertices[c];
+        const std::uint32_t b = part.vertices[next_corner(c)];
+        if (merged.contains(a) || merged.contains(b)) ++uses[std::minmax({a, b})];
+      }
+    }
+    for (const auto& [edge, count] : uses) {
+      const bool is_inside = count > 1;
+      if (!is_inside) continue;
+      const auto middle = add_vertex(0.5 * (position(edge.first) + position(edge.second)));
+      if (!middle) return fail(middle.error());
+      split_parts(parts, edge, *middle);
+      put_into_chains(face, edge, *middle);
+      if (poll_.stopped()) return fail_stopped(poll_);
+    }
+    return {};
+  }
+
+  // A line along the edge goes on through its middle.
+  void put_into_chains(std::uint32_t face, const VertexPair& edge, std::uint32_t middle) {
+    for (const Segment& segment : faces_.at(face)) {
+      auto& chain = chains_[segment.line][segment.number];
+      for (std::size_t i = 1; i < chain.size(); ++i) {
+        if (poll_.cancelled()) return;
+        if (VertexPair(std::minmax({chain[i - 1], chain[i]})) != edge) continue;
+        chain.insert(chain.begin() + static_cast<std::ptrdiff_t>(i), middle);
+        ++i;
+      }
+    }
+  }
+
+  // Of no use if the poll says to stop.
+  void split_parts(std::vector<Part>& parts, const VertexPair& edge, std::uint32_t middle) {
     std::vector<Part> split;
     for (const Part& part : parts) {
+      if (poll_.cancelled()) return;
       std::uint32_t side = 0;
       const auto is_edge = [&](std::uint32_t c) {
         return VertexPair(std::minmax({part.vertices[c], part.vertices[next_corner(c)]})) == edge;
@@ -339,6 +419,11 @@ class Refiner {
     polled_assign(number, mesh_.vertex_count() + new_positions_.size(), kNone, poll_);
     std::uint64_t face_count = mesh_.face_count();
     for (const auto& [face, parts] : parts_) face_count += parts.size() - 1;
+    // Copies of a face are split as it is.
+    for (const auto& [face, first] : first_copies_) {
+      const auto parts = parts_.find(first);
+      if (face != first && parts != parts_.end()) face_count += parts->second.size() - 1;
+    }
     if (poll_.stopped() || !soup.reserve(number.size(), face_count, poll_)) {
       return fail_stopped(poll_);
     }
@@ -355,13 +440,15 @@ class Refiner {
     for (std::uint32_t s = 0; s < mesh_.source_face_count() && !poll_.cancelled(); ++s) {
       const std::uint32_t face = mesh_.face_of_source(s);
       if (face == kNone) continue;
-      const auto parts = parts_.find(face);
+      const std::uint32_t first = first_copy(face);
+      const auto parts = parts_.find(first);
       if (parts == parts_.end()) {
         const Triangle& t = mesh_.faces()[face];
         soup.add_face({number[t[0]], number[t[1]], number[t[2]]}, s);
         continue;
       }
-      for (const Part& part : parts->second) {
+      for (const Part& of_first : parts->second) {
+        const Part part = in_copy(first, face, of_first);
         soup.add_piece(
             {number[part.vertices[0]], number[part.vertices[1]], number[part.vertices[2]]}, s,
             part.corners);
@@ -373,18 +460,11 @@ class Refiner {
     RefinedMesh refined{std::move(built->mesh), std::move(built->refinement), {}};
     for (const auto& segments : chains_) {
       auto& chain = refined.chains.emplace_back();
-      const auto add = [&](std::uint32_t id) {
-        const std::uint32_t v = built->vertex_of_soup[number[id]];
-        if (chain.empty() || chain.back() != v) chain.push_back(v);
-      };
       for (const auto& segment : segments) {
-        for (std::size_t i = 0; i < segment.size(); ++i) {
+        for (const std::uint32_t id : segment) {
           if (poll_.cancelled()) return fail_stopped(poll_);
-          if (i > 0) {
-            const auto middle = middles_.find(std::minmax({segment[i - 1], segment[i]}));
-            if (middle != middles_.end()) add(middle->second);
-          }
-          add(segment[i]);
+          const std::uint32_t v = built->vertex_of_soup[number[id]];
+          if (chain.empty() || chain.back() != v) chain.push_back(v);
         }
       }
     }
@@ -402,11 +482,11 @@ class Refiner {
   std::uint64_t most_vertices_;
   const Cancel& cancel_;
   Poll poll_;
-  std::map<std::uint32_t, std::vector<Segment>> faces_;
+  std::map<std::uint32_t, std::vector<Segment>> faces_;  // of first copies
   std::map<EdgePlace, std::uint32_t> on_edges_;
   std::vector<Vec3> new_positions_;  // of vertices from the whole's vertex_count() on
-  std::map<std::uint32_t, std::vector<Part>> parts_;
-  std::map<VertexPair, std::uint32_t> middles_;  // of edges inside faces, where they are split
+  std::map<std::uint32_t, std::vector<Part>> parts_;             // of first copies
+  std::map<std::uint32_t, std::uint32_t> first_copies_;          // by face, of those asked about
   std::vector<std::vector<std::vector<std::uint32_t>>> chains_;  // by line and segment
 };
 

@@ -36,7 +36,6 @@ class RefinedSoup {
     pieces_.push_back({static_cast<std::uint32_t>(parents_.size()), source_face, in_parent});
     add_face(corners, source_face);
   }
-  [[nodiscard]] std::size_t face_count() const { return soup_.faces.size(); }
 
   struct Built {
     Mesh mesh;

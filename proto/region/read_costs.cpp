@@ -218,7 +218,9 @@ Result<Costs> read_costs(Parameters& parameters) {
   }
   const double length = norm(**up);
   if (!(length > 0 && std::isfinite(length) && std::isfinite(1 / length))) {
-    return fail(ErrorCode::value_out_of_range, "up is no vector of length zero", "up");
+    return fail(
+        ErrorCode::value_out_of_range,
+        "up is a vector whose length is not zero, nor too large or too small for its square", "up");
   }
   costs.walk.up = 1 / length * **up;
   return costs;

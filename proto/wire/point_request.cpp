@@ -192,13 +192,19 @@ Result<PointRequest> parse_point(std::string_view text, std::string parameter) {
   if (text.starts_with("ray:")) return parse_ray(text.substr(4), std::move(parameter));
   const std::string_view word = text.substr(0, text.find(':'));
   if (is_no_point(word)) return no_point(word, std::move(parameter));
-  return bad("a point is written v:VERTEX, f:FACE,W0,W1, p:X,Y,Z or ray:OX,OY,OZ,DX,DY,DZ",
-             std::move(parameter));
+  return bad(
+      "a point is written v:VERTEX, f:FACE,W0,W1, p:X,Y,Z or ray:OX,OY,OZ,DX,DY,DZ; where lines "
+      "and "
+      "faces may stand, curve:POINT;POINT, boundary, faces:0-9, part:, material: or label: too",
+      std::move(parameter));
 }
 
 Result<PointRequest> parse_json_point(const json& value, std::string parameter) {
   if (value.is_string()) return parse_point(value.get_ref<const std::string&>(), parameter);
-  if (!value.is_object()) return bad("a point is an object or a text", std::move(parameter));
+  if (!value.is_object()) {
+    return bad(R"(a point is an object or a text, such as {"vertex":1} or "v:1")",
+               std::move(parameter));
+  }
   const auto offset = length_member(value, "offset", parameter);
   if (!offset) return fail(offset.error());
   const auto max_snap = length_member(value, "max_snap", parameter);

@@ -55,7 +55,8 @@ inline constexpr std::size_t kMaxWalls = 1'000;
 // Of all walls and insides of a query; where two in a row are in no face together, the shortest
 // path between them is searched for.
 inline constexpr std::size_t kMaxLinePoints = 10'000;
-// That these lines make by crossing edges; some 1 kB each, on the way.
+// That these lines make where they cross edges, turn inside faces and, of walls, in the middle of
+// each piece; some 1 kB each, on the way.
 inline constexpr std::uint64_t kMaxLineVertices = 200'000;
 
 }  // namespace geodesic::proto

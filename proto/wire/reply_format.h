@@ -49,9 +49,10 @@ inline constexpr Format kFieldFormats[] = {Format::json, Format::f32, Format::f6
 // Numbers that belong to no whole surface.
 inline constexpr Format kArrayFormats[] = {Format::json, Format::f32, Format::f64,
                                            Format::u16,  Format::npy, Format::frame};
-// Numbers below 0: none as parts of the greatest one, and in files -1 is what nothing reaches.
-inline constexpr Format kSignedFormats[] = {Format::json, Format::f32,   Format::f64,
-                                            Format::npy,  Format::frame, Format::glb};
+// Numbers below 0: none as parts of the greatest one.
+inline constexpr Format kSignedFormats[] = {Format::json,     Format::f32,   Format::f64,
+                                            Format::npy,      Format::frame, Format::glb,
+                                            Format::annotated};
 inline constexpr std::span<const Format> kSignedAtPoints(kSignedFormats, 5);
 inline constexpr Format kPathFormats[] = {Format::json,  Format::f32, Format::f64, Format::npy,
                                           Format::frame, Format::glb, Format::png};

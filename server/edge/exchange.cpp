@@ -47,7 +47,7 @@ void judge_head(const HttpOptions& options, HttpConnection::Head outcome, std::s
       break;
     case HttpConnection::Head::target_too_long:
       exchange.refuse({ErrorCode::too_large,
-                       "the request target is too long",
+                       "the request target is too long; POST takes the parameters in its body",
                        {},
                        options.max_target_bytes,
                        {}},

@@ -141,7 +141,8 @@ std::optional<HeadError> parse_request_line(std::string_view line, const HeadLim
   if (!is_token(method) || method.size() > 32) return bad("the HTTP method is not a token");
   head.method = method;
   if (target.size() > limits.target_bytes) {
-    return over_limit("the request target is too long", 414, limits.target_bytes, target.size());
+    return over_limit("the request target is too long; POST takes the parameters in its body", 414,
+                      limits.target_bytes, target.size());
   }
   if (std::any_of(target.begin(), target.end(), [](char c) { return is_control(c) || c == ' '; })) {
     return bad("the request target holds a space or a control character");

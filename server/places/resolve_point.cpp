@@ -131,7 +131,9 @@ Result<PlacedPoint> first_on_ray(const Split& surface, const ClosestPointIndex& 
   }
   const auto hit = index.first_hit(request.origin, request.direction, cancel);
   if (!hit) return fail(hit.error());
-  if (!*hit) return fail(ErrorCode::no_hit, "the ray does not meet the surface", parameter);
+  if (!*hit)
+    return fail(ErrorCode::no_hit, "the ray does not meet the surface, or what regions leave of it",
+                parameter);
   PlacedPoint result = surface.placed((*hit)->point);
   result.echo.ray_distance = (*hit)->distance;
   return result;

@@ -1,5 +1,7 @@
 #include "server/query/field_queries.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -15,6 +17,7 @@
 #include "core/field/around_points.h"
 #include "core/field/nearest_copies.h"
 #include "core/refine/line_sides.h"
+#include "core/steiner/steep_ground.h"
 #include "proto/region/weigh_faces.h"
 #include "proto/wire/number.h"
 #include "proto/wire/query_limits.h"
@@ -117,8 +120,34 @@ Result<FieldQueries::Place> FieldQueries::find(const AskedSurface& surface,
   if (surface.costs().are_lengths()) return place;
   auto cost = cost_of(surface, adjacency.mesh(), caller);
   if (!cost) return fail(std::move(cost.error()));
+  const double limit = steepest_resolved(**cost, method.options.points_per_edge);
+  double steep = 0;
+  if (limit < kEverywhere) {
+    const auto part = fields_.compute(
+        [&](SolveScratch&, const Cancel& cancel) -> Result<double> {
+          Poll poll(cancel);
+          const double found = steep_part(adjacency, (*cost)->up(), limit, poll);
+          if (poll.stopped()) return fail_stopped(poll);
+          return found;
+        },
+        caller.part(0, 0));
+    if (!part) return fail(part.error());
+    steep = *part;
+  }
   place->set_cost(std::move(*cost));
+  place->set_steep_ground(steep, limit, method.options.points_per_edge);
   return place;
+}
+
+void FieldQueries::Place::warn_of_steep_ground(std::vector<std::string>& warnings) const {
+  constexpr double kMuch = 0.05;
+  if (steep_part_ < kMuch) return;
+  warnings.push_back(fmt::format(
+      "{:.0f} % of this surface is steeper than {:.2g}. With {} points on each edge, costs there "
+      "may "
+      "be more than {:.0f} % above the least, or no path be found. More points_per_edge come "
+      "closer.",
+      100 * steep_part_, steep_slope_, points_per_edge_, 100 * kMostAboveLevel));
 }
 
 Result<std::shared_ptr<const TravelCost>> FieldQueries::cost_of(const AskedSurface& surface,
@@ -172,6 +201,7 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const AskedSurface& 
   reply.bound = proto::bound_of(request.method);
   if (place->cost()) reply.unit = proto::unit_of(surface.costs());
   SurfacePolyline round;
+  place->warn_of_steep_ground(reply.warnings);
   auto sources = place->sources(request.from, reply.from, reply.warnings,
                                 request.is_signed ? &round : nullptr);
   if (!sources) return fail(std::move(sources.error()));
@@ -238,6 +268,7 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const AskedSurface& sur
   reply.short_digits = has_short_digits(request.method);
   reply.bound = proto::bound_of(request.method);
   if (place->cost()) reply.unit = proto::unit_of(surface.costs());
+  place->warn_of_steep_ground(reply.warnings);
   const bool has_lines = !is_all_points(request.to.empty() ? request.from : request.to);
   auto rows = place->rows(request.from, reply.rows, reply.warnings, has_lines);
   if (!rows) return fail(std::move(rows.error()));

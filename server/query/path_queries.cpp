@@ -282,6 +282,7 @@ Result<Answered<proto::PathReply>> FieldQueries::answer(const AskedSurface& surf
   if (!legs) return fail(legs.error());
   answer.cache_hit = finder.cache_hit();
   if (place->cost()) reply.costs.emplace().unit = proto::unit_of(surface.costs());
+  place->warn_of_steep_ground(reply.warnings);
   if (legs->size() < wanted) return answer;  // not reachable
   const Path path = join_paths(*legs);
   if (place->cost()) tell_costs(path, *place->cost(), *reply.costs);

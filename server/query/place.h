@@ -1,6 +1,7 @@
 // Where a query is asked: one surface, and what its points are there.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -41,6 +42,15 @@ class FieldQueries::Place {
   // What ways cost; null: their length.
   [[nodiscard]] const std::shared_ptr<const TravelCost>& cost() const { return cost_; }
   void set_cost(std::shared_ptr<const TravelCost> cost) { cost_ = std::move(cost); }
+  // What part of the surface's area is steeper than so many points on edges are good for
+  // (core/steiner/steep_ground.h).
+  void set_steep_ground(double part, double slope, std::uint32_t points_per_edge) {
+    steep_part_ = part;
+    steep_slope_ = slope;
+    points_per_edge_ = points_per_edge;
+  }
+  // Warns where much of the surface is steeper than that.
+  void warn_of_steep_ground(std::vector<std::string>& warnings) const;
 
   // The places, and what the reply says of each in `echo`. In a compute slot where any of
   // them takes longer than to look it up.
@@ -90,6 +100,9 @@ class FieldQueries::Place {
   const AskedSurface& surface_;
   PreparedSurface prepared_;
   std::shared_ptr<const TravelCost> cost_;
+  double steep_part_ = 0;
+  double steep_slope_ = 0;
+  std::uint32_t points_per_edge_ = 0;
   const Caller& caller_;
 };
 

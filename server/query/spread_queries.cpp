@@ -99,6 +99,7 @@ Result<Answered<proto::IsolinesReply>> FieldQueries::answer(const AskedSurface& 
                          std::move(*sources)};
   question.cost = place->cost();
   if (place->cost()) reply.unit = proto::unit_of(surface.costs());
+  place->warn_of_steep_ground(reply.warnings);
   // A line at `max` needs the vertices just beyond it. What a step costs there, nobody knows.
   if (request.max && !place->cost()) {
     question.max = *request.max + 2 * longest_edge(*place->adjacency());

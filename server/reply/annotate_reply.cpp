@@ -18,14 +18,18 @@ namespace {
 
 using Attributes = std::vector<proto::VertexAttribute>;
 
-constexpr double kNowhere = -1;  // no distance is below 0
+// What glTF's floats have for what nothing reaches: no distance is below 0, but of those with a
+// sign there are some, so that it is the greatest float there.
+constexpr double kNowhere = -1;
+constexpr double kNowhereSigned = std::numeric_limits<float>::max();
 
 std::string name_or(const std::string& given, const char* standard) {
   return given.empty() ? standard : given;
 }
 
-Attributes distance_attributes(bool has_labels, const proto::ReplyFormat& format) {
-  Attributes attributes{{name_or(format.attribute, "_GEODESIC_DISTANCE"), 1}};
+Attributes distance_attributes(bool has_labels, bool is_signed, const proto::ReplyFormat& format) {
+  const char* const standard = is_signed ? "_GEODESIC_SIGNED_DISTANCE" : "_GEODESIC_DISTANCE";
+  Attributes attributes{{name_or(format.attribute, standard), 1}};
   if (has_labels) attributes.push_back({name_or(format.label_attribute, "_GEODESIC_SOURCE"), 1});
   return attributes;
 }
@@ -63,7 +67,7 @@ Result<HttpResponse> file_reply(const UploadedGltf& upload, const Attributes& at
 
 Result<Attributes> attributes_of(const proto::DistanceRequest& request,
                                  const proto::ReplyFormat& format) {
-  Attributes attributes = distance_attributes(request.labels, format);
+  Attributes attributes = distance_attributes(request.labels, request.is_signed, format);
   if (attributes.front().name == attributes.back().name && attributes.size() > 1) {
     return fail(ErrorCode::value_out_of_range, "the distances are called so, too",
                 "label_attribute");
@@ -88,9 +92,10 @@ Result<HttpResponse> annotate(Answered<proto::DistanceReply> answer,
                               const proto::ReplyFormat& format, const Cancel& cancel) {
   Poll poll(cancel);
   proto::DistanceReply& reply = answer.reply;
+  const double nowhere = reply.is_signed ? kNowhereSigned : kNowhere;
   for (double& d : reply.distances) {
     if (poll.cancelled()) return fail_stopped(poll);
-    d = d == kUnreached ? kNowhere : as_finite(d);
+    d = d == kUnreached ? nowhere : as_finite(d);
   }
   std::vector<std::string> floats{proto::f32_bytes(reply.distances, reply.bound, &poll)};
   if (reply.labels) {
@@ -101,8 +106,9 @@ Result<HttpResponse> annotate(Answered<proto::DistanceReply> answer,
     }
     floats.push_back(proto::f32_bytes(reply.distances, Bound::none, &poll));
   }
-  auto response = file_reply(*answer.upload, distance_attributes(reply.labels.has_value(), format),
-                             floats, answer.cache_hit, poll);
+  const Attributes attributes =
+      distance_attributes(reply.labels.has_value(), reply.is_signed, format);
+  auto response = file_reply(*answer.upload, attributes, floats, answer.cache_hit, poll);
   if (response && reply.max) response->set_header("Geo-Max", header_number(*reply.max));
   return response;
 }

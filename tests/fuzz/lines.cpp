@@ -1,5 +1,5 @@
-// Fields from curves, edges and faces on a tiny mesh: two exact methods, and ever denser points in
-// place of the lines, which bound the distances from both sides.
+// Fields from curves, edges and faces on a tiny mesh, by four methods. Points on the lines bound
+// the distances: from above, and less half their spacing from below.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace {
 constexpr double kRounding = 1e-7;
 constexpr double kOfSize = 1e-9;
 constexpr std::size_t kMostPieces = 10'000;
-constexpr int kPointsASegment = 4;
+constexpr int kGapsASegment = 4;
 // Of Cancel, for a field by windows on 48 faces.
 constexpr std::uint64_t kMostQuestions = 20'000;
 
@@ -84,8 +84,8 @@ std::pair<Field, double> field_of_points(const Adjacency& adjacency, const Quest
   double spacing = 0;
   for (const LineSegment& segment : question.lines.segments) {
     SurfacePoint last;
-    for (int i = 0; i <= kPointsASegment; ++i) {
-      const double part = static_cast<double>(i) / kPointsASegment;
+    for (int i = 0; i <= kGapsASegment; ++i) {
+      const double part = static_cast<double>(i) / kGapsASegment;
       std::array<double, 3> bary{};
       for (std::size_t c = 0; c < 3; ++c) {
         bary[c] = segment.from[c] + part * (segment.to[c] - segment.from[c]);

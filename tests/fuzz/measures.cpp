@@ -29,13 +29,16 @@ bool is_near(double a, double b, double slack) {
   return std::abs(a - b) <= kRounding * std::max(std::abs(a), std::abs(b)) + slack;
 }
 
+bool is_reached(const FaceRecord& face, const Field& field) {
+  return std::all_of(face.vertex.begin(), face.vertex.end(),
+                     [&](auto v) { return field.distance[v] != kUnreached; });
+}
+
 // The area of faces that the field reaches.
 double area_reached(const Adjacency& adjacency, const Field& field) {
   double area = 0;
   for (const FaceRecord& face : adjacency.faces()) {
-    const bool is_reached = std::all_of(face.vertex.begin(), face.vertex.end(),
-                                        [&](auto v) { return field.distance[v] != kUnreached; });
-    if (is_reached) area += face.area2 / 2;
+    if (is_reached(face, field)) area += face.area2 / 2;
   }
   return area;
 }
@@ -68,11 +71,8 @@ void check_discs(const Adjacency& adjacency, const Field& field, double farthest
       }
     }
   }
-  const bool is_all =
-      std::all_of(adjacency.faces().begin(), adjacency.faces().end(), [&](const FaceRecord& face) {
-        return std::all_of(face.vertex.begin(), face.vertex.end(),
-                           [&](auto v) { return field.distance[v] != kUnreached; });
-      });
+  const bool is_all = std::all_of(adjacency.faces().begin(), adjacency.faces().end(),
+                                  [&](const FaceRecord& face) { return is_reached(face, field); });
   expect(discs->discs.back().is_whole == is_all, "the last disc has all, if the field has");
   expect(is_near(before, area_reached(adjacency, field), slack), "and all of the area");
   expect(faces <=

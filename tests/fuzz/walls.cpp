@@ -33,7 +33,7 @@ proto::Regions some_regions(const Adjacency& adjacency, Reader& reader) {
     }
     return line;
   };
-  for (int i = reader.byte() % 4; i >= 0; --i) {
+  for (int i = reader.byte() % 5; i > 0; --i) {
     const std::uint8_t kind = reader.byte();
     const Vec3 place = position_of(adjacency.mesh(), small_point(adjacency, reader));
     switch (kind % 6) {
@@ -68,7 +68,7 @@ Field exact_field(const Adjacency& adjacency, const SurfacePoint& from) {
   return std::move(*field);
 }
 
-// Parts of the file's faces, each within its own and of the area that it says.
+// Parts of the file's faces, each within its own, and together no larger than the whole.
 void check_pieces(const Mesh& whole, const CutMesh& cut, double size) {
   double sum = 0;
   for (std::uint32_t f = 0; f < cut.mesh.face_count(); ++f) {

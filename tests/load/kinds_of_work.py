@@ -53,7 +53,7 @@ LARGE = [
     ("samples", "samples", "count=4&from={a}&method=dijkstra"),
 ]
 
-# On one of half its side: what takes long.
+# On a terrain of half the side: slow queries.
 MIDDLE = [
     ("walls", "distance", "from={d}&format=f32&method=dijkstra&" + WALLS),
     ("inside a line", "distance", "from={e}&within=inside:{a};{b};{c};{d}&format=f32"),
@@ -69,7 +69,7 @@ MIDDLE = [
     ("signed", "distance", "from=" + CLOSED + "&signed=1&format=f32"),
 ]
 
-# On one of a quarter of it: what takes a field for each of many places among it.
+# On a terrain of a quarter of it: queries that compute many fields, among others.
 SMALL = [
     ("from a curve, exact", "distance", "from=" + CURVE + "&format=f32&method=exact"),
     ("from a curve, chen_han", "distance", "from=" + CURVE + "&format=f32&method=chen_han"),
@@ -98,7 +98,7 @@ TUBE = [
     ("tape", "loop", ROUND_TUBE + "&hull=1"),
 ]
 
-# Tables of that terrain, and the number of their points.
+# Tables of the small terrain, and the number of their points.
 TABLES = [
     ("table, streamed", {"stream": True, "format": "npy"}, 50),
     ("table, lines of JSON", {"stream": True, "method": "exact"}, 10),
@@ -169,14 +169,19 @@ def kinds_of_work(upload, side):
 
     yield "upload", uploaded("?up=z")
     yield "upload, welded within", uploaded("?weld=0.01")
-    for width, kinds in ((side, LARGE), (side // 2, MIDDLE), (small, SMALL)):
-        mesh = upload(grid(width, 0.05))
+    small_mesh = upload(grid(small, 0.05))
+    large_mesh, middle_mesh = (upload(grid(width, 0.05)) for width in (side, side // 2))
+    for mesh, width, kinds in (
+        (large_mesh, side, LARGE),
+        (middle_mesh, side // 2, MIDDLE),
+        (small_mesh, small, SMALL),
+    ):
         for name, what, query in kinds:
             yield name, asked(mesh, what, query, partial(places, name, width))
     for name, asking, count in TABLES:
-        yield name, asked_of_many(mesh, "table", table(asking, count))
-    yield "batch", asked_of_many(mesh, "batch", batch)
-    yield "nearest", asked_of_many(mesh, "nearest", in_space)
+        yield name, asked_of_many(small_mesh, "table", table(asking, count))
+    yield "batch", asked_of_many(small_mesh, "batch", batch)
+    yield "nearest", asked_of_many(small_mesh, "nearest", in_space)
     mesh = upload(obj(torus(side, small, 0.3), "tube"))
     for name, what, query in TUBE:
         yield name, asked(mesh, what, query, partial(on_tube, side, small))

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """stops.py BUILD: how much a server still computes for a client that has hung up.
 
-Each kind of work is begun, most of them on a terrain of a million vertices, and its client
-closes the connection at some moment; then counts the processor time that the server and its
-decoders still take until they rest. That is what a stop costs others, and it does not depend
-on who else uses the machine. An upload that is found stored afterwards had been computed to
-its end when its client left; it is told apart. Exit status 1 if any took more than 50 ms."""
+Each kind of work is begun (kinds_of_work.py), many on a terrain of a million vertices, and its
+client closes the connection at some moment. The script then measures the processor time that the
+server and its decoders still take until they rest. That is what a stop costs others, and it does
+not depend on who else uses the machine. An upload that had finished before its client left is
+counted separately. Exit status 1 if any took more than 50 ms."""
 
 import argparse
 import http.client
@@ -39,7 +39,7 @@ def until_at_rest(service):
     while time.monotonic() - resting_since < REST:
         time.sleep(0.01)
         now = service.processor_seconds()
-        if now - last > 2e-4:  # more than threads that look for news
+        if now - last > 2e-4:  # more than idle threads take when they poll
             resting_since = time.monotonic()
         last = now
     return last - begun

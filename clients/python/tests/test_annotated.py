@@ -101,3 +101,24 @@ def test_the_commands(server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_
     assert (told[:, 2] == -1).sum() == plane.vertices - len(found)
     for wrong in (["--into", "a.obj"], ["--into", "a.gltf"], ["--into", "a.glb", "--at", "3"]):
         geodesic(server, "distance", plane.id, "--from", "0", *wrong, status=1)
+
+
+def test_signed_distances_are_an_attribute_of_another_name(plane: geodesicd.Mesh) -> None:
+    curve = geodesicd.Curve([3020, 3060, 5060, 5020], closed=True)
+    file = plane.annotated(curve, signed=True, max=15)
+    field = plane.distance(curve, signed=True, max=15, dtype=np.float32)
+    expected = np.where(np.isinf(field), np.finfo(np.float32).max, field)
+    assert (expected < 0).any()
+    assert np.isinf(field).any()
+    told = attribute(file, "_GEODESIC_SIGNED_DISTANCE")[:, 0]
+    np.testing.assert_array_equal(told, expected)
+
+
+def test_the_mesh_s_own_file_stays(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
+) -> None:
+    file = tmp_path / "own.glb"
+    file.write_bytes(plane.source())
+    before = file.read_bytes()
+    geodesic(server, "distance", file, "--from", "0", "--into", file, status=1)
+    assert file.read_bytes() == before

@@ -104,6 +104,26 @@ def test_delete(server: geodesicd.LocalServer, client: geodesicd.Client) -> None
     assert not {one, two} & {mesh.id for mesh in client.meshes()}
 
 
+def test_a_file_means_the_mesh_of_its_bytes(
+    server: geodesicd.LocalServer, client: geodesicd.Client, tmp_path: Path
+) -> None:
+    file = tmp_path / "one.glb"
+    file.write_bytes(client.upload((np.eye(3) * 7, [[0, 1, 2]])).geometry_glb())
+    plain = client.upload(file)
+    other = client.upload(file, scale=2, name="one.glb")
+    assert geodesic(server, "rename", file, "plainly").stdout.strip() == plain.id
+    assert client.mesh(plain.id).name == "plainly"
+    assert client.mesh(other.id).name == "one.glb"
+    assert geodesic(server, "delete", file).stdout.strip() == plain.id
+    assert {mesh.id for mesh in client.meshes()} >= {other.id}
+    assert plain.id not in {mesh.id for mesh in client.meshes()}
+
+
+def test_what_takes_one_point_refuses_two(server: geodesicd.LocalServer, samples: Path) -> None:
+    asked = ("logmap", samples / "plane.glb", "--from", "0", "--from", "3", "--radius", "5")
+    assert "once" in geodesic(server, *asked, status=2).stderr
+
+
 def test_path_and_distance_take_the_same_options(
     server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
 ) -> None:

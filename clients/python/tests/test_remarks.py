@@ -74,6 +74,7 @@ def line_here() -> int:
 def test_a_line_of_many_is_named(plane: geodesicd.Mesh) -> None:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
+        warnings.simplefilter("ignore", ResourceWarning)  # of other tests
         paths, line = plane.paths([(0, 1), (FAR, 2)]), line_here()
         plane.batch([{"query": "path", "from": FAR, "to": 4}] * 40 + [{"query": "nothing"}])
     assert paths[1].length > 0
@@ -98,6 +99,7 @@ def test_asynchronously(plane: geodesicd.Mesh) -> None:
 
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
+        warnings.simplefilter("ignore", ResourceWarning)  # of other tests
         line, here = asyncio.run(ask()), line_here()
     assert [one.lineno for one in caught] == [line, here]
     assert {one.filename for one in caught} == {__file__}
@@ -138,6 +140,7 @@ def test_what_a_header_says() -> None:
 def test_no_sentence_steers_a_terminal_or_floods_it() -> None:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
+        warnings.simplefilter("ignore", ResourceWarning)  # of other tests
         remark(["a\x1b[2Jb", "x" * 10**6, "a\x1b[2Jb"])
     assert [str(one.message) for one in caught] == ["a?[2Jb", "x" * 1000]
     assert "\x1b" not in str(geodesicd.GeodesicError(500, "internal", "\x1b[2J"))

@@ -124,6 +124,52 @@ TEST_CASE("WaysGoRoundTheEndsOfWallsOnAPlane") {
   }
 }
 
+// Once for each side, as many programs write it: what stops a way on one stops it on all.
+TEST_CASE("WallsHoldWhereFacesAreThereSeveralTimes") {
+  for (std::uint32_t i = 0; i < 15; ++i) {
+    const std::uint32_t number = test_seed() + i;
+    CAPTURE(number);
+    RandomMesh random(number);
+    TriangleSoup soup = uneven_plane(random, 5 + random.below(4));
+    const auto once = static_cast<std::uint32_t>(soup.faces.size());
+    const bool is_all = random.below(2) == 0;
+    for (std::uint32_t f = 0; f < once; ++f) {
+      if (!is_all && random.below(3) == 0) continue;
+      Triangle copy = soup.faces[f];
+      if (random.below(2) == 0) std::swap(copy[0], copy[1]);
+      std::rotate(copy.begin(), copy.begin() + random.below(3), copy.end());
+      soup.faces.push_back(copy);
+    }
+    // The copies may come before what they are copies of.
+    if (random.below(2) == 0) std::reverse(soup.faces.begin(), soup.faces.end());
+    const Surface plane(soup);
+    std::vector<SurfacePolyline> lines;
+    std::vector<Wall> walls;
+    for (std::uint32_t k = 0; k <= random.below(3); ++k) {
+      const SurfacePoint a = random_point(random, plane);
+      const SurfacePoint b = random_point(random, plane);
+      lines.push_back(straight(plane, a, b));
+      walls.push_back({position_of(plane.mesh(), a), position_of(plane.mesh(), b)});
+    }
+    const Cut cut(plane, lines);
+    CHECK(cut.cut.mesh.area() == doctest::Approx(plane.mesh().area()).epsilon(1e-12));
+    for (const FacePiece& piece : cut.cut.refinement.pieces()) {
+      const auto& [a, b, c] = piece.corners;
+      CHECK((b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]) >= -1e-15);
+    }
+    const std::uint32_t face = random.below(plane.mesh().source_face_count());
+    const Weights bary{0.2 + random.unit(), 0.2 + random.unit(), 0.2 + random.unit()};
+    const SurfacePoint from = cut.on(face, plane.on(face, bary).bary);
+    const Vec3 start = position_of(cut.cut.mesh, from);
+    CHECK(distance(start, position_of(plane.mesh(), plane.on(face, bary))) < 1e-9);
+    const Field field = cut.field(from);
+    for (std::uint32_t s = 0; s < plane.mesh().source_vertex_count(); ++s) {
+      const std::uint32_t v = cut.cut.mesh.vertex_of_source()[s];
+      CHECK(is_as_far(field.distance[v], way_round(walls, start, cut.cut.mesh.positions()[v])));
+    }
+  }
+}
+
 TEST_CASE("ATubeThatIsCutAlongIsAStrip") {
   for (std::uint32_t i = 0; i < 10; ++i) {
     RandomMesh random(test_seed() + i);

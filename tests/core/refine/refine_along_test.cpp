@@ -249,6 +249,7 @@ TEST_CASE("FacesThatTouchAlongALineAreNotJoinedThere") {
     const Vec3 aside{random.unit() * length, -1 - random.unit(), 1 + random.unit()};
     soup.positions = {{0, 0, 0}, side, corner, apex, aside};
     soup.faces = {{0, 1, 3}, {0, 2, 1}, {2, 3, 4}};
+    if (random.below(2) == 0) soup.faces.push_back({1, 3, 0});  // the larger one again
     const Surface surface(soup);
     const double t = corner.x / length;
     const SurfacePolyline line{surface.on(0, {1 - t, t, 0}), surface.at(3)};

@@ -5,11 +5,14 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <random>
 #include <vector>
 
 #include "core/field/travel_cost.h"
 #include "core/mesh/shapes.h"
+#include "core/steiner/steep_ground.h"
 #include "tests/core/steiner/cost_fixtures.h"
+#include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;
 using fixtures::cheapest;
@@ -134,6 +137,69 @@ TEST_CASE("TheWayOfLeastEnergyIsBetweenTheBestOfAllAndTheStraightOne") {
     CHECK(total(*path, *cost) <= cost->of(0, {}, {12, 0, 12 * slope}) * (1 + kClose));
     CHECK(total(*path, *cost) >= at_best(*cost, slope, 12, 0) * (1 - 1e-4));
   }
+}
+
+// Two names of one place are apart by what rounding leaves, upright or not.
+TEST_CASE("WhatRoundingLeavesOfASegmentIsNotSteep") {
+  for (const TravelCost::Rate rate : {TravelCost::Rate::tobler, TravelCost::Rate::energy}) {
+    const TravelCost cost({.rate = rate, .steepest = 0.2, .up = {0, 0, 1}});
+    for (const Vec3 place : {Vec3{1, 2, 3}, Vec3{5e6, 4e5, 300}}) {
+      Vec3 above = place;
+      above.z = std::nextafter(above.z, 1e9);
+      CHECK(cost.of(0, place, above) < 1e-8);
+      CHECK(cost.of(0, above, place) < 1e-8);
+      CHECK(cost.of(0, place, place) == 0);
+      CHECK(cost.of(0, place, place + Vec3{0, 0, 0.1}) == kUnreached);
+    }
+  }
+}
+
+// On planes that are not steeper, to go level costs no more above the least than is said, whatever
+// the rate.
+TEST_CASE("GoingLevelIsNearTheLeastUpToTheSteepestResolvedSlope") {
+  std::mt19937 random(fixtures::test_seed());
+  const auto fraction = [&] { return random() / 4294967296.0; };
+  std::vector<TravelCost::Parts> kinds;
+  kinds.push_back({.rate = TravelCost::Rate::tobler});
+  kinds.push_back({.rate = TravelCost::Rate::energy});
+  for (int i = 0; i < 6; ++i) {
+    TravelCost::Parts parts{.rate = TravelCost::Rate::table};
+    double slope = -1 - fraction();
+    for (int k = 0; k < 6; ++k) {
+      parts.table.push_back({slope, 0.5 + slope * slope + 0.1 * fraction()});
+      slope += 0.1 + 0.6 * fraction();
+    }
+    kinds.push_back(parts);
+  }
+  for (TravelCost::Parts parts : kinds) {
+    parts.up = {0, 0, 1};
+    const Cost cost = cost_of(parts);
+    double before = 0;
+    for (const std::uint32_t points : {1U, 3U, 7U}) {
+      const double limit = steepest_resolved(*cost, points);
+      CAPTURE(points);
+      CAPTURE(limit);
+      CHECK(limit >= before);
+      before = limit;
+      const double slope = std::min(0.98 * limit, 3.0);
+      const Surface surface(inclined(13, slope));
+      const std::uint32_t start = 6 * 13 + 6;
+      const Field field = costs(surface, {{surface.at(start), 0}}, cost, points);
+      for (std::uint32_t row = 0; row < 13; ++row) {
+        if (row == 6) continue;
+        CAPTURE(row);
+        const double best = at_best(*cost, slope, 0, double(row) - 6);
+        CHECK(field.distance[surface.vertex(row * 13 + 6)] <= best * (1 + 1.2 * kMostAboveLevel));
+      }
+    }
+    parts.steepest = 0.01;
+    CHECK(steepest_resolved(TravelCost(parts), 3) == doctest::Approx(0.08).epsilon(0.03));
+  }
+  CHECK(steepest_resolved(TravelCost({}), 3) == std::numeric_limits<double>::infinity());
+  const Cancel never;
+  Poll poll(never);
+  CHECK(steep_part(Surface(inclined(7, 0.2)).adjacency(), {0, 0, 1}, 0.3, poll) == 0);
+  CHECK(steep_part(Surface(inclined(7, 0.4)).adjacency(), {0, 0, 1}, 0.3, poll) == 1);
 }
 
 TEST_CASE("UpASteepSlopeOneZigzags") {

@@ -296,6 +296,48 @@ TEST_CASE("TimesOnAHillAreThoseOfTheirSegmentsAndDependOnTheDirection") {
   CHECK(body_of(table)["distances"][1][0] >= descent * (1 - 1e-6));
 }
 
+TEST_CASE("OnSteepGroundCostsComeWithAWarning") {
+  PlaneService plane;
+  TriangleSoup soup = shapes::plane(10, 10);
+  const auto warnings = [&](double slope, const std::string& asked) {
+    for (Vec3& p : soup.positions) p.z = slope * p.x;
+    const HttpResponse response = plane.service.get(plane.add(soup) + asked + "&up=0,0,1");
+    REQUIRE(response.status == 200);
+    return body_of(response).value("warnings", json::array()).size();
+  };
+  for (const std::string asked :
+       {"/path?from=v:0&to=v:9&slope=tobler", "/distance?from=v:0&slope=tobler",
+        "/table?from=v:0&to=v:9&slope=energy", "/isolines?from=v:0&count=2&slope=energy",
+        "/path?from=v:0&to=v:9&steepest=0.2"}) {
+    CAPTURE(asked);
+    CHECK(warnings(0.1, asked) == 0);
+    CHECK(warnings(2, asked) == 1);
+    CHECK(warnings(2, asked + "&points_per_edge=20") == 0);
+  }
+  CHECK(warnings(20, "/path?from=v:0&to=v:9&weights=2*faces:0-9&steepest=1e3") == 0);
+}
+
+// Paths through two names of one place, with the slope that rounding gives to what is between them.
+TEST_CASE("APathThatHasNoLengthSomewhereHasACost") {
+  PlaneService plane;
+  const std::string id = plane.service.upload(
+      "v -0.6859943405700355 -0.17149858514250887 0.04615977181832229\n"
+      "v -0.42874646285627216 0.2572478777137633 0.017460716814080145\n"
+      "v -0.8574929257125443 0.5144957554275266 0.029815767603516515\n"
+      "v -1.371988681140071 -0.34299717028501775 0.013994117542477081\n"
+      "v -1.5434872662825796 0.34299717028501775 0.017801830642976312\n"
+      "v -2.229481606852615 0.17149858514250882 0.04113750486741198\n"
+      "v -1.1147408034263075 0.08574929257125441 0.0219049425729968\n"
+      "f 1 2 3\nf 1 3 4\nf 5 6 4\nf 5 4 7\nf 5 7 3\nf 3 7 4\n");
+  const HttpResponse response =
+      plane.service.get("/v1/meshes/" + id + "/path?from=v:5&to=v:1&slope=tobler&up=0,0,1");
+  REQUIRE(response.status == 200);
+  const json reply = body_of(response);
+  REQUIRE(reply["reachable"] == true);
+  CHECK(reply["cost"].get<double>() == doctest::Approx(1.25).epsilon(0.02));
+  for (const json& segment : reply["segments"]) CHECK(segment["cost"].is_number());
+}
+
 TEST_CASE("EnergyIsInJoulesAKilogram") {
   PlaneService plane;
   const TriangleSoup soup = hills(16, fixtures::test_seed());

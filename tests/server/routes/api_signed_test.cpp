@@ -1,10 +1,15 @@
-// What ends a query of signed distances: memory, deadlines, and clients that are gone.
+// What ends a query of signed distances: memory, deadlines, and clients that are gone; and how they
+// stay in a file.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <cstring>
+#include <limits>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "tests/fixtures/test_seed.h"
 #include "tests/fixtures/wait_until.h"
@@ -121,4 +126,29 @@ TEST_CASE("SignedDistancesEndOnceTheirClientIsGone") {
   }
   MESSAGE(stopped, " of 25 stopped, within ", all, " questions");
   CHECK(stopped > 12);
+}
+
+// The values of the file's attribute, in the order of its vertices, are those of the bare array.
+TEST_CASE("SignedDistancesStayInTheFile") {
+  std::mt19937 random(test_seed());
+  PlaneService plane;
+  const std::string base = plane.add(hills());
+  for (const double max : {2.0, 1e6}) {
+    CAPTURE(max);
+    const std::string asked = base + round_of(random, max) + "&signed=1";
+    const HttpResponse bare = plane.service.get(asked + "&format=f32");
+    REQUIRE(bare.status == 200);
+    std::vector<float> values(bare.body->size() / sizeof(float));
+    std::memcpy(values.data(), bare.body->data(), bare.body->size());
+    CHECK(*std::min_element(values.begin(), values.end()) < 0);
+    CHECK((std::count(values.begin(), values.end(), std::numeric_limits<float>::infinity()) > 0) ==
+          (max == 2));
+    for (float& value : values) value = std::min(value, std::numeric_limits<float>::max());
+    const std::string wanted(reinterpret_cast<const char*>(values.data()),
+                             values.size() * sizeof(float));
+    const HttpResponse file = plane.service.get(asked + "&format=annotated");
+    REQUIRE(file.status == 200);
+    CHECK(file.body->find("_GEODESIC_SIGNED_DISTANCE") != std::string::npos);
+    CHECK(file.body->find(wanted) != std::string::npos);
+  }
 }

@@ -4,6 +4,7 @@ files are named by them."""
 from __future__ import annotations
 
 import argparse
+import hashlib
 import json
 import os
 import re
@@ -105,7 +106,7 @@ def mesh_and_sources(
 ) -> None:
     """What most queries are about."""
     parser.add_argument("mesh", metavar="MESH", help=f"a file, or {ON_SERVER}")
-    sources(parser, lines=lines, required=True, action="append" if several else "store")
+    sources(parser, lines=lines, required=True, action="append" if several else Once)
 
 
 def exactness(parser: argparse.ArgumentParser, points_per_edge: bool = True) -> None:
@@ -262,6 +263,8 @@ def save_annotated(
     """Writes the file that :func:`into` asks for; ``asked`` is in the contract's words."""
     file: Path = options.into
     require(file, (".glb", ".gltf"))
+    if file.exists() and Path(options.mesh).exists() and file.samefile(options.mesh):
+        raise ValueError(f"{file} is the mesh's own file; --into writes another one")
     if file.suffix != f".{mesh.format}" and mesh.format in ("glb", "gltf"):
         raise ValueError(f"{file} should end with .{mesh.format}, as the mesh's own file")
     parameters = {**asked, "attribute": options.attribute}
@@ -301,6 +304,35 @@ def _named(client: Client, text: str) -> Mesh:
         raise ValueError(
             f"there is no file {text}, and {error.detail}. 'geodesic list' tells what is there"
         ) from None
+
+
+def stored(client: Client, text: str) -> str:
+    """The id of a mesh on the server: of a file's bytes, or by what it is called there.
+
+    Raises:
+        NotFound: neither is there. ValueError: several meshes are called so.
+    """
+    if Path(text).is_file():
+        digest = hashlib.sha256(Path(text).read_bytes()).hexdigest()
+        if any(mesh.id == digest for mesh in client.meshes()):
+            return digest
+    return client.mesh(text).id
+
+
+class Once(argparse.Action):
+    """Stores a value, and refuses another one: the first would be lost."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> None:
+        """As argparse calls it."""
+        if getattr(namespace, self.dest, None) is not None:
+            parser.error(f"{option_string} may be given once")
+        setattr(namespace, self.dest, values)
 
 
 @contextmanager

@@ -43,12 +43,13 @@ from .command_line import (
     save_sparse,
     sent,
     signed,
+    stored,
     surface,
 )
 from .digits import number, numbers
 from .encoding import milliseconds
 from .errors import GeodesicError, GeodesicWarning, printable
-from .lookup import mesh_id, reading_text, short_ids
+from .lookup import reading_text, short_ids
 from .service import Reading
 
 
@@ -136,12 +137,12 @@ def _parser() -> argparse.ArgumentParser:
     connection(listing)
 
     rename = command("rename", "MESH NAME", _rename, "Give a mesh another name.")
-    rename.add_argument("mesh", metavar="MESH", help=ON_SERVER)
+    rename.add_argument("mesh", metavar="MESH", help=f"a file, or {ON_SERVER}")
     rename.add_argument("name", metavar="NAME", help='at most 200 bytes; "" takes the name away')
     connection(rename)
 
     delete = command("delete", "MESH...", _delete, "Delete meshes from the server.")
-    delete.add_argument("mesh", nargs="+", metavar="MESH", help=ON_SERVER)
+    delete.add_argument("mesh", nargs="+", metavar="MESH", help=f"a file, or {ON_SERVER}")
     connection(delete)
 
     distance = command(
@@ -355,14 +356,14 @@ def _shown(meshes: Sequence[Mesh]) -> Table:
 
 def _rename(options: argparse.Namespace) -> int:
     with connect(options) as client:
-        mesh = client.mesh(options.mesh).rename(options.name)
+        mesh = client.mesh(stored(client, options.mesh)).rename(options.name)
     results.print(mesh.id)
     return 0
 
 
 def _delete(options: argparse.Namespace) -> int:
     with connect(options) as client:
-        for whole in [client.run(mesh_id(name)) for name in options.mesh]:
+        for whole in [stored(client, name) for name in options.mesh]:
             client.fetch("DELETE", f"/v1/meshes/{whole}")
             results.print(whole)
     return 0
@@ -375,9 +376,9 @@ def _distance(options: argparse.Namespace) -> int:
         if options.into is not None:
             if options.at or options.output is not None:
                 raise ValueError("--into has the whole field, and is a file of its own")
-            if options.signed:
-                raise ValueError("--into has no signs: -1 is what nothing reaches")
             asked = {"max": options.max, **exactness_of(options), "from": sources}
+            if options.signed:
+                asked["signed"] = True
             asked["deadline_ms"] = milliseconds(asked.pop("deadline"))
             return save_annotated(options, mesh, "distance", asked, progress)
         asked["signed"] = options.signed

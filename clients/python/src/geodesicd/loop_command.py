@@ -56,7 +56,9 @@ def run(options: argparse.Namespace) -> int:
         if file is not None and file.suffix == ".glb":
             save_reply(file, mesh, "loop", asked, None)
     what = "a closed geodesic" if found.geodesic else "no closed geodesic"
-    if found.turn is not None and not found.geodesic:
+    if options.hull:
+        what = "a tape"
+    if found.turn is not None and not found.geodesic and not options.hull:
         what += f", {number(found.turn)} degrees off straight ahead"
     people.print(f"{what}; {number(found.start_length)} at first", markup=False, soft_wrap=True)
     print(number(found.length))

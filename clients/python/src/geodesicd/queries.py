@@ -326,22 +326,27 @@ def annotated(
     labels: bool = False,
     label_attribute: str | None = None,
     max: float | None = None,
+    signed: bool = False,
     **options: Unpack[Options],
 ) -> Flow[bytes]:
     """The .glb or .gltf that was uploaded, with the distance field of the sources as an attribute
-    of its vertices and all else as it was. What is not reached has -1.
+    of its vertices and all else as it was. What is not reached has -1; with ``signed`` it has the
+    greatest float.
 
     Args:
         attribute: what it is called there, beginning with an underscore; without it
-            ``_GEODESIC_DISTANCE``. The file must not have an attribute of that name.
+            ``_GEODESIC_DISTANCE``, or ``_GEODESIC_SIGNED_DISTANCE`` with ``signed``. The file must
+            not have an attribute of that name.
         labels: with a second attribute, the place in ``sources`` of each vertex's nearest one.
         label_attribute: what that is called; without it ``_GEODESIC_SOURCE``.
         max: what is farther counts as unreached; mesh units.
+        signed: as of :func:`distance`; without labels.
     """
     parameters = {
         "from": points_of(sources),
         "max": as_bound(max),
         "labels": labels or None,
+        "signed": signed or None,
         **asked_by(**options),
         "attribute": attribute,
         "label_attribute": label_attribute,
