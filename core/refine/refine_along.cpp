@@ -139,19 +139,26 @@ class Refiner {
   // cuts one cuts all. Of no use if the poll says to stop.
   std::uint32_t first_copy(std::uint32_t face) {
     if (whole_.report().faces_duplicate == 0) return face;
-    const auto [known, is_new] = first_copies_.try_emplace(face, face);
-    if (!is_new) return known->second;
+    if (const auto known = first_copies_.find(face); known != first_copies_.end()) {
+      return known->second;
+    }
+    // All copies are at each corner: the one with the fewest faces is looked at.
     const auto& corners = whole_.face(face).vertex;
-    for (const std::uint32_t corner : whole_.corners(corners[0])) {
-      if (poll_.cancelled()) break;
+    const std::uint32_t vertex =
+        *std::min_element(corners.begin(), corners.end(), [&](std::uint32_t a, std::uint32_t b) {
+          return whole_.corners(a).size() < whole_.corners(b).size();
+        });
+    std::vector<std::uint32_t> copies;  // ascending, as the corners at a vertex are
+    for (const std::uint32_t corner : whole_.corners(vertex)) {
       const std::uint32_t other = face_of(corner);
       const auto& others = whole_.face(other).vertex;
-      if (other < known->second &&
-          std::is_permutation(corners.begin(), corners.end(), others.begin())) {
-        known->second = other;
-      }
+      if (poll_.cancelled()) return face;
+      if (!std::is_permutation(corners.begin(), corners.end(), others.begin())) continue;
+      if (!poll_.may_take(kBytesOfCopy)) return face;
+      copies.push_back(other);
     }
-    return known->second;
+    for (const std::uint32_t copy : copies) first_copies_[copy] = copies.front();
+    return copies.front();
   }
 
   // Weights in a face as those in another one with the same corners.
@@ -472,6 +479,7 @@ class Refiner {
   }
 
   static constexpr std::size_t kAtOnce = 1024;
+  static constexpr std::uint64_t kBytesOfCopy = 64;  // in first_copies_, and on the way there
   // In its face's list, which doubles, and its chain with the vertices on it.
   static constexpr std::uint64_t kBytesOfSegment =
       2 * sizeof(Segment) + sizeof(std::vector<std::uint32_t>) + 32;
