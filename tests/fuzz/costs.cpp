@@ -56,10 +56,8 @@ void fuzz_costs(Input input) {
   const std::uint8_t which = reader.byte();
   std::vector<std::uint8_t> drawn;
   for (int i = 0; i < 70; ++i) drawn.push_back(reader.byte());
-  const TriangleSoup soup = small_soup(reader);
-  auto built = Mesh::build(soup);
-  if (!built) return;
-  const auto mesh = std::make_shared<const Mesh>(std::move(*built));
+  const auto mesh = small_mesh(reader);
+  if (mesh == nullptr) return;
   const Adjacency adjacency = Adjacency::build(mesh);
 
   Reader places(drawn);

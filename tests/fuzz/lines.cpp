@@ -128,10 +128,8 @@ void fuzz_lines(Input input) {
   // Before the mesh, which takes all bytes that are left.
   std::vector<std::uint8_t> drawn;
   for (int i = 0; i < 36; ++i) drawn.push_back(reader.byte());
-  const TriangleSoup soup = small_soup(reader);
-  auto built = Mesh::build(soup);
-  if (!built) return;
-  const auto mesh = std::make_shared<const Mesh>(std::move(*built));
+  const auto mesh = small_mesh(reader);
+  if (mesh == nullptr) return;
   const Adjacency adjacency = Adjacency::build(mesh);
   const double slack = kOfSize * distance(mesh->box().min, mesh->box().max);
 

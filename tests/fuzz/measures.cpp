@@ -185,10 +185,8 @@ void check_estimates(const Adjacency& adjacency, const Rows& rows) {
 void fuzz_measures(Input input) {
   Reader reader(input);
   const std::uint8_t which = reader.byte();
-  const TriangleSoup soup = small_soup(reader);
-  auto built = Mesh::build(soup);
-  if (!built) return;
-  const auto mesh = std::make_shared<const Mesh>(std::move(*built));
+  const auto mesh = small_mesh(reader);
+  if (mesh == nullptr) return;
   const Adjacency adjacency = Adjacency::build(mesh);
   const double size = distance(mesh->box().min, mesh->box().max);
   SolveScratch scratch;

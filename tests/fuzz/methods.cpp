@@ -126,10 +126,8 @@ void check_loops(const Adjacency& adjacency, std::uint32_t first, std::uint8_t w
 void fuzz_methods(Input input) {
   Reader reader(input);
   const std::uint8_t which = reader.byte();
-  const TriangleSoup soup = small_soup(reader);
-  auto built = Mesh::build(soup);
-  if (!built) return;
-  const auto mesh = std::make_shared<const Mesh>(std::move(*built));
+  const auto mesh = small_mesh(reader);
+  if (mesh == nullptr) return;
   const Adjacency adjacency = Adjacency::build(mesh);
   const double size = distance(mesh->box().min, mesh->box().max);
   const std::uint32_t vertex = mesh->faces()[which % mesh->face_count()][which / 64U % 3U];

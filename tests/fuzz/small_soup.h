@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <utility>
 
 #include "core/mesh/mesh.h"
 #include "core/mesh/triangle_soup.h"
@@ -44,6 +46,12 @@ inline TriangleSoup small_soup(Reader& reader) {
     soup.faces.push_back({corner(), corner(), corner()});
   } while (!reader.is_empty() && soup.faces.size() < 48);
   return soup;
+}
+
+// The mesh of such a soup; null where there is none.
+inline std::shared_ptr<const Mesh> small_mesh(Reader& reader) {
+  auto built = Mesh::build(small_soup(reader));
+  return built ? std::make_shared<const Mesh>(std::move(*built)) : nullptr;
 }
 
 // Three bytes: a corner of a face, a place on one of its sides, or one inside.

@@ -97,10 +97,8 @@ void fuzz_walls(Input input) {
   Reader reader(input);
   std::vector<std::uint8_t> drawn;
   for (int i = 0; i < 48; ++i) drawn.push_back(reader.byte());
-  const TriangleSoup soup = small_soup(reader);
-  auto built = Mesh::build(soup);
-  if (!built) return;
-  const auto mesh = std::make_shared<const Mesh>(std::move(*built));
+  const auto mesh = small_mesh(reader);
+  if (mesh == nullptr) return;
   const Adjacency adjacency = Adjacency::build(mesh);
   const double size = distance(mesh->box().min, mesh->box().max);
 

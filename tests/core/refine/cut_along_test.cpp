@@ -7,6 +7,7 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/base/memory_budget.h"
@@ -54,6 +55,20 @@ struct Wall {
   }
 };
 
+// One to three straight walls on a plane, as lines there and in space.
+std::pair<std::vector<SurfacePolyline>, std::vector<Wall>> random_walls(RandomMesh& random,
+                                                                        const Surface& plane) {
+  std::vector<SurfacePolyline> lines;
+  std::vector<Wall> walls;
+  for (std::uint32_t k = 0; k <= random.below(3); ++k) {
+    const SurfacePoint a = random_point(random, plane);
+    const SurfacePoint b = random_point(random, plane);
+    lines.push_back(straight(plane, a, b));
+    walls.push_back({position_of(plane.mesh(), a), position_of(plane.mesh(), b)});
+  }
+  return {std::move(lines), std::move(walls)};
+}
+
 // The shortest way from the first corner to the last, straight from corner to corner where no wall
 // is between them: by a graph of which corners see each other.
 double way_round(const std::vector<Wall>& walls, Vec3 from, Vec3 to) {
@@ -91,14 +106,7 @@ TEST_CASE("WaysGoRoundTheEndsOfWallsOnAPlane") {
     CAPTURE(number);
     RandomMesh random(number);
     const Surface plane(uneven_plane(random, 5 + random.below(4)));
-    std::vector<SurfacePolyline> lines;
-    std::vector<Wall> walls;
-    for (std::uint32_t k = 0; k <= random.below(3); ++k) {
-      const SurfacePoint a = random_point(random, plane);
-      const SurfacePoint b = random_point(random, plane);
-      lines.push_back(straight(plane, a, b));
-      walls.push_back({position_of(plane.mesh(), a), position_of(plane.mesh(), b)});
-    }
+    const auto [lines, walls] = random_walls(random, plane);
     const Cut cut(plane, lines);
     CHECK(cut.cut.mesh.area() == doctest::Approx(plane.mesh().area()).epsilon(1e-12));
     const std::uint32_t face = random.below(plane.mesh().source_face_count());
@@ -143,14 +151,7 @@ TEST_CASE("WallsHoldWhereFacesAreThereSeveralTimes") {
     // The copies may come before what they are copies of.
     if (random.below(2) == 0) std::reverse(soup.faces.begin(), soup.faces.end());
     const Surface plane(soup);
-    std::vector<SurfacePolyline> lines;
-    std::vector<Wall> walls;
-    for (std::uint32_t k = 0; k <= random.below(3); ++k) {
-      const SurfacePoint a = random_point(random, plane);
-      const SurfacePoint b = random_point(random, plane);
-      lines.push_back(straight(plane, a, b));
-      walls.push_back({position_of(plane.mesh(), a), position_of(plane.mesh(), b)});
-    }
+    const auto [lines, walls] = random_walls(random, plane);
     const Cut cut(plane, lines);
     CHECK(cut.cut.mesh.area() == doctest::Approx(plane.mesh().area()).epsilon(1e-12));
     for (const FacePiece& piece : cut.cut.refinement.pieces()) {
