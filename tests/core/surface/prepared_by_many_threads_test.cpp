@@ -37,8 +37,9 @@ TriangleSoup thrown_together(std::mt19937& random) {
   TriangleSoup soup = shapes::terrain(side_of_blocks(random), 8, random());
   const auto count = static_cast<std::uint32_t>(soup.positions.size());
   for (std::size_t i = soup.faces.size() / 3; i > 0; --i) {
-    auto& face = soup.faces[random() % soup.faces.size()];
-    if (random() % 3 == 0) soup.faces.push_back(face);
+    const std::size_t chosen = random() % soup.faces.size();
+    if (random() % 3 == 0) soup.faces.push_back(Triangle{soup.faces[chosen]});
+    auto& face = soup.faces[chosen];
     if (random() % 2 == 0) std::swap(face[0], face[1]);
     if (random() % 5 == 0) face[random() % 3] = random() % count;
   }
