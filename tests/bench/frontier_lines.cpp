@@ -36,7 +36,9 @@ double most_off(const Field& found, const Field& true_one) {
 
 }  // namespace
 
-Figures from_a_curve(Asked& asked) {
+namespace {
+
+Figures from_a_curve_by(Method by, Asked& asked) {
   const Adjacency& adjacency = asked.adjacency();
   std::vector<SurfacePoint> points;
   for (const std::uint32_t v : asked.connected_vertices(4)) {
@@ -57,10 +59,18 @@ Figures from_a_curve(Asked& asked) {
     sources.clear();
     (void)take(add_curve(adjacency, points, true, 0, kMostPieces, *lines, sources, asked.scratch(),
                          Cancel()));
-    found = solve(Method::back_traced);
+    found = solve(by);
   });
   figures.off = most_off(found, solve(Method::exact));
   return figures;
+}
+
+}  // namespace
+
+Figures from_a_curve(Asked& asked) { return from_a_curve_by(Method::back_traced, asked); }
+
+Figures from_a_curve_by_wavefront(Asked& asked) {
+  return from_a_curve_by(Method::wavefront, asked);
 }
 
 Figures in_a_region(Asked& asked) {

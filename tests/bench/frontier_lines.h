@@ -7,6 +7,7 @@ namespace geodesic::bench {
 
 // Off by: distances, at the most, from those by `exact` from the same lines.
 [[nodiscard]] Figures from_a_curve(Asked& asked);
+[[nodiscard]] Figures from_a_curve_by_wavefront(Asked& asked);
 
 // What is between two distances from the source is forbidden, but for one side of it. Off by:
 // distances, at the most, from those by `exact` on what is left.

@@ -26,6 +26,7 @@
 #include "tests/bench/frontier_asked.h"
 #include "tests/bench/frontier_costs.h"
 #include "tests/bench/frontier_lines.h"
+#include "tests/bench/frontier_measures.h"
 #include "tests/bench/frontier_ways.h"
 #include "tests/bench/prepared.h"
 #include "tests/bench/processor_time.h"
@@ -152,21 +153,30 @@ Figures loops(Asked& asked) {
 
 void print_queries(std::uint32_t seed, const std::vector<std::string>& files) {
   using Query = Figures (*)(Asked&);
-  const std::array<std::pair<const char*, Query>, 18> queries{{
+  const std::array<std::pair<const char*, Query>, 25> queries{{
       {"20 paths, refined | the longest beside the shortest by `exact`", refined_paths},
       {"10 isolines | their length, against `exact`", level_lines},
       {"a table of 10 x 10 points | distances, against `exact`", tables},
       {"16 discs | areas, against `exact`", discs},
       {"the diameter by 20 fields | its bounds", diameters},
       {"the mean distance by 20 fields | against `exact` from the same vertices", mean_distance},
+      {"the mean distance of each vertex by 20 fields | against `exact` from the same vertices",
+       means_of_vertices},
+      {"strips between 11 levels | areas, against `exact`, of the surface", strips},
       {"30 samples | how far they cover, against `exact`", samples},
       {"the cells of 100 sites | what other sites have than by `exact`", cells},
+      {"10 rounds of Lloyd for 20 sites | from the centroids, of a cell's size", relaxed_sites},
       {"a log map to a tenth of the farthest | going there straight, of the radius", log_maps},
+      {"the same with a direction carried along | angles to the paths, of a half turn",
+       carried_directions},
       {"20 traces as long as the farthest is away | there and back, of the way", traces},
       {"a plane's section, tightened | straight ahead, of a half turn", loops},
+      {"its hull, as a tape lies | what sticks out, of its length", hulls},
       {"1,000 nearest points | against the other hierarchy, of the farthest", nearest_points},
       {"a closed curve through 4 points as source | distances, against `exact`", from_a_curve},
+      {"the same by `wavefront` | distances, against `exact`", from_a_curve_by_wavefront},
       {"the same with signs | signs that change away from it, of all edges", with_signs},
+      {"what such a curve has inside | its area, backwards", inside_of_a_curve},
       {"a field past a forbidden region | distances, against `exact`", in_a_region},
       {"a field past a wall | distances, against `exact`", behind_a_wall},
       {"a field of costs, one side three times as dear | the mean, against 7 points an edge",
