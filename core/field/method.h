@@ -28,6 +28,8 @@ struct MethodTraits {
   bool may_lead_astray = false;
   // They are a metric: from a to b it is as far as from b to a, and no farther than by way of c.
   bool are_metric = false;
+  // A source has a wave of its own, and the nearest is taken. So many sources take long.
+  bool has_wave_for_each_source = false;
   // They can keep windows (`Field::windows`), by which a point inside a face has its distance.
   bool has_windows = false;
   // They can keep the points that are added to edges (`Field::edge_points`), for the same end.
@@ -42,7 +44,7 @@ struct MethodTraits {
   switch (method) {
     case Method::wavefront:
     case Method::novotni:
-      return {.has_parents = true};
+      return {.has_parents = true, .has_wave_for_each_source = true};
     case Method::dijkstra:
       return {.has_parents = true, .are_metric = true};
     case Method::fast_marching:

@@ -4,10 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "core/base/polled_sort.h"
+#include "core/base/tolerances.h"
 #include "core/base/vec2.h"
 #include "core/surface/copied_faces.h"
 
@@ -137,6 +140,13 @@ class Section {
   std::vector<SurfacePoint> points_;
 };
 
+double to_segment(Vec3 p, Vec3 a, Vec3 b) {
+  const Vec3 along = b - a;
+  const double square = dot(along, along);
+  const double part = square > 0 ? std::clamp(dot(p - a, along) / square, 0.0, 1.0) : 0;
+  return distance(p, a + part * along);
+}
+
 struct Flat {
   Vec2 at;
   std::uint32_t place;
@@ -161,6 +171,47 @@ Result<std::vector<SurfacePoint>> plane_section(const Adjacency& adjacency, cons
     return fail(ErrorCode::value_out_of_range, "a normal has a length, and it is finite", "normal");
   }
   return Section(adjacency, position_of(adjacency.mesh(), at), *direction, cancel).follow(at);
+}
+
+Result<SectionOfPoints> section_through(const Adjacency& adjacency,
+                                        const std::array<SurfacePoint, 3>& points,
+                                        const Cancel& cancel) {
+  const Mesh& mesh = adjacency.mesh();
+  std::array<Vec3, 3> at;
+  for (std::size_t i = 0; i < 3; ++i) at[i] = position_of(mesh, points[i]);
+  const Vec3 one_side = at[1] - at[0];
+  const Vec3 other_side = at[2] - at[0];
+  const Vec3 normal = cross(one_side, other_side);
+  // Too flat a triangle says no plane.
+  if (!(norm(normal) > tolerance::kSamePath * norm(one_side) * norm(other_side))) {
+    return fail(ErrorCode::value_out_of_range,
+                "three points in one line say no plane: take another one, or at and normal",
+                "around");
+  }
+  auto section = plane_section(adjacency, points[0], normal, cancel);
+  if (!section) {
+    Error error = std::move(section.error());
+    if (!error.parameter.empty()) error.parameter = "around";
+    return fail(std::move(error));
+  }
+  Poll poll(cancel);
+  const double extent = norm(mesh.box().max - mesh.box().min);
+  for (std::size_t k = 1; k < 3; ++k) {
+    double least = std::numeric_limits<double>::infinity();
+    Vec3 before = position_of(mesh, section->back());
+    for (const SurfacePoint& point : *section) {
+      if (poll.cancelled()) return fail_stopped(poll);
+      const Vec3 here = position_of(mesh, point);
+      least = std::min(least, to_segment(at[k], before, here));
+      before = here;
+    }
+    if (least <= tolerance::kSamePath * extent) continue;
+    return fail(ErrorCode::no_loop,
+                "the plane of the three points cuts the surface in several curves: the one through "
+                "the first point does not run through this one",
+                "around[" + std::to_string(k) + "]");
+  }
+  return SectionOfPoints{std::move(*section), normal};
 }
 
 Result<std::vector<std::uint32_t>> hull_in_plane(std::span<const Vec3> points, Vec3 normal,

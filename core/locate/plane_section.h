@@ -1,6 +1,8 @@
-// Where a plane cuts the surface: the one closed curve of the section that runs through a point.
+// Where a plane cuts the surface: the one closed curve of the section that runs through a point or
+// through three.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -26,6 +28,19 @@ namespace geodesic {
 [[nodiscard]] Result<std::vector<SurfacePoint>> plane_section(const Adjacency& adjacency,
                                                               const SurfacePoint& at, Vec3 normal,
                                                               const Cancel& cancel);
+
+struct SectionOfPoints {
+  std::vector<SurfacePoint> points;  // as of plane_section
+  Vec3 normal;                       // mesh coordinates, of any length
+};
+
+// The section by the plane of three points, if one curve of it runs through all of them. Errors,
+// with the parameters `around` and `around[K]`: value_out_of_range (they lie in one line, to
+// rounding); no_loop as of plane_section, or where the curve through the first point does not run
+// through another; cancelled.
+[[nodiscard]] Result<SectionOfPoints> section_through(const Adjacency& adjacency,
+                                                      const std::array<SurfacePoint, 3>& points,
+                                                      const Cancel& cancel);
 
 // The corners of the convex hull of points in a plane at a right angle to `normal`, in their order
 // round it, by their places in `points`: what a tape lies on that is pulled tight round them.

@@ -122,6 +122,17 @@ StepBack PointArrivals::straight_from_source(std::uint32_t vertex, std::uint32_t
       return step;
     }
   }
+  // A vertex that a line has made a source of.
+  const std::uint32_t at = field_.sources[source].point.vertex;
+  for (const std::uint32_t corner : adjacency_.corners(vertex)) {
+    if (at == vertex || at == kNone || stopped()) break;
+    const FaceRecord& face = adjacency_.face(face_of(corner));
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      if (face.vertex[c] != at) continue;
+      return to_vertex(face, face_of(corner), c, weights_at_corner(corner_of(corner)),
+                       step.distance);
+    }
+  }
   return step;  // an isolated vertex that is its own source
 }
 

@@ -44,6 +44,35 @@ std::vector<MetVertex> vertices_within(const Adjacency& adjacency, const SourceL
   return within;
 }
 
+// The vertices met by strips with a neighbour to which the way by the edge is shorter than by any
+// strip. Nothing if stopped.
+std::vector<MetVertex> at_shadows(const Adjacency& adjacency, std::span<const MetVertex> met,
+                                  Poll& poll) {
+  std::vector<MetVertex> result;
+  const std::span<const Vec3> positions = adjacency.mesh().positions();
+  if (!poll.may_take(positions.size() * sizeof(double) + met.size() * sizeof(MetVertex))) return {};
+  std::vector<double> straight(positions.size(), kUnreached);
+  for (const MetVertex& v : met) straight[v.vertex] = v.distance;
+  result.reserve(met.size());
+  const auto is_needed = [&](const MetVertex& v) {
+    for (const std::uint32_t corner : adjacency.corners(v.vertex)) {
+      if (poll.cancelled()) return false;
+      const std::uint32_t c = corner_of(corner);
+      for (const std::uint32_t other : {next_corner(c), previous_corner(c)}) {
+        const std::uint32_t w = adjacency.tail(halfedge(face_of(corner), other));
+        const double by_edge = v.distance + distance(positions[v.vertex], positions[w]);
+        if (straight[w] > by_edge * (1 + tolerance::kSameWay)) return true;
+      }
+    }
+    return false;
+  };
+  for (const MetVertex& v : met) {
+    if (is_needed(v)) result.push_back(v);
+    if (poll.cancelled()) return {};
+  }
+  return result;
+}
+
 // An upper bound stays one: what rounding may have taken off is added.
 double not_below(double distance, double extent) {
   return distance == 0 ? 0 : distance + tolerance::kWindows * (distance + extent);
@@ -104,6 +133,12 @@ Result<Field> solve_from_lines(Method method, const MethodOptions& options,
   for (MetVertex& met : spread->met) {
     if (poll.cancelled()) return fail_stopped(poll);
     if (is_bound) met.distance = not_below(met.distance, extent);
+  }
+  // Where a source has a wave of its own, strips go on past most of them as well.
+  std::vector<MetVertex> few;
+  if (traits.has_wave_for_each_source) few = at_shadows(adjacency, spread->met, poll);
+  for (const MetVertex& met : traits.has_wave_for_each_source ? few : spread->met) {
+    if (poll.cancelled()) return fail_stopped(poll);
     // Where strips have ended for there were too many, their vertices go on as points.
     if (!spread->is_complete || may_bend(adjacency, met.vertex, poll)) {
       add_source(adjacency, met, all, waves);

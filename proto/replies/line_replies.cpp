@@ -85,6 +85,7 @@ std::string to_json(const LoopReply& reply, int digits, Poll* poll) {
     out += name_of(reply.start);
     out += "\":";
     append_points(out, reply.asked, digits, poll);
+    if (reply.is_hull) out += ",\"hull\":true";
   }
   out += ",\"length\":";
   append_bound(out, reply.length, digits, reply.bound);

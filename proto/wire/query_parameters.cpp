@@ -69,10 +69,11 @@ Result<void> check_curves(const std::vector<PointRequest>& sources, const char* 
     }
   }
   if (points <= kMaxCurvePoints) return {};
-  return fail_limit(ErrorCode::too_large,
-                    "too many points in the curves of one request; ask from fewer curves at once, or "
-                    "leave points out where a curve is straight",
-                    kMaxCurvePoints, points, parameter);
+  return fail_limit(
+      ErrorCode::too_large,
+      "too many points in the curves of one request; ask from fewer curves at once, or "
+      "leave points out where a curve is straight",
+      kMaxCurvePoints, points, parameter);
 }
 
 Result<void> read_any_sources(Parameters& parameters, std::size_t most,
@@ -174,21 +175,13 @@ Result<void> read_columns(Parameters& parameters, std::size_t most,
   return check_no_offset(columns);
 }
 
-Result<void> check_lines(const Parameters& parameters, const std::vector<PointRequest>& sources,
-                         const MethodChoice& method) {
-  const bool is_slow = method.which == Method::wavefront || method.which == Method::novotni;
-  if (!is_slow && !asks_for_costs(parameters)) return {};
+Result<void> check_costs_from_points(const Parameters& parameters,
+                                     const std::vector<PointRequest>& sources) {
+  if (!asks_for_costs(parameters)) return {};
   for (const PointRequest& source : sources) {
     if (source.is_point()) continue;
-    if (!is_slow) {
-      return fail(ErrorCode::value_out_of_range,
-                  "what ways cost is told from points alone, and to points", source.parameter);
-    }
     return fail(ErrorCode::value_out_of_range,
-                "method=" + std::string(name_of(method.which)) +
-                    " has a wave for each point, and starts from points alone; auto, exact, "
-                    "chen_han, fast_marching, dijkstra and steiner start from lines and faces, too",
-                "method");
+                "what ways cost is told from points alone, and to points", source.parameter);
   }
   return {};
 }

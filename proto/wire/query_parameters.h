@@ -43,10 +43,9 @@ enum class Purpose : std::uint8_t { distances, paths };
 [[nodiscard]] Result<void> read_columns(Parameters& parameters, std::size_t most,
                                         std::vector<PointRequest>& columns);
 
-// Refuses sources that are no points where the method is too slow for them, and with costs.
-[[nodiscard]] Result<void> check_lines(const Parameters& parameters,
-                                       const std::vector<PointRequest>& sources,
-                                       const MethodChoice& method);
+// Where costs are asked for, refuses sources that are no points.
+[[nodiscard]] Result<void> check_costs_from_points(const Parameters& parameters,
+                                                   const std::vector<PointRequest>& sources);
 
 // Points without offsets, at most so many.
 [[nodiscard]] Result<void> read_points(Parameters& parameters, const char* name, std::size_t most,

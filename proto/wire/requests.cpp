@@ -93,20 +93,25 @@ Result<LoopRequest::Start> read_start(const Parameters& parameters) {
   return static_cast<LoopRequest::Start>(*start);
 }
 
+// `hull`, and no method where a plane is meant.
+Result<void> read_hull(Parameters& parameters, LoopRequest& request) {
+  const auto hull = parameters.flag("hull");
+  if (!hull) return fail(hull.error());
+  request.hull = hull->value_or(false);
+  if (request.is_of_plane() && parameters.count("method") > 0) {
+    return fail(InputCode::unknown_parameter, "a plane needs no method: its section is no path",
+                "method");
+  }
+  return {};
+}
+
 Result<void> read_plane(Parameters& parameters, LoopRequest& request) {
   if (auto ok = read_point(parameters, "at", request.points.emplace_back()); !ok) return ok;
   const auto normal = parameters.vector("normal");
   if (!normal) return fail(normal.error());
   if (!*normal) return missing("normal");
   request.normal = **normal;
-  const auto hull = parameters.flag("hull");
-  if (!hull) return fail(hull.error());
-  request.hull = hull->value_or(false);
-  if (parameters.count("method") > 0) {
-    return fail(InputCode::unknown_parameter, "a plane needs no method: its section is no path",
-                "method");
-  }
-  return {};
+  return read_hull(parameters, request);
 }
 
 // Whether the sources may be a line with two sides; only the mesh says whether it has.
@@ -249,7 +254,7 @@ Result<void> parse_request(Parameters& parameters, DistanceRequest& request) {
   if (request.from.empty()) return missing("from");
   if (auto ok = read_points(parameters, "at", kMaxPoints, request.at); !ok) return ok;
   if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
-  if (auto ok = check_lines(parameters, request.from, request.method); !ok) return ok;
+  if (auto ok = check_costs_from_points(parameters, request.from); !ok) return ok;
   if (auto ok = read_max(parameters, request.max); !ok) return ok;
   const auto labels = parameters.flag("labels");
   if (!labels) return fail(labels.error());
@@ -268,7 +273,7 @@ Result<void> parse_request(Parameters& parameters, PathRequest& request) {
   if (auto ok = read_points(parameters, "via", kMaxVia, request.via); !ok) return ok;
   if (auto ok = read_point(parameters, "to", request.to); !ok) return ok;
   if (auto ok = read_method(parameters, Purpose::paths, request.method); !ok) return ok;
-  if (auto ok = check_lines(parameters, {request.from}, request.method); !ok) return ok;
+  if (auto ok = check_costs_from_points(parameters, {request.from}); !ok) return ok;
   if (auto ok = read_refine(parameters, request.refine); !ok) return ok;
   if (!asks_for_costs(parameters) || request.refine == Refine::none) return {};
   if (parameters.count("refine") > 0) {
@@ -308,8 +313,8 @@ Result<void> parse_request(Parameters& parameters, TableRequest& request) {
   }
   if (auto ok = check_line_columns(request); !ok) return ok;
   if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
-  if (auto ok = check_lines(parameters, request.from, request.method); !ok) return ok;
-  if (auto ok = check_lines(parameters, request.to, request.method); !ok) return ok;
+  if (auto ok = check_costs_from_points(parameters, request.from); !ok) return ok;
+  if (auto ok = check_costs_from_points(parameters, request.to); !ok) return ok;
   if (auto ok = read_max(parameters, request.max); !ok) return ok;
   return read_landmarks(parameters, request);
 }
@@ -319,7 +324,7 @@ Result<void> parse_request(Parameters& parameters, IsolinesRequest& request) {
   if (request.from.empty()) return missing("from");
   if (auto ok = read_levels(parameters, request); !ok) return ok;
   if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
-  if (auto ok = check_lines(parameters, request.from, request.method); !ok) return ok;
+  if (auto ok = check_costs_from_points(parameters, request.from); !ok) return ok;
   return read_max(parameters, request.max);
 }
 
@@ -332,7 +337,7 @@ Result<void> parse_request(Parameters& parameters, SamplesRequest& request) {
   request.count = **count;
   if (auto ok = read_sources(parameters, request.from); !ok) return ok;
   if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
-  return check_lines(parameters, request.from, request.method);
+  return check_costs_from_points(parameters, request.from);
 }
 
 Result<void> parse_request(Parameters& parameters, MeasureRequest& request) {
@@ -342,7 +347,7 @@ Result<void> parse_request(Parameters& parameters, MeasureRequest& request) {
   auto radii = parameters.numbers("radii");
   if (!radii) return fail(std::move(radii.error()));
   if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
-  if (auto ok = check_lines(parameters, request.from, request.method); !ok) return ok;
+  if (auto ok = check_costs_from_points(parameters, request.from); !ok) return ok;
   if (auto ok = read_max(parameters, request.max); !ok) return ok;
   for (std::size_t i = 0; request.max && i < radii->size(); ++i) {
     if ((*radii)[i] <= *request.max) continue;
@@ -390,7 +395,7 @@ Result<void> parse_request(Parameters& parameters, VoronoiRequest& request) {
     request.part = static_cast<VoronoiRequest::Part>(name - kVoronoiParts.begin());
   }
   if (auto ok = read_method(parameters, Purpose::distances, request.method); !ok) return ok;
-  if (auto ok = check_lines(parameters, request.from, request.method); !ok) return ok;
+  if (auto ok = check_costs_from_points(parameters, request.from); !ok) return ok;
   return check_sites(request);
 }
 
@@ -426,11 +431,14 @@ Result<void> parse_request(Parameters& parameters, LoopRequest& request) {
   if (!start) return fail(start.error());
   request.start = *start;
   if (*start == LoopRequest::Start::plane) return read_plane(parameters, request);
-  for (const char* const name : {"normal", "hull"}) {
-    if (parameters.count(name) == 0) continue;
-    return fail(InputCode::unknown_parameter, "only a plane has this, with at and normal", name);
+  if (parameters.count("normal") > 0) {
+    return fail(InputCode::unknown_parameter, "only a plane has this, with at", "normal");
   }
   const bool is_through = *start == LoopRequest::Start::through;
+  if (is_through && parameters.count("hull") > 0) {
+    return fail(InputCode::unknown_parameter,
+                "only a plane has this: with at and normal, or with three points around", "hull");
+  }
   const char* const name = is_through ? "through" : "around";
   if (auto ok = read_points(parameters, name, kMaxLoopPoints, request.points); !ok) return ok;
   const std::size_t least = is_through ? 2 : 3;
@@ -439,6 +447,14 @@ Result<void> parse_request(Parameters& parameters, LoopRequest& request) {
                 "a loop " + std::string(name) + " points has " + std::to_string(least) +
                     " of them at least",
                 name);
+  }
+  if (!is_through) {
+    if (auto ok = read_hull(parameters, request); !ok) return ok;
+    if (request.hull && request.points.size() > least) {
+      return fail(ErrorCode::value_out_of_range,
+                  "with hull, three points say the plane that a tape lies in", name);
+    }
+    if (request.hull) return {};
   }
   return read_method(parameters, Purpose::paths, request.method);
 }

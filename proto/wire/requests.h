@@ -111,8 +111,11 @@ struct LoopRequest {
   Start start = Start::plane;
   std::vector<PointRequest> points;  // of a plane one, else 2 or more
   Vec3 normal;                       // of the plane
-  bool hull = false;                 // of a plane: the convex hull of the section
+  bool hull = false;                 // the convex hull of the section; around: of 3 points' plane
   MethodChoice method;               // of all but a plane
+
+  // Whether it is made of a plane's section, not of paths.
+  [[nodiscard]] bool is_of_plane() const { return start == Start::plane || hull; }
 };
 
 struct LogmapRequest {

@@ -194,7 +194,13 @@ Result<Path> find_loop(const Adjacency& adjacency, const proto::LoopRequest& req
                        proto::LoopReply& reply, const Cancel& cancel) {
   using Start = proto::LoopRequest::Start;
   Path loop;
-  if (request.start == Start::plane) {
+  Vec3 normal = request.normal;
+  if (request.start == Start::around && request.hull) {
+    const auto section = section_through(adjacency, {points[0], points[1], points[2]}, cancel);
+    if (!section) return fail(section.error());
+    normal = section->normal;
+    loop = closed_path_along(adjacency.mesh(), section->points);
+  } else if (request.start == Start::plane) {
     const auto section = plane_section(adjacency, points.front(), request.normal, cancel);
     if (!section) return fail(section.error());
     loop = closed_path_along(adjacency.mesh(), *section);
@@ -205,7 +211,7 @@ Result<Path> find_loop(const Adjacency& adjacency, const proto::LoopRequest& req
   if (!(loop.length > 0)) {
     return fail(ErrorCode::no_loop, "all of these points are at one place");
   }
-  if (request.hull) return hull_of(adjacency.mesh(), loop, request.normal, cancel);
+  if (request.hull) return hull_of(adjacency.mesh(), loop, normal, cancel);
   if (request.start != Start::through) {
     auto tight = tighten_loop(adjacency, loop, cancel);
     if (!tight) return fail(std::move(tight.error()));
@@ -295,7 +301,7 @@ Result<Answered<proto::PathReply>> FieldQueries::answer(const AskedSurface& surf
 Result<Answered<proto::LoopReply>> FieldQueries::answer(const AskedSurface& surface,
                                                         const proto::LoopRequest& request,
                                                         const Caller& caller) {
-  const bool has_legs = request.start != proto::LoopRequest::Start::plane;
+  const bool has_legs = !request.is_of_plane();
   const auto place = has_legs ? find(surface, request.method, caller) : find(surface, caller);
   if (!place) return fail(place.error());
   Answered<proto::LoopReply> answer;
@@ -326,7 +332,7 @@ Result<Answered<proto::LoopReply>> FieldQueries::answer(const AskedSurface& surf
     if (request.start == proto::LoopRequest::Start::through) {
       reply.bound = proto::bound_of(request.method);
     }
-  } else {
+  } else if (request.start == proto::LoopRequest::Start::plane) {
     reply.normal = request.normal;
   }
   auto loop = fields_.compute(
@@ -338,7 +344,8 @@ Result<Answered<proto::LoopReply>> FieldQueries::answer(const AskedSurface& surf
   if (!loop) {
     // Where the plane is to blame, the error says so.
     if (loop.error().code == ErrorCode::no_loop && loop.error().parameter.empty()) {
-      loop.error().parameter = has_legs ? name_of(request.start) : "at";
+      loop.error().parameter =
+          request.start == proto::LoopRequest::Start::plane ? "at" : name_of(request.start);
     }
     return fail(std::move(loop.error()));
   }

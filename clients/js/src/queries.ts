@@ -133,7 +133,7 @@ export interface TraceQuery extends InDigits, OnSurface {
   length: number;
 }
 
-/** Exactly one of `through`, `around` and `at`; `normal` and `hull` only with `at`. */
+/** Exactly one of `through`, `around` and `at`; `normal` only with `at`, `hull` not with `through`. */
 export interface LoopQuery extends ByMethod, InDigits {
   /** Two points or more, joined by shortest paths in this order, and back to the first. */
   through?: readonly Point[];
@@ -143,7 +143,7 @@ export interface LoopQuery extends ByMethod, InDigits {
   at?: Point;
   /** At a right angle to the plane, of any length. */
   normal?: Xyz | string;
-  /** The convex hull of the section instead, as a tape lies round hollows. */
+  /** The convex hull of the section instead, as a tape lies round hollows; with three points `around`, in their plane. */
   hull?: boolean;
   /** Only with the method `steiner`. */
   tolerance?: Schemas['Tolerance'];

@@ -128,8 +128,8 @@ TEST_CASE("CellsOfLinesAgreeWithTheLabelsOfDistances") {
 
 TEST_CASE("CellsOfLinesByEveryMethodAndOnPartsOfTheSurface") {
   PlaneService plane;
-  for (const std::string method :
-       {"auto", "exact", "chen_han", "fast_marching", "dijkstra", "steiner"}) {
+  for (const std::string method : {"auto", "exact", "chen_han", "wavefront", "novotni",
+                                   "fast_marching", "dijkstra", "steiner"}) {
     CAPTURE(method);
     const json reply = plane.ask(
         "/voronoi?from=curve:v:12;v:23&from=v:65&from=faces:100,101&from=boundary:0&method=" +
@@ -167,9 +167,6 @@ TEST_CASE("CellsOfLinesThatAreRefused") {
   plane.check_refused(line + "&relax=1", 422, "value_out_of_range", "relax");
   CHECK(plane.ask(line + "&relax=0")["relax"] == 0);
   plane.check_refused(line + "&part=delaunay", 422, "value_out_of_range", "part");
-  for (const std::string method : {"wavefront", "novotni"}) {
-    plane.check_refused(line + "&method=" + method, 422, "value_out_of_range", "method");
-  }
   plane.check_refused(line + "&from=boundary:1", 422, "index_out_of_range", "from[2]");
   plane.check_refused(line + "&from=part:7", 422, "index_out_of_range", "from[2].part");
   plane.check_refused(line + "&from=curve:v:1", 422, "value_out_of_range", "from[2]");

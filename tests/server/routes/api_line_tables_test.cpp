@@ -151,14 +151,8 @@ TEST_CASE("LineTablesThatAreRefused") {
   PlaneService plane;
   for (const std::string line : {"boundary", "boundary:0", "curve:v:1;v:7", "faces:1", "part:0"}) {
     for (const std::string form : {"", "&stream=1", "&sparse=1"}) {
-      for (const std::string method : {"wavefront", "novotni"}) {
-        plane.check_refused("/table?to=v:1&from=" + line + "&method=" + method + form, 422,
-                            "value_out_of_range", "method");
-      }
       plane.check_refused("/table?to=v:1&slope=tobler&from=" + line + form, 422,
                           "value_out_of_range", "from[0]");
-      plane.check_refused("/table?from=v:1&method=novotni&to=" + line + form, 422,
-                          "value_out_of_range", "method");
       plane.check_refused("/table?from=v:1&weights=2*faces:3&to=v:2&to=" + line + form, 422,
                           "value_out_of_range", "to[1]");
     }

@@ -85,8 +85,8 @@ TEST_CASE("AHullIsInThePlaneAndRoundTheSection") {
     soup.faces.push_back({i, j, j + 5});
     soup.faces.push_back({i, j + 5, i + 5});
   }
-  const json reply =
-      body_of(plane.service.get(plane.add(soup) + "/loop?at=f:0,0.3,0.3&normal=0,0,3&hull=1"));
+  const std::string base = plane.add(soup);
+  const json reply = body_of(plane.service.get(base + "/loop?at=f:0,0.3,0.3&normal=0,0,3&hull=1"));
   CHECK(reply["hull"] == true);
   CHECK(reply["length"] == doctest::Approx(8));
   CHECK(reply["start_length"] == doctest::Approx(6 + 2 * std::sqrt(2)));
@@ -97,6 +97,46 @@ TEST_CASE("AHullIsInThePlaneAndRoundTheSection") {
     CHECK(point["xyz"][0] != 1);
     CHECK(point["face"].is_number());
   }
+  // In a plane through three points, tilted by as much as makes one side longer.
+  const json tilted = body_of(plane.service.get(
+      base + "/loop?around=p:0.5,0,0.2&around=p:1.5,0,0.2&around=p:0,1.5,0.5&hull=1"));
+  CHECK(tilted["start"] == "around");
+  CHECK(tilted["hull"] == true);
+  CHECK(tilted["around"].size() == 3);
+  CHECK_FALSE(tilted.contains("method"));
+  CHECK_FALSE(tilted.contains("normal"));
+  CHECK(tilted["length"] == doctest::Approx(4 + 4 * std::hypot(1, 0.2)));
+}
+
+TEST_CASE("ATapeThroughThreePointsSaysWhyThereIsNone") {
+  PlaneService plane;
+  const std::string three = "/loop?around=v:0&around=v:5&around=v:77&hull=1";
+  plane.check_refused(three, 422, "no_loop", "around");  // the plane of the plane
+  plane.check_refused(three + "&around=v:9", 422, "value_out_of_range", "around");
+  plane.check_refused(three + "&method=exact", 400, "unknown_parameter", "method");
+  plane.check_refused("/loop?around=v:0&around=v:5&around=v:7&hull=1", 422, "value_out_of_range",
+                      "around");
+  plane.check_refused("/loop?around=v:0&around=v:5&around=v:5&hull=1", 422, "value_out_of_range",
+                      "around");
+  // Two tubes: the plane cuts both.
+  TriangleSoup tubes;
+  for (const double x : {0.0, 9.0}) {
+    const auto first = static_cast<std::uint32_t>(tubes.positions.size());
+    for (const double z : {0.0, 1.0}) {
+      for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{2, 0, 0}, Vec3{0, 2, 0}}) {
+        tubes.positions.push_back({p.x + x, p.y, z});
+      }
+    }
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      const std::uint32_t j = (i + 1) % 3;
+      tubes.faces.push_back({first + i, first + j, first + j + 3});
+      tubes.faces.push_back({first + i, first + j + 3, first + i + 3});
+    }
+  }
+  check_problem(
+      plane.service.get(plane.add(tubes) +
+                        "/loop?around=p:1,0,0.5&around=p:0,1,0.5&around=p:10,0,0.5&hull=1"),
+      422, "no_loop", "around[2]");
 }
 
 TEST_CASE("LoopsInOtherFormats") {

@@ -30,7 +30,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         )
     parser.add_argument("--at", metavar="POINT", help="where a plane cuts the surface")
     parser.add_argument("--normal", metavar="X,Y,Z", help="of the plane")
-    parser.add_argument("--hull", action="store_true", help="with --at: not into hollows")
+    parser.add_argument(
+        "--hull", action="store_true", help="with --at or 3 --around: not into hollows"
+    )
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help=".csv, .npy, .json or .glb"
     )

@@ -32,7 +32,8 @@ def loop(
             closed geodesic, and need not go through them any more.
         at: a point through which a plane cuts the surface in a closed curve, tightened likewise.
         normal: (3,) with ``at``, at a right angle to the plane.
-        hull: with ``at``, the convex hull of the section instead, as a tape lies round hollows.
+        hull: with ``at`` or three points ``around``, the convex hull of the section instead, as a
+            tape lies round hollows.
         tolerance: for ``method="steiner"`` only, relative.
     """
     parameters = {
