@@ -29,6 +29,7 @@ namespace geodesic {
                                                               const SurfacePoint& at, Vec3 normal,
                                                               const Cancel& cancel);
 
+// A section, and the plane that it is in.
 struct SectionOfPoints {
   std::vector<SurfacePoint> points;  // as of plane_section
   Vec3 normal;                       // mesh coordinates, of any length

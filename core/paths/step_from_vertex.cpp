@@ -122,10 +122,11 @@ StepBack PointArrivals::straight_from_source(std::uint32_t vertex, std::uint32_t
       return step;
     }
   }
-  // A vertex that a line has made a source of.
+  // A vertex that a line has made a source of is in none of these places, but beside this one.
   const std::uint32_t at = field_.sources[source].point.vertex;
+  if (at == vertex || at == kNone) return step;  // an isolated vertex that is its own source
   for (const std::uint32_t corner : adjacency_.corners(vertex)) {
-    if (at == vertex || at == kNone || stopped()) break;
+    if (stopped()) break;
     const FaceRecord& face = adjacency_.face(face_of(corner));
     for (std::uint32_t c = 0; c < 3; ++c) {
       if (face.vertex[c] != at) continue;
@@ -133,7 +134,7 @@ StepBack PointArrivals::straight_from_source(std::uint32_t vertex, std::uint32_t
                        step.distance);
     }
   }
-  return step;  // an isolated vertex that is its own source
+  return step;
 }
 
 }  // namespace geodesic

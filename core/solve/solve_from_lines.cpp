@@ -44,8 +44,8 @@ std::vector<MetVertex> vertices_within(const Adjacency& adjacency, const SourceL
   return within;
 }
 
-// The vertices met by strips with a neighbour to which the way by the edge is shorter than by any
-// strip. Nothing if stopped.
+// Of the vertices that strips have met, those with a neighbour to which the way along the edge is
+// shorter than by any strip: where straight ways end and others begin. Nothing if stopped.
 std::vector<MetVertex> at_shadows(const Adjacency& adjacency, std::span<const MetVertex> met,
                                   Poll& poll) {
   std::vector<MetVertex> result;
@@ -134,10 +134,14 @@ Result<Field> solve_from_lines(Method method, const MethodOptions& options,
     if (poll.cancelled()) return fail_stopped(poll);
     if (is_bound) met.distance = not_below(met.distance, extent);
   }
-  // Where a source has a wave of its own, strips go on past most of them as well.
+  // Past most of them strips go on as well. That counts where a source has a wave of its own.
   std::vector<MetVertex> few;
-  if (traits.has_wave_for_each_source) few = at_shadows(adjacency, spread->met, poll);
-  for (const MetVertex& met : traits.has_wave_for_each_source ? few : spread->met) {
+  if (traits.has_wave_for_each_source) {
+    few = at_shadows(adjacency, spread->met, poll);
+    if (poll.stopped()) return fail_stopped(poll);
+  }
+  const std::vector<MetVertex>& going_on = traits.has_wave_for_each_source ? few : spread->met;
+  for (const MetVertex& met : going_on) {
     if (poll.cancelled()) return fail_stopped(poll);
     // Where strips have ended for there were too many, their vertices go on as points.
     if (!spread->is_complete || may_bend(adjacency, met.vertex, poll)) {

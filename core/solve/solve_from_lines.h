@@ -24,8 +24,8 @@ inline constexpr double kToleranceFromLines = 1e-3;
 // the ends of lines and at vertices, is as exact as the method is: by `exact` and `chen_han` all of
 // it, but for rounding. `back_traced` without a tolerance takes one of 0.1 %, by windows. But for
 // the first two, strips end once there have been 8 a face, and the vertices that they have met go
-// on as points. `wavefront` and `novotni` have a wave for each point, so only vertices beside a
-// place that no strip comes straight to are such points.
+// on as points. By `wavefront` and `novotni`, which have a wave for each point, only those do that
+// have a neighbour to which no strip comes, or by a longer way than along the edge.
 //
 // `sources` are points, among them the ends of all segments; lines->item_of_source says of each
 // what it belongs to. The field is whole, up to limits.max, whatever targets there are.

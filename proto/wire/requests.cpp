@@ -93,7 +93,7 @@ Result<LoopRequest::Start> read_start(const Parameters& parameters) {
   return static_cast<LoopRequest::Start>(*start);
 }
 
-// `hull`, and no method where a plane is meant.
+// `hull`; refuses a method where the loop is of a plane.
 Result<void> read_hull(Parameters& parameters, LoopRequest& request) {
   const auto hull = parameters.flag("hull");
   if (!hull) return fail(hull.error());

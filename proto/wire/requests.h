@@ -110,9 +110,10 @@ struct LoopRequest {
   };
   Start start = Start::plane;
   std::vector<PointRequest> points;  // of a plane one, else 2 or more
-  Vec3 normal;                       // of the plane
-  bool hull = false;                 // the convex hull of the section; around: of 3 points' plane
-  MethodChoice method;               // of all but a plane
+  Vec3 normal;                       // where it starts from a plane
+  // The convex hull of the section: by the plane, or by that through the three points it is around.
+  bool hull = false;
+  MethodChoice method;  // unless is_of_plane()
 
   // Whether it is made of a plane's section, not of paths.
   [[nodiscard]] bool is_of_plane() const { return start == Start::plane || hull; }

@@ -187,6 +187,18 @@ Result<Path> hull_of(const Mesh& mesh, const Path& section, Vec3 normal, const C
   return closed_path_along(mesh, hull);
 }
 
+// Where the plane that is asked for cuts the surface: that at a right angle to `normal`, or through
+// three points.
+Result<SectionOfPoints> section_of(const Adjacency& adjacency, const proto::LoopRequest& request,
+                                   const std::vector<SurfacePoint>& points, const Cancel& cancel) {
+  if (request.start == proto::LoopRequest::Start::around) {
+    return section_through(adjacency, {points[0], points[1], points[2]}, cancel);
+  }
+  auto section = plane_section(adjacency, points.front(), request.normal, cancel);
+  if (!section) return fail(std::move(section.error()));
+  return SectionOfPoints{std::move(*section), request.normal};
+}
+
 // The loop that is asked for, and what the reply says of its shape. `legs` are from point to point
 // and back to the first; none of a plane.
 Result<Path> find_loop(const Adjacency& adjacency, const proto::LoopRequest& request,
@@ -194,16 +206,12 @@ Result<Path> find_loop(const Adjacency& adjacency, const proto::LoopRequest& req
                        proto::LoopReply& reply, const Cancel& cancel) {
   using Start = proto::LoopRequest::Start;
   Path loop;
-  Vec3 normal = request.normal;
-  if (request.start == Start::around && request.hull) {
-    const auto section = section_through(adjacency, {points[0], points[1], points[2]}, cancel);
+  Vec3 normal;
+  if (request.is_of_plane()) {
+    const auto section = section_of(adjacency, request, points, cancel);
     if (!section) return fail(section.error());
     normal = section->normal;
     loop = closed_path_along(adjacency.mesh(), section->points);
-  } else if (request.start == Start::plane) {
-    const auto section = plane_section(adjacency, points.front(), request.normal, cancel);
-    if (!section) return fail(section.error());
-    loop = closed_path_along(adjacency.mesh(), *section);
   } else {
     loop = join_paths(legs);
   }

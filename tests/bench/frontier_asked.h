@@ -58,6 +58,13 @@ class Asked {
     for (std::size_t i = 0; i < count; ++i) chosen.push_back(reached[i * reached.size() / count]);
     return chosen;
   }
+  [[nodiscard]] std::vector<SurfacePoint> connected_points(std::size_t count) {
+    std::vector<SurfacePoint> points;
+    for (const std::uint32_t v : connected_vertices(count)) {
+      points.push_back(point_at_vertex(adjacency(), v));
+    }
+    return points;
+  }
 
  private:
   const Prepared& prepared_;

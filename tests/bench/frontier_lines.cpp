@@ -34,16 +34,9 @@ double most_off(const Field& found, const Field& true_one) {
   return off;
 }
 
-}  // namespace
-
-namespace {
-
 Figures from_a_curve_by(Method by, Asked& asked) {
   const Adjacency& adjacency = asked.adjacency();
-  std::vector<SurfacePoint> points;
-  for (const std::uint32_t v : asked.connected_vertices(4)) {
-    points.push_back(point_at_vertex(adjacency, v));
-  }
+  const std::vector<SurfacePoint> points = asked.connected_points(4);
   std::shared_ptr<SourceLines> lines;
   std::vector<Source> sources;
   const auto solve = [&](Method method) {
@@ -141,10 +134,7 @@ Figures behind_a_wall(Asked& asked) {
 
 Figures with_signs(Asked& asked) {
   const Adjacency& adjacency = asked.adjacency();
-  std::vector<SurfacePoint> points;
-  for (const std::uint32_t v : asked.connected_vertices(4)) {
-    points.push_back(point_at_vertex(adjacency, v));
-  }
+  const std::vector<SurfacePoint> points = asked.connected_points(4);
   const auto lines = std::make_shared<SourceLines>();
   std::vector<Source> sources;
   Result<LineSides> sides = fail(ErrorCode::value_out_of_range, "");

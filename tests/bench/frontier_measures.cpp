@@ -112,9 +112,7 @@ Figures relaxed_sites(Asked& asked) {
   constexpr std::uint64_t kRounds = 10;
   const Adjacency& adjacency = asked.adjacency();
   std::vector<Source> sites;
-  for (const std::uint32_t v : asked.connected_vertices(kSites)) {
-    sites.push_back({point_at_vertex(adjacency, v), 0});
-  }
+  for (const SurfacePoint& point : asked.connected_points(kSites)) sites.push_back({point, 0});
   Figures figures;
   figures.ms = processor_ms_of([&] {
     sites = take(relax_sites(Method::back_traced, {}, adjacency, std::move(sites), kRounds,
@@ -127,22 +125,21 @@ Figures relaxed_sites(Asked& asked) {
   const Voronoi cells =
       take(voronoi(Method::exact, {}, adjacency, field, kMostPieces, asked.scratch(), Cancel()));
   double area = 0;
+  double filled = 0;
   for (std::size_t i = 0; i < sites.size(); ++i) {
     if (cells.cells[i].is_empty()) continue;
+    ++filled;
     area += cells.cells[i].area;
     figures.off += distance(position_of(adjacency.mesh(), sites[i].point),
                             position_of(adjacency.mesh(), cells.cells[i].centroid));
   }
-  figures.off /= kSites * std::sqrt(area / kSites);
+  figures.off /= filled * std::sqrt(area / filled);
   return figures;
 }
 
 Figures inside_of_a_curve(Asked& asked) {
   const Adjacency& adjacency = asked.adjacency();
-  std::vector<SurfacePoint> points;
-  for (const std::uint32_t v : asked.connected_vertices(4)) {
-    points.push_back(point_at_vertex(adjacency, v));
-  }
+  const std::vector<SurfacePoint> points = asked.connected_points(4);
   SourceLines lines;
   std::vector<Source> sources;
   (void)take(add_curve(adjacency, points, true, 0, kMostPieces, lines, sources, asked.scratch(),

@@ -21,6 +21,7 @@
 #include "core/solve/solve_from_lines.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
+#include "tests/fixtures/to_segment.h"
 
 namespace geodesic::fixtures {
 
@@ -153,13 +154,6 @@ inline void ask_some_lines(const Surface& surface, std::mt19937& random, LineQue
       question.point(from);
     }
   }
-}
-
-inline double to_segment(Vec3 p, Vec3 a, Vec3 b) {
-  const Vec3 ahead = b - a;
-  const double square = dot(ahead, ahead);
-  const double part = square > 0 ? std::clamp(dot(p - a, ahead) / square, 0.0, 1.0) : 0;
-  return norm(p - (a + part * ahead));
 }
 
 inline double to_polyline(Vec3 p, const std::vector<Vec3>& line, bool is_closed) {

@@ -45,7 +45,7 @@ bool is_within(double found, double truth, double above, double extent) {
 
 // A known fault: out of a vertex that lies on the other side of a needle, some directions are lost
 // between two windows, and a path bends where it could be straight. Seen on one lathe in some
-// 6,000, by `exact` with windows, up to 1e-4 too long.
+// 6,000, as those of 2562770841 + 6 and 3500753743, by `exact` with windows alone.
 constexpr double kLostDirections = 1e-3;
 
 struct Way {
@@ -53,6 +53,8 @@ struct Way {
   Method method;
   bool keep_details;
   double tolerance;  // 0: exact
+
+  [[nodiscard]] bool may_lose_directions() const { return method == Method::exact && keep_details; }
 };
 constexpr std::array kWays{Way{"exact", Method::exact, false, 0},
                            Way{"exact with windows", Method::exact, true, 0},
@@ -98,7 +100,7 @@ Source top_of(const Surface& surface) {
   return {point_at_vertex(surface.adjacency(), top), 0};
 }
 
-// Whether distances are longer than they may be, but no more than lost directions make them.
+// Whether distances by `exact` with windows are too long by what lost directions make them.
 bool check_against_every_strip(const TriangleSoup& soup, Dice& dice) {
   const Surface surface(soup);
   const fixtures::EveryStripIn<fixtures::Quad> oracle(surface.adjacency(), 1'000'000);
@@ -120,7 +122,9 @@ bool check_against_every_strip(const TriangleSoup& soup, Dice& dice) {
         CAPTURE(field.distance[v] - truth[v]);
         const bool is_right = is_within(field.distance[v], truth[v], way.tolerance, extent);
         has_lost = has_lost || !is_right;
-        CHECK((is_right || is_within(field.distance[v], truth[v], kLostDirections, extent)));
+        const bool may_be_lost = way.may_lose_directions() &&
+                                 is_within(field.distance[v], truth[v], kLostDirections, extent);
+        CHECK((is_right || may_be_lost));
       }
     }
   }

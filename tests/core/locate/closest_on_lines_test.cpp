@@ -11,6 +11,7 @@
 #include "core/locate/closest_point.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
+#include "tests/fixtures/to_segment.h"
 #include "tests/fixtures/uneven_planes.h"
 
 using namespace geodesic;
@@ -35,12 +36,6 @@ void place_anywhere(RandomMesh& random, TriangleSoup& soup) {
   for (Vec3& p : soup.positions) p = origin + p.x * x + p.y * y + p.z * z;
 }
 
-double distance_to_segment(Vec3 p, Vec3 a, Vec3 b) {
-  const Vec3 ab = b - a;
-  const double t = std::clamp(dot(p - a, ab) / dot(ab, ab), 0.0, 1.0);
-  return norm(p - a - t * ab);
-}
-
 // Over all sides, and over all faces that have a width.
 double distance_by_all(const TriangleSoup& soup, Vec3 p) {
   double least = std::numeric_limits<double>::infinity();
@@ -48,7 +43,7 @@ double distance_by_all(const TriangleSoup& soup, Vec3 p) {
     const auto at = [&](std::size_t c) { return soup.positions[t[c % 3]]; };
     double longest = 0;
     for (std::size_t c = 0; c < 3; ++c) {
-      least = std::min(least, distance_to_segment(p, at(c), at(c + 1)));
+      least = std::min(least, fixtures::to_segment(p, at(c), at(c + 1)));
       longest = std::max(longest, distance(at(c), at(c + 1)));
     }
     const Vec3 normal = cross(at(1) - at(0), at(2) - at(0));

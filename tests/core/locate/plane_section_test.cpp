@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -19,6 +21,7 @@
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
+#include "tests/fixtures/to_segment.h"
 #include "tests/fixtures/tube.h"
 
 using namespace geodesic;
@@ -216,6 +219,51 @@ TEST_CASE("ATapeRoundAStarTouchesItsTips") {
           doctest::Approx(2 * tips * std::sin(pi / tips)).epsilon(1e-12));
     CHECK(length_round(points, *hull) < path.length);
   }
+}
+
+// A convex surface is cut in one curve, so that runs through all three.
+TEST_CASE("ASectionThroughThreePointsOfAConvexSurfaceIsThere") {
+  std::mt19937 random(fixtures::test_seed() + 24);
+  int found = 0;
+  for (int round = 0; round < 60; ++round) {
+    CAPTURE(round);
+    TriangleSoup soup = shapes::icosphere(1 + random() % 4);
+    const Vec3 stretch{0.3 + unit_of(random), 0.3 + unit_of(random), 0.3 + unit_of(random)};
+    for (Vec3& p : soup.positions) p = {p.x * stretch.x, p.y * stretch.y, p.z * stretch.z};
+    const Surface surface(soup);
+    std::array<SurfacePoint, 3> points;
+    for (SurfacePoint& point : points) {
+      const auto face = static_cast<std::uint32_t>(random() % soup.faces.size());
+      point = random() % 3 == 0
+                  ? surface.at(soup.faces[face][0])
+                  : surface.on(face, {unit_of(random), unit_of(random), unit_of(random)});
+    }
+    const auto section = section_through(surface.adjacency(), points, Cancel());
+    if (!section) {
+      // Two of them are at one vertex.
+      CHECK(section.error().code == ErrorCode::value_out_of_range);
+      CHECK(section.error().parameter == "around");
+      continue;
+    }
+    ++found;
+    const Vec3 up = (1 / norm(section->normal)) * section->normal;
+    const Vec3 first = position_of(surface.mesh(), points[0]);
+    for (const SurfacePoint& point : section->points) {
+      CHECK(std::abs(dot(up, position_of(surface.mesh(), point) - first)) < 1e-9);
+    }
+    for (const SurfacePoint& point : points) {
+      double least = std::numeric_limits<double>::infinity();
+      Vec3 before = position_of(surface.mesh(), section->points.back());
+      for (const SurfacePoint& next : section->points) {
+        const Vec3 here = position_of(surface.mesh(), next);
+        least =
+            std::min(least, fixtures::to_segment(position_of(surface.mesh(), point), before, here));
+        before = here;
+      }
+      CHECK(least < 1e-9);
+    }
+  }
+  CHECK(found > 30);
 }
 
 // By Cauchy's formula the perimeter of a convex shape is the mean of its widths times pi.
