@@ -225,15 +225,17 @@ def main():
             told = f"{seconds:.1f} | {used:.1f} | {error} | {ratios} (of processors {effort})"
             named = f"`{name}`, {landmarks} landmarks" if landmarks else f"`{name}`"
             print(f"| geodesicd, {named} | {told} |")
-        for library, times, is_exact in (("potpourri3d", 20, False), ("pygeodesic", 100, True)):
-            if library not in goals:
+        # Both by a table with less error than the heat method has.
+        most = goals.get("potpourri3d", (0, 0))[1]
+        good = [seconds for seconds, mean in ours if mean < most]
+        for library, times in (("potpourri3d", 20), ("pygeodesic", 100)):
+            if library not in goals or not good:
+                print(f"\nAt least {times} times as quick as {library}: not known.")
                 continue
-            whole, theirs = goals[library]
-            good = [seconds for seconds, mean in ours if is_exact or mean < theirs]
-            best = whole / min(good, default=math.inf)
+            best = goals[library][0] / min(good)
             verdict = "yes" if best >= times else "no"
-            at = "at any error" if is_exact else "at less error"
-            print(f"\nAt least {times} times as quick as {library}, {at}: {verdict}, {best:.1f}.")
+            print(f"\nAt least {times} times as quick as {library}: {verdict}, {best:.1f}")
+            print(f"at an error below {most:.3f} %.")
         print(f"\nThe server had {memory / 2**20:.0f} MB at most, {rest / 2**20:.0f} MB before,")
         print(f"and each table has {8 * len(points) ** 2 / 2**20:.0f} MB.")
 
