@@ -1,6 +1,6 @@
 // Draws docs/viewer.png: the page at / on the sample of hills, with a source, a target and the method that it
-// has by itself; and docs/viewer_brush.png and docs/viewer_loop.png of its page in the guide. scripts/draw_viewer
-// says how to run it.
+// has by itself; and docs/viewer_brush.png, viewer_costs.png and viewer_loop.png of its page in the guide.
+// scripts/draw_viewer says how to run it.
 import { writeFile } from 'node:fs/promises';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -41,6 +41,12 @@ export async function drawBrush(browser, service) {
   const [from, to] = await Promise.all([SOURCE, TARGET].map((place) => spot(service, mesh, place)));
   const page = await openMesh(browser, service, mesh, `&camera=${CAMERA}&from=${from}&to=${to}`, { viewport: SMALL });
   const straight = await pathLength(page);
+  await paint(page);
+  await pathLength(page, straight);
+  return takenOf(page);
+}
+
+async function paint(page) {
   await page.getByLabel('Brush', { exact: true }).check();
   for (const [x, y] of LAKE) {
     await page.mouse.move(x, y);
@@ -48,7 +54,19 @@ export async function drawBrush(browser, service) {
     await page.mouse.move(x + 60, y, { steps: 6 });
     await page.mouse.up();
   }
-  await pathLength(page, straight);
+}
+
+/** The quickest way on foot, and ground with a weight. */
+export async function drawCosts(browser, service) {
+  const mesh = await service.sample('terrain');
+  const [from, to] = await Promise.all([SOURCE, TARGET].map((place) => spot(service, mesh, place)));
+  const page = await openMesh(browser, service, mesh, `&camera=${CAMERA}&from=${from}&to=${to}&walking=tobler,y`, { viewport: SMALL });
+  const before = await pathLength(page);
+  await page.getByLabel('Brush', { exact: true }).check();
+  await page.getByRole('radio', { name: 'Weighted' }).check();
+  await paint(page);
+  await pathLength(page, before);
+  await page.locator('.result:not(.stale)').waitFor({ state: 'attached' });
   return takenOf(page);
 }
 
@@ -78,6 +96,7 @@ if (fileURLToPath(import.meta.url) === script) {
   try {
     await writeFile(file, await drawViewer(browser, service));
     await writeFile(join(dirname(file), 'viewer_brush.png'), await drawBrush(browser, service));
+    await writeFile(join(dirname(file), 'viewer_costs.png'), await drawCosts(browser, service));
     await writeFile(join(dirname(file), 'viewer_loop.png'), await drawLoop(browser, service));
   } finally {
     await browser.close();

@@ -9,7 +9,7 @@ const { START, Store } = await viewerModule('state.ts');
 
 const SPOT = { face: 7, bary: [0.25, 0.25, 0.5] };
 /** So many faces of which no two follow each other. */
-const speckled = (count) => ({ as: 'forbid', faces: Array.from({ length: count }, (_, index) => [2 * index, 2 * index]), walls: [] });
+const speckled = (count) => ({ ...START.painted, faces: Array.from({ length: count }, (_, index) => [2 * index, 2 * index]) });
 const kept = (painted) => ({ from: SPOT, via: [], to: SPOT, method: 'exact', pointsPerEdge: null, refine: true, painted });
 
 test('a link has the kept paths that it has room for, as they are', () => {

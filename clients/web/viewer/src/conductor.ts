@@ -5,6 +5,7 @@
 import type { Path } from 'geodesicd-client';
 import type { Access } from './access.ts';
 import type { Connection } from './connection.ts';
+import { methodUsed } from './costs.ts';
 import { troubleOf } from './messages.ts';
 import { Newest } from './newest.ts';
 import type { Notices } from './notices.ts';
@@ -13,7 +14,7 @@ import { fieldKey, fieldQuestion, Questions, type Attempt, type FieldQuestion } 
 import { lookOf, type RegionLook } from './regions.ts';
 import { errorAgainst, surfaceOf, UNANSWERED, type KnownField, type Results } from './results.ts';
 import { Shapes } from './shapes.ts';
-import { byRegion, differ, REGIONS, type Measure, type State, type Store } from './state.ts';
+import { byCost, byRegion, differ, REGIONS, type Measure, type State, type Store } from './state.ts';
 
 export class Conductor {
   readonly #questions: Questions;
@@ -116,7 +117,7 @@ export class Conductor {
       this.#trials.cancel();
       this.results.set({ trials: {}, stopped: false });
     }
-    if (byOther || others || now.show !== before.show) this.#wantField(now, byOther || this.#questions.isLong(before.method));
+    if (byOther || others || now.show !== before.show) this.#wantField(now, byOther || this.#questions.isLong(methodUsed(before)));
     this.#paths.follow(now, before);
     this.#shapes.follow(now, before);
   }
@@ -136,7 +137,7 @@ export class Conductor {
         this.#show(kept);
       } else this.#field.ask(question, interrupt);
     } else this.#field.cancel(); // what is on its way is not wanted any more: the points went back
-    const divided = byRegion(now.show) && !now.curves.length && now.sources.length > 1 && now.sources.length <= REGIONS && !this.#questions.isLong(now.method);
+    const divided = byRegion(now.show) && !now.curves.length && now.sources.length > 1 && now.sources.length <= REGIONS && !this.#questions.isLong(methodUsed(now));
     if (!divided) this.#apart.cancel();
     else if (this.results.value.apart?.key !== fieldKey(question)) this.#apart.ask(question);
     const { field, regions } = this.results.value;
@@ -155,8 +156,8 @@ export class Conductor {
   /** The same question for the exact method. */
   #exactOf(question: FieldQuestion): FieldQuestion | null {
     const method = this.results.value.methods.find(({ exact }) => exact)?.name;
-    // Of ways on foot there are no exact ones.
-    return method && !question.walking ? { ...question, method } : null;
+    // Of ways that cost least there are no exact ones.
+    return method && !byCost(question) ? { ...question, method } : null;
   }
 
   async #askField(asked: FieldQuestion, signal: AbortSignal): Promise<void> {
@@ -223,8 +224,8 @@ export class Conductor {
   }
 
   /** What a field tells of its method, into the list of methods. */
-  #note({ method, ms }: KnownField, error?: { mean: number; most: number }): void {
-    if (this.state.value.walking) return;
+  #note({ method, ms, cost }: KnownField, error?: { mean: number; most: number }): void {
+    if (cost !== null) return; // the list is about distances
     const before = this.results.value.trials[method];
     const trial = {
       ms: ms ?? before?.ms ?? null,

@@ -2,7 +2,7 @@
 import { element } from './element.ts';
 import { lengthText } from './numbers.ts';
 import type { Parts } from './parts.ts';
-import { differ } from './state.ts';
+import { byCost, differ } from './state.ts';
 import { unitOf } from './units.ts';
 
 /** Of the greatest distance, when the disc is switched on. */
@@ -20,9 +20,9 @@ export function discPart({ state, results }: Parts): HTMLElement {
   on.onchange = () => state.set({ disc: on.checked && most() > 0 ? rounded(AT_FIRST * most()) : null });
   slider.oninput = () => state.set({ disc: rounded((Number(slider.value) / 1000) * most()) });
   const show = () => {
-    const { sources, curves, disc, walking } = state.value;
+    const { sources, curves, disc } = state.value;
     const { surface, field, disc: answered } = results.value;
-    root.hidden = walking !== null || (!sources.length && !curves.length);
+    root.hidden = byCost(state.value) || (!sources.length && !curves.length);
     on.checked = disc !== null;
     on.disabled = disc === null && !(most() > 0);
     slider.hidden = said.hidden = disc === null;
@@ -33,7 +33,7 @@ export function discPart({ state, results }: Parts): HTMLElement {
     root.classList.toggle('stale', answered?.radius !== disc);
     said.textContent = answered ? `${lengthText(answered.area)}${unit && ` ${unit}²`} · outline ${lengthText(answered.outline)}${unit && ` ${unit}`}` : '…';
   };
-  state.listen((now, before) => differ(now, before, 'disc', 'walking', 'sources', 'curves') && show());
+  state.listen((now, before) => differ(now, before, 'disc', 'walking', 'painted', 'sources', 'curves') && show());
   results.listen((now, before) => differ(now, before, 'disc', 'field', 'surface') && show());
   show();
   return root;

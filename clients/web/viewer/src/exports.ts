@@ -6,12 +6,13 @@ import type { GlbQuery, Path } from 'geodesicd-client';
 import type { Access } from './access.ts';
 import { colourAt } from './colour_maps.ts';
 import { legendOf, type LegendText } from './legend.ts';
+import { methodAndCosts } from './costs.ts';
 import { meshName } from './mesh_names.ts';
 import { letterOf } from './measures.ts';
 import type { Overlay } from './overlay.ts';
 import type { ExportKind } from './parts.ts';
 import { regionsOf } from './painted.ts';
-import { costsOf, fieldQuestion, sourcesOf } from './questions.ts';
+import { fieldQuestion, sourcesOf } from './questions.ts';
 import type { Results } from './results.ts';
 import { scaleOf } from './scale_bar.ts';
 import { cellsOf, queryOf } from './shapes.ts';
@@ -41,11 +42,11 @@ const MAKERS: Record<ExportKind, (from: Exporting) => Promise<Blob | null>> = {
   'path.glb': async ({ access, state, results }) => {
     if (!results.path || !state.mesh) return null;
     const { from, via, to, refine } = results.path;
-    const query = { from: resolvedSpot(from), via: via.map(resolvedSpot), to: resolvedSpot(to), refine, ...costsOf(state), ...regionsOf(state.painted) };
+    const query = { from: resolvedSpot(from), via: via.map(resolvedSpot), to: resolvedSpot(to), refine, ...methodAndCosts(state), ...regionsOf(state.painted) };
     return glb(access, state.mesh, { of: 'path', ...query });
   },
   'field.glb': async ({ access, state }) => {
-    const query = { from: sourcesOf(state), colormap: state.colours, ...costsOf(state), ...regionsOf(state.painted) };
+    const query = { from: sourcesOf(state), colormap: state.colours, ...methodAndCosts(state), ...regionsOf(state.painted) };
     return glb(access, state.mesh!, { of: 'distance', ...query });
   },
   'loop.glb': async ({ access, state }) => {
@@ -68,7 +69,7 @@ const MAKERS: Record<ExportKind, (from: Exporting) => Promise<Blob | null>> = {
   'path.csv': async ({ results: { path } }) => (path ? text(pathCsv(path), 'text/csv') : null),
   'field.npy': async ({ access, state }) => {
     // As the server writes it: float64, more than the page keeps.
-    const query = { from: sourcesOf(state), ...costsOf(state), ...regionsOf(state.painted), format: 'npy' };
+    const query = { from: sourcesOf(state), ...methodAndCosts(state), ...regionsOf(state.painted), format: 'npy' };
     const reply = await access.client.request({
       method: 'POST',
       path: `/v1/meshes/${state.mesh}/distance`,

@@ -32,7 +32,7 @@ export class FirstQuestions {
   async #offers(): Promise<void> {
     const status = await this.access.client.status().catch(() => null);
     const limits: Readonly<Record<string, number>> = status?.limits ?? {};
-    this.results.set({ offers: { walls: 'max_walls' in limits, curves: 'max_curve_points' in limits, walking: 'max_slopes' in limits } });
+    this.results.set({ offers: { walls: 'max_walls' in limits, curves: 'max_curve_points' in limits, costs: 'max_slopes' in limits } });
   }
 
   /** A change that needs an answer asks for the methods again, where they did not come. */

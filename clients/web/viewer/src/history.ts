@@ -1,13 +1,14 @@
 /** Undo and redo of what a reader does to points, measures and the method; a drag is one step. Each mesh has its own. */
-import type { State, Store } from './state.ts';
+import { mayHaveCells, type State, type Store } from './state.ts';
 
-/** A change of these is a step; the tool and the colours follow along. */
+/** A change of these is a step, and so is it to show cells or not; the tool and other colours follow along. */
 const STEPS = ['sources', 'via', 'target', 'arrow', 'loop', 'painted', 'curves', 'disc', 'measures', 'method', 'pointsPerEdge', 'refine', 'walking'] as const;
 const KEPT = [...STEPS, 'tool', 'show'] as const;
 const MOST = 200;
 /** Steps back have together at most so many ranges of painted faces: some tens of megabytes. */
 const MOST_RANGES = 1_000_000;
-/** Milliseconds in which changes of the arrow, or of the disc, are one: a slider is pulled. */
+/** What sliders change: in so many milliseconds it is one step. */
+const SLID = ['arrow', 'disc', 'painted,weight'];
 const TOGETHER = 600;
 
 type Step = Pick<State, (typeof KEPT)[number]>;
@@ -69,10 +70,13 @@ export class History {
       this.#last.what = '';
       return this.#tell();
     }
-    const what = STEPS.filter((name) => now[name] !== before[name]).join();
+    const weighted = now.painted.weight !== before.painted.weight;
+    // Cells that vanish because too few sources are left are no step of their own.
+    const cells = (now.show === 'cells') !== (before.show === 'cells') && mayHaveCells(now);
+    const what = [...STEPS.filter((name) => now[name] !== before[name]), ...(cells ? ['cells'] : []), ...(weighted ? ['weight'] : [])].join();
     if (!what) return;
     const at = performance.now();
-    const same = what === this.#last.what && (this.#held || ((what === 'arrow' || what === 'disc') && at - this.#last.at < TOGETHER));
+    const same = what === this.#last.what && (this.#held || (SLID.includes(what) && at - this.#last.at < TOGETHER));
     this.#last = { at, what };
     const last = this.#past.at(-1);
     if (same && this.#held && last && STEPS.every((name) => last[name] === now[name])) {

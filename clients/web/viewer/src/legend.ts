@@ -6,6 +6,7 @@ import { hueOf } from './regions.ts';
 import type { Results } from './results.ts';
 import { byRegion, type State } from './state.ts';
 import { lineStepOf } from './surface_view.ts';
+import { SAID } from './costs.ts';
 
 const BAR = 256; // colours across
 
@@ -38,7 +39,7 @@ export function legendOf(state: State, { field, error, regions }: Results): Lege
   const ticks = [];
   for (let n = 0; n * apart <= field.max * 0.78; n++) ticks.push({ at: (n * apart) / field.max, text: tickText(n * apart) });
   ticks.push({ at: 1, text: lengthText(field.max) });
-  return { title: state.walking ? 'Seconds on foot' : 'Distance', map: state.colours, ticks, note };
+  return { title: field.cost ? SAID[field.cost].field : 'Distance', map: state.colours, ticks, note };
 }
 
 /** CSS pixels at the top that are the legend's on a narrow page, whether it is there yet or not. */

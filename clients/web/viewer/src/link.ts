@@ -6,9 +6,10 @@
 import { LONGEST_TEXT, paintedIn, paintedText } from './painted.ts';
 import { lineIn, lineText, numbersIn, spotIn, spotText } from './spot_text.ts';
 import {
-  isPlanar, MOST_LINES, MOST_LOOP, MOST_MEASURES, MOST_SOURCES, MOST_VIA, START, UNPAINTED,
-  type Arrow, type Axis, type Drawn, type Line, type Measure, type Painted, type Spot, type State,
+  byCost, isPlanar, MOST_LINES, MOST_LOOP, MOST_MEASURES, MOST_SOURCES, MOST_VIA, START, UNPAINTED,
+  type Arrow, type Axis, type Drawn, type Line, type Measure, type Painted, type Show, type Spot, type State,
 } from './state.ts';
+import { walkingIn, walkingText } from './costs.ts';
 
 function numberIn(text: string | null, least: number, most: number): number | null {
   const value = text === null ? NaN : Number(text);
@@ -115,7 +116,7 @@ export function linkOf(state: State): string {
   if (state.method !== START.method) all.set('method', state.method);
   if (state.pointsPerEdge !== null) all.set('points_per_edge', `${state.pointsPerEdge}`);
   if (!state.refine) all.set('refine', 'none');
-  if (state.walking) all.set('walking', state.walking);
+  if (state.walking) all.set('walking', walkingText(state.walking));
   if (state.show !== START.show) all.set('show', state.show);
   if (state.colours !== START.colours) all.set('colours', state.colours);
   if (state.lines !== START.lines) all.set('lines', `${state.lines}`);
@@ -151,23 +152,31 @@ function axisIn(text: string | null): Axis | null {
   return text === 'x' || text === 'y' || text === 'z' ? text : null;
 }
 
+/** Cells and errors are about lengths. */
+function showIn(text: string | null, costs: boolean): Show {
+  return text === 'regions' || (!costs && (text === 'cells' || text === 'error')) ? text : START.show;
+}
+
 function withWalls(painted: Painted, walls: readonly Line[]): Painted {
   return walls.length ? { ...painted, walls } : painted;
 }
 
 function regionIn(all: URLSearchParams, as: Painted['as']): Painted | null {
-  return paintedIn(`${as}:${all.get(as)?.replace(/^faces:/, '') ?? ''}`);
+  return paintedIn(`${as}:${all.get(as)?.replace(/(^|\*)faces:/, '$1') ?? ''}`);
 }
 
-/** The state that a fragment says, with or without its `#`. */
+/** The state that a fragment says, with or without its `#`. Least costs begin at points: with curves there are none. */
 export function stateIn(fragment: string): State {
   const all = partsOf(fragment);
   const spots = (name: string) => all.getAll(name).map(spotIn).filter((spot) => spot !== null);
   const mesh = all.get('mesh');
-  const show = all.get('show');
   const sources = spots('from').slice(0, MOST_SOURCES);
+  const curves = linesIn(all, 'curve');
+  const region = regionIn(all, 'forbid') ?? regionIn(all, 'within') ?? (curves.length ? null : regionIn(all, 'weights')) ?? UNPAINTED;
+  const costs = { walking: curves.length ? null : walkingIn(all.get('walking')), painted: withWalls(region, linesIn(all, 'wall')) };
   return {
     ...START,
+    ...costs,
     // As right after it was placed: a click must not take the sources away.
     tool: sources.length ? 'target' : START.tool,
     mesh: mesh && MESH_ID.test(mesh) ? mesh : null,
@@ -176,19 +185,17 @@ export function stateIn(fragment: string): State {
     target: spotIn(all.get('to')),
     arrow: arrowIn(all.get('arrow')),
     loop: drawnIn(all.get('loop')),
-    painted: withWalls(regionIn(all, 'forbid') ?? regionIn(all, 'within') ?? UNPAINTED, linesIn(all, 'wall')),
-    curves: linesIn(all, 'curve'),
+    curves,
     disc: numberIn(all.get('disc'), Number.MIN_VALUE, Number.MAX_VALUE),
     measures: all.getAll('kept').map(measureIn).filter((measure) => measure !== null).slice(0, MOST_MEASURES),
     method: all.get('method') ?? START.method,
     pointsPerEdge: pointsPerEdgeIn(all.get('points_per_edge')),
     refine: all.get('refine') !== 'none',
-    show: show === 'regions' || show === 'cells' || show === 'error' ? show : START.show,
+    show: showIn(all.get('show'), byCost(costs)),
     colours: all.get('colours') === 'turbo' ? 'turbo' : START.colours,
     lines: Math.round(numberIn(all.get('lines'), 0, 100) ?? START.lines),
     ticks: all.get('ticks') !== '0',
     edges: all.get('edges') === '1',
-    walking: axisIn(all.get('walking')),
     up: axisIn(all.get('up')),
     camera: numbersIn(all.get('camera'), 6),
   };

@@ -3,7 +3,7 @@ import { element } from './element.ts';
 import { tickText } from './numbers.ts';
 import { choice, part } from './panel.ts';
 import type { Parts } from './parts.ts';
-import { byRegion } from './state.ts';
+import { byCost, byRegion, mayHaveCells } from './state.ts';
 import { lineStepOf } from './surface_view.ts';
 import { upOf } from './upright.ts';
 
@@ -59,9 +59,8 @@ export function lookPart({ state, results, actions }: Parts): HTMLElement {
     show.set(now.show);
     const count = now.sources.length + now.curves.length;
     show.enable('regions', count > 1);
-    // Cells are those of points.
-    show.enable('cells', now.sources.length > 1 && !now.curves.length && !now.walking);
-    show.enable('error', count > 0 && !now.walking);
+    show.enable('cells', mayHaveCells(now));
+    show.enable('error', count > 0 && !byCost(now));
     colours.set(now.colours);
     // Regions and errors have colours of their own.
     for (const map of ['viridis', 'turbo'] as const) colours.enable(map, now.show === 'distance');
@@ -76,7 +75,9 @@ export function lookPart({ state, results, actions }: Parts): HTMLElement {
   state.listen((now, before) => {
     // With one source left there are no regions to show.
     const few = now.sources.length + now.curves.length < 2 && before.sources.length + before.curves.length > 1;
-    if ((byRegion(now.show) && few) || (now.show === 'cells' && now.curves.length > before.curves.length) || (now.walking && (now.show === 'cells' || now.show === 'error'))) state.set({ show: 'distance' });
+    // What is about lengths goes where costs come; cells that wait for a second source stay.
+    const cells = now.show === 'cells' && !mayHaveCells(now) && (mayHaveCells(before) || byCost(now));
+    if ((byRegion(now.show) && few) || cells || (now.show === 'error' && byCost(now))) state.set({ show: 'distance' });
     else follow();
   });
   results.listen((now, before) => (now.field !== before.field || now.surface !== before.surface) && follow());

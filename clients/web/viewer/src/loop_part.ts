@@ -6,7 +6,7 @@ import { choice } from './panel.ts';
 import type { Parts } from './parts.ts';
 import type { Results } from './results.ts';
 import { drawnKey } from './shapes.ts';
-import { differ, isPlanar, type Drawn, type State } from './state.ts';
+import { byCost, differ, isPlanar, type Drawn, type State } from './state.ts';
 import { unitOf } from './units.ts';
 
 const ROUND: readonly { across: Across; label: string; title: string }[] = [
@@ -26,7 +26,7 @@ export function loopPart({ state, results, actions }: Parts): HTMLElement {
   const unit = element('span', { className: 'unit' });
   const said = element('p', { className: 'facts', id: 'loop-said', role: 'status' });
   const wall = element('button', { type: 'button', onclick: () => actions.use('wall'), title: 'A line that paths may not cross' }, 'Make it a wall');
-  const curve = element('button', { type: 'button', onclick: () => actions.use('curve'), title: 'The line becomes a source' }, 'Measure from it');
+  const curve = element('button', { type: 'button', onclick: () => actions.use('curve') }, 'Measure from it');
   const uses = element('div', { className: 'grid' }, wall, curve);
   const close = element('button', { type: 'button', onclick: actions.closeLoop, title: 'Back to the first point (J)' }, 'Close the loop');
   const number = element('div', { className: 'row' }, element('div', { className: 'number' }, big, unit), close);
@@ -75,13 +75,16 @@ export function loopPart({ state, results, actions }: Parts): HTMLElement {
     const usable = loop !== null && (loop.kind === 'open' || loop.kind === 'through') && count > 1;
     wall.hidden = !offers.walls;
     curve.hidden = !offers.curves;
+    // Least costs begin at points; what is painted next may have a weight.
+    curve.disabled = byCost(state.value) || state.value.painted.as === 'weights';
+    curve.title = curve.disabled ? 'Least costs begin at points, not at lines' : 'The line becomes a source';
     uses.hidden = !usable || !(offers.walls || offers.curves) || (loop.kind === 'through' && count < 3);
     byPoints.enable('around', count > 2);
     byPlane.root.hidden = !planar;
     if (loop?.kind === 'plane' || loop?.kind === 'tape') byPlane.set(loop.kind);
     round.hidden = count !== 1;
   };
-  state.listen((now, before) => differ(now, before, 'loop', 'tool') && show());
+  state.listen((now, before) => differ(now, before, 'loop', 'tool', 'walking', 'painted') && show());
   results.listen((now, before) => {
     if (differ(now, before, 'drawn', 'noLoop', 'offers', 'surface')) show();
   });

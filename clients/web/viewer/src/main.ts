@@ -204,8 +204,9 @@ function start(): void {
     view.follow(now, before, results.value, results.value);
     overlay.follow(now, before, results.value, results.value);
     if (now.painted !== before.painted) paintedView.show(present(), now.painted);
-    legend.follow(now, results.value);
-    notices.hint(hintOf(now));
+    // A listener before this one may have changed it again.
+    legend.follow(state.value, results.value);
+    notices.hint(hintOf(state.value));
     showing.follow(now, before);
     firstQuestions.follow(now, before, () => conductor.askAgain());
     address.write();

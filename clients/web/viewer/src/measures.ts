@@ -2,12 +2,12 @@
 import type { Path } from 'geodesicd-client';
 import type { Results } from './results.ts';
 import { resolvedSpot } from './spot_text.ts';
-import { MOST_MEASURES, type Measure, type State } from './state.ts';
+import { byCost, MOST_MEASURES, type Measure, type State } from './state.ts';
 
 /** The path that is shown, with what its length is asked by; null where it is none for the list, or that is full. */
 export function keptOf(state: State, { path, stale }: Results): { measure: Measure; path: Path } | null {
-  const { sources, curves, via, target, method, pointsPerEdge, refine, painted, walking, measures } = state;
-  if (!path?.reachable || stale || !target || !sources.length || curves.length || walking || measures.length >= MOST_MEASURES) return null;
+  const { sources, curves, via, target, method, pointsPerEdge, refine, painted, measures } = state;
+  if (!path?.reachable || stale || !target || !sources.length || curves.length || byCost(state) || measures.length >= MOST_MEASURES) return null;
   // Several sources: the one that the path begins at.
   const from = sources.find(({ face }) => face === path.from.face) ?? resolvedSpot(path.from);
   return { measure: { from, via, to: target, method, pointsPerEdge, refine, painted }, path };

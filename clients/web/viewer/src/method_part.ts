@@ -2,13 +2,16 @@
  * The panel's part for methods: which one computes, with the server's own words for each, and a
  * table of what each took for the present sources, with its error where the exact distances are known.
  */
+import { costPart } from './cost_part.ts';
+import { methodUsed } from './costs.ts';
 import { element } from './element.ts';
 import { part } from './panel.ts';
 import type { Parts } from './parts.ts';
 import { nameOf } from './questions.ts';
-import { upOf } from './upright.ts';
+import { byCost } from './state.ts';
 
-export function methodPart({ state, results, actions }: Parts): HTMLElement {
+export function methodPart(parts: Parts): HTMLElement {
+  const { state, results, actions } = parts;
   const list = element('div', { className: 'methods', role: 'radiogroup', aria: { label: 'Method' } });
   const extra = element('div', { className: 'labelled', hidden: true });
   const perEdge = element('input', { type: 'range', id: 'per-edge', min: '1', max: '12' });
@@ -18,16 +21,6 @@ export function methodPart({ state, results, actions }: Parts): HTMLElement {
   perEdge.oninput = () => { perEdgeValue.textContent = perEdge.value; };
   const refine = element('input', { type: 'checkbox', id: 'refine' });
   refine.onchange = () => state.set({ refine: refine.checked });
-  const walking = element('input', { type: 'checkbox', id: 'walking' });
-  const onFoot = element(
-    'label',
-    { className: 'check', htmlFor: 'walking', title: 'By the slope, where lengths are metres (Tobler). The method is Steiner then' },
-    walking, 'Quickest on foot',
-  );
-  walking.onchange = () => {
-    const about = results.value.surface?.about;
-    state.set({ walking: walking.checked && about ? (state.value.up ?? upOf(about)) : null });
-  };
   const compare = element('button', { type: 'button', onclick: actions.compare }, 'Compare all');
   const rows = element('tbody', null);
   const head = (name: string, unit: string) => element('th', { scope: 'col' }, name, element('small', null, unit));
@@ -43,11 +36,11 @@ export function methodPart({ state, results, actions }: Parts): HTMLElement {
   const root = part(
     'Method',
     true,
+    costPart(parts),
     list,
     element('p', { className: 'facts' }, element('a', { href: 'docs/methods/' }, 'All methods compared')),
     extra,
     element('label', { className: 'check', htmlFor: 'refine' }, refine, 'Pull the path straight'),
-    onFoot,
     compare,
     stopped,
     table,
@@ -76,6 +69,7 @@ export function methodPart({ state, results, actions }: Parts): HTMLElement {
   };
   const follow = () => {
     const { method, sources, curves, pointsPerEdge } = state.value;
+    const used = methodUsed(state.value);
     const { trials, methods } = results.value;
     for (const [name, input] of inputs) input.checked = name === method;
     const tried = methods.filter(({ name }) => trials[name]);
@@ -95,21 +89,19 @@ export function methodPart({ state, results, actions }: Parts): HTMLElement {
         );
       }),
     );
-    const steiner = methods.find(({ name }) => name === method)?.parameters.find(({ name }) => name === 'points_per_edge');
+    const steiner = methods.find(({ name }) => name === used)?.parameters.find(({ name }) => name === 'points_per_edge');
     extra.hidden = !steiner;
     perEdge.value = `${pointsPerEdge ?? steiner?.default ?? 3}`;
     perEdgeValue.textContent = perEdge.value;
     refine.checked = state.value.refine;
-    onFoot.hidden = !results.value.offers.walking && !state.value.walking;
-    walking.checked = state.value.walking !== null;
-    refine.disabled = state.value.walking !== null;
-    for (const input of inputs.values()) input.disabled = state.value.walking !== null;
-    compare.disabled = state.value.walking !== null || sources.length + curves.length === 0;
+    refine.disabled = byCost(state.value);
+    for (const input of inputs.values()) input.disabled = byCost(state.value);
+    compare.disabled = byCost(state.value) || sources.length + curves.length === 0;
   };
   state.listen(follow);
   results.listen((now, before) => {
     if (now.methods !== before.methods) fill();
-    else if (now.trials !== before.trials || now.stopped !== before.stopped || now.offers !== before.offers) follow();
+    else if (now.trials !== before.trials || now.stopped !== before.stopped) follow();
   });
   fill();
   return root;

@@ -1,8 +1,10 @@
 /** The page's keys and gestures: what each does, and the sheet that lists them. */
+import { ONLY_STEINER } from './costs.ts';
 import type { History } from './history.ts';
 import type { Parts } from './parts.ts';
 import { TOOLS } from './points_part.ts';
 import { shortcuts } from './shortcuts.ts';
+import { byCost } from './state.ts';
 
 export interface KeyActions extends Parts {
   readonly steps: History;
@@ -31,9 +33,14 @@ const byPointer = () =>
 /** Listens for the keys; the returned function shows the sheet. */
 export function pageKeys({ state, results, actions, steps, theme, fold, nextUp, escape, say }: KeyActions): () => void {
   const nextMethod = () => {
+    if (byCost(state.value)) return say(ONLY_STEINER);
     const names = results.value.methods.map(({ name }) => name);
     const next = names[(names.indexOf(state.value.method as never) + 1) % names.length];
     if (next) state.set({ method: next });
+  };
+  const pull = () => {
+    if (byCost(state.value)) say('Paths of least cost are not straight');
+    else state.set({ refine: !state.value.refine });
   };
   const otherColours = () => {
     const { show, colours } = state.value;
@@ -72,7 +79,7 @@ export function pageKeys({ state, results, actions, steps, theme, fold, nextUp, 
         { keys: ']', does: 'More isolines', run: () => state.set({ lines: Math.min(60, state.value.lines + 4) }) },
         { keys: 'E', does: 'Edges of the mesh', run: () => state.set({ edges: !state.value.edges }) },
         { keys: 'L', does: 'Distances along the path', run: () => state.set({ ticks: !state.value.ticks }) },
-        { keys: 'R', does: 'Pull the path straight', run: () => state.set({ refine: !state.value.refine }) },
+        { keys: 'R', does: 'Pull the path straight', run: pull },
         { keys: 'M', does: 'Next method', run: nextMethod },
         { keys: 'O', does: 'Open a file', run: actions.open },
         { keys: 'Escape', does: 'Take a drag back; stop what is under way, else close messages', run: escape },

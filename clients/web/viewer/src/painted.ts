@@ -1,9 +1,13 @@
 /** Painted faces and walls: as the regions of a query, as a text for links and keys, and as a byte a face. */
-import type { Region } from 'geodesicd-client';
+import type { Region, WholeFaces } from 'geodesicd-client';
 import { wallText } from './spot_text.ts';
-import type { Painted } from './state.ts';
+import { isWeighted, UNPAINTED, type Painted } from './state.ts';
 
 type Ranges = Painted['faces'];
+
+/** Of paths over painted faces. */
+export const LEAST_WEIGHT = 0.1;
+export const MOST_WEIGHT = 10;
 
 /** So long a text still goes into a link. */
 export const LONGEST_TEXT = 30_000;
@@ -11,8 +15,16 @@ export const LONGEST_TEXT = 30_000;
 /** What of the surface a query is about. */
 export function regionsOf({ as, faces, walls }: Painted): { within?: Region; forbid?: Region; walls?: readonly string[] } {
   const closed = walls.length ? { walls: walls.map(wallText) } : {};
-  if (!faces.length) return closed;
-  return { ...closed, [as]: { faces: faces.map(([first, last]) => (first === last ? first : ([first, last] as const))) } };
+  return !faces.length || as === 'weights' ? closed : { ...closed, [as]: regionOf(faces) };
+}
+
+/** What paths over them cost. */
+export function weightsOf(painted: Painted): { weights?: { weight: number; region: WholeFaces } } {
+  return isWeighted(painted) ? { weights: { weight: painted.weight, region: regionOf(painted.faces) } } : {};
+}
+
+function regionOf(faces: Ranges): WholeFaces {
+  return { faces: faces.map(([first, last]) => (first === last ? first : ([first, last] as const))) };
 }
 
 /** A byte a face, 1 where it is painted. */
@@ -41,13 +53,13 @@ export function countOf({ faces }: Painted): number {
 
 const texts = new WeakMap<Painted, string>();
 
-/** Such as `forbid:7,10-99`; empty where nothing is painted. */
+/** Such as `forbid:7,10-99`, or `weights:3*7,10-99`; empty where nothing is painted. */
 export function paintedText(painted: Painted): string {
-  const { as, faces } = painted;
+  const { as, weight, faces } = painted;
   if (!faces.length) return '';
   const known = texts.get(painted);
   if (known !== undefined) return known;
-  const text = `${as}:${faces.map(([first, last]) => (first === last ? first : `${first}-${last}`)).join(',')}`;
+  const text = `${as}:${as === 'weights' ? `${weight}*` : ''}${faces.map(([first, last]) => (first === last ? first : `${first}-${last}`)).join(',')}`;
   texts.set(painted, text);
   return text;
 }
@@ -59,15 +71,17 @@ export function paintedKey(painted: Painted): string {
 
 /** What such a text says; null where it says nothing, or no faces. */
 export function paintedIn(text: string): Painted | null {
-  const [, as, listed] = /^(forbid|within):([\d,-]+)$/.exec(text) ?? [];
-  if (!listed) return null;
+  const [, as, times, listed] = /^(forbid|within|weights):(?:(\d+(?:\.\d+)?)\*)?([\d,-]+)$/.exec(text) ?? [];
+  if (!listed || (as === 'weights') !== (times !== undefined)) return null;
+  const weight = times === undefined ? UNPAINTED.weight : Number(times);
+  if (!(weight >= LEAST_WEIGHT && weight <= MOST_WEIGHT)) return null;
   const ranges: [number, number][] = [];
   for (const each of listed.split(',')) {
     const [, first, last = first] = /^(\d{1,9})(?:-(\d{1,9}))?$/.exec(each) ?? [];
     if (first === undefined || Number(last) < Number(first)) return null;
     ranges.push([Number(first), Number(last)]);
   }
-  return { as: as as Painted['as'], faces: joined(ranges), walls: [] };
+  return { as: as as Painted['as'], weight, faces: joined(ranges), walls: [] };
 }
 
 /** In ascending order, and those that touch as one. */

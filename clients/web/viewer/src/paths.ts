@@ -5,6 +5,7 @@
 import type { Path } from 'geodesicd-client';
 import type { Access } from './access.ts';
 import type { Connection } from './connection.ts';
+import { methodUsed } from './costs.ts';
 import { Newest } from './newest.ts';
 import { regionsOf } from './painted.ts';
 import { computing, fieldKey, fieldQuestion, pathKey, type Attempt, type PathQuestion, type Questions } from './questions.ts';
@@ -97,7 +98,7 @@ export class Paths {
     const present = field?.key === fieldKey(fieldQuestion(now)!);
     this.#moved = performance.now();
     this.#judge();
-    if (!present && (count > 1 || this.questions.isLong(method))) return; // asked once it has come
+    if (!present && (count > 1 || this.questions.isLong(methodUsed(now)))) return; // asked once it has come
     const starts = this.#nearest(now, via[0] ?? target);
     this.#path.ask({ mesh, from: sources[0] ?? target, starts, via, to: target, method, pointsPerEdge, refine, painted, walking, key: pathKey(now) }, interrupt);
   }

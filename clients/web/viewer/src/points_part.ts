@@ -17,8 +17,10 @@ export const TOOLS: readonly { value: Tool; label: string; icon: string; title: 
   { value: 'via', label: 'Via', icon: 'M3 14c4 0 3-8 7-8s3 8 7 8', title: 'Where the path passes (4)' },
   { value: 'arrow', label: 'Straight', icon: 'M4 16L16 4M9 4h7v7', title: 'Straight ahead on the surface (5)' },
   { value: 'loop', label: 'Loop', icon: 'M10 4c5 0 7 2.5 7 6s-3 6-7 6s-7-2.5-7-6s2-6 7-6M10 4m-1.4 0a1.4 1.4 0 1 0 2.8 0a1.4 1.4 0 1 0-2.8 0', title: 'A closed line through points, or a tape round one (6)' },
-  { value: 'brush', label: 'Brush', icon: 'M16.5 3.5L9 11M9 11c-2.5-.5-4 .8-4.2 2.6C4.6 15.2 4 16 3 16.5c3 1 6.5.3 7-2.5c.2-1-.2-2-1-3', title: 'Paint faces that paths may not cross (7)' },
+  { value: 'brush', label: 'Brush', icon: 'M16.5 3.5L9 11M9 11c-2.5-.5-4 .8-4.2 2.6C4.6 15.2 4 16 3 16.5c3 1 6.5.3 7-2.5c.2-1-.2-2-1-3', title: 'Paint faces that are forbidden, the only ones, or weighted (7)' },
 ];
+
+const DRAG_OVER = { forbid: 'faces to forbid them', within: 'the faces that are to be left', weights: 'faces to give them a weight' } as const;
 
 /** What a click, or a finger's tap, does now, in words. */
 export function hintOf({ tool, sources, target, arrow, loop, painted, curves, erasing, mesh }: State): string | null {
@@ -34,7 +36,7 @@ export function hintOf({ tool, sources, target, arrow, loop, painted, curves, er
   if (tool === 'loop' && loop!.points.length > 1) return `Go on, or ${click} the first point to close the loop`;
   if (tool === 'loop') return `${Click} the next point, or lay a tape round this one`;
   if (tool === 'brush' && erasing) return 'Drag over painted faces to erase them';
-  if (tool === 'brush' && !painted.faces.length) return painted.as === 'forbid' ? 'Drag over faces to forbid them; beside the mesh to turn it' : 'Drag over the faces that are to be left; beside the mesh to turn it';
+  if (tool === 'brush' && !painted.faces.length) return `Drag over ${DRAG_OVER[painted.as]}; beside the mesh to turn it`;
   return null;
 }
 

@@ -4,13 +4,14 @@
  * paths from whichever source is nearest.
  */
 import {
-  GeodesicError, type Ask, type GeodesicClient, type Method, type Path, type Queries, type Timing,
+  GeodesicError, type Ask, type GeodesicClient, type Path, type Queries, type Timing,
 } from 'geodesicd-client';
+import { costKind, methodAndCosts, methodUsed, walkingText } from './costs.ts';
 import { SLOW, type Notices } from './notices.ts';
 import { paintedKey, regionsOf } from './painted.ts';
 import type { KnownField, Results } from './results.ts';
 import { curveText, lineText, spotText } from './spot_text.ts';
-import type { Axis, Line, Measure, Painted, Spot, State, Store } from './state.ts';
+import { byCost, type Line, type Measure, type Painted, type Spot, type State, type Store, type Walking } from './state.ts';
 
 export interface FieldQuestion {
   readonly mesh: string;
@@ -19,13 +20,13 @@ export interface FieldQuestion {
   readonly method: string;
   readonly pointsPerEdge: number | null;
   readonly painted: Painted;
-  readonly walking: Axis | null;
+  readonly walking: Walking | null;
 }
 
 export interface PathQuestion extends Measure {
   readonly mesh: string;
-  readonly walking: Axis | null;
-  /** Where it may begin; the shortest path counts. */
+  readonly walking: Walking | null;
+  /** Where it may begin; the path of least length or cost counts. */
   readonly starts: readonly (Spot | Line)[];
   /** Of the state that asks, as `pathKey` gives it. */
   readonly key: string;
@@ -41,7 +42,8 @@ const KEEP = 96e6;
 
 /** Of what every answer depends on but for its points. */
 export function keyOf({ mesh, method, pointsPerEdge, painted, walking }: Omit<FieldQuestion, 'sources' | 'curves' | 'mesh'> & { mesh: string | null }): string {
-  return [mesh, paintedKey(painted), walking ?? '', method, method === 'steiner' ? pointsPerEdge : ''].join('|');
+  const used = methodUsed({ method, walking, painted });
+  return [mesh, paintedKey(painted), walkingText(walking), used, used === 'steiner' ? pointsPerEdge : ''].join('|');
 }
 
 export function fieldKey(question: FieldQuestion): string {
@@ -52,7 +54,7 @@ export function fieldKey(question: FieldQuestion): string {
 export function pathKey(state: State): string {
   const { sources, curves, via, target, refine } = state;
   const spots = [sources, via, target ? [target] : []].map((some) => some.map(spotText).join(';'));
-  return [keyOf(state), refine, ...spots, ...curves.map(lineText)].join('|');
+  return [keyOf(state), refine && !byCost(state), ...spots, ...curves.map(lineText)].join('|');
 }
 
 /** As the API takes them. */
@@ -99,9 +101,9 @@ export class Questions {
     }
     const { mesh, sources, curves, method } = question;
     const count = sources.length + curves.length;
-    const query = { from: sourcesOf(question), labels: count > 1, ...costsOf(question), ...regionsOf(question.painted) };
-    const field = this.isLong(question.walking ? 'steiner' : method)
-      ? await this.#asJob(`Distances by ${nameOf(method)}`, stop, (onProgress) =>
+    const query = { from: sourcesOf(question), labels: count > 1, ...methodAndCosts(question), ...regionsOf(question.painted) };
+    const field = this.isLong(methodUsed(question))
+      ? await this.#asJob(`Distances by ${nameOf(methodUsed(question))}`, stop, (onProgress) =>
           this.client().job(mesh, { query: 'distance', ...query }, { signal, onProgress }),
         )
       : await this.#plainly('Distances', stop, () => this.client().distance(mesh, query, { signal }));
@@ -112,18 +114,21 @@ export class Questions {
       max: field.max ?? 0,
       ms: computing(field.timing),
       method,
+      cost: costKind(question),
+      warnings: field.warnings,
       key,
     };
     this.#keep(made);
     return made;
   }
 
-  /** The shortest of the paths from the starts, through `via`. */
+  /** The shortest of the paths from the starts, or that of least cost, through `via`. */
   async path(question: PathQuestion, signal: AbortSignal, stop: () => void): Promise<Path> {
-    const { mesh, starts, via, to, walking } = question;
-    const [method, refine] = walking ? ['steiner', false] : [question.method, question.refine];
+    const { mesh, starts, via, to } = question;
+    const method = methodUsed(question);
+    const refine = question.refine && !costKind(question);
     const ask = (start: Spot | Line) => {
-      const query = { from: 'points' in start ? curveText(start) : start, via, to, refine: refine ? ('shortest' as const) : ('none' as const), ...costsOf(question), ...regionsOf(question.painted) };
+      const query = { from: 'points' in start ? curveText(start) : start, via, to, refine: refine ? ('shortest' as const) : ('none' as const), ...methodAndCosts(question), ...regionsOf(question.painted) };
       // From one source the field is there already; between via points are others.
       if (!this.isLong(method) || (starts.length === 1 && !via.length)) {
         return this.#plainly('Path', stop, () => this.client().path(mesh, query, { signal }));
@@ -133,9 +138,10 @@ export class Questions {
       );
     };
     let best: Path | null = null;
+    const least = ({ cost, length }: Path) => cost ?? length ?? Infinity;
     for (const start of starts) {
       const path = await ask(start);
-      if (!best || (path.length ?? Infinity) < (best.length ?? Infinity)) best = path;
+      if (!best || least(path) < least(best)) best = path;
     }
     return best!;
   }
@@ -215,20 +221,6 @@ export function nameOf(method: string): string {
   // A link may say any name, be it that of a property that every object has.
   const name = (Object.hasOwn(NAMES, method) && NAMES[method]) || method.replaceAll('_', ' ');
   return name.charAt(0).toUpperCase() + name.slice(1);
-}
-
-/** The parameters of the method; only steiner has one. */
-export function methodOf({ method, pointsPerEdge }: { method: string; pointsPerEdge: number | null }) {
-  const steiner = method === 'steiner' && pointsPerEdge !== null;
-  return { method: method as Method, ...(steiner ? { points_per_edge: pointsPerEdge } : {}) };
-}
-
-const UP: Readonly<Record<Axis, string>> = { x: '1,0,0', y: '0,1,0', z: '0,0,1' };
-
-/** The method, or what a way on foot costs, for which there is one method. */
-export function costsOf(question: { method: string; pointsPerEdge: number | null; walking: Axis | null }) {
-  const { walking } = question;
-  return walking ? { method: 'steiner' as Method, slope: 'tobler', up: UP[walking] } : methodOf(question);
 }
 
 /** What the server spent on the question itself; null where it only looked the answer up. */

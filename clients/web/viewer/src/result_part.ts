@@ -5,6 +5,7 @@ import type { Parts } from './parts.ts';
 import { nameOf } from './questions.ts';
 import { differ } from './state.ts';
 import { unitOf } from './units.ts';
+import { costKind, costKindOf, SAID } from './costs.ts';
 
 export function resultPart({ state, results, actions }: Parts): HTMLElement {
   const big = element('output', { className: 'big', id: 'length' });
@@ -20,12 +21,13 @@ export function resultPart({ state, results, actions }: Parts): HTMLElement {
     sub,
   );
   const show = () => {
-    const { target, sources, curves, walking } = state.value;
+    const { target, sources, curves } = state.value;
+    const cost = costKind(state.value);
     const { path, pathMs } = results.value;
     root.hidden = !target;
-    title.textContent = walking ? 'Quickest way' : 'Shortest path';
+    title.textContent = cost ? SAID[cost].title : 'Shortest path';
     // What is kept is short, and begins at a point.
-    keep.hidden = !path?.reachable || curves.length > 0 || walking !== null;
+    keep.hidden = !path?.reachable || curves.length > 0 || cost !== null;
     if (!target) return;
     if (!sources.length && !curves.length) {
       big.textContent = '–';
@@ -44,15 +46,15 @@ export function resultPart({ state, results, actions }: Parts): HTMLElement {
       const about = results.value.surface?.about;
       unit.textContent = about ? unitOf(about) : '';
       const said = [nameOf(path.method)];
-      const { cost } = path; // of a way on foot, in seconds
-      if (cost != null) said.unshift(cost < 90 ? `${lengthText(cost)} s on foot` : `${lengthText(cost / 60)} min on foot`);
+      // Of what was answered, which may be a moment behind the state.
+      if (path.cost != null) said.unshift(SAID[costKindOf(path.unit)].text(path.cost));
       if (path.refine === 'shortest') said.push('pulled straight');
       if (path.via.length) said.push(path.via.length === 1 ? 'via 1 point' : `via ${path.via.length} points`);
       if (pathMs !== null) said.push(timeText(pathMs));
       sub.textContent = said.join(' · ');
     }
   };
-  state.listen((now, before) => differ(now, before, 'target', 'sources', 'curves') && show());
+  state.listen((now, before) => differ(now, before, 'target', 'sources', 'curves', 'walking', 'painted') && show());
   results.listen((now, before) => {
     if (now.path !== before.path) show();
     root.classList.toggle('stale', now.stale);

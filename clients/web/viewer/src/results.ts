@@ -4,6 +4,7 @@
  */
 import type { Loop, MeshMetadata, MethodInfo, Path, Trace, Voronoi } from 'geodesicd-client';
 import type { RegionLook } from './regions.ts';
+import type { Cost } from './costs.ts';
 import type { Line, State } from './state.ts';
 import type { Surface } from './surface.ts';
 
@@ -18,6 +19,10 @@ export interface KnownField {
   /** Of the server's computing, in milliseconds; null where it had the field already. */
   readonly ms: number | null;
   readonly method: string;
+  /** What its numbers are the costs of; null where they are lengths. */
+  readonly cost: Cost | null;
+  /** The server's sentences on it. */
+  readonly warnings: readonly string[];
   /** What was asked, to tell whether it still is the state's. */
   readonly key: string;
 }
@@ -51,7 +56,7 @@ export interface Results {
   readonly methods: readonly MethodInfo[];
   readonly surface: Surface | null;
   /** Which queries the server has that not all do. */
-  readonly offers: { readonly walls: boolean; readonly curves: boolean; readonly walking: boolean };
+  readonly offers: { readonly walls: boolean; readonly curves: boolean; readonly costs: boolean };
   readonly field: KnownField | null;
   readonly error: FieldError | null;
   /** Of several sources, each one's own field, for crisp borders between regions. */
@@ -108,7 +113,7 @@ export const NOTHING: Results = {
   meshes: [],
   methods: [],
   surface: null,
-  offers: { walls: false, curves: false, walking: false },
+  offers: { walls: false, curves: false, costs: false },
   profiled: false,
   ...UNANSWERED,
 };

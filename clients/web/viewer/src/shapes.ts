@@ -3,12 +3,13 @@
  * of the sources while these are shown. Beside the conductor, which asks for fields and paths.
  */
 import { GeodesicError, type Ask } from 'geodesicd-client';
+import { methodOf } from './costs.ts';
 import { Newest } from './newest.ts';
 import { regionsOf } from './painted.ts';
-import { fieldKey, fieldQuestion, keyOf, methodOf, sourcesOf, type Attempt, type FieldQuestion, type Questions } from './questions.ts';
+import { fieldKey, fieldQuestion, keyOf, sourcesOf, type Attempt, type FieldQuestion, type Questions } from './questions.ts';
 import { surfaceOf, type Results } from './results.ts';
 import { spotOf, spotText } from './spot_text.ts';
-import { differ, isPlanar, UNPAINTED, type Drawn, type Line, type State, type Store } from './state.ts';
+import { byCost, differ, isPlanar, mayHaveCells, UNPAINTED, type Drawn, type Line, type State, type Store } from './state.ts';
 
 /** Rounds of Lloyd's algorithm at a press. */
 const ROUNDS = 5;
@@ -26,8 +27,9 @@ const OF_FIELD = ['sources', 'curves', 'walking', 'method', 'pointsPerEdge', 'pa
 export function drawnKey(state: State): string | null {
   const { loop } = state;
   if (!loop || (loop.kind === 'open' && loop.points.length < 2)) return null;
-  // A plane's section is no path: no method has a part in it.
-  const by = { ...state, walking: null, ...(isPlanar(loop) && { method: '', pointsPerEdge: null }) };
+  // Loops are of lengths. A plane's section is no path: no method has a part in it.
+  const painted = state.painted.as === 'weights' ? { ...state.painted, faces: [] } : state.painted;
+  const by = { ...state, walking: null, painted, ...(isPlanar(loop) && { method: '', pointsPerEdge: null }) };
   return [keyOf(by), loop.kind, loop.normal ?? '', ...loop.points.map(spotText)].join('|');
 }
 
@@ -122,7 +124,7 @@ export class Shapes {
   #wantDisc(now: State): void {
     const question = fieldQuestion(now);
     const { disc } = this.results.value;
-    if (!question || now.disc === null || now.walking) {
+    if (!question || now.disc === null || byCost(now)) {
       this.#disc.cancel();
       this.results.set({ disc: null });
     } else if (disc?.radius === now.disc && disc.key === fieldKey(question)) this.#disc.cancel();
@@ -170,7 +172,7 @@ export class Shapes {
   #wantCells(now: State): void {
     const question = fieldQuestion(now);
     const { cells } = this.results.value;
-    if (!question || now.show !== 'cells' || question.sources.length < 2 || question.curves.length || now.walking) {
+    if (!question || now.show !== 'cells' || !mayHaveCells(now)) {
       this.#cells.cancel();
       this.results.set({ cells: null });
     } else if (cells?.key === fieldKey(question)) this.#cells.cancel();

@@ -15,7 +15,28 @@ export interface Spot {
 export type Xyz = readonly [number, number, number];
 export type Tool = 'source' | 'add' | 'target' | 'via' | 'arrow' | 'loop' | 'brush';
 export type Axis = 'x' | 'y' | 'z';
+/** Ways on foot that cost least: time (`tobler`) or energy, by the slope against an axis of the mesh. */
+export interface Walking {
+  readonly by: 'tobler' | 'energy';
+  readonly up: Axis;
+}
+
 export type Show = 'distance' | 'regions' | 'cells' | 'error';
+
+/** Whether ways are to be cheap, by slopes or by weights of faces, and not short. */
+export function byCost({ walking, painted }: Pick<State, 'walking' | 'painted'>): boolean {
+  return walking !== null || isWeighted(painted);
+}
+
+/** Whether paths over some faces cost something else than their length. */
+export function isWeighted({ as, weight, faces }: Painted): boolean {
+  return as === 'weights' && weight !== 1 && faces.length > 0;
+}
+
+/** Cells are those of points, and of lengths. */
+export function mayHaveCells(state: State): boolean {
+  return state.sources.length > 1 && !state.curves.length && !byCost(state);
+}
 
 /** Whether the surface is coloured by the nearest source. */
 export function byRegion(show: Show): boolean {
@@ -52,9 +73,14 @@ export interface Line {
   readonly closed: boolean;
 }
 
-/** Faces that are painted, and walls: all that queries may not touch, or all that they are about. None: the whole surface. */
+/**
+ * Faces that are painted, and walls. Queries may not touch the faces, or are about no others, or paths over them cost
+ * more. None: the whole surface.
+ */
 export interface Painted {
-  readonly as: 'forbid' | 'within';
+  readonly as: 'forbid' | 'within' | 'weights';
+  /** How many times its length a path costs on them, as `weights`. */
+  readonly weight: number;
   /** Numbers of faces, ascending, as ranges with both ends. */
   readonly faces: readonly (readonly [number, number])[];
   /** What paths may not cross. */
@@ -90,8 +116,8 @@ export interface State {
   /** Points that the method `steiner` adds inside each edge; null for its default. */
   readonly pointsPerEdge: number | null;
   readonly refine: boolean;
-  /** Which axis is up for ways on foot, that are to be quick; null where they are to be short. */
-  readonly walking: Axis | null;
+  /** What ways on foot are to have least; null where slopes cost nothing. */
+  readonly walking: Walking | null;
   readonly show: Show;
   readonly colours: 'viridis' | 'turbo';
   /** About how many isolines; 0 for none. */
@@ -122,7 +148,7 @@ export const MOST_MEASURES = 50;
 /** So many regions have each their own field, for crisp borders; and so many slots has the shader. */
 export const REGIONS = 8;
 
-export const UNPAINTED: Painted = { as: 'forbid', faces: [], walls: [] };
+export const UNPAINTED: Painted = { as: 'forbid', weight: 3, faces: [], walls: [] };
 
 export const START: State = {
   mesh: null,
@@ -167,8 +193,8 @@ export const CLEARED = {
   tool: 'source',
 } as const satisfies Partial<State>;
 
-/** What a new mesh takes away: all that stands on the old one. */
-export const WITHOUT_POINTS = { ...CLEARED, painted: UNPAINTED, measures: [] } as const satisfies Partial<State>;
+/** What a new mesh takes away: all that stands on the old one, and which way is up there. */
+export const WITHOUT_POINTS = { ...CLEARED, painted: UNPAINTED, measures: [], walking: null } as const satisfies Partial<State>;
 
 /** Whether one of these parts is another than before. */
 export function differ<T>(now: T, before: T, ...names: readonly (keyof T)[]): boolean {

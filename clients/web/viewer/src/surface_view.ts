@@ -10,7 +10,7 @@ import { roundStep } from './numbers.ts';
 import type { KnownField, Results } from './results.ts';
 import { wantsMotion, type Stage } from './stage.ts';
 import type { RegionLook } from './regions.ts';
-import { byRegion as showsRegions, differ, type State } from './state.ts';
+import { byCost, byRegion as showsRegions, differ, type State } from './state.ts';
 
 const FLOOD = 650; // milliseconds from the source to the farthest vertex
 
@@ -68,8 +68,8 @@ export class SurfaceView {
       this.#edges.geometry = surface.geometry;
       if (state.edges) this.stage.add(this.#edges);
     }
-    this.#material.setDisc(state.walking ? 0 : (state.disc ?? 0) / surface.radius);
-    if (differ(state, before, 'disc', 'walking')) this.stage.wake();
+    this.#material.setDisc(byCost(state) ? 0 : (state.disc ?? 0) / surface.radius);
+    if (differ(state, before, 'disc', 'walking', 'painted')) this.stage.wake();
     const repaint = field !== this.#shown || differ(results, resultsBefore, 'error', 'apart', 'regions') || differ(state, before, 'show', 'colours', 'lines');
     if (!repaint) return;
     if (!field) {
