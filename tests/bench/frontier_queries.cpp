@@ -25,6 +25,7 @@
 #include "tests/bench/edge_dijkstra.h"
 #include "tests/bench/frontier_asked.h"
 #include "tests/bench/frontier_costs.h"
+#include "tests/bench/frontier_files.h"
 #include "tests/bench/frontier_lines.h"
 #include "tests/bench/frontier_measures.h"
 #include "tests/bench/frontier_ways.h"
@@ -153,7 +154,7 @@ Figures loops(Asked& asked) {
 
 void print_queries(std::uint32_t seed, const std::vector<std::string>& files) {
   using Query = Figures (*)(Asked&);
-  const std::array<std::pair<const char*, Query>, 25> queries{{
+  const std::array<std::pair<const char*, Query>, 26> queries{{
       {"20 paths, refined | the longest beside the shortest by `exact`", refined_paths},
       {"10 isolines | their length, against `exact`", level_lines},
       {"a table of 10 x 10 points | distances, against `exact`", tables},
@@ -183,6 +184,7 @@ void print_queries(std::uint32_t seed, const std::vector<std::string>& files) {
       {"a field of costs, one side three times as dear | the mean, against 7 points an edge",
        by_weights},
       {"a field of costs by slopes | the mean, against 7 points an edge", by_slopes},
+      {"a field written back into its file | what is read there, against the field", annotated_files},
   }};
   std::printf(
       "\n### 12. Queries that follow from fields\n\nBy `auto`, costs by `steiner`, their fields "
