@@ -51,8 +51,8 @@ async function open(page, path) {
     document.getAnimations().every(({ playState }) => playState !== 'running')), `rest at ${path}`);
 }
 
-/** What is wrong with a page as it stands. */
-async function problemsOf(page, path) {
+/** What is wrong with a page as it stands; `rules` of axe: all, but for contrast, or contrast alone. */
+async function problemsOf(page, path, rules = {}) {
   const found = [...page.faults];
   for (const url of page.asked) {
     if (!url.startsWith(proxy.url) && !/^(data|blob):/.test(url)) found.push(`asks for ${url}`);
@@ -63,7 +63,7 @@ async function problemsOf(page, path) {
   const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
   if (wide > 0) found.push(`${wide} pixels too wide`);
   await page.evaluate(await readFile(axe, 'utf8'));
-  const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ['violations'] }));
+  const { violations } = await page.evaluate((chosen) => globalThis.axe.run(document, { resultTypes: ['violations'], ...chosen }), rules);
   for (const { id, impact, nodes } of violations) {
     if (impact !== 'serious' && impact !== 'critical') continue;
     found.push(`${id}: ${nodes.slice(0, 2).map(({ target, failureSummary }) => `${target} ${failureSummary}`).join('; ')}`);
@@ -79,7 +79,12 @@ async function picture(page, path, name) {
 
 // Side by side, as each waits now and then for its network to be quiet.
 describe('all pages', { concurrency: 3 }, () => {
-  for (const [name, options] of [['light', {}], ['dark', { colorScheme: 'dark' }], ['phone', PHONE]]) {
+  // Dark pages differ in colours alone, and those on a phone in all else.
+  for (const [name, options, rules] of [
+    ['light', {}, {}],
+    ['dark', { colorScheme: 'dark' }, { runOnly: { type: 'rule', values: ['color-contrast'] } }],
+    ['phone', PHONE, { rules: { 'color-contrast': { enabled: false } } }],
+  ]) {
     test(name, { timeout: 1_200_000 }, async () => {
       assert.ok(pages.length >= 20, `${pages.length} pages`);
       const [weights, problems] = [[], []];
@@ -89,7 +94,7 @@ describe('all pages', { concurrency: 3 }, () => {
         await picture(page, path, name);
         weights.push([path || 'home', page.bytes]);
         if (page.bytes > MOST_BYTES) problems.push(`${path} has ${page.bytes} bytes`);
-        problems.push(...(await problemsOf(page, path)));
+        problems.push(...(await problemsOf(page, path, rules)));
       }
       await page.context().close();
       weights.sort((one, other) => other[1] - one[1]);
