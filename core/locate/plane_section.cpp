@@ -162,6 +162,40 @@ void turn_left_to(const Flat& point, std::size_t least, std::vector<Flat>& side)
   side.push_back(point);
 }
 
+// section_through for one side of the plane; `order`: places in `points` and `at`, of which the
+// first is where the curve is begun.
+Result<SectionOfPoints> section_by(const Adjacency& adjacency,
+                                   const std::array<SurfacePoint, 3>& points,
+                                   const std::array<std::size_t, 3>& order,
+                                   const std::array<Vec3, 3>& at, Vec3 normal,
+                                   const Cancel& cancel) {
+  auto section = plane_section(adjacency, points[order[0]], normal, cancel);
+  if (!section) {
+    Error error = std::move(section.error());
+    if (!error.parameter.empty()) error.parameter = "around";
+    return fail(std::move(error));
+  }
+  const Mesh& mesh = adjacency.mesh();
+  Poll poll(cancel);
+  const double extent = norm(mesh.box().max - mesh.box().min);
+  for (const std::size_t k : {order[1], order[2]}) {
+    double least = std::numeric_limits<double>::infinity();
+    Vec3 before = position_of(mesh, section->back());
+    for (const SurfacePoint& point : *section) {
+      if (poll.cancelled()) return fail_stopped(poll);
+      const Vec3 here = position_of(mesh, point);
+      least = std::min(least, to_segment(at[k], before, here));
+      before = here;
+    }
+    if (least <= tolerance::kSamePath * extent) continue;
+    return fail(ErrorCode::no_loop,
+                "the plane of the three points cuts the surface in several curves: the one through "
+                "another of them does not run through this one",
+                "around[" + std::to_string(k) + "]");
+  }
+  return SectionOfPoints{std::move(*section), normal};
+}
+
 }  // namespace
 
 Result<std::vector<SurfacePoint>> plane_section(const Adjacency& adjacency, const SurfacePoint& at,
@@ -179,8 +213,13 @@ Result<SectionOfPoints> section_through(const Adjacency& adjacency,
   const Mesh& mesh = adjacency.mesh();
   std::array<Vec3, 3> at;
   for (std::size_t i = 0; i < 3; ++i) at[i] = position_of(mesh, points[i]);
-  const Vec3 one_side = at[1] - at[0];
-  const Vec3 other_side = at[2] - at[0];
+  // The same plane, to the last bit, in whichever order the points are given.
+  std::array<std::size_t, 3> order{0, 1, 2};
+  std::sort(order.begin(), order.end(), [&at](std::size_t a, std::size_t b) {
+    return std::array{at[a].x, at[a].y, at[a].z} < std::array{at[b].x, at[b].y, at[b].z};
+  });
+  const Vec3 one_side = at[order[1]] - at[order[0]];
+  const Vec3 other_side = at[order[2]] - at[order[0]];
   const Vec3 normal = cross(one_side, other_side);
   // Too flat a triangle says no plane.
   if (!(norm(normal) > tolerance::kSamePath * norm(one_side) * norm(other_side))) {
@@ -188,30 +227,17 @@ Result<SectionOfPoints> section_through(const Adjacency& adjacency,
                 "three points in one line say no plane: take another one, or at and normal",
                 "around");
   }
-  auto section = plane_section(adjacency, points[0], normal, cancel);
-  if (!section) {
-    Error error = std::move(section.error());
-    if (!error.parameter.empty()) error.parameter = "around";
-    return fail(std::move(error));
-  }
-  Poll poll(cancel);
-  const double extent = norm(mesh.box().max - mesh.box().min);
-  for (std::size_t k = 1; k < 3; ++k) {
-    double least = std::numeric_limits<double>::infinity();
-    Vec3 before = position_of(mesh, section->back());
-    for (const SurfacePoint& point : *section) {
-      if (poll.cancelled()) return fail_stopped(poll);
-      const Vec3 here = position_of(mesh, point);
-      least = std::min(least, to_segment(at[k], before, here));
-      before = here;
+  // Vertices in the plane count as above it. Where that leaves no curve, as along the edges of a
+  // flat side, they may count as below it.
+  auto section = section_by(adjacency, points, order, at, normal, cancel);
+  if (!section && section.error().code == ErrorCode::no_loop) {
+    auto other = section_by(adjacency, points, order, at, -1 * normal, cancel);
+    // That the plane touches the surface says more than that it cuts it elsewhere, too.
+    if (other || other.error().code != ErrorCode::no_loop || other.error().parameter == "around") {
+      return other;
     }
-    if (least <= tolerance::kSamePath * extent) continue;
-    return fail(ErrorCode::no_loop,
-                "the plane of the three points cuts the surface in several curves: the one through "
-                "the first point does not run through this one",
-                "around[" + std::to_string(k) + "]");
   }
-  return SectionOfPoints{std::move(*section), normal};
+  return section;
 }
 
 Result<std::vector<std::uint32_t>> hull_in_plane(std::span<const Vec3> points, Vec3 normal,

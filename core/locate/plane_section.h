@@ -35,9 +35,10 @@ struct SectionOfPoints {
   Vec3 normal;                       // mesh coordinates, of any length
 };
 
-// The section by the plane of three points, if one curve of it runs through all of them. Errors,
-// with the parameters `around` and `around[K]`: value_out_of_range (they lie in one line, to
-// rounding); no_loop as of plane_section, or where the curve through the first point does not run
+// The section by the plane of three points, if one curve of it runs through all of them: the same
+// in whichever order they are given. Where none does, vertices in the plane count as below it.
+// Errors, with the parameters `around` and `around[K]`: value_out_of_range (they lie in one line,
+// to rounding); no_loop as of plane_section, or where the curve through one of them does not run
 // through another; cancelled.
 [[nodiscard]] Result<SectionOfPoints> section_through(const Adjacency& adjacency,
                                                       const std::array<SurfacePoint, 3>& points,

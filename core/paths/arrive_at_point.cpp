@@ -108,23 +108,30 @@ Arrival PointArrivals::over_base(std::uint32_t p, std::uint32_t q, const Unfolde
   return arrival;
 }
 
+std::span<const PointArrivals::SourcePlace> PointArrivals::sources_in(std::uint32_t face) const {
+  const auto first =
+      std::lower_bound(source_places_.begin(), source_places_.end(), face,
+                       [](const SourcePlace& source, std::uint32_t f) { return source.face < f; });
+  auto last = first;
+  while (last != source_places_.end() && last->face == face) ++last;
+  return {first, last};
+}
+
 StepBack PointArrivals::from_sources_in_face(const SurfacePoint& place) const {
   StepBack best;
-  const auto first =
-      std::lower_bound(source_places_.begin(), source_places_.end(), place.face,
-                       [](const SourcePlace& source, std::uint32_t f) { return source.face < f; });
-  if (first == source_places_.end() || first->face != place.face) return best;
+  const std::span<const SourcePlace> sources = sources_in(place.face);
+  if (sources.empty()) return best;
   const Sides2 side2 = sides_of(adjacency_, place.face);
-  for (auto it = first; it != source_places_.end() && it->face == place.face; ++it) {
-    const double d = field_.sources[it->source].offset +
-                     straight_distance(adjacency_, place.face, side2, place.bary, it->bary);
+  for (const SourcePlace& source : sources) {
+    const double d = field_.sources[source.source].offset +
+                     straight_distance(adjacency_, place.face, side2, place.bary, source.bary);
     if (d < best.distance) {
       best.to = StepBack::To::source;
       best.distance = d;
       best.face = place.face;
       best.start = place.bary;
-      best.bary = it->bary;
-      best.source = it->source;
+      best.bary = source.bary;
+      best.source = source.source;
     }
   }
   return best;
@@ -224,6 +231,37 @@ StepBack PointArrivals::through_windows(const SurfacePoint& place) const {
                    at_end);
 }
 
+// Sources have waves of their own here, and those of a side's two ends may be of two others: the
+// one beyond the side may be nearer than both, by any factor.
+StepBack PointArrivals::from_sources_beyond(const SurfacePoint& place, std::uint32_t c,
+                                            const UnfoldedApex& apex) const {
+  const FaceRecord& face = adjacency_.face(place.face);
+  const Halfedge side = halfedge(place.face, c);
+  const double base2 = face.length2(c);
+  StepBack best;
+  for (Halfedge h = adjacency_.ring(side); h != side && !stopped(); h = adjacency_.ring(h)) {
+    const bool is_turned = adjacency_.tail(h) != face.vertex[c];
+    const Sides2 side2 = sides_of(adjacency_, face_of(h));
+    for (const SourcePlace& source : sources_in(face_of(h))) {
+      if (stopped()) return {};
+      const UnfoldedApex from =
+          apex_at(adjacency_.face(face_of(h)), side2, corner_of(h), source.bary);
+      // Straight across the side, with the face beyond it laid into the plane of this one. As in
+      // virtual_source.h, coordinates are times the side's length.
+      const double along = is_turned ? from.from_q : from.from_p;
+      const double across = from.height + apex.height;
+      const double crossing = (along * apex.height + apex.from_p * from.height) / (across * base2);
+      if (!(crossing >= 0 && crossing <= 1)) continue;
+      const double run = apex.from_p - along;
+      const double d =
+          field_.sources[source.source].offset + std::sqrt((run * run + across * across) / base2);
+      if (d < best.distance)
+        best = over_side(face, place.face, c, place.bary, {d, Fig4::a, crossing});
+    }
+  }
+  return best;
+}
+
 StepBack PointArrivals::through_face(const SurfacePoint& place) const {
   const MethodTraits traits = traits_of(field_.method);
   if (traits.has_edge_points) return through_graph(place);
@@ -243,6 +281,10 @@ StepBack PointArrivals::through_face(const SurfacePoint& place) const {
     const double d_next = field_.distance[face.vertex[next_corner(c)]];
     if (d_next == kUnreached || place.bary[previous_corner(c)] == 0) continue;
     const UnfoldedApex apex = apex_at(face, side2, c, place.bary);
+    if (traits.has_wave_for_each_source && field_.sources.size() > 1) {
+      const StepBack beyond = from_sources_beyond(place, c, apex);
+      if (beyond.distance < best.distance) best = beyond;
+    }
     const Arrival arrival = over_base(face.vertex[c], face.vertex[next_corner(c)], apex);
     if (!(arrival.distance < best.distance)) continue;
     const double at_end =

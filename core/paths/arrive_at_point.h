@@ -44,7 +44,8 @@ class PointArrivals {
 
   // The shortest way to a point that lies in `place.face`, through that face
   // only: over each side whose ends both have a distance, straight from each of
-  // the face's corners, and straight from sources in the same face.
+  // the face's corners, and straight from sources in the same face; of methods with a
+  // wave for each of several sources, straight from those in the faces beside it, too.
   [[nodiscard]] StepBack through_face(const SurfacePoint& place) const;
 
   // Whether a step is to be taken rather than another one from the same point: a shorter
@@ -87,7 +88,12 @@ class PointArrivals {
   };
   [[nodiscard]] Arrival over_base(std::uint32_t p, std::uint32_t q, const UnfoldedApex& apex) const;
   [[nodiscard]] StepBack straight_from_source(std::uint32_t vertex, std::uint32_t source) const;
+  [[nodiscard]] std::span<const SourcePlace> sources_in(std::uint32_t face) const;
   [[nodiscard]] StepBack from_sources_in_face(const SurfacePoint& place) const;
+  // Straight over the side that starts at corner c from sources in the faces beyond it; `apex`: the
+  // place over that side.
+  [[nodiscard]] StepBack from_sources_beyond(const SurfacePoint& place, std::uint32_t c,
+                                             const UnfoldedApex& apex) const;
   // The same, or straight from those corners whose distance is below `limit`.
   [[nodiscard]] StepBack straight_in_face(const SurfacePoint& place, double limit) const;
   // through_face for `steiner`: from the face's corners and the points on its sides.

@@ -1,5 +1,6 @@
 #include "core/solve/solve_from_lines.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "core/paths/arrive_at_point.h"
 #include "core/paths/join_paths.h"
 #include "core/paths/path_over_strips.h"
+#include "core/straighten/shorten_path.h"
 
 namespace geodesic {
 namespace {
@@ -97,6 +99,57 @@ void lower_to(const Adjacency& adjacency, const std::vector<MetVertex>& met, Fie
   }
 }
 
+constexpr int kMostSlides = 16;
+
+// The place of the lines that is nearest to where a path leaves the face it begins in, if it is
+// nearer than where the path begins.
+std::optional<PathPoint> nearer_start(const Adjacency& adjacency, const SourceLines& lines,
+                                      const Path& path, Poll& poll) {
+  const Mesh& mesh = adjacency.mesh();
+  const std::uint32_t face = path.points[0].point.face;
+  const Vec3 to = path.points[1].position;
+  double least = distance(path.points[0].position, to) * (1 - tolerance::kSameWay);
+  std::optional<PathPoint> nearer;
+  for (const LineSegment& segment : lines.segments) {
+    if (poll.cancelled()) return std::nullopt;
+    if (segment.face != face) continue;
+    const Vec3 from = position_of(mesh, {face, segment.from, kNone});
+    const Vec3 along = position_of(mesh, {face, segment.to, kNone}) - from;
+    const double square = dot(along, along);
+    const double part = square > 0 ? std::clamp(dot(to - from, along) / square, 0.0, 1.0) : 0;
+    std::array<double, 3> bary{};
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      bary[c] = segment.from[c] + part * (segment.to[c] - segment.from[c]);
+    }
+    const SurfacePoint point = point_on_face(adjacency, face, bary);
+    const Vec3 position = position_of(mesh, point);
+    if (!(distance(position, to) < least)) continue;
+    least = distance(position, to);
+    nearer = PathPoint{point, position};
+  }
+  return nearer;
+}
+
+// A locally shortest path of one that may bend where it leaves the lines and where its first leg
+// ends: pulled straight, and begun at the nearest place of the lines in its first face, until that
+// gains nothing.
+Result<std::optional<Path>> straightened(const Adjacency& adjacency, const SourceLines& lines,
+                                         Path path, const Cancel& cancel) {
+  Poll poll(cancel);
+  for (int slides = 0;; ++slides) {
+    auto shorter = shorten_path(adjacency, path, cancel);
+    if (!shorter) return fail(std::move(shorter.error()));
+    path = std::move(*shorter);
+    if (slides == kMostSlides || path.points.size() < 2) return path;
+    const std::optional<PathPoint> start = nearer_start(adjacency, lines, path, poll);
+    if (poll.stopped()) return fail_stopped(poll);
+    if (!start) return path;
+    const Vec3 to = path.points[1].position;
+    path.length += distance(start->position, to) - distance(path.points[0].position, to);
+    path.points[0] = *start;
+  }
+}
+
 }  // namespace
 
 Result<Field> solve_from_lines(Method method, const MethodOptions& options,
@@ -141,10 +194,12 @@ Result<Field> solve_from_lines(Method method, const MethodOptions& options,
     if (poll.stopped()) return fail_stopped(poll);
   }
   const std::vector<MetVertex>& going_on = traits.has_wave_for_each_source ? few : spread->met;
+  // Along a graph it is no farther to a vertex than by way of its neighbour, whichever that is.
+  const bool is_along_graph = traits.are_metric && !traits.has_windows;
   for (const MetVertex& met : going_on) {
     if (poll.cancelled()) return fail_stopped(poll);
     // Where strips have ended for there were too many, their vertices go on as points.
-    if (!spread->is_complete || may_bend(adjacency, met.vertex, poll)) {
+    if (is_along_graph || !spread->is_complete || may_bend(adjacency, met.vertex, poll)) {
       add_source(adjacency, met, all, waves);
     }
   }
@@ -177,8 +232,13 @@ Result<std::optional<Path>> path_from_lines(const Adjacency& adjacency, const Fi
   }
   auto path = path_through(adjacency, field, target, work, cancel);
   if (!path || !*path) return path;
+  // Where windows say that a path bends, a shortest one does.
+  const bool is_bent = work == PathWork::refined && !field.windows;
+  const SourceLines& lines = field.lines->lines();
   const std::uint32_t source = (*path)->source;
-  if (source < field.lines->given()) return path;
+  if (source < field.lines->given()) {
+    return is_bent ? straightened(adjacency, lines, std::move(**path), cancel) : std::move(path);
+  }
   const SurfacePoint& bend = field.sources[source].point;
   const LineArrival start = field.lines->arrive(adjacency, bend, &poll);
   if (poll.stopped()) return fail_stopped(poll);
@@ -186,7 +246,9 @@ Result<std::optional<Path>> path_from_lines(const Adjacency& adjacency, const Fi
   auto first = path_over_strips(adjacency, *field.lines, start, poll);
   if (!first || !*first) return first;
   const std::array<Path, 2> both{std::move(**first), std::move(**path)};
-  return std::optional(join_paths(both));
+  Path joined = join_paths(both);
+  if (!is_bent) return std::optional(std::move(joined));
+  return straightened(adjacency, lines, std::move(joined), cancel);
 }
 
 }  // namespace geodesic

@@ -25,7 +25,8 @@ inline constexpr double kToleranceFromLines = 1e-3;
 // it, but for rounding. `back_traced` without a tolerance takes one of 0.1 %, by windows. But for
 // the first two, strips end once there have been 8 a face, and the vertices that they have met go
 // on as points. By `wavefront` and `novotni`, which have a wave for each point, only those do that
-// have a neighbour to which no strip comes, or by a longer way than along the edge.
+// have a neighbour to which no strip comes, or by a longer way than along the edge. Along graphs,
+// by `dijkstra` and `steiner`, all do.
 //
 // `sources` are points, among them the ends of all segments; lines->item_of_source says of each
 // what it belongs to. The field is whole, up to limits.max, whatever targets there are.
@@ -39,8 +40,9 @@ inline constexpr double kToleranceFromLines = 1e-3;
                                              const Cancel& cancel);
 
 // The path from the nearest place on the lines, or the nearest source, to the target; nothing where
-// there is none. It starts at the foot of the perpendicular, or at an end. The field has details;
-// where it has no lines, this is path_through. Errors: cancelled.
+// there is none. It starts at the foot of the perpendicular, or at an end. Refined, it is locally
+// shortest from a place of the lines that is nearest to it in its first face. The field has
+// details; where it has no lines, this is path_through. Errors: cancelled.
 [[nodiscard]] Result<std::optional<Path>> path_from_lines(const Adjacency& adjacency,
                                                           const Field& field,
                                                           const SurfacePoint& target, PathWork work,

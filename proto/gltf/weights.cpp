@@ -1,6 +1,7 @@
 #include "proto/gltf/weights.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -202,8 +203,11 @@ Result<double> weight_of(const Triangle& face, const std::vector<double>& of_ver
   for (const std::uint32_t v : face) {
     const double weight = static_cast<float>(of_vertex[v]);
     if (!(weight >= kLeastWeight && weight <= kMostWeight)) {
-      std::string number;
-      append_number(number, weight, 6);
+      std::string number = "no finite number";
+      if (std::isfinite(weight)) {
+        number.clear();
+        append_number(number, weight, 6);
+      }
       return no_numbers(attribute + " is " + number + " at vertex " + std::to_string(v) +
                         ", and a weight is from 1e-9 to 1e9; what must not be walked on is "
                         "forbidden by forbid");

@@ -39,7 +39,7 @@ tl::unexpected<Error> no_point(std::string_view word, std::string parameter) {
   }
   return fail(ErrorCode::value_out_of_range,
               "this is to be a point; curves, boundaries and faces are what distance, path, table, "
-              "isolines, measure, samples and voronoi take as from",
+              "isolines, measure, samples and voronoi take as from, a curve as curve:POINT;POINT",
               std::move(parameter));
 }
 

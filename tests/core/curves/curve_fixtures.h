@@ -74,8 +74,9 @@ class LineQuestion {
     REQUIRE(found);
     return *found;
   }
-  [[nodiscard]] std::optional<Path> path(const Field& field, const SurfacePoint& to) const {
-    auto found = path_from_lines(surface_.adjacency(), field, to, PathWork::traced, cancel_);
+  [[nodiscard]] std::optional<Path> path(const Field& field, const SurfacePoint& to,
+                                         PathWork work = PathWork::traced) const {
+    auto found = path_from_lines(surface_.adjacency(), field, to, work, cancel_);
     REQUIRE(found);
     return std::move(*found);
   }

@@ -266,6 +266,49 @@ TEST_CASE("ASectionThroughThreePointsOfAConvexSurfaceIsThere") {
   CHECK(found > 30);
 }
 
+// A plane through vertices may leave them on either side: whichever it is, in every order the same.
+TEST_CASE("TheOrderOfThreePointsDoesNotMatter") {
+  std::mt19937 random(fixtures::test_seed() + 25);
+  int found = 0;
+  for (int round = 0; round < 500; ++round) {
+    CAPTURE(round);
+    fixtures::RandomMesh mesh(random());
+    TriangleSoup soup = mesh.soup();
+    // On a lattice many vertices lie in one plane.
+    if (round % 2 == 0) {
+      const Surface bare(soup);
+      const double step = norm(bare.mesh().box().max - bare.mesh().box().min) / 6;
+      for (Vec3& p : soup.positions) {
+        p = {step * std::round(p.x / step), step * std::round(p.y / step),
+             step * std::round(p.z / step)};
+      }
+    }
+    if (!Mesh::build(soup, Weld::by_position, Cancel())) continue;
+    const Surface surface(soup);
+    std::array<std::uint32_t, 3> at{};
+    for (std::uint32_t& v : at) v = random() % surface.mesh().vertex_count();
+    std::sort(at.begin(), at.end());
+    std::optional<double> length;
+    std::optional<ErrorCode> code;
+    do {
+      const std::array points{point_at_vertex(surface.adjacency(), at[0]),
+                              point_at_vertex(surface.adjacency(), at[1]),
+                              point_at_vertex(surface.adjacency(), at[2])};
+      const auto section = section_through(surface.adjacency(), points, Cancel());
+      const double here = section ? closed_path_along(surface.mesh(), section->points).length : -1;
+      const ErrorCode wrong = section ? ErrorCode::cancelled : section.error().code;
+      if (length) {
+        CHECK(here == *length);
+        CHECK(wrong == *code);
+      }
+      length = here;
+      code = wrong;
+      if (section) ++found;
+    } while (std::next_permutation(at.begin(), at.end()));
+  }
+  CHECK(found > 30);
+}
+
 // By Cauchy's formula the perimeter of a convex shape is the mean of its widths times pi.
 TEST_CASE("AHullIsAsLongAsItsWidthsSay") {
   std::mt19937 random(fixtures::test_seed() + 23);
