@@ -162,6 +162,25 @@ void turn_left_to(const Flat& point, std::size_t least, std::vector<Flat>& side)
   side.push_back(point);
 }
 
+// Whether a face in which one of the points lies is in the plane, to rounding.
+bool lies_along_a_face(const Adjacency& adjacency, const std::array<SurfacePoint, 3>& points,
+                       Vec3 through, Vec3 normal) {
+  const Mesh& mesh = adjacency.mesh();
+  const Vec3 up = (1 / norm(normal)) * normal;
+  const double rounding = tolerance::kSamePath * norm(mesh.box().max - mesh.box().min);
+  for (const SurfacePoint& point : points) {
+    for (const SurfacePoint& place : in_all_faces(adjacency, point)) {
+      const auto& corners = adjacency.face(place.face).vertex;
+      if (std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
+            return std::abs(dot(up, mesh.positions()[v] - through)) <= rounding;
+          })) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 // section_through for one side of the plane; `order`: places in `points` and `at`, of which the
 // first is where the curve is begun.
 Result<SectionOfPoints> section_by(const Adjacency& adjacency,
@@ -232,10 +251,14 @@ Result<SectionOfPoints> section_through(const Adjacency& adjacency,
   auto section = section_by(adjacency, points, order, at, normal, cancel);
   if (!section && section.error().code == ErrorCode::no_loop) {
     auto other = section_by(adjacency, points, order, at, -1 * normal, cancel);
-    // That the plane touches the surface says more than that it cuts it elsewhere, too.
-    if (other || other.error().code != ErrorCode::no_loop || other.error().parameter == "around") {
-      return other;
+    if (other || other.error().code != ErrorCode::no_loop) return other;
+    if (lies_along_a_face(adjacency, points, at[order[0]], normal)) {
+      return fail(ErrorCode::no_loop,
+                  "the plane of the three points lies along a face there: it cuts no closed curve",
+                  "around");
     }
+    // That the plane touches the surface says more than that it cuts it elsewhere, too.
+    if (other.error().parameter == "around") return other;
   }
   return section;
 }
