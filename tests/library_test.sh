@@ -25,7 +25,7 @@ for package in draco nlohmann_json spdlog CLI11 OpenSSL ZLIB PNG CURL pugixml pr
   PkgConfig meshoptimizer embree doctest benchmark; do
   without+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON")
 done
-# It is compiled more slowly than it answers the few questions below.
+# At -O1, for to compile it takes longer than the few questions below.
 run cmake -S "$source" -B "$build/only_core" -G Ninja -DGEODESIC_ONLY_CORE=ON \
   "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG" -DGEODESIC_USE_EMBREE=OFF "${without[@]}"
 run cmake --build "$build/only_core"

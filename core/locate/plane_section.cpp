@@ -162,14 +162,23 @@ void turn_left_to(const Flat& point, std::size_t least, std::vector<Flat>& side)
   side.push_back(point);
 }
 
-// Whether a face in which one of the points lies is in the plane, to rounding.
-bool lies_along_a_face(const Adjacency& adjacency, const std::array<SurfacePoint, 3>& points,
-                       Vec3 through, Vec3 normal) {
+struct GivenPoint {
+  SurfacePoint point;
+  Vec3 at;
+  std::size_t number;  // in the order in which they were given
+};
+
+// Whether a face in which one of the points lies is in the plane, to rounding. Of no use if the
+// poll says to stop.
+bool lies_along_a_face(const Adjacency& adjacency, const std::array<GivenPoint, 3>& points,
+                       Vec3 normal, Poll& poll) {
   const Mesh& mesh = adjacency.mesh();
   const Vec3 up = (1 / norm(normal)) * normal;
+  const Vec3 through = points[0].at;
   const double rounding = tolerance::kSamePath * norm(mesh.box().max - mesh.box().min);
-  for (const SurfacePoint& point : points) {
-    for (const SurfacePoint& place : in_all_faces(adjacency, point)) {
+  for (const GivenPoint& given : points) {
+    for (const SurfacePoint& place : in_all_faces(adjacency, given.point)) {
+      if (poll.cancelled()) return false;
       const auto& corners = adjacency.face(place.face).vertex;
       if (std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
             return std::abs(dot(up, mesh.positions()[v] - through)) <= rounding;
@@ -181,14 +190,11 @@ bool lies_along_a_face(const Adjacency& adjacency, const std::array<SurfacePoint
   return false;
 }
 
-// section_through for one side of the plane; `order`: places in `points` and `at`, of which the
-// first is where the curve is begun.
+// The curve through the first of the points, if it runs through the others.
 Result<SectionOfPoints> section_by(const Adjacency& adjacency,
-                                   const std::array<SurfacePoint, 3>& points,
-                                   const std::array<std::size_t, 3>& order,
-                                   const std::array<Vec3, 3>& at, Vec3 normal,
+                                   const std::array<GivenPoint, 3>& points, Vec3 normal,
                                    const Cancel& cancel) {
-  auto section = plane_section(adjacency, points[order[0]], normal, cancel);
+  auto section = plane_section(adjacency, points[0].point, normal, cancel);
   if (!section) {
     Error error = std::move(section.error());
     if (!error.parameter.empty()) error.parameter = "around";
@@ -197,20 +203,20 @@ Result<SectionOfPoints> section_by(const Adjacency& adjacency,
   const Mesh& mesh = adjacency.mesh();
   Poll poll(cancel);
   const double extent = norm(mesh.box().max - mesh.box().min);
-  for (const std::size_t k : {order[1], order[2]}) {
+  for (const GivenPoint& given : std::span(points).subspan(1)) {
     double least = std::numeric_limits<double>::infinity();
     Vec3 before = position_of(mesh, section->back());
     for (const SurfacePoint& point : *section) {
       if (poll.cancelled()) return fail_stopped(poll);
       const Vec3 here = position_of(mesh, point);
-      least = std::min(least, to_segment(at[k], before, here));
+      least = std::min(least, to_segment(given.at, before, here));
       before = here;
     }
     if (least <= tolerance::kSamePath * extent) continue;
     return fail(ErrorCode::no_loop,
                 "the plane of the three points cuts the surface in several curves: the one through "
                 "another of them does not run through this one",
-                "around[" + std::to_string(k) + "]");
+                "around[" + std::to_string(given.number) + "]");
   }
   return SectionOfPoints{std::move(*section), normal};
 }
@@ -229,16 +235,16 @@ Result<std::vector<SurfacePoint>> plane_section(const Adjacency& adjacency, cons
 Result<SectionOfPoints> section_through(const Adjacency& adjacency,
                                         const std::array<SurfacePoint, 3>& points,
                                         const Cancel& cancel) {
-  const Mesh& mesh = adjacency.mesh();
-  std::array<Vec3, 3> at;
-  for (std::size_t i = 0; i < 3; ++i) at[i] = position_of(mesh, points[i]);
   // The same plane, to the last bit, in whichever order the points are given.
-  std::array<std::size_t, 3> order{0, 1, 2};
-  std::sort(order.begin(), order.end(), [&at](std::size_t a, std::size_t b) {
-    return std::array{at[a].x, at[a].y, at[a].z} < std::array{at[b].x, at[b].y, at[b].z};
+  std::array<GivenPoint, 3> given;
+  for (std::size_t i = 0; i < 3; ++i) {
+    given[i] = {points[i], position_of(adjacency.mesh(), points[i]), i};
+  }
+  std::sort(given.begin(), given.end(), [](const GivenPoint& a, const GivenPoint& b) {
+    return std::array{a.at.x, a.at.y, a.at.z} < std::array{b.at.x, b.at.y, b.at.z};
   });
-  const Vec3 one_side = at[order[1]] - at[order[0]];
-  const Vec3 other_side = at[order[2]] - at[order[0]];
+  const Vec3 one_side = given[1].at - given[0].at;
+  const Vec3 other_side = given[2].at - given[0].at;
   const Vec3 normal = cross(one_side, other_side);
   // Too flat a triangle says no plane.
   if (!(norm(normal) > tolerance::kSamePath * norm(one_side) * norm(other_side))) {
@@ -248,11 +254,14 @@ Result<SectionOfPoints> section_through(const Adjacency& adjacency,
   }
   // Vertices in the plane count as above it. Where that leaves no curve, as along the edges of a
   // flat side, they may count as below it.
-  auto section = section_by(adjacency, points, order, at, normal, cancel);
+  auto section = section_by(adjacency, given, normal, cancel);
   if (!section && section.error().code == ErrorCode::no_loop) {
-    auto other = section_by(adjacency, points, order, at, -1 * normal, cancel);
+    auto other = section_by(adjacency, given, -1 * normal, cancel);
     if (other || other.error().code != ErrorCode::no_loop) return other;
-    if (lies_along_a_face(adjacency, points, at[order[0]], normal)) {
+    Poll poll(cancel);
+    const bool is_along = lies_along_a_face(adjacency, given, normal, poll);
+    if (poll.stopped()) return fail_stopped(poll);
+    if (is_along) {
       return fail(ErrorCode::no_loop,
                   "the plane of the three points lies along a face there: it cuts no closed curve",
                   "around");

@@ -112,8 +112,9 @@ std::span<const PointArrivals::SourcePlace> PointArrivals::sources_in(std::uint3
   const auto first =
       std::lower_bound(source_places_.begin(), source_places_.end(), face,
                        [](const SourcePlace& source, std::uint32_t f) { return source.face < f; });
-  auto last = first;
-  while (last != source_places_.end() && last->face == face) ++last;
+  const auto last =
+      std::upper_bound(first, source_places_.end(), face,
+                       [](std::uint32_t f, const SourcePlace& source) { return f < source.face; });
   return {first, last};
 }
 

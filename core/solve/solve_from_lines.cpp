@@ -130,9 +130,9 @@ std::optional<PathPoint> nearer_start(const Adjacency& adjacency, const SourceLi
   return nearer;
 }
 
-// A locally shortest path of one that may bend where it leaves the lines and where its first leg
-// ends: pulled straight, and begun at the nearest place of the lines in its first face, until that
-// gains nothing.
+// Makes a path locally shortest that may bend where its first leg ends: pulls it straight, and
+// moves its start to the nearest place of the lines in its first face, by turns, until that gains
+// nothing.
 Result<std::optional<Path>> straightened(const Adjacency& adjacency, const SourceLines& lines,
                                          Path path, const Cancel& cancel) {
   Poll poll(cancel);
@@ -233,11 +233,12 @@ Result<std::optional<Path>> path_from_lines(const Adjacency& adjacency, const Fi
   auto path = path_through(adjacency, field, target, work, cancel);
   if (!path || !*path) return path;
   // Where windows say that a path bends, a shortest one does.
-  const bool is_bent = work == PathWork::refined && !field.windows;
+  const bool may_be_bent = work == PathWork::refined && !field.windows;
   const SourceLines& lines = field.lines->lines();
   const std::uint32_t source = (*path)->source;
   if (source < field.lines->given()) {
-    return is_bent ? straightened(adjacency, lines, std::move(**path), cancel) : std::move(path);
+    return may_be_bent ? straightened(adjacency, lines, std::move(**path), cancel)
+                       : std::move(path);
   }
   const SurfacePoint& bend = field.sources[source].point;
   const LineArrival start = field.lines->arrive(adjacency, bend, &poll);
@@ -247,7 +248,7 @@ Result<std::optional<Path>> path_from_lines(const Adjacency& adjacency, const Fi
   if (!first || !*first) return first;
   const std::array<Path, 2> both{std::move(**first), std::move(**path)};
   Path joined = join_paths(both);
-  if (!is_bent) return std::optional(std::move(joined));
+  if (!may_be_bent) return std::optional(std::move(joined));
   return straightened(adjacency, lines, std::move(joined), cancel);
 }
 

@@ -74,6 +74,18 @@ function routeForSure(page) {
   };
 }
 
+/** A page for which the server's status lacks these limits, as an older one's does. */
+export async function pageWithout(browser, ...limits) {
+  const page = await newPage(browser);
+  await page.route(/\/v1\/status/, async (route) => {
+    const reply = await route.fetch();
+    const status = await reply.json();
+    for (const limit of limits) delete status.limits[limit];
+    await route.fulfill({ response: reply, json: status });
+  });
+  return page;
+}
+
 export async function ready(page, state = 'ready') {
   await page.waitForSelector(`body[data-state="${state}"]`);
 }

@@ -2,7 +2,7 @@
 // says of them is what the server answers. Of a server that does not know of costs nothing is shown.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { openMesh, newPage, pathLength, picture, ready, settled, textAt, until } from './browser.mjs';
+import { openMesh, pageWithout, pathLength, picture, ready, settled, textAt, until } from './browser.mjs';
 import { difference } from './pixels.mjs';
 import { served } from './served.mjs';
 
@@ -164,13 +164,7 @@ test('what a link says wrongly of costs is left out', async () => {
 });
 
 test('what an older server does not know of is not shown', async () => {
-  const page = await newPage(browser);
-  await page.route(/\/v1\/status/, async (route) => {
-    const reply = await route.fetch();
-    const status = await reply.json();
-    delete status.limits.max_slopes;
-    await route.fulfill({ response: reply, json: status });
-  });
+  const page = await pageWithout(browser, 'max_slopes');
   await page.goto(`${service.url}#mesh=${terrain}${POINTS}`);
   await ready(page);
   await pathLength(page);

@@ -1,7 +1,7 @@
 // Lines that are drawn by clicks become walls and sources, where the server has these; undone, and in links.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { newPage, openMesh, pathLength, picture, ready, reload, settled, textAt, until } from './browser.mjs';
+import { openMesh, pageWithout, pathLength, picture, ready, reload, settled, textAt, until } from './browser.mjs';
 import { shareOf } from './pixels.mjs';
 import { served } from './served.mjs';
 
@@ -76,14 +76,7 @@ test('distances begin on a drawn line, closed or not, and paths lead there', asy
 });
 
 test('what an older server does not have has no button', async () => {
-  const page = await newPage(browser);
-  await page.route(/\/v1\/status/, async (route) => {
-    const reply = await route.fetch();
-    const status = await reply.json();
-    delete status.limits.max_walls;
-    delete status.limits.max_curve_points;
-    await route.fulfill({ response: reply, json: status });
-  });
+  const page = await pageWithout(browser, 'max_walls', 'max_curve_points');
   await page.goto(`${service.url}#mesh=${plane}`);
   await ready(page);
   await draw(page, [250, 250], [300, 400]);

@@ -60,6 +60,7 @@ bool crosses(const Surface& surface, Halfedge side, const SurfacePoint& from,
 
 }  // namespace
 
+// In a plane: where the straight line from the end of a curve stays in its face and the next one.
 TEST_CASE("APointBesideTheEndOfACurveIsNoFartherThanStraight") {
   std::mt19937 random(test_seed() + 1);
   int found_straight = 0;

@@ -41,7 +41,7 @@ export function costKind(asked: Pick<Asked, 'walking' | 'painted'>): Cost | null
 export const ONLY_STEINER = 'Least costs are computed by Steiner';
 
 /** By the unit of an answer. */
-export function costKindOf(unit: string | undefined): Cost {
+export function costOfUnit(unit: string | undefined): Cost {
   return unit === 'seconds' ? 'tobler' : unit === 'joules_per_kilogram' ? 'energy' : 'weights';
 }
 

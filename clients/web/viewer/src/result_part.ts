@@ -5,7 +5,7 @@ import type { Parts } from './parts.ts';
 import { nameOf } from './questions.ts';
 import { differ } from './state.ts';
 import { unitOf } from './units.ts';
-import { costKind, costKindOf, SAID } from './costs.ts';
+import { costKind, costOfUnit, SAID } from './costs.ts';
 
 export function resultPart({ state, results, actions }: Parts): HTMLElement {
   const big = element('output', { className: 'big', id: 'length' });
@@ -47,7 +47,7 @@ export function resultPart({ state, results, actions }: Parts): HTMLElement {
       unit.textContent = about ? unitOf(about) : '';
       const said = [nameOf(path.method)];
       // Of what was answered, which may be a moment behind the state.
-      if (path.cost != null) said.unshift(SAID[costKindOf(path.unit)].text(path.cost));
+      if (path.cost != null) said.unshift(SAID[costOfUnit(path.unit)].text(path.cost));
       if (path.refine === 'shortest') said.push('pulled straight');
       if (path.via.length) said.push(path.via.length === 1 ? 'via 1 point' : `via ${path.via.length} points`);
       if (pathMs !== null) said.push(timeText(pathMs));

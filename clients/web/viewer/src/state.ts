@@ -193,7 +193,7 @@ export const CLEARED = {
   tool: 'source',
 } as const satisfies Partial<State>;
 
-/** What a new mesh takes away: all that stands on the old one, and which way is up there. */
+/** What a new mesh takes away: all that stands on the old one, and ways on foot: up is another axis there. */
 export const WITHOUT_POINTS = { ...CLEARED, painted: UNPAINTED, measures: [], walking: null } as const satisfies Partial<State>;
 
 /** Whether one of these parts is another than before. */
