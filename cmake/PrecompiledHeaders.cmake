@@ -16,6 +16,10 @@ function(geodesic_precompile target)
   endif()
 endfunction()
 
+# What most files of the engine and of its tests include.
+set(GEODESIC_STANDARD_HEADERS <algorithm> <array> <cmath> <cstdint> <functional> <limits> <memory>
+  <optional> <span> <string> <tuple> <unordered_map> <utility> <vector> <tl/expected.hpp>)
+
 # geodesic_unite(TARGET)
 #
 # Compiles the files of TARGET by eights, so that what they all include is parsed and

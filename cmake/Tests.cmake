@@ -15,9 +15,10 @@ add_custom_target(tsan_executables)
 function(geodesic_add_doctest target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "TSAN;RELEASE_ONLY" "" "")
   target_link_libraries(${target} PRIVATE doctest_main)
-  geodesic_precompile(${target} <doctest/doctest.h>)
-  # What is tested is in the libraries; tests themselves are compiled more often than run.
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  geodesic_precompile(${target} <doctest/doctest.h> <random> ${GEODESIC_STANDARD_HEADERS})
+  # What is tested is in the libraries; tests themselves are compiled more often than run, and
+  # doctest names the line that failed.
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1$<SEMICOLON>-g0>)
   # A little before the TIMEOUT below, by which ctest would kill it without a word: at SIGTERM
   # doctest names the test case that is running.
   add_test(NAME ${target} COMMAND timeout --kill-after=20 1400 $<TARGET_FILE:${target}>)
