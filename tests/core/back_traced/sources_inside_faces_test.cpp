@@ -66,7 +66,7 @@ TEST_CASE("FromInsideFacesDistancesAreAsGoodAsFromVertices") {
     const Surface surface(soup);
     const auto faces = static_cast<std::uint32_t>(surface.mesh().faces().size());
     std::uniform_real_distribution<double> share(0.05, 0.9);
-    constexpr int kSources = 5;
+    constexpr int kSources = fixtures::all_or(5, 2);
     for (const Bound bound : {Bound::none, Bound::upper}) {
       double inside = 0;
       double at_vertices = 0;
@@ -86,7 +86,7 @@ TEST_CASE("FromInsideFacesDistancesAreAsGoodAsFromVertices") {
       MESSAGE(name, std::string(bound == Bound::upper ? ", upper" : ""), ": inside faces ",
               100 * inside, " %, at vertices ", 100 * at_vertices, " %, the largest of both ",
               100 * largest, " %");
-      CHECK(inside < 2.5 * at_vertices + 5e-5);
+      if (!fixtures::kSanitized) CHECK(inside < 2.5 * at_vertices + 5e-5);
     }
   }
 }

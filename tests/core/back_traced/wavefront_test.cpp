@@ -14,6 +14,7 @@
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/random_meshes.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/surface.h"
 
 using namespace geodesic;
@@ -129,6 +130,7 @@ TEST_CASE("FinerFacesInACornerAreAsExact") {
     }
     const Surface surface(soup);
     for (const std::uint32_t from : {0U, 1830U, 3599U}) {
+      if (fixtures::kSanitized && from != 1830) continue;
       CAPTURE(from);
       const std::vector<Source> source{{surface.at(from), 0}};
       const Field truth = surface.field_by(Method::exact, source);

@@ -10,10 +10,11 @@
 #include <random>
 #include <vector>
 
-#include "core/mesh/shapes.h"
 #include "core/extent/mean_distances.h"
+#include "core/mesh/shapes.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/random_meshes.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 
@@ -127,7 +128,7 @@ void check_against(const AllPairs& all, const Surface& surface, ExtentOf what, c
 
 TEST_CASE("ExtentsAreThoseOfAllPairs") {
   std::mt19937 random(test_seed());
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < fixtures::all_or(12, 3); ++i) {
     const auto number = static_cast<std::uint32_t>(random());
     CAPTURE(number);
     const Surface surface(fixtures::RandomMesh(number).soup());
@@ -296,7 +297,7 @@ TEST_CASE("MeanDistancesAreStoppedInTheMiddle") {
 TEST_CASE("OfTwentyIntervalsAboutNineteenHaveTheMean") {
   std::mt19937 random(test_seed());
   int inside = 0;
-  constexpr int kSurfaces = 60;
+  constexpr int kSurfaces = fixtures::all_or(60, 10);
   for (int i = 0; i < kSurfaces; ++i) {
     const Surface surface(shapes::terrain(13, 4, static_cast<std::uint32_t>(random())));
     const double truth = extent_of(surface, ExtentOf::mean, kAll, Method::dijkstra).value;
@@ -304,12 +305,12 @@ TEST_CASE("OfTwentyIntervalsAboutNineteenHaveTheMean") {
     CHECK(found.value == doctest::Approx(truth).epsilon(0.2));
     if (found.lower <= truth && truth <= found.upper) ++inside;
   }
-  CHECK(inside >= kSurfaces * 3 / 4);
+  CHECK(inside >= kSurfaces * fixtures::all_or(3, 2) / 4);
 }
 
 TEST_CASE("OfFewDrawsTheIntervalIsWideOrHasNoEnd") {
   std::mt19937 random(test_seed());
-  constexpr int kSurfaces = 80;
+  constexpr int kSurfaces = fixtures::all_or(80, 10);
   for (const std::uint64_t fields : {2, 3, 5}) {
     CAPTURE(fields);
     int inside = 0;
@@ -321,7 +322,7 @@ TEST_CASE("OfFewDrawsTheIntervalIsWideOrHasNoEnd") {
       if (found.lower <= truth && truth <= found.upper) ++inside;
     }
     // By the normal distribution it would be two in three with two fields.
-    CHECK(inside >= kSurfaces * 3 / 4);
+    CHECK(inside >= kSurfaces * fixtures::all_or(3, 2) / 4);
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/locate/closest_on_triangle.h"
 #include "core/locate/closest_point.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 #include "tests/fixtures/to_segment.h"
@@ -60,7 +61,7 @@ double distance_by_all(const TriangleSoup& soup, Vec3 p) {
 }  // namespace
 
 TEST_CASE("TheClosestPointBesideFacesWithoutWidthIsThatOfAllFacesAndSides") {
-  for (std::uint32_t round = 0; round < 60; ++round) {
+  for (std::uint32_t round = 0; round < fixtures::all_or(60U, 12U); ++round) {
     CAPTURE(round);
     RandomMesh random(test_seed() + round);
     TriangleSoup soup = fixtures::uneven_plane(random, 3 + random.below(4));

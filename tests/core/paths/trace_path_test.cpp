@@ -12,6 +12,7 @@
 #include "tests/fixtures/crumpled_surfaces.h"
 #include "tests/fixtures/mixed_scales.h"
 #include "tests/fixtures/path_checks.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 
@@ -201,12 +202,12 @@ TEST_CASE("OverFacesThatAreLinesExactPathsAreAsLongAsTheirDistances") {
 TEST_CASE("OverFacesThatAreNearlyLinesExactPathsAreAsLongAsTheirDistances") {
   std::mt19937 random(fixtures::test_seed());
   PathsOnLines all;
-  for (int round = 0; round < 6000; ++round) {
+  for (int round = 0; round < fixtures::all_or(6000, 1000); ++round) {
     const double off = fixtures::any_scale(random, round % 2 == 0 ? -10 : -13, -7.5);
     CAPTURE(off);
     all.add(fixtures::heap_on_a_line(random, off), random, 5, 0);
   }
-  CHECK(all.count > 25'000);
+  CHECK(all.count > fixtures::all_or(25'000, 4'000));
   // Some are off by a few 1e-9 still: one in 250,000.
   CHECK(all.shorter + all.longer <= 3);
 }

@@ -20,6 +20,7 @@
 #include "core/straighten/shorten_path.h"
 #include "core/straighten/straightest_geodesic.h"
 #include "tests/core/solve/crowded_meshes.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 
@@ -206,7 +207,10 @@ void check(const Computation& run, std::mt19937& random) {
 
 TEST_CASE("WhateverIsAskedAboutACrowdEndsAndIsLeftAtAnyQuestion") {
   std::mt19937 random(fixtures::test_seed());
-  for (const crowded::Crowd& crowd : crowded::crowds()) {
+  auto crowds = crowded::crowds();
+  std::shuffle(crowds.begin(), crowds.end(), random);
+  crowds.resize(fixtures::all_or(crowds.size(), crowds.size() / 4));
+  for (const crowded::Crowd& crowd : crowds) {
     CAPTURE(crowd.name);
     const Surface surface(crowd.soup);
     const auto face = static_cast<std::uint32_t>(random() % crowded::kFaces);

@@ -15,6 +15,7 @@
 #include "core/mesh/shapes.h"
 #include "core/paths/arrive_at_point.h"
 #include "core/paths/trace_path.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;
@@ -53,7 +54,7 @@ TEST_CASE("ExactPairsWithFewWindowsAreThoseWithAll") {
     const auto adjacency =
         Adjacency::build(std::make_shared<const Mesh>(std::move(*Mesh::build(soups[i]))));
     ExactScratch scratch;
-    for (int trial = 0; trial < 40; ++trial) {
+    for (int trial = 0; trial < fixtures::all_or(40, 8); ++trial) {
       CAPTURE(trial);
       const Source from{any_point(adjacency, random), random() % 2 == 0 ? 0.0 : 0.5};
       const SurfacePoint to = any_point(adjacency, random);

@@ -13,6 +13,7 @@
 #include "core/solve/pair_search.h"
 #include "core/solve/solve_field.h"
 #include "tests/fixtures/crumpled_surfaces.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/solved.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
@@ -64,7 +65,7 @@ std::vector<Source> drawn_sources(std::mt19937& random, const Surface& surface) 
 TEST_CASE("NearTheSourcesOfRoughAndStretchedSurfacesDistancesAreExact") {
   std::mt19937 random(fixtures::test_seed());
   std::size_t looked_at = 0;
-  for (int i = 0; i < 16; ++i) {
+  for (int i = 0; i < fixtures::all_or(16, 6); ++i) {
     CAPTURE(i);
     const bool is_rough = i % 4 == 0;
     const Surface surface(is_rough ? crumpled(random) : stretched(random));
@@ -94,7 +95,7 @@ TEST_CASE("NearTheSourcesOfRoughAndStretchedSurfacesDistancesAreExact") {
 
 TEST_CASE("APairNearTheSourceIsAsFarAsTheFieldSays") {
   std::mt19937 random(fixtures::test_seed());
-  for (int i = 0; i < 6; ++i) {
+  for (int i = 0; i < fixtures::all_or(6, 2); ++i) {
     CAPTURE(i);
     const Surface surface(stretched(random));
     const auto v = static_cast<std::uint32_t>(random() % surface.mesh().vertex_count());
@@ -123,8 +124,8 @@ TEST_CASE("APairNearTheSourceIsAsFarAsTheFieldSays") {
 // How often windows ask whether to go on decides whether they are too many.
 TEST_CASE("HowOftenWindowsAskDoesNotDependOnEarlierQueries") {
   std::mt19937 random(fixtures::test_seed());
-  const Surface before(shapes::icosphere(5));
-  for (int i = 0; i < 6; ++i) {
+  const Surface before(shapes::icosphere(fixtures::all_or(5, 4)));
+  for (int i = 0; i < fixtures::all_or(6, 2); ++i) {
     CAPTURE(i);
     const Surface surface(stretched(random));
     const std::vector<Source> sources = drawn_sources(random, surface);

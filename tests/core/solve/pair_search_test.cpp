@@ -18,6 +18,7 @@
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/random_meshes.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 
@@ -116,7 +117,7 @@ TEST_CASE("APairIsAsFromTheWholeField") {
     for (const PairMethod& by : kPairMethods) {
       const Source from{any_point(surface, random), 0.25};
       std::vector<SurfacePoint> to;
-      for (int i = 0; i < 12; ++i) to.push_back(any_point(surface, random));
+      for (int i = 0; i < fixtures::all_or(12, 3); ++i) to.push_back(any_point(surface, random));
       check_as_whole_field(surface, by, from, to);
     }
   }
@@ -130,7 +131,7 @@ TEST_CASE("APairOnALargeMeshHasTheBitsOfTheWholeField") {
       if (by.off > 0 || !searches_pairs(by.method)) continue;
       const Source from{any_point(surface, random), 0};
       std::vector<SurfacePoint> to;
-      for (int i = 0; i < 8; ++i) to.push_back(any_point(surface, random));
+      for (int i = 0; i < fixtures::all_or(8, 2); ++i) to.push_back(any_point(surface, random));
       check_as_whole_field(surface, by, from, to);
     }
   }
@@ -152,7 +153,7 @@ TEST_CASE("APairOnAnyMeshIsAsFromTheWholeField") {
     CAPTURE(mesh.name);
     check(mesh.soup, 3);
   }
-  for (std::uint32_t number = 0; number < 60; ++number) {
+  for (std::uint32_t number = 0; number < fixtures::all_or(60U, 12U); ++number) {
     CAPTURE(number);
     check(RandomMesh(number).soup(), number);
   }
@@ -318,7 +319,7 @@ TEST_CASE("WindowsGoNoFartherThanANearTarget") {
     CAPTURE(each.name);
     const Surface surface(each.soup);
     SolveScratch scratch;
-    for (int round = 0; round < 4; ++round) {
+    for (int round = 0; round < fixtures::all_or(4, 1); ++round) {
       // Not near the ends, where hardly anything is beyond the target.
       const std::uint32_t rows = surface.mesh().source_vertex_count() / each.row;
       const auto row = static_cast<std::uint32_t>(rows / 3 + random() % (rows / 3));

@@ -13,6 +13,7 @@
 #include "core/mesh/shapes.h"
 #include "core/paths/arrive_at_point.h"
 #include "core/solve/distance_at_point.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 #include "tests/fixtures/tube.h"
@@ -75,7 +76,7 @@ double read(const Surface& surface, const Field& field, const SurfacePoint& poin
 
 TEST_CASE("DistancesInsideSliversAreNearTheTruth") {
   std::mt19937 random(fixtures::test_seed());
-  for (int round = 0; round < 10; ++round) {
+  for (int round = 0; round < fixtures::all_or(10, 2); ++round) {
     for (const Sample& sample : samples(random)) {
       CAPTURE(sample.name);
       const Surface surface(sample.soup);

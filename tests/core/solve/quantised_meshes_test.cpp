@@ -20,6 +20,7 @@
 #include "tests/fixtures/dense_graph.h"
 #include "tests/fixtures/mixed_scales.h"
 #include "tests/fixtures/path_checks.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 
@@ -222,7 +223,7 @@ TEST_CASE("OnQuantisedMeshesExactIsNoLongerThanADenseGraph") {
   constexpr std::uint32_t kSteps = 8;
   // Of some 100,000 such meshes one has a vertex that `exact` is 1 % beyond.
   std::uint32_t beyond = 0;
-  for_each_quantised(1000, [&](const Surface& surface, std::uint32_t from) {
+  for_each_quantised(fixtures::all_or(1000, 200), [&](const Surface& surface, std::uint32_t from) {
     const std::size_t count = surface.mesh().vertex_count();
     const Source source{point_at_vertex(surface.adjacency(), from), 0};
     const Field exact = surface.field_by(Method::exact, {source});
@@ -324,7 +325,7 @@ TEST_CASE("OnRoundedSpheresChenHanComesToAnEnd") {
 // time that light went round a tip, until they filled the memory.
 TEST_CASE("OnSpheresRoundedAlongAxesExactComesToAnEnd") {
   std::mt19937 random(fixtures::test_seed());
-  for (int round = 0; round < 200; ++round) {
+  for (int round = 0; round < fixtures::all_or(200, 40); ++round) {
     CAPTURE(round);
     CHECK(comes_to_an_end(Surface(sphere_rounded_along_axes(random)), random));
   }

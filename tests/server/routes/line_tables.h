@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/fixtures/random_meshes.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/server/routes/plane_service.h"
 #include "tests/server/routes/streamed_table.h"
 
@@ -30,11 +31,12 @@ struct LineTables : PlaneService {
   }
 };
 
-// Calls `attempt(random, base)` with as many random meshes, each uploaded.
+// Calls `attempt(random, base)` with as many random meshes, each uploaded; under a sanitizer with a
+// quarter.
 template <class Attempt>
 void with_random_meshes(LineTables& plane, std::uint32_t seed, int count, Attempt attempt) {
   std::mt19937 seeds(seed);
-  for (int round = 0; round < count; ++round) {
+  for (int round = 0; round < fixtures::all_or(count, (count + 3) / 4); ++round) {
     const auto number = static_cast<std::uint32_t>(seeds());
     CAPTURE(number);
     RandomMesh random(number);
