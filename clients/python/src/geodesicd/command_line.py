@@ -239,11 +239,17 @@ def vector(text: str, name: str) -> tuple[float, float, float]:
 def exactness_of(options: argparse.Namespace) -> dict[str, Any]:
     """What :func:`exactness`, :func:`surface` and :func:`costs` added, as the queries take it."""
     names = ("method", "tolerance", "bound", "points_per_edge", "deadline")
-    kept = ("within", "forbid", "walls")
-    found = {name: getattr(options, name) for name in names + kept if hasattr(options, name)}
+    found = {name: getattr(options, name) for name in names if hasattr(options, name)}
+    found |= surface_of(options)
     if hasattr(options, "weight"):
         found["costs"] = _costs_of(options)
     return found
+
+
+def surface_of(options: argparse.Namespace) -> dict[str, Any]:
+    """What :func:`surface` added, as the queries take it."""
+    kept = ("within", "forbid", "walls")
+    return {name: getattr(options, name) for name in kept if hasattr(options, name)}
 
 
 def into(parser: argparse.ArgumentParser) -> None:

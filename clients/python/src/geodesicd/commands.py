@@ -200,7 +200,52 @@ def _parser() -> argparse.ArgumentParser:
     costs(table)
     connection(table)
 
-    from . import extent_command, logmap_command, loop_command, measure_command, voronoi_command
+    from . import (
+        extent_command,
+        isolines_command,
+        logmap_command,
+        loop_command,
+        measure_command,
+        nearest_command,
+        samples_command,
+        trace_command,
+        voronoi_command,
+    )
+
+    isolines = command(
+        "isolines", "MESH --from POINT", isolines_command.run, "Draw lines of equal distance."
+    )
+    mesh_and_sources(isolines)
+    isolines_command.arguments(isolines)
+    exactness(isolines)
+    surface(isolines)
+    costs(isolines)
+    connection(isolines)
+
+    trace = command(
+        "trace", "MESH --from POINT --length N", trace_command.run, "Go straight over the surface."
+    )
+    mesh_and_sources(trace, several=False, lines=False)
+    trace_command.arguments(trace)
+    surface(trace)
+    connection(trace)
+
+    nearest = command(
+        "nearest", "MESH POINT...", nearest_command.run, "Tell where on the surface points are."
+    )
+    nearest.add_argument("mesh", metavar="MESH", help=f"a file, or {ON_SERVER}")
+    nearest_command.arguments(nearest)
+    surface(nearest)
+    connection(nearest)
+
+    samples = command(
+        "samples", "MESH --count N", samples_command.run, "Spread vertices evenly over the surface."
+    )
+    samples.add_argument("mesh", metavar="MESH", help=f"a file, or {ON_SERVER}")
+    samples_command.arguments(samples)
+    exactness(samples)
+    surface(samples)
+    connection(samples)
 
     measure = command(
         "measure", "MESH --from POINT", measure_command.run, "Measure discs: areas and outlines."

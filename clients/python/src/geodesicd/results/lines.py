@@ -142,6 +142,11 @@ class Trace(_Line):
     def __repr__(self) -> str:
         return f"<Trace {self.length:g} long, {len(self.points)} points, ends by {self.end}>"
 
+    @property
+    def along(self) -> Float64:
+        """(n,) the length of the trace up to each point, mesh units."""
+        return _along(self.points)
+
 
 class _Loop(_Line):
     """A line that may come back to its first point."""
