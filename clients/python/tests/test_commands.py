@@ -199,6 +199,28 @@ def test_tables_in_files(
     assert ".npy or .npz" in geodesic(server, *asked, "-o", tmp_path / "t.csv", status=1).stderr
 
 
+def test_points_of_a_table_in_files(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
+) -> None:
+    rows, columns = tmp_path / "rows.txt", tmp_path / "columns.txt"
+    rows.write_text("0 9\np:5,0,0\n")
+    columns.write_text("\n3\n99\n")
+    asked: list[str | Path] = ["table", plane.id, "--from-file", rows]
+    told = geodesic(server, *asked, "--from", "1", "--to", "5", "--to-file", columns).stdout
+    lines = [line.rsplit(",", 3) for line in told.splitlines()]
+    assert lines[0] == ["", "5", "3", "99"]
+    assert [line[0] for line in lines[1:]] == ["1", "0", "9", '"p:5,0,0"']
+    distances = [[float(number) for number in line[1:]] for line in lines[1:]]
+    np.testing.assert_allclose(distances, [[4, 2, 98], [5, 3, 99], [4, 6, 90], [0, 2, 94]])
+    square = geodesic(server, *asked).stdout.splitlines()
+    assert len(square) == 4
+    assert square[0].startswith(',0,9,"p:5,0,0"')
+    rows.write_text("\n")
+    assert "give --from POINT" in geodesic(server, *asked, status=1).stderr
+    gone = geodesic(server, "table", plane.id, "--from-file", tmp_path / "none", status=1)
+    assert "No such file" in gone.stderr
+
+
 def test_what_is_wrong_is_said(
     server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
 ) -> None:

@@ -102,11 +102,12 @@ def sources(parser: argparse.ArgumentParser, *, lines: bool = True, **more: Any)
 
 
 def mesh_and_sources(
-    parser: argparse.ArgumentParser, several: bool = True, lines: bool = True
+    parser: argparse.ArgumentParser, several: bool = True, lines: bool = True, **more: Any
 ) -> None:
     """What most queries are about."""
     parser.add_argument("mesh", metavar="MESH", help=f"a file, or {ON_SERVER}")
-    sources(parser, lines=lines, required=True, action="append" if several else Once)
+    needed = {"required": True, "action": "append" if several else Once}
+    sources(parser, lines=lines, **(needed | more))
 
 
 def exactness(parser: argparse.ArgumentParser, points_per_edge: bool = True) -> None:
@@ -356,6 +357,12 @@ def point(text: str) -> int | str:
 def points(texts: Sequence[str]) -> list[Any]:
     """Several of them."""
     return [point(text) for text in texts]
+
+
+def listed(texts: Sequence[str], file: Path | None) -> list[str]:
+    """Points as they are written on a command line and, with spaces or lines between them, in a
+    file."""
+    return [*texts, *([] if file is None else file.read_text(encoding="utf-8").split())]
 
 
 def save_csv(file: Path, header: str, *columns: Iterable[str]) -> None:

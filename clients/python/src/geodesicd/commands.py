@@ -29,7 +29,9 @@ from .command_line import (
     costs,
     exactness,
     exactness_of,
+    in_one_line,
     into,
+    listed,
     mesh_and_sources,
     mesh_of,
     people,
@@ -184,8 +186,15 @@ def _parser() -> argparse.ArgumentParser:
     connection(path)
 
     table = command("table", "MESH --from POINT", _table, "Print distances among points, as CSV.")
-    mesh_and_sources(table)
-    table.add_argument("--to", action="append", metavar="POINT", help="a column; else the rows")
+    mesh_and_sources(table, required=False, default=[])
+    table.add_argument(
+        "--to", action="append", default=[], metavar="POINT", help="a column; else the rows"
+    )
+    in_one_line(
+        table.add_argument("--from-file", type=Path, metavar="FILE"),
+        table.add_argument("--to-file", type=Path, metavar="FILE"),
+        "more of them: a text, spaces or lines between",
+    )
     table.add_argument("--max", type=float, metavar="N", help="farther is unreached")
     table.add_argument("--landmarks", type=int, metavar="N", help="estimate by N columns' fields")
     table.add_argument(
@@ -474,8 +483,11 @@ def _print_errors(found: dict[str, float]) -> None:
 
 
 def _table(options: argparse.Namespace) -> int:
+    sources = listed(options.sources, options.from_file)
+    if not sources:
+        raise ValueError("give --from POINT or --from-file FILE, which has points")
+    targets = listed(options.to, options.to_file) or sources
     with mesh_of(options) as mesh, bar("table") as progress:
-        sources, targets = options.sources, options.to or options.sources
         asked: dict[str, Any] = {"max": options.max, "progress": progress, **exactness_of(options)}
         if options.landmarks is not None and getattr(options.output, "suffix", "") != ".npy":
             raise ValueError("with --landmarks a table goes to a .npy file: name one with -o")

@@ -9,7 +9,17 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .command_line import Parser, bar, exactness, exactness_of, people, point, points, sources
+from .command_line import (
+    Parser,
+    bar,
+    exactness,
+    exactness_of,
+    listed,
+    people,
+    point,
+    points,
+    sources,
+)
 from .errors import printable
 from .hints import in_shell
 
@@ -156,9 +166,7 @@ def _samples(options: argparse.Namespace, **common: Any) -> Report:
 
 
 def _matrix(options: argparse.Namespace, **common: Any) -> Report:
-    texts = list(options.sources)
-    if options.from_file is not None:
-        texts += options.from_file.read_text(encoding="utf-8").split()
+    texts = listed(options.sources, options.from_file)
     targets: Any = None
     if options.to == ["vertices"]:
         targets = "vertices"
