@@ -196,7 +196,7 @@ class FakeS3 {
       case Act::serve:
         break;
       case Act::break_off:
-        reply.resize(reply.size() - reply.size() / 4);
+        reply.erase(reply.size() - reply.size() / 4);  // GCC 14 warns of resize() here
         break;
       case Act::later:
         return bare("503 Slow Down");
