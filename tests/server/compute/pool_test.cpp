@@ -27,7 +27,7 @@ using geodesic::fixtures::wait_until;
 namespace {
 
 // Occupies slots until it is opened.
-struct Gate {
+struct SlotGate {
   std::promise<void> promise;
   std::shared_future<void> opened = promise.get_future().share();
   void open() { promise.set_value(); }
@@ -72,7 +72,7 @@ TEST_CASE("what a job throws becomes an error without details") {
 }
 
 TEST_CASE("a full queue is refused at once") {
-  Gate gate;
+  SlotGate gate;
   ComputePool pool(1, 2);
   std::vector<std::future<Result<int>>> callers;
   for (int i = 0; i < 3; ++i) {  // one runs, two wait
@@ -91,7 +91,7 @@ TEST_CASE("a full queue is refused at once") {
 }
 
 TEST_CASE("a patient caller waits however full the queue is") {
-  Gate gate;
+  SlotGate gate;
   ComputePool pool(1, ComputePool::QueueLimits{1, 1, 1ms});
   std::vector<std::future<Result<int>>> callers;
   const auto call = [&](bool is_patient) {
@@ -110,7 +110,7 @@ TEST_CASE("a patient caller waits however full the queue is") {
 }
 
 TEST_CASE("a job that can wait is not sent away for another's, and takes nobody's place") {
-  Gate gate;
+  SlotGate gate;
   ComputePool pool(1, 2);
   std::vector<std::future<Result<int>>> patient;
   const auto call = [&](const char* client, bool is_patient) {
@@ -139,7 +139,7 @@ TEST_CASE("a job that can wait is not sent away for another's, and takes nobody'
 }
 
 TEST_CASE("what finishes a request goes before all that wait, and is not refused") {
-  Gate gate;
+  SlotGate gate;
   ComputePool pool(1, ComputePool::QueueLimits{1, 1, 10ms});
   auto running = std::async(std::launch::async, [&] { return pool.run(gate.job()); });
   wait_until([&] { return pool.stats().running == 1; });
@@ -174,7 +174,7 @@ TEST_CASE("what finishes a request goes before all that wait, and is not refused
 }
 
 TEST_CASE("what finishes a request is taken back when its client is gone") {
-  Gate gate;
+  SlotGate gate;
   ComputePool pool(1, 0);
   auto running = std::async(std::launch::async, [&] { return pool.run(gate.job()); });
   wait_until([&] { return pool.stats().running == 1; });
@@ -194,7 +194,7 @@ TEST_CASE("what finishes a request is taken back when its client is gone") {
 }
 
 TEST_CASE("without a queue, a free slot is taken and a busy one refused") {
-  Gate gate;
+  SlotGate gate;
   ComputePool pool(1, 0);
   auto running = std::async(std::launch::async, [&] { return pool.run(gate.job()); });
   wait_until([&] { return pool.stats().running == 1; });
@@ -204,7 +204,7 @@ TEST_CASE("without a queue, a free slot is taken and a busy one refused") {
 }
 
 TEST_CASE("a caller whose client is gone takes its queued job back") {
-  Gate gate;
+  SlotGate gate;
   ComputePool pool(1, 4);
   auto running = std::async(std::launch::async, [&] { return pool.run(gate.job()); });
   wait_until([&] { return pool.stats().running == 1; });
@@ -231,7 +231,7 @@ TEST_CASE("a caller whose client is gone takes its queued job back") {
 }
 
 TEST_CASE("a running job is waited for even if the client is gone") {
-  Gate gate;
+  SlotGate gate;
   ComputePool pool(1, 4);
   auto running =
       std::async(std::launch::async, [&] { return pool.run(gate.job(), [] { return true; }); });
@@ -266,7 +266,7 @@ TEST_CASE("no two jobs at once share a slot") {
 }
 
 TEST_CASE("draining finishes what is queued and refuses what comes") {
-  Gate gate;
+  SlotGate gate;
   ComputePool pool(1, 4);
   std::vector<std::future<Result<int>>> callers;
   for (int i = 0; i < 3; ++i) {
@@ -286,7 +286,7 @@ TEST_CASE("draining finishes what is queued and refuses what comes") {
 }
 
 TEST_CASE("a greedy client's jobs make room for others, who get their turns") {
-  Gate gate;
+  SlotGate gate;
   ComputePool pool(1, 4);
   const auto of = [](std::string client) {
     Caller caller;
@@ -332,7 +332,7 @@ TEST_CASE("a greedy client's jobs make room for others, who get their turns") {
 }
 
 TEST_CASE("one client's jobs have a bound of their own") {
-  Gate gate;
+  SlotGate gate;
   ComputePool pool(1, ComputePool::QueueLimits{10, 1, 0ms});
   Caller caller;
   caller.client = "a";
@@ -349,7 +349,7 @@ TEST_CASE("one client's jobs have a bound of their own") {
 }
 
 TEST_CASE("a queued job whose deadline passes ends with deadline, and never runs") {
-  Gate gate;
+  SlotGate gate;
   ComputePool pool(1, 4);
   auto running = std::async(std::launch::async, [&] { return pool.run(gate.job()); });
   wait_until([&] { return pool.stats().running == 1; });
@@ -387,7 +387,7 @@ TEST_CASE("a job that does not stop is counted and named, and its slot comes bac
   spdlog::set_default_logger(std::make_shared<spdlog::logger>(
       "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log)));
   for (const bool by_deadline : {true, false}) {
-    Gate gate;
+    SlotGate gate;
     ComputePool pool(1, 4);
     std::atomic<bool> is_gone{false};
     Caller caller([&] { return is_gone.load(); });
@@ -444,7 +444,7 @@ TEST_CASE("a job that stops in time is not counted as one that does not") {
 }
 
 TEST_CASE("a wait has a bound, and a deadline that cannot be met is refused at once") {
-  Gate gate;
+  SlotGate gate;
   ComputePool pool(1, ComputePool::QueueLimits{100, 0, 100ms});
   // What jobs took lately.
   for (int i = 0; i < 4; ++i) {
@@ -463,7 +463,7 @@ TEST_CASE("a wait has a bound, and a deadline that cannot be met is refused at o
   gate.open();
   CHECK(running.get() == 1);
 
-  Gate second;
+  SlotGate second;
   ComputePool unbounded(1, 100);
   CHECK(unbounded.run([](Worker&) -> Result<int> {
     std::this_thread::sleep_for(400ms);

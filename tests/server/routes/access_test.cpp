@@ -10,9 +10,11 @@
 #include <vector>
 
 #include "server/base/sha256.h"
+#include "tests/server/routes/service_fixture.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
+using namespace geodesic::server::test;
 
 namespace {
 
@@ -30,13 +32,6 @@ HttpRequest asking(std::string method, std::string path, std::vector<NameValue> 
   request.id = "test";
   request.caller.client = "192.0.2.1";
   return request;
-}
-
-std::string header_of(const HttpResponse& response, std::string_view name) {
-  for (const auto& [key, value] : response.headers) {
-    if (key == name) return value;
-  }
-  return {};
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ TriangleSoup two_squares() {
           {{0, 1, 2}, {0, 2, 3}, {1, 4, 6}, {4, 5, 6}, {4, 6, 7}}};
 }
 
-struct Frame {
+struct GeometryFrame {
   json about;
   std::vector<double> positions;
   std::vector<std::uint32_t> triangles;
@@ -45,14 +45,14 @@ std::vector<Number> array_of(const std::string& bytes, const json& array, const 
   return numbers;
 }
 
-Frame frame_of(const HttpResponse& response) {
+GeometryFrame frame_of(const HttpResponse& response) {
   REQUIRE(response.status == 200);
   CHECK(response.content_type == "application/vnd.geodesic.frame");
   const std::string& bytes = *response.body;
   REQUIRE(bytes.starts_with("GEOD"));
   std::uint32_t length = 0;
   std::memcpy(&length, bytes.data() + 8, sizeof length);
-  Frame frame;
+  GeometryFrame frame;
   frame.about = json::parse(bytes.substr(24, length));
   REQUIRE(frame.about["arrays"].size() == 2);
   CHECK(frame.about["arrays"][0]["name"] == "positions");
@@ -77,7 +77,7 @@ TEST_CASE("GeometryHasAPositionASourceVertexAndATriangleASourceFace") {
   PlaneService plane;
   const TriangleSoup soup = two_squares();
   const std::string base = plane.add(soup);
-  const Frame frame = frame_of(plane.service.get(base + "/geometry?format=frame"));
+  const GeometryFrame frame = frame_of(plane.service.get(base + "/geometry?format=frame"));
   CHECK("/v1/meshes/" + frame.about["mesh"].get<std::string>() == base);
   CHECK(frame.about["vertices"] == 9);
   CHECK(frame.about["faces"] == 5);
@@ -110,7 +110,7 @@ TEST_CASE("GeometryHasAPositionASourceVertexAndATriangleASourceFace") {
 TEST_CASE("AFieldAndFacesFitTheGeometryByNumber") {
   PlaneService plane;
   const std::string base = plane.add(two_squares());
-  const Frame frame = frame_of(plane.service.get(base + "/geometry?format=frame"));
+  const GeometryFrame frame = frame_of(plane.service.get(base + "/geometry?format=frame"));
   const json field = body_of(plane.service.get(base + "/distance?from=v:0"));
   REQUIRE(field["distances"].size() == 9);
   for (std::size_t v = 0; v < 8; ++v) {
@@ -182,6 +182,6 @@ TEST_CASE("PositionsThatFloat32DoesNotHoldAreToBeHadAsAFrame") {
       "uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAA7HitYAAAAAAAAAAAAAAAAOx4rWAAAAAA"}]})";
   const std::string base = "/v1/meshes/" + plane.service.upload(gltf);
   check_problem(plane.service.get(base + "/geometry"), 422, "unsupported", "format");
-  const Frame frame = frame_of(plane.service.get(base + "/geometry?format=frame"));
+  const GeometryFrame frame = frame_of(plane.service.get(base + "/geometry?format=frame"));
   CHECK(frame.positions[3] == doctest::Approx(1e40));
 }

@@ -18,7 +18,7 @@ using geodesic::fixtures::wait_until;
 
 namespace {
 
-constexpr auto kPatience = 120s;  // far more than any of this takes
+constexpr auto kEventPatience = 120s;  // far more than any of this takes
 
 struct Event {
   std::string name;
@@ -55,7 +55,7 @@ struct Watched {
   RawReply ask(const std::string& bytes) {
     RawClient client(port);
     client.send(bytes);
-    return client.receive(false, kPatience);
+    return client.receive(false, kEventPatience);
   }
   std::string begin(const std::string& target) {
     const RawReply reply = ask(get(target, "Prefer: respond-async\r\n"));
@@ -127,7 +127,7 @@ TEST_CASE("CancellingEndsTheStream") {
   const RawReply cancelled =
       watched.ask("DELETE " + place + " HTTP/1.1\r\n" + std::string(host) + "\r\n");
   CHECK(cancelled.status == 204);
-  check_ends_with(events_of(reader.receive(false, kPatience).body), "cancelled");
+  check_ends_with(events_of(reader.receive(false, kEventPatience).body), "cancelled");
 }
 
 TEST_CASE("DrainingEndsTheStream") {
@@ -137,8 +137,8 @@ TEST_CASE("DrainingEndsTheStream") {
   reader.send(get(place + "/events"));
   wait_until([&] { return watched.service.pool.stats().running == 1; });
   watched.service.routes.start_draining();
-  check_ends_with(events_of(reader.receive(false, kPatience).body), "cancelled");
-  CHECK(watched.server.stop(kPatience));
+  check_ends_with(events_of(reader.receive(false, kEventPatience).body), "cancelled");
+  CHECK(watched.server.stop(kEventPatience));
 }
 
 TEST_CASE("AReaderWhoHangsUpIsNoticedAndTheJobGoesOn") {

@@ -23,6 +23,7 @@
 #include "server/store/open_store.h"
 #include "tests/fixtures/wait_until.h"
 #include "tests/server/routes/service_fixture.h"
+#include "tests/server/store/stored_files.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
@@ -31,16 +32,6 @@ using geodesic::fixtures::wait_until;
 namespace fs = std::filesystem;
 
 namespace {
-
-std::unique_ptr<MeshStore> opened(const fs::path& path, const StoreBudget& budget = {}) {
-  auto store = open_store(path.string(), budget, process_environment());
-  REQUIRE(store);
-  return std::move(*store);
-}
-
-fs::path object_of(const fs::path& root, const std::string& id) {
-  return root / "objects" / id.substr(0, 2) / id;
-}
 
 std::string bytes_of(char letter, std::size_t size = 1000) { return std::string(size, letter); }
 std::string id_of(char letter, std::size_t size = 1000) {
@@ -53,12 +44,6 @@ std::uint64_t file_bytes_below(const fs::path& path) {
     if (entry.is_regular_file()) bytes += entry.file_size();
   }
   return bytes;
-}
-
-std::size_t files_below(const fs::path& path) {
-  return static_cast<std::size_t>(
-      std::count_if(fs::recursive_directory_iterator(path), fs::recursive_directory_iterator(),
-                    [](const fs::directory_entry& entry) { return entry.is_regular_file(); }));
 }
 
 // As if a mesh had last been used so many seconds ago.

@@ -30,7 +30,7 @@ constexpr int kMeshes = 4;
 
 std::string bytes_of(int number) { return std::string(2 << 20, static_cast<char>('a' + number)); }
 
-std::unique_ptr<MeshStore> opened(const fs::path& path) {
+std::unique_ptr<MeshStore> store_at(const fs::path& path) {
   auto store = open_store(path.string(), {}, process_environment());
   return store ? std::move(*store) : nullptr;
 }
@@ -38,7 +38,7 @@ std::unique_ptr<MeshStore> opened(const fs::path& path) {
 // Puts and removes in turn until it is killed, and tells the pipe a mesh's number before
 // each ('?') and after it ('+' it is there, '-' it is gone).
 [[noreturn]] void put_and_remove_for_ever(const fs::path& path, int pipe) {
-  const auto store = opened(path);
+  const auto store = store_at(path);
   const auto tell = [&](char what, int number) {
     const char line[2] = {what, static_cast<char>('0' + number)};
     if (::write(pipe, line, sizeof line) != sizeof line) ::_exit(1);
@@ -100,7 +100,7 @@ TEST_CASE("after a kill what was acknowledged is there, whole, and nothing is ha
     }
     ::close(pipe[0]);
 
-    const auto store = opened(folder);
+    const auto store = store_at(folder);
     REQUIRE(store);
     CHECK(fs::is_empty(folder / "tmp"));
     for (const auto& [number, said] : last) {

@@ -21,9 +21,11 @@
 #include "server/base/sha256.h"
 #include "server/config/config.h"
 #include "server/store/open_store.h"
+#include "tests/server/store/stored_files.h"
 
 using namespace geodesic;
 using namespace geodesic::server;
+using namespace geodesic::server::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -43,15 +45,6 @@ Result<std::unique_ptr<MeshStore>> open(const fs::path& path, const StoreBudget&
   return open_store(path.string(), budget, process_environment());
 }
 
-std::unique_ptr<MeshStore> opened(const fs::path& path, const StoreBudget& budget = {}) {
-  auto store = open(path, budget);
-  REQUIRE(store);
-  return std::move(*store);
-}
-
-fs::path object_of(const fs::path& root, const std::string& id) {
-  return root / "objects" / id.substr(0, 2) / id;
-}
 fs::path meta_of(const fs::path& root, const std::string& id) {
   return root / "meta" / id.substr(0, 2) / (id + ".json");
 }
@@ -65,12 +58,6 @@ std::string metadata_of(MeshStore& store, const std::string& id) {
   const auto metadata = store.get_metadata(id);
   REQUIRE(metadata);
   return metadata->value_or("(none)");
-}
-
-std::size_t files_below(const fs::path& path) {
-  return static_cast<std::size_t>(
-      std::count_if(fs::recursive_directory_iterator(path), fs::recursive_directory_iterator(),
-                    [](const fs::directory_entry& entry) { return entry.is_regular_file(); }));
 }
 
 }  // namespace
