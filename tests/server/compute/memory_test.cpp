@@ -14,6 +14,7 @@
 #include "server/base/service_codes.h"
 #include "server/program/memory_limits.h"
 #include "tests/fixtures/bumpy_plane.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/test_seed.h"
 #include "tests/server/compute/taken_memory.h"
 #include "tests/server/routes/plane_service.h"
@@ -161,7 +162,7 @@ TEST_CASE("any budget gives the whole answer or none") {
   const std::vector<std::string> methods{"exact",     "chen_han",      "steiner", "auto",
                                          "wavefront", "fast_marching", "dijkstra"};
   int refused = 0;
-  for (int round = 0; round < 60; ++round) {
+  for (int round = 0; round < fixtures::all_or(60, 12); ++round) {
     const std::string method = methods[random() % methods.size()];
     const std::string from = "from=f:" + std::to_string(random() % 1000) + ",0.2,0.3";
     const std::string to = "v:" + std::to_string(random() % 8000);

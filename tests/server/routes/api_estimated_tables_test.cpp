@@ -144,9 +144,9 @@ TEST_CASE("EstimatesDependNeitherOnTheRowsAskedForNorOnWhatIsKept") {
   const std::string base = plane.add(soup);
   for (const std::string method : {"auto", "exact"}) {
     CAPTURE(method);
-    json asked{{"from", some_points(60, soup, random)},
-               {"to", points_at(some_vertices(200, soup, random))},
-               {"landmarks", 40},
+    json asked{{"from", some_points(fixtures::all_or(60, 12), soup, random)},
+               {"to", points_at(some_vertices(fixtures::all_or(200, 60), soup, random))},
+               {"landmarks", fixtures::all_or(40, 12)},
                {"method", method}};
     check_that_rows_are_their_own(plane, base, asked, random);
   }

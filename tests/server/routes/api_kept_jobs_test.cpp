@@ -16,6 +16,7 @@
 
 #include "server/base/sha256.h"
 #include "server/store/job_records.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/test_seed.h"
 #include "tests/fixtures/wait_until.h"
 #include "tests/server/routes/plane_service.h"
@@ -203,7 +204,8 @@ TEST_CASE("JobsTakeNoMoreOfTheStoreThanTheirBudget") {
   for (int i = 0; i < 12; ++i) {
     servers.wait(
         servers.begin("GET", servers.base + "/distance?format=f32&from=v:" + std::to_string(i)));
-    servers.wait(servers.begin("GET", servers.base + "/samples?count=" + std::to_string(300 + i)));
+    servers.wait(servers.begin(
+        "GET", servers.base + "/samples?method=dijkstra&count=" + std::to_string(300 + i)));
   }
   servers.server->records.tidy();
   std::uintmax_t bytes = 0;

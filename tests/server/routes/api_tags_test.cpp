@@ -181,8 +181,11 @@ TEST_CASE("TagsKeepTheirPromiseColdAndWarmAndFromTwoThreads") {
   int strong = 0;
   int differ = 0;
   // Above and below the size from which on pairs are searched, smooth and rough.
-  for (const TriangleSoup& soup :
-       {shapes::icosphere(5), shapes::terrain(30, 3, 7), fixtures::bumpy_plane(75)}) {
+  std::vector<TriangleSoup> soups{shapes::icosphere(5), shapes::terrain(30, 3, 7),
+                                  fixtures::bumpy_plane(75)};
+  std::shuffle(soups.begin(), soups.end(), random);
+  soups.resize(fixtures::all_or<std::size_t>(soups.size(), 1));
+  for (const TriangleSoup& soup : soups) {
     const std::string glb = glb_of(soup);
     Questions questions(random, static_cast<std::uint32_t>(soup.positions.size()),
                         static_cast<std::uint32_t>(soup.faces.size()));
@@ -205,7 +208,7 @@ TEST_CASE("TagsKeepTheirPromiseColdAndWarmAndFromTwoThreads") {
     strong += promises.strong();
     differ += promises.differ();
   }
-  CHECK(strong > fixtures::all_or(100, 20));
+  CHECK(strong > fixtures::all_or(100, 5));
   MESSAGE("replies that differ under a weak tag: " << differ);
 }
 
