@@ -440,7 +440,7 @@ TEST_CASE("ABatchTellsHowManyOfItsLinesAreDone") {
 TEST_CASE("NoMoreJobsThanAllowed") {
   Config config;
   config.max_jobs = 3;
-  JobService jobs(config);
+  JobService jobs(config, 3);  // one is free, however soon both jobs begin
   const std::string first = jobs.begin_for_ever();
   const std::string second = jobs.begin_for_ever();
   // One client, whose share is half of them.

@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,7 +27,8 @@ inline void check_problem(const HttpResponse& response, int status, std::string_
 }
 
 struct PlaneService {
-  explicit PlaneService(const Config& config = {}) : service(folder.path(), config) {}
+  explicit PlaneService(const Config& config = {}, std::size_t slots = 2)
+      : service(folder.path(), config, slots) {}
 
   void check_refused_upload(const std::string& bytes, int status, std::string_view code) {
     check_problem(service.ask("POST", "/v1/meshes", bytes), status, code);
