@@ -19,6 +19,12 @@ function(geodesic_add_doctest target)
   # What is tested is in the libraries; tests themselves are compiled more often than run, and
   # doctest names the line that failed.
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1$<SEMICOLON>-g0>)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # At -O1 GCC 12 and 14 see strings overflow that do not, in what the tests put together. What is
+    # tested keeps these warnings.
+    target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-stringop-overflow
+      -Wno-stringop-overread -Wno-restrict -Wno-maybe-uninitialized)
+  endif()
   # A little before the TIMEOUT below, by which ctest would kill it without a word: at SIGTERM
   # doctest names the test case that is running.
   add_test(NAME ${target} COMMAND timeout --kill-after=20 1400 $<TARGET_FILE:${target}>)
