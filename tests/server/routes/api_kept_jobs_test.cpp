@@ -16,7 +16,6 @@
 
 #include "server/base/sha256.h"
 #include "server/store/job_records.h"
-#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/test_seed.h"
 #include "tests/fixtures/wait_until.h"
 #include "tests/server/routes/plane_service.h"

@@ -101,11 +101,16 @@ def sources(parser: argparse.ArgumentParser, *, lines: bool = True, **more: Any)
         action.also = [argparse.Action(["--from"], "sources", metavar="LINE", help=told)]
 
 
+def the_mesh(parser: argparse.ArgumentParser) -> None:
+    """What all queries are about."""
+    parser.add_argument("mesh", metavar="MESH", help=f"a file, or {ON_SERVER}")
+
+
 def mesh_and_sources(
     parser: argparse.ArgumentParser, several: bool = True, lines: bool = True, **more: Any
 ) -> None:
     """What most queries are about."""
-    parser.add_argument("mesh", metavar="MESH", help=f"a file, or {ON_SERVER}")
+    the_mesh(parser)
     needed = {"required": True, "action": "append" if several else Once}
     sources(parser, lines=lines, **(needed | more))
 
@@ -365,6 +370,11 @@ def listed(texts: Sequence[str], file: Path | None) -> list[str]:
     return [*texts, *([] if file is None else file.read_text(encoding="utf-8").split())]
 
 
+def cell(text: str) -> str:
+    """A point as it is written on a command line, in a row of CSV."""
+    return f'"{text}"' if "," in text else text
+
+
 def save_csv(file: Path, header: str, *columns: Iterable[str]) -> None:
     """A row for each element of the columns, which are as long as each other."""
     lines = (",".join(row) for row in zip(*columns, strict=True))
@@ -425,7 +435,7 @@ def save_rows(file: Path | None, rows: Iterable[str]) -> None:
         file.write_text(text + "\n", encoding="utf-8")
 
 
-def require(file: Path, endings: tuple[str, ...]) -> None:
-    """ValueError: the file's name ends otherwise."""
-    if file.suffix not in endings:
+def require(file: Path | None, endings: tuple[str, ...]) -> None:
+    """ValueError: there is a file, and its name ends otherwise."""
+    if file is not None and file.suffix not in endings:
         raise ValueError(f"{file} should end with {' or '.join(endings)}")

@@ -37,8 +37,7 @@ def run(options: argparse.Namespace) -> int:
     file: Path | None = options.output
     if (file is None) != ("means" not in options.of) or (file is not None and len(options.of) > 1):
         raise ValueError("--of means goes alone into a file, by -o FILE; nothing else does")
-    if file is not None:
-        require(file, _ENDINGS)
+    require(file, _ENDINGS)
     asked = {"fields": options.fields, **exactness_of(options)}
     with mesh_of(options) as mesh, bar("extent") as progress:
         if file is not None:

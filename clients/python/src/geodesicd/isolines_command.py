@@ -28,8 +28,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Runs the command; its exit status."""
     file: Path | None = options.output
-    if file is not None:
-        require(file, (".csv", ".json", ".glb"))
+    require(file, (".csv", ".json", ".glb"))
     asked: dict[str, Any] = {"levels": options.level, "step": options.step, "count": options.count}
     asked |= {"max": as_bound(options.max), **exactness_of(options)}
     sources = points(options.sources)

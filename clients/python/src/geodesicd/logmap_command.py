@@ -52,8 +52,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Runs the command; its exit status."""
     file: Path | None = options.output
-    if file is not None:
-        require(file, _ENDINGS)
+    require(file, _ENDINGS)
     asked: dict[str, Any] = {"radius": as_bound(options.radius), "angle": options.angle}
     asked |= exactness_of(options)
     if options.transport:

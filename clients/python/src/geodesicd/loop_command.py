@@ -41,8 +41,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Runs the command; its exit status."""
     file: Path | None = options.output
-    if file is not None:
-        require(file, (".csv", ".npy", ".json", ".glb"))
+    require(file, (".csv", ".npy", ".json", ".glb"))
     asked: dict[str, Any] = {
         "through": points(options.through),
         "around": points(options.around),

@@ -30,8 +30,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Runs the command; its exit status."""
     file: Path | None = options.output
-    if file is not None:
-        require(file, _ENDINGS)
+    require(file, _ENDINGS)
     asked: dict[str, Any] = {"radii": options.radius, "max": as_bound(options.max)}
     asked |= exactness_of(options)
     sources = points(options.sources)

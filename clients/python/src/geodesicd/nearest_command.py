@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator, Sequence
 
-from .command_line import bar, mesh_of, points, save_rows, surface_of
+from .command_line import bar, cell, mesh_of, points, save_rows, surface_of
 from .digits import number, numbers
 from .results import SurfacePoint
 
@@ -29,6 +29,5 @@ def _rows(found: Sequence[SurfacePoint]) -> Iterator[str]:
     """A row for each point; where it is, is told as other commands take it."""
     yield "x,y,z,away,point"
     for point in found:
-        where = point.text() or ""
-        cells = [*numbers(point.xyz), number(point.snap_distance)]
-        yield ",".join([*cells, f'"{where}"' if "," in where else where])
+        place = (*numbers(point.xyz), number(point.snap_distance))
+        yield ",".join([*place, cell(point.text() or "")])

@@ -38,8 +38,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Runs the command; its exit status."""
     file: Path | None = options.output
-    if file is not None:
-        require(file, (".csv", ".npy", ".json"))
+    require(file, (".csv", ".npy", ".json"))
     asked = exactness_of(options)
     covered = points(options.sources)
     with mesh_of(options) as mesh, bar("samples") as progress:

@@ -43,8 +43,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Runs the command; its exit status."""
     file: Path | None = options.output
-    if file is not None:
-        require(file, (".csv", ".npy", ".json", ".glb"))
+    require(file, (".csv", ".npy", ".json", ".glb"))
     direction = None if options.direction is None else vector(options.direction, "--direction")
     asked: dict[str, Any] = {"direction": direction, "angle": options.angle, **surface_of(options)}
     start = point(options.sources)

@@ -32,8 +32,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Runs the command; its exit status."""
     file: Path | None = options.output
-    if file is not None:
-        require(file, _ENDINGS)
+    require(file, _ENDINGS)
     if options.part is not None and (file is None or file.suffix != ".glb"):
         raise ValueError("--part is for -o FILE.glb")
     asked: dict[str, Any] = {"relax": options.relax, **exactness_of(options)}

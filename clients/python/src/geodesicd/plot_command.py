@@ -1,0 +1,63 @@
+"""``geodesic plot``: a picture of a distance field, by matplotlib."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from .command_line import (
+    bar,
+    exactness_of,
+    mesh_of,
+    people,
+    point,
+    points,
+    signed,
+)
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the arguments that are this command's own."""
+    parser.add_argument("--to", metavar="POINT", help="draw the path there from the first source")
+    parser.add_argument("--via", action="append", default=[], metavar="POINT", help="on the way")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="a .png, .svg or .pdf; else on screen"
+    )
+    parser.add_argument("--isolines", type=int, default=12, metavar="N", help="0: none")
+    parser.add_argument("--view", help="front, back, left, right, top, bottom, corner, AZ,EL")
+    parser.add_argument("--up", choices=["y", "z"], metavar="AXIS", help="y or z, for slopes, too")
+    parser.add_argument("--colormap", metavar="NAME", help="one of matplotlib's")
+    signed(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Runs the command; its exit status."""
+    from .plot import plot, show
+
+    view: Any = options.view
+    if view is not None and "," in view:
+        azimuth, _, elevation = view.partition(",")
+        view = (float(azimuth), float(elevation))
+    with mesh_of(options) as mesh, bar("distances") as progress:
+        title = Path(options.mesh).name if Path(options.mesh).is_file() else None
+        figure = plot(
+            mesh,
+            points(options.sources),
+            target=None if options.to is None else point(options.to),
+            via=points(options.via),
+            isolines=options.isolines,
+            view=view,
+            up=options.up or "y",
+            colormap=options.colormap,
+            title=title,
+            signed=options.signed,
+            progress=progress,
+            **exactness_of(options),
+        )
+    if options.output is not None:
+        figure.savefig(options.output)
+        people.print(f"{options.output}")
+        return 0
+    show(figure)
+    return 0
