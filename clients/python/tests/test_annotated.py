@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from command import geodesic
 from numpy.typing import NDArray
-from test_commands import geodesic
 
 import geodesicd
 

@@ -9,12 +9,12 @@ import pty
 import re
 import signal
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from command import PROGRAM, geodesic, installed
 from matplotlib.image import imread
 
 import geodesicd
@@ -24,25 +24,10 @@ from geodesicd.plot import plot
 from geodesicd.raster import Camera, render
 
 
-def geodesic(
-    server: geodesicd.LocalServer, *arguments: str | Path, status: int = 0
-) -> subprocess.CompletedProcess[str]:
-    run = subprocess.run(
-        [Path(sys.executable).parent / "geodesic", *arguments],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-        env={**os.environ, "GEODESICD_URL": server.url},
-    )
-    assert run.returncode == status, run.stderr
-    assert "Traceback" not in run.stderr
-    return run
-
-
 def test_upload_and_list(server: geodesicd.LocalServer, samples: Path) -> None:
-    both = geodesic(server, "upload", samples / "plane.glb", samples / "plane.drc").stdout.split()
-    listed = geodesic(server, "list").stdout.splitlines()
+    files = (samples / "plane.glb", samples / "plane.drc")
+    both = installed(server, "upload", *files).stdout.split()
+    listed = installed(server, "list").stdout.splitlines()
     rows = {line.split("\t")[0]: line.split("\t")[1:] for line in listed}
     assert rows[both[0]] == ["plane.glb", "10000", "19602", "glb", "355840", ""]
     assert rows[both[1]][3] == "drc"
@@ -89,8 +74,8 @@ def test_help_names_every_argument(server: geodesicd.LocalServer, command: str) 
 
 def test_every_command_is_listed() -> None:
     known = (
-        "upload list rename delete distance path table measure extent voronoi loop logmap plot map "
-        "bench serve"
+        "upload list rename delete distance path table isolines trace nearest samples measure "
+        "extent voronoi loop logmap plot map bench serve"
     )
     assert known.split() == COMMANDS
 
@@ -326,7 +311,6 @@ def test_a_title_names_the_method_of_the_reply(plane: geodesicd.Mesh) -> None:
 def test_on_a_terminal_progress_is_shown(
     server: geodesicd.LocalServer, samples: Path, tmp_path: Path
 ) -> None:
-    program = str(Path(sys.executable).parent / "geodesic")
     environment = {**os.environ, "GEODESICD_URL": server.url, "TERM": "xterm-256color"}
     for arguments, shown in (
         (["distance", str(samples / "saddle.glb"), "--from", "0", "--method", "exact",
@@ -336,7 +320,7 @@ def test_on_a_terminal_progress_is_shown(
     ):  # fmt: skip
         ours, theirs = pty.openpty()
         with subprocess.Popen(
-            [program, *arguments], stdout=theirs, stderr=theirs, stdin=theirs, env=environment
+            [PROGRAM, *arguments], stdout=theirs, stderr=theirs, stdin=theirs, env=environment
         ) as process:
             os.close(theirs)
             written = b""
@@ -350,7 +334,7 @@ def test_on_a_terminal_progress_is_shown(
 
 
 def test_serve_runs_until_it_is_stopped(samples: Path) -> None:
-    command = [str(Path(sys.executable).parent / "geodesic"), "serve", "--listen", "127.0.0.1:0"]
+    command = [PROGRAM, "serve", "--listen", "127.0.0.1:0"]
     process = subprocess.Popen(
         [*command, str(samples / "plane.glb")],
         stdout=subprocess.PIPE,

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_commands import geodesic
+from command import geodesic
 
 import geodesicd
 

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from test_commands import geodesic
+from command import geodesic
 from test_contract_cases import TABLE
 from test_gltf_files import write_scene
 

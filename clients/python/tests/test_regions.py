@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_commands import geodesic
+from command import geodesic
 
 import geodesicd
 from geodesicd.surface_regions import region_of, regions_of, walls_of

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_commands import geodesic
+from command import geodesic
 
 import geodesicd
 from geodesicd.plot import plot

@@ -10,7 +10,7 @@ from pathlib import Path
 import httpx
 import numpy as np
 import pytest
-from test_commands import geodesic
+from command import geodesic
 
 import geodesicd
 from geodesicd import errors, hints

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_commands import geodesic
+from command import geodesic
 from test_large_tables import cut_client
 
 import geodesicd

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command import geodesic
 from numpy.typing import NDArray
-from test_commands import geodesic
 from test_measure import areas_of_glb
 
 import geodesicd

@@ -85,13 +85,12 @@ def _warnings_for_people() -> Iterator[None]:
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="geodesic",
-        usage="geodesic COMMAND ...",
-        description="Geodesic distances and shortest paths on triangle meshes. "
-        "'geodesic COMMAND --help' tells a command's arguments.",
+        usage="geodesic COMMAND ... | --version",
+        description="Geodesic distances and paths on triangle meshes. "
+        "More: geodesic COMMAND --help",
     )
-    parser.add_argument(
-        "--version", action="version", version=f"geodesic {__version__}", help="print the version"
-    )
+    version = f"geodesic {__version__}"
+    parser.add_argument("--version", action="version", version=version, help=argparse.SUPPRESS)
     commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=Parser)
 
     def command(name: str, usage: str, run: Callable[[argparse.Namespace], int], help: str) -> Any:

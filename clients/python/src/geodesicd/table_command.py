@@ -10,7 +10,6 @@ from .command_line import (
     bar,
     cell,
     exactness_of,
-    in_one_line,
     listed,
     mesh_of,
     people,
@@ -26,11 +25,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--to", action="append", default=[], metavar="POINT", help="a column; else the rows"
     )
-    in_one_line(
-        parser.add_argument("--from-file", type=Path, metavar="FILE"),
-        parser.add_argument("--to-file", type=Path, metavar="FILE"),
-        "more of them: a text, spaces or lines between",
+    parser.add_argument(
+        "--from-file", type=Path, metavar="FILE", help="more rows: text, spaces or lines between"
     )
+    parser.add_argument("--to-file", type=Path, metavar="FILE", help="more columns, so too")
     parser.add_argument("--max", type=float, metavar="N", help="farther is unreached")
     parser.add_argument("--landmarks", type=int, metavar="N", help="estimate by N columns' fields")
     parser.add_argument(
