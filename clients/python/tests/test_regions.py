@@ -209,12 +209,12 @@ def test_what_a_url_can_say_is_said_there() -> None:
 NAMES = ["glass & steel+50%", "3", "none", '"quoted"', "ä#?=;,*", "none"]
 
 
-def test_materials_by_name(server: geodesicd.LocalServer) -> None:
+def test_materials_by_name(client: geodesicd.Client) -> None:
     """Whatever a name has in it, it means the same by text, by mapping and by number."""
     obj = ["v 0 0 0", "v 1 0 0", "v 0 1 0", "v 1 1 0", "f 1 2 3"]
     for name in NAMES:
         obj += [f"usemtl {name}", "f 2 4 3"]
-    mesh = geodesicd.Client(server.url).upload("\n".join(obj).encode())
+    mesh = client.upload("\n".join(obj).encode())
     order = list(dict.fromkeys(NAMES))
     counts = [1, 1, 2, 1, 1]
     assert mesh.materials == tuple(map(geodesicd.Material, order, counts))
@@ -236,12 +236,12 @@ def test_materials_by_name(server: geodesicd.LocalServer) -> None:
     assert (caught.value.code, caught.value.parameter) == ("value_out_of_range", "forbid.material")
 
 
-def test_labels_are_their_faces(server: geodesicd.LocalServer, plane: geodesicd.Mesh) -> None:
+def test_labels_are_their_faces(client: geodesicd.Client, plane: geodesicd.Mesh) -> None:
     _, triangles = plane.geometry()
     sources = [0, 9999, 5050]
     _, labels = plane.distance(sources, labels=True)
     file = plane.annotated(sources, labels=True)
-    mesh = geodesicd.Client(server.url).upload(file)
+    mesh = client.upload(file)
     for value in range(len(sources)):
         label = {"label": {"attribute": "_GEODESIC_SOURCE", "value": value}}
         faces = (labels[triangles] == value).all(axis=1)
