@@ -11,9 +11,6 @@
 namespace geodesic {
 namespace {
 
-// So many windows are a step to the poll.
-constexpr std::size_t kWindowsAStep = 16;
-
 // A straight segment in the plane of a face.
 struct FlatSegment {
   FlatPoint from;

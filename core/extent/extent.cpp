@@ -15,7 +15,7 @@ namespace geodesic {
 namespace {
 
 // Bounds that are as near as this are equal: what rounding leaves of sums.
-constexpr double kRounding = 1e-9;
+constexpr double kEqualBounds = 1e-9;
 // What is known of all vertices of the part, by their places in it, from the fields so far.
 class Survey {
  public:
@@ -120,7 +120,7 @@ class Survey {
       case ExtentOf::mean:
         break;
     }
-    if (extent.upper - extent.lower <= kRounding * extent.upper || count_done() == size()) {
+    if (extent.upper - extent.lower <= kEqualBounds * extent.upper || count_done() == size()) {
       extent.lower = extent.upper = extent.value;
     }
     return extent;

@@ -8,12 +8,7 @@
 #include "core/base/polled_sort.h"
 
 namespace geodesic {
-namespace {
-
-// So many sorted in a list are a step to the poll: a thousand steps take a millisecond or two.
-constexpr std::size_t kWindowsAStep = 16;
-
-}  // namespace
+namespace {}  // namespace
 
 WindowTable::WindowTable(std::size_t face_count, VisibleIntervals windows, Poll& poll) {
   if (windows.size() > kMostWindows) throw std::bad_alloc();

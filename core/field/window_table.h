@@ -15,6 +15,9 @@
 
 namespace geodesic {
 
+// So many windows are a step to the poll: a thousand steps take a millisecond or two.
+inline constexpr std::size_t kWindowsAStep = 16;
+
 // An interval of a halfedge's edge that one unfolded source sees straight,
 // through the faces on the other side: it looks into the halfedge's own face.
 //

@@ -9,8 +9,6 @@
 namespace geodesic {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 struct ByDistance {
   NearSearch& search;
 

@@ -5,8 +5,6 @@
 namespace geodesic {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 void grow(Box& box, const Box& other) {
   box.min = {std::min(box.min.x, other.min.x), std::min(box.min.y, other.min.y),
              std::min(box.min.z, other.min.z)};

@@ -5,33 +5,28 @@
 #include <limits>
 
 namespace geodesic {
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-// The h of far_search.h. It is the same sum for a point and for the best point of a box, so that a
-// vertex in the corner of its box has exactly the value of the box.
-struct Height {
-  explicit Height(Vec3 from) : q(from), u((1 / norm(from)) * from), curvature(0.5 / norm(from)) {}
-
-  [[nodiscard]] double at(Vec3 x) const {
-    return x.x * (x.x * curvature - u.x) + x.y * (x.y * curvature - u.y) +
-           x.z * (x.z * curvature - u.z);
-  }
-  // h is convex in each coordinate, and least where the coordinate is q's.
-  [[nodiscard]] double least_in(const Box& box) const {
-    return at({std::clamp(q.x, box.min.x, box.max.x), std::clamp(q.y, box.min.y, box.max.y),
-               std::clamp(q.z, box.min.z, box.max.z)});
-  }
-
-  Vec3 q;
-  Vec3 u;
-  double curvature;
-};
-
-}  // namespace
 
 struct FarSearch::Query {
+  // The h of far_search.h. It is the same sum for a point and for the best point of a box, so that
+  // a vertex in the corner of its box has exactly the value of the box.
+  struct Height {
+    explicit Height(Vec3 from) : q(from), u((1 / norm(from)) * from), curvature(0.5 / norm(from)) {}
+
+    [[nodiscard]] double at(Vec3 x) const {
+      return x.x * (x.x * curvature - u.x) + x.y * (x.y * curvature - u.y) +
+             x.z * (x.z * curvature - u.z);
+    }
+    // h is convex in each coordinate, and least where the coordinate is q's.
+    [[nodiscard]] double least_in(const Box& box) const {
+      return at({std::clamp(q.x, box.min.x, box.max.x), std::clamp(q.y, box.min.y, box.max.y),
+                 std::clamp(q.z, box.min.z, box.max.z)});
+    }
+
+    Vec3 q;
+    Vec3 u;
+    double curvature;
+  };
+
   Query(const FarSearch& search, Vec3 from, const Cancel& cancel)
       : search(search), height(from), poll(cancel) {}
 

@@ -18,7 +18,6 @@ struct RaySpan {
 // The part of a ray, carried on backwards too, that is in the box: the slab test. Empty
 // (begin > end) where there is none.
 [[nodiscard]] inline RaySpan span_in_box(const Box& box, Vec3 origin, Vec3 direction) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   RaySpan span{-kInfinity, kInfinity};
   const double from[] = {origin.x, origin.y, origin.z};
   const double ahead[] = {direction.x, direction.y, direction.z};

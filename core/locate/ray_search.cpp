@@ -9,11 +9,8 @@
 namespace geodesic {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-
 // Rays that begin within this need no moving, in the frame's units.
-constexpr double kNear = 4;
+constexpr double kNearEnough = 4;
 
 bool is_flat(const FaceRecord& face) {
   return !(face.area2 > tolerance::kZeroArea * face.length2(face.longest_side()));
@@ -65,12 +62,12 @@ std::optional<RaySearch> RaySearch::begin(const Adjacency& adjacency, const Unit
   for (int i = 0; i < kMostSteps; ++i) {
     const Vec3 from = unit.inside(origin);
     const double away = largest_component(from);
-    const double slack = 16 * kEpsilon * away;
+    const double slack = 16 * std::numeric_limits<double>::epsilon() * away;
     const double half = 1 + slack;
     const RaySpan span = span_in_box({{-half, -half, -half}, {half, half, half}}, from, direction);
     if (span.begin > span.end + slack || span.end < 0) return std::nullopt;
     const double step = span.begin - 1 - slack;
-    if (away <= kNear || step <= 0) break;
+    if (away <= kNearEnough || step <= 0) break;
     origin = origin + (step / unit.scale) * direction;
   }
   return RaySearch(adjacency, unit, origin, direction);

@@ -29,7 +29,6 @@ double flushed(double coordinate) {
 }
 
 Result<Box> checked_box(const TriangleSoup& soup, Poll& poll) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Box box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
   for (std::size_t i = 0; i < soup.positions.size() && !poll.cancelled(); ++i) {
     const Vec3 p = soup.positions[i];
@@ -162,7 +161,7 @@ std::vector<std::uint32_t> joined_in_faces(const TriangleSoup& soup,
 }
 
 // A mesh that is being built. Each step leaves off when the poll says to stop.
-struct Building {
+struct MeshBuilder {
   void weld(const TriangleSoup& soup, Weld weld, Poll& poll);
   void order_faces(const TriangleSoup& soup, Poll& poll);
   void measure(Poll& poll);
@@ -180,7 +179,7 @@ struct Building {
 };
 
 // Numbers the vertices along the curve, those at the same position as one.
-void Building::weld(const TriangleSoup& soup, Weld weld, Poll& poll) {
+void MeshBuilder::weld(const TriangleSoup& soup, Weld weld, Poll& poll) {
   const std::size_t count = soup.positions.size();
   std::vector<Vec3> flushed_positions;
   polled_assign(flushed_positions, count, Vec3{}, poll);
@@ -220,7 +219,7 @@ void Building::weld(const TriangleSoup& soup, Weld weld, Poll& poll) {
 }
 
 // Faces in the order of their first vertex on the curve (a counting sort).
-void Building::order_faces(const TriangleSoup& soup, Poll& poll) {
+void MeshBuilder::order_faces(const TriangleSoup& soup, Poll& poll) {
   const auto has_surface = [](const Triangle& t) {
     return t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
   };
@@ -268,7 +267,7 @@ void Building::order_faces(const TriangleSoup& soup, Poll& poll) {
                 });
 }
 
-void Building::measure(Poll& poll) {
+void MeshBuilder::measure(Poll& poll) {
   struct Measure {
     double area = 0;
     std::uint32_t without_area = 0;
@@ -309,7 +308,7 @@ Result<Mesh> Mesh::build(const TriangleSoup& soup, Weld weld, const Cancel& canc
   }
   Poll poll(cancel);
   if (auto indices = check_indices(soup, poll); !indices) return fail(indices.error());
-  Building mesh;
+  MeshBuilder mesh;
   if (auto box = checked_box(soup, poll); box) {
     mesh.box = *box;
   } else {

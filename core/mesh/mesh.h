@@ -32,6 +32,7 @@
 namespace geodesic {
 
 inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Triangle = std::array<std::uint32_t, 3>;
 

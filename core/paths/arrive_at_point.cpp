@@ -16,9 +16,6 @@
 namespace geodesic {
 namespace {
 
-// So many are a step to the poll.
-constexpr std::size_t kWindowsAStep = 16;
-
 // Whether corner c is the end of its side with the smaller vertex number.
 bool is_low_end(const FaceRecord& face, std::uint32_t c) {
   return face.vertex[c] < face.vertex[next_corner(c)];

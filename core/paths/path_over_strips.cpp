@@ -12,7 +12,7 @@ namespace {
 using Weights3 = std::array<double, 3>;
 
 // A piece of the way within a face, going back.
-struct Piece {
+struct StripPiece {
   std::uint32_t face;
   Weights3 start;
   Weights3 end;
@@ -45,7 +45,7 @@ Result<std::optional<Path>> path_over_strips(const Adjacency& adjacency, const L
                                              const LineArrival& arrival, Poll& poll) {
   const SourceLines& lines = waves.lines();
   const SurfacePoint& place = arrival.place;
-  std::vector<Piece> pieces;
+  std::vector<StripPiece> pieces;
   std::uint32_t face = place.face;
   Weights3 here = place.bary;
   std::uint32_t segment = arrival.segment;

@@ -10,11 +10,6 @@
 namespace geodesic {
 namespace {
 
-bool is_same_place(const SurfacePoint& a, const SurfacePoint& b) {
-  if (a.at_vertex() || b.at_vertex()) return a.vertex == b.vertex;
-  return a.face == b.face && a.bary == b.bary;
-}
-
 std::vector<SurfacePoint> by_face(const Adjacency& adjacency, const SurfacePoint& point) {
   std::vector<SurfacePoint> places = in_all_faces(adjacency, point);
   std::stable_sort(places.begin(), places.end(),

@@ -19,8 +19,6 @@
 namespace geodesic {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-
 // Of a face's longest side, its height. In a lower one, circles round two corners meet anywhere.
 constexpr double kLow = 0.1;
 // By what part of a distance the pairs of corners may differ. With more, points round holes are
@@ -84,7 +82,7 @@ bool is_awkward(const Adjacency& adjacency, const Field& field, const SurfacePoi
 }
 
 // A path that is longer by this factor than the circles say has gone round the wrong side.
-constexpr double kAstray = 1.05;
+constexpr double kWrongSide = 1.05;
 
 // The length of the shortest way to the point that is known: along that path, if there is one, or
 // straight from a corner. `about`: what the circles say.
@@ -100,11 +98,11 @@ Result<double> length_of_way(const Adjacency& adjacency, const Field& field,
       least = std::min(least, d + distance_to_corner(adjacency.mesh(), place, c));
     }
   }
-  least *= 1 + 4 * kEpsilon;
+  least *= 1 + 4 * std::numeric_limits<double>::epsilon();
   if (!path) return least;
   least = std::min(least, field.sources[path->source].offset + not_below_length(*path));
   WaysToSources ways(adjacency, field, point, cancel);
-  if (least > kAstray * about && is_awkward(adjacency, field, point, about)) {
+  if (least > kWrongSide * about && is_awkward(adjacency, field, point, about)) {
     auto along_edges = ways.from(path->source);
     if (!along_edges) return along_edges;
     least = std::min(least, *along_edges);

@@ -18,11 +18,11 @@ constexpr double kEdges = 12;
 constexpr double kMostVertices = 1000;
 constexpr double kMostVerticesOfAll = 4000;
 // Of faces so low, of their longest side: on scans stretched 8 times hardly anything is gained.
-constexpr double kLow = 0.05;
+constexpr double kOfSlivers = 0.05;
 // On larger meshes what is needed of all edges takes as long as a field.
 constexpr std::uint32_t kMostVerticesOfMesh = 250'000;
 // Some milliseconds. Counted in questions, so that the answer depends on nothing else.
-constexpr std::uint64_t kMostQuestions = 500;
+constexpr std::uint64_t kMostQuestionsNear = 500;
 
 }  // namespace
 
@@ -32,7 +32,7 @@ Result<std::optional<Field>> field_near_sources(const Adjacency& adjacency,
   const Triangulation surface = adjacency.triangulation();
   // Where many faces meet in an edge, few windows take long.
   if (sources.empty() || surface.is_crowded) return std::nullopt;
-  if (!adjacency.is_rough() && !is_of_slivers(surface, kLow)) return std::nullopt;
+  if (!adjacency.is_rough() && !is_of_slivers(surface, kOfSlivers)) return std::nullopt;
   if (adjacency.mesh().vertex_count() > kMostVerticesOfMesh) return std::nullopt;
   const auto ready = make_ready_for_windows(adjacency, sources, scratch, cancel);
   if (!ready) return fail(ready.error());
@@ -40,7 +40,7 @@ Result<std::optional<Field>> field_near_sources(const Adjacency& adjacency,
   bool is_too_much = false;
   const Cancel bounded(
       [&] {
-        is_too_much = is_too_much || ++questions > kMostQuestions;
+        is_too_much = is_too_much || ++questions > kMostQuestionsNear;
         return is_too_much || cancel.requested();
       },
       {}, cancel.memory());

@@ -12,7 +12,7 @@
 namespace geodesic {
 namespace {
 
-constexpr std::size_t kMostAsked = 8;
+constexpr std::size_t kMostSourcesAsked = 8;
 
 // Whether a vertex of the source's own face is nearer to another source: then the points about
 // may be its own, and no vertex say so.
@@ -75,7 +75,7 @@ Result<double> WaysToSources::below(double least, std::uint32_t asked) {
   Poll poll(cancel_);
   std::vector<std::uint32_t> others;
   const auto& corners = adjacency_.face(point_.face).vertex;
-  others.reserve(corners.size() + kMostAsked);
+  others.reserve(corners.size() + kMostSourcesAsked);
   for (const std::uint32_t v : corners) others.push_back(field_.nearest_source[v]);
   const bool is_between = is_between_cells(adjacency_, field_, point_);
   std::vector<std::pair<double, std::uint32_t>> about;
@@ -85,7 +85,7 @@ Result<double> WaysToSources::below(double least, std::uint32_t asked) {
     if (!(straight < least) || !(is_between || is_hidden(adjacency_, field_, s))) continue;
     about.emplace_back(straight, s);
     std::push_heap(about.begin(), about.end());
-    if (about.size() <= kMostAsked) continue;
+    if (about.size() <= kMostSourcesAsked) continue;
     std::pop_heap(about.begin(), about.end());
     about.pop_back();
   }

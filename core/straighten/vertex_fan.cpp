@@ -46,7 +46,6 @@ void FanSearch::reach(Halfedge h, double angle, std::uint32_t from, Halfedge ent
 // Dijkstra over the edges at the vertex, with angles for lengths.
 std::optional<Fan> FanSearch::least(std::uint32_t vertex, const DirectionAtVertex& from,
                                     const DirectionAtVertex& to, double bound) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   vertex_ = vertex;
   const std::size_t corner_count = adjacency_.corners(vertex).size();
   sides_.assign(2 * corner_count, {kInfinity, kNone, kNone});

@@ -22,7 +22,7 @@ namespace geodesic {
 namespace {
 
 // An adjacency that is being built. Each step leaves off when the poll says to stop.
-struct Building {
+struct AdjacencyBuilder {
   void fill_geometry(Poll& poll);
   void fill_corners(Poll& poll);
   void fill_rings(Poll& poll);
@@ -62,7 +62,7 @@ struct Building {
   TopologyReport report = {};
 };
 
-void Building::fill_geometry(Poll& poll) {
+void AdjacencyBuilder::fill_geometry(Poll& poll) {
   const auto positions = mesh.positions();
   const auto triangles = mesh.faces();
   faces = LargeArray<FaceRecord>(triangles.size(), poll);
@@ -112,7 +112,7 @@ void Building::fill_geometry(Poll& poll) {
   longest2 = sides.longest2;
 }
 
-void Building::fill_corners(Poll& poll) {
+void AdjacencyBuilder::fill_corners(Poll& poll) {
   list_corners(faces.all(), mesh.vertex_count(), corner_begin, corners, poll);
   if (poll.stopped()) return;
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
@@ -122,7 +122,7 @@ void Building::fill_corners(Poll& poll) {
 
 // Halfedges are gathered per vertex at their smaller end and sorted by the other
 // end; each run of equal ends is one edge and becomes one ring.
-void Building::fill_rings(Poll& poll) {
+void AdjacencyBuilder::fill_rings(Poll& poll) {
   std::vector<Edges> edges(count_blocks(mesh.vertex_count()));
   run_in_blocks(mesh.vertex_count(), poll,
                 [&](std::size_t block, std::size_t begin, std::size_t end, Poll& asked) {
@@ -149,7 +149,8 @@ void Building::fill_rings(Poll& poll) {
   report.mean_edge = all.length / static_cast<double>(all.count);
 }
 
-Building::Edges Building::join_edges(std::uint32_t from, std::uint32_t to, Poll& poll) {
+AdjacencyBuilder::Edges AdjacencyBuilder::join_edges(std::uint32_t from, std::uint32_t to,
+                                                     Poll& poll) {
   struct EdgeSide {
     std::uint32_t far_end;
     std::uint32_t opposite;
@@ -204,7 +205,7 @@ Building::Edges Building::join_edges(std::uint32_t from, std::uint32_t to, Poll&
 
 // The faces that can be reached from the vertex's first face by crossing edges
 // that end in the vertex.
-std::size_t Building::faces_in_first_fan(std::uint32_t vertex, Poll& poll) const {
+std::size_t AdjacencyBuilder::faces_in_first_fan(std::uint32_t vertex, Poll& poll) const {
   const auto all = corners_at(vertex);
   const auto other_side = [&](Halfedge side) {
     // The other edge of the same face that ends in the vertex.
@@ -251,7 +252,7 @@ std::size_t Building::faces_in_first_fan(std::uint32_t vertex, Poll& poll) const
   return reached.size();
 }
 
-void Building::find_pinched_vertices(Poll& poll) {
+void AdjacencyBuilder::find_pinched_vertices(Poll& poll) {
   // A block of vertices has words of its own.
   constexpr std::size_t kBits = 64;
   static_assert(kBlock % kBits == 0);
@@ -270,7 +271,7 @@ void Building::find_pinched_vertices(Poll& poll) {
   if (report.vertices_pinched == 0) pinched = {};
 }
 
-void Building::count_parts(Poll& poll) {
+void AdjacencyBuilder::count_parts(Poll& poll) {
   const Triangulation surface{faces.all(), corner_begin, corners};
   const auto [components, boundary_loops] =
       geodesic::count_parts(surface, report.edges_boundary, poll);
@@ -291,11 +292,12 @@ Adjacency Adjacency::build(std::shared_ptr<const Mesh> mesh) {
 }
 
 Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cancel& cancel) {
-  Building building{*mesh};
+  AdjacencyBuilder building{*mesh};
   Poll poll(cancel);
   int done = 0;
-  for (const auto step : {&Building::fill_geometry, &Building::fill_corners, &Building::fill_rings,
-                          &Building::find_pinched_vertices, &Building::count_parts}) {
+  for (const auto step : {&AdjacencyBuilder::fill_geometry, &AdjacencyBuilder::fill_corners,
+                          &AdjacencyBuilder::fill_rings, &AdjacencyBuilder::find_pinched_vertices,
+                          &AdjacencyBuilder::count_parts}) {
     (building.*step)(poll);
     if (poll.ask()) return fail_stopped(cancel);
     cancel.report(++done / 10.0);

@@ -32,7 +32,7 @@ struct Block {
   [[nodiscard]] bool has(Halfedge h) const { return face_of(h) - begin < end - begin; }
 };
 
-struct Building {
+struct DelaunayBuilder {
   // In each block by itself, with whoever helps; then across them.
   void flip_edges(std::span<const Vec3> positions, Poll& poll);
   [[nodiscard]] std::uint64_t flip_within(const Block& block, SideLengths& lengths, Poll& poll);
@@ -75,10 +75,10 @@ Result<IntrinsicDelaunay> IntrinsicDelaunay::build(const Triangulation& mesh,
                                                    std::span<const Vec3> positions,
                                                    const Cancel& cancel) {
   Poll poll(cancel);
-  Building result{.faces = LargeArray<FaceRecord>(mesh.faces.size(), poll),
-                  .is_oriented = mesh.is_oriented,
-                  .is_crowded = mesh.is_crowded,
-                  .has_flat_faces = mesh.has_flat_faces};
+  DelaunayBuilder result{.faces = LargeArray<FaceRecord>(mesh.faces.size(), poll),
+                         .is_oriented = mesh.is_oriented,
+                         .is_crowded = mesh.is_crowded,
+                         .has_flat_faces = mesh.has_flat_faces};
   std::vector<std::uint32_t> corner_begin;
   std::vector<std::uint32_t> corners;
   run_in_blocks(result.faces.size(), poll,
@@ -139,7 +139,7 @@ double IntrinsicDelaunay::excess_rounding(const Triangulation& faces, Halfedge h
   return tolerance::kDelaunay * (std::abs(one) + std::abs(other));
 }
 
-bool Building::is_wanted(Halfedge h) const {
+bool DelaunayBuilder::is_wanted(Halfedge h) const {
   const Triangulation faces = view();
   if (faces.ring(h) == h) return false;
   return IntrinsicDelaunay::excess(faces, h) < -IntrinsicDelaunay::excess_rounding(faces, h) ||
@@ -150,7 +150,7 @@ bool Building::is_wanted(Halfedge h) const {
 // edge have been cut there, each at a vertex of its own. The edge between these two is shorter; and
 // beyond their other sides there are faces with a width, or others without one, which flips come to
 // in the end.
-bool Building::is_between_flats(Halfedge h) const {
+bool DelaunayBuilder::is_between_flats(Halfedge h) const {
   const auto is_longest_of_flat = [this](Halfedge side) {
     const FaceRecord& face = faces[face_of(side)];
     return face.area2 <= tolerance::kZeroArea * face.longest2() &&
@@ -159,7 +159,7 @@ bool Building::is_between_flats(Halfedge h) const {
   return is_longest_of_flat(h) && is_longest_of_flat(view().ring(h));
 }
 
-void Building::flip_edges(std::span<const Vec3> positions, Poll& poll) {
+void DelaunayBuilder::flip_edges(std::span<const Vec3> positions, Poll& poll) {
   SideLengths lengths(positions, faces.size(), poll);
   if (poll.stopped()) return;
   later.assign(faces.size() / kBits + 1, 0);
@@ -174,7 +174,7 @@ void Building::flip_edges(std::span<const Vec3> positions, Poll& poll) {
   if (!poll.stopped()) flips += flip_across(lengths, poll);
 }
 
-std::uint64_t Building::flip_within(const Block& block, SideLengths& lengths, Poll& poll) {
+std::uint64_t DelaunayBuilder::flip_within(const Block& block, SideLengths& lengths, Poll& poll) {
   const auto is_wanted_here = [&](Halfedge h) {
     if (block.has(view().ring(h))) return is_wanted(h);
     leave_for_later(h);
@@ -198,7 +198,7 @@ std::uint64_t Building::flip_within(const Block& block, SideLengths& lengths, Po
       poll);
 }
 
-std::uint64_t Building::flip_across(SideLengths& lengths, Poll& poll) {
+std::uint64_t DelaunayBuilder::flip_across(SideLengths& lengths, Poll& poll) {
   const auto is_wanted_anywhere = [this](Halfedge h) { return is_wanted(h); };
   std::vector<Halfedge> waiting;
   for (std::size_t at = 0; at < later.size() && !poll.cancelled(); ++at) {
@@ -215,9 +215,9 @@ std::uint64_t Building::flip_across(SideLengths& lengths, Poll& poll) {
 }
 
 template <class IsWanted, class MayFlip>
-std::uint64_t Building::flip_waiting(std::vector<Halfedge>& waiting, std::size_t face_count,
-                                     SideLengths& lengths, IsWanted is_wanted, MayFlip may_flip,
-                                     Poll& poll) {
+std::uint64_t DelaunayBuilder::flip_waiting(std::vector<Halfedge>& waiting, std::size_t face_count,
+                                            SideLengths& lengths, IsWanted is_wanted,
+                                            MayFlip may_flip, Poll& poll) {
   const std::uint64_t most = kMostFlipsPerFace * face_count;
   std::uint64_t count = 0;
   while (!waiting.empty() && count < most && !poll.cancelled()) {
@@ -236,7 +236,7 @@ std::uint64_t Building::flip_waiting(std::vector<Halfedge>& waiting, std::size_t
   return count;
 }
 
-bool Building::is_within(const Block& block, Halfedge h) const {
+bool DelaunayBuilder::is_within(const Block& block, Halfedge h) const {
   const Triangulation faces = view();
   for (const Halfedge base : {h, faces.ring(h)}) {
     for (const std::uint32_t c : {next_corner(corner_of(base)), previous_corner(corner_of(base))}) {
@@ -265,7 +265,7 @@ bool loses_a_length(const FaceRecord& face) {
 //     a --- b     ->     a  |  b      face across:    (b, c, d)
 //      \   /              \ | /
 //        d                  d
-bool Building::flip(Halfedge h, SideLengths& lengths) {
+bool DelaunayBuilder::flip(Halfedge h, SideLengths& lengths) {
   const auto ring = [this](Halfedge x) { return faces[face_of(x)].ring[corner_of(x)]; };
   const std::uint32_t f = face_of(h);
   const Halfedge across = ring(h);

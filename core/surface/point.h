@@ -24,6 +24,11 @@ struct SurfacePoint {
   [[nodiscard]] bool at_vertex() const { return vertex != kNone; }
 };
 
+// Whether both say so in the same way: a point on an edge is said otherwise in the other face.
+[[nodiscard]] inline bool is_same_place(const SurfacePoint& a, const SurfacePoint& b) {
+  return a.vertex == b.vertex && (a.at_vertex() || (a.face == b.face && a.bary == b.bary));
+}
+
 [[nodiscard]] SurfacePoint point_at_vertex(const Adjacency& adjacency, std::uint32_t vertex);
 
 // A point of a face; weights that leave only one corner make it that vertex.

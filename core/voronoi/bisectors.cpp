@@ -17,7 +17,7 @@ namespace {
 using Sites2 = std::array<std::uint32_t, 2>;
 
 // The part of a bisector in one face.
-struct Segment {
+struct BisectorSegment {
   Sites2 sites;
   std::array<Vec3, 2> ends;
   // What goes on at an end: twice the number of a segment, and its own end there.
@@ -140,8 +140,8 @@ class BisectorTracer {
     if (++count_ > max_segments_ + 1) return std::nullopt;
     // Itself and its ends; a line of its own, whose points may have grown by doubling; and the
     // points where three cells meet, of which there are fewer.
-    constexpr std::uint64_t kBytes = sizeof(Segment) + 2 * sizeof(EdgeEnd) + sizeof(Bisector) +
-                                     3 * sizeof(Vec3) + sizeof(VoronoiVertex);
+    constexpr std::uint64_t kBytes = sizeof(BisectorSegment) + 2 * sizeof(EdgeEnd) +
+                                     sizeof(Bisector) + 3 * sizeof(Vec3) + sizeof(VoronoiVertex);
     if (segments_.size() == segments_.capacity()) {
       const std::size_t more = std::max<std::size_t>(segments_.capacity(), 256);
       if (!poll_.may_take(2 * more * kBytes)) return std::nullopt;
@@ -255,7 +255,7 @@ class BisectorTracer {
     while (next != kNone && !poll_.cancelled()) {
       if (next / 2 == start) return true;
       is_done[next / 2] = true;
-      const Segment& segment = segments_[next / 2];
+      const BisectorSegment& segment = segments_[next / 2];
       const std::uint32_t far = 1 - next % 2;
       points.push_back(segment.ends[far]);
       next = segment.beyond[far];
@@ -269,7 +269,7 @@ class BisectorTracer {
   std::span<VoronoiCell> cells_;
   Poll& poll_;
   FaceCells face_cells_;
-  std::vector<Segment> segments_;
+  std::vector<BisectorSegment> segments_;
   std::vector<EdgeEnd> ends_;
   std::uint64_t count_ = 0;
   Bisectors found_;

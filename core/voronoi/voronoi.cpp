@@ -14,10 +14,6 @@ constexpr double kFieldOfSites = 0.3;
 constexpr double kFields = 0.8;
 constexpr double kMeasures = 0.9;
 
-bool is_same_place(const SurfacePoint& a, const SurfacePoint& b) {
-  return a.vertex == b.vertex && (a.at_vertex() || (a.face == b.face && a.bary == b.bary));
-}
-
 }  // namespace
 
 Result<Voronoi> voronoi(Method method, const MethodOptions& options, const Adjacency& adjacency,

@@ -15,7 +15,7 @@ namespace geodesic {
 namespace {
 
 // Of the mean edge. Twice or half of it take the same time.
-constexpr double kBucketWidth = 0.5;
+constexpr double kBucketOfMeanEdge = 0.5;
 
 // Vertices wait in buckets and are settled in no order within one: a vertex that is lowered after
 // it was settled is settled again. On most meshes one in a thousand is. Where short edges are many
@@ -37,7 +37,7 @@ class EdgeDijkstra {
         heap_(scratch.heap),
         poll_(poll),
         targets_(limits.targets, distance_.size(), scratch.is_target) {
-    buckets_.reset(kBucketWidth * adjacency.report().mean_edge);
+    buckets_.reset(kBucketOfMeanEdge * adjacency.report().mean_edge);
   }
 
   // Errors: cancelled.

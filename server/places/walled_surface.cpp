@@ -31,11 +31,6 @@ bool any_searched_in(const std::vector<proto::Shape>& region) {
   });
 }
 
-bool is_same_place(const SurfacePoint& a, const SurfacePoint& b) {
-  if (a.at_vertex() || b.at_vertex()) return a.vertex == b.vertex;
-  return a.face == b.face && a.bary == b.bary;
-}
-
 // Of a point in a list that is read and in a line that grows, which doubles.
 constexpr std::uint64_t kBytesOfPoint = 3 * sizeof(SurfacePoint);
 

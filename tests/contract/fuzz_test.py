@@ -1,18 +1,40 @@
 #!/usr/bin/env python3
 """fuzz_test.py BUILD: schemathesis against a running server: requests made from the
-contract, right ones and wrong ones, always the same; every reply has to be described.
+contract, right ones and wrong ones; every reply has to be described. Which values each
+parameter goes through ("coverage") is tried in one of the two ways to ask a query, by GET
+or by POST; GEODESICD_SEED repeats a draw.
 
 Runs in the environment of scripts/fetch_contract_tools."""
 
 import os
 import pathlib
+import random
 import subprocess
 import sys
 
+import ruamel.yaml
 from server import Server
 from walk import samples
 
 HERE = pathlib.Path(__file__).resolve().parent
+CONTRACT = HERE.parents[1] / "proto" / "openapi.yaml"
+
+
+def drawn_config(folder):
+    """A file in this folder: schemathesis.toml, with the draw."""
+    seed = int(os.environ.get("GEODESICD_SEED") or random.randrange(2**32))
+    print(f"GEODESICD_SEED={seed}", flush=True)
+    draw = random.Random(seed)
+    paths = ruamel.yaml.YAML(typ="safe").load(CONTRACT)["paths"]
+    queries = [path for path in paths.values() if {"get", "post"} <= path.keys()]
+    left = [path[draw.choice(("get", "post"))]["operationId"] for path in queries]
+    text = (HERE / "schemathesis.toml").read_text()
+    for name in left:
+        text += f'\n[[operations]]\ninclude-operation-id = "{name}"\n'
+        text += "[operations.phases.coverage]\nenabled = false\n"
+    config = folder / "schemathesis.toml"
+    config.write_text(text)
+    return config
 
 
 def main():
@@ -21,9 +43,9 @@ def main():
     with Server(build, "--body-timeout-seconds", 10) as server:
         mesh = server.upload(samples(build)["plane.glb"])
         command = [str(pathlib.Path(sys.executable).parent / "schemathesis")]
-        command += ["--config-file", str(HERE / "schemathesis.toml"), "run"]
+        command += ["--config-file", str(drawn_config(server.folder)), "run"]
         command += [f"http://127.0.0.1:{server.port}/openapi.json"]
-        # No chance is involved.
+        # No chance beside that is involved.
         command += ["--max-examples", "3", "--generation-deterministic"]
         command += ["--phases", "examples,coverage,fuzzing"]
         command += ["--request-timeout", "60", "--max-failures", "20", "--continue-on-failure"]

@@ -1,5 +1,5 @@
-// Every target over its seeds, over what once broke it, and over some mutations of the
-// seeds, always the same.
+// Every target over its seeds, over what once broke it, and over some mutations of the seeds,
+// others in each run.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "tests/fixtures/mutations.h"
+#include "tests/fixtures/sanitizers.h"
+#include "tests/fixtures/test_seed.h"
 #include "tests/fuzz/targets.h"
 
 using namespace geodesic;
@@ -20,8 +22,9 @@ using fixtures::Bytes;
 
 namespace {
 
-constexpr int kMutations = 8000;
-constexpr int kMutationsOfHeaps = 2000;  // of which each is eleven queries
+// The fuzzers have more of them under sanitizers.
+constexpr int kMutations = fixtures::all_or(8000, 2000);
+constexpr int kMutationsOfHeaps = fixtures::all_or(2000, 500);  // of which each is eleven queries
 
 Input input_of(const Bytes& bytes) {
   return {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
@@ -86,7 +89,7 @@ TEST_CASE("MutatedSeedsBreakNoTarget") {
   for (const Target& target : targets()) {
     const std::string name(target.name);
     CAPTURE(name);
-    std::mt19937 random(20261121);
+    std::mt19937 random(fixtures::test_seed());
     std::vector<Bytes> seeds;
     for (const std::string& seed : target.seeds()) seeds.push_back(bytes_of(seed));
     int faults = 0;

@@ -30,14 +30,14 @@ Field back_traced(const Surface& surface, const std::vector<Source>& sources,
   return surface.field_by(Method::back_traced, sources, limits, options);
 }
 
-struct Off {
+struct Errors {
   double mean = 0;
   double above = 0;
   double below = 0;
 };
 
-Off off_from(const Field& field, const Field& truth) {
-  Off off;
+Errors errors_from(const Field& field, const Field& truth) {
+  Errors off;
   double sum = 0;
   std::size_t count = 0;
   for (std::size_t v = 0; v < truth.distance.size(); ++v) {
@@ -79,8 +79,8 @@ TEST_CASE("LookingBackIsTenTimesAsExactAsThePapersFront") {
     for (const std::uint32_t from : {0U, 77U, 1000U}) {
       const std::vector<Source> source{{surface.at(from), 0}};
       const Field truth = surface.field_by(Method::exact, source);
-      const Off paper = off_from(surface.field(source), truth);
-      const Off looking_back = off_from(back_traced(surface, source), truth);
+      const Errors paper = errors_from(surface.field(source), truth);
+      const Errors looking_back = errors_from(back_traced(surface, source), truth);
       MESSAGE(name, ": mean ", looking_back.mean, ", above ", looking_back.above, ", below ",
               looking_back.below, "; the paper's mean ", paper.mean);
       CHECK(looking_back.mean <= mean);
@@ -134,7 +134,7 @@ TEST_CASE("FinerFacesInACornerAreAsExact") {
       CAPTURE(from);
       const std::vector<Source> source{{surface.at(from), 0}};
       const Field truth = surface.field_by(Method::exact, source);
-      const Off off = off_from(back_traced(surface, source), truth);
+      const Errors off = errors_from(back_traced(surface, source), truth);
       MESSAGE("mean ", off.mean, ", above ", off.above, ", below ", off.below);
       CHECK(off.mean <= 2e-4);
       CHECK(off.above <= 1e-2);
@@ -163,10 +163,10 @@ TEST_CASE("AnUpperBoundOnSliversIsNearToo") {
   const Surface surface(soup);
   const std::vector<Source> source{{surface.at(17), 0}};
   const Field truth = surface.field_by(Method::exact, source);
-  const Off upper = off_from(back_traced(surface, source, Bound::upper), truth);
+  const Errors upper = errors_from(back_traced(surface, source, Bound::upper), truth);
   CHECK(upper.below >= -1e-12);
   CHECK(upper.above <= 1.3e-7);  // of a float, rounded up
-  CHECK(off_from(back_traced(surface, source), truth).mean <= 1e-4);
+  CHECK(errors_from(back_traced(surface, source), truth).mean <= 1e-4);
 }
 
 // The promise of Bound::upper, on everything that is awkward about surfaces; and what
@@ -188,12 +188,12 @@ TEST_CASE("AnUpperBoundIsNeverBelowTheTrueDistance") {
                           {random.unit() + 0.01, 0, random.unit() + 0.01});
     }
     const Field truth = surface.field_by(Method::exact, {Source{source, 0}});
-    const Off off = off_from(back_traced(surface, {{source, 0}}, Bound::upper), truth);
+    const Errors off = errors_from(back_traced(surface, {{source, 0}}, Bound::upper), truth);
     CHECK(off.below >= -1e-9);
     worst = std::min(worst, off.below);
     // And the other variant reaches the same vertices, with distances near them.
-    const Off paper = off_from(surface.field({{source, 0}}), truth);
-    const Off either = off_from(back_traced(surface, {{source, 0}}), truth);
+    const Errors paper = errors_from(surface.field({{source, 0}}), truth);
+    const Errors either = errors_from(back_traced(surface, {{source, 0}}), truth);
     paper_sum += paper.mean;
     either_sum += either.mean;
   }

@@ -53,16 +53,16 @@ struct Listener {
   }
 };
 
-struct Surface {
-  explicit Surface(const TriangleSoup& soup)
+struct Terrain {
+  explicit Terrain(const TriangleSoup& soup)
       : mesh(std::make_shared<const Mesh>(std::move(*Mesh::build(soup)))),
         adjacency(Adjacency::build(mesh)) {}
   std::shared_ptr<const Mesh> mesh;
   Adjacency adjacency;
 };
 
-const Surface& terrain() {
-  static const Surface surface(shapes::terrain(200, 6, 3));
+const Terrain& terrain() {
+  static const Terrain surface(shapes::terrain(200, 6, 3));
   return surface;
 }
 std::uint64_t vertex_count() { return terrain().mesh->vertex_count(); }
@@ -175,14 +175,14 @@ TriangleSoup hub(std::uint32_t faces) {
 }
 
 constexpr std::uint32_t kHubFaces = 20'000;
-const Surface& disc() {
-  static const Surface surface(hub(kHubFaces));
+const Terrain& disc() {
+  static const Terrain surface(hub(kHubFaces));
   return surface;
 }
 
 // So long that a path along it is.
-const Surface& strip() {
-  static const Surface surface(shapes::plane(4000, 2));
+const Terrain& strip() {
+  static const Terrain surface(shapes::plane(4000, 2));
   return surface;
 }
 
@@ -273,7 +273,7 @@ std::vector<Named> all_path_tools() {
                        straightest_geodesic_at_angle(disc().adjacency, on_disc(0), 5, 9, cancel));
                  }});
   all.push_back({"straightest along a knot", [](const Cancel& cancel) {
-                   static const Surface knot(shapes::torus_knot(60, 10, 0.3));
+                   static const Terrain knot(shapes::torus_knot(60, 10, 0.3));
                    return without_value(straightest_geodesic_at_angle(
                        knot.adjacency, point_at_vertex(knot.adjacency, 5), 0.3, 3000, cancel));
                  }});

@@ -22,11 +22,11 @@ namespace {
 
 constexpr double kExact = 1e-12;
 
-std::vector<double> distances(const Surface& surface, std::uint32_t from) {
+std::vector<double> chen_han_distances(const Surface& surface, std::uint32_t from) {
   return surface.in_source_order(surface.field_by(Method::chen_han, {Source{surface.at(from), 0}}));
 }
 
-void check_near(double value, double expected) {
+void check_nearly(double value, double expected) {
   CHECK(std::abs(value - expected) <= kExact * std::abs(expected));
 }
 
@@ -104,11 +104,11 @@ TEST_CASE("ChenHanPlaneIsFlatOnBothDiagonals") {
     const std::uint32_t n = 18;
     const Surface surface(shapes::plane(n, n, diagonal));
     for (const std::uint32_t from : {0U, 5 * n + 7, n - 1}) {
-      const auto d = distances(surface, from);
+      const auto d = chen_han_distances(surface, from);
       for (std::uint32_t v = 0; v < n * n; ++v) {
         const double dx = double(v % n) - double(from % n);
         const double dy = double(v / n) - double(from / n);
-        check_near(d[v], std::hypot(dx, dy));
+        check_nearly(d[v], std::hypot(dx, dy));
       }
     }
   }
@@ -125,14 +125,14 @@ TEST_CASE("ChenHanBendsAtTheCornersOfHoles") {
   }
   for (const auto diagonal : {shapes::Diagonal::rising, shapes::Diagonal::falling}) {
     const Surface surface(shapes::plane_with_holes(n, n, holes, diagonal));
-    const auto d = distances(surface, 0);
+    const auto d = chen_han_distances(surface, 0);
     for (std::uint32_t v = 0; v < n * n; ++v) {
       if (surface.adjacency().corners(surface.vertex(v)).empty()) {
         CHECK(d[v] == kUnreached);
         continue;
       }
       const fixtures::Point2 to{double(v % n), double(v / n)};
-      check_near(d[v], fixtures::shortest_among(squares, {0, 0}, to));
+      check_nearly(d[v], fixtures::shortest_among(squares, {0, 0}, to));
     }
   }
 }
@@ -142,17 +142,17 @@ TEST_CASE("ChenHanUnfoldsTheCube") {
     const TriangleSoup soup = cube(n);
     const Surface surface(soup);
     CHECK(surface.adjacency().report().edges_boundary == 0);
-    const auto d = distances(surface, vertex_at(soup, {0, 0, 0}));
-    check_near(d[vertex_at(soup, {1, 0, 0})], 1);
-    check_near(d[vertex_at(soup, {1, 1, 0})], std::sqrt(2.0));
-    check_near(d[vertex_at(soup, {1, 1, 1})], std::sqrt(5.0));
+    const auto d = chen_han_distances(surface, vertex_at(soup, {0, 0, 0}));
+    check_nearly(d[vertex_at(soup, {1, 0, 0})], 1);
+    check_nearly(d[vertex_at(soup, {1, 1, 0})], std::sqrt(2.0));
+    check_nearly(d[vertex_at(soup, {1, 1, 1})], std::sqrt(5.0));
     if (n == 1) continue;
     // Up a side and on over the top, by the shorter of the two unfoldings.
-    check_near(d[vertex_at(soup, {0.5, 1, 0.5})], std::hypot(1.5, 0.5));
-    check_near(d[vertex_at(soup, {1, 0.5, 1})], std::hypot(1.5, 1));
-    const auto middle = distances(surface, vertex_at(soup, {0.5, 0.5, 0}));
-    check_near(middle[vertex_at(soup, {0.5, 0.5, 1})], 2);
-    check_near(middle[vertex_at(soup, {0, 0, 1})], std::hypot(1.5, 0.5));
+    check_nearly(d[vertex_at(soup, {0.5, 1, 0.5})], std::hypot(1.5, 0.5));
+    check_nearly(d[vertex_at(soup, {1, 0.5, 1})], std::hypot(1.5, 1));
+    const auto middle = chen_han_distances(surface, vertex_at(soup, {0.5, 0.5, 0}));
+    check_nearly(middle[vertex_at(soup, {0.5, 0.5, 1})], 2);
+    check_nearly(middle[vertex_at(soup, {0, 0, 1})], std::hypot(1.5, 0.5));
   }
 }
 
@@ -177,11 +177,11 @@ TEST_CASE("ChenHanDevelopsATube") {
   const Surface surface(tube);
   const double side = 2 * std::sin(std::numbers::pi / around);
   const std::uint32_t from = 3 * around + 2;
-  const auto d = distances(surface, from);
+  const auto d = chen_han_distances(surface, from);
   for (std::uint32_t v = 0; v < around * rows; ++v) {
     const std::uint32_t apart = (v % around + around - from % around) % around;
     const double round = side * std::min(apart, around - apart);
-    check_near(d[v], std::hypot(round, 0.3 * (double(v / around) - 3)));
+    check_nearly(d[v], std::hypot(round, 0.3 * (double(v / around) - 3)));
   }
 }
 
@@ -197,12 +197,12 @@ TEST_CASE("ChenHanDevelopsACone") {
         {radius * std::cos(u), radius * std::sin(u), -std::sqrt(1 - radius * radius)});
     cone.faces.push_back({0, 1 + i, 1 + (i + 1) % around});
   }
-  const auto d = distances(Surface(cone), 1);
+  const auto d = chen_han_distances(Surface(cone), 1);
   for (std::uint32_t i = 1; i < around; ++i) {
     CHECK(d[1 + i] ==
           doctest::Approx(2 * std::sin(angle * std::min(i, around - i) / 2)).epsilon(1e-12));
   }
-  check_near(d[0], 1);
+  check_nearly(d[0], 1);
 }
 
 TEST_CASE("ChenHanBendsAtASaddle") {
@@ -217,12 +217,12 @@ TEST_CASE("ChenHanBendsAtASaddle") {
     soup.faces.push_back({0, 2 + 2 * i, next});
   }
   const Surface surface(soup);
-  const auto d = distances(surface, 1);
-  check_near(d[0], 1);
-  check_near(d[3], std::sqrt(2.0));
-  check_near(d[4], std::hypot(2, 1));
-  check_near(d[5], 2);                   // straight through the vertex
-  check_near(d[6], 1 + std::sqrt(2.0));  // 225 degrees on either side of it
+  const auto d = chen_han_distances(surface, 1);
+  check_nearly(d[0], 1);
+  check_nearly(d[3], std::sqrt(2.0));
+  check_nearly(d[4], std::hypot(2, 1));
+  check_nearly(d[5], 2);                   // straight through the vertex
+  check_nearly(d[6], 1 + std::sqrt(2.0));  // 225 degrees on either side of it
 }
 
 TEST_CASE("ChenHanSourcesOnEdgesAndInFaces") {
@@ -237,8 +237,8 @@ TEST_CASE("ChenHanSourcesOnEdgesAndInFaces") {
       CHECK(field.nearest_source.empty());
       CHECK(field.reached == n * n);
       for (std::uint32_t v = 0; v < n * n; ++v) {
-        check_near(field.distance[surface.vertex(v)],
-                   0.5 + distance(at, {double(v % n), double(v / n), 0}));
+        check_nearly(field.distance[surface.vertex(v)],
+                     0.5 + distance(at, {double(v % n), double(v / n), 0}));
       }
     }
   }
@@ -260,9 +260,9 @@ TEST_CASE("ChenHanSeveralSourcesAreTheLeastOfSingleOnes") {
   for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
     double least = kUnreached;
     for (const Field& field : single) least = std::min(least, field.distance[v]);
-    check_near(all.distance[v], least);
+    check_nearly(all.distance[v], least);
     REQUIRE(all.nearest_source[v] < sources.size());
-    check_near(single[all.nearest_source[v]].distance[v], least);
+    check_nearly(single[all.nearest_source[v]].distance[v], least);
   }
 }
 
@@ -291,7 +291,7 @@ TEST_CASE("ChenHanStopsAtTheTargets") {
   const Field some = surface.field_by(Method::chen_han, sources, limits);
   double farthest = 0;
   for (const std::uint32_t v : targets) {
-    check_near(some.distance[v], whole.distance[v]);
+    check_nearly(some.distance[v], whole.distance[v]);
     farthest = std::max(farthest, whole.distance[v]);
   }
   CHECK(some.reached < whole.reached);
@@ -300,7 +300,7 @@ TEST_CASE("ChenHanStopsAtTheTargets") {
       CHECK(some.distance[v] == kUnreached);
       CHECK(some.nearest_source[v] == kNone);
     } else {
-      check_near(some.distance[v], whole.distance[v]);
+      check_nearly(some.distance[v], whole.distance[v]);
     }
   }
 }

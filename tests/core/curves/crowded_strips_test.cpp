@@ -241,7 +241,7 @@ TriangleSoup with_area(TriangleSoup soup) {
   return soup;
 }
 
-double size_of(const Surface& surface) {
+double extent_of(const Surface& surface) {
   return norm(surface.mesh().box().max - surface.mesh().box().min);
 }
 
@@ -277,7 +277,7 @@ TEST_CASE("LinesOnHeapsEndSoonAndAreRight") {
     const Field near = field_soon(surface, question, automatic, random() % 2 == 0);
     const Field above = field_soon(surface, question, upper, random() % 2 == 0);
     const Field of_once = field_soon(surface_once, question_once, exact);
-    const double rounding = 1e-9 * size_of(surface);
+    const double rounding = 1e-9 * extent_of(surface);
     for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
       CAPTURE(v);
       if (limit.distance[v] == kUnreached) {
@@ -343,7 +343,7 @@ TEST_CASE("EdgesOnSmallHeapsAreAsFarAsByEveryStrip") {
     const std::vector<double> truth = every.distances(sources);
     const Field exact = field_soon(surface, question, methods()[0]);
     const Field upper = field_soon(surface, question, methods()[3]);
-    const double rounding = 1e-9 * size_of(surface);
+    const double rounding = 1e-9 * extent_of(surface);
     for (std::uint32_t v = 0; v < vertices; ++v) {
       CAPTURE(v);
       if (truth[v] == kUnreached) continue;
@@ -426,7 +426,7 @@ TEST_CASE("AWaveGoesRoundTheVertexThatSheetsFarApartShareOnce") {
     const DensePoints dense =
         fixtures::dense_points(surface, question.lines(), question.sources(), 12);
     const Field limit = surface.field_by(Method::exact, dense.sources);
-    const double rounding = 1e-9 * size_of(surface);
+    const double rounding = 1e-9 * extent_of(surface);
     for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
       CAPTURE(v);
       if (limit.distance[v] == kUnreached) continue;

@@ -21,7 +21,7 @@ using fixtures::turned_plane;
 
 namespace {
 
-constexpr double kExact = 1e-9;
+constexpr double kExactInPlane = 1e-9;
 // A curve is a shortest path, so its length is exact. But a path that passes a vertex at 1e-6 is
 // longer by 1e-12 only if it goes through it, and such a way is taken as the same.
 constexpr double kBeside = 1e-5;
@@ -73,7 +73,7 @@ TEST_CASE("PlanarCurvesHaveTheDistancesOfTheClosedForm") {
     for (std::size_t i = 0; i + 1 < made.line.size() + (made.is_closed ? 1 : 0); ++i) {
       sum += norm(made.line[(i + 1) % made.line.size()] - made.line[i]);
     }
-    CHECK(length == doctest::Approx(sum).epsilon(kExact));
+    CHECK(length == doctest::Approx(sum).epsilon(kExactInPlane));
     for (const Method method : {Method::exact, Method::chen_han}) {
       const Field field = question.field(method);
       CHECK(field.reached == made.surface.mesh().vertex_count());
@@ -91,7 +91,7 @@ TEST_CASE("PlanarCurvesHaveTheDistancesOfTheClosedForm") {
         const auto path = question.path(field, point);
         REQUIRE(path);
         CHECK(std::abs(path->length - wanted) < kBeside);
-        CHECK(norm(path->points.back().position - position) < kExact);
+        CHECK(norm(path->points.back().position - position) < kExactInPlane);
         CHECK(to_polyline(path->points.front().position, made.line, made.is_closed) < kBeside);
       }
       CHECK(worst < kBeside);
@@ -132,7 +132,7 @@ TEST_CASE("CurvesOnGridsWhereWaysRunAlongEdgesHaveTheDistancesOfTheClosedForm") 
       const auto b = static_cast<std::uint32_t>(random() % (side * side));
       CAPTURE(a);
       CAPTURE(b);
-      check_segment(surface, {surface.at(a), surface.at(b)}, kExact);
+      check_segment(surface, {surface.at(a), surface.at(b)}, kExactInPlane);
     }
   }
 }
@@ -187,6 +187,6 @@ TEST_CASE("PlanarBoundariesAreAsFarAsTheNearestSide") {
   for (int i = 0; i < 300; ++i) {
     const SurfacePoint point = some_point(surface, random);
     const double wanted = to_polyline(position_of(surface.mesh(), point), corners, true);
-    CHECK(std::abs(question.at(field, point) - wanted) < kExact);
+    CHECK(std::abs(question.at(field, point) - wanted) < kExactInPlane);
   }
 }

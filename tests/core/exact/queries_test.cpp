@@ -25,7 +25,7 @@ using fixtures::Surface;
 
 namespace {
 
-void check_close(double got, double wanted, double relative) {
+void check_nearly(double got, double wanted, double relative) {
   CAPTURE(got);
   CAPTURE(wanted);
   CHECK(std::abs(got - wanted) <= relative * wanted);
@@ -143,8 +143,8 @@ TEST_CASE("SeveralSourcesAreTheNearestOfThem") {
 TEST_CASE("AnOffsetIsAddedAndCanHideASource") {
   const Surface surface(shapes::plane(6, 1 + 5));
   const Field field = surface.field_by(Method::exact, {{surface.at(0), 2}, {surface.at(5), 9}});
-  check_close(field.distance[surface.vertex(0)], 2, 1e-15);
-  check_close(field.distance[surface.vertex(5)], 7, 1e-13);  // the other's offset is more
+  check_nearly(field.distance[surface.vertex(0)], 2, 1e-15);
+  check_nearly(field.distance[surface.vertex(5)], 7, 1e-13);  // the other's offset is more
   for (const std::uint32_t nearest : field.nearest_source) CHECK(nearest == 0);
   for (const VisibleInterval& w : field.windows->into(0)) CHECK(w.source == 0);
 }
@@ -154,7 +154,7 @@ TEST_CASE("AnOffsetMayBeOutOfAllProportion") {
   const Surface surface(shapes::terrain(12, 3, 1));
   const Field field = surface.field_by(Method::exact, {{surface.at(70), 1e20}});
   CHECK(field.reached == 144);
-  for (const double d : field.distance.values()) check_close(d, 1e20, 1e-12);
+  for (const double d : field.distance.values()) check_nearly(d, 1e20, 1e-12);
 }
 
 TEST_CASE("ALimitLeavesTheRestUnreached") {
@@ -170,7 +170,7 @@ TEST_CASE("ALimitLeavesTheRestUnreached") {
     if (whole.distance[v] > limits.max) {
       CHECK(part.distance[v] == kUnreached);
     } else {
-      check_close(part.distance[v], whole.distance[v], 1e-12);
+      check_nearly(part.distance[v], whole.distance[v], 1e-12);
     }
   }
 }
@@ -192,10 +192,10 @@ TEST_CASE("TargetsEndTheFieldWithTheFarthestOfThem") {
       if (whole.distance[v] > farthest * (1 + 1e-12)) {
         CHECK(part.distance[v] == kUnreached);
       } else if (whole.distance[v] < farthest * (1 - 1e-12)) {
-        check_close(part.distance[v], whole.distance[v], 1e-12);
+        check_nearly(part.distance[v], whole.distance[v], 1e-12);
       }
     }
-    check_close(part.max, farthest, 1e-12);
+    check_nearly(part.max, farthest, 1e-12);
   }
 }
 
@@ -222,7 +222,7 @@ TEST_CASE("OneScratchServesManySurfaces") {
     const Source source{surface.at(0), 0};
     const auto field = exact_field(surface.adjacency(), {&source, 1}, {}, scratch, Cancel());
     REQUIRE(field.has_value());
-    check_close(field->max, (side - 1) * std::sqrt(2.0), 1e-13);
+    check_nearly(field->max, (side - 1) * std::sqrt(2.0), 1e-13);
   }
 }
 

@@ -19,7 +19,7 @@ using fixtures::Surface;
 
 namespace {
 
-constexpr double kTolerances[] = {0.1, 1e-2, 1e-3, 1e-4};
+constexpr double kPromised[] = {0.1, 1e-2, 1e-3, 1e-4};
 // Of a distance, and of the mesh's extent: positions on an edge are rounded as coarsely as it is
 // long.
 constexpr double kRounding = 1e-9;
@@ -55,7 +55,7 @@ std::vector<double> within_by_early_sources(double tolerance, const Surface& sur
   return field.distance.values();
 }
 
-double extent_of(const Mesh& mesh) { return norm(mesh.box().max - mesh.box().min); }
+double diagonal_of(const Mesh& mesh) { return norm(mesh.box().max - mesh.box().min); }
 
 double shortest_side(const Mesh& mesh) {
   double shortest = kUnreached;
@@ -69,7 +69,7 @@ double shortest_side(const Mesh& mesh) {
 
 void check_within(double tolerance, const Surface& surface, const std::vector<double>& found,
                   const std::vector<double>& truth) {
-  const double rounding = kRoundingOfExtent * extent_of(surface.mesh());
+  const double rounding = kRoundingOfExtent * diagonal_of(surface.mesh());
   CAPTURE(tolerance);
   for (std::uint32_t v = 0; v < truth.size(); ++v) {
     CAPTURE(v);
@@ -95,12 +95,12 @@ TEST_CASE("ToleranceHoldsOnSmallSurfacesOfMixedScales") {
     const Surface surface(mixed.soup);
     const std::uint32_t from = random() % surface.mesh().vertex_count();
     if (surface.adjacency().corners(from).empty()) continue;
-    if (shortest_side(surface.mesh()) < kLeastSide * extent_of(surface.mesh())) continue;
+    if (shortest_side(surface.mesh()) < kLeastSide * diagonal_of(surface.mesh())) continue;
     const fixtures::ExactStrips strips(surface.adjacency());
     if (!strips.complete()) continue;
     const SurfacePoint source = point_at_vertex(surface.adjacency(), from);
     const std::vector<double> truth = strips.distances(from);
-    for (const double tolerance : kTolerances) {
+    for (const double tolerance : kPromised) {
       check_within(tolerance, surface, within(tolerance, surface, source), truth);
       check_within(tolerance, surface, within_by_early_sources(tolerance, surface, source), truth);
     }
@@ -127,7 +127,7 @@ TEST_CASE("ToleranceHoldsAgainstExactOnSurfacesOfMixedScales") {
           point_on_face(surface.adjacency(), face, {0.3, 0.5, 0.2})}) {
       const Field exact = surface.field_by(Method::exact, {Source{from, 0}});
       const std::vector<double> truth = exact.distance.values();
-      for (const double tolerance : kTolerances) {
+      for (const double tolerance : kPromised) {
         check_within(tolerance, surface, within(tolerance, surface, from), truth);
       }
     }

@@ -17,8 +17,6 @@ using fixtures::Surface;
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 struct Oracle {
   double t = kInfinity;      // of the nearest face that is surely met, in lengths of the direction
   double doubt = kInfinity;  // of the nearest that rounding may decide either way

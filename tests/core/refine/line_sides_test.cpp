@@ -16,12 +16,14 @@
 #include "core/locate/closest_point.h"
 #include "core/mesh/shapes.h"
 #include "tests/core/curves/curve_fixtures.h"
+#include "tests/core/refine/cut_surface.h"
 #include "tests/core/refine/lines_on_meshes.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 #include "tests/fixtures/tube.h"
 
 using namespace geodesic;
+using fixtures::kPlenty;
 using fixtures::random_line;
 using fixtures::RandomMesh;
 using fixtures::Surface;
@@ -29,7 +31,6 @@ using fixtures::test_seed;
 
 namespace {
 
-constexpr std::uint64_t kPlenty = 1'000'000;
 constexpr std::uint32_t kSide = 11;
 
 // A sheared square of the xy plane.

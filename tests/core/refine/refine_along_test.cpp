@@ -9,12 +9,14 @@
 
 #include "core/base/memory_budget.h"
 #include "core/mesh/shapes.h"
+#include "tests/core/refine/cut_surface.h"
 #include "tests/core/refine/lines_on_meshes.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;
+using fixtures::kPlenty;
 using fixtures::random_line;
 using fixtures::RandomMesh;
 using fixtures::Surface;
@@ -22,9 +24,7 @@ using fixtures::test_seed;
 
 namespace {
 
-constexpr std::uint64_t kPlenty = 1'000'000;
-
-double size_of(const Mesh& mesh) { return distance(mesh.box().min, mesh.box().max); }
+double diagonal_of(const Mesh& mesh) { return distance(mesh.box().min, mesh.box().max); }
 
 double length_of(const Mesh& mesh, const SurfacePolyline& line) {
   double length = 0;
@@ -66,7 +66,7 @@ void check_pieces(const RefinedMesh& refined, const Mesh& whole) {
       for (std::size_t j = 0; j < 3; ++j) {
         there = there + piece->corners[k][j] * whole.positions()[whole_corners[j]];
       }
-      CHECK(distance(there, refined.mesh.positions()[t[k]]) < 1e-12 * size_of(whole));
+      CHECK(distance(there, refined.mesh.positions()[t[k]]) < 1e-12 * diagonal_of(whole));
     }
     // There and back again.
     const Weights middle{0.3, 0.3, 0.4};
@@ -90,7 +90,7 @@ void check_pieces(const RefinedMesh& refined, const Mesh& whole) {
 
 void check_chains(const RefinedMesh& refined, const Adjacency& adjacency, const Mesh& whole,
                   const std::vector<SurfacePolyline>& lines) {
-  const double near = 1e-7 * size_of(whole);
+  const double near = 1e-7 * diagonal_of(whole);
   REQUIRE(refined.chains.size() == lines.size());
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const auto& chain = refined.chains[i];
@@ -138,7 +138,7 @@ void check_is_same_surface(const Adjacency& refined, const Adjacency& whole, Ran
     if (a == kUnreached || b == kUnreached) {
       CHECK(a == b);
     } else {
-      CHECK(std::abs(a - b) <= 1e-9 * size_of(whole.mesh()));
+      CHECK(std::abs(a - b) <= 1e-9 * diagonal_of(whole.mesh()));
     }
   }
 }

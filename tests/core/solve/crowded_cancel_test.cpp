@@ -42,7 +42,7 @@ constexpr double kLongestWithoutAQuestion = 0.5;
 constexpr double kMostWork = 10;
 
 using Computation = std::function<Result<void>(const Cancel&)>;
-struct Named {
+struct NamedComputation {
   std::string name;
   Computation run;
 };
@@ -81,7 +81,7 @@ std::vector<Way> ways() {
 
 // Fields and what follows from them.
 void add_fields(const Surface& surface, const SurfacePoint& from, const SurfacePoint& to,
-                std::vector<Named>& all) {
+                std::vector<NamedComputation>& all) {
   for (const Way& way : ways()) {
     all.push_back({way.name, [&surface, from, way](const Cancel& cancel) {
                      SolveScratch scratch;
@@ -127,7 +127,7 @@ void add_fields(const Surface& surface, const SurfacePoint& from, const SurfaceP
 }
 
 void add_others(const Surface& surface, const SurfacePoint& from, const SurfacePoint& to,
-                std::vector<Named>& all) {
+                std::vector<NamedComputation>& all) {
   all.push_back({"adjacency", [&surface](const Cancel& cancel) {
                    const auto mesh = std::make_shared<const Mesh>(surface.mesh());
                    return without_value(Adjacency::build(mesh, cancel));
@@ -218,10 +218,10 @@ TEST_CASE("WhateverIsAskedAboutACrowdEndsAndIsLeftAtAnyQuestion") {
         surface.at(0), surface.at(2), surface.on(face, {0.2, 0.3, 0.5}),
         surface.on(face, {0.4, 0.6, 0}), surface.on(crowded::kFaces - 1 - face, {0.1, 0, 0.9})};
     std::shuffle(points.begin(), points.end(), random);
-    std::vector<Named> all;
+    std::vector<NamedComputation> all;
     add_fields(surface, points[0], points[1], all);
     add_others(surface, points[2], points[3], all);
-    for (const Named& named : all) {
+    for (const NamedComputation& named : all) {
       CAPTURE(named.name);
       check(named.run, random);
     }

@@ -20,13 +20,13 @@ using fixtures::Surface;
 
 namespace {
 
-struct Named {
+struct CrowdMethod {
   std::string name;
   Method method;
   Bound bound = Bound::none;
 };
 
-const Named kMethods[] = {
+const CrowdMethod kCrowdMethods[] = {
     {"auto", Method::back_traced},  {"upper", Method::back_traced, Bound::upper},
     {"dijkstra", Method::dijkstra}, {"wavefront", Method::wavefront},
     {"novotni", Method::novotni},   {"fast_marching", Method::fast_marching},
@@ -40,7 +40,7 @@ TEST_CASE("CrowdsAreSolvedInStepsAndMemoryAsOtherSurfaces") {
     const Surface surface(crowd.soup);
     const std::vector<SurfacePoint> points{
         surface.at(0), surface.at(2), surface.on(7, {0.2, 0.3, 0.5}), surface.on(7, {0.5, 0.5, 0})};
-    for (const Named& by : kMethods) {
+    for (const CrowdMethod& by : kCrowdMethods) {
       CAPTURE(by.name);
       MethodOptions options;
       options.bound = by.bound;
@@ -66,7 +66,7 @@ TEST_CASE("ACrowdIsLeftWheneverItIsCancelled") {
     CAPTURE(crowd.name);
     const Surface surface(crowd.soup);
     const Source source{surface.at(2), 0};
-    for (const Named& by : kMethods) {
+    for (const CrowdMethod& by : kCrowdMethods) {
       CAPTURE(by.name);
       MethodOptions options;
       options.bound = by.bound;

@@ -25,7 +25,7 @@ using fixtures::Surface;
 namespace {
 
 // What a method promises of its distances, relative to the true ones.
-struct Promise {
+struct MethodPromise {
   Method method;
   std::string name;
   // Never below the true distance and never above the way along edges. A front that
@@ -38,17 +38,17 @@ struct Promise {
   [[nodiscard]] bool never_above() const { return in_bounds || method == Method::back_traced; }
 };
 
-constexpr double kRounding = 1e-9;
+constexpr double kRoundingOfAll = 1e-9;
 constexpr double kFloatRounding = 1.2e-7;
 
-const Promise kPromises[] = {
+const MethodPromise kPromises[] = {
     {Method::dijkstra, "dijkstra", true, 0.42},
     {Method::steiner, "steiner", true, 0.10},
     {Method::fast_marching, "fast_marching", false, 0.35},
     {Method::wavefront, "wavefront", false, 0.04},
     {Method::novotni, "novotni", false, 0.2},
-    {Method::exact, "exact", true, kRounding},
-    {Method::chen_han, "chen_han", true, kRounding},
+    {Method::exact, "exact", true, kRoundingOfAll},
+    {Method::chen_han, "chen_han", true, kRoundingOfAll},
     {Method::back_traced, "auto", false, 0.01},
     {Method::back_traced, "auto from above", false, 0.01, Bound::upper},
 };
@@ -57,14 +57,14 @@ Field field_of(const Surface& surface, Method method, const SurfacePoint& source
   return surface.field_by(method, {Source{source, 0}});
 }
 
-Field field_of(const Surface& surface, const Promise& promise, const std::vector<Source>& sources,
-               const FieldLimits& limits = {}) {
+Field field_of(const Surface& surface, const MethodPromise& promise,
+               const std::vector<Source>& sources, const FieldLimits& limits = {}) {
   MethodOptions options;
   options.bound = promise.bound;
   return surface.field_by(promise.method, sources, limits, options);
 }
 
-Field field_of(const Surface& surface, const Promise& promise, const SurfacePoint& source) {
+Field field_of(const Surface& surface, const MethodPromise& promise, const SurfacePoint& source) {
   return field_of(surface, promise, {Source{source, 0}});
 }
 
@@ -76,7 +76,7 @@ TEST_CASE("EveryMethodIsRightOnAwkwardMeshes") {
     const Surface surface(mesh.soup);
     const double size = distance(surface.mesh().box().min, surface.mesh().box().max);
     const Field truth = field_of(surface, Method::exact, surface.at(mesh.source));
-    for (const Promise& promise : kPromises) {
+    for (const MethodPromise& promise : kPromises) {
       CAPTURE(promise.name);
       const Field field = field_of(surface, promise, surface.at(mesh.source));
       double worst = 0;
@@ -87,14 +87,14 @@ TEST_CASE("EveryMethodIsRightOnAwkwardMeshes") {
         REQUIRE(path.has_value() == (truth.distance[v] != kUnreached));
         if (!path) continue;
         fixtures::check_is_a_path(surface.adjacency(), *path, size);
-        CHECK(path->length >= truth.distance[v] * (1 - kRounding));
+        CHECK(path->length >= truth.distance[v] * (1 - kRoundingOfAll));
         CHECK(path->points.back().position == surface.mesh().positions()[v]);
         if (truth.distance[v] == 0) {
           CHECK(field.distance[v] == 0);
           continue;
         }
         const double off = field.distance[v] / truth.distance[v] - 1;
-        if (promise.never_below()) CHECK(off >= -kRounding);
+        if (promise.never_below()) CHECK(off >= -kRoundingOfAll);
         worst = std::max(worst, std::abs(off));
       }
       CHECK_MESSAGE(worst <= promise.awkward, promise.name, " is off by ", worst);
@@ -109,7 +109,7 @@ TEST_CASE("EveryMethodStaysBetweenTheStraightLineAndTheWayAlongEdges") {
     const Surface surface(random.soup());
     const SurfacePoint source = surface.at(random.vertex());
     const Field along_edges = field_of(surface, Method::dijkstra, source);
-    for (const Promise& promise : kPromises) {
+    for (const MethodPromise& promise : kPromises) {
       CAPTURE(promise.name);
       const Field field = field_of(surface, promise, source);
       for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
@@ -117,12 +117,12 @@ TEST_CASE("EveryMethodStaysBetweenTheStraightLineAndTheWayAlongEdges") {
         REQUIRE((d == kUnreached) == (along_edges.distance[v] == kUnreached));
         if (d == kUnreached) continue;
         CHECK((d == 0) == (v == source.vertex));
-        const double rounding = field.distance.are_floats() ? kFloatRounding : kRounding;
+        const double rounding = field.distance.are_floats() ? kFloatRounding : kRoundingOfAll;
         if (promise.never_above()) CHECK(d <= along_edges.distance[v] * (1 + rounding));
         if (promise.never_below()) {
           const double straight =
               distance(surface.mesh().positions()[v], surface.mesh().positions()[source.vertex]);
-          CHECK(d >= straight * (1 - kRounding));
+          CHECK(d >= straight * (1 - kRoundingOfAll));
         }
       }
     }
@@ -141,7 +141,7 @@ TEST_CASE("WhereToStopChangesNoValueOfManySourcesCloseTogether") {
       sources.push_back({surface.at(30 * (10 + i) + 10 + j), 0.01 * i});
     }
   }
-  for (const Promise& promise : kPromises) {
+  for (const MethodPromise& promise : kPromises) {
     CAPTURE(promise.name);
     const Field whole = field_of(surface, promise, sources);
     for (const std::uint32_t target : {0U, 30U * 12U + 12U, 30U * 20U + 20U, 899U}) {
@@ -173,7 +173,7 @@ TEST_CASE("ShortestPathsOfASpaceMakeAMetric") {
     const Surface surface(random.soup());
     const SurfacePoint a = surface.at(random.vertex());
     const SurfacePoint b = surface.at(random.vertex());
-    for (const Promise& promise : kPromises) {
+    for (const MethodPromise& promise : kPromises) {
       if (!promise.in_bounds) continue;
       CAPTURE(promise.name);
       const Field from_a = field_of(surface, promise, a);
@@ -181,10 +181,10 @@ TEST_CASE("ShortestPathsOfASpaceMakeAMetric") {
       const double ab = from_a.distance[b.vertex];
       REQUIRE((ab == kUnreached) == (from_b.distance[a.vertex] == kUnreached));
       if (ab == kUnreached) continue;
-      CHECK(std::abs(ab - from_b.distance[a.vertex]) <= kRounding * ab);
+      CHECK(std::abs(ab - from_b.distance[a.vertex]) <= kRoundingOfAll * ab);
       for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
         if (from_a.distance[v] == kUnreached) continue;
-        CHECK(from_a.distance[v] <= (ab + from_b.distance[v]) * (1 + kRounding));
+        CHECK(from_a.distance[v] <= (ab + from_b.distance[v]) * (1 + kRoundingOfAll));
       }
     }
   }

@@ -21,25 +21,25 @@ using fixtures::Surface;
 
 namespace {
 
-struct Named {
+struct FlatMethod {
   std::string name;
   Method method;
   Bound bound = Bound::none;
   double tolerance = -1;  // none
 };
 
-const Named kMethods[] = {{"wavefront", Method::wavefront},
-                          {"novotni", Method::novotni},
-                          {"dijkstra", Method::dijkstra},
-                          {"fast_marching", Method::fast_marching},
-                          {"steiner", Method::steiner},
-                          {"auto", Method::back_traced},
-                          {"upper", Method::back_traced, Bound::upper},
-                          {"within 0.01", Method::back_traced, Bound::none, 0.01},
-                          {"exact", Method::exact},
-                          {"chen_han", Method::chen_han}};
+const FlatMethod kFlatMethods[] = {{"wavefront", Method::wavefront},
+                                   {"novotni", Method::novotni},
+                                   {"dijkstra", Method::dijkstra},
+                                   {"fast_marching", Method::fast_marching},
+                                   {"steiner", Method::steiner},
+                                   {"auto", Method::back_traced},
+                                   {"upper", Method::back_traced, Bound::upper},
+                                   {"within 0.01", Method::back_traced, Bound::none, 0.01},
+                                   {"exact", Method::exact},
+                                   {"chen_han", Method::chen_han}};
 
-MethodOptions options_of(const Named& by) {
+MethodOptions options_of(const FlatMethod& by) {
   MethodOptions options;
   options.bound = by.bound;
   if (by.tolerance >= 0) options.error_at_most = by.tolerance;
@@ -54,7 +54,7 @@ void check_as_near_as_along_edges(const Surface& surface, std::uint32_t from) {
   // the shapes of faces tell their heights as coarsely.
   const Box& box = surface.mesh().box();
   const double of_places = 1e-14 * norm(box.max - box.min);
-  for (const Named& by : kMethods) {
+  for (const FlatMethod& by : kFlatMethods) {
     CAPTURE(by.name);
     // Its windows are too many to wait for on some such heaps.
     if (by.method == Method::chen_han) continue;
@@ -138,7 +138,7 @@ TEST_CASE("OnStripsNearlyOnALineExactIsExactAndUpperIsAbove") {
     const std::uint32_t from = random() % surface.mesh().vertex_count();
     const std::vector<double> truth = strips.distances(from);
     const Source source{point_at_vertex(surface.adjacency(), from), 0};
-    for (const Named& by : kMethods) {
+    for (const FlatMethod& by : kFlatMethods) {
       const bool is_exact = by.method == Method::exact || by.method == Method::chen_han;
       if (!is_exact && by.bound != Bound::upper && by.tolerance < 0) continue;
       CAPTURE(by.name);

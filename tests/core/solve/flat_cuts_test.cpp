@@ -119,7 +119,7 @@ Twice any_point(RandomMesh& random, const TriangleSoup& soup, const CutSurface& 
   return {point, on_whole.on(parent, weights)};
 }
 
-double read(const Surface& surface, const Field& field, const SurfacePoint& point) {
+double read_at(const Surface& surface, const Field& field, const SurfacePoint& point) {
   const PointArrivals arrivals(surface.adjacency(), field);
   const auto found = distance_at_point(surface.adjacency(), field, arrivals, point, Cancel());
   REQUIRE(found);
@@ -164,9 +164,9 @@ void compare(RandomMesh& random, const TriangleSoup& soup, const FlatCuts& cuts,
   }
   for (int i = 0; i < 20; ++i) {
     const Twice target = any_point(random, soup, cut, surface, whole);
-    const double expected = read(whole, truth, target.whole);
+    const double expected = read_at(whole, truth, target.whole);
     if (expected == kUnreached || expected < near) continue;
-    errors.points.add(read(surface, field, target.cut), expected);
+    errors.points.add(read_at(surface, field, target.cut), expected);
     const auto path =
         path_through(surface.adjacency(), field, target.cut, PathWork::refined, Cancel());
     REQUIRE(path);

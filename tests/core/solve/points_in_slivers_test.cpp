@@ -65,7 +65,7 @@ SurfacePoint inside_a_face(const Surface& surface, std::mt19937& random) {
   return point_on_face(surface.adjacency(), face, {part(random), part(random), part(random)});
 }
 
-double read(const Surface& surface, const Field& field, const SurfacePoint& point) {
+double distance_read(const Surface& surface, const Field& field, const SurfacePoint& point) {
   const PointArrivals arrivals(surface.adjacency(), field);
   const auto found = distance_at_point(surface.adjacency(), field, arrivals, point, Cancel());
   REQUIRE(found);
@@ -97,8 +97,8 @@ TEST_CASE("DistancesInsideSliversAreNearTheTruth") {
         const PointArrivals circles(surface.adjacency(), field);
         for (int i = 0; i < 50; ++i, ++count) {
           const SurfacePoint to = inside_a_face(surface, random);
-          const double exact = read(surface, truth, to);
-          const double told = read(surface, field, to);
+          const double exact = distance_read(surface, truth, to);
+          const double told = distance_read(surface, field, to);
           // Two holes may leave faces between them that no way leads to.
           CHECK((told == kUnreached) == (exact == kUnreached));
           if (exact == kUnreached) continue;
@@ -130,7 +130,7 @@ TEST_CASE("FromAPointInsideAFaceToItselfItIsNoWay") {
       for (int i = 0; i < 20; ++i) {
         const SurfacePoint point = inside_a_face(surface, random);
         const Field field = surface.field_by(Method::back_traced, {{point, 0.5}}, {}, options);
-        CHECK(read(surface, field, point) == 0.5);
+        CHECK(distance_read(surface, field, point) == 0.5);
       }
     }
   }

@@ -29,7 +29,7 @@ using fixtures::Surface;
 
 namespace {
 
-constexpr double kRounding = 1e-9;
+constexpr double kRoundingOfExtent = 1e-9;
 
 double whole(std::mt19937& random, int most) { return static_cast<double>(random() % (most + 1)); }
 
@@ -173,9 +173,9 @@ void check_path(const Surface& surface, const Path& path, double shortest) {
   const Mesh& mesh = surface.mesh();
   fixtures::check_is_a_path(surface.adjacency(), path, distance(mesh.box().min, mesh.box().max));
   for (const PathPoint& p : path.points) {
-    CHECK(distance(p.position, position_of(mesh, p.point)) <= kRounding);
+    CHECK(distance(p.position, position_of(mesh, p.point)) <= kRoundingOfExtent);
   }
-  CHECK(path.length >= shortest * (1 - kRounding));
+  CHECK(path.length >= shortest * (1 - kRoundingOfExtent));
 }
 
 // Whether all that windows answer ends after a bounded number of questions and of bytes. It is no
@@ -240,14 +240,14 @@ TEST_CASE("OnQuantisedMeshesExactIsNoLongerThanADenseGraph") {
         continue;
       }
       const auto positions = surface.mesh().positions();
-      if (!(exact.distance[v] <= most[v] * (1 + kRounding))) {
+      if (!(exact.distance[v] <= most[v] * (1 + kRoundingOfExtent))) {
         CHECK(exact.distance[v] <= most[v] * 1.05);
         is_beyond = true;
         continue;
       }
-      CHECK(exact.distance[v] >= distance(positions[from], positions[v]) * (1 - kRounding));
-      CHECK(std::abs(chen_han.distance[v] - exact.distance[v]) <= kRounding * most[v]);
-      CHECK(std::abs(within.distance[v] - exact.distance[v]) <= kRounding * most[v]);
+      CHECK(exact.distance[v] >= distance(positions[from], positions[v]) * (1 - kRoundingOfExtent));
+      CHECK(std::abs(chen_han.distance[v] - exact.distance[v]) <= kRoundingOfExtent * most[v]);
+      CHECK(std::abs(within.distance[v] - exact.distance[v]) <= kRoundingOfExtent * most[v]);
     }
     if (is_beyond) ++beyond;
   });
@@ -274,7 +274,7 @@ TEST_CASE("OnQuantisedMeshesPathsStayOnTheSurface") {
         const auto refined = refine_path(surface.adjacency(), field, target, *path, Cancel());
         REQUIRE(refined.has_value());
         check_path(surface, *refined, exact.distance[v]);
-        CHECK(refined->length <= path->length * (1 + kRounding));
+        CHECK(refined->length <= path->length * (1 + kRoundingOfExtent));
       }
     }
   });
@@ -316,7 +316,7 @@ TEST_CASE("OnRoundedSpheresChenHanComesToAnEnd") {
     REQUIRE(field.has_value());
     for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
       if (edges.distance[v] == kUnreached) continue;
-      CHECK(field->distance[v] <= edges.distance[v] + kRounding);
+      CHECK(field->distance[v] <= edges.distance[v] + kRoundingOfExtent);
     }
   }
 }

@@ -46,7 +46,7 @@ std::optional<Path> refined(const Surface& surface, const Source& from, const Su
   return std::move(*result);
 }
 
-double size_of(const Surface& surface) {
+double extent_of(const Surface& surface) {
   return distance(surface.mesh().box().min, surface.mesh().box().max);
 }
 
@@ -128,9 +128,9 @@ TEST_CASE("BetweenTheTruthAndTheWayAlongEdges") {
       CHECK(three.distance[v] >= exact.distance[v] * (1 - kRounding));
       const auto path = surface.path(three, point_at_vertex(surface.adjacency(), v));
       REQUIRE(path);
-      fixtures::check_is_a_path(surface.adjacency(), *path, size_of(surface));
+      fixtures::check_is_a_path(surface.adjacency(), *path, extent_of(surface));
       // The path in the graph is as long as the graph says.
-      CHECK(std::abs(path->length - three.distance[v]) <= kRounding * size_of(surface));
+      CHECK(std::abs(path->length - three.distance[v]) <= kRounding * extent_of(surface));
     }
     for (int i = 0; i < 10; ++i) {
       const SurfacePoint to = surface.on(random.below(random.face_count()),
@@ -138,8 +138,8 @@ TEST_CASE("BetweenTheTruthAndTheWayAlongEdges") {
       const auto path = surface.path(three, to);
       REQUIRE(path.has_value() == (arrivals.distance_at(to) != kUnreached));
       if (!path) continue;
-      fixtures::check_is_a_path(surface.adjacency(), *path, size_of(surface));
-      CHECK(std::abs(path->length - arrivals.distance_at(to)) <= kRounding * size_of(surface));
+      fixtures::check_is_a_path(surface.adjacency(), *path, extent_of(surface));
+      CHECK(std::abs(path->length - arrivals.distance_at(to)) <= kRounding * extent_of(surface));
     }
   }
 }
@@ -325,11 +325,11 @@ TEST_CASE("RefiningNeverLengthensAndKeepsTheEnds") {
       const auto after = refined(surface, source, to, with_points(2));
       REQUIRE(before.has_value() == after.has_value());
       if (!after) continue;
-      fixtures::check_is_a_path(surface.adjacency(), *after, size_of(surface));
+      fixtures::check_is_a_path(surface.adjacency(), *after, extent_of(surface));
       CHECK(after->length <= before->length * (1 + kRounding));
       const double truth = exactly.distance_at(to) - source.offset;
-      CHECK(after->length >= truth - kRounding * size_of(surface));
-      const double apart = kRounding * size_of(surface);
+      CHECK(after->length >= truth - kRounding * extent_of(surface));
+      const double apart = kRounding * extent_of(surface);
       CHECK(distance(after->points.front().position, position_of(surface.mesh(), source.point)) <=
             apart);
       CHECK(distance(after->points.back().position, position_of(surface.mesh(), to)) <= apart);
@@ -350,7 +350,7 @@ TEST_CASE("RefinedPathsOnHillsComeCloseToTheExactOnes") {
       if (!(exact.distance[v] > 1e-3)) continue;
       const auto path = refined(surface, source, to);
       REQUIRE(path);
-      fixtures::check_is_a_path(surface.adjacency(), *path, size_of(surface));
+      fixtures::check_is_a_path(surface.adjacency(), *path, extent_of(surface));
       const Field field = steiner(surface, {source});
       before += field.distance[v] / exact.distance[v] - 1;
       after += path->length / exact.distance[v] - 1;

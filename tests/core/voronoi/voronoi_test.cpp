@@ -24,7 +24,7 @@ using fixtures::test_seed;
 
 namespace {
 
-constexpr std::uint64_t kAny = 1'000'000'000;
+constexpr std::uint64_t kMostSteps = 1'000'000'000;
 
 FieldLimits without_details() {
   FieldLimits limits;
@@ -36,13 +36,13 @@ Voronoi cells_by(const Surface& surface, const std::vector<Source>& sites,
                  Method method = Method::exact) {
   SolveScratch scratch;
   const Field field = surface.field_by(method, sites, without_details());
-  auto found = voronoi(method, {}, surface.adjacency(), field, kAny, scratch, Cancel());
+  auto found = voronoi(method, {}, surface.adjacency(), field, kMostSteps, scratch, Cancel());
   REQUIRE(found);
   return std::move(*found);
 }
 
 // Vertices, places inside faces, sometimes twice the same, sometimes with an offset.
-std::vector<Source> any_sites(const Surface& surface, std::mt19937& random) {
+std::vector<Source> any_sources(const Surface& surface, std::mt19937& random) {
   const auto unit = [&] { return random() / 4294967296.0; };
   std::vector<Source> sites;
   const std::size_t count = 1 + random() % 9;
@@ -99,7 +99,7 @@ TEST_CASE("CellsAddUpToTheSurface") {
                               Method::fast_marching, Method::steiner};
     const Method method = methods[random() % 8];
     CAPTURE(static_cast<int>(method));
-    check_cells(surface, any_sites(surface, random), method);
+    check_cells(surface, any_sources(surface, random), method);
   }
 }
 
@@ -108,8 +108,8 @@ TEST_CASE("CellsOfAwkwardSurfacesAddUp") {
   for (const fixtures::AwkwardMesh& mesh : fixtures::awkward_meshes()) {
     CAPTURE(mesh.name);
     const Surface surface(mesh.soup);
-    check_cells(surface, any_sites(surface, random), Method::exact);
-    check_cells(surface, any_sites(surface, random), Method::back_traced);
+    check_cells(surface, any_sources(surface, random), Method::exact);
+    check_cells(surface, any_sources(surface, random), Method::back_traced);
   }
 }
 
@@ -346,14 +346,15 @@ TEST_CASE("CellsAreStoppedInTheMiddle") {
                           CHECK(now <= 1 + 1e-12);
                           done = now;
                         });
-  REQUIRE(voronoi(Method::back_traced, {}, surface.adjacency(), field, kAny, scratch, counting));
+  REQUIRE(
+      voronoi(Method::back_traced, {}, surface.adjacency(), field, kMostSteps, scratch, counting));
   CHECK(done > 0.9);
   for (const std::size_t most :
        {std::size_t{0}, std::size_t{3}, all / 4, all / 2, all * 3 / 4, all - 1}) {
     std::size_t asked = 0;
     const Cancel stopping([&] { return ++asked > most; });
     const auto found =
-        voronoi(Method::back_traced, {}, surface.adjacency(), field, kAny, scratch, stopping);
+        voronoi(Method::back_traced, {}, surface.adjacency(), field, kMostSteps, scratch, stopping);
     REQUIRE_FALSE(found.has_value());
     CHECK(found.error().code == ErrorCode::cancelled);
     // Soon.
@@ -378,7 +379,7 @@ TEST_CASE("CellsAskForTheirMemory") {
     return {};
   });
   const auto cells = [&](MemoryBudget& budget) {
-    return voronoi(Method::dijkstra, {}, surface.adjacency(), field, kAny, scratch,
+    return voronoi(Method::dijkstra, {}, surface.adjacency(), field, kMostSteps, scratch,
                    Cancel({}, {}, &budget));
   };
   REQUIRE(cells(counting));
@@ -402,7 +403,8 @@ TEST_CASE("TooManySegmentsAreRefused") {
   const std::vector<Source> sites{{surface.at(0), 0}, {surface.at(399), 0}};
   const Field field = surface.field_by(Method::exact, sites, without_details());
   SolveScratch scratch;
-  const auto all = voronoi(Method::exact, {}, surface.adjacency(), field, kAny, scratch, Cancel());
+  const auto all =
+      voronoi(Method::exact, {}, surface.adjacency(), field, kMostSteps, scratch, Cancel());
   REQUIRE(all);
   const std::uint64_t segments = all->bisectors.segments;
   CHECK(segments > 19);

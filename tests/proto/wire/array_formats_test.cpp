@@ -25,8 +25,6 @@ T number_at(std::string_view bytes, std::size_t offset) {
   return numbers<T>(bytes.substr(offset, sizeof(T))).front();
 }
 
-const double kInfinity = std::numeric_limits<double>::infinity();
-
 }  // namespace
 
 TEST_CASE("QuantisedValuesAreWithinHalfAStepAndUnreachedIsTheLast") {
