@@ -2,7 +2,7 @@
 // what the page says of each.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { openMesh, pathLength, picture, ready, reload, textAt, until } from './browser.mjs';
+import { newPage, openMesh, pathLength, picture, ready, reload, textAt, until } from './browser.mjs';
 import { served } from './served.mjs';
 
 const { browser, service } = await served();
@@ -358,3 +358,29 @@ for (const [how, count] of [['a typed line', 1], ['a file', 2], ['a long file', 
     await page.context().close();
   });
 }
+
+test('a path is asked for once, and not again when its field has come', async () => {
+  const page = await newPage(browser);
+  let shown;
+  const pathIsShown = new Promise((resolve) => { shown = resolve; });
+  await page.route(/\/distance\?/, async (route) => {
+    await pathIsShown;
+    await route.continue();
+  });
+  await page.goto(`${service.url}#mesh=${plane}&from=5,0.3,0.3&to=9000,0.3,0.3&method=dijkstra`);
+  const length = await pathLength(page);
+  assert.notEqual(await page.textContent('.legend h2'), 'Distance');
+  shown();
+  await textAt(page, '.legend h2', (text) => text === 'Distance');
+  const paths = () => page.asked.filter((url) => url.includes('/path?')).length;
+  assert.equal(paths(), 1);
+  // Another one is, and the first again when the click is undone.
+  await page.mouse.click(620, 430);
+  await pathLength(page, length);
+  assert.equal(paths(), 2);
+  await page.keyboard.press('Control+z');
+  await textAt(page, '#length', (text) => text === length);
+  assert.equal(paths(), 3);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});

@@ -8,7 +8,7 @@ import type { Connection } from './connection.ts';
 import { methodUsed } from './costs.ts';
 import { Newest } from './newest.ts';
 import { regionsOf } from './painted.ts';
-import { computing, fieldKey, fieldQuestion, pathKey, type Attempt, type PathQuestion, type Questions } from './questions.ts';
+import { askedKey, computing, fieldKey, fieldQuestion, pathKey, type Attempt, type PathQuestion, type Questions } from './questions.ts';
 import { surfaceOf, type Results } from './results.ts';
 import { differ, type Arrow, type Line, type Measure, type Painted, type Spot, type State, type Store } from './state.ts';
 
@@ -22,11 +22,13 @@ interface TraceQuestion {
 const AT_REST = 300;
 
 export class Paths {
-  readonly #path = new Newest<PathQuestion>((asked, signal) => this.#askPath(asked, signal));
+  readonly #path = new Newest<PathQuestion>((asked, signal) => this.#askPath(asked, signal), askedKey);
   readonly #trace = new Newest<TraceQuestion>((asked, signal) => this.#askTrace(asked, signal));
   readonly #measures = new Newest<readonly Measure[]>((asked, signal) => this.#askMeasures(asked, signal));
   /** Of which state the path is that is shown. */
   #pathKey = '';
+  /** What the last question was, if it was answered. */
+  #answered = '';
   #held = false;
   #moved = 0;
   #strengthening = 0;
@@ -100,7 +102,9 @@ export class Paths {
     this.#judge();
     if (!present && (count > 1 || this.questions.isLong(methodUsed(now)))) return; // asked once it has come
     const starts = this.#nearest(now, via[0] ?? target);
-    this.#path.ask({ mesh, from: sources[0] ?? target, starts, via, to: target, method, pointsPerEdge, refine, painted, walking, key: pathKey(now) }, interrupt);
+    const question: PathQuestion = { mesh, from: sources[0] ?? target, starts, via, to: target, method, pointsPerEdge, refine, painted, walking, key: pathKey(now) };
+    if (this.results.value.path && this.#answered === askedKey(question)) this.#path.cancel();
+    else this.#path.ask(question, interrupt);
   }
 
   /** The sources of which one is nearest to a spot: one, or those that meet in its face. */
@@ -114,10 +118,12 @@ export class Paths {
   }
 
   async #askPath(asked: PathQuestion, signal: AbortSignal): Promise<void> {
+    this.#answered = '';
     await this.attempt(signal, 'path', async () => {
       const path = await this.questions.path(asked, signal, () => this.#path.cancel());
       if (signal.aborted || !this.state.value.target) return;
       this.#pathKey = asked.key;
+      this.#answered = askedKey(asked);
       const stale = this.results.value.stale || asked.key !== pathKey(this.state.value);
       this.results.set({ path, stale, along: null, pathMs: computing(path.timing) });
       this.#judge();

@@ -57,6 +57,11 @@ export function pathKey(state: State): string {
   return [keyOf(state), refine && !byCost(state), ...spots, ...curves.map(lineText)].join('|');
 }
 
+/** What a path is that was asked for: of several sources, that from those that are nearest. */
+export function askedKey({ key, starts }: PathQuestion): string {
+  return [key, ...starts.map((start) => ('points' in start ? lineText(start) : spotText(start)))].join('|');
+}
+
 /** As the API takes them. */
 export function sourcesOf({ sources, curves }: Pick<State, 'sources' | 'curves'>): (Spot | string)[] {
   return [...sources, ...curves.map(curveText)];
