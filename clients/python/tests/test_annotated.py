@@ -100,7 +100,7 @@ def test_the_commands(server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_
     np.testing.assert_array_equal(told[found.vertices, 2], found.distances.astype(np.float32))
     assert (told[:, 2] == -1).sum() == plane.vertices - len(found)
     for wrong in (["--into", "a.obj"], ["--into", "a.gltf"], ["--into", "a.glb", "--at", "3"]):
-        geodesic(server, "distance", plane.id, "--from", "0", *wrong, status=1)
+        geodesic(server, "distance", plane.id, "--from", "0", *wrong, status=2)
 
 
 def test_signed_distances_are_an_attribute_of_another_name(plane: geodesicd.Mesh) -> None:
@@ -120,5 +120,5 @@ def test_the_mesh_s_own_file_stays(
     file = tmp_path / "own.glb"
     file.write_bytes(plane.source())
     before = file.read_bytes()
-    geodesic(server, "distance", file, "--from", "0", "--into", file, status=1)
+    geodesic(server, "distance", file, "--from", "0", "--into", file, status=2)
     assert file.read_bytes() == before

@@ -181,7 +181,7 @@ def test_tables_in_files(
     assert matrix.shape == (2, 2)
     assert matrix.nnz == 1
     assert matrix[0, 0] == pytest.approx(3)
-    assert ".npy or .npz" in geodesic(server, *asked, "-o", tmp_path / "t.csv", status=1).stderr
+    assert ".npy or .npz" in geodesic(server, *asked, "-o", tmp_path / "t.csv", status=2).stderr
 
 
 def test_points_of_a_table_in_files(
@@ -201,7 +201,8 @@ def test_points_of_a_table_in_files(
     assert len(square) == 4
     assert square[0].startswith(',0,9,"p:5,0,0"')
     rows.write_text("\n")
-    assert "give --from POINT" in geodesic(server, *asked, status=1).stderr
+    assert "rows.txt has no points" in geodesic(server, *asked, status=1).stderr
+    assert "give --from POINT" in geodesic(server, "table", plane.id, status=2).stderr
     gone = geodesic(server, "table", plane.id, "--from-file", tmp_path / "none", status=1)
     assert "No such file" in gone.stderr
 

@@ -82,7 +82,7 @@ def test_commands_walk_cheaply(
     glb = tmp_path / "path.glb"
     assert cost("--weight", "2*part:0", "-o", glb) == pytest.approx(99 * 2)
     assert glb.read_bytes().startswith(b"glTF")
-    wrong = geodesic(server, "path", *asked, "--weight", "2", status=1)
+    wrong = geodesic(server, "path", *asked, "--weight", "2", status=2)
     assert "NUMBER*REGION" in wrong.stderr
 
 
@@ -105,7 +105,7 @@ def test_what_the_commands_say_of_a_wrong_up(
     server: geodesicd.LocalServer, plane: geodesicd.Mesh
 ) -> None:
     asked = ("path", plane.id, "--from", "0", "--to", "99", "--up")
-    assert "--up is three numbers" in geodesic(server, *asked, "north", status=1).stderr
+    assert "--up is three numbers" in geodesic(server, *asked, "north", status=2).stderr
     assert "slope or steepest" in geodesic(server, *asked, "0,0,1", status=1).stderr
 
 

@@ -73,7 +73,7 @@ def test_means(client: geodesicd.Client, tmp_path: Path, server: geodesicd.Local
     np.testing.assert_array_equal(np.load(tmp_path / "means.npy"), some.means)
     rows = np.loadtxt(tmp_path / "means.csv", delimiter=",", skiprows=1)
     np.testing.assert_allclose(rows[:, 1:], np.array([some.means, some.margins]).T, rtol=1e-6)
-    refused = geodesic(server, "extent", mesh.id, "--of", "means", status=1)
+    refused = geodesic(server, "extent", mesh.id, "--of", "means", status=2)
     assert "-o FILE" in refused.stderr
 
 

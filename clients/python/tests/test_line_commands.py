@@ -53,7 +53,7 @@ def test_which_levels_has_to_be_said_once(server: geodesicd.LocalServer) -> None
     assert (
         ".png should end with"
         in geodesic(
-            server, "isolines", "x", "--from", "0", "--count", "2", "-o", "a.png", status=1
+            server, "isolines", "x", "--from", "0", "--count", "2", "-o", "a.png", status=2
         ).stderr
     )
 
@@ -80,7 +80,7 @@ def test_straight_over_a_plane(
         geodesic(server, *asked, *wrong, status=2)
     assert (
         "--direction is three numbers"
-        in geodesic(server, *asked, "--direction", "1,0", "--length", "1", status=1).stderr
+        in geodesic(server, *asked, "--direction", "1,0", "--length", "1", status=2).stderr
     )
 
 

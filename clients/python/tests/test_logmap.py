@@ -214,7 +214,7 @@ def test_the_command(server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_p
     assert carried.startswith("vertex,distance,angle,straight,x,y,dx,dy,dz\n")
     geodesic(server, "logmap", *asked, "--transport", "-o", tmp_path / "carried.npz")
     assert np.load(tmp_path / "carried.npz")["directions"].shape == (len(found), 3)
-    wrong = geodesic(server, "logmap", *asked, "-o", tmp_path / "map.obj", status=1)
+    wrong = geodesic(server, "logmap", *asked, "-o", tmp_path / "map.obj", status=2)
     assert "should end with" in wrong.stderr
     refused = geodesic(server, "logmap", plane.id, "--from", "0", "--radius", "0", status=1)
     assert "radius" in refused.stderr

@@ -111,5 +111,5 @@ def test_the_command(server: geodesicd.LocalServer, tube: geodesicd.Mesh, tmp_pa
     assert float(tape.stdout) == pytest.approx(ROUND)
     refused = geodesic(server, "loop", tube.id, "--at", "29", "--normal", "1,0,0", status=1)
     assert "boundary" in refused.stderr
-    wrong = geodesic(server, "loop", tube.id, "--at", "29", "--normal", "up", status=1)
+    wrong = geodesic(server, "loop", tube.id, "--at", "29", "--normal", "up", status=2)
     assert "three numbers" in wrong.stderr

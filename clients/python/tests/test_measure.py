@@ -131,7 +131,7 @@ def test_the_command(server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_p
     for said, drawn in strips.values():
         assert said == pytest.approx(drawn, rel=1e-5)
     assert sum(said for said, _ in strips.values()) == pytest.approx(found.area)
-    wrong = geodesic(server, "measure", *asked, "-o", tmp_path / "discs.obj", status=1)
+    wrong = geodesic(server, "measure", *asked, "-o", tmp_path / "discs.obj", status=2)
     assert "should end with" in wrong.stderr
     refused = geodesic(server, "measure", plane.id, "--from", "0", "--radius", "-1", status=1)
     assert "radii" in refused.stderr

@@ -266,7 +266,7 @@ def test_the_command_takes_names(
     assert "no file nowhere.glb" in missing
     assert "geodesic list" in missing
     one_name = (samples / "plane.glb", samples / "sphere.glb", "--name", "both")
-    assert "one file" in geodesic(own, "upload", *one_name, status=1).stderr
+    assert "one file" in geodesic(own, "upload", *one_name, status=2).stderr
 
 
 def test_a_beginning_that_fits_two_files_is_refused(

@@ -143,7 +143,7 @@ def test_the_command(server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_p
     part = ("--part", "delaunay", "-o", tmp_path / "delaunay.glb")
     geodesic(server, "voronoi", *asked, *part)
     assert b'"delaunay"' in (tmp_path / "delaunay.glb").read_bytes()
-    wrong = geodesic(server, "voronoi", *asked, "--part", "cells", status=1)
+    wrong = geodesic(server, "voronoi", *asked, "--part", "cells", status=2)
     assert "--part is for" in wrong.stderr
-    wrong = geodesic(server, "voronoi", *asked, "-o", tmp_path / "cells.obj", status=1)
+    wrong = geodesic(server, "voronoi", *asked, "-o", tmp_path / "cells.obj", status=2)
     assert "should end with" in wrong.stderr

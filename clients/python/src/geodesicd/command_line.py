@@ -5,10 +5,9 @@ from __future__ import annotations
 
 import argparse
 import hashlib
-import json
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any, Unpack
@@ -18,10 +17,8 @@ from rich.console import Console
 
 from .client import Client, Mesh
 from .costs import Costs
-from .digits import number, numbers, short
-from .encoding import milliseconds
-from .errors import NotFound, printable
-from .flows import Progress
+from .errors import Misuse, NotFound, printable
+from .outputs import require, save_bytes
 from .progress import progress_bar
 from .service import Reading
 
@@ -180,12 +177,12 @@ def _costs_of(options: argparse.Namespace) -> Costs | None:
     attribute = None
     for text in options.weight:
         weight, star, region = text.partition("*")
-        if star:
+        if star and _is_number(weight):
             weights.append((float(weight), region))
         elif text.startswith("_") and attribute in (None, text):
             attribute = text
         else:
-            raise ValueError(
+            raise Misuse(
                 f"--weight {text}: it is NUMBER*REGION, such as 3*faces:0-99, or one attribute of "
                 "the file's vertices, such as _MUD"
             )
@@ -204,6 +201,14 @@ def _costs_of(options: argparse.Namespace) -> Costs | None:
     return None if found == Costs([]) else found
 
 
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 def _numbers_in(file: Path) -> list[float]:
     """The numbers of a file: a ``.npy`` array, or a text with spaces, commas or lines between."""
     if file.suffix == ".npy":
@@ -212,7 +217,7 @@ def _numbers_in(file: Path) -> list[float]:
             told = f"{found.dtype} with the shape {found.shape}"
             raise ValueError(f"{file} has {told}, and not one number for each face")
     else:
-        words = file.read_text(encoding="utf-8").replace(",", " ").split()
+        words = words_of(file, ",")
         try:
             found = np.array(words, dtype=np.float64)
         except ValueError as error:
@@ -233,12 +238,12 @@ def vector(text: str, name: str) -> tuple[float, float, float]:
     """A direction as it is written on a command line.
 
     Raises:
-        ValueError: it is none of three numbers; the message says what the argument ``name`` is.
+        Misuse: it is none of three numbers; the message says what the argument ``name`` is.
     """
     try:
         x, y, z = map(float, text.split(","))
     except ValueError:
-        raise ValueError(f"{name} is three numbers, such as 0,0,1, and not {text}") from None
+        raise Misuse(f"{name} is three numbers, such as 0,0,1, and not {text}") from None
     return x, y, z
 
 
@@ -275,13 +280,11 @@ def save_annotated(
     """Writes the file that :func:`into` asks for; ``asked`` is in the contract's words."""
     file: Path = options.into
     require(file, (".glb", ".gltf"))
-    if file.exists() and Path(options.mesh).exists() and file.samefile(options.mesh):
-        raise ValueError(f"{file} is the mesh's own file; --into writes another one")
     if file.suffix != f".{mesh.format}" and mesh.format in ("glb", "gltf"):
-        raise ValueError(f"{file} should end with .{mesh.format}, as the mesh's own file")
+        raise Misuse(f"{file} should end with .{mesh.format}, as the mesh's own file")
     parameters = {**asked, "attribute": options.attribute}
     answer = mesh.query(query, parameters, format="annotated", progress=progress)
-    file.write_bytes(answer.data)
+    save_bytes(file, answer.data)
     people.print(str(file), markup=False, soft_wrap=True)
     return 0
 
@@ -349,7 +352,12 @@ class Once(argparse.Action):
 
 @contextmanager
 def mesh_of(options: argparse.Namespace) -> Iterator[Mesh]:
-    """The mesh that the options name, on a connection that is closed at the end."""
+    """The mesh that the options name, on a connection that is closed at the end.
+
+    Raises:
+        Misuse: what is to be written is what is read.
+    """
+    _keep_inputs(options)
     with connect(options) as client:
         yield _named(client, options.mesh)
 
@@ -364,78 +372,47 @@ def points(texts: Sequence[str]) -> list[Any]:
     return [point(text) for text in texts]
 
 
-def listed(texts: Sequence[str], file: Path | None) -> list[str]:
-    """Points as they are written on a command line and, with spaces or lines between them, in a
-    file."""
-    return [*texts, *([] if file is None else file.read_text(encoding="utf-8").split())]
+def _keep_inputs(options: argparse.Namespace) -> None:
+    read = [Path(options.mesh), getattr(options, "face_weights", None)]
+    for name in ("from_file", "to_file"):
+        read += getattr(options, name, [])
+    for name in ("output", "into"):
+        file: Path | None = getattr(options, name, None)
+        for one in read:
+            if file and one and file.is_file() and one.is_file() and file.samefile(one):
+                raise Misuse(f"{file} is what is read here; write into another file")
+
+
+def words_of(file: Path, apart: str = " ") -> list[str]:
+    """The words of a text file, but for lines that begin with #; ``apart`` parts them, too.
+
+    Raises:
+        OSError: it cannot be read. ValueError: it is no text.
+    """
+    try:
+        text = file.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{file} is no text in UTF-8 ({error.reason})") from None
+    lines = (line for line in text.splitlines() if not line.lstrip().startswith("#"))
+    return " ".join(lines).replace(apart, " ").split()
+
+
+def listed(texts: Sequence[str], files: Sequence[Path]) -> list[str]:
+    """Points as they are written on a command line and, with spaces or lines between them, in
+    files.
+
+    Raises:
+        ValueError: a file has none.
+    """
+    found = list(texts)
+    for file in files:
+        words = words_of(file)
+        if not words:
+            raise ValueError(f"{file} has no points")
+        found += words
+    return found
 
 
 def cell(text: str) -> str:
     """A point as it is written on a command line, in a row of CSV."""
     return f'"{text}"' if "," in text else text
-
-
-def save_csv(file: Path, header: str, *columns: Iterable[str]) -> None:
-    """A row for each element of the columns, which are as long as each other."""
-    lines = (",".join(row) for row in zip(*columns, strict=True))
-    file.write_text("\n".join([header, *lines]) + "\n", encoding="utf-8")
-
-
-def save_sparse(file: Path, table: Any) -> None:
-    """A sparse table as SciPy's ``save_npz`` writes it."""
-    np.savez(
-        file,
-        indices=table.indices,
-        indptr=table.indptr,
-        format=b"csr",
-        shape=np.array(table.shape),
-        data=table.data,
-    )
-
-
-def save_line(file: Path, line: Any) -> None:
-    """A path or a loop, as .csv, .npy or .json; nothing by another ending."""
-    if file.suffix == ".csv":
-        columns = [numbers(axis) for axis in line.points.T]
-        faces = map(str, line.faces.tolist())
-        save_csv(file, "x,y,z,face,along", *columns, faces, numbers(line.along))
-    elif file.suffix == ".npy":
-        np.save(file, line.points)
-    elif file.suffix == ".json":
-        document = {
-            "length": float(number(line.length)),
-            "points": short(line.points).tolist(),
-            "faces": line.faces.tolist(),
-            "bary": [None if np.isnan(b).any() else b.tolist() for b in short(line.bary)],
-        }
-        file.write_text(json.dumps(document) + "\n", encoding="utf-8")
-
-
-def save_reply(
-    file: Path, mesh: Mesh, query: str, asked: dict[str, Any], progress: Progress | None
-) -> None:
-    """The server's reply itself, in the format that the file's name ends with. ``asked``: by the
-    contract's names, but for ``deadline`` in seconds."""
-    format = file.suffix.removeprefix(".")
-    parameters = {**asked, "deadline_ms": milliseconds(asked.get("deadline"))}
-    parameters.pop("deadline", None)
-    answer = mesh.query(query, parameters, format=format, progress=progress)
-    if format == "json":
-        file.write_text(json.dumps(answer.document) + "\n", encoding="utf-8")
-    else:
-        file.write_bytes(answer.data)
-
-
-def save_rows(file: Path | None, rows: Iterable[str]) -> None:
-    """Lines of CSV, printed where there is no file for them."""
-    text = "\n".join(rows)
-    if file is None:
-        print(text)
-    else:
-        file.write_text(text + "\n", encoding="utf-8")
-
-
-def require(file: Path | None, endings: tuple[str, ...]) -> None:
-    """ValueError: there is a file, and its name ends otherwise."""
-    if file is not None and file.suffix not in endings:
-        raise ValueError(f"{file} should end with {' or '.join(endings)}")

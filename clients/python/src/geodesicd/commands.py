@@ -17,7 +17,7 @@ from typing import Any, cast
 from rich.table import Table
 from rich.text import Text
 
-from . import __version__, query_commands
+from . import __version__, hints, query_commands
 from .client import Mesh
 from .command_line import (
     ON_SERVER,
@@ -30,7 +30,7 @@ from .command_line import (
     stored,
     the_mesh,
 )
-from .errors import GeodesicError, GeodesicWarning, printable
+from .errors import GeodesicError, GeodesicWarning, Misuse, printable
 from .lookup import reading_text, short_ids
 from .service import Reading
 
@@ -53,6 +53,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of a pipe has gone, as head does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except Misuse as error:
+        _failed(str(error))
+        return 2
     except GeodesicError as error:
         return _failed(error.in_shell())
     except (OSError, ValueError, TypeError, RuntimeError, ImportError) as error:
@@ -71,7 +74,7 @@ def _warnings_for_people() -> Iterator[None]:
     told: set[str] = set()
 
     def show(message: Warning | str, *where: Any, **more: Any) -> None:
-        text = f"geodesic: warning: {message}"
+        text = f"geodesic: warning: {hints.remark_in_shell(str(message))}"
         if text not in told:
             told.add(text)
             people.print(text, style="yellow", markup=False, highlight=False, soft_wrap=True)
@@ -155,7 +158,7 @@ def _upload(options: argparse.Namespace) -> int:
     asked = {name: getattr(options, name) for name in Reading.__annotations__}
     reading = cast(Reading, {name: value for name, value in asked.items() if value is not None})
     if options.name is not None and len(options.file) > 1:
-        raise ValueError("--name is for one file")
+        raise Misuse("--name is for one file")
     with connect(options) as client:
         for file in options.file:
             mesh = sent(client, file, options.name, **reading)

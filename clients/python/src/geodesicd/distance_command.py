@@ -8,20 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from .command_line import (
-    bar,
-    exactness_of,
-    into,
-    mesh_of,
-    people,
-    points,
-    require,
-    save_annotated,
-    save_csv,
-    signed,
-)
+from .command_line import bar, exactness_of, into, mesh_of, people, points, save_annotated, signed
 from .digits import numbers
 from .encoding import milliseconds
+from .errors import Misuse
+from .outputs import require, save_array, save_csv
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -42,7 +33,7 @@ def run(options: argparse.Namespace) -> int:
         sources = points(options.sources)
         if options.into is not None:
             if options.at or options.output is not None:
-                raise ValueError("--into has the whole field, and is a file of its own")
+                raise Misuse("--into has the whole field, and is a file of its own")
             asked = {"max": options.max, **exactness_of(options), "from": sources}
             if options.signed:
                 asked["signed"] = True
@@ -60,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
         save_csv(options.output, "index,distance", map(str, range(len(field))), numbers(field))
     else:
         require(options.output, (".npy",))
-        np.save(options.output, field)
+        save_array(options.output, field)
     reached = field[np.isfinite(field)]
     farthest = f", the farthest {reached.max():.6g}" if len(reached) else ""
     people.print(f"{options.output}: {len(reached):,} of {len(field):,} reached{farthest}")

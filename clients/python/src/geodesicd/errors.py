@@ -15,6 +15,10 @@ def printable(text: str) -> str:
     return "".join(letter if letter.isprintable() else "?" for letter in text)
 
 
+class Misuse(ValueError):
+    """A command was asked wrongly, as its help tells."""
+
+
 class GeodesicError(Exception):
     """A request that did not get what it asked for.
 

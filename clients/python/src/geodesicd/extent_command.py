@@ -7,10 +7,10 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
-
-from .command_line import bar, exactness_of, mesh_of, people, require, save_reply, save_rows
+from .command_line import bar, exactness_of, mesh_of, people
 from .digits import numbers
+from .errors import Misuse
+from .outputs import require, save_array, save_reply, save_rows
 from .results import Extent
 
 _MEASURES = ("diameter", "center", "median", "mean", "means")
@@ -36,7 +36,7 @@ def run(options: argparse.Namespace) -> int:
     """Runs the command; its exit status."""
     file: Path | None = options.output
     if (file is None) != ("means" not in options.of) or (file is not None and len(options.of) > 1):
-        raise ValueError("--of means goes alone into a file, by -o FILE; nothing else does")
+        raise Misuse("--of means goes alone into a file, by -o FILE; nothing else does")
     require(file, _ENDINGS)
     asked = {"fields": options.fields, **exactness_of(options)}
     with mesh_of(options) as mesh, bar("extent") as progress:
@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
             if file.suffix in (".csv", ".npy"):
                 means = mesh.extent("means", progress=progress, **asked)
                 if file.suffix == ".npy":
-                    np.save(file, means.means)
+                    save_array(file, means.means)
                 else:
                     save_rows(file, _rows(means))
             else:

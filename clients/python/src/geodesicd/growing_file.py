@@ -31,7 +31,7 @@ class GrowingFile:
     def __init__(
         self, file: Path, mesh: str, asked: dict[str, Any], dtype: DTypeLike, resume: bool
     ) -> None:
-        _require_place(file)
+        require_place(file)
         text = json.dumps([mesh, body_json(asked)], sort_keys=True, allow_nan=False)
         self._question = hashlib.sha256(text.encode()).hexdigest()
         self._file = file
@@ -90,8 +90,10 @@ class GrowingFile:
             _write_nan(fresh, self._shape, self._dtype)
             self._beside.unlink(missing_ok=True)  # it is about what was there
             fresh.replace(place)
-        except BaseException:
+        except BaseException as error:
             fresh.unlink(missing_ok=True)
+            if isinstance(error, OSError) and error.errno is not None:
+                raise type(error)(error.errno, error.strerror, str(self._file)) from None
             raise
         return np.lib.format.open_memmap(place, "r+")
 
@@ -113,7 +115,7 @@ class GrowingFile:
         return self._array
 
 
-def _require_place(file: Path) -> None:
+def require_place(file: Path) -> None:
     """OSError: no file can be there. Better now than after the first row."""
     folder = file.resolve().parent
     if file.is_dir():

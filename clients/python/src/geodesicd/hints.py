@@ -83,6 +83,12 @@ def in_shell(hint: str) -> str:
     return hint
 
 
+def remark_in_shell(remark: str) -> str:
+    """A remark of the server as it is told to who asks from a shell, where no command has
+    ``max_snap``."""
+    return remark.replace(", or give max_snap to have such points refused", "")
+
+
 def of_error(status: int, code: str, detail: str, limit: int | None) -> str | None:
     """What to do about a reply that is an error, whose code is ``http_…`` if it is no problem
     document."""

@@ -10,19 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from .command_line import (
-    bar,
-    exactness_of,
-    into,
-    mesh_of,
-    people,
-    point,
-    require,
-    save_annotated,
-    save_reply,
-)
+from .command_line import bar, exactness_of, into, mesh_of, people, point, save_annotated
 from .digits import number, numbers, short
 from .encoding import as_bound, milliseconds
+from .errors import Misuse
+from .outputs import require, save_arrays, save_reply, save_rows, save_text
 from .results import Logmap
 
 _ENDINGS = (".csv", ".npz", ".json", ".glb")
@@ -61,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
     with mesh_of(options) as mesh, bar("logmap") as progress:
         if options.into is not None:
             if file is not None:
-                raise ValueError("--into is a file of its own")
+                raise Misuse("--into is a file of its own")
             asked |= {"from": source, "deadline_ms": milliseconds(asked.pop("deadline"))}
             return save_annotated(options, mesh, "logmap", asked, progress)
         if file is not None and file.suffix == ".glb":
@@ -94,12 +86,12 @@ def _names(found: Logmap) -> tuple[str, ...]:
 
 def _save(file: Path, found: Logmap) -> None:
     if file.suffix == ".csv":
-        file.write_text("\n".join(_rows(found)) + "\n", encoding="utf-8")
+        save_rows(file, _rows(found))
     elif file.suffix == ".npz":
-        np.savez(file, **{name: getattr(found, name) for name in _names(found)})
+        save_arrays(file, **{name: getattr(found, name) for name in _names(found)})
     elif file.suffix == ".json":
         document = {name: _plain(getattr(found, name)) for name in _names(found)}
-        file.write_text(json.dumps(document) + "\n", encoding="utf-8")
+        save_text(file, json.dumps(document) + "\n")
 
 
 def _plain(value: Any) -> Any:

@@ -38,6 +38,8 @@ def mesh_id(text: str) -> Flow[str]:
         found += [one for one in begun if one not in found]
     if not found:
         detail = f"no mesh on the server has the name {text!r} or an id that begins so"
+        if re.fullmatch("[0-9a-f]{1,3}", text):
+            detail += "; of an id, 4 digits are the least"
         raise NotFound(404, "mesh_unknown", detail)
     if len(found) > 1:
         raise ValueError(

@@ -7,19 +7,9 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from .command_line import (
-    bar,
-    exactness_of,
-    mesh_of,
-    people,
-    point,
-    points,
-    require,
-    save_line,
-    save_reply,
-    vector,
-)
+from .command_line import bar, exactness_of, mesh_of, people, point, points, vector
 from .digits import number
+from .outputs import require, save_line, save_reply
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -61,8 +51,8 @@ def run(options: argparse.Namespace) -> int:
         what = "a tape"
     if found.turn is not None and not found.geodesic and not options.hull:
         what += f", {number(found.turn)} degrees off straight ahead"
-    people.print(f"{what}; {number(found.start_length)} at first", markup=False, soft_wrap=True)
-    print(number(found.length))
     if file is not None:
         save_line(file, found)
+    people.print(f"{what}; {number(found.start_length)} at first", markup=False, soft_wrap=True)
+    print(number(found.length))
     return 0

@@ -68,7 +68,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
     matrix = question("matrix", "--from POINT", "Of one mesh, a matrix of many rows.", False)
     sources(matrix, action="append", default=[])
-    matrix.add_argument("--from-file", type=Path, metavar="FILE", help="of points, one a line")
+    matrix.add_argument(
+        "--from-file", action="append", default=[], type=Path, metavar="FILE",
+        help="of points, spaces or lines between",
+    )  # fmt: skip
     matrix.add_argument(
         "--to", action="append", metavar="POINT", help='a column; "vertices": all; else the rows'
     )

@@ -7,9 +7,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from .command_line import bar, exactness_of, mesh_of, people, points, require, save_reply, save_rows
+from .command_line import bar, exactness_of, mesh_of, people, points
 from .digits import number, numbers
 from .encoding import as_bound
+from .outputs import require, save_reply, save_rows
 from .results import Measure
 
 _ENDINGS = (".csv", ".json", ".glb")

@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator, Sequence
 
-from .command_line import bar, cell, mesh_of, points, save_rows, surface_of
+from .command_line import bar, cell, mesh_of, points, surface_of
 from .digits import number, numbers
+from .outputs import save_rows
 from .results import SurfacePoint
 
 

@@ -6,8 +6,9 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from .command_line import bar, exactness_of, mesh_of, people, point, points, require, save_line
+from .command_line import bar, exactness_of, mesh_of, people, point, points
 from .digits import number
+from .outputs import require, save_bytes, save_line
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -30,14 +31,14 @@ def run(options: argparse.Namespace) -> int:
     asked: dict[str, Any] = {"refine": options.refine, **exactness_of(options)}
     with mesh_of(options) as mesh, bar("path") as progress:
         path = mesh.path(source, target, via=via, progress=progress, **asked)
-        if options.output is not None and options.output.suffix == ".glb":
+        if path.reachable and options.output is not None and options.output.suffix == ".glb":
             asked.pop("deadline")
             asked |= {"from": source, "to": target, "via": via}
-            options.output.write_bytes(mesh.query("path", asked, format="glb").data)
+            save_bytes(options.output, mesh.query("path", asked, format="glb").data)
     if not path.reachable:
         people.print("geodesic: there is no path", style="red")
         return 1
-    print(number(path.length if path.cost is None else path.cost))
     if options.output is not None:
         save_line(options.output, path)
+    print(number(path.length if path.cost is None else path.cost))
     return 0

@@ -6,15 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from .command_line import (
-    bar,
-    exactness_of,
-    mesh_of,
-    people,
-    point,
-    points,
-    signed,
-)
+from .command_line import bar, exactness_of, mesh_of, people, point, points, signed
+from .outputs import whole
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -56,7 +49,8 @@ def run(options: argparse.Namespace) -> int:
             **exactness_of(options),
         )
     if options.output is not None:
-        figure.savefig(options.output)
+        with whole(options.output) as out:
+            figure.savefig(out, format=options.output.suffix[1:])
         people.print(f"{options.output}")
         return 0
     show(figure)

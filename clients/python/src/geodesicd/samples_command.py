@@ -6,19 +6,9 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
-
-from .command_line import (
-    bar,
-    exactness_of,
-    mesh_of,
-    people,
-    points,
-    require,
-    save_reply,
-    save_rows,
-)
+from .command_line import bar, exactness_of, mesh_of, people, points
 from .digits import number, numbers
+from .outputs import require, save_array, save_reply, save_rows
 from .results import Samples
 
 
@@ -27,7 +17,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--count", type=int, required=True, metavar="N", help="how many")
     parser.add_argument(
         "--from", dest="sources", action="append", default=[], metavar="POINT",
-        help="near which none is needed",
+        help="near which none is needed; or a line",
     )  # fmt: skip
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FILE",
@@ -49,8 +39,10 @@ def run(options: argparse.Namespace) -> int:
         else:
             found = mesh.samples(options.count, covered=covered, progress=progress, **asked)
             told = f"no vertex is farther than {number(found.covering_radius)} from one of these"
+            if len(found.vertices) < options.count:
+                told += f", {len(found.vertices)} and not {options.count}: there are no others"
             if file is not None and file.suffix == ".npy":
-                np.save(file, found.vertices)
+                save_array(file, found.vertices)
             else:
                 save_rows(file, _rows(found))
     people.print(told, markup=False, soft_wrap=True)

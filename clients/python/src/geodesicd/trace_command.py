@@ -6,22 +6,13 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from .command_line import (
-    bar,
-    mesh_of,
-    people,
-    point,
-    require,
-    save_line,
-    save_reply,
-    surface_of,
-    vector,
-)
+from .command_line import bar, mesh_of, people, point, surface_of, vector
 from .digits import number
+from .outputs import require, save_line, save_reply
 
 _WHY = {
     "length": "that is the length asked for",
-    "boundary": "it met the boundary",
+    "boundary": "it met the boundary, a wall, or the end of the region",
     "vertex": "it met a vertex, beyond which straight ahead is not one direction",
     "non_manifold": "it met an edge of more than two faces",
 }
@@ -54,8 +45,8 @@ def run(options: argparse.Namespace) -> int:
             save_reply(file, mesh, "trace", asked, None)
     place = ", ".join(f"{x:.6g}" for x in found.target.xyz)
     told = f"at {place}: {_WHY.get(found.end, found.end)}"
-    people.print(told, markup=False, soft_wrap=True)
-    print(number(found.length))
     if file is not None:
         save_line(file, found)
+    people.print(told, markup=False, soft_wrap=True)
+    print(number(found.length))
     return 0

@@ -7,8 +7,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from .command_line import bar, exactness_of, mesh_of, people, points, require, save_reply, save_rows
+from .command_line import bar, exactness_of, mesh_of, people, points
 from .digits import numbers
+from .errors import Misuse
+from .outputs import require, save_reply, save_rows
 from .results import Voronoi
 
 _ENDINGS = (".csv", ".json", ".glb", ".png")
@@ -34,7 +36,7 @@ def run(options: argparse.Namespace) -> int:
     file: Path | None = options.output
     require(file, _ENDINGS)
     if options.part is not None and (file is None or file.suffix != ".glb"):
-        raise ValueError("--part is for -o FILE.glb")
+        raise Misuse("--part is for -o FILE.glb")
     asked: dict[str, Any] = {"relax": options.relax, **exactness_of(options)}
     sites = points(options.sources)
     with mesh_of(options) as mesh, bar("voronoi") as progress:
