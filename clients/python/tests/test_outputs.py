@@ -17,7 +17,7 @@ BEFORE = b"what was there before"
 
 # Each command that writes files, with what it needs, and the endings.
 WRITERS: dict[str, tuple[list[str], list[str]]] = {
-    "distance": (["--from", "0"], ["npy"]),
+    "distance": (["--from", "0"], ["npy", "csv"]),
     "path": (["--from", "0", "--to", "9999"], ["csv", "npy", "json", "glb"]),
     "table": (["--from", "0", "--from", "99", "--max", "200"], ["npy", "npz"]),
     "isolines": (["--from", "0", "--count", "3"], ["csv", "json", "glb"]),
@@ -25,11 +25,11 @@ WRITERS: dict[str, tuple[list[str], list[str]]] = {
               ["csv", "npy", "json", "glb"]),
     "samples": (["--count", "30"], ["csv", "npy", "json"]),
     "measure": (["--from", "0", "--radius", "20"], ["csv", "json"]),
-    "extent": (["--of", "means", "--fields", "4"], ["npy"]),
+    "extent": (["--of", "means", "--fields", "4"], ["npy", "csv"]),
     "voronoi": (["--from", "0", "--from", "99"], ["csv", "json", "png", "glb"]),
     "loop": (["--around", "202", "--around", "297", "--around", "9797"], ["csv", "npy", "json"]),
     "logmap": (["--from", "p:50,2,0", "--radius", "5"], ["csv", "npz", "json", "glb"]),
-    "plot": (["--from", "0"], ["png", "svg"]),
+    "plot": (["--from", "0"], ["png", "svg", "pdf"]),
 }  # fmt: skip
 EACH = [(command, ending) for command, (_, endings) in WRITERS.items() for ending in endings]
 

@@ -212,7 +212,12 @@ def _is_number(text: str) -> bool:
 def _numbers_in(file: Path) -> list[float]:
     """The numbers of a file: a ``.npy`` array, or a text with spaces, commas or lines between."""
     if file.suffix == ".npy":
-        found = np.load(file, allow_pickle=False)
+        try:
+            found = np.load(file, allow_pickle=False)
+        except EOFError:
+            raise ValueError(f"{file} is empty") from None
+        if not isinstance(found, np.ndarray):
+            raise ValueError(f"{file} is an archive, and not one array")
         if found.ndim != 1 or found.dtype.kind not in "fiu":
             told = f"{found.dtype} with the shape {found.shape}"
             raise ValueError(f"{file} has {told}, and not one number for each face")

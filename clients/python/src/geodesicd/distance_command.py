@@ -28,12 +28,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Runs the command; its exit status."""
+    require(options.output, (".npy", ".csv"))
+    if options.into is not None and (options.at or options.output is not None):
+        raise Misuse("--into has the whole field, and is a file of its own")
     with mesh_of(options) as mesh, bar("distances") as progress:
         asked: dict[str, Any] = {"max": options.max, "progress": progress, **exactness_of(options)}
         sources = points(options.sources)
         if options.into is not None:
-            if options.at or options.output is not None:
-                raise Misuse("--into has the whole field, and is a file of its own")
             asked = {"max": options.max, **exactness_of(options), "from": sources}
             if options.signed:
                 asked["signed"] = True
@@ -50,7 +51,6 @@ def run(options: argparse.Namespace) -> int:
     if options.output.suffix == ".csv":
         save_csv(options.output, "index,distance", map(str, range(len(field))), numbers(field))
     else:
-        require(options.output, (".npy",))
         save_array(options.output, field)
     reached = field[np.isfinite(field)]
     farthest = f", the farthest {reached.max():.6g}" if len(reached) else ""

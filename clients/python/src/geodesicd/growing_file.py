@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from .encoding import body_json
+from .replacing import replaced
 from .results import FloatArray
 
 _SAVE_EVERY = 2.0  # seconds between notes of how far a file has come
@@ -84,18 +85,10 @@ class GrowingFile:
     def _replaced(self) -> FloatArray:
         """A file of NaN in place of what was there. It is written elsewhere first: so a full disk
         is noticed while nothing is lost, and who has the earlier table mapped keeps it."""
-        place = self._file.resolve()
-        fresh = place.with_name(place.name + ".new")
-        try:
+        with replaced(self._file) as fresh:
             _write_nan(fresh, self._shape, self._dtype)
             self._beside.unlink(missing_ok=True)  # it is about what was there
-            fresh.replace(place)
-        except BaseException as error:
-            fresh.unlink(missing_ok=True)
-            if isinstance(error, OSError) and error.errno is not None:
-                raise type(error)(error.errno, error.strerror, str(self._file)) from None
-            raise
-        return np.lib.format.open_memmap(place, "r+")
+        return np.lib.format.open_memmap(self._file, "r+")
 
     def note(self) -> None:
         """Says beside the file how far it has come."""

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .command_line import (
+    Once,
     Parser,
     bar,
     exactness,
@@ -52,7 +53,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
     path = question("path", "--from POINT --to POINT", "Shortest paths between two points.")
     sources(path, required=True)
-    path.add_argument("--to", required=True, metavar="POINT", help="where it ends")
+    path.add_argument("--to", action=Once, required=True, metavar="POINT", help="where it ends")
     path.add_argument("--via", action="append", default=[], metavar="POINT", help="on the way")
     _common(path)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,6 +18,7 @@ from .encoding import milliseconds
 from .errors import Misuse
 from .flows import Progress
 from .growing_file import require_place
+from .replacing import replaced
 
 
 @contextmanager
@@ -29,22 +29,14 @@ def whole(file: Path) -> Iterator[IO[bytes]]:
         OSError: it cannot be written; the message names the file.
     """
     if file.exists() and not file.is_file():  # a pipe, or a terminal
-        with file.open("wb") as out:
-            yield out
-        return
-    place = file.resolve()
-    fresh = place.with_name(place.name + ".new")
-    try:
-        with fresh.open("wb") as out:
-            yield out
-        if place.exists():
-            shutil.copymode(place, fresh)
-        fresh.replace(place)
-    except BaseException as error:
-        fresh.unlink(missing_ok=True)
-        if isinstance(error, OSError) and error.errno is not None:
+        try:
+            with file.open("wb") as out:
+                yield out
+        except OSError as error:
             raise type(error)(error.errno, error.strerror, str(file)) from None
-        raise
+        return
+    with replaced(file) as fresh, fresh.open("wb") as out:
+        yield out
 
 
 def save_bytes(file: Path, data: bytes | memoryview) -> None:

@@ -6,14 +6,14 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from .command_line import bar, exactness_of, mesh_of, people, point, points
+from .command_line import Once, bar, exactness_of, mesh_of, people, point, points
 from .digits import number
 from .outputs import require, save_bytes, save_line
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the arguments that are this command's own."""
-    parser.add_argument("--to", required=True, metavar="POINT", help="where it ends")
+    parser.add_argument("--to", action=Once, required=True, metavar="POINT", help="where it ends")
     parser.add_argument("--via", action="append", default=[], metavar="POINT", help="on the way")
     parser.add_argument(
         "--refine", choices=["none", "shortest"], metavar="HOW",

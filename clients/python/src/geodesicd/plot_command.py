@@ -6,13 +6,15 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from .command_line import bar, exactness_of, mesh_of, people, point, points, signed
-from .outputs import whole
+from .command_line import Once, bar, exactness_of, mesh_of, people, point, points, signed
+from .outputs import require, whole
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the arguments that are this command's own."""
-    parser.add_argument("--to", metavar="POINT", help="draw the path there from the first source")
+    parser.add_argument(
+        "--to", action=Once, metavar="POINT", help="draw the path there from the first source"
+    )
     parser.add_argument("--via", action="append", default=[], metavar="POINT", help="on the way")
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help="a .png, .svg or .pdf; else on screen"
@@ -26,6 +28,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Runs the command; its exit status."""
+    require(options.output, (".png", ".svg", ".pdf", ".jpg", ".eps"))
     from .plot import plot, show
 
     view: Any = options.view

@@ -27,7 +27,7 @@ export class Paths {
   readonly #measures = new Newest<readonly Measure[]>((asked, signal) => this.#askMeasures(asked, signal));
   /** Of which state the path is that is shown. */
   #pathKey = '';
-  /** What the last question was, if it was answered. */
+  /** Which question the path answers that is shown; none after a failure. */
   #answered = '';
   #held = false;
   #moved = 0;
@@ -118,7 +118,6 @@ export class Paths {
   }
 
   async #askPath(asked: PathQuestion, signal: AbortSignal): Promise<void> {
-    this.#answered = '';
     await this.attempt(signal, 'path', async () => {
       const path = await this.questions.path(asked, signal, () => this.#path.cancel());
       if (signal.aborted || !this.state.value.target) return;
@@ -127,6 +126,8 @@ export class Paths {
       const stale = this.results.value.stale || asked.key !== pathKey(this.state.value);
       this.results.set({ path, stale, along: null, pathMs: computing(path.timing) });
       this.#judge();
+    }, () => {
+      this.#answered = ''; // so that it is told off when the same is wanted again and goes well
     });
   }
 
