@@ -1,7 +1,7 @@
 # geodesic_precompile(TARGET HEADER...)
 #
-# Parses headers that most files of TARGET include once instead of once a file,
-# for example
+# Parses headers that most files of TARGET include: once for all of them, and not
+# once for each. For example
 #     geodesic_precompile(geodesic_proto <nlohmann/json.hpp>)
 # A file must still include what it uses: the debug preset, which `make lint`
 # reads, builds without precompiled headers.
@@ -16,7 +16,8 @@ function(geodesic_precompile target)
   endif()
 endfunction()
 
-# What most files of the engine and of its tests include.
+# What most files of the engine and of its tests include: from the standard library, and
+# tl/expected, of which `Result` is made.
 set(GEODESIC_STANDARD_HEADERS <algorithm> <array> <cmath> <cstdint> <functional> <limits> <memory>
   <optional> <span> <string> <tuple> <unordered_map> <utility> <vector> <tl/expected.hpp>)
 

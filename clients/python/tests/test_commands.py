@@ -90,7 +90,10 @@ def test_delete(server: geodesicd.LocalServer, client: geodesicd.Client) -> None
 
 
 def test_a_file_means_the_mesh_of_its_bytes(
-    server: geodesicd.LocalServer, client: geodesicd.Client, tmp_path: Path
+    server: geodesicd.LocalServer,
+    client: geodesicd.Client,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     file = tmp_path / "one.glb"
     file.write_bytes(client.upload((np.eye(3) * 7, [[0, 1, 2]])).geometry_glb())
@@ -102,6 +105,10 @@ def test_a_file_means_the_mesh_of_its_bytes(
     assert geodesic(server, "delete", file).stdout.strip() == plain.id
     assert {mesh.id for mesh in client.meshes()} >= {other.id}
     assert plain.id not in {mesh.id for mesh in client.meshes()}
+    # Now the server has another mesh of the file's name.
+    monkeypatch.chdir(tmp_path)
+    assert other.id in geodesic(server, "delete", "one.glb", status=1).stderr.replace("\n", "")
+    assert geodesic(server, "delete", other.id).stdout.strip() == other.id
 
 
 def test_what_takes_one_point_refuses_two(server: geodesicd.LocalServer, samples: Path) -> None:

@@ -330,13 +330,20 @@ def stored(client: Client, text: str) -> str:
     """The id of a mesh on the server: of a file's bytes, or by what it is called there.
 
     Raises:
-        NotFound: neither is there. ValueError: several meshes are called so.
+        NotFound: neither is there. ValueError: several meshes are called so, or one that the file
+            may not mean: it has other bytes.
     """
-    if Path(text).is_file():
-        digest = hashlib.sha256(Path(text).read_bytes()).hexdigest()
+    file = Path(text)
+    if file.is_file():
+        digest = hashlib.sha256(file.read_bytes()).hexdigest()
         if any(mesh.id == digest for mesh in client.meshes()):
             return digest
-    return client.mesh(text).id
+    found = client.mesh(text).id
+    if file.is_file() and file.suffix != ".gltf":  # which is uploaded with its other files
+        raise ValueError(
+            f"the server has not what is in the file {text}. A mesh that is called so is {found}"
+        )
+    return found
 
 
 class Once(argparse.Action):

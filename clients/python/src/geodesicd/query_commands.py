@@ -45,8 +45,8 @@ _in_pictures = (partial(exactness, points_per_edge=False), surface, partial(cost
 
 
 def add(command: Callable[..., Any]) -> None:
-    """Adds them; ``command(name, usage, run, help)`` makes one, whose arguments come in the order
-    of its help."""
+    """Adds these commands. ``command(name, usage, run, help)`` makes one; its arguments come in the
+    order of its help."""
 
     def query(
         name: str,
