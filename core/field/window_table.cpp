@@ -8,7 +8,6 @@
 #include "core/base/polled_sort.h"
 
 namespace geodesic {
-namespace {}  // namespace
 
 WindowTable::WindowTable(std::size_t face_count, VisibleIntervals windows, Poll& poll) {
   if (windows.size() > kMostWindows) throw std::bad_alloc();
