@@ -8,12 +8,12 @@ import os
 import re
 import struct
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from command import PROGRAM
 from test_precision import grid
 
 import geodesicd
@@ -101,7 +101,7 @@ def test_it_is_read_as_it_is_told(client: geodesicd.Client, tmp_path: Path) -> N
 
     assert asyncio.run(ask()) == mesh.id
     environment = {**os.environ, "GEODESICD_URL": client.url}
-    command = [str(Path(sys.executable).parent / "geodesic"), "upload", str(scene)]
+    command = [PROGRAM, "upload", str(scene)]
     run = subprocess.run(
         [*command, "--scale", "10"], capture_output=True, text=True, env=environment, check=True
     )

@@ -11,12 +11,11 @@ import re
 import shutil
 import struct
 import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from command import geodesic
+from command import PROGRAM, geodesic
 from test_contract_cases import TABLE
 from test_gltf_files import write_scene
 
@@ -357,8 +356,7 @@ def test_a_terminal_shows_names_as_they_are_and_obeys_none(
     ours, theirs = pty.openpty()
     environment = {**os.environ, "GEODESICD_URL": own.url, "TERM": "xterm-256color",
                    "COLUMNS": "80"}  # fmt: skip
-    program = str(Path(sys.executable).parent / "geodesic")
-    with subprocess.Popen([program, "list"], stdout=theirs, stderr=theirs, env=environment) as run:
+    with subprocess.Popen([PROGRAM, "list"], stdout=theirs, stderr=theirs, env=environment) as run:
         os.close(theirs)
         written = b""
         try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 import tempfile
@@ -22,7 +23,7 @@ def replaced(file: Path) -> Iterator[Path]:
     fresh: Path | None = None
     try:
         if place.exists() and not os.access(place, os.W_OK):
-            raise PermissionError(13, os.strerror(13), str(file))
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(file))
         handle, name = tempfile.mkstemp(prefix=f".{place.name}.", dir=place.parent)
         os.close(handle)
         fresh = Path(name)
