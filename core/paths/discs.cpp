@@ -40,8 +40,12 @@ struct LinearFace {
       const double part = (radius - a) / (b - a) * ((radius - a) / (c - a));
       return {area * part, area * part * ((a + 2 * radius) / 3)};
     }
-    const double rest = (c - radius) / (c - b) * ((c - radius) / (c - a));
-    return {area * (1 - rest), area * ((a + b + c) / 3 - rest * ((c + 2 * radius) / 3))};
+    // Two triangles, with the corners' distances a, b, radius and a, radius, radius. Less the rest
+    // would be near nothing less the same, where the disc ends close to the nearer two corners.
+    const double first = (radius - b) / (c - b);
+    const double second = (c - radius) / (c - b) * ((radius - a) / (c - a));
+    return {area * (first + second),
+            area * (first * ((a + b + radius) / 3) + second * ((a + 2 * radius) / 3))};
   }
 };
 

@@ -34,7 +34,7 @@ struct CutMesh {
 // keeps the first copy.
 // Lines of `walls` are such as as_wall makes. `is_left`: by face of the refined mesh; not 0 for
 // those that stay. Errors: no_triangles (no face is left), too_much_memory, those of
-// Mesh::build, cancelled.
+// RefinedSoup::build, cancelled.
 [[nodiscard]] Result<CutMesh> cut_along(const RefinedMesh& refined,
                                         std::span<const std::uint32_t> walls,
                                         std::span<const std::uint8_t> is_left,

@@ -36,7 +36,7 @@ using SurfacePolyline = std::vector<SurfacePoint>;
 // Faces that no line crosses stay as they are. Where the file has a face several times, lines split
 // all of them alike, with the same new vertices. Errors: value_out_of_range (two points in a row in
 // no face together, an empty line), too_large (more than `most_vertices` new ones),
-// too_much_memory, those of Mesh::build, cancelled.
+// too_much_memory, those of RefinedSoup::build, cancelled.
 [[nodiscard]] Result<RefinedMesh> refine_along(const Adjacency& whole,
                                                std::span<const SurfacePolyline> lines,
                                                std::uint64_t most_vertices, const Cancel& cancel);

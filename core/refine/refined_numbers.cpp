@@ -23,7 +23,12 @@ Result<RefinedSoup::Built> RefinedSoup::build(const Mesh& whole, const Cancel& c
   Poll poll(cancel);
   // What the whole joins is joined already.
   auto built = Mesh::build(soup_, Weld::off, cancel);
-  if (!built) return fail(std::move(built.error()));
+  if (!built) {
+    if (built.error().code == ErrorCode::mesh_invalid) {
+      return fail(ErrorCode::no_triangles, "the lines leave no part of a face with a surface");
+    }
+    return fail(std::move(built.error()));
+  }
   std::vector<std::uint32_t> vertex_of_source;
   std::vector<std::uint32_t> source_of_vertex;
   std::vector<std::uint32_t> face_of_source;

@@ -42,7 +42,9 @@ class RefinedSoup {
     Refinement refinement;
     std::vector<std::uint32_t> vertex_of_soup;
   };
-  // `whole`: the mesh of which these are vertices, faces and parts. Errors: those of Mesh::build.
+  // `whole`: the mesh of which these are vertices, faces and parts. Errors: no_triangles (each face
+  // has two corners at the same position, as parts of faces without width may), those of
+  // Mesh::build.
   [[nodiscard]] Result<Built> build(const Mesh& whole, const Cancel& cancel) const;
 
  private:

@@ -1,5 +1,6 @@
 #include "proto/region/cut_regions.h"
 
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -44,11 +45,9 @@ Result<RegionFaces> faces_of_regions(const Mesh& whole, const Regions& regions,
 }
 
 Error nothing_left(const Regions& regions) {
-  return {ErrorCode::value_out_of_range,
-          "no face of the mesh is left",
-          regions.forbid.empty() ? "within" : "forbid",
-          {},
-          {}};
+  std::string parameter = "forbid";
+  if (regions.forbid.empty()) parameter = regions.within.empty() ? "walls" : "within";
+  return {ErrorCode::value_out_of_range, "no face of the mesh is left", parameter, {}, {}};
 }
 
 Result<std::vector<std::uint8_t>> faces_of_shape(const Mesh& whole, const Shape& shape,

@@ -106,8 +106,10 @@ class LineCutter {
     if (auto found = find_lines(); !found) return fail(std::move(found.error()));
     auto refined = refine_along(whole_, lines_, proto::kMaxLineVertices, cancel_);
     if (!refined) {
-      if (refined.error().code == ErrorCode::too_large) refined.error().parameter = parameters_[0];
-      return fail(std::move(refined.error()));
+      Error& error = refined.error();
+      if (error.code == ErrorCode::no_triangles) return fail(proto::nothing_left(regions_));
+      if (error.code == ErrorCode::too_large) error.parameter = parameters_[0];
+      return fail(std::move(error));
     }
     auto left = faces_left(*refined, *shapes);
     if (!left) return fail(std::move(left.error()));
