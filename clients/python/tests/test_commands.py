@@ -241,6 +241,20 @@ def test_a_field_is_drawn(
     assert 0.4 < white.mean() < 0.8
 
 
+def test_a_picture_that_cannot_be_drawn_says_why(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
+) -> None:
+    asked = ("plot", plane.id, "--from", "0", "-o", tmp_path / "field.png")
+    for view in ("below", "30", "30,", "30,20,10", "up,20"):
+        assert "--view is" in geodesic(server, *asked, "--view", view, status=2).stderr
+    assert "no colormap" in geodesic(server, *asked, "--colormap", "sunset", status=1).stderr
+    late = geodesic(server, *asked, "--method", "exact", "--deadline", "0", status=1).stderr
+    assert "deadline" in late
+    assert not list(tmp_path.iterdir())
+    geodesic(server, *asked, "--view", "30,20", "--colormap", "magma", "--deadline", "60")
+    assert imread(tmp_path / "field.png").shape == (1125, 1500, 4)
+
+
 def test_a_signed_field_is_drawn(
     server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
 ) -> None:

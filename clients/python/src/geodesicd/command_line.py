@@ -112,8 +112,9 @@ def mesh_and_sources(
     sources(parser, lines=lines, **(needed | more))
 
 
-def exactness(parser: argparse.ArgumentParser, points_per_edge: bool = True) -> None:
-    """How distances are computed: alike for all queries."""
+def exactness(parser: argparse.ArgumentParser, steiner: bool = True) -> None:
+    """How distances are computed: alike for all queries. Without ``steiner``, what is for that
+    method alone is left out."""
     parser.add_argument(
         "--method", metavar="NAME", help="auto, exact, …; else the server's default"
     )
@@ -122,9 +123,9 @@ def exactness(parser: argparse.ArgumentParser, points_per_edge: bool = True) -> 
         parser.add_argument("--bound", metavar="WHICH"),
         "auto: largest relative error; upper: never too short",
     )
-    if points_per_edge:
+    if steiner:
         parser.add_argument("--points-per-edge", type=int, metavar="N", help="of steiner")
-        parser.add_argument("--deadline", type=float, metavar="SECONDS", help="give up then")
+    parser.add_argument("--deadline", type=float, metavar="SECONDS", help="give up then")
 
 
 def signed(parser: argparse.ArgumentParser) -> None:

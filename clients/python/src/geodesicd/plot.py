@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from .client import Mesh
 from .costs import Costs
+from .encoding import milliseconds
 from .flows import Progress
 from .points import Point, PointLike, PointsLike, points_of
 from .queries import Refine
@@ -49,6 +50,7 @@ def plot(
     method: str | None = None,
     bound: str | None = None,
     tolerance: float | None = None,
+    deadline: float | None = None,
     refine: Refine | None = None,
     within: RegionsLike | None = None,
     forbid: RegionsLike | None = None,
@@ -70,6 +72,7 @@ def plot(
         sources: points, curves, boundaries and faces; a path starts at the first of them.
         method: how distances are computed; without it the server's default, which the title names.
         bound, tolerance: for ``method="auto"``, of the field and its isolines.
+        deadline: seconds, after which a query raises DeadlineExceeded; each has as many.
         within, forbid, walls: the part of the surface that the answers are about
             (:mod:`geodesicd.surface_regions`).
         costs: what ways cost instead of their length (:mod:`geodesicd.costs`).
@@ -85,13 +88,19 @@ def plot(
         progress: called with the part of the field that is done.
 
     Raises:
-        GeodesicError: from the server. ImportError: matplotlib is not installed.
+        GeodesicError: from the server. ImportError: matplotlib is not installed. ValueError: there
+            is no such view or colormap.
     """
+    view = view_angles(view)
     kept: dict[str, Any] = {"within": within, "forbid": forbid, "walls": walls}
     exactness: dict[str, Any] = {"method": method, "bound": bound, "tolerance": tolerance}
     points = points_of(sources)
     # A frame, because it says by which method: a bare array does not.
-    asked = {"from": points, "signed": signed or None, "costs": costs, **exactness, **kept}
+    asked = {
+        **{"from": points, "signed": signed or None, "costs": costs, **exactness, **kept},
+        "deadline_ms": milliseconds(deadline),
+    }
+    kept["deadline"] = deadline
     answer = mesh.query("distance", asked, format="frame", progress=progress)
     field = answer.arrays["distances"]
     told = answer.document or {}
@@ -136,6 +145,19 @@ def _curves(mesh: Mesh, sources: Sequence[Point], kept: dict[str, Any]) -> list[
             ends = corners[0], corners[-1]
             found.append(mesh.path(*ends, via=corners[1:-1], method="exact", **kept).points)
     return found
+
+
+def view_angles(view: str | View | None) -> View | None:
+    """Azimuth and elevation in degrees; None without a view.
+
+    Raises:
+        ValueError: there is none of this name.
+    """
+    if not isinstance(view, str):
+        return view
+    if view not in _SIDES:
+        raise ValueError(f"view is one of {', '.join(_SIDES)} or two angles, and not {view!r}")
+    return _SIDES[view]
 
 
 def _label(unit: str | None, signed: bool) -> str:
@@ -191,7 +213,7 @@ def draw(
     axes = figure.add_subplot()
     # A few more pixels than the picture has smooth the silhouettes.
     width, height = (max(64, int(side * dpi * 1.25)) for side in (size[0] * 0.86, size[1] * 0.92))
-    azimuth, elevation = _SIDES[view] if isinstance(view, str) else view or _default(geometry, up)
+    azimuth, elevation = view_angles(view) or _default(geometry, up)
     used = geometry.positions[np.unique(geometry.triangles)]
     camera = Camera.looking(used, azimuth, elevation, up, width, height)
     seen = render(camera, geometry)
@@ -201,6 +223,8 @@ def draw(
     has_sides = len(finite) > 0 and finite.min() < 0
     norm = Normalize(-most if has_sides else 0.0, most)
     colormap = colormap or ("RdBu_r" if has_sides else "viridis")
+    if colormap not in colormaps:
+        raise ValueError(f"matplotlib has no colormap that is called {colormap!r}")
     at_pixels = seen.interpolate if smooth else seen.nearest
     colours = colormaps[colormap](norm(at_pixels(geometry.triangles, np.asarray(field))))
     values = seen.interpolate(geometry.triangles, np.where(np.isfinite(field), 0.0, 1.0))

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from .command_line import Once, bar, exactness_of, mesh_of, people, point, points, signed
+from .errors import Misuse
 from .outputs import require, whole
+
+if TYPE_CHECKING:
+    from .plot import View
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,12 +33,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Runs the command; its exit status."""
     require(options.output, (".png", ".svg", ".pdf", ".jpg", ".eps"))
+    view = _view(options.view)
     from .plot import plot, show
 
-    view: Any = options.view
-    if view is not None and "," in view:
-        azimuth, _, elevation = view.partition(",")
-        view = (float(azimuth), float(elevation))
     with mesh_of(options) as mesh, bar("distances") as progress:
         title = Path(options.mesh).name if Path(options.mesh).is_file() else None
         figure = plot(
@@ -58,3 +59,19 @@ def run(options: argparse.Namespace) -> int:
         return 0
     show(figure)
     return 0
+
+
+def _view(text: str | None) -> View | None:
+    """A view as it is written on a command line: a name, or two angles in degrees."""
+    from .plot import view_angles
+
+    try:
+        if text is None or "," not in text:
+            return view_angles(text)
+        azimuth, elevation = map(float, text.split(","))
+    except ValueError:
+        raise Misuse(
+            f"--view is front, back, left, right, top, bottom, corner or two angles in degrees, "
+            f"such as 30,20, and not {text}"
+        ) from None
+    return azimuth, elevation

@@ -41,7 +41,7 @@ class _Command(Protocol):
 _one_source = partial(mesh_and_sources, several=False)
 _one_point = partial(mesh_and_sources, several=False, lines=False)
 _sources_or_a_file = partial(mesh_and_sources, required=False, default=[])
-_in_pictures = (partial(exactness, points_per_edge=False), surface, partial(costs, up=False))
+_in_pictures = (partial(exactness, steiner=False), surface, partial(costs, up=False))
 
 
 def add(command: Callable[..., Any]) -> None:
