@@ -254,6 +254,17 @@ test('several sources divide the surface, and the path begins at the nearest', a
   await page.context().close();
 });
 
+test('a source inside a face may be the nearest, although others are nearer to its corners', async () => {
+  const corners = [[1, 0], [0, 1], [0, 0]]; // the weights of the first two
+  const inside = [0.3, 0.4];
+  const sources = [...corners, inside].map((weights) => `&from=9000,${weights}`).join('');
+  const page = await openMesh(browser, service, plane, `${sources}&to=9000,0.3,0.42`);
+  // The edges of this plane are 1 long.
+  assert.ok(Number(await pathLength(page)) < 0.1, 'the path begins inside');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
 /** A region's colour where the plane is seen straight on. */
 function shaded(colour) {
   const parts = [1, 3, 5].map((at) => Math.round(0.88 * parseInt(colour.slice(at, at + 2), 16)));

@@ -215,6 +215,21 @@ test('a kept measure that fails keeps none after it back', async () => {
   await page.context().close();
 });
 
+test('a measure that is taken away is not waited for', async () => {
+  const page = await newPage(browser);
+  const held = await hold(page, '**/path**');
+  let given = 0;
+  page.on('requestfailed', (request) => { if (request.url().includes('/path')) given++; });
+  await page.goto(`${service.url}#mesh=${plane}&kept=auto;1;5,0.3,0.3;900,0.3,0.3`);
+  await ready(page);
+  await until(() => held.waiting.length === 1, 'its question');
+  await page.getByRole('button', { name: 'Remove measure A' }).click();
+  await until(() => given === 1, 'its question is given up');
+  assert.equal(await page.locator('.trouble').count(), 0);
+  held.release();
+  await page.context().close();
+});
+
 test('regions have crisp borders in whichever order their fields come', async () => {
   const more = '&from=9700,0.3,0.3&from=1000,0.3,0.3&show=regions&lines=0';
   const parts = { ofAll: /\/distance.*labels=(1|true)/, ofOne: /\/distance(?!.*labels=(1|true))/ };

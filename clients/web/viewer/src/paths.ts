@@ -107,12 +107,14 @@ export class Paths {
     else this.#path.ask(question, interrupt);
   }
 
-  /** The sources of which one is nearest to a spot: one, or those that meet in its face. */
+  /** The sources of which one is nearest to a spot: one, or those that meet in its face or are inside it. */
   #nearest({ sources, curves }: State, spot: Spot): readonly (Spot | Line)[] {
     const all = [...sources, ...curves];
     const { field, surface } = this.results.value;
     if (all.length === 1 || !field?.labels || !surface) return all.slice(0, 1);
     const labels = new Set(surface.cornersOf(spot.face).map((vertex) => field.labels![vertex]!));
+    // None of the face's corners may be the nearest to one that is inside it.
+    sources.forEach((source, number) => source.face === spot.face && labels.add(number));
     const starts = [...labels].map((label) => all[label]).filter((start) => start !== undefined);
     return starts.length ? starts : all.slice(0, 1);
   }
@@ -168,6 +170,7 @@ export class Paths {
     const measured = measures.map((measure) => this.#kept.get(measure) ?? null);
     this.results.set({ measured });
     if (surfaceOf(now, this.results.value) && this.results.value.methods.length && measured.includes(null)) this.#measures.ask(measures);
+    else this.#measures.cancel();
   }
 
   async #askMeasures(asked: readonly Measure[], signal: AbortSignal): Promise<void> {
