@@ -27,6 +27,7 @@
 using namespace geodesic;
 using fixtures::Cut;
 using fixtures::kPlenty;
+using fixtures::length_of;
 using fixtures::random_line;
 using fixtures::random_point;
 using fixtures::RandomMesh;
@@ -55,7 +56,7 @@ struct Wall {
   }
 };
 
-// One to three straight walls on a plane, as lines there and in space.
+// Up to three straight walls on a plane, as lines there and in space.
 std::pair<std::vector<SurfacePolyline>, std::vector<Wall>> random_walls(RandomMesh& random,
                                                                         const Surface& plane) {
   std::vector<SurfacePolyline> lines;
@@ -63,8 +64,12 @@ std::pair<std::vector<SurfacePolyline>, std::vector<Wall>> random_walls(RandomMe
   for (std::uint32_t k = 0; k <= random.below(3); ++k) {
     const SurfacePoint a = random_point(random, plane);
     const SurfacePoint b = random_point(random, plane);
-    lines.push_back(straight(plane, a, b));
-    walls.push_back({position_of(plane.mesh(), a), position_of(plane.mesh(), b)});
+    SurfacePolyline line = straight(plane, a, b);
+    const Wall wall{position_of(plane.mesh(), a), position_of(plane.mesh(), b)};
+    // From one copy of a face to another the way leads to its border and back.
+    if (length_of(plane.mesh(), line) > distance(wall.a, wall.b) + 1e-9) continue;
+    lines.push_back(std::move(line));
+    walls.push_back(wall);
   }
   return {std::move(lines), std::move(walls)};
 }
@@ -134,7 +139,6 @@ TEST_CASE("WaysGoRoundTheEndsOfWallsOnAPlane") {
 
 // Once for each side, as many programs write it: what stops a way on one stops it on all.
 TEST_CASE("WallsHoldWhereFacesAreThereSeveralTimes") {
-  int longer = 0;
   for (std::uint32_t i = 0; i < 15; ++i) {
     const std::uint32_t number = test_seed() + i;
     CAPTURE(number);
@@ -168,16 +172,9 @@ TEST_CASE("WallsHoldWhereFacesAreThereSeveralTimes") {
     for (std::uint32_t s = 0; s < plane.mesh().source_vertex_count(); ++s) {
       const std::uint32_t v = cut.cut.mesh.vertex_of_source()[s];
       const double expected = way_round(walls, start, cut.cut.mesh.positions()[v]);
-      const double found = field.distance[v];
-      if (found > expected && found < 1.01 * expected) {
-        longer += is_as_far(found, expected) ? 0 : 1;
-      } else {
-        CHECK(is_as_far(found, expected));
-      }
+      CHECK(is_as_far(field.distance[v], expected));
     }
   }
-  // In one of 25 runs two ways on one mesh were half a percent too long. None goes through a wall.
-  CHECK(longer <= 10);
 }
 
 TEST_CASE("ATubeThatIsCutAlongIsAStrip") {

@@ -9,6 +9,14 @@
 
 namespace geodesic::fixtures {
 
+inline double length_of(const Mesh& mesh, const SurfacePolyline& line) {
+  double length = 0;
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    length += distance(position_of(mesh, line[i - 1]), position_of(mesh, line[i]));
+  }
+  return length;
+}
+
 // From face to face, through vertices, along edges, with points inside faces and points twice.
 inline SurfacePolyline random_line(RandomMesh& random, const Adjacency& adjacency,
                                    std::uint32_t steps) {

@@ -17,6 +17,7 @@
 
 using namespace geodesic;
 using fixtures::kPlenty;
+using fixtures::length_of;
 using fixtures::random_line;
 using fixtures::RandomMesh;
 using fixtures::Surface;
@@ -26,15 +27,7 @@ namespace {
 
 double diagonal_of(const Mesh& mesh) { return distance(mesh.box().min, mesh.box().max); }
 
-double length_of(const Mesh& mesh, const SurfacePolyline& line) {
-  double length = 0;
-  for (std::size_t i = 1; i < line.size(); ++i) {
-    length += distance(position_of(mesh, line[i - 1]), position_of(mesh, line[i]));
-  }
-  return length;
-}
-
-double length_of(const Mesh& mesh, const std::vector<std::uint32_t>& chain) {
+double length_along(const Mesh& mesh, const std::vector<std::uint32_t>& chain) {
   double length = 0;
   for (std::size_t i = 1; i < chain.size(); ++i) {
     length += distance(mesh.positions()[chain[i - 1]], mesh.positions()[chain[i]]);
@@ -99,7 +92,7 @@ void check_chains(const RefinedMesh& refined, const Adjacency& adjacency, const 
       CHECK(chain[k - 1] != chain[k]);
       CHECK(adjacency.find_edge(chain[k - 1], chain[k]) != kNone);
     }
-    CHECK(std::abs(length_of(refined.mesh, chain) - length_of(whole, lines[i])) <
+    CHECK(std::abs(length_along(refined.mesh, chain) - length_of(whole, lines[i])) <
           near * static_cast<double>(lines[i].size()));
     // In this order.
     std::size_t at = 0;
@@ -255,7 +248,7 @@ TEST_CASE("FacesThatTouchAlongALineAreNotJoinedThere") {
     const SurfacePolyline line{surface.on(0, {1 - t, t, 0}), surface.at(3)};
     const auto refined = refine_along(surface.adjacency(), {&line, 1}, kPlenty, Cancel());
     REQUIRE(refined);
-    CHECK(length_of(refined->mesh, refined->chains[0]) ==
+    CHECK(length_along(refined->mesh, refined->chains[0]) ==
           doctest::Approx(length_of(surface.mesh(), line)));
     const auto mesh = std::make_shared<const Mesh>(refined->mesh);
     const Adjacency adjacency = Adjacency::build(mesh);
