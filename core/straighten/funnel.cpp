@@ -15,13 +15,24 @@ double leftness(Vec2 a, Vec2 b, Vec2 p) { return cross(b - a, p - a); }
 // round b, which only faces without area make possible.
 bool is_back(Vec2 a, Vec2 b, Vec2 p) { return dot(b - a, p - b) < 0; }
 
-// On one line with b -> a, beyond a, as far as rounding can tell: the path sets out on the portal
-// between the two, or comes to it through faces without width, and sees all that is behind it.
+// Whether two vectors lie on one line, as far as rounding can tell.
+bool is_on_line(Vec2 u, Vec2 v) {
+  const double longer2 = std::max(dot(u, u), dot(v, v));
+  return std::abs(cross(u, v)) <= tolerance::kThroughVertex * longer2;
+}
+
+// On one line with b -> a, beyond a: the path sets out on the portal between the two, or comes to
+// it through faces without width, and sees all that is behind it.
 bool is_between(Vec2 b, Vec2 a, Vec2 p) {
-  const Vec2 to_b = b - a;
-  const Vec2 to_p = p - a;
-  const double farther2 = std::max(dot(to_b, to_b), dot(to_p, to_p));
-  return dot(to_b, to_p) < 0 && std::abs(cross(to_b, to_p)) <= tolerance::kThroughVertex * farther2;
+  return dot(b - a, p - a) < 0 && is_on_line(b - a, p - a);
+}
+
+// On one line with a -> b, which goes on to the portal from b to `other`, and back from b as far as
+// `other` at the most: in faces without width the path crosses the portal where p is, and need not
+// go to b.
+bool is_on_portal(Vec2 a, Vec2 b, Vec2 other, Vec2 p) {
+  return dot(a - b, p - b) > 0 && dot(other - b, p - b) > 0 && dot(b - other, p - other) >= 0 &&
+         is_on_line(a - b, p - b) && is_on_line(other - b, p - b);
 }
 
 }  // namespace
@@ -59,15 +70,22 @@ void Funnel::list_sides(const UnfoldedStrip& strip) {
 // apex and over the right side, the apex moves on along that side.
 void Funnel::widen_left(std::uint32_t node) {
   const Vec2 p = nodes_[node].at;
-  while (first_ < apex_ &&
-         leftness(nodes_[deque_[first_ + 1]].at, nodes_[deque_[first_]].at, p) <= 0) {
+  const Vec2 left_end = nodes_[deque_[first_]].at;
+  const Vec2 right_end = nodes_[deque_[last_]].at;
+  while (first_ < apex_) {
+    const Vec2 a = nodes_[deque_[first_ + 1]].at;
+    const Vec2 b = nodes_[deque_[first_]].at;
+    if (leftness(a, b, p) > 0 && !is_on_portal(a, b, right_end, p)) break;
     ++first_;
   }
   while (first_ == apex_ && apex_ < last_) {
     const Vec2 a = nodes_[deque_[apex_]].at;
     const Vec2 b = nodes_[deque_[apex_ + 1]].at;
     const double left = leftness(a, b, p);
-    if (left > 0 || (left == 0 && !is_back(a, b, p)) || is_between(b, a, p)) break;
+    if (left > 0 || (left == 0 && !is_back(a, b, p)) || is_between(b, a, p) ||
+        is_on_portal(a, b, left_end, p)) {
+      break;
+    }
     first_ = ++apex_;
   }
   parent_[node] = deque_[first_];
@@ -77,15 +95,22 @@ void Funnel::widen_left(std::uint32_t node) {
 // The mirror image.
 void Funnel::widen_right(std::uint32_t node) {
   const Vec2 p = nodes_[node].at;
-  while (last_ > apex_ &&
-         leftness(nodes_[deque_[last_ - 1]].at, nodes_[deque_[last_]].at, p) >= 0) {
+  const Vec2 left_end = nodes_[deque_[first_]].at;
+  const Vec2 right_end = nodes_[deque_[last_]].at;
+  while (last_ > apex_) {
+    const Vec2 a = nodes_[deque_[last_ - 1]].at;
+    const Vec2 b = nodes_[deque_[last_]].at;
+    if (leftness(a, b, p) < 0 && !is_on_portal(a, b, left_end, p)) break;
     --last_;
   }
   while (last_ == apex_ && apex_ > first_) {
     const Vec2 a = nodes_[deque_[apex_]].at;
     const Vec2 b = nodes_[deque_[apex_ - 1]].at;
     const double left = leftness(a, b, p);
-    if (left < 0 || (left == 0 && !is_back(a, b, p)) || is_between(b, a, p)) break;
+    if (left < 0 || (left == 0 && !is_back(a, b, p)) || is_between(b, a, p) ||
+        is_on_portal(a, b, right_end, p)) {
+      break;
+    }
     last_ = --apex_;
   }
   parent_[node] = deque_[last_];

@@ -18,6 +18,11 @@
 namespace geodesic {
 namespace {
 
+// In radians, what rounding makes of the direction of a line along the edges of faces without
+// width. With a hundred times as much, pairs of vertices 1e-12 of an edge apart would count as
+// such.
+constexpr double kAlongPortal = 1e-14;
+
 class Shortener {
  public:
   Shortener(const Adjacency& adjacency, const Cancel& cancel)
@@ -60,6 +65,43 @@ class Shortener {
     return strip;
   }
 
+  enum class Side : std::uint8_t { none, left, right };
+  struct PortalCrossing {
+    double from_left;  // where, in parts of the portal
+    Side through;      // the end that the line runs through
+  };
+
+  // Where the straight line in a direction comes over a portal. `here`: where it has come over the
+  // one before. `stop`: the last vertex that it runs through, or its start.
+  static PortalCrossing cross_portal(const UnfoldedStrip& plane, const UnfoldedPortal& portal,
+                                     Vec2 along, Vec2 here, Vec2 stop) {
+    const Vec2 side = portal.right - portal.left;
+    const double off_left = cross(along, portal.left - plane.start);
+    const double off_right = cross(along, portal.right - plane.start);
+    const double left = std::max(off_left, 0.0);
+    const double right = std::max(-off_right, 0.0);
+    const double off = std::max(std::abs(off_left), std::abs(off_right));
+    double from_left = left / (left + right);
+    bool is_left = from_left < 0.5;
+    bool is_passed = true;
+    if (off <= kAlongPortal * norm(side) || !(left + right > 0)) {
+      // The line runs along the portal, and comes over it where it is on it: at the end that comes
+      // first, or, as in faces without width, between its ends.
+      const double length2 = dot(side, side);
+      const double at = length2 > 0 ? dot(here - portal.left, side) / length2 : 0;
+      from_left = std::clamp(at, 0.0, 1.0);
+      is_left = at <= 0;
+      if (at > 0 && at < 1) {
+        is_left = dot(side, along) < 0;  // the end ahead
+        is_passed = dot(plane.end - (is_left ? portal.left : portal.right), along) > 0;
+      }
+    }
+    const Vec2 vertex = is_left ? portal.left : portal.right;
+    const double arm = std::min(norm(vertex - stop), norm(plane.end - vertex));
+    const bool is_through = is_passed && (is_left ? left : right) < tolerance::kThroughVertex * arm;
+    return {from_left, !is_through ? Side::none : is_left ? Side::left : Side::right};
+  }
+
   // The straight line from one end of a strip to the other. Where rounding would
   // take it out of the strip it is held back at the edge's end. The vertices that it
   // runs through are left in run_through_.
@@ -75,24 +117,12 @@ class Shortener {
     Vec2 stop = start;  // or the last vertex that the line runs through
     for (std::size_t i = 0; i < strip.portals.size(); ++i) {
       const UnfoldedPortal& unfolded_portal = plane.unfolded_portals[i];
-      const double left = std::max(cross(along, unfolded_portal.left - start), 0.0);
-      const double right = std::max(-cross(along, unfolded_portal.right - start), 0.0);
-      double from_left = 0;
-      if (left + right > 0) {
-        from_left = left / (left + right);
-      } else {
-        // The line runs along the portal: to the end of it that comes first.
-        const Vec2 to_left = unfolded_portal.left - here;
-        const Vec2 to_right = unfolded_portal.right - here;
-        from_left = dot(to_left, to_left) <= dot(to_right, to_right) ? 0 : 1;
+      const PortalCrossing crossing = cross_portal(plane, unfolded_portal, along, here, stop);
+      if (crossing.through != Side::none) {
+        run_through_.push_back({i, crossing.through == Side::left});
+        stop = crossing.through == Side::left ? unfolded_portal.left : unfolded_portal.right;
       }
-      const bool left_is_nearer = from_left < 0.5;
-      const Vec2 vertex = left_is_nearer ? unfolded_portal.left : unfolded_portal.right;
-      const double arm = std::min(norm(vertex - stop), norm(plane.end - vertex));
-      if ((left_is_nearer ? left : right) < tolerance::kThroughVertex * arm) {
-        run_through_.push_back({i, left_is_nearer});
-        stop = vertex;
-      }
+      const double from_left = crossing.from_left;
       const Vec2 there =
           unfolded_portal.left + from_left * (unfolded_portal.right - unfolded_portal.left);
       segment.length += norm(there - here);
