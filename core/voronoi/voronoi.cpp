@@ -78,10 +78,9 @@ Result<std::vector<Source>> relax_sites(Method method, const MethodOptions& opti
   return sites;
 }
 
-Result<void> each_cell_triangle(
-    const Adjacency& adjacency, const NearSites& near,
-    const std::function<void(std::uint32_t, const std::array<Vec3, 3>&)>& take,
-    const Cancel& cancel) {
+Result<void> each_cell_triangle(const Adjacency& adjacency, const NearSites& near,
+                                const std::function<void(const CellTriangle&)>& take,
+                                const Cancel& cancel) {
   Poll poll(cancel);
   FaceCells face_cells(adjacency, near);
   const std::uint32_t faces = adjacency.mesh().face_count();
@@ -92,7 +91,7 @@ Result<void> each_cell_triangle(
         return position_in_face(adjacency, f, part.corners[i]);
       };
       for (std::size_t i = 2; i < part.corners.size(); ++i) {
-        take(part.site, {at(0), at(i - 1), at(i)});
+        take({part.site, f, {at(0), at(i - 1), at(i)}});
       }
     }
     if (poll.stopped()) return fail_stopped(poll);

@@ -70,11 +70,16 @@ struct Voronoi {
                                                       std::uint64_t rounds, SolveScratch& scratch,
                                                       const Cancel& cancel);
 
-// The cells cut out of the surface, a triangle after the other: calls `take(site, corners)` for
-// each, wound as its face, by face. Errors: cancelled.
-[[nodiscard]] Result<void> each_cell_triangle(
-    const Adjacency& adjacency, const NearSites& near,
-    const std::function<void(std::uint32_t, const std::array<Vec3, 3>&)>& take,
-    const Cancel& cancel);
+// A piece of a cell, wound as the face in which it lies.
+struct CellTriangle {
+  std::uint32_t site;
+  std::uint32_t face;
+  std::array<Vec3, 3> corners;
+};
+
+// The cells cut out of the surface, a triangle after the other, by face. Errors: cancelled.
+[[nodiscard]] Result<void> each_cell_triangle(const Adjacency& adjacency, const NearSites& near,
+                                              const std::function<void(const CellTriangle&)>& take,
+                                              const Cancel& cancel);
 
 }  // namespace geodesic

@@ -61,6 +61,7 @@ class Drawing {
     for (std::uint32_t f = 0; f < mesh_.face_count() && !poll_.cancelled(); ++f) {
       draw_face(mesh_.faces()[f]);
     }
+    for (const Patch& patch : content_.patches) draw_patch(patch);
     const double thick = scale_ * std::max(1.5, 0.0022 * std::min(options_.width, options_.height));
     shine_through(thick);
     for (const auto& line : content_.lines) {
@@ -149,19 +150,20 @@ class Drawing {
     return 0.42 + 0.62 * std::max(dot(normal, lamp), 0.0);
   }
 
-  void draw_face(const Triangle& t) {
-    const Vec3 a = seen_[t[0]];
-    const Vec3 b = seen_[t[1]];
-    const Vec3 c = seen_[t[2]];
-    const double area2 = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
-    if (!(std::abs(area2) > 1e-12)) return;
+  // At its corners. A crease: the mean of its sides' normals belongs to neither.
+  [[nodiscard]] std::array<double, 3> light_on(const Triangle& t) const {
     const Vec3 flat = unit(facing_normal(t));
-    std::array<double, 3> light;
+    std::array<double, 3> light{};
     for (std::size_t i = 0; i < 3; ++i) {
-      // A crease: the mean of its sides' normals belongs to neither.
       const Vec3 smooth = normals_[t[i]];
       light[i] = light_on(dot(flat, smooth) > 0.8 ? smooth : flat);
     }
+    return light;
+  }
+
+  void draw_face(const Triangle& t) {
+    const std::array<Vec3, 3> corners{seen_[t[0]], seen_[t[1]], seen_[t[2]]};
+    const auto& [a, b, c] = corners;
     std::array<double, 3> value{};
     bool reached = !content_.values.empty();
     for (std::size_t i = 0; reached && i < 3; ++i) {
@@ -174,8 +176,55 @@ class Drawing {
       const double u = value[1] - value[0];
       const double v = value[2] - value[0];
       slope = std::hypot(u * (c.y - a.y) - v * (b.y - a.y), v * (b.x - a.x) - u * (c.x - a.x)) /
-              std::abs(area2);
+              std::abs(area2(corners));
     }
+    draw_triangle(corners, light_on(t), 0, [&](double w0, double w1, double w2) {
+      return reached ? colour_of(w0 * value[0] + w1 * value[1] + w2 * value[2], slope) : kGrey;
+    });
+  }
+
+  void draw_patch(const Patch& patch) {
+    for (std::size_t i = 0; i < patch.faces.size() && !poll_.cancelled(); ++i) {
+      const Triangle& t = mesh_.faces()[patch.faces[i]];
+      const std::array<double, 3> light = light_on(t);
+      const std::array<Vec3, 3> face{seen_[t[0]], seen_[t[1]], seen_[t[2]]};
+      std::array<Vec3, 3> corners{};
+      std::array<double, 3> light_at{};
+      for (std::size_t c = 0; c < 3; ++c) {
+        corners[c] = on_screen(patch.corners[3 * i + c]);
+        const auto [w0, w1, w2] = weights_at(face, corners[c].x, corners[c].y);
+        const auto [least, most] = std::minmax({light[0], light[1], light[2]});
+        // Within them, whatever a face is seen from the side.
+        light_at[c] = std::clamp(w0 * light[0] + w1 * light[1] + w2 * light[2], least, most);
+      }
+      draw_triangle(corners, light_at, kOverFace,
+                    [&](double, double, double) { return patch.colour; });
+    }
+  }
+
+  // Twice the area on the screen, with a sign.
+  [[nodiscard]] static double area2(const std::array<Vec3, 3>& corners) {
+    const auto& [a, b, c] = corners;
+    return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+  }
+
+  // Of the corners of a triangle that has an area, at a place on the screen.
+  [[nodiscard]] static std::array<double, 3> weights_at(const std::array<Vec3, 3>& corners,
+                                                        double x, double y) {
+    const auto& [a, b, c] = corners;
+    const double area = area2(corners);
+    const double w1 = ((x - a.x) * (c.y - a.y) - (c.x - a.x) * (y - a.y)) / area;
+    const double w2 = ((b.x - a.x) * (y - a.y) - (x - a.x) * (b.y - a.y)) / area;
+    return {1 - w1 - w2, w1, w2};
+  }
+
+  // Where nothing is nearer to the eye by more than `over` pixels. `colour_by`: the colour by the
+  // weights of the corners.
+  template <class Colouring>
+  void draw_triangle(const std::array<Vec3, 3>& corners, const std::array<double, 3>& light,
+                     double over, Colouring&& colour_by) {
+    const auto& [a, b, c] = corners;
+    if (!(std::abs(area2(corners)) > 1e-12)) return;
     const Span rows =
         pixels_between(std::min({a.y, b.y, c.y}), std::max({a.y, b.y, c.y}), canvas_.height());
     for (std::uint32_t y = rows.first; y < rows.end; ++y) {
@@ -183,16 +232,11 @@ class Drawing {
       if (poll_.cancelled()) return;
       for (std::uint32_t x = columns.first; x < columns.end; ++x) {
         if (poll_.cancelled()) return;
-        const double px = x + 0.5;
-        const double py = y + 0.5;
-        const double w1 = ((px - a.x) * (c.y - a.y) - (c.x - a.x) * (py - a.y)) / area2;
-        const double w2 = ((b.x - a.x) * (py - a.y) - (px - a.x) * (b.y - a.y)) / area2;
-        const double w0 = 1 - w1 - w2;
-        const auto depth = static_cast<float>(w0 * a.z + w1 * b.z + w2 * c.z);
+        const auto [w0, w1, w2] = weights_at(corners, x + 0.5, y + 0.5);
+        const auto depth = static_cast<float>(w0 * a.z + w1 * b.z + w2 * c.z + over);
         if (!(depth > canvas_.depth(x, y))) continue;
-        Colour colour = kGrey;
-        if (reached) colour = colour_of(w0 * value[0] + w1 * value[1] + w2 * value[2], slope);
-        canvas_.put(x, y, depth, scaled(colour, w0 * light[0] + w1 * light[1] + w2 * light[2]));
+        canvas_.put(x, y, depth,
+                    scaled(colour_by(w0, w1, w2), w0 * light[0] + w1 * light[1] + w2 * light[2]));
       }
     }
   }
@@ -343,6 +387,7 @@ class Drawing {
   }
 
   static constexpr std::uint32_t kScaleWidth = 110;  // pixels of the picture
+  static constexpr double kOverFace = 0.01;          // pixels towards the eye, more than rounding
 
   Poll& poll_;
   const Mesh& mesh_;

@@ -37,12 +37,20 @@ struct PictureOptions {
   std::uint32_t stripes = 20;  // isolines between zero and the greatest value; 0: none
 };
 
+// A part of the surface in one colour: triangles that lie in faces of the mesh.
+struct Patch {
+  std::span<const Vec3> corners;         // three of each triangle
+  std::span<const std::uint32_t> faces;  // that have them
+  Colour colour;
+};
+
 struct PictureContent {
   // One value per vertex, not negative; kUnreached is grey. Empty: all grey, no scale.
   std::span<const double> values;
   std::vector<std::vector<Vec3>> lines;  // polylines on the surface
   std::vector<Vec3> sources;             // marked by discs
   std::vector<Vec3> targets;             // marked by rings
+  std::vector<Patch> patches{};          // over what the values have coloured
 };
 
 // Errors: cancelled. The options must be within their bounds.

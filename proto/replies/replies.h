@@ -215,11 +215,13 @@ struct VoronoiReply {
   std::vector<NeighbourCells> neighbours;
   std::vector<Bisector> bisectors;
   std::vector<Triangle> triangles;
-  // Of a drawing alone: which part of it; triangles of each cell, corner after corner; and of a
-  // picture the distances of the mesh's vertices.
+  // Of a drawing alone: which part of it, and the triangles of each cell.
+  struct DrawnCell {
+    std::vector<Vec3> corners;         // three of each triangle
+    std::vector<std::uint32_t> faces;  // in which it lies
+  };
   VoronoiRequest::Part part = VoronoiRequest::Part::cells;
-  std::vector<std::vector<Vec3>> drawn_cells;
-  std::vector<double> distances;
+  std::vector<DrawnCell> drawn_cells;
   Warnings warnings;
 };
 

@@ -51,31 +51,21 @@ VoronoiSites sites_of(const FieldRows& rows) {
 }
 
 // What a drawing of the cells has, and a picture.
-Result<void> cut_cells(const Adjacency& adjacency, const NearSites& near, const Field& field,
+Result<void> cut_cells(const Adjacency& adjacency, const NearSites& near,
                        std::uint64_t most_triangles, proto::VoronoiReply& reply,
                        const Cancel& cancel) {
-  constexpr std::uint64_t kCorners = 3 * sizeof(Vec3);
+  constexpr std::uint64_t kBytesOfTriangle = 3 * sizeof(Vec3) + sizeof(std::uint32_t);
   // Lists may have grown by doubling.
-  if (!cancel.may_take(2 * kCorners * most_triangles + field.distance.size() * sizeof(double))) {
-    return fail_stopped(cancel);
-  }
+  if (!cancel.may_take(2 * kBytesOfTriangle * most_triangles)) return fail_stopped(cancel);
   reply.drawn_cells.assign(reply.cells.size(), {});
-  auto cut = each_cell_triangle(
+  return each_cell_triangle(
       adjacency, near,
-      [&](std::uint32_t site, const std::array<Vec3, 3>& corners) {
-        auto& cell = reply.drawn_cells[site];
-        cell.insert(cell.end(), corners.begin(), corners.end());
+      [&](const CellTriangle& triangle) {
+        auto& cell = reply.drawn_cells[triangle.site];
+        cell.corners.insert(cell.corners.end(), triangle.corners.begin(), triangle.corners.end());
+        cell.faces.push_back(triangle.face);
       },
       cancel);
-  if (!cut) return cut;
-  Poll poll(cancel);
-  reply.distances.clear();
-  reply.distances.reserve(field.distance.size());
-  for (std::uint32_t v = 0; v < field.distance.size(); ++v) {
-    if (poll.cancelled()) return fail_stopped(poll);
-    reply.distances.push_back(field.distance[v]);
-  }
-  return {};
 }
 
 }  // namespace
@@ -153,9 +143,9 @@ Result<Answered<proto::VoronoiReply>> FieldQueries::answer(const AskedSurface& s
   const std::uint64_t triangles = adjacency->mesh().face_count() + 2 * found->segments;
   constexpr std::uint64_t kNumbersOfTriangle = 3;
   answer.drawn_numbers = kNumbersOfTriangle * triangles;
-  answer.complete_drawing = [adjacency, near = found->near, kept = field->value, triangles](
-                                proto::VoronoiReply& to, const Cancel& cancel) {
-    return cut_cells(*adjacency, *near, *kept, triangles, to, cancel);
+  answer.complete_drawing = [adjacency, near = found->near, triangles](proto::VoronoiReply& to,
+                                                                       const Cancel& cancel) {
+    return cut_cells(*adjacency, *near, triangles, to, cancel);
   };
   return answer;
 }

@@ -183,7 +183,7 @@ std::vector<GlbPart> parts_of(const proto::VoronoiReply& reply, proto::ColourMap
       GlbPart part;
       part.name = "cell " + std::to_string(i);
       part.extras = {{"cell", std::uint64_t{i}}, {"area", reply.cells[i].area}};
-      polled_copy(part.positions, std::span(reply.drawn_cells[i]), poll);
+      polled_copy(part.positions, std::span(reply.drawn_cells[i].corners), poll);
       polled_assign(part.colours, part.positions.size(), colour_of_cell(map, i), poll);
       parts.push_back(std::move(part));
       if (poll.cancelled()) break;
@@ -340,7 +340,11 @@ Result<HttpResponse> draw(const Answered<proto::VoronoiReply>& answer,
   Result<HttpResponse> response;
   if (format.format == Format::png) {
     proto::PictureContent content;
-    content.values = reply.distances;
+    for (std::size_t i = 0; i < reply.drawn_cells.size(); ++i) {
+      const auto& cell = reply.drawn_cells[i];
+      content.patches.push_back(
+          {cell.corners, cell.faces, colour_of_cell(format.picture.colour_map, i)});
+    }
     for (const Bisector& bisector : reply.bisectors) {
       content.lines.push_back(whole_line(bisector, poll));
     }

@@ -42,7 +42,8 @@ namespace geodesic::server {
 [[nodiscard]] Result<HttpResponse> draw(const Answered<proto::MeasureReply>& answer,
                                         const proto::ReplyFormat& format, const Cancel& cancel);
 // GLB: a node for each cell, coloured, with its number and area; or a line strip for each bisector;
-// or the sites and the triangles between them. PNG: distances, with the bisectors and the sites.
+// or the sites and the triangles between them. PNG: the cells, coloured alike, with the
+// bisectors and the sites.
 [[nodiscard]] Result<HttpResponse> draw(const Answered<proto::VoronoiReply>& answer,
                                         const proto::ReplyFormat& format, const Cancel& cancel);
 // GLB: a line strip for each isoline.

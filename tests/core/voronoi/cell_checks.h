@@ -70,8 +70,9 @@ inline void check_measures(const Surface& surface, const Field& field, const Vor
   std::vector<double> drawn(found.cells.size());
   REQUIRE(each_cell_triangle(
       surface.adjacency(), *found.near,
-      [&](std::uint32_t site, const std::array<Vec3, 3>& t) {
-        drawn[site] += norm(cross(t[1] - t[0], t[2] - t[0])) / 2;
+      [&](const CellTriangle& triangle) {
+        const auto& t = triangle.corners;
+        drawn[triangle.site] += norm(cross(t[1] - t[0], t[2] - t[0])) / 2;
       },
       Cancel()));
   for (std::size_t i = 0; i < found.cells.size(); ++i) {

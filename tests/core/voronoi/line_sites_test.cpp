@@ -387,14 +387,15 @@ TEST_CASE("PlacesAreInTheCellOfASiteThatIsNear") {
     const Cells cells(surface, sites, Method::exact);
     REQUIRE(each_cell_triangle(
         surface.adjacency(), *cells.found.near,
-        [&](std::uint32_t site, const std::array<Vec3, 3>& t) {
+        [&](const CellTriangle& triangle) {
+          const auto& t = triangle.corners;
           const Vec3 middle = (1.0 / 3) * (t[0] + t[1] + t[2]);
           const double area = norm(cross(t[1] - t[0], t[2] - t[0])) / 2;
           double least = kUnreached;
           for (const auto& line : lines) {
             least = std::min(least, fixtures::to_polyline(middle, line, false));
           }
-          const double more = fixtures::to_polyline(middle, lines[site], false) - least;
+          const double more = fixtures::to_polyline(middle, lines[triangle.site], false) - least;
           CHECK(more <= 2 * std::sqrt(2.0) + 1e-9);
           sum += more * area;
           count += area;

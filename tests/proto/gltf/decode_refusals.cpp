@@ -2,7 +2,6 @@
 // names the fault.
 #include <doctest/doctest.h>
 
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -278,7 +277,6 @@ TEST_CASE("a Draco header that claims too much is refused before it is decoded")
     return bytes;
   };
   const std::vector<std::uint8_t> million = {0xC0, 0x84, 0x3D};
-  const auto start = std::chrono::steady_clock::now();
   // sequential: faces, points
   check_refused(header(0, {1, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F}), ErrorCode::too_many_vertices, "");
   check_refused(header(0, {0xFF, 0xFF, 0xFF, 0xFF, 0x0F, 3}), ErrorCode::too_many_faces, "");
@@ -290,7 +288,6 @@ TEST_CASE("a Draco header that claims too much is refused before it is decoded")
   check_refused(header(1, {0, 3, 1, 0, 2, 0}), invalid, "contradict");
   check_refused(header(1, {0, 4, 1, 0, 1, 0}), invalid, "contradict");
   check_refused(header(1, {0, 3, 100, 255, 1, 0}), invalid, "100 faces");
-  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(1));
 }
 
 TEST_CASE("Draco metadata nested without end is refused") {

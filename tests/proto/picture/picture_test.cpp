@@ -63,6 +63,49 @@ TEST_CASE("PictureColoursThePlaneByItsValues") {
   }
 }
 
+// Each half in a colour of its own, and one corner in none. A face is cut where the halves meet.
+TEST_CASE("PictureHasPatchesInTheirColours") {
+  const Mesh mesh = plane(2);
+  proto::PictureOptions options;
+  options.width = options.height = 200;
+  const Colour red{200, 40, 40};
+  const Colour blue{40, 40, 200};
+  const auto& faces = mesh.faces();
+  std::vector<std::vector<Vec3>> corners(2);
+  std::vector<std::vector<std::uint32_t>> in_faces(2);
+  for (std::uint32_t f = 0; f < faces.size(); ++f) {
+    const auto at = [&](std::size_t c) { return mesh.positions()[faces[f][c % 3]]; };
+    // From the corner at which the right angle is to the middle of the long side.
+    std::size_t c = 0;
+    while (dot(at(c + 1) - at(c), at(c + 2) - at(c)) > 1e-9) ++c;
+    const Vec3 middle = 0.5 * (at(c + 1) + at(c + 2));
+    for (const std::size_t side : {c + 1, c + 2}) {
+      // Left and below, or right and above.
+      const Vec3 sum = at(c) + at(side) + middle;
+      const auto half = static_cast<std::size_t>(sum.x + 0.1 * sum.y > 1.65);
+      for (const Vec3 corner : {at(c), at(side), middle}) corners[half].push_back(corner);
+      in_faces[half].push_back(f);
+    }
+  }
+  corners[1].resize(corners[1].size() - 3);
+  in_faces[1].pop_back();
+  proto::PictureContent content;
+  content.patches = {{corners[0], in_faces[0], red}, {corners[1], in_faces[1], blue}};
+  const Image image = drawn(mesh, content, options);
+  std::array<int, 3> counts{};
+  for (std::uint32_t y = 0; y < 200; ++y) {
+    for (std::uint32_t x = 0; x < 200; ++x) {
+      const auto found = tint(pixel(image, x, y));
+      if (pixel(image, x, y) == Colour{255, 255, 255}) continue;
+      counts[found[2] < 0.5 ? 0 : found[0] < 0.5 ? 1 : 2] += 1;
+    }
+  }
+  // Quarters of the square of 184 pixels.
+  CHECK(counts[0] == doctest::Approx(184 * 184 / 2).epsilon(0.02));
+  CHECK(counts[1] == doctest::Approx(184 * 184 / 4).epsilon(0.02));
+  CHECK(counts[2] == doctest::Approx(184 * 184 / 4).epsilon(0.02));
+}
+
 TEST_CASE("PictureHidesWhatIsBehindTheSurface") {
   const Mesh mesh = plane(5);
   proto::PictureOptions options;

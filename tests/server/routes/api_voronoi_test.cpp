@@ -151,6 +151,10 @@ TEST_CASE("APictureOfCells") {
   const HttpResponse lone =
       plane.service.get(plane.base + "/voronoi?from=v:49&format=png&width=120&height=90");
   CHECK(*picture.body != *lone.body);
+  // Cells have the colours of a map.
+  const HttpResponse other = plane.service.get(
+      plane.base + "/voronoi?from=v:49&from=v:53&format=png&width=120&height=90&colormap=turbo");
+  CHECK(*picture.body != *other.body);
 }
 
 TEST_CASE("VoronoiByGetAndPost") {
