@@ -18,10 +18,8 @@
 namespace geodesic {
 namespace {
 
-// In radians, what rounding makes of the direction of a line along the edges of faces without
-// width. With a hundred times as much, pairs of vertices 1e-12 of an edge apart would count as
-// such.
-constexpr double kAlongPortal = 1e-14;
+// Of a portal's length, what rounding may make of where its ends are.
+constexpr double kRoundingOfEnds = 1e-15;
 
 class Shortener {
  public:
@@ -81,10 +79,18 @@ class Shortener {
     const double left = std::max(off_left, 0.0);
     const double right = std::max(-off_right, 0.0);
     const double off = std::max(std::abs(off_left), std::abs(off_right));
-    double from_left = left / (left + right);
-    bool is_left = from_left < 0.5;
+    // The direction of a short line is known less well, and the farther off its ends are.
+    const double reach =
+        std::max(norm(portal.left - plane.start), norm(portal.right - plane.start));
+    const double rounding =
+        kRoundingOfEnds * norm(side) * (1 + reach / norm(plane.end - plane.start));
+    double from_left = 0;
+    bool is_left = true;  // whether the left end is the one that the line may run through
     bool is_passed = true;
-    if (off <= kAlongPortal * norm(side) || !(left + right > 0)) {
+    if (off > rounding && left + right > 0) {
+      from_left = left / (left + right);
+      is_left = from_left < 0.5;
+    } else {
       // The line runs along the portal, and comes over it where it is on it: at the end that comes
       // first, or, as in faces without width, between its ends.
       const double length2 = dot(side, side);

@@ -140,7 +140,8 @@ class NearSitesBuilder {
     const Box& box = adjacency_.mesh().box();
     tie_ = tolerance::kSamePath * norm(box.max - box.min);
     tie_part_ = tolerance::kSamePath;
-    if (method_ == Method::back_traced) tie_part_ = options_.error_at_most.value_or(kToleranceFromLines);
+    if (method_ == Method::back_traced)
+      tie_part_ = options_.error_at_most.value_or(kToleranceFromLines);
   }
   [[nodiscard]] bool is_tie(double distance, double least) const {
     return std::abs(distance - least) <= tie_ + tie_part_ * least;

@@ -186,15 +186,16 @@ class Drawing {
   void draw_patch(const Patch& patch) {
     for (std::size_t i = 0; i < patch.faces.size() && !poll_.cancelled(); ++i) {
       const Triangle& t = mesh_.faces()[patch.faces[i]];
-      const std::array<double, 3> light = light_on(t);
       const std::array<Vec3, 3> face{seen_[t[0]], seen_[t[1]], seen_[t[2]]};
+      if (!has_area(face)) continue;
+      const std::array<double, 3> light = light_on(t);
+      const auto [least, most] = std::minmax({light[0], light[1], light[2]});
       std::array<Vec3, 3> corners{};
       std::array<double, 3> light_at{};
       for (std::size_t c = 0; c < 3; ++c) {
         corners[c] = on_screen(patch.corners[3 * i + c]);
         const auto [w0, w1, w2] = weights_at(face, corners[c].x, corners[c].y);
-        const auto [least, most] = std::minmax({light[0], light[1], light[2]});
-        // Within them, whatever a face is seen from the side.
+        // Weights in a face that is seen from its side are little but rounding.
         light_at[c] = std::clamp(w0 * light[0] + w1 * light[1] + w2 * light[2], least, most);
       }
       draw_triangle(corners, light_at, kOverFace,
@@ -206,6 +207,10 @@ class Drawing {
   [[nodiscard]] static double area2(const std::array<Vec3, 3>& corners) {
     const auto& [a, b, c] = corners;
     return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+  }
+
+  [[nodiscard]] static bool has_area(const std::array<Vec3, 3>& corners) {
+    return std::abs(area2(corners)) > 1e-12;
   }
 
   // Of the corners of a triangle that has an area, at a place on the screen.
@@ -224,7 +229,7 @@ class Drawing {
   void draw_triangle(const std::array<Vec3, 3>& corners, const std::array<double, 3>& light,
                      double over, Colouring&& colour_by) {
     const auto& [a, b, c] = corners;
-    if (!(std::abs(area2(corners)) > 1e-12)) return;
+    if (!has_area(corners)) return;
     const Span rows =
         pixels_between(std::min({a.y, b.y, c.y}), std::max({a.y, b.y, c.y}), canvas_.height());
     for (std::uint32_t y = rows.first; y < rows.end; ++y) {

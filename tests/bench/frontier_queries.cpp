@@ -184,7 +184,8 @@ void print_queries(std::uint32_t seed, const std::vector<std::string>& files) {
       {"a field of costs, one side three times as dear | the mean, against 7 points an edge",
        by_weights},
       {"a field of costs by slopes | the mean, against 7 points an edge", by_slopes},
-      {"a field written back into its file | what is read there, against the field", annotated_files},
+      {"a field written back into its file | what is read there, against the field",
+       annotated_files},
   }};
   std::printf(
       "\n### 12. Queries that follow from fields\n\nBy `auto`, costs by `steiner`, their fields "

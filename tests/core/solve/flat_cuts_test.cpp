@@ -248,7 +248,10 @@ TEST_CASE("BesideFacesWithoutWidthAutoErrsAsItDoesWithoutThem") {
                        << with.points.most << ", " << with.paths.most << "; without "
                        << without.vertices.mean() << ", " << without.points.mean() << ", "
                        << without.paths.mean() << ", largest " << without.vertices.most << ", "
-                       << without.points.most << ", " << without.paths.most);
+                       << without.points.most << ", " << without.paths.most
+                       << "; paths more than 1 % off " << with.paths.far << " of "
+                       << with.paths.count << ", without " << without.paths.far << " of "
+                       << without.paths.count);
     if (fixtures::kSanitized) continue;  // so few say nothing of how often
     CHECK(with.vertices.mean() < 0.001);
     for (const Errors& errors : {with.points, with.paths}) {

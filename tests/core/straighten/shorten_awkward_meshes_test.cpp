@@ -9,8 +9,10 @@
 #include "core/mesh/shapes.h"
 #include "core/straighten/shorten_path.h"
 #include "tests/fixtures/faces_thrown_together.h"
+#include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/shortened.h"
 #include "tests/fixtures/surface.h"
+#include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;
 using fixtures::along_edges;
@@ -95,6 +97,24 @@ TEST_CASE("FacesWithoutAreaAreCrossedLikeOthers") {
   CHECK(std::abs(up.length - std::hypot(2, 1)) <= 1e-12);
   const Path across = shortened(surface, along_edges(surface, {3, 2, 4, 5}));
   CHECK(std::abs(across.length - std::hypot(2, 1)) <= 1e-12);
+}
+
+// Two faces of one line, with a long side in common: a path to its end and back goes straight.
+TEST_CASE("PathsInFacesWithoutWidthDoNotTurnBack") {
+  fixtures::RandomMesh random(fixtures::test_seed());
+  for (int i = 0; i < 200; ++i) {
+    CAPTURE(i);
+    const Vec3 along{random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5};
+    const double from = 0.01 + 0.98 * random.unit();
+    const double to = 0.01 + 0.98 * random.unit();
+    if (std::abs(from - to) < 1e-3) continue;
+    const Surface surface(
+        TriangleSoup{{{0, 0, 0}, from * along, along, to * along}, {{0, 1, 2}, {0, 3, 2}}});
+    for (const std::uint32_t end : {0U, 2U}) {
+      const Path path = shortened(surface, along_edges(surface, {1, end, 3}));
+      CHECK(path.length == doctest::Approx(std::abs(from - to) * norm(along)).epsilon(1e-9));
+    }
+  }
 }
 
 TEST_CASE("NeedlesAndTheirLikeComeToAnEnd") {

@@ -5,8 +5,6 @@
 
 #include <cstdint>
 #include <cstring>
-#include <ctime>
-#include <functional>
 #include <random>
 #include <set>
 #include <string>
@@ -14,6 +12,7 @@
 
 #include "proto/wire/input_codes.h"
 #include "proto/wire/parameters.h"
+#include "tests/bench/processor_time.h"
 #include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;
@@ -64,12 +63,6 @@ class CollidingNames {
   std::uint64_t wanted_;
 };
 
-double processor_time_of(const std::function<void()>& work) {
-  const std::clock_t begin = std::clock();
-  work();
-  return static_cast<double>(std::clock() - begin) + 1;  // what ends within a tick took some time
-}
-
 }  // namespace
 
 TEST_CASE("names that collide in a hash table cost no more than others") {
@@ -89,9 +82,9 @@ TEST_CASE("names that collide in a hash table cost no more than others") {
   }
   // A hash table takes some hundred times as much processor time for names that collide.
   const double usual =
-      processor_time_of([&] { CHECK(proto::Parameters::from_json(others + "\"last\":1}")); });
+      bench::processor_ms_of([&] { CHECK(proto::Parameters::from_json(others + "\"last\":1}")); });
   const double colliding =
-      processor_time_of([&] { CHECK(proto::Parameters::from_json(body + "\"last\":1}")); });
+      bench::processor_ms_of([&] { CHECK(proto::Parameters::from_json(body + "\"last\":1}")); });
   CHECK(colliding < 20 * usual);
   const auto repeated = proto::Parameters::from_json(body + '"' + first + "\":1}");
   REQUIRE_FALSE(repeated);

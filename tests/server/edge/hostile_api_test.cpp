@@ -178,8 +178,8 @@ TEST_CASE("hostile bytes in any parameter are refused, and nothing leaks") {
   const std::string base = "/v1/meshes/" + attacked.id + "/";
   for (const Query& query : queries) {
     std::vector<const char*> parameters = query.parameters;
-    parameters.insert(parameters.end(),
-                      {"within", "forbid", "walls", "weights", "face_weights", "slope", "steepest", "up"});
+    parameters.insert(parameters.end(), {"within", "forbid", "walls", "weights", "face_weights",
+                                         "slope", "steepest", "up"});
     for (const char* parameter : parameters) {
       for (const std::string& value : hostile_values) {
         attacked.check_refused(

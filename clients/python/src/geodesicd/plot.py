@@ -96,10 +96,8 @@ def plot(
     exactness: dict[str, Any] = {"method": method, "bound": bound, "tolerance": tolerance}
     points = points_of(sources)
     # A frame, because it says by which method: a bare array does not.
-    asked = {
-        **{"from": points, "signed": signed or None, "costs": costs, **exactness, **kept},
-        "deadline_ms": milliseconds(deadline),
-    }
+    asked = {"from": points, "signed": signed or None, "costs": costs, **exactness, **kept}
+    asked["deadline_ms"] = milliseconds(deadline)
     kept["deadline"] = deadline
     answer = mesh.query("distance", asked, format="frame", progress=progress)
     field = answer.arrays["distances"]

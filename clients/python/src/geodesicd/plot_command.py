@@ -66,12 +66,10 @@ def _view(text: str | None) -> View | None:
     from .plot import view_angles
 
     try:
-        if text is None or "," not in text:
+        azimuth, elevation = map(float, (text or "").split(","))
+    except ValueError:  # no angles
+        try:
             return view_angles(text)
-        azimuth, elevation = map(float, text.split(","))
-    except ValueError:
-        raise Misuse(
-            f"--view is front, back, left, right, top, bottom, corner or two angles in degrees, "
-            f"such as 30,20, and not {text}"
-        ) from None
+        except ValueError as error:
+            raise Misuse(f"--{error}") from None
     return azimuth, elevation

@@ -113,8 +113,8 @@ export class Paths {
     const { field, surface } = this.results.value;
     if (all.length === 1 || !field?.labels || !surface) return all.slice(0, 1);
     const labels = new Set(surface.cornersOf(spot.face).map((vertex) => field.labels![vertex]!));
-    // None of the face's corners may be the nearest to one that is inside it.
-    sources.forEach((source, number) => source.face === spot.face && labels.add(number));
+    // A source inside the face need not be the nearest one of any of its corners.
+    for (const [number, source] of sources.entries()) if (source.face === spot.face) labels.add(number);
     const starts = [...labels].map((label) => all[label]).filter((start) => start !== undefined);
     return starts.length ? starts : all.slice(0, 1);
   }
