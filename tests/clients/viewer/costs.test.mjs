@@ -145,14 +145,14 @@ test('least costs begin at points: there is no curve beside them', async () => {
   for (const place of [[250, 250], [300, 400]]) await page.mouse.click(...place);
   assert.ok(await page.getByRole('button', { name: 'Measure from it' }).isDisabled());
   await page.getByRole('button', { name: 'Make it a wall' }).click();
-  await page.goto('about:blank'); // else the page may write its own link over this one
-  await page.goto(`${service.url}#mesh=${plane}&curve=5,0.3,0.3;900,0.3,0.3&walking=tobler,y&weights=3*faces:7-99`);
-  await ready(page);
-  await textAt(page, '.legend h2', (text) => text === 'Distance');
-  await page.getByText('Least costs begin at points, not at lines.').waitFor();
-  assert.ok(await least(page, 'Quickest').isDisabled());
   assert.deepEqual(page.faults, []);
   await page.context().close();
+  const opened = await openMesh(browser, service, plane, '&curve=5,0.3,0.3;900,0.3,0.3&walking=tobler,y&weights=3*faces:7-99');
+  await textAt(opened, '.legend h2', (text) => text === 'Distance');
+  await opened.getByText('Least costs begin at points, not at lines.').waitFor();
+  assert.ok(await least(opened, 'Quickest').isDisabled());
+  assert.deepEqual(opened.faults, []);
+  await opened.context().close();
 });
 
 test('what a link says wrongly of costs is left out', async () => {

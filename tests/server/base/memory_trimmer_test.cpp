@@ -12,8 +12,6 @@
 using namespace geodesic::server;
 using namespace std::chrono_literals;
 
-// The sanitizers' allocators return what is freed by rules of their own.
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST_CASE("WhatIsFreedAtTheEndOfAThreadsHeapGoesBackAtOnce") {
   const MemoryTrimmer trimmer(1h);
   // Large blocks that come and go must not raise the bound on what is kept.
@@ -55,4 +53,3 @@ TEST_CASE("MemoryThatIsFreedBetweenWhatIsInUseGoesBackToTheSystem") {
   }
   CHECK(process_usage().resident_bytes < full - 110e6);
 }
-#endif
