@@ -245,7 +245,7 @@ def test_a_picture_that_cannot_be_drawn_says_why(
     server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
 ) -> None:
     asked = ("plot", plane.id, "--from", "0", "-o", tmp_path / "field.png")
-    for view in ("below", "30", "30,", "30,20,10", "up,20"):
+    for view in ("below", "30", "30,", "30,20,10", "up,20", "nan,20", "0,inf"):
         assert "--view is" in geodesic(server, *asked, "--view", view, status=2).stderr
     assert "no colormap" in geodesic(server, *asked, "--colormap", "sunset", status=1).stderr
     late = geodesic(server, *asked, "--method", "exact", "--deadline", "0", status=1).stderr

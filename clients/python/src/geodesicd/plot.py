@@ -92,6 +92,7 @@ def plot(
             is no such view or colormap.
     """
     view = view_angles(view)
+    _require(colormap)
     kept: dict[str, Any] = {"within": within, "forbid": forbid, "walls": walls}
     exactness: dict[str, Any] = {"method": method, "bound": bound, "tolerance": tolerance}
     points = points_of(sources)
@@ -149,13 +150,22 @@ def view_angles(view: str | View | None) -> View | None:
     """Azimuth and elevation in degrees; None without a view.
 
     Raises:
-        ValueError: there is none of this name.
+        ValueError: there is none of this name, or an angle is not finite.
     """
-    if not isinstance(view, str):
-        return view
-    if view not in _SIDES:
+    found = _SIDES.get(view) if isinstance(view, str) else view
+    if view is not None and (found is None or not np.isfinite(found).all()):
         raise ValueError(f"view is one of {', '.join(_SIDES)} or two angles, and not {view!r}")
-    return _SIDES[view]
+    return found
+
+
+def _require(colormap: str | None) -> None:
+    """Raises ImportError without matplotlib, and ValueError if that has no such colormap."""
+    try:
+        from matplotlib import colormaps
+    except ImportError as error:
+        raise ImportError("pictures need matplotlib: pip install matplotlib") from error
+    if colormap is not None and colormap not in colormaps:
+        raise ValueError(f"matplotlib has no colormap that is called {colormap!r}")
 
 
 def _label(unit: str | None, signed: bool) -> str:
@@ -199,13 +209,11 @@ def draw(
     grey. Where some are below 0, 0 is the middle of the colours. ``lines``: polylines (n, 3) on the
     surface. Without ``smooth``, a place has the value of the closest vertex: for labels, which have
     nothing in between. Other parameters as of :func:`plot`."""
-    try:
-        from matplotlib import colormaps
-        from matplotlib.cm import ScalarMappable
-        from matplotlib.colors import Normalize
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise ImportError("pictures need matplotlib: pip install matplotlib") from error
+    _require(colormap)
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+    from matplotlib.figure import Figure
 
     figure = Figure(figsize=size, dpi=dpi, facecolor="white", layout="constrained")
     axes = figure.add_subplot()
@@ -221,8 +229,6 @@ def draw(
     has_sides = len(finite) > 0 and finite.min() < 0
     norm = Normalize(-most if has_sides else 0.0, most)
     colormap = colormap or ("RdBu_r" if has_sides else "viridis")
-    if colormap not in colormaps:
-        raise ValueError(f"matplotlib has no colormap that is called {colormap!r}")
     at_pixels = seen.interpolate if smooth else seen.nearest
     colours = colormaps[colormap](norm(at_pixels(geometry.triangles, np.asarray(field))))
     values = seen.interpolate(geometry.triangles, np.where(np.isfinite(field), 0.0, 1.0))
