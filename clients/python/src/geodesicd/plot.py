@@ -92,7 +92,7 @@ def plot(
             is no such view or colormap.
     """
     view = view_angles(view)
-    _require(colormap)
+    _check_colormap(colormap)
     kept: dict[str, Any] = {"within": within, "forbid": forbid, "walls": walls}
     exactness: dict[str, Any] = {"method": method, "bound": bound, "tolerance": tolerance}
     points = points_of(sources)
@@ -158,7 +158,7 @@ def view_angles(view: str | View | None) -> View | None:
     return found
 
 
-def _require(colormap: str | None) -> None:
+def _check_colormap(colormap: str | None) -> None:
     """Raises ImportError without matplotlib, and ValueError if that has no such colormap."""
     try:
         from matplotlib import colormaps
@@ -209,7 +209,7 @@ def draw(
     grey. Where some are below 0, 0 is the middle of the colours. ``lines``: polylines (n, 3) on the
     surface. Without ``smooth``, a place has the value of the closest vertex: for labels, which have
     nothing in between. Other parameters as of :func:`plot`."""
-    _require(colormap)
+    _check_colormap(colormap)
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize

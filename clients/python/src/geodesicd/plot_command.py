@@ -65,12 +65,12 @@ def _view(text: str | None) -> View | None:
     """A view as it is written on a command line: a name, or two angles in degrees."""
     from .plot import view_angles
 
-    view: str | View | None = text
     try:
         azimuth, elevation = map(float, (text or "").split(","))
-        view = azimuth, elevation
     except ValueError:  # no angles
-        pass
+        view: str | View | None = text
+    else:
+        view = azimuth, elevation
     try:
         return view_angles(view)
     except ValueError as error:
