@@ -1,6 +1,7 @@
 #include "proto/gltf/accessor.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <optional>
 #include <span>
@@ -8,6 +9,9 @@
 
 namespace geodesic::proto {
 namespace {
+
+// One element of an accessor that no bytes stand for; the largest are 4 x 4 floats.
+constexpr std::array<std::byte, 64> kZeroElement{};
 
 std::uint64_t size_of_component(int type) {
   switch (type) {
@@ -40,6 +44,7 @@ const char* unusable(const GltfAccessor& accessor, GltfUse use) {
       if (accessor.components == 1 && is_index_type(type)) return nullptr;
       return " can't hold indices: it is not a SCALAR of unsigned integers.";
     case GltfUse::position:
+    case GltfUse::displacement:
       if (accessor.components == 3 && type != gltf_uint32 && size_of_component(type) != 0) {
         return nullptr;
       }
@@ -58,6 +63,8 @@ const char* unusable(const GltfAccessor& accessor, GltfUse use) {
   }
   return nullptr;
 }
+
+bool may_be_zeros(GltfUse use) { return use != GltfUse::position && use != GltfUse::indices; }
 
 // `count` elements of `size` bytes from `offset` in a view, `stride` apart.
 // The operands are below 2^53 and 252 < 2^8, so nothing overflows.
@@ -180,12 +187,14 @@ Result<GltfElements> read_accessor(const GltfDocument& document, GltfBuffers& bu
                              *accessor.view);
     if (!data) return fail(data.error());
     elements.data = *data;
-  } else if (!accessor.sparse) {
+  } else if (!accessor.sparse && !may_be_zeros(use)) {
     return fail(ErrorCode::mesh_invalid, name + " has no bufferView.");
   } else if (accessor.count > max_absent) {
     return fail(ErrorCode::mesh_invalid, name + " claims " + std::to_string(accessor.count) +
                                              " elements without a bufferView: more than the "
                                              "file has bytes.");
+  } else if (!accessor.sparse) {
+    elements.data = kZeroElement.data();  // for all of them: the stride is 0
   }
   if (!accessor.sparse) return elements;
   return resolve_sparse(buffers, *accessor.sparse, elements, name);

@@ -24,8 +24,6 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr std::uint64_t kVertexData = 34962;  // glTF's number for what a view is used for
-// Objects that keep their order look for each name among all that they have.
-constexpr std::size_t kMostMembers = 4096;
 // Of the JSON of meshes that are there several times.
 constexpr std::uint64_t kMostCopiedBytes = std::uint64_t{64} << 20;
 
@@ -272,9 +270,9 @@ Result<GltfAnnotation> annotate_gltf(std::span<const std::byte> bytes, const Dec
   }
   const auto known = parse_gltf(container->json, limits);
   if (!known) return fail(known.error());
-  if (outline_of_json(container->json).most_members > kMostMembers) {
+  if (outline_of_json(container->json).most_members > kMostOrderedMembers) {
     return cannot_hold("the file's JSON has an object of more than " +
-                       std::to_string(kMostMembers) + " members");
+                       std::to_string(kMostOrderedMembers) + " members");
   }
   auto document = ordered_json::parse(container->json, nullptr, /*allow_exceptions=*/false);
   if (!document.is_object()) {

@@ -45,7 +45,7 @@ class Assembly {
       if (const auto counted = count(instance); !counted) return fail(counted.error());
     }
     if (room_.faces == 0) {
-      if (const auto sound = find_fault(document_, buffers_, file_bytes_); !sound) {
+      if (const auto sound = find_fault(document_, buffers_, file_bytes_, limits_); !sound) {
         return fail(sound.error());
       }
       return fail(no_triangles());
@@ -110,18 +110,22 @@ class Assembly {
     return {};
   }
 
-  // Many targets may share one accessor: their work is not bounded by the bytes.
+  // Many targets may share one accessor, and many nodes the targets: their work is not bounded by
+  // the bytes. One that moves nothing is looked at, and counts as one that moves a vertex.
   Result<void> count_targets(const GltfNode& node, const GltfMesh& mesh, std::size_t mesh_index,
                              std::size_t index, std::uint64_t vertices) {
     const GltfPrimitive& primitive = mesh.primitives[index];
     if (primitive.targets.empty()) return {};
     findings_.add("morph_at_default_weights", name_of_primitive(mesh_index, index),
                   "has morph targets, which are taken at their default weights");
-    morphed_ += vertices * active_targets(node, mesh, primitive).size();
+    const std::uint64_t looked_at =
+        std::min(primitive.targets.size(), weights_of_targets(node, mesh).size());
+    const std::uint64_t active = active_targets(node, mesh, primitive).size();
+    morphed_ += vertices * active + (looked_at - active);
     const std::uint64_t most = 16 * limits_.max_vertices;
     if (morphed_ <= most) return {};
-    return fail_limit(ErrorCode::too_large, "The morph targets move too many vertices.", most,
-                      morphed_);
+    return fail_limit(ErrorCode::too_large,
+                      "The morph targets are too many, or move too many vertices.", most, morphed_);
   }
 
   Result<void> write(const GltfInstance& instance, DecodedMesh& mesh, Cursor& cursor) {

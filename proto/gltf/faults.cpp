@@ -62,8 +62,41 @@ std::optional<Error> fault_in(const Result<GltfElements>& elements) {
   return elements.error();
 }
 
+// How many numbers may still be copied or gone through. Accessors may share bytes, and primitives
+// accessors: without a bound, a file would take its square.
+class NumbersLeft {
+ public:
+  explicit NumbersLeft(const DecodeLimits& limits)
+      : left_(3 * (limits.max_vertices + limits.max_faces)) {}
+
+  // False when so many are not left.
+  bool take(std::uint64_t numbers) {
+    if (numbers > left_) return false;
+    left_ -= numbers;
+    return true;
+  }
+
+ private:
+  std::uint64_t left_;
+};
+
+// That an accessor has; none if reading refuses it before it looks at them, as it claims more
+// elements than there are bytes.
+std::uint64_t numbers_in(const GltfDocument& document, GltfBuffers& buffers, std::size_t index,
+                         std::uint64_t file_bytes) {
+  const GltfAccessor& accessor = document.accessors[index];
+  std::uint64_t most = file_bytes;
+  if (accessor.view) {
+    const auto bytes = buffers.view(*accessor.view);
+    most = bytes ? bytes->size() : 0;
+  }
+  if (accessor.count > most) return 0;
+  return accessor.count * static_cast<std::uint64_t>(accessor.components);
+}
+
 Result<void> check_primitive(const GltfDocument& document, GltfBuffers& buffers,
-                             const GltfPrimitive& primitive, std::uint64_t file_bytes) {
+                             const GltfPrimitive& primitive, std::uint64_t file_bytes,
+                             NumbersLeft& left) {
   if (primitive.draco || !primitive.position) return {};
   const GltfAccessor& accessor = document.accessors[*primitive.position];
   const std::uint64_t vertices = accessor.count;
@@ -73,12 +106,16 @@ Result<void> check_primitive(const GltfDocument& document, GltfBuffers& buffers,
                 "accessor " + std::to_string(*target) +
                     " is a morph target of another number of positions than the primitive has.");
   }
-  if (accessor.view || accessor.sparse) {
+  // Only sparse ones are copied.
+  const bool is_within =
+      !accessor.sparse || left.take(numbers_in(document, buffers, *primitive.position, file_bytes));
+  if ((accessor.view || accessor.sparse) && is_within) {
     const auto positions =
         read_accessor(document, buffers, *primitive.position, GltfUse::position, file_bytes);
     if (auto fault = fault_in(positions)) return fail(std::move(*fault));
   }
   if (!primitive.indices) return {};
+  if (!left.take(numbers_in(document, buffers, *primitive.indices, file_bytes))) return {};
   const auto indices =
       read_accessor(document, buffers, *primitive.indices, GltfUse::indices, file_bytes);
   if (auto fault = fault_in(indices)) return fail(std::move(*fault));
@@ -124,7 +161,8 @@ Result<void> check_bounds(const GltfDocument& document, std::size_t accessor,
 }
 
 Result<void> find_fault(const GltfDocument& document, GltfBuffers& buffers,
-                        std::uint64_t file_bytes) {
+                        std::uint64_t file_bytes, const DecodeLimits& limits) {
+  NumbersLeft left(limits);
   for (std::size_t i = 0; i < document.views.size(); ++i) {
     const auto bytes = buffers.view(i);
     if (!bytes && bytes.error().code == ErrorCode::mesh_invalid) return fail(bytes.error());
@@ -142,6 +180,7 @@ Result<void> find_fault(const GltfDocument& document, GltfBuffers& buffers,
                   "accessor " + std::to_string(i) + ": only 8 and 16 bits can be `normalized`.");
     }
     if (!accessor.view && !accessor.sparse) continue;  // zeros, or Draco's
+    if (accessor.sparse && !left.take(numbers_in(document, buffers, i, file_bytes))) continue;
     const auto elements = read_accessor(document, buffers, i, GltfUse::any, file_bytes);
     if (auto fault = fault_in(elements)) return fail(std::move(*fault));
   }
@@ -159,7 +198,8 @@ Result<void> find_fault(const GltfDocument& document, GltfBuffers& buffers,
   for (std::size_t m = 0; m < document.meshes.size(); ++m) {
     const auto& primitives = document.meshes[m].primitives;
     for (std::size_t p = 0; p < primitives.size(); ++p) {
-      if (auto sound = check_primitive(document, buffers, primitives[p], file_bytes); !sound) {
+      if (auto sound = check_primitive(document, buffers, primitives[p], file_bytes, left);
+          !sound) {
         return in_primitive(std::move(sound.error()), m, p);
       }
     }

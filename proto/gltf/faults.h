@@ -8,6 +8,7 @@
 #include "proto/gltf/accessor.h"
 #include "proto/gltf_file/buffers.h"
 #include "proto/gltf_file/document.h"
+#include "proto/mesh/decoded_mesh.h"
 
 namespace geodesic::proto {
 
@@ -19,8 +20,9 @@ namespace geodesic::proto {
 
 // For a file in which nothing is drawn: the first fault among all its views, accessors,
 // scenes and primitives, which may be why. What is in other files or encoded by extensions is
-// passed over. Errors: those of `read_accessor`, index_out_of_range.
+// passed over, and so are elements beyond as many as the largest mesh has within the limits.
+// Errors: those of `read_accessor`, index_out_of_range.
 [[nodiscard]] Result<void> find_fault(const GltfDocument& document, GltfBuffers& buffers,
-                                      std::uint64_t file_bytes);
+                                      std::uint64_t file_bytes, const DecodeLimits& limits);
 
 }  // namespace geodesic::proto

@@ -7,9 +7,13 @@
 
 namespace geodesic::proto {
 
+const std::vector<double>& weights_of_targets(const GltfNode& node, const GltfMesh& mesh) {
+  return node.weights.empty() ? mesh.weights : node.weights;
+}
+
 std::vector<GltfMorphTarget> active_targets(const GltfNode& node, const GltfMesh& mesh,
                                             const GltfPrimitive& primitive) {
-  const auto& weights = node.weights.empty() ? mesh.weights : node.weights;
+  const std::vector<double>& weights = weights_of_targets(node, mesh);
   std::vector<GltfMorphTarget> targets;
   for (std::size_t i = 0; i < primitive.targets.size() && i < weights.size(); ++i) {
     if (primitive.targets[i] && weights[i] != 0) {
@@ -31,7 +35,8 @@ Result<void> add_targets(const GltfDocument& document, GltfBuffers& buffers,
                                                " positions, but the primitive has " +
                                                std::to_string(positions.size()) + ".");
     }
-    const auto elements = read_accessor(document, buffers, accessor, GltfUse::position, max_absent);
+    const auto elements =
+        read_accessor(document, buffers, accessor, GltfUse::displacement, max_absent);
     if (!elements) return fail(elements.error());
     if (const auto bad = fill_positions(*elements, GltfTransform{}, added)) {
       return fail(ErrorCode::mesh_invalid,

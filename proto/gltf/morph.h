@@ -18,8 +18,12 @@ struct GltfMorphTarget {
   std::size_t accessor = 0;
 };
 
-// The targets that move something: those that have positions and a weight. The
-// weights are the node's, else its mesh's; what is missing is 0.
+// Of the targets of its primitives: the node's, else its mesh's. What is missing is 0.
+[[nodiscard]] const std::vector<double>& weights_of_targets(const GltfNode& node,
+                                                            const GltfMesh& mesh);
+
+// The targets that move something: those that have positions and a weight. All
+// targets that have a weight, be it 0, are looked at.
 [[nodiscard]] std::vector<GltfMorphTarget> active_targets(const GltfNode& node,
                                                           const GltfMesh& mesh,
                                                           const GltfPrimitive& primitive);

@@ -48,18 +48,30 @@ struct Weight {
   double vertices = 0;
 };
 
+// Of each mesh, drawn once. Found before the nodes are gone through, as any number of them may
+// draw a mesh of any number of primitives.
+std::vector<double> vertices_of_meshes(const GltfDocument& document) {
+  std::vector<double> vertices;
+  vertices.reserve(document.meshes.size());
+  for (const GltfMesh& mesh : document.meshes) {
+    double sum = 0;
+    for (const GltfPrimitive& primitive : mesh.primitives) {
+      if (!primitive.position) continue;
+      sum += static_cast<double>(document.accessors[*primitive.position].count);
+    }
+    vertices.push_back(sum);
+  }
+  return vertices;
+}
+
 std::vector<Weight> weigh(const GltfDocument& document, const std::vector<std::size_t>& order) {
+  const std::vector<double> vertices = vertices_of_meshes(document);
   std::vector<Weight> weights(document.nodes.size());
   for (const std::size_t i : order) {
     const GltfNode& node = document.nodes[i];
     Weight& weight = weights[i];
     weight.visits = 1;
-    if (node.mesh) {
-      for (const GltfPrimitive& primitive : document.meshes[*node.mesh].primitives) {
-        if (!primitive.position) continue;
-        weight.vertices += static_cast<double>(document.accessors[*primitive.position].count);
-      }
-    }
+    if (node.mesh) weight.vertices = vertices[*node.mesh];
     for (const std::size_t child : node.children) {
       weight.visits += weights[child].visits;
       weight.vertices += weights[child].vertices;

@@ -99,10 +99,15 @@ Result<void> check_json_shape(std::string_view json, const DecodeLimits& limits)
     switch (json[at]) {
       case '"': {
         // To the closing quote: one that an even number of backslashes precedes.
+        const std::size_t begin = at;
         for (;;) {
           const std::size_t from = at + 1;
           at = json.find('"', from);
-          if (at == std::string_view::npos) return {};  // unterminated: the parser will say so
+          if (at == std::string_view::npos) {
+            return fail(ErrorCode::mesh_invalid, "The glTF's JSON does not parse at byte " +
+                                                     std::to_string(begin + 1) +
+                                                     ", where a string begins that has no end.");
+          }
           std::size_t slashes = 0;
           while (at - slashes > from && json[at - slashes - 1] == '\\') ++slashes;
           if (slashes % 2 == 0) break;

@@ -11,6 +11,10 @@
 
 namespace geodesic::proto {
 
+// Of one object, where the JSON is to keep its order: there each name is looked for among all that
+// the object has.
+inline constexpr std::size_t kMostOrderedMembers = 4096;
+
 // Views into the file's bytes: nothing is copied.
 struct GltfContainer {
   std::string_view json;
@@ -28,7 +32,7 @@ struct GltfContainer {
 
 // One linear pass over the JSON. A recursive parser or destructor can be driven
 // out of stack by nesting, and out of memory by a great many tiny values.
-// Errors: mesh_invalid (nesting), too_large (number of values).
+// Errors: mesh_invalid (nesting, a string without an end), too_large (number of values).
 [[nodiscard]] Result<void> check_json_shape(std::string_view json, const DecodeLimits& limits);
 
 }  // namespace geodesic::proto

@@ -238,12 +238,17 @@ Result<std::string> pack_gltf(std::string_view document, const NamedFiles& files
                               const DecodeLimits& limits) {
   const auto text = open_gltf(std::as_bytes(std::span(document))).json;
   if (const auto shape = check_json_shape(text, limits); !shape) return fail(shape.error());
+  const JsonOutline outline = outline_of_json(text);
+  if (outline.most_members > kMostOrderedMembers) {
+    return fail_limit(ErrorCode::too_large, "The glTF's JSON has an object of too many members.",
+                      kMostOrderedMembers, outline.most_members);
+  }
   auto parsed = ordered_json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!parsed.is_object()) {
     return fail(ErrorCode::mesh_invalid, "The glTF's JSON does not parse, or is not an object.");
   }
-  if (const auto name = outline_of_json(text).repeated_name) {
-    return fail(ErrorCode::mesh_invalid, repeated_name(*name));
+  if (outline.repeated_name) {
+    return fail(ErrorCode::mesh_invalid, repeated_name(*outline.repeated_name));
   }
   return Packing(std::move(parsed), files).run();
 }

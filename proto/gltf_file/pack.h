@@ -22,7 +22,8 @@ using NamedFiles = std::map<std::string, std::string_view, std::less<>>;
 // percent-decoded, and means the file of that name, else that of the name behind its
 // last slash. Images stay where they are: nobody opens them.
 // Errors: external_uri naming the file that is missing; mesh_invalid naming buffer or
-// view; too_large (a GLB holds 4 GB; nesting and number of values, as for decoding).
+// view; too_large (a GLB holds 4 GB; nesting and number of values, as for decoding; an
+// object of more than kMostOrderedMembers).
 [[nodiscard]] Result<std::string> pack_gltf(std::string_view document, const NamedFiles& files,
                                             const DecodeLimits& limits);
 

@@ -2,6 +2,7 @@
 // Numbers are read to the last bit and without locales; nothing is copied.
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
@@ -10,6 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 namespace geodesic::proto {
 
@@ -83,6 +85,24 @@ class TextTokens {
   std::uint64_t line_ = 1;
 };
 
+// Whether a number is less than one, but for its sign, as its digits say and whatever its exponent.
+[[nodiscard]] inline bool is_below_one(std::string_view number) {
+  const std::string_view digits = number.substr(0, number.find_first_of("eE"));
+  const std::size_t first = digits.find_first_of("123456789");
+  if (first == std::string_view::npos) return true;
+  // The power of ten of the first digit that counts.
+  const auto point = static_cast<std::int64_t>(std::min(digits.find('.'), digits.size()));
+  const std::int64_t before_point = point - static_cast<std::int64_t>(first);
+  const std::int64_t power = before_point > 0 ? before_point - 1 : before_point;
+  if (digits.size() == number.size()) return power < 0;
+  std::string_view said = number.substr(digits.size() + 1);
+  if (said.starts_with('+')) said.remove_prefix(1);
+  std::int64_t exponent = 0;
+  const auto read = std::from_chars(said.data(), said.data() + said.size(), exponent);
+  if (read.ec == std::errc::result_out_of_range) return said.starts_with('-');
+  return exponent < -power;
+}
+
 // All of a word as a number that is finite, or nothing. A leading plus is allowed.
 [[nodiscard]] inline std::optional<double> finite_of_word(std::string_view word) {
   if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
@@ -91,10 +111,7 @@ class TextTokens {
   const auto [stop, error] = std::from_chars(word.data(), end, value);
   // What is too small to be told from zero is zero; what is too large is a fault.
   if (error == std::errc::result_out_of_range && stop == end) {
-    const bool is_small = word.find("e-") != std::string_view::npos ||
-                          word.find("E-") != std::string_view::npos || word.starts_with("0.") ||
-                          word.starts_with("-0.");
-    return is_small ? std::optional(0.0) : std::nullopt;
+    return is_below_one(word) ? std::optional(0.0) : std::nullopt;
   }
   if (error != std::errc() || stop != end || word.empty() || !std::isfinite(value)) {
     return std::nullopt;

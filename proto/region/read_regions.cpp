@@ -1,5 +1,6 @@
 #include "proto/region/read_regions.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -121,8 +122,18 @@ Result<Shape> box_of(const json& box, std::string parameter) {
   return box_shape(*min, *max, std::move(parameter));
 }
 
+Result<void> check_line_points(std::uint64_t points, std::string parameter) {
+  if (points <= kMaxLinePoints) return {};
+  return fail_limit(ErrorCode::too_large,
+                    "too many points of walls and insides in one request; ask with fewer",
+                    kMaxLinePoints, points, std::move(parameter));
+}
+
 Result<std::vector<PointRequest>> points_of(const json& list, const std::string& parameter) {
   if (!list.is_array()) return no_shape("a line is a list of points", parameter);
+  if (auto few = check_line_points(list.size(), parameter); !few) {
+    return fail(std::move(few.error()));
+  }
   std::vector<PointRequest> points;
   points.reserve(list.size());
   for (const json& item : list) {
@@ -145,13 +156,22 @@ struct Counted {
   std::uint64_t line_points = 0;
 };
 
-Result<void> count_line(const std::vector<PointRequest>& points, Counted& counted,
-                        std::string_view name) {
-  counted.line_points += points.size();
-  if (counted.line_points <= kMaxLinePoints) return {};
-  return fail_limit(ErrorCode::too_large,
-                    "too many points of walls and insides in one request; ask with fewer",
-                    kMaxLinePoints, counted.line_points, std::string(name));
+// How many points a line has as the client wrote it: all of a text that begins so, or what an
+// object has in that member. 0 where there is none.
+std::uint64_t line_points_in(const json& value, std::string_view beginning, const char* member) {
+  if (value.is_string()) {
+    const auto& text = value.get_ref<const std::string&>();
+    if (!text.starts_with(beginning)) return 0;
+    return static_cast<std::uint64_t>(std::count(text.begin(), text.end(), ';')) + 1;
+  }
+  const auto list = value.find(member);
+  return list != value.end() && list->is_array() ? list->size() : 0;
+}
+
+// Counts the points of a line before they are made: each takes many times its text.
+Result<void> count_line(std::uint64_t points, Counted& counted, std::string_view name) {
+  counted.line_points += points;
+  return check_line_points(counted.line_points, std::string(name));
 }
 
 // Of several values under a name, which one.
@@ -174,11 +194,12 @@ Result<std::vector<Wall>> read_walls(Parameters& parameters, Counted& counted) {
     return fail(ErrorCode::value_out_of_range, "there is no wall in this list", std::string(kName));
   }
   for (std::size_t i = 0; i < count; ++i) {
-    auto wall = parse_json_wall((*values)[i], parameter_at(kName, i, count));
-    if (!wall) return fail(std::move(wall.error()));
-    if (auto few = count_line(wall->points, counted, kName); !few) {
+    const json& value = (*values)[i];
+    if (auto few = count_line(line_points_in(value, "", "points"), counted, kName); !few) {
       return fail(std::move(few.error()));
     }
+    auto wall = parse_json_wall(value, parameter_at(kName, i, count));
+    if (!wall) return fail(std::move(wall.error()));
     walls.push_back(std::move(*wall));
   }
   return walls;
@@ -200,7 +221,11 @@ Result<std::vector<Shape>> read_region(Parameters& parameters, std::string_view 
                 std::string(name));
   }
   for (std::size_t i = 0; i < count; ++i) {
-    auto shape = parse_json_shape((*values)[i], parameter_at(name, i, count));
+    const json& value = (*values)[i];
+    if (auto few = count_line(line_points_in(value, "inside:", "inside"), counted, name); !few) {
+      return fail(std::move(few.error()));
+    }
+    auto shape = parse_json_shape(value, parameter_at(name, i, count));
     if (!shape) return fail(std::move(shape.error()));
     if (const auto* faces = std::get_if<std::vector<FaceRange>>(&shape->what)) {
       counted.ranges += faces->size();
@@ -209,11 +234,6 @@ Result<std::vector<Shape>> read_region(Parameters& parameters, std::string_view 
                           "too many faces and ranges of them in one request; write what lies side "
                           "by side as one range",
                           kMaxFaceRanges, counted.ranges, std::string(name));
-      }
-    }
-    if (const auto* inside = std::get_if<InsideShape>(&shape->what)) {
-      if (auto few = count_line(inside->points, counted, name); !few) {
-        return fail(std::move(few.error()));
       }
     }
     region.push_back(std::move(*shape));

@@ -1,4 +1,6 @@
 // Shapes as a URL has them.
+#include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -8,6 +10,7 @@
 #include "proto/region/shapes.h"
 #include "proto/wire/input_codes.h"
 #include "proto/wire/number.h"
+#include "proto/wire/query_limits.h"
 
 namespace geodesic::proto {
 namespace {
@@ -52,6 +55,13 @@ Result<Shape> parse_faces(std::string_view text, std::string parameter) {
 }  // namespace
 
 Result<std::vector<PointRequest>> parse_line(std::string_view text, const std::string& parameter) {
+  // Before they are made: a point takes many times its text.
+  const auto count = static_cast<std::uint64_t>(std::count(text.begin(), text.end(), ';')) + 1;
+  if (count > kMaxLinePoints) {
+    return fail_limit(ErrorCode::too_large,
+                      "too many points of walls and insides in one request; ask with fewer",
+                      kMaxLinePoints, count, parameter);
+  }
   std::vector<PointRequest> points;
   for (;;) {
     const std::size_t end = text.find(';');

@@ -19,6 +19,19 @@ TEST_CASE("faults of OBJ files are named with their line") {
   check_bad("v 0 0 x\n", wrong, "line 1: a vertex");
   check_bad("v 0 0 nan\n", wrong, "line 1: a vertex");
   check_bad("v 0 0 1e999\n", wrong, "line 1: a vertex");
+  const std::string zeros(400, '0');
+  for (const std::string& large :
+       {std::string("0.5e400"), std::string("-0.5E+400"), std::string("0.5e99999999999999999999"),
+        "1" + zeros, "1" + zeros + "e-5", "0." + zeros + "1e900"}) {
+    check_bad("v 0 0 " + large + "\n", wrong, "line 1: a vertex");
+  }
+  for (const std::string& small :
+       {std::string("0.5e-400"), std::string("-5E-400"), std::string("1e-99999999999999999999"),
+        "0." + zeros + "1", "-." + zeros + "1e5", "1" + zeros + "e-900"}) {
+    CAPTURE(small);
+    const auto mesh = good("v 1 0 " + small + "\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", MeshFormat::obj);
+    CHECK(mesh.soup.positions[0] == Vec3{1, 0, 0});
+  }
   check_bad(three + "f 1 2\n", wrong, "line 4: the face has 2 corners");
   check_bad(three + "f 1 2 0\n", wrong, "line 4: a corner");
   check_bad(three + "f 1 2 -4\n", wrong, "line 4: a corner");

@@ -98,6 +98,60 @@ TEST_CASE("a file in which nothing is drawn is told what else is wrong with it")
   check_refused(f, ErrorCode::index_out_of_range, "mesh 0, primitive 0: accessor 2: index 2 is 3");
 }
 
+TEST_CASE("the search for what is wrong ends at as many numbers as the largest mesh has") {
+  DecodeLimits limits;
+  limits.max_vertices = 10;
+  limits.max_faces = 10;  // 60 numbers
+  const auto of_sparse = [](int sound) {
+    auto f = one_triangle();
+    f.document["nodes"][0].erase("mesh");
+    const auto good = f.view(bytes_of(std::vector<std::uint8_t>{2}));
+    const auto bad = f.view(bytes_of(std::vector<std::uint8_t>{9}));
+    for (int i = 0; i <= sound; ++i) {
+      f.add("accessors",
+            {{"componentType", 5126},
+             {"count", 3},
+             {"type", "VEC3"},
+             {"sparse",
+              {{"count", 1},
+               {"indices", {{"bufferView", i < sound ? good : bad}, {"componentType", 5121}}},
+               {"values", {{"bufferView", 0}}}}}});
+    }
+    return f;
+  };
+  check_refused(of_sparse(5), invalid, "sparse index 9 is not below", limits);
+  check_refused(of_sparse(6), ErrorCode::no_triangles, "no triangles", limits);
+  check_refused(of_sparse(6), invalid, "sparse index 9 is not below");
+  const auto of_indices = [](int sound) {
+    auto f = one_triangle();
+    f.document["nodes"][0].erase("mesh");
+    json& primitives = f.document["meshes"][0]["primitives"];
+    for (int i = 1; i < sound; ++i) primitives.push_back(json(primitives[0]));
+    primitives.push_back(GltfFixture::primitive(0, 4, f.indices({0, 1, 3})));
+    return f;
+  };
+  check_refused(of_indices(19), ErrorCode::index_out_of_range, "index 2 is 3", limits);
+  check_refused(of_indices(20), ErrorCode::no_triangles, "no triangles", limits);
+}
+
+TEST_CASE("a mesh of many primitives that many nodes draw is weighed once") {
+  constexpr std::size_t kMany = 50'000;
+  auto f = one_triangle();
+  const json primitive = GltfFixture::primitive(0);
+  const json heavy_node = {{"mesh", 0}};
+  const json light_node = {{"mesh", 1}};
+  f.document["meshes"][0]["primitives"] = std::vector<json>(kMany, primitive);
+  f.mesh({primitive});
+  f.document["nodes"] = std::vector<json>(kMany, light_node);
+  const Bytes light = f.glb();
+  const double light_ms = bench::processor_ms_of([&] { CHECK(decode(light).has_value()); });
+  f.document["nodes"] = std::vector<json>(kMany, heavy_node);
+  const Bytes heavy = f.glb();
+  const double heavy_ms = bench::processor_ms_of(
+      [&] { check_refused(heavy, ErrorCode::too_many_vertices, "too many vertices"); });
+  CHECK(heavy_ms < 3 * light_ms);
+}
+
 TEST_CASE(
     "bounds of positions may be rounded; where they are those of something else, that is said") {
   const auto with = [](const json& min, const json& max) {

@@ -4,6 +4,7 @@
 #include <meshoptimizer.h>
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -395,6 +396,34 @@ TEST_CASE("sparse morph targets move a few vertices alone") {
   CHECK(decoded(f).soup.positions == std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 7}});
 }
 
+// glTF 2.0, section 5.1.1: an accessor without a buffer view is zeros.
+TEST_CASE("targets and instances whose accessors have no bytes are zeros") {
+  const auto without_bytes = [](GltfFixture& f, std::uint64_t count, const char* type) {
+    return f.add("accessors", {{"componentType", 5126}, {"count", count}, {"type", type}});
+  };
+  auto f = one_triangle();
+  const auto nothing = without_bytes(f, 3, "VEC3");
+  const auto up = f.positions({0, 0, 1, 0, 0, 1, 0, 0, 1});
+  f.document["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", nothing}},
+                                                         {{"POSITION", up}}};
+  f.document["meshes"][0]["weights"] = {1, 0.5};
+  CHECK(decoded(f).soup.positions == std::vector<Vec3>{{0, 0, 0.5}, {1, 0, 0.5}, {0, 1, 0.5}});
+  f.document["accessors"][nothing]["count"] = 4;
+  check_refuses(f.glb(), malformed, "is a morph target of 4 positions");
+
+  f = instanced(json::object());
+  const auto here = without_bytes(f, 2, "VEC3");
+  const auto scale = vec3(f, {1, 1, 1, 2, 2, 2});
+  json& attributes = f.document["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+  attributes = {{"TRANSLATION", here}, {"SCALE", scale}};
+  CHECK(decoded(f).soup.positions ==
+        std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {2, 0, 0}, {0, 2, 0}});
+  attributes["ROTATION"] = without_bytes(f, 2, "VEC4");
+  CHECK(decoded(f).soup.faces.size() == 2);
+  attributes = {{"TRANSLATION", without_bytes(f, 900'000, "VEC3")}};
+  check_refuses(f.glb(), malformed, "claims 900000 elements without a bufferView");
+}
+
 TEST_CASE("morph targets with faults are refused, naming primitive and accessor") {
   const auto with = [](const std::vector<float>& target) {
     auto f = one_triangle();
@@ -424,6 +453,24 @@ TEST_CASE("morph targets that share one accessor can't multiply the work without
   REQUIRE_FALSE(refused.has_value());
   CHECK(refused.error().code == ErrorCode::too_large);
   limits.max_vertices = 19;
+  CHECK(decode_mesh(f.glb(), limits).has_value());
+}
+
+TEST_CASE("morph targets that move nothing can't be gone through without end either") {
+  auto f = one_triangle();
+  f.document["meshes"][0]["primitives"][0]["targets"] = std::vector<json>(2000, json::object());
+  f.document["meshes"][0]["weights"] = std::vector<double>(2000, 0.5);
+  for (int i = 0; i < 9; ++i) f.node({{"mesh", 0}});
+  DecodeLimits limits;
+  limits.max_vertices = 20'000 / 16;
+  CHECK(decode_mesh(f.glb(), limits).has_value());
+  --limits.max_vertices;
+  const auto refused = decode_mesh(f.glb(), limits);
+  REQUIRE_FALSE(refused.has_value());
+  CHECK(refused.error().code == ErrorCode::too_large);
+  CHECK(refused.error().actual == std::uint64_t{20'000});
+  // Those without a weight are not looked at.
+  f.document["meshes"][0]["weights"] = {0.5};
   CHECK(decode_mesh(f.glb(), limits).has_value());
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "proto/encode/encode_mesh.h"
+#include "proto/gltf_file/container.h"
 #include "proto/wire/input_codes.h"
 #include "tests/bench/processor_time.h"
 #include "tests/proto/gltf/honest_file.h"
@@ -204,6 +205,22 @@ TEST_CASE("JSON of very many values is refused before it is parsed") {
   check_refused(bytes_of(text), ErrorCode::too_large, "too many values", limits);
   limits.max_json_values = 5000;
   check_refused(bytes_of(text), ErrorCode::no_triangles, "no triangles", limits);
+}
+
+TEST_CASE("a string without an end is refused before it is parsed, whatever comes before it") {
+  std::string before = R"({"asset":{"version":"2.0"},"extras":["closed\\")";
+  for (int i = 0; i < 100; ++i) before += ",0";
+  before += ',';
+  DecodeLimits limits;
+  limits.max_json_values = 50;
+  for (const char* open : {R"(")", R"("x)", R"("x\")", R"("x\\\")", R"("x\\\"y)"}) {
+    const std::string text = before + open;
+    CAPTURE(text);
+    const std::string named = "byte " + std::to_string(before.size() + 1) + ", where a string";
+    check_refused(bytes_of(text), invalid, named, limits);
+    check_refused(glb_of(text, {}), invalid, named, limits);
+    CHECK_FALSE(check_json_shape(text, DecodeLimits{}).has_value());
+  }
 }
 
 TEST_CASE("a document that lists too many objects is refused before it is parsed further") {

@@ -26,6 +26,11 @@ GltfFixture muddy(std::size_t (*accessor)(GltfFixture&)) {
   return f;
 }
 
+// One that is zeros.
+std::size_t without_bytes(GltfFixture& f) {
+  return f.add("accessors", {{"componentType", 5126}, {"count", 3}, {"type", "SCALAR"}});
+}
+
 Result<FaceNumbers> mud(const GltfFixture& f) {
   REQUIRE(decode_mesh(f.glb(), DecodeLimits{}));
   return read_face_numbers(f.glb(), DecodeLimits{}, ImportOptions{}, "_MUD", FaceNumber::weight);
@@ -89,6 +94,7 @@ TEST_CASE("what is no weight, and an attribute that is not there, are refused") 
     check_refused(f, "at vertex 1");
   }
   check_refused(one_triangle(), "it has: POSITION");
+  check_refused(muddy(without_bytes), "at vertex 0");
 }
 
 TEST_CASE("an accessor that there is not is refused") {
@@ -130,4 +136,5 @@ TEST_CASE("a label is what all corners have, to the last digit") {
     return f.accessor(f.view(bytes_of(std::vector<float>{nan, nan, nan})), 5126, 3, "SCALAR");
   }));
   CHECK(std::isnan(nothing));
+  CHECK(labels(muddy(without_bytes)) == 0);
 }

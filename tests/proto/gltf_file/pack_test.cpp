@@ -127,6 +127,7 @@ TEST_CASE("views can't reach from one file into the next") {
   check_not_packed(spoilt("/bufferViews", 7), wrong, "bufferViews is no array of objects");
   check_not_packed(pack_gltf("{\"asset\":", {}, DecodeLimits{}), wrong, "does not parse");
   check_not_packed(pack_gltf(std::string(100'000, '['), {}, DecodeLimits{}), wrong, "nested");
+  check_not_packed(pack_gltf(R"({"asset)", {}, DecodeLimits{}), wrong, "has no end");
 }
 
 TEST_CASE("a file that many buffers are in is there once") {
@@ -145,6 +146,18 @@ TEST_CASE("a file that many buffers are in is there once") {
   document.erase("bufferViews");
   check_not_packed(pack_gltf(document.dump(), {{"a.bin", file}}, DecodeLimits{}),
                    ErrorCode::too_large, "ever longer parts of one file");
+}
+
+TEST_CASE("an object of very many members is not packed, for each is looked for among all") {
+  constexpr std::size_t kMost = 4096;
+  json document = {{"asset", {{"version", "2.0"}}}};
+  for (std::size_t i = 0; i < kMost; ++i) document["extras"]["name " + std::to_string(i)] = i;
+  CHECK(pack_gltf(document.dump(), {}, DecodeLimits{}).has_value());
+  document["extras"]["one more"] = 0;
+  const auto packed = pack_gltf(document.dump(), {}, DecodeLimits{});
+  check_not_packed(packed, ErrorCode::too_large, "too many members");
+  CHECK(packed.error().limit == kMost);
+  CHECK(packed.error().actual == kMost + 1);
 }
 
 TEST_CASE("a name that comes twice is refused, not packed as one of the two") {
