@@ -19,13 +19,12 @@ std::string packed_tag(std::string_view tag) {
   return packed;
 }
 
-bool has_already(const HttpRequest& request, std::string_view tag) {
+bool is_listed(const HttpRequest& request, std::string_view tag) {
   const std::string* const header = request.header("If-None-Match");
   if (header == nullptr) return false;
   std::string_view list = *header;
   // Both sides without their weakness.
   if (tag.starts_with("W/")) tag.remove_prefix(2);
-  const std::string packed = packed_tag(tag);
   // Our tags have no comma; what is not ours matches nothing, wherever it is cut.
   while (!list.empty()) {
     const std::size_t comma = list.find(',');
@@ -34,9 +33,13 @@ bool has_already(const HttpRequest& request, std::string_view tag) {
     while (entry.starts_with(' ') || entry.starts_with('\t')) entry.remove_prefix(1);
     while (entry.ends_with(' ') || entry.ends_with('\t')) entry.remove_suffix(1);
     if (entry.starts_with("W/")) entry.remove_prefix(2);
-    if (entry == tag || entry == packed) return true;
+    if (entry == tag) return true;
   }
   return false;
+}
+
+bool has_already(const HttpRequest& request, std::string_view tag) {
+  return is_listed(request, tag) || is_listed(request, packed_tag(tag));
 }
 
 bool has_any(const HttpRequest& request) {

@@ -23,11 +23,16 @@ namespace geodesic::server {
 // If-None-Match, compared weakly.
 [[nodiscard]] bool has_already(const HttpRequest& request, std::string_view tag);
 
+// Whether the list in If-None-Match has this very tag, compared weakly.
+[[nodiscard]] bool is_listed(const HttpRequest& request, std::string_view tag);
+
 // Whether If-None-Match is "*": any reply is as good as had, but only once it is known that there
 // is one (RFC 9110, section 13.2.1).
 [[nodiscard]] bool has_any(const HttpRequest& request);
 
-// 304: what the request has is still good.
+// 304: what the request has is still good. `tag` is that of the bare reply; `finish_reply` makes it
+// that of the packed one for who has that. With the `content_type` that the reply would have had,
+// `Vary` is the same as the reply's; the type is not sent.
 [[nodiscard]] HttpResponse not_modified(std::string_view tag);
 
 }  // namespace geodesic::server

@@ -27,6 +27,19 @@ bool is_text(std::string_view type) {
          type.starts_with("application/x-ndjson");
 }
 
+// Whether it is to be packed for who asks, and is not yet.
+bool is_worth_packing(const HttpRequest& request, const HttpResponse& response) {
+  return is_text(response.content_type) && !response.stream && response.body &&
+         response.body->size() > kLeastPacked && admits_gzip(request) &&
+         header_of(response, "Content-Encoding") == nullptr;
+}
+
+void set_packed_tag(HttpResponse& response) {
+  if (const std::string* const tag = header_of(response, "ETag")) {
+    response.set_header("ETag", packed_tag(*tag));
+  }
+}
+
 bool is_read(const HttpRequest& request) {
   return request.method == "GET" || request.method == "HEAD";
 }
@@ -48,12 +61,25 @@ void tag(const HttpRequest& request, HttpResponse& response) {
     is_had = is_had || has_already(request, tag);
   }
   if (!is_had) return;
+  // "*" names no tag: it is that of what would have been sent.
+  if (has_any(request) && is_worth_packing(request, response)) set_packed_tag(response);
   response.status = 304;
   response.body = nullptr;
   response.file = nullptr;
   response.reserved = nullptr;
   std::erase_if(response.headers, [](const NameValue& h) { return h.first == "Content-Encoding"; });
+}
+
+// A 304 has the tag and the Vary of the reply that it stands for (RFC 9110, section 15.4.5), or a
+// cache would not know which of its replies is still good, nor for whom.
+void finish_not_modified(const HttpRequest& request, HttpResponse& response) {
+  // From the reply's type, `pack` knows whether it varies. Without one it may.
+  if (response.content_type.empty()) add_to_list(response, "Vary", "Accept-Encoding");
   response.content_type.clear();
+  const std::string* const tag = header_of(response, "ETag");
+  if (tag == nullptr || !is_listed(request, packed_tag(*tag))) return;
+  // Of who has both, it is the one that would have been sent.
+  if (!is_listed(request, *tag) || admits_gzip(request)) set_packed_tag(response);
 }
 
 bool is_lower_hex(std::string_view text) {
@@ -71,13 +97,10 @@ void pack(const HttpRequest& request, HttpResponse& response, Poll* poll) {
   if (!is_text(response.content_type) || response.stream) return;
   // What is small now may be large another time.
   add_to_list(response, "Vary", "Accept-Encoding");
-  if (!response.body || response.body->size() <= kLeastPacked || !admits_gzip(request)) return;
-  if (header_of(response, "Content-Encoding") != nullptr) return;  // done already
+  if (!is_worth_packing(request, response)) return;
   response.body = std::make_shared<const std::string>(gzip(*response.body, poll));
   response.set_header("Content-Encoding", "gzip");
-  if (const std::string* const tag = header_of(response, "ETag")) {
-    response.set_header("ETag", packed_tag(*tag));
-  }
+  set_packed_tag(response);
 }
 
 void finish_reply(const HttpRequest& request, HttpResponse& response) {
@@ -89,6 +112,7 @@ void finish_reply(const HttpRequest& request, HttpResponse& response) {
     add_to_list(response, "Vary", "Authorization");
   }
   pack(request, response, nullptr);
+  if (response.status == 304) finish_not_modified(request, response);
   response.set_header("X-Content-Type-Options", "nosniff");
   if (const std::string_view trace = trace_of(request); !trace.empty()) {
     response.set_header("traceparent", std::string(trace));

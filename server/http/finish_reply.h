@@ -20,8 +20,10 @@ namespace geodesic::server {
 void pack(const HttpRequest& request, HttpResponse& response, Poll* poll);
 
 // Packs what is to be packed. A reply to GET or HEAD that has no tag of its own gets one of its
-// bytes, and is a 304 for those who have them; one that does not say how long it holds must be
-// asked for again each time (`no-cache`). Errors are not kept at all.
+// bytes, and is a 304 for those who have them. A 304 has the tag, packed or bare, that the client
+// named, and `Vary: Accept-Encoding` unless it has the type of a reply that is never packed. One
+// that does not say how long it holds must be asked for again each time (`no-cache`). Errors are
+// not kept at all.
 void finish_reply(const HttpRequest& request, HttpResponse& response);
 
 // Server-Timing: the stages that took time, in milliseconds.

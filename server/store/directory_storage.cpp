@@ -68,6 +68,19 @@ Result<std::vector<Found>> files_below(const fs::path& folder, std::string_view 
   return files;
 }
 
+// Whether it is there, and no larger.
+Result<bool> is_file_of_at_most(std::uint64_t bytes, const fs::path& path) {
+  struct stat file {};
+  if (::stat(path.c_str(), &file) != 0) {
+    if (errno == ENOENT) return false;
+    return disk_error("look at a file", path, errno);
+  }
+  if (S_ISREG(file.st_mode) && static_cast<std::uint64_t>(file.st_size) <= bytes) return true;
+  spdlog::warn("store: {} is not read: it is no file, or larger than {} bytes", path.string(),
+               bytes);
+  return false;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<ObjectStorage>> DirectoryStorage::open(const fs::path& directory) {
@@ -179,8 +192,14 @@ Result<std::string> DirectoryStorage::write(ObjectKind kind, std::string_view id
 }
 
 Result<std::optional<StoredObject>> DirectoryStorage::read(ObjectKind kind, std::string_view id,
-                                                           std::uint64_t /*expected_bytes*/) {
-  auto bytes = read_file(path_of(kind, id));
+                                                           std::uint64_t expected_bytes) {
+  const fs::path path = path_of(kind, id);
+  if (is_of_job(kind)) {
+    const auto may_be_read = is_file_of_at_most(expected_bytes, path);
+    if (!may_be_read) return fail(may_be_read.error());
+    if (!*may_be_read) return std::nullopt;
+  }
+  auto bytes = read_file(path);
   if (!bytes) return fail(std::move(bytes.error()));
   if (!*bytes) return std::nullopt;
   return StoredObject{std::move(**bytes), {}};

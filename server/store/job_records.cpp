@@ -20,10 +20,12 @@ namespace {
 
 using nlohmann::json;
 
-// A record is this line, the digest of the rest as 64 digits, and CBOR (RFC 8949), whose strings
-// may be any bytes. A larger body is an object of its own, with its digest in the record. The
-// digest is against damage. Who may write to the storage is not to harm the process all the same.
-constexpr std::string_view kBegin = "geodesicd job 1\n";
+// A record is this line, the digest of the rest as 64 digits, and MessagePack, whose strings may be
+// any bytes. A larger body is an object of its own, with its digest in the record. The digest is
+// against damage. Who may write to the storage is not to harm the process all the same. In
+// MessagePack only lists and maps are nested, and `FlatEnough` is told of each. Version 1 was CBOR,
+// where strings are as well, and the library's reader calls itself for each of these unasked.
+constexpr std::string_view kBegin = "geodesicd job 2\n";
 constexpr std::size_t kDigits = 64;
 constexpr std::size_t kInside = std::size_t{64} << 10;
 constexpr std::chrono::hours kKeepQuestions{24};
@@ -190,7 +192,7 @@ Result<bool> JobRecords::write(const std::string& id, json head, std::string_vie
     }
   }
   std::string bytes;
-  json::to_cbor(head, bytes);
+  json::to_msgpack(head, bytes);
   bytes.insert(0, std::string(kBegin) + sha256_hex(bytes));
   if (bytes.size() > kMostJobBytes) return false;
   if (auto done = storage_.write(kinds.record, id, bytes); !done) {
@@ -221,9 +223,10 @@ Result<std::optional<JobQuestion>> JobRecords::read(const std::string& id, const
   if (sha256_hex(rest) != bytes.substr(kBegin.size(), kDigits)) return unusable("it is damaged");
   try {
     FlatEnough flat;
-    if (!json::sax_parse(rest, &flat, json::input_format_t::cbor))
+    if (!json::sax_parse(rest, &flat, json::input_format_t::msgpack)) {
       return unusable("it is no record");
-    const json head = json::from_cbor(rest);
+    }
+    const json head = json::from_msgpack(rest);
     JobQuestion found = question_in(head);
     auto& end = found.record.end;
     if (found.record.id != id || end.has_value() != (kinds.record == ObjectKind::job_end)) {

@@ -3,9 +3,10 @@
 // that uses the storage can tell what a job came to, or begin it again. Where two have run it, what
 // one of them has brought to a good end is not replaced by the other's failure.
 //
-// A record is checked against its digest when it is read. What is damaged, of another version or
-// too old is as if it were not there. Of a request's headers only those are kept that say what is
-// asked, and in which form: it was allowed when it was taken, and who knows the id may ask.
+// A record is checked against its digest when it is read. What is damaged, too large, of another
+// version or too old is as if it were not there. Of a request's headers only those are kept that
+// say what is asked, and in which form: it was allowed when it was taken, and who knows the id may
+// ask.
 //
 // What one process has written is bounded by a budget: what was written first goes first. What a
 // process left that is gone is erased by another one, a day after it was too old.

@@ -6,6 +6,7 @@
 #include <ctime>
 #include <future>
 #include <limits>
+#include <system_error>
 #include <tuple>
 #include <utility>
 
@@ -403,8 +404,12 @@ Result<void> MeshStore::confirm_used(std::chrono::seconds age) {
     return outcome;
   };
   std::vector<std::future<Result<void>>> crew;
-  for (std::size_t i = 1; i < std::min(ids.size(), kConfirmedAtOnce); ++i) {
-    crew.push_back(std::async(std::launch::async, confirm_some));
+  try {
+    for (std::size_t i = 1; i < std::min(ids.size(), kConfirmedAtOnce); ++i) {
+      crew.push_back(std::async(std::launch::async, confirm_some));
+    }
+  } catch (const std::system_error&) {
+    // No more threads can be started. Those that were, and this one, do it all.
   }
   Result<void> all = confirm_some();
   for (auto& part : crew) {

@@ -1,5 +1,8 @@
 #include "server/store/monitor.h"
 
+#include <spdlog/spdlog.h>
+
+#include <exception>
 #include <utility>
 
 namespace geodesic::server {
@@ -10,11 +13,19 @@ StoreMonitor::StoreMonitor(MeshStore& store, std::chrono::milliseconds interval,
         std::unique_lock lock(mutex_);
         while (!stopping_) {
           lock.unlock();
-          if (store_.check() && also_) also_();
+          check();
           lock.lock();
           wake_.wait_for(lock, interval, [&] { return stopping_; });
         }
       }) {}
+
+void StoreMonitor::check() noexcept {
+  try {
+    if (store_.check() && also_) also_();
+  } catch (const std::exception& error) {  // such as no memory, which there may be next time
+    spdlog::error("store: not checked this time: {}", error.what());
+  }
+}
 
 StoreMonitor::~StoreMonitor() {
   {

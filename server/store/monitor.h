@@ -14,8 +14,9 @@ namespace geodesic::server {
 
 class StoreMonitor {
  public:
-  // Checks at once, then every `interval`, and calls `also`, which takes seconds at most and does
-  // not throw, whenever the store works. The store must outlive the monitor.
+  // Checks at once, then every `interval`, and calls `also`, which takes seconds at most, whenever
+  // the store works. What either throws is logged, and the next round comes all the same. The store
+  // must outlive the monitor.
   StoreMonitor(MeshStore& store, std::chrono::milliseconds interval,
                std::function<void()> also = {});
   ~StoreMonitor();
@@ -23,6 +24,8 @@ class StoreMonitor {
   StoreMonitor& operator=(const StoreMonitor&) = delete;
 
  private:
+  void check() noexcept;
+
   MeshStore& store_;
   const std::function<void()> also_;
   std::mutex mutex_;

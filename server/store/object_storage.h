@@ -38,7 +38,10 @@ enum class ObjectKind : std::uint8_t {
 
 inline constexpr std::array kJobObjects{ObjectKind::job, ObjectKind::job_body, ObjectKind::job_end,
                                         ObjectKind::job_reply};
-// No `job` and no `job_end` is larger: who finds one that is need not read it.
+[[nodiscard]] constexpr bool is_of_job(ObjectKind kind) {
+  return kind != ObjectKind::source && kind != ObjectKind::metadata;
+}
+// No `job` and no `job_end` is larger.
 inline constexpr std::uint64_t kMostJobBytes = std::uint64_t{256} << 10;
 
 // What an object of a job is called among all of them.
@@ -97,7 +100,9 @@ class ObjectStorage {
                                                   std::string_view bytes) = 0;
 
   // All of the bytes, unchecked; nothing if there is no such object. `expected_bytes`
-  // is about how many there should be, 0 where that is not known.
+  // is about how many there should be, 0 where that is not known. Of a job it is the most that
+  // there may be: who else may write to the storage is not to fill the memory, so what is larger is
+  // logged, and is as if it were not there.
   [[nodiscard]] virtual Result<std::optional<StoredObject>> read(ObjectKind kind,
                                                                  std::string_view id,
                                                                  std::uint64_t expected_bytes) = 0;

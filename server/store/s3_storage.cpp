@@ -1,5 +1,7 @@
 #include "server/store/s3_storage.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <ctime>
 #include <utility>
@@ -102,8 +104,9 @@ Result<std::optional<StoredObject>> S3Storage::read(ObjectKind kind, std::string
   request.max_reply_bytes = std::max<std::uint64_t>(expected_bytes, 1 << 20);
   auto reply = client_.send(request);
   if (!reply) return fail(std::move(reply.error()));
-  if (reply->cut && (kind == ObjectKind::job || kind == ObjectKind::job_end)) {
-    return fail(ServiceCode::store_failed, "an object of the store is too large");
+  if (is_of_job(kind) && (reply->cut || reply->body.size() > expected_bytes)) {
+    spdlog::warn("store: {} is not read: it is larger than {} bytes", request.key, expected_bytes);
+    return std::nullopt;
   }
   if (reply->cut) {
     // The expectation was wrong. What was cut tells nothing about the object.

@@ -254,11 +254,60 @@ TEST_CASE("ARecordThatIsDamagedIsNeverTaken") {
 TEST_CASE("ARecordThatIsNestedDeeplyOrLargeIsNoRecord") {
   OneAfterTheOther servers;
   const std::string id(48, 'a');
-  for (const std::string& rest : {std::string(200'000, '\x81'), std::string(2 << 20, '\xa1')}) {
-    std::ofstream(servers.folder.path() / "jobs" / (id + ".job"), std::ios::binary)
-        << "geodesicd job 1\n"
-        << sha256_hex(rest) << rest;
-    check_problem(servers.server->get("/v1/jobs/" + id), 404, "job_unknown");
+  // Lists of one list, as MessagePack and as CBOR have them; CBOR's strings of strings.
+  for (const char part : {'\x91', '\x81', '\x7f', '\x5f'}) {
+    for (const char version : {'1', '2'}) {
+      for (const std::size_t size : {250'000, 2 << 20}) {
+        CAPTURE(static_cast<int>(part));
+        CAPTURE(version);
+        CAPTURE(size);
+        const std::string rest(size, part);
+        std::ofstream(servers.folder.path() / "jobs" / (id + ".job"), std::ios::binary)
+            << "geodesicd job " << version << '\n'
+            << sha256_hex(rest) << rest;
+        check_problem(servers.server->get("/v1/jobs/" + id), 404, "job_unknown");
+      }
+    }
+  }
+}
+
+TEST_CASE("WhatIsLargerThanItMayBeIsNotRead") {
+  constexpr std::uintmax_t kVast = std::uintmax_t{1} << 40;  // a file of holes
+  OneAfterTheOther servers;
+  const std::string question = R"({"count": 900, "method": "exact"})" + std::string(70'000, ' ');
+  for (const char* ending : {".job", ".body"}) {
+    CAPTURE(ending);
+    const std::string place = servers.begin("POST", servers.base + "/samples", question);
+    servers.server.reset();
+    const std::string id = place.substr(place.rfind('/') + 1);
+    const auto path = servers.folder.path() / "jobs" / (id + ending);
+    REQUIRE(std::filesystem::exists(path));
+    std::filesystem::resize_file(path, kVast);
+    servers.server = std::make_unique<KeepingServer>(servers.folder.path(), servers.limits);
+    check_problem(servers.server->get(place), 404, "job_unknown");
+  }
+}
+
+// An older server finds the records of a newer one, and the other way round.
+TEST_CASE("AJobOfAnotherVersionIsUnknown") {
+  OneAfterTheOther servers;
+  const std::string target = servers.base + "/samples?count=5";
+  const std::string begin = "geodesicd job 2\n";
+  for (const char version : {'1', '3'}) {
+    CAPTURE(version);
+    const std::string place = servers.begin("GET", target);
+    servers.wait(place);
+    servers.server.reset();
+    for (const auto& path : servers.kept()) {
+      std::string bytes = contents_of(path);
+      REQUIRE(bytes.size() > begin.size());
+      bytes[begin.size() - 2] = version;
+      std::ofstream(path, std::ios::binary) << bytes;
+    }
+    servers.server = std::make_unique<KeepingServer>(servers.folder.path(), servers.limits);
+    check_problem(servers.server->get(place), 404, "job_unknown");
+    // It can be asked again.
+    CHECK(servers.wait(servers.begin("GET", target))["state"] == "done");
   }
 }
 

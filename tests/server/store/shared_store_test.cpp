@@ -4,13 +4,23 @@
 //
 // GEODESICD_SEED=N repeats a random run.
 #include <doctest/doctest.h>
+#include <pthread.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
+#include <functional>
+#include <future>
 #include <map>
+#include <memory>
+#include <new>
 #include <optional>
 #include <random>
+#include <span>
 #include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "proto/wire/input_codes.h"
@@ -18,6 +28,8 @@
 #include "server/metrics/metrics.h"
 #include "server/query/mesh_catalog.h"
 #include "server/store/mesh_store.h"
+#include "server/store/monitor.h"
+#include "tests/fixtures/wait_until.h"
 #include "tests/server/routes/service_fixture.h"
 #include "tests/server/store/fake_s3.h"
 
@@ -26,6 +38,85 @@ using namespace geodesic::server;
 using namespace geodesic::server::test;
 
 namespace {
+
+// A storage that has every mesh, and starts no threads. It calls what it is given: when it is asked
+// for a mesh, and when it is checked.
+class CallingStorage final : public ObjectStorage {
+ public:
+  CallingStorage(std::function<void()> found, std::function<void()> checked)
+      : found_(std::move(found)), checked_(std::move(checked)) {}
+  [[nodiscard]] std::string name() const override { return "calls"; }
+  [[nodiscard]] bool is_shared() const override { return true; }
+  [[nodiscard]] Result<std::vector<StoredMesh>> list(std::string_view /*after*/,
+                                                     std::size_t /*most*/) override {
+    return std::vector<StoredMesh>();
+  }
+  [[nodiscard]] Result<std::optional<StoredMesh>> find(std::string_view id) override {
+    found_();
+    return StoredMesh{std::string(id), 1, 0, "1"};
+  }
+  [[nodiscard]] Result<std::optional<std::string>> metadata_version(
+      std::string_view /*id*/) override {
+    return std::string("1");
+  }
+  [[nodiscard]] Result<std::string> write(ObjectKind /*kind*/, std::string_view /*id*/,
+                                          std::string_view /*bytes*/) override {
+    return std::string("1");
+  }
+  [[nodiscard]] Result<std::optional<StoredObject>> read(
+      ObjectKind /*kind*/, std::string_view /*id*/, std::uint64_t /*expected_bytes*/) override {
+    return StoredObject{"{}", "1"};
+  }
+  [[nodiscard]] Result<void> erase(std::string_view /*id*/) override { return {}; }
+  [[nodiscard]] Result<void> quarantine(std::string_view /*id*/,
+                                        std::string_view /*damaged*/) override {
+    return {};
+  }
+  [[nodiscard]] Result<void> erase_job(std::string_view /*id*/,
+                                       std::span<const ObjectKind> /*kinds*/) override {
+    return {};
+  }
+  [[nodiscard]] Result<void> erase_old_jobs(std::chrono::seconds /*age*/) override { return {}; }
+  void note_use(std::string_view /*id*/) override {}
+  [[nodiscard]] Result<void> check() override {
+    checked_();
+    return {};
+  }
+
+ private:
+  const std::function<void()> found_;
+  const std::function<void()> checked_;
+};
+
+std::unique_ptr<MeshStore> calling_store(std::function<void()> found,
+                                         std::function<void()> checked) {
+  auto store =
+      MeshStore::open(std::make_unique<CallingStorage>(std::move(found), std::move(checked)), {});
+  REQUIRE(store);
+  return std::move(*store);
+}
+
+// While it lives, no thread of this process can be started: there is no room for its stack.
+class NoMoreThreads {
+ public:
+  NoMoreThreads() {
+    pthread_attr_t vast{};
+    REQUIRE(::pthread_getattr_default_np(&before_) == 0);
+    REQUIRE(::pthread_getattr_default_np(&vast) == 0);
+    REQUIRE(::pthread_attr_setstacksize(&vast, std::size_t{1} << 60) == 0);
+    REQUIRE(::pthread_setattr_default_np(&vast) == 0);
+    ::pthread_attr_destroy(&vast);
+  }
+  ~NoMoreThreads() {
+    ::pthread_setattr_default_np(&before_);
+    ::pthread_attr_destroy(&before_);
+  }
+  NoMoreThreads(const NoMoreThreads&) = delete;
+  NoMoreThreads& operator=(const NoMoreThreads&) = delete;
+
+ private:
+  pthread_attr_t before_{};
+};
 
 enum class Deed : std::uint8_t { add, read, remove };
 enum class Found : std::uint8_t { nothing, whole, damaged, source_only };
@@ -478,6 +569,63 @@ TEST_CASE(
   s3.follow(script);
   REQUIRE(three->list("", 60));
   CHECK_FALSE(three->contains(id));
+}
+
+TEST_CASE("where no thread can be started, one confirms all that is used") {
+  std::atomic<int> asked = 0;
+  const auto store = calling_store([&] { ++asked; }, [] {});
+  constexpr int kMeshes = 20;
+  for (int i = 0; i < kMeshes; ++i) {
+    const std::string id = sha256_hex(std::to_string(i));
+    REQUIRE(store->is_stored(id) == true);
+    REQUIRE(store->use(id) == true);
+  }
+  asked = 0;
+  Result<void> confirmed;
+  {
+    const NoMoreThreads none;
+    REQUIRE_THROWS_AS(std::async(std::launch::async, [] {}), std::system_error);
+    confirmed = store->confirm_used(std::chrono::seconds(0));
+  }
+  CHECK(confirmed);
+  CHECK(asked == kMeshes);
+}
+
+TEST_CASE("a monitor goes on after a check for which there was no memory") {
+  std::atomic<int> checks = 0;
+  // The first is that of the start.
+  const auto store = calling_store([] {},
+                                   [&] {
+                                     if (const int before = checks++; before > 0 && before < 3)
+                                       throw std::bad_alloc();
+                                   });
+  std::atomic<int> times = 0;
+  const StoreMonitor monitor(*store, std::chrono::milliseconds(1), [&] {
+    if (++times == 1) throw std::bad_alloc();
+  });
+  geodesic::fixtures::wait_until([&] { return times >= 2; });
+  CHECK(checks >= 5);
+}
+
+TEST_CASE("of a job nothing is read that is larger than it may be: it is as if it were not there") {
+  FakeS3 s3;
+  const auto store = s3.open();
+  const std::string id(48, 'a');
+  const auto is_read = [&](ObjectKind kind, std::uint64_t most, std::size_t size) {
+    s3.put("jobs/" + name_of_job_object(kind, id), std::string(size, 'x'));
+    const auto object = store->storage().read(kind, id, most);
+    REQUIRE(object);
+    if (*object) CHECK((*object)->bytes.size() == size);
+    return object->has_value();
+  };
+  for (const ObjectKind kind : kJobObjects) {
+    for (const std::uint64_t most : {std::uint64_t{1000}, kMostJobBytes}) {
+      CAPTURE(most);
+      CHECK(is_read(kind, most, most));
+      CHECK_FALSE(is_read(kind, most, most + 1));
+      CHECK_FALSE(is_read(kind, most, 2 << 20));
+    }
+  }
 }
 
 TEST_CASE("a budget for a storage that others use is refused at the start") {
